@@ -1,0 +1,1 @@
+"""What is asked: strict YAML scenarios, their schema, and the draw that turns distributions into numbers."""

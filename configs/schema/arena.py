@@ -1,0 +1,79 @@
+"""The arena: floor, line, walls and obstacles, all in the world frame W (x, y on the floor, z up)."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, Strict
+
+from configs.schema.base import Point2, Section, Size3, Slug
+
+SurfaceName = Literal[
+    "white_board",
+    "light_grey_board",
+    "dark_grey_board",
+    "black_board",
+    "metal",
+    "wood",
+    "glass",
+    "paper",
+    "cardboard",
+    "plastic",
+]
+"""What a wall or obstacle is made of; decides its range reading and its look alike (`physics.surfaces`)."""
+
+
+class StraightPiece(Section):
+    kind: Literal["straight"]
+    start: Point2
+    end: Point2
+
+
+class ArcPiece(Section):
+    kind: Literal["arc"]
+    center: Point2
+    radius_m: float = Field(gt=0.02, le=5.0)
+    start_deg: float = Field(ge=-720, le=720)
+    """Direction from the centre to the first point, counter-clockwise from +x."""
+    end_deg: float = Field(ge=-720, le=720)
+
+
+LinePiece = Annotated[StraightPiece | ArcPiece, Field(discriminator="kind")]
+
+
+class Line(Section):
+    width_m: float = Field(default=0.015, ge=0.004, le=0.1)
+    reflectance: float = Field(default=0.05, ge=0, le=1)
+    """At the line sensor's infrared wavelength; 0 black, 1 white."""
+    pieces: Annotated[tuple[LinePiece, ...], Strict(False)] = ()
+
+
+class Floor(Section):
+    half_extent_m: float = Field(default=4.0, ge=0.5, le=50)
+    reflectance: float = Field(default=0.85, ge=0, le=1)
+
+
+class Wall(Section):
+    """A straight wall given by the face that the robot sees; the body lies to the right of start -> end."""
+
+    name: Slug
+    start: Point2
+    end: Point2
+    height_m: float = Field(default=0.15, ge=0.01, le=3)
+    thickness_m: float = Field(default=0.02, ge=0.001, le=0.5)
+    surface: SurfaceName = "white_board"
+
+
+class Obstacle(Section):
+    name: Slug
+    center: Point2
+    size: Size3 = (0.08, 0.08, 0.12)
+    yaw_deg: float = Field(default=0.0, ge=-360, le=360)
+    surface: SurfaceName = "cardboard"
+
+
+class ArenaConfig(Section):
+    name: Slug
+    description: str = ""
+    floor: Floor = Floor()
+    line: Line
+    walls: Annotated[tuple[Wall, ...], Strict(False)] = ()
+    obstacles: Annotated[tuple[Obstacle, ...], Strict(False)] = ()

@@ -1,0 +1,203 @@
+"""The robot: body, drive, motor, sensors and controller. R is the frame at the middle of the axle, x forward, y left."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from configs.schema.base import Section, Slug
+
+
+class Chassis(Section):
+    """A box centred on the axle that encloses the wheels, so that its footprint is the robot's."""
+
+    length_m: float = Field(ge=0.05, le=1)
+    width_m: float = Field(ge=0.05, le=1)
+    clearance_m: float = Field(ge=0.002, le=0.2)
+    """Underside of the chassis above the floor."""
+    base_height_m: float = Field(ge=0.01, le=0.5)
+    """Top of the base plate above the floor; the camera's height counts from here."""
+    mass_kg: float = Field(gt=0.05, le=20)
+    center_of_mass_x_m: float = Field(ge=-0.2, le=0.2)
+    center_of_mass_z_m: float = Field(ge=0.0, le=0.5)
+
+
+class Drive(Section):
+    track_m: float = Field(ge=0.03, le=1)
+    """Distance b between the two ground contact points (paper Eq. 2)."""
+    wheel_diameter_m: float = Field(ge=0.01, le=0.5)
+    wheel_width_m: float = Field(ge=0.002, le=0.1)
+    wheel_mass_kg: float = Field(gt=0, le=2)
+    wheel_friction: float = Field(ge=0, le=2)
+    """Coulomb coefficient between tyre and floor."""
+    caster_x_m: float = Field(ge=-0.5, le=0.5)
+    caster_radius_m: float = Field(ge=0.002, le=0.1)
+    caster_friction: float = Field(ge=0, le=2)
+
+
+class Motor(Section):
+    """Paper Eq. 15-21 with the inductance neglected; all parameters at the wheel shaft."""
+
+    winding_resistance_ohm: float = Field(gt=0, le=1000)
+    torque_constant_N_m_A: float = Field(gt=0, le=100)
+    """Also the back-EMF constant in V s/rad."""
+    viscous_friction_N_m_s_rad: float = Field(ge=0, le=10)
+    coulomb_friction_N_m: float = Field(ge=0, le=10)
+    rotor_inertia_kg_m2: float = Field(ge=0, le=1)
+    """Rotor and gearbox, reflected to the wheel shaft."""
+
+
+class Power(Section):
+    battery_voltage_V: float = Field(gt=0, le=60)
+    motor_voltage_limit_V: float = Field(gt=0, le=60)
+    """The H-bridge never applies more, whatever the battery holds."""
+
+
+class Encoder(Section):
+    counts_per_revolution: int = Field(ge=4, le=1_000_000)
+
+
+class WheelLoop(Section):
+    """Wheel-speed controller on the encoders, one per wheel: feed-forward plus PI on the speed error."""
+
+    speed_filter_s: float = Field(ge=0, le=1)
+    feedforward_V_s_rad: float = Field(ge=0, le=10)
+    feedforward_static_V: float = Field(ge=0, le=10)
+    proportional_V_s_rad: float = Field(ge=0, le=10)
+    integral_V_rad: float = Field(ge=0, le=100)
+
+
+class LineSensor(Section):
+    """QTR-8A: a row of reflectance channels across the robot, L0 at the robot's right end, L7 at its left."""
+
+    x_m: float = Field(ge=-0.5, le=0.5)
+    height_m: float = Field(ge=0.0005, le=0.05)
+    channels: Literal[8] = 8
+    pitch_m: float = Field(ge=0.001, le=0.05)
+    spot_diameter_at_floor_m: float = Field(ge=0, le=0.05)
+    """Spot of one channel at zero height."""
+    spot_growth: float = Field(ge=0, le=5)
+    """Growth of the spot's diameter per metre of height [m/m]."""
+    gain_sd: float = Field(ge=0, le=0.5)
+    """Spread of the channels' gains, drawn once per run."""
+    offset_sd: float = Field(ge=0, le=0.5)
+    noise_sd: float = Field(ge=0, le=0.5)
+    adc_bits: int = Field(ge=1, le=16)
+    threshold: float = Field(gt=0, lt=1)
+    """A channel reading below this is on the line."""
+    dropout_probability: float = Field(ge=0, le=1)
+
+
+class TofMount(Section):
+    x_m: float = Field(ge=-0.5, le=0.5)
+    y_m: float = Field(ge=-0.5, le=0.5)
+    z_m: float = Field(ge=0.005, le=1)
+    yaw_deg: float = Field(ge=-180, le=180)
+    pitch_up_deg: float = Field(default=0.0, ge=-45, le=45)
+
+
+class TofMounts(Section):
+    front: TofMount
+    left: TofMount
+    right: TofMount
+
+
+class TofSensor(Section):
+    """VL53L0X: rays over a cone, weighted mean, then error and noise (paper section 5.2, Eq. 23-24)."""
+
+    mounts: TofMounts
+    rays: int = Field(ge=1, le=1000)
+    field_of_view_deg: float = Field(gt=0, le=90)
+    beam_sigma_deg: float = Field(gt=0, le=90)
+    """Standard deviation of the Gaussian beam profile that weighs the rays."""
+    signal_threshold: float = Field(ge=0, le=1)
+    """Weighted share of the light returned, relative to a wall met head-on, below which there is no target."""
+    period_s: float = Field(gt=0, le=1)
+    delay_s: float = Field(ge=0, le=1)
+    min_range_m: float = Field(ge=0, le=1)
+    max_range_m: float = Field(gt=0, le=10)
+    no_target_m: float = Field(ge=0, le=10)
+    """What data.csv holds where the device says "no target"."""
+    error_scale: float = Field(ge=-2, le=2)
+    """Factor on Eq. 24 in the form 59.77 mm ln(x / 0.18 m)."""
+    noise_scale: float = Field(ge=0, le=10)
+    quantisation_m: float = Field(ge=0, le=0.1)
+    dropout_probability: float = Field(ge=0, le=1)
+
+
+class Camera(Section):
+    """Pinhole, looking forward and down; z counts from the base plate (paper section 8.1)."""
+
+    x_m: float = Field(ge=-0.5, le=0.5)
+    y_m: float = Field(ge=-0.5, le=0.5)
+    height_above_base_m: float = Field(ge=0, le=1)
+    pitch_down_deg: float = Field(ge=-10, le=90)
+    """Optical axis below the horizon: 90 minus the paper's 60 degrees from straight down."""
+    focal_length_mm: float = Field(ge=1, le=500)
+    sensor_width_mm: float = Field(ge=1, le=100)
+
+
+class FollowGains(Section):
+    """v = K1 - K3 |e|, w = K2 e (paper Eq. 6-7), with e in units of the line sensor's weights."""
+
+    k1_m_s: float = Field(gt=0, le=2)
+    k2_rad_s: float = Field(ge=0, le=20)
+    k3_m_s: float = Field(ge=0, le=2)
+
+
+class WallFollowing(Section):
+    gains: FollowGains
+    target_distance_m: float = Field(gt=0, le=1)
+    """Perpendicular distance of the sensor from the wall (paper Eq. 14)."""
+    error_scale_per_m: float = Field(gt=0, le=1000)
+    """Brings the wall error to the line error's range, where it saturates at +-3.5."""
+    lost_beyond_m: float = Field(gt=0, le=2)
+
+
+class Corner(Section):
+    front_below_m: float = Field(gt=0, le=2)
+    turn_rate_rad_s: float = Field(gt=0, le=20)
+    front_clear_m: float = Field(gt=0, le=2)
+
+
+class Avoidance(Section):
+    """A pre-computed path beside the obstacle: out, along, back (paper section 4.3, Fig. 7a)."""
+
+    front_below_m: float = Field(gt=0, le=2)
+    free_side_beyond_m: float = Field(gt=0, le=2)
+    out_length_m: float = Field(gt=0, le=2)
+    along_length_m: float = Field(ge=0, le=2)
+    back_length_m: float = Field(gt=0, le=2)
+    side_m: float = Field(gt=0, le=1)
+    points: int = Field(ge=10, le=100_000)
+    speed_m_s: float = Field(gt=0, le=2)
+    look_ahead_m: float = Field(gt=0, le=0.5)
+    behind_beyond_m: float = Field(gt=0, le=2)
+    """The obstacle is behind once the side sensor that faced it reads more than this."""
+
+
+class Lost(Section):
+    speed_m_s: float = Field(ge=0, le=2)
+    turn_rate_rad_s: float = Field(ge=0, le=20)
+
+
+class Controller(Section):
+    line: FollowGains
+    wall: WallFollowing
+    corner: Corner
+    avoidance: Avoidance
+    lost: Lost
+
+
+class RobotConfig(Section):
+    name: Slug
+    description: str = ""
+    chassis: Chassis
+    drive: Drive
+    motor: Motor
+    power: Power
+    encoder: Encoder
+    wheel_loop: WheelLoop
+    line_sensor: LineSensor
+    tof: TofSensor
+    camera: Camera
+    controller: Controller

@@ -1,0 +1,92 @@
+"""A scenario with every name resolved, and the run specification: the same with one route and numbers only."""
+
+from typing import Annotated
+
+from pydantic import Field, Strict, model_validator
+
+from configs.schema.arena import ArenaConfig
+from configs.schema.base import Section, Slug
+from configs.schema.look import LookConfig
+from configs.schema.robot import RobotConfig
+
+
+class StartPose(Section):
+    x_m: float = Field(ge=-50, le=50)
+    y_m: float = Field(ge=-50, le=50)
+    yaw_deg: float = Field(ge=-360, le=360)
+
+
+class Route(Section):
+    name: Slug
+    start: StartPose
+    runs: int = Field(default=1, ge=1, le=100_000)
+
+
+class Stop(Section):
+    """When a run ends. A lap that is not finished within the time limit is an error of the run."""
+
+    lap: bool = True
+    time_limit_s: float = Field(default=90.0, ge=0.1, le=36_000)
+
+
+class Rates(Section):
+    """Each slower rate must be a whole number of periods of the next faster one."""
+
+    physics_hz: int = Field(default=1000, ge=50, le=100_000)
+    wheel_loop_hz: int = Field(default=100, ge=1, le=100_000)
+    control_hz: int = Field(default=20, ge=1, le=1000)
+    """Also the rate of the rows of data.csv."""
+    camera_hz: int = Field(default=5, ge=1, le=1000)
+
+    @model_validator(mode="after")
+    def _whole_multiples(self) -> "Rates":
+        chain = [("physics_hz", self.physics_hz), ("wheel_loop_hz", self.wheel_loop_hz)]
+        chain += [("control_hz", self.control_hz), ("camera_hz", self.camera_hz)]
+        for (fast_name, fast), (slow_name, slow) in zip(chain, chain[1:], strict=False):
+            if fast % slow:
+                raise ValueError(f"{fast_name} {fast} is no whole multiple of {slow_name} {slow}")
+        return self
+
+
+class Render(Section):
+    width_px: int = Field(default=640, ge=16, le=8192)
+    height_px: int = Field(default=480, ge=16, le=8192)
+    samples: int = Field(default=8, ge=1, le=65_536)
+    denoise: bool = True
+    jpeg_quality: int = Field(default=92, ge=1, le=100)
+
+
+class Scenario(Section):
+    name: Slug
+    description: str = ""
+    seed: int = Field(default=1, ge=0, le=2**63 - 1)
+    licence: str = "CC-BY-4.0"
+    routes: Annotated[tuple[Route, ...], Strict(False), Field(min_length=1)]
+    stop: Stop = Stop()
+    rates: Rates = Rates()
+    render: Render = Render()
+    arena: ArenaConfig
+    robot: RobotConfig
+    look: LookConfig
+
+
+class RunSpec(Section):
+    """Everything one run needs; `spec.json`. Numbers only, each drawn value listed in `drawn` by its field path."""
+
+    scenario: Slug
+    seed: int
+    route: Slug
+    run: int = Field(ge=1)
+    start: StartPose
+    stop: Stop
+    rates: Rates
+    render: Render
+    arena: ArenaConfig
+    robot: RobotConfig
+    look: LookConfig
+    drawn: dict[str, float | int | str]
+
+    @property
+    def key(self) -> str:
+        """Folder of the run in a dataset, for example `CW/test_1`."""
+        return f"{self.route}/test_{self.run}"

@@ -1,0 +1,1 @@
+"""Why simulation and measurement differ: identification of model parameters from measured data."""

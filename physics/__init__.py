@@ -1,0 +1,1 @@
+"""What happens: arena geometry, motor and body dynamics, the controller, trajectories."""

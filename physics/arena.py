@@ -1,0 +1,170 @@
+"""The one definition of the arena's geometry: line sensor, collision bodies and meshes are all made from it.
+
+Everything is in the world frame W: x and y on the floor, z up, metres and radians.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from configs.schema.arena import ArcPiece, ArenaConfig, Obstacle, StraightPiece, SurfaceName, Wall
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Straight:
+    start: tuple[float, float]
+    end: tuple[float, float]
+
+    @property
+    def length_m(self) -> float:
+        return float(np.hypot(self.end[0] - self.start[0], self.end[1] - self.start[1]))
+
+    def local(self, points: Array) -> tuple[Array, Array]:
+        """Arc length along the piece and offset to its left, (N,) each, for points (N, 2)."""
+        tangent = (np.subtract(self.end, self.start)) / self.length_m
+        delta = points - np.asarray(self.start)
+        return delta @ tangent, tangent[0] * delta[:, 1] - tangent[1] * delta[:, 0]
+
+    def at(self, s: Array, offset: Array | float = 0.0) -> Array:
+        """Points (N, 2) at arc lengths `s`, moved `offset` to the left of the direction of travel."""
+        tangent = np.subtract(self.end, self.start) / self.length_m
+        normal = np.array([-tangent[1], tangent[0]])
+        return np.asarray(self.start) + np.outer(s, tangent) + np.multiply.outer(np.broadcast_to(offset, s.shape), normal)
+
+
+@dataclass(frozen=True)
+class Arc:
+    center: tuple[float, float]
+    radius_m: float
+    start_rad: float
+    end_rad: float
+    """Counter-clockwise where it is larger than `start_rad`, clockwise where smaller."""
+
+    @property
+    def length_m(self) -> float:
+        return self.radius_m * abs(self.end_rad - self.start_rad)
+
+    @property
+    def turn(self) -> float:
+        """+1 counter-clockwise, -1 clockwise."""
+        return 1.0 if self.end_rad > self.start_rad else -1.0
+
+    def local(self, points: Array) -> tuple[Array, Array]:
+        """Arc length along the piece and offset to its left, (N,) each, for points (N, 2)."""
+        delta = points - np.asarray(self.center)
+        angle = np.arctan2(delta[:, 1], delta[:, 0])
+        middle = 0.5 * (self.start_rad + self.end_rad)
+        from_middle = (angle - middle + np.pi) % (2 * np.pi) - np.pi
+        s = self.radius_m * (self.turn * from_middle) + 0.5 * self.length_m
+        return s, self.turn * (self.radius_m - np.hypot(delta[:, 0], delta[:, 1]))
+
+    def at(self, s: Array, offset: Array | float = 0.0) -> Array:
+        """Points (N, 2) at arc lengths `s`, moved `offset` to the left of the direction of travel."""
+        angle = self.start_rad + self.turn * s / self.radius_m
+        radius = self.radius_m - self.turn * np.broadcast_to(offset, s.shape)
+        return np.asarray(self.center) + radius[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+
+@dataclass(frozen=True)
+class Line:
+    """Tape of constant width along pieces with butt ends."""
+
+    pieces: tuple[Straight | Arc, ...]
+    width_m: float
+    reflectance: float
+
+    @property
+    def length_m(self) -> float:
+        return sum(piece.length_m for piece in self.pieces)
+
+    def covers(self, points: Array) -> NDArray[np.bool_]:
+        """Whether each of the floor points (N, 2) lies on the tape, (N,)."""
+        covered = np.zeros(len(points), dtype=bool)
+        for piece in self.pieces:
+            s, offset = piece.local(points)
+            covered |= (s >= 0) & (s <= piece.length_m) & (np.abs(offset) <= 0.5 * self.width_m)
+        return covered
+
+    def edges(self, spacing_m: float = 0.01) -> list[tuple[Array, Array]]:
+        """Left and right edge of each piece, (N, 2) each, straight pieces by their ends alone."""
+        edges = []
+        for piece in self.pieces:
+            count = 2 if isinstance(piece, Straight) else max(2, int(np.ceil(piece.length_m / spacing_m)) + 1)
+            s = np.linspace(0.0, piece.length_m, count)
+            edges.append((piece.at(s, 0.5 * self.width_m), piece.at(s, -0.5 * self.width_m)))
+        return edges
+
+
+@dataclass(frozen=True)
+class Box:
+    """A wall or an obstacle that stands on the floor."""
+
+    name: str
+    kind: Literal["wall", "obstacle"]
+    center: tuple[float, float, float]
+    size: tuple[float, float, float]
+    """Along its own x, y, z [m]."""
+    yaw_rad: float
+    surface: SurfaceName
+
+    def footprint(self) -> Array:
+        """Corners (4, 2) counter-clockwise."""
+        half = 0.5 * np.array(self.size[:2])
+        corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half
+        c, s = np.cos(self.yaw_rad), np.sin(self.yaw_rad)
+        return corners @ np.array([[c, s], [-s, c]]) + np.array(self.center[:2])
+
+
+@dataclass(frozen=True)
+class Arena:
+    name: str
+    floor_half_extent_m: float
+    floor_reflectance: float
+    line: Line
+    boxes: tuple[Box, ...]
+
+    @classmethod
+    def from_config(cls, config: ArenaConfig) -> "Arena":
+        return cls(
+            name=config.name,
+            floor_half_extent_m=config.floor.half_extent_m,
+            floor_reflectance=config.floor.reflectance,
+            line=Line(tuple(_piece(p) for p in config.line.pieces), config.line.width_m, config.line.reflectance),
+            boxes=tuple(_wall(w) for w in config.walls) + tuple(_obstacle(o) for o in config.obstacles),
+        )
+
+
+def _piece(config: StraightPiece | ArcPiece) -> Straight | Arc:
+    if isinstance(config, StraightPiece):
+        return Straight(config.start, config.end)
+    return Arc(config.center, config.radius_m, float(np.radians(config.start_deg)), float(np.radians(config.end_deg)))
+
+
+def _wall(wall: Wall) -> Box:
+    along = np.subtract(wall.end, wall.start)
+    length = float(np.hypot(*along))
+    to_the_right = np.array([along[1], -along[0]]) / length
+    center = 0.5 * np.add(wall.start, wall.end) + 0.5 * wall.thickness_m * to_the_right
+    return Box(
+        name=wall.name,
+        kind="wall",
+        center=(float(center[0]), float(center[1]), 0.5 * wall.height_m),
+        size=(length, wall.thickness_m, wall.height_m),
+        yaw_rad=float(np.arctan2(along[1], along[0])),
+        surface=wall.surface,
+    )
+
+
+def _obstacle(obstacle: Obstacle) -> Box:
+    return Box(
+        name=obstacle.name,
+        kind="obstacle",
+        center=(*obstacle.center, 0.5 * obstacle.size[2]),
+        size=obstacle.size,
+        yaw_rad=float(np.radians(obstacle.yaw_deg)),
+        surface=obstacle.surface,
+    )

@@ -1,0 +1,1 @@
+"""The PyBullet engine; the only place that imports pybullet."""

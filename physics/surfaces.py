@@ -1,0 +1,32 @@
+"""What each surface does to a range reading, at 100 mm (paper Tables 3 and 4).
+
+One name serves the range sensor and the picture: `blender_scenes.materials` has a member for every key here.
+"""
+
+from dataclasses import dataclass
+
+from configs.schema.arena import SurfaceName
+
+
+@dataclass(frozen=True)
+class RangeSurface:
+    mean_at_100_mm_mm: float
+    sd_at_100_mm_mm: float
+
+    @property
+    def offset_m(self) -> float:
+        return 1e-3 * (self.mean_at_100_mm_mm - 100.0)
+
+
+SURFACES: dict[SurfaceName, RangeSurface] = {
+    "white_board": RangeSurface(100.25, 0.84),
+    "light_grey_board": RangeSurface(100.21, 0.82),
+    "dark_grey_board": RangeSurface(101.24, 0.79),
+    "black_board": RangeSurface(95.63, 0.80),
+    "metal": RangeSurface(89.06, 1.28),
+    "wood": RangeSurface(99.88, 1.42),
+    "glass": RangeSurface(96.58, 1.77),
+    "paper": RangeSurface(101.42, 1.45),
+    "cardboard": RangeSurface(101.42, 1.45),  # the paper measured none; brown paper board is read as paper
+    "plastic": RangeSurface(99.7, 1.31),
+}

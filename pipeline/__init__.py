@@ -1,0 +1,1 @@
+"""The batch: command line, plan, stages, dataset."""

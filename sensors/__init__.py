@@ -1,0 +1,1 @@
+"""What is read: line sensor, time-of-flight sensors, encoders, odometry."""
