@@ -1,6 +1,7 @@
 """What a run leaves behind: the trajectory at the control rate, and the named time series of the sensors."""
 
 from dataclasses import dataclass
+from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,3 +49,44 @@ class Trajectory:
                 raise ValueError(f"trajectory {name}: shape {array.shape}, expected {shape}")
         for array in (self.t_s, self.pose, self.twist, self.state):
             array.flags.writeable = False
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A run: its trajectory and the series of its sensors and drive, at the same times."""
+
+    trajectory: Trajectory
+    series: tuple[TimeSeries, ...]
+
+    def __getitem__(self, name: str) -> TimeSeries:
+        for series in self.series:
+            if series.name == name:
+                return series
+        raise KeyError(f"no series {name!r}; there are {', '.join(s.name for s in self.series)}")
+
+    def save(self, file: BinaryIO) -> None:
+        """Write as npz; the same recording gives the same arrays, the archive's time stamps are fixed by numpy."""
+        trajectory = self.trajectory
+        arrays: dict[str, NDArray[np.float64] | NDArray[np.int64]] = {
+            "t_s": trajectory.t_s,
+            "pose": trajectory.pose,
+            "twist": trajectory.twist,
+            "state": trajectory.state,
+        }
+        for series in self.series:
+            arrays[f"series/{series.name}/{series.unit}/t_s"] = series.t_s
+            arrays[f"series/{series.name}/{series.unit}/values"] = series.values
+        np.savez_compressed(file, **arrays)  # pyright: ignore[reportArgumentType]
+
+    @classmethod
+    def load(cls, file: BinaryIO) -> "Recording":
+        """Read what `save` wrote."""
+        with np.load(file, allow_pickle=False) as archive:
+            arrays = {name: archive[name] for name in archive.files}
+        trajectory = Trajectory(arrays["t_s"], arrays["pose"], arrays["twist"], arrays["state"])
+        keys = [name.removesuffix("/t_s") for name in arrays if name.startswith("series/") and name.endswith("/t_s")]
+        series = []
+        for key in keys:
+            _, name, unit = key.split("/", 2)
+            series.append(TimeSeries(name, unit, arrays[f"{key}/t_s"], arrays[f"{key}/values"]))
+        return cls(trajectory, tuple(series))

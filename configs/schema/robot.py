@@ -54,6 +54,11 @@ class Power(Section):
 
 class Encoder(Section):
     counts_per_revolution: int = Field(ge=4, le=1_000_000)
+    period_s: float = Field(gt=0, le=1)
+    """Between two readings by the controller; the wheel loop reads at its own rate."""
+    delay_s: float = Field(ge=0, le=1)
+    dropout_probability: float = Field(ge=0, le=1)
+    """Of a reading that fails, so that the controller keeps the one before."""
 
 
 class WheelLoop(Section):
@@ -77,6 +82,8 @@ class LineSensor(Section):
     """Spot of one channel at zero height."""
     spot_growth: float = Field(ge=0, le=5)
     """Growth of the spot's diameter per metre of height [m/m]."""
+    period_s: float = Field(gt=0, le=1)
+    delay_s: float = Field(ge=0, le=1)
     gain_sd: float = Field(ge=0, le=0.5)
     """Spread of the channels' gains, drawn once per run."""
     offset_sd: float = Field(ge=0, le=0.5)
@@ -165,7 +172,7 @@ class Avoidance(Section):
     front_below_m: float = Field(gt=0, le=2)
     free_side_beyond_m: float = Field(gt=0, le=2)
     out_length_m: float = Field(gt=0, le=2)
-    along_length_m: float = Field(ge=0, le=2)
+    along_length_m: float = Field(gt=0, le=2)
     back_length_m: float = Field(gt=0, le=2)
     side_m: float = Field(gt=0, le=1)
     points: int = Field(ge=10, le=100_000)

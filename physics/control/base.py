@@ -1,0 +1,48 @@
+"""What the controller is told, what it answers, and the states it can be in."""
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Literal
+
+
+class State(IntEnum):
+    """Operational modes with the numbers of data.csv (paper section 8.2)."""
+
+    LINE = 0
+    RIGHT_WALL = 1
+    LEFT_WALL = 2
+    TURN_LEFT = 3
+    TURN_RIGHT = 4
+    AVOID_LEFT = 5
+    AVOID_RIGHT = 6
+    LOST_LEFT_WALL = 33
+    LOST_RIGHT_WALL = 44
+
+
+Side = Literal["left", "right"]
+
+
+@dataclass(frozen=True)
+class ControlInput:
+    """What the robot knows at one control tick."""
+
+    line: tuple[float, ...]
+    """Normalised reflectance L0...L7, right to left."""
+    front_m: float
+    left_m: float
+    right_m: float
+    """Ranges; the no-target value where there is none."""
+    odometry: tuple[float, float, float]
+    """x [m], y [m], yaw [rad] by the wheels, in the frame of the start."""
+
+    def side_m(self, side: Side) -> float:
+        return self.left_m if side == "left" else self.right_m
+
+
+@dataclass(frozen=True)
+class Command:
+    """What the robot wants to do until the next tick."""
+
+    v_m_s: float
+    w_rad_s: float
+    state: State

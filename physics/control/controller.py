@@ -1,0 +1,166 @@
+"""The state machine: which behaviour drives the robot, and when it hands over to another.
+
+`TRANSITIONS` is the whole table; the first row whose condition holds is taken, one per tick.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from configs.schema.robot import Controller
+from physics.control.avoidance import AvoidancePath, PathFollower, straight_path
+from physics.control.base import Command, ControlInput, Side, State
+from physics.control.following import follow, line_error, wall_error
+
+
+@dataclass(frozen=True)
+class View:
+    """What the conditions of the table look at: the input, the settings, and what is remembered."""
+
+    seen: ControlInput
+    config: Controller
+    line_error: float | None
+    follower: PathFollower | None
+    return_state: State
+
+    def on_line(self) -> bool:
+        return self.line_error is not None
+
+    def wall_in_reach(self, side: Side) -> bool:
+        return self.seen.side_m(side) < self.config.wall.lost_beyond_m
+
+    def obstacle_ahead(self, free_side: Side) -> bool:
+        avoid = self.config.avoidance
+        return self.seen.front_m < avoid.front_below_m and self.seen.side_m(free_side) >= avoid.free_side_beyond_m
+
+    def corner_ahead(self) -> bool:
+        return self.seen.front_m < self.config.corner.front_below_m
+
+    def corner_turned(self, wall_side: Side) -> bool:
+        return self.seen.front_m > self.config.corner.front_clear_m and self.wall_in_reach(wall_side)
+
+    def avoided_back_on_line(self) -> bool:
+        return self.on_line() and self.follower is not None and self.follower.on_the_way_back
+
+    def avoided(self, into: State) -> bool:
+        return self.follower is not None and self.follower.finished and self.return_state is into
+
+
+class Transition(NamedTuple):
+    """From one of `states` to `to` where `when` holds."""
+
+    states: frozenset[State]
+    when: Callable[[View], bool]
+    to: State
+
+
+def _from(*states: State) -> frozenset[State]:
+    return frozenset(states)
+
+
+_RIGHT = _from(State.RIGHT_WALL)
+_LEFT = _from(State.LEFT_WALL)
+_WALLS = _RIGHT | _LEFT
+_LOST = _from(State.LOST_LEFT_WALL, State.LOST_RIGHT_WALL)
+_LINE = _from(State.LINE)
+_AVOIDING = _from(State.AVOID_LEFT, State.AVOID_RIGHT)
+
+TRANSITIONS: tuple[Transition, ...] = (
+    # An obstacle is passed on the side that is free; on a line the left is tried first.
+    Transition(_LINE | _RIGHT, lambda v: v.obstacle_ahead("left"), State.AVOID_LEFT),
+    Transition(_LINE | _LEFT, lambda v: v.obstacle_ahead("right"), State.AVOID_RIGHT),
+    Transition(_RIGHT, lambda v: v.corner_ahead(), State.TURN_LEFT),
+    Transition(_LEFT, lambda v: v.corner_ahead(), State.TURN_RIGHT),
+    Transition(_from(State.TURN_LEFT), lambda v: v.corner_turned("right"), State.RIGHT_WALL),
+    Transition(_from(State.TURN_RIGHT), lambda v: v.corner_turned("left"), State.LEFT_WALL),
+    # The way back from an obstacle ends on the line, or where it began.
+    Transition(_AVOIDING, lambda v: v.avoided_back_on_line(), State.LINE),
+    Transition(_AVOIDING, lambda v: v.avoided(State.LINE), State.LINE),
+    Transition(_AVOIDING, lambda v: v.avoided(State.RIGHT_WALL), State.RIGHT_WALL),
+    Transition(_AVOIDING, lambda v: v.avoided(State.LEFT_WALL), State.LEFT_WALL),
+    Transition(_WALLS | _LOST, lambda v: v.on_line(), State.LINE),
+    # The line has ended: a wall takes over.
+    Transition(_LINE, lambda v: not v.on_line() and v.wall_in_reach("right"), State.RIGHT_WALL),
+    Transition(_LINE, lambda v: not v.on_line() and v.wall_in_reach("left"), State.LEFT_WALL),
+    # The wall has ended: the one on the other side takes over, or the robot looks for the old one.
+    Transition(_RIGHT, lambda v: not v.wall_in_reach("right") and v.wall_in_reach("left"), State.LEFT_WALL),
+    Transition(_LEFT, lambda v: not v.wall_in_reach("left") and v.wall_in_reach("right"), State.RIGHT_WALL),
+    Transition(_RIGHT, lambda v: not v.wall_in_reach("right"), State.LOST_RIGHT_WALL),
+    Transition(_LEFT, lambda v: not v.wall_in_reach("left"), State.LOST_LEFT_WALL),
+    Transition(_LOST, lambda v: v.wall_in_reach("right"), State.RIGHT_WALL),
+    Transition(_LOST, lambda v: v.wall_in_reach("left"), State.LEFT_WALL),
+)
+
+
+class RobotController:
+    """One robot's controller; call `step` once a control tick."""
+
+    def __init__(self, config: Controller, line_threshold: float) -> None:
+        self._config = config
+        self._line_threshold = line_threshold
+        self._paths: dict[State, AvoidancePath] = {
+            State.AVOID_LEFT: straight_path(config.avoidance, "left"),
+            State.AVOID_RIGHT: straight_path(config.avoidance, "right"),
+        }
+        self._state = State.LINE
+        self._return_state = State.LINE
+        self._follower: PathFollower | None = None
+        self._last_line_error = 0.0
+        self.line_lost_count = 0
+        """Ticks in the line state without any channel on the line."""
+
+    @property
+    def state(self) -> State:
+        return self._state
+
+    def step(self, seen: ControlInput) -> Command:
+        """Choose the state for this tick, then drive by it."""
+        error = line_error(seen.line, self._line_threshold)
+        view = View(seen, self._config, error, self._follower, self._return_state)
+        for row in TRANSITIONS:
+            if self._state in row.states and row.when(view):
+                self._enter(row.to, seen)
+                break
+        if error is not None:
+            self._last_line_error = error
+        elif self._state is State.LINE:
+            self.line_lost_count += 1
+        v_m_s, w_rad_s = self._drive(seen)
+        return Command(v_m_s, w_rad_s, self._state)
+
+    def _enter(self, state: State, seen: ControlInput) -> None:
+        if state in self._paths:
+            self._return_state = self._state
+            self._follower = PathFollower(self._paths[state], seen.odometry, self._config.avoidance.look_ahead_m)
+        else:
+            self._follower = None
+        self._state = state
+
+    def _drive(self, seen: ControlInput) -> tuple[float, float]:
+        """Forward speed [m/s] and yaw rate [rad/s]."""
+        config = self._config
+        match self._state:
+            case State.LINE:
+                return follow(self._last_line_error, config.line)
+            case State.RIGHT_WALL:
+                return follow(wall_error(seen.right_m, config.wall), config.wall.gains)
+            case State.LEFT_WALL:
+                return follow(-wall_error(seen.left_m, config.wall), config.wall.gains)
+            case State.TURN_LEFT:
+                return 0.0, config.corner.turn_rate_rad_s
+            case State.TURN_RIGHT:
+                return 0.0, -config.corner.turn_rate_rad_s
+            case State.LOST_LEFT_WALL:
+                return config.lost.speed_m_s, config.lost.turn_rate_rad_s
+            case State.LOST_RIGHT_WALL:
+                return config.lost.speed_m_s, -config.lost.turn_rate_rad_s
+            case State.AVOID_LEFT | State.AVOID_RIGHT:
+                return self._drive_path(seen)
+
+    def _drive_path(self, seen: ControlInput) -> tuple[float, float]:
+        if self._follower is None:
+            raise RuntimeError("avoiding without a path")
+        obstacle_side: Side = "right" if self._state is State.AVOID_LEFT else "left"
+        beside = seen.side_m(obstacle_side) < self._config.avoidance.behind_beyond_m
+        speed = self._config.avoidance.speed_m_s
+        return speed, speed * self._follower.step(seen.odometry, obstacle_beside=beside)

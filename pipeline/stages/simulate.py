@@ -1,0 +1,154 @@
+"""The closed loop: PyBullet moves the robot, the sensors read, the controller commands, at the control rate."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from configs.streams import stream
+from numpy.typing import NDArray
+from physics.bullet.simulation import BulletSimulation
+
+from configs.schema.scenario import RunSpec
+from physics.arena import Arena
+from physics.control.base import Command, ControlInput, State
+from physics.control.controller import RobotController
+from physics.lap import Lap
+from physics.trajectory import Recording, TimeSeries, Trajectory
+from sensors.fit_out import fit_out
+from sensors.odometry import Odometry
+from sensors.suite import Reading, SensorSuite
+
+Progress = Callable[[float, float], None]
+"""Called with the simulated time and the time limit [s]."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A run as it went; `problems` is empty when it may be released."""
+
+    recording: Recording
+    finished: bool
+    problems: tuple[str, ...]
+    lap_time_s: float | None
+
+
+def simulate(spec: RunSpec, progress: Progress | None = None) -> Outcome:
+    """Drive one run to its end: the lap closed, the time limit, or a collision."""
+    arena = Arena.from_config(spec.arena)
+    start = (spec.start.x_m, spec.start.y_m, math.radians(spec.start.yaw_deg))
+    with BulletSimulation(spec.robot, arena, start, spec.rates) as world:
+        return _Run(spec, arena, start, world).drive(progress)
+
+
+@dataclass
+class _Rows:
+    """What is recorded at each control tick, by series name; columns of one row are stacked at the end."""
+
+    units: dict[str, str] = field(default_factory=dict)
+    values: dict[str, list[NDArray[np.float64] | NDArray[np.int64]]] = field(default_factory=dict)
+
+    def add(self, name: str, unit: str, value: object) -> None:
+        self.units[name] = unit
+        self.values.setdefault(name, []).append(np.asarray(value))
+
+    def stacked(self, name: str) -> NDArray[np.float64] | NDArray[np.int64]:
+        return np.stack(self.values[name])
+
+
+class _Run:
+    def __init__(self, spec: RunSpec, arena: Arena, start: tuple[float, float, float], world: BulletSimulation) -> None:
+        self._spec = spec
+        self._world = world
+        robot, rates = spec.robot, spec.rates
+        self._tick_steps = rates.physics_hz // rates.control_hz
+        self._ticks_per_image = rates.control_hz // rates.camera_hz
+        sensors = fit_out(
+            robot, arena, rates.physics_hz, lambda name: stream(spec.seed, spec.route, spec.run, "sensors", name)
+        )
+        self._suite = SensorSuite(sensors, self._tick_steps)
+        self._controller = RobotController(robot.controller, robot.line_sensor.threshold)
+        self._odometry = Odometry.from_config(robot)
+        self._believed = (0.0, 0.0, 0.0)
+        self._counts = np.zeros(2, dtype=np.int64)
+        self._lap = Lap(start)
+        self._rows = _Rows()
+
+    def drive(self, progress: Progress | None) -> Outcome:
+        spec = self._spec
+        limit_ticks = math.ceil(spec.stop.time_limit_s * spec.rates.control_hz)
+        problems: list[str] = []
+        lap_time_s = None
+        for tick in range(limit_ticks + 1):
+            self._tick(tick)
+            time_s = tick / spec.rates.control_hz
+            if touched := self._world.touching():
+                problems.append(f"touched {', '.join(touched)} at {time_s:.2f} s")
+                break
+            if self._lap.closed and lap_time_s is None:
+                lap_time_s = time_s
+                if spec.stop.lap:
+                    break
+            if progress is not None and tick % spec.rates.control_hz == 0:
+                progress(time_s, spec.stop.time_limit_s)
+        if spec.stop.lap and lap_time_s is None and not problems:
+            x, y, _ = self._world.pose()
+            problems.append(
+                f"lap not finished within {spec.stop.time_limit_s:g} s, last at x = {x:.2f}, y = {y:.2f} m"
+                f" in state {self._controller.state}"
+            )
+        return Outcome(self._recording(), not problems, tuple(problems), lap_time_s)
+
+    def _tick(self, tick: int) -> None:
+        readings = self._suite.read_at_tick(self._world, tick)
+        counts = readings["encoders"]
+        self._believed = self._odometry.step(self._believed, np.asarray(counts - self._counts, dtype=np.int64))
+        self._counts = np.asarray(counts, dtype=np.int64)
+        command = self._controller.step(self._controller_input(readings))
+        drive = self._spec.robot.drive
+        half_track_m, radius_m = 0.5 * drive.track_m, 0.5 * drive.wheel_diameter_m
+        right_m_s = command.v_m_s + command.w_rad_s * half_track_m
+        left_m_s = command.v_m_s - command.w_rad_s * half_track_m
+        self._world.set_wheel_speeds(right_m_s / radius_m, left_m_s / radius_m)
+        self._lap.update(self._world.pose(), on_track=command.state is State.LINE)
+        self._record(tick, readings, command)
+
+    def _controller_input(self, readings: dict[str, Reading]) -> ControlInput:
+        front_m, left_m, right_m = (float(range_m) for range_m in readings["tof"][:, 0])
+        line = tuple(float(reflectance) for reflectance in readings["line"])
+        return ControlInput(line, front_m, left_m, right_m, self._believed)
+
+    def _record(self, tick: int, readings: dict[str, Reading], command: Command) -> None:
+        rows, world = self._rows, self._world
+        rows.add("pose", "m, m, rad", world.pose())
+        rows.add("twist", "m/s, rad/s", world.twist())
+        rows.add("state", "1", int(command.state))
+        rows.add("tof_m", "m", readings["tof"][:, 0])
+        rows.add("tof_status", "1", readings["tof"][:, 1].astype(np.int64))
+        rows.add("line", "1", readings["line"])
+        rows.add("encoder_counts", "1", readings["encoders"])
+        rows.add("odometry", "m, m, rad", self._believed)
+        rows.add("wheel_speed_rad_s", "rad/s", world.wheel_speeds())
+        rows.add("voltage_V", "V", world.voltages())
+        rows.add("current_A", "A", world.currents())
+        rows.add("command", "m/s, rad/s", (command.v_m_s, command.w_rad_s))
+        image = 1 + tick // self._ticks_per_image if tick % self._ticks_per_image == 0 else 0
+        rows.add("image", "1", image)
+
+    def _recording(self) -> Recording:
+        rows = self._rows
+        count = len(rows.values["state"])
+        t_s = np.arange(count) / self._spec.rates.control_hz
+        trajectory = Trajectory(
+            t_s,
+            np.asarray(rows.stacked("pose"), dtype=np.float64),
+            np.asarray(rows.stacked("twist"), dtype=np.float64),
+            np.asarray(rows.stacked("state"), dtype=np.int64),
+        )
+        in_trajectory = {"pose", "twist", "state"}
+        series = [
+            TimeSeries(name, rows.units[name], t_s, rows.stacked(name))
+            for name in rows.values
+            if name not in in_trajectory
+        ]
+        return Recording(trajectory, tuple(series))
