@@ -1,0 +1,70 @@
+"""The three ways to fail that a user sees, each one clear line; everything else is a bug."""
+
+import difflib
+import re
+from collections.abc import Iterable, Mapping, Sequence
+
+_LONGEST_VALUE = 60
+_UNPRINTABLE = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]+")
+
+
+class InputError(Exception):
+    """What the user gave cannot be used; nothing was written.
+
+    The text is one line: `where: what: got X, allowed: Y; did you mean Z; cure`.
+
+    Args:
+        what: Field path, or a short sentence that says what is wrong.
+        where: `file:line` of the node that holds it, or `--set field.path`.
+        got: The value that was found; left out by default.
+        allowed: What may stand there, in words.
+        nearest: The permitted name that is closest to the one given.
+        cure: What to do about it.
+    """
+
+    def __init__(
+        self, what: str, *, where: str = "", got: object = ..., allowed: str = "", nearest: str = "", cure: str = ""
+    ) -> None:
+        facts = [] if got is ... else [f"got {shown(got)}"]
+        facts += [f"allowed: {allowed}"] if allowed else []
+        head = ": ".join(part for part in (where, what, ", ".join(facts)) if part)
+        tail = ([f"did you mean {nearest}"] if nearest else []) + ([cure] if cure else [])
+        super().__init__(one_line("; ".join([head, *tail])))
+
+
+class RunFailed(Exception):  # noqa: N818 - a run that fails is an outcome with a name, and the name is the contract's
+    """A run ended in a collision or did not finish its lap; it is reported and not released."""
+
+
+class EnvironmentLacking(Exception):  # noqa: N818 - as above
+    """The machine lacks something; the text ends with the line that mends it."""
+
+
+def one_line(text: str) -> str:
+    """The text without line breaks or control characters, which a hostile file could smuggle into a terminal."""
+    return _UNPRINTABLE.sub(" ", text)
+
+
+def nearest(name: object, candidates: Iterable[str]) -> str:
+    """The candidate most like `name`, or an empty string where none is close."""
+    by_lower = {candidate.lower(): candidate for candidate in candidates}
+    found = difflib.get_close_matches(str(name)[:200].lower(), by_lower, n=1, cutoff=0.6)
+    return by_lower[found[0]] if found else ""
+
+
+def shown(value: object) -> str:
+    """A value as the user would write it, shortened."""
+    if value is None:
+        return "nothing (null)"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        text = repr(value[: _LONGEST_VALUE + 1])
+    elif isinstance(value, Mapping):
+        text = "{" + ", ".join(f"{key}: {shown(item)}" for key, item in list(value.items())[:4])
+        text += ", ...}" if len(value) > 4 else "}"
+    elif isinstance(value, Sequence):
+        text = "[" + ", ".join(shown(item) for item in value[:4]) + (", ...]" if len(value) > 4 else "]")
+    else:
+        text = repr(value)
+    return text if len(text) <= _LONGEST_VALUE + 2 else text[:_LONGEST_VALUE] + "..."

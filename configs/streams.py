@@ -1,0 +1,16 @@
+"""Random streams keyed by what they serve, never by the order in which they are asked for."""
+
+import hashlib
+import json
+
+import numpy as np
+
+
+def stream(seed: int, *path: str | int) -> np.random.Generator:
+    """A generator that depends on the seed and the path alone.
+
+    A new field, run or sensor has a path of its own and thereby leaves every other stream as it was. The key is
+    the SHA-256 of both as JSON, in which `("a", "b")`, `("a.b",)`, `1` and `"1"` all differ.
+    """
+    key = json.dumps([seed, *path], separators=(",", ":")).encode()
+    return np.random.Generator(np.random.PCG64(int.from_bytes(hashlib.sha256(key).digest(), "big")))
