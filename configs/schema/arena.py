@@ -2,9 +2,9 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, Strict
+from pydantic import Field
 
-from configs.schema.base import Point2, Section, Size3, Slug
+from configs.schema.base import FromList, Point2, Section, Size3, Slug
 
 SurfaceName = Literal[
     "white_board",
@@ -43,7 +43,7 @@ class Line(Section):
     width_m: float = Field(default=0.015, ge=0.004, le=0.1)
     reflectance: float = Field(default=0.05, ge=0, le=1)
     """At the line sensor's infrared wavelength; 0 black, 1 white."""
-    pieces: Annotated[tuple[LinePiece, ...], Strict(False)] = ()
+    pieces: Annotated[tuple[LinePiece, ...], FromList] = ()
 
 
 class Floor(Section):
@@ -75,5 +75,5 @@ class ArenaConfig(Section):
     description: str = ""
     floor: Floor = Floor()
     line: Line
-    walls: Annotated[tuple[Wall, ...], Strict(False)] = ()
-    obstacles: Annotated[tuple[Obstacle, ...], Strict(False)] = ()
+    walls: Annotated[tuple[Wall, ...], FromList] = ()
+    obstacles: Annotated[tuple[Obstacle, ...], FromList] = ()

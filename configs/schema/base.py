@@ -1,15 +1,41 @@
 """The base of every configuration section, and the field shorthands that carry unit and bounds."""
 
+from dataclasses import dataclass
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field, Strict
+from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler, Strict
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
 
-Point2 = Annotated[tuple[float, float], Strict(False), Field(description="x [m], y [m] in W")]
-Size3 = Annotated[tuple[float, float, float], Strict(False), Field(description="size along x, y, z [m]")]
-Slug = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$")]
+FIXED_KEY = "x-fixed"
+"""Under this key the JSON Schema of a field says why no distribution may stand there."""
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """Marks a field in which no distribution may stand, with the reason that the refusal quotes."""
+
+    reason: str
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:  # noqa: PLW3201 - pydantic's hook
+        return {**handler(schema), FIXED_KEY: self.reason}
+
+
+PLANNED = Fixed("the plan needs it before anything is drawn")
+
+# A list of a file becomes a tuple; its items stay strict.
+FromList = Strict(strict=False)
+
+Coordinate = Annotated[float, Field(ge=-50, le=50)]
+Length = Annotated[float, Field(gt=0, le=50)]
+Point2 = Annotated[tuple[Coordinate, Coordinate], FromList, Field(description="x [m], y [m] in W")]
+Size3 = Annotated[tuple[Length, Length, Length], FromList, Field(description="size along x, y, z [m]")]
+Slug = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$"), Fixed("a name is text")]
 
 
 class Section(BaseModel):
     """A frozen mapping with known keys only; numbers are finite and never text."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, use_attribute_docstrings=True)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, strict=True, allow_inf_nan=False, use_attribute_docstrings=True
+    )

@@ -1,11 +1,12 @@
 """A scenario with every name resolved, and the run specification: the same with one route and numbers only."""
 
+from itertools import pairwise
 from typing import Annotated
 
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, model_validator
 
 from configs.schema.arena import ArenaConfig
-from configs.schema.base import Section, Slug
+from configs.schema.base import PLANNED, FromList, Section, Slug
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 
@@ -19,38 +20,38 @@ class StartPose(Section):
 class Route(Section):
     name: Slug
     start: StartPose
-    runs: int = Field(default=1, ge=1, le=100_000)
+    runs: Annotated[int, PLANNED] = Field(default=1, ge=1, le=100_000)
 
 
 class Stop(Section):
     """When a run ends. A lap that is not finished within the time limit is an error of the run."""
 
-    lap: bool = True
-    time_limit_s: float = Field(default=90.0, ge=0.1, le=36_000)
+    lap: Annotated[bool, PLANNED] = True
+    time_limit_s: Annotated[float, PLANNED] = Field(default=90.0, ge=0.1, le=36_000)
 
 
 class Rates(Section):
     """Each slower rate must be a whole number of periods of the next faster one."""
 
-    physics_hz: int = Field(default=1000, ge=50, le=100_000)
-    wheel_loop_hz: int = Field(default=100, ge=1, le=100_000)
-    control_hz: int = Field(default=20, ge=1, le=1000)
+    physics_hz: Annotated[int, PLANNED] = Field(default=1000, ge=50, le=100_000)
+    wheel_loop_hz: Annotated[int, PLANNED] = Field(default=100, ge=1, le=100_000)
+    control_hz: Annotated[int, PLANNED] = Field(default=20, ge=1, le=1000)
     """Also the rate of the rows of data.csv."""
-    camera_hz: int = Field(default=5, ge=1, le=1000)
+    camera_hz: Annotated[int, PLANNED] = Field(default=5, ge=1, le=1000)
 
     @model_validator(mode="after")
     def _whole_multiples(self) -> "Rates":
         chain = [("physics_hz", self.physics_hz), ("wheel_loop_hz", self.wheel_loop_hz)]
         chain += [("control_hz", self.control_hz), ("camera_hz", self.camera_hz)]
-        for (fast_name, fast), (slow_name, slow) in zip(chain, chain[1:], strict=False):
+        for (fast_name, fast), (slow_name, slow) in pairwise(chain):
             if fast % slow:
                 raise ValueError(f"{fast_name} {fast} is no whole multiple of {slow_name} {slow}")
         return self
 
 
 class Render(Section):
-    width_px: int = Field(default=640, ge=16, le=8192)
-    height_px: int = Field(default=480, ge=16, le=8192)
+    width_px: Annotated[int, PLANNED] = Field(default=640, ge=16, le=8192)
+    height_px: Annotated[int, PLANNED] = Field(default=480, ge=16, le=8192)
     samples: int = Field(default=8, ge=1, le=65_536)
     denoise: bool = True
     jpeg_quality: int = Field(default=92, ge=1, le=100)
@@ -59,9 +60,9 @@ class Render(Section):
 class Scenario(Section):
     name: Slug
     description: str = ""
-    seed: int = Field(default=1, ge=0, le=2**63 - 1)
+    seed: Annotated[int, PLANNED] = Field(default=1, ge=0, le=2**63 - 1)
     licence: str = "CC-BY-4.0"
-    routes: Annotated[tuple[Route, ...], Strict(False), Field(min_length=1)]
+    routes: Annotated[tuple[Route, ...], FromList, Field(min_length=1)]
     stop: Stop = Stop()
     rates: Rates = Rates()
     render: Render = Render()
@@ -84,7 +85,8 @@ class RunSpec(Section):
     arena: ArenaConfig
     robot: RobotConfig
     look: LookConfig
-    drawn: dict[str, float | int | str]
+    drawn: dict[str, float | int | str | bool]
+    """By field path within this specification, for example `look.sun.elevation_deg`."""
 
     @property
     def key(self) -> str:
