@@ -1,0 +1,226 @@
+"""One robot in one arena, stepped by PyBullet; the wheel-speed loop runs inside at its own rate.
+
+Back-EMF and viscous friction are linear in speed and stand as joint damping in the robot's URDF, so that a step
+needs the stall torque of the present voltages alone. Coulomb friction is the joint's velocity motor at zero speed with
+limited force: true stick. Both together are the paper's Eq. 18 and 20.
+"""
+
+from math import atan2, floor, pi
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Self
+
+import pybullet
+
+from configs.schema.robot import RobotConfig
+from configs.schema.scenario import Rates
+from physics.arena import Arena
+from physics.bullet.rays import Array, Hits, RayScene
+from physics.bullet.world import BOXES, CHASSIS, FLOOR, TREADS, add_arena, connect
+from physics.motor import MotorModel
+from physics.urdf import CASTER, LEFT_WHEEL, RIGHT_WHEEL, robot_urdf
+from physics.wheel_loop import WheelSpeedLoop, voltage_limit_V
+
+GRAVITY_M_S2 = 9.81
+
+
+class BulletSimulation:
+    """A client of its own; several live side by side in one process. Close it, or use it as a context manager."""
+
+    def __init__(self, robot: RobotConfig, arena: Arena, start: tuple[float, float, float], rates: Rates) -> None:
+        self._rates = rates
+        self._steps = 0
+        self._motor = MotorModel.from_config(robot.motor)
+        self._limit_V = voltage_limit_V(robot.power)
+        self._rad_to_counts = robot.encoder.counts_per_revolution / (2.0 * pi)
+        self._loops = tuple(
+            WheelSpeedLoop(robot.wheel_loop, robot.encoder, robot.power, rates.wheel_loop_hz) for _ in range(2)
+        )
+        self._set_points: tuple[float, float] | None = (0.0, 0.0)
+        self._voltages = (0.0, 0.0)
+        self._torques = [0.0, 0.0]
+        # Of the chassis' centre of mass, which is what PyBullet reports, to the middle of the axle.
+        chassis = robot.chassis
+        axle_height = 0.5 * robot.drive.wheel_diameter_m
+        self._to_axle = (-chassis.center_of_mass_x_m, 0.0, axle_height - chassis.center_of_mass_z_m)
+        self._box_names = tuple(box.name for box in arena.boxes)
+        self._touched: set[int] = set()
+        self._rays = RayScene(arena)
+        self._client = connect()
+        self._set_engine()
+        self._surface_of_body = add_arena(self._client, arena)
+        self._robot, self._wheels = self._load(robot, start)
+        self._yaw = start[2]
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        pybullet.disconnect(self._client)
+        self._rays.close()
+
+    def _set_engine(self) -> None:
+        client = self._client
+        pybullet.setGravity(0, 0, -GRAVITY_M_S2, physicsClientId=client)
+        pybullet.setPhysicsEngineParameter(
+            fixedTimeStep=1.0 / self._rates.physics_hz, deterministicOverlappingPairs=1, physicsClientId=client
+        )
+
+    def _load(self, robot: RobotConfig, start: tuple[float, float, float]) -> tuple[int, list[int]]:
+        client = self._client
+        x, y, yaw = start
+        with TemporaryDirectory() as folder:
+            path = Path(folder) / "robot.urdf"
+            path.write_text(robot_urdf(robot), encoding="utf-8")
+            # Without the flag PyBullet makes up inertias from the collision shapes.
+            body = pybullet.loadURDF(
+                str(path),
+                basePosition=[x, y, 0.0],
+                baseOrientation=pybullet.getQuaternionFromEuler([0.0, 0.0, yaw]),
+                flags=pybullet.URDF_USE_INERTIA_FROM_FILE,
+                physicsClientId=client,
+            )
+        joints = range(pybullet.getNumJoints(body, physicsClientId=client))
+        links = {pybullet.getJointInfo(body, j, physicsClientId=client)[12].decode(): j for j in joints}
+        friction = {RIGHT_WHEEL: robot.drive.wheel_friction, LEFT_WHEEL: robot.drive.wheel_friction}
+        friction[CASTER] = robot.drive.caster_friction
+        for name, coefficient in friction.items():
+            link = links[name]
+            pybullet.changeDynamics(body, link, lateralFriction=coefficient, restitution=0.0, physicsClientId=client)
+            pybullet.setCollisionFilterGroupMask(body, link, TREADS, FLOOR, physicsClientId=client)
+        # Bullet's own damping would slow the free body; 1000 rad/s is its cap on joint speeds.
+        pybullet.changeDynamics(
+            body,
+            -1,
+            linearDamping=0.0,
+            angularDamping=0.0,
+            restitution=0.0,
+            maxJointVelocity=1000,
+            physicsClientId=client,
+        )
+        pybullet.setCollisionFilterGroupMask(body, -1, CHASSIS, BOXES, physicsClientId=client)
+        wheels = [links[RIGHT_WHEEL], links[LEFT_WHEEL]]
+        for wheel in wheels:
+            # URDF has no word for a reflected rotor, and no body could have so much inertia about one axis alone.
+            across, spin, _ = pybullet.getDynamicsInfo(body, wheel, physicsClientId=client)[2]
+            inertia = [across, spin + self._motor.inertia_kg_m2, across]
+            pybullet.changeDynamics(body, wheel, localInertiaDiagonal=inertia, physicsClientId=client)
+            pybullet.setJointMotorControl2(
+                body,
+                wheel,
+                pybullet.VELOCITY_CONTROL,
+                targetVelocity=0.0,
+                force=self._motor.coulomb_N_m,
+                physicsClientId=client,
+            )
+        return int(body), wheels
+
+    @property
+    def steps(self) -> int:
+        """Physics steps since the start."""
+        return self._steps
+
+    @property
+    def time_s(self) -> float:
+        return self._steps / self._rates.physics_hz
+
+    def set_wheel_speeds(self, right_rad_s: float, left_rad_s: float) -> None:
+        """Set points of the wheel loop, from its next update on."""
+        self._set_points = (right_rad_s, left_rad_s)
+
+    def set_voltages(self, right_V: float, left_V: float) -> None:
+        """Open loop: these voltages within the driver's limit, until wheel speeds are set again."""
+        self._set_points = None
+        self._drive(right_V, left_V)
+
+    def advance(self, steps: int) -> None:
+        """Take so many physics steps."""
+        per_update = self._rates.physics_hz // self._rates.wheel_loop_hz
+        client, robot, wheels, torques = self._client, self._robot, self._wheels, self._torques
+        set_torques, mode, step = pybullet.setJointMotorControlArray, pybullet.TORQUE_CONTROL, pybullet.stepSimulation
+        end = self._steps + steps
+        while self._steps < end:
+            since_update = self._steps % per_update
+            if since_update == 0:
+                self._update()
+            count = min(per_update - since_update, end - self._steps)
+            for _ in range(count):
+                set_torques(robot, wheels, mode, forces=torques, physicsClientId=client)
+                step(physicsClientId=client)
+            self._steps += count
+
+    def _update(self) -> None:
+        """Once per wheel-loop period: the loop, the contacts, and the turns of the yaw."""
+        self._watch()
+        if self._set_points is not None:
+            right, left = self.encoder_counts()
+            right_loop, left_loop = self._loops
+            self._drive(right_loop.update(right, self._set_points[0]), left_loop.update(left, self._set_points[1]))
+
+    def _drive(self, right_V: float, left_V: float) -> None:
+        limit = self._limit_V
+        right_V, left_V = min(max(right_V, -limit), limit), min(max(left_V, -limit), limit)
+        self._voltages = (right_V, left_V)
+        self._torques[:] = (self._motor.stall_torque_N_m(right_V), self._motor.stall_torque_N_m(left_V))
+
+    def _watch(self) -> None:
+        contacts = pybullet.getContactPoints(bodyA=self._robot, linkIndexA=-1, physicsClientId=self._client)
+        # Bullet lists near pairs too; touching is a distance of zero or less.
+        self._touched.update(self._surface_of_body[contact[2]] - 1 for contact in contacts if contact[8] <= 0.0)
+        self.pose()
+
+    def pose(self) -> tuple[float, float, float]:
+        """X_WR: x [m], y [m], yaw [rad] of the middle of the axle; yaw counts whole turns."""
+        position, turn = pybullet.getBasePositionAndOrientation(self._robot, physicsClientId=self._client)
+        r = pybullet.getMatrixFromQuaternion(turn)
+        a, b, c = self._to_axle
+        step = (atan2(r[3], r[0]) - self._yaw + pi) % (2.0 * pi) - pi
+        self._yaw += step
+        x = position[0] + r[0] * a + r[1] * b + r[2] * c
+        y = position[1] + r[3] * a + r[4] * b + r[5] * c
+        return x, y, self._yaw
+
+    def twist(self) -> tuple[float, float]:
+        """Forward speed [m/s] of the middle of the axle and yaw rate [rad/s]."""
+        velocity, spin = pybullet.getBaseVelocity(self._robot, physicsClientId=self._client)
+        _, turn = pybullet.getBasePositionAndOrientation(self._robot, physicsClientId=self._client)
+        r = pybullet.getMatrixFromQuaternion(turn)
+        forward = velocity[0] * r[0] + velocity[1] * r[3] + velocity[2] * r[6]
+        pitch_rate = spin[0] * r[1] + spin[1] * r[4] + spin[2] * r[7]
+        return forward + pitch_rate * self._to_axle[2], spin[2]
+
+    def _wheel_states(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        return pybullet.getJointStates(self._robot, self._wheels, physicsClientId=self._client)
+
+    def encoder_counts(self) -> tuple[int, int]:
+        """Quadrature counts, right and left, since the start."""
+        right, left = self._wheel_states()
+        return floor(right[0] * self._rad_to_counts), floor(left[0] * self._rad_to_counts)
+
+    def wheel_speeds(self) -> tuple[float, float]:
+        """True speeds, right and left [rad/s]."""
+        right, left = self._wheel_states()
+        return right[1], left[1]
+
+    def voltages(self) -> tuple[float, float]:
+        """At the motors, right and left [V]."""
+        return self._voltages
+
+    def currents(self) -> tuple[float, float]:
+        """Through the windings, right and left [A]."""
+        right, left = self.wheel_speeds()
+        return self._motor.current_A(self._voltages[0], right), self._motor.current_A(self._voltages[1], left)
+
+    def cast(self, origins: Array, ends: Array) -> Hits:
+        """Cast rays from `origins` to `ends`, (N, 3) each, in W, past the robot itself."""
+        return self._rays.cast(origins, ends)
+
+    def touching(self) -> tuple[str, ...]:
+        """Names of walls and obstacles that the robot touches now or has touched since the last call."""
+        self._watch()
+        names = tuple(self._box_names[index] for index in sorted(self._touched))
+        self._touched.clear()
+        return names

@@ -1,0 +1,34 @@
+"""Bodies of an arena in a PyBullet client, and the collision groups that say what may touch what."""
+
+from math import cos, sin
+
+import pybullet
+
+from physics.arena import Arena, Box
+
+FLOOR, BOXES, CHASSIS, TREADS = 1, 2, 4, 8
+"""Collision groups: treads (wheels and caster) meet the floor only, the chassis meets walls and obstacles only."""
+
+
+def connect() -> int:
+    """A client with an engine of its own, in this process and without a window."""
+    return int(pybullet.connect(pybullet.DIRECT))
+
+
+def add_arena(client: int, arena: Arena) -> dict[int, int]:
+    """Floor and boxes as fixed bodies; the surface number (0 floor, 1 + i box i) of each body's id."""
+    shape = pybullet.createCollisionShape(pybullet.GEOM_PLANE, planeNormal=[0, 0, 1], physicsClientId=client)
+    floor = pybullet.createMultiBody(0, shape, physicsClientId=client)
+    pybullet.changeDynamics(floor, -1, lateralFriction=1.0, restitution=0.0, physicsClientId=client)
+    pybullet.setCollisionFilterGroupMask(floor, -1, FLOOR, TREADS, physicsClientId=client)
+    return {floor: 0} | {_add_box(client, box): 1 + i for i, box in enumerate(arena.boxes)}
+
+
+def _add_box(client: int, box: Box) -> int:
+    half = [0.5 * size for size in box.size]
+    shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half, physicsClientId=client)
+    turn = [0.0, 0.0, sin(0.5 * box.yaw_rad), cos(0.5 * box.yaw_rad)]
+    body = pybullet.createMultiBody(0, shape, basePosition=box.center, baseOrientation=turn, physicsClientId=client)
+    pybullet.changeDynamics(body, -1, lateralFriction=1.0, restitution=0.0, physicsClientId=client)
+    pybullet.setCollisionFilterGroupMask(body, -1, BOXES, CHASSIS, physicsClientId=client)
+    return int(body)
