@@ -1,0 +1,1 @@
+"""The SyMoLo dataset on disk: tables, description, metadata, checksums."""

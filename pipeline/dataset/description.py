@@ -1,0 +1,157 @@
+"""README.md of a dataset: what a person needs to use it, written from its metadata."""
+
+import html
+from collections.abc import Iterable, Sequence
+
+from configs.errors import one_line
+from configs.schema.scenario import RunSpec
+from pipeline.dataset.metadata import Metadata
+from pipeline.dataset.side import CAMERA, TOF, WHEELS
+
+DESCRIPTION = "README.md"
+
+
+def markdown(metadata: Metadata, example: RunSpec) -> bytes:
+    """The description; dimensions of robot and arena are those of the run `example`."""
+    parts = [_head(metadata), _layout(metadata), _columns(metadata), _side_tables(metadata)]
+    parts += [_frames(metadata), _robot(example), _arena(example), _runs(metadata), _failed(metadata), _checks()]
+    return ("\n\n".join(part for part in parts if part) + "\n").encode()
+
+
+def _head(metadata: Metadata) -> str:
+    made = ", ".join(f"{name} {version}" for name, version in metadata.made_with.items())
+    about = f"{_safe(metadata.description)}\n\n" if metadata.description else ""
+    return (
+        f"# {_safe(metadata.name)}\n\n{about}"
+        "A synthetic dataset in the layout of SyMoLo (Synthetic Dataset for Mobile Robots Localization Algorithms).\n"
+        "The motion is simulated with PyBullet; the pictures are path-traced with Blender Cycles at its poses.\n\n"
+        f"Licence: {_safe(metadata.licence)}. Seed: {metadata.seed}. Made with: {made}."
+    )
+
+
+def _layout(metadata: Metadata) -> str:
+    rates = metadata.runs[0].rates
+    return (
+        "## Layout\n\n"
+        "    <route>/test_<n>/data.csv              "
+        f"one row every {1000 / rates.control_hz:g} ms ({rates.control_hz} Hz)\n"
+        "    <route>/test_<n>/images/000001.jpg     "
+        f"camera pictures every {1000 / rates.camera_hz:g} ms ({rates.camera_hz} Hz), numbered from 1\n"
+        "    <route>/test_<n>/image_positions.txt   img x y theta: the robot's pose at each shutter [m, rad]\n"
+        "    <route>/test_<n>/side/                 more than SyMoLo has: see below\n"
+        "    metadata.json                          robot, arena, rates, seeds, every drawn value\n"
+        "    manifest-sha256.txt                    checksums"
+    )
+
+
+def _columns(metadata: Metadata) -> str:
+    rows = [(c.name, c.unit, c.meaning) for c in metadata.columns["data.csv"]]
+    states = [(str(number), meaning) for number, meaning in metadata.states.items()]
+    tof = metadata.runs[0]
+    return (
+        f"## data.csv\n\n{_table(('column', 'unit', 'meaning'), rows)}\n\n"
+        f"Ranges are valid from {tof.tof_min_range_m:g} to {tof.tof_max_range_m:g} m; where the sensor saw no target,"
+        f" the value is {tof.tof_no_target_m:g} m.\n\n{_table(('state', 'meaning'), states)}"
+    )
+
+
+def _side_tables(metadata: Metadata) -> str:
+    rows = []
+    for table in (WHEELS, TOF, CAMERA):
+        columns = metadata.columns[f"side/{table.file}"]
+        rows.append((table.file, table.meaning, ", ".join(f"{c.name} [{c.unit}]" for c in columns)))
+    rows.append(("spec.json", "every number that the run was made from, arena and robot included", "JSON"))
+    return f"## side/\n\n{_table(('file', 'meaning', 'columns'), rows)}"
+
+
+def _frames(metadata: Metadata) -> str:
+    return f"## Frames\n\n{_table(('frame', 'meaning'), metadata.frames.items())}"
+
+
+def _robot(spec: RunSpec) -> str:
+    robot = spec.robot
+    chassis, drive, line, camera = robot.chassis, robot.drive, robot.line_sensor, robot.camera
+    camera_z_m = chassis.base_height_m + camera.height_above_base_m
+    mounts = robot.tof.mounts
+    rows = [
+        ("chassis", f"{chassis.length_m:g} x {chassis.width_m:g} m, {chassis.mass_kg:g} kg, centred on the axle"),
+        ("track b", f"{drive.track_m:g} m between the wheels' contact points"),
+        ("wheel diameter", f"{drive.wheel_diameter_m:g} m"),
+        ("encoders", f"{robot.encoder.counts_per_revolution} counts per wheel turn"),
+        ("line sensor", f"x = {line.x_m:g} m, {line.channels} channels, pitch {line.pitch_m:g} m, L0 at the right end"),
+        *(
+            (f"ToF {name}", f"x = {mount.x_m:g}, y = {mount.y_m:g}, z = {mount.z_m:g} m, turned {mount.yaw_deg:g} deg")
+            for name, mount in (("front", mounts.front), ("left", mounts.left), ("right", mounts.right))
+        ),
+        ("camera", f"x = {camera.x_m:g}, y = {camera.y_m:g}, z = {camera_z_m:g} m"),
+        ("camera axis", f"{camera.pitch_down_deg:g} deg below the horizon"),
+        ("focal length", f"{camera.focal_length_mm:g} mm on a sensor {camera.sensor_width_mm:g} mm wide"),
+    ]
+    return (
+        f"## Robot\n\n{_safe(robot.name)}: {_safe(robot.description)}. Positions are in R; values are those of"
+        f" {spec.key} where they are drawn per run.\n\n{_table(('part', 'value'), rows)}"
+    )
+
+
+def _arena(spec: RunSpec) -> str:
+    arena = spec.arena
+    rows = [
+        (w.name, "wall", f"{_point(w.start)} - {_point(w.end)}", f"height {w.height_m:g} m", w.surface)
+        for w in arena.walls
+    ]
+    rows += [
+        (o.name, "obstacle", _point(o.center), " x ".join(f"{s:g}" for s in o.size) + " m", o.surface)
+        for o in arena.obstacles
+    ]
+    return (
+        f"## Arena\n\n{_safe(arena.name)}: {_safe(arena.description)} Line {arena.line.width_m:g} m wide in"
+        f" {len(arena.line.pieces)} pieces (metadata.json). Positions in W [m].\n\n"
+        f"{_table(('name', 'kind', 'position', 'size', 'surface'), rows)}"
+    )
+
+
+def _runs(metadata: Metadata) -> str:
+    rows = [
+        (
+            run.run,
+            f"{run.duration_s:.1f}",
+            "-" if run.lap_time_s is None else f"{run.lap_time_s:.2f}",
+            f"{run.distance_m:.2f}",
+            str(run.rows),
+            str(run.images),
+            f"{run.image_width_px} x {run.image_height_px}",
+            " ".join(map(str, run.state_order)),
+        )
+        for run in metadata.runs
+    ]
+    header = ("run", "duration [s]", "lap [s]", "distance [m]", "rows", "images", "size [px]", "order of states")
+    return f"## Runs\n\n{_table(header, rows)}"
+
+
+def _failed(metadata: Metadata) -> str:
+    if not metadata.failed_runs:
+        return ""
+    rows = [(run.run, run.stage, run.problem) for run in metadata.failed_runs]
+    return f"## Runs that failed and are not here\n\n{_table(('run', 'stage', 'problem'), rows)}"
+
+
+def _checks() -> str:
+    return (
+        "## Checking\n\n"
+        "    sha256sum -c manifest-sha256.txt    # every file as it was released\n"
+        "    symolo verify .                     # structure, columns, ranges, rates, pictures, checksums"
+    )
+
+
+def _table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join("| " + " | ".join(_safe(cell) for cell in line) + " |" for line in lines)
+
+
+def _point(point: tuple[float, float]) -> str:
+    return f"({point[0]:g}, {point[1]:g})"
+
+
+def _safe(text: str) -> str:
+    """Text of a scenario file as plain text of a Markdown page, whatever it holds."""
+    return html.escape(one_line(text), quote=False).replace("|", "\\|")

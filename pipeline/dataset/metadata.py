@@ -1,0 +1,150 @@
+"""metadata.json: what it takes to understand the data and to make it again; the same bytes for the same data."""
+
+import platform
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from configs.schema.scenario import Rates, RunSpec, StartPose
+from pipeline.dataset.rows import COLUMNS, Rows
+from pipeline.dataset.side import CAMERA, TOF, WHEELS
+from pipeline.files import canonical_json
+from pipeline.versions import versions
+
+METADATA = "metadata.json"
+FORMAT_VERSION = 1
+
+STATES = {
+    0: "line following",
+    1: "wall following, wall on the right",
+    2: "wall following, wall on the left",
+    3: "turn left",
+    4: "turn right",
+    5: "obstacle avoidance by the left",
+    6: "obstacle avoidance by the right",
+    33: "lost the wall on the left, turns towards it",
+    44: "lost the wall on the right, turns towards it",
+}
+FRAMES = {
+    "W": "world: x and y on the floor, z up; theta counter-clockwise from +x",
+    "R": "robot: middle of the axle on the floor, x forward, y left, z up",
+    "C": "camera, optical: x right, y down, z along the axis",
+}
+
+
+class Record(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class RunRecord(Record):
+    """Facts of one released run."""
+
+    run: str
+    """Its folder, for example `CW/test_1`."""
+    seed: int
+    start: StartPose
+    rates: Rates
+    image_width_px: int
+    image_height_px: int
+    rows: int
+    images: int
+    duration_s: float
+    distance_m: float
+    lap_time_s: float | None
+    state_order: list[int]
+    """States in the order in which they followed each other."""
+    tof_min_range_m: float
+    tof_max_range_m: float
+    tof_no_target_m: float
+    drawn: dict[str, float | int | str]
+    """Every value drawn for this run by its field path."""
+
+    @classmethod
+    def of(cls, spec: RunSpec, rows: Rows, lap_time_s: float | None) -> "RunRecord":
+        changes = np.flatnonzero(np.diff(rows.state)) + 1
+        steps = np.linalg.norm(np.diff(rows.pose[:, :2], axis=0), axis=1)
+        return cls(
+            run=spec.key,
+            seed=spec.seed,
+            start=spec.start,
+            rates=spec.rates,
+            image_width_px=spec.render.width_px,
+            image_height_px=spec.render.height_px,
+            rows=len(rows.t_ms),
+            images=int(np.count_nonzero(rows.image)),
+            duration_s=float(rows.t_ms[-1]) / 1000,
+            distance_m=round(float(steps.sum()), 4),
+            lap_time_s=lap_time_s,
+            state_order=[int(rows.state[i]) for i in (0, *changes)],
+            tof_min_range_m=spec.robot.tof.min_range_m,
+            tof_max_range_m=spec.robot.tof.max_range_m,
+            tof_no_target_m=spec.robot.tof.no_target_m,
+            drawn=dict(spec.drawn),
+        )
+
+
+class FailedRun(Record):
+    """A run of the scenario that is not released, and why."""
+
+    run: str
+    stage: str
+    problem: str
+
+
+class ColumnRecord(Record):
+    name: str
+    unit: str
+    meaning: str = ""
+
+
+class Metadata(Record):
+    """The content of metadata.json."""
+
+    format: str = "SyMoLo"
+    format_version: int = FORMAT_VERSION
+    name: str
+    description: str
+    licence: str
+    seed: int
+    made_with: dict[str, str]
+    """Version by program."""
+    frames: dict[str, str]
+    states: dict[int, str]
+    columns: dict[str, list[ColumnRecord]]
+    """Columns by file name."""
+    scenario: dict[str, Any]
+    """The resolved scenario with arena, robot and look; a mapping such as {uniform: [a, b]} is a distribution."""
+    runs: list[RunRecord] = Field(min_length=1)
+    failed_runs: list[FailedRun]
+
+    def to_json(self) -> bytes:
+        return canonical_json(self.model_dump(mode="json"))
+
+
+def made_with() -> dict[str, str]:
+    packages = versions("symolo", "pybullet", "bpy", "numpy", "opencv-python-headless")
+    return {"python": platform.python_version(), **packages}
+
+
+def describe(
+    tree: dict[str, Any], specs: Sequence[RunSpec], runs: Sequence[RunRecord], failed: Sequence[FailedRun]
+) -> Metadata:
+    """Metadata of a dataset; `tree` is the scenario as loaded, before anything is drawn."""
+    columns = {"data.csv": [ColumnRecord(name=c.name, unit=c.unit, meaning=c.meaning) for c in COLUMNS]}
+    for table in (WHEELS, TOF, CAMERA):
+        columns[f"side/{table.file}"] = [ColumnRecord(name=c.name, unit=c.unit) for c in table.columns]
+    return Metadata(
+        name=specs[0].scenario,
+        description=str(tree.get("description", "")),
+        licence=str(tree.get("licence", "CC-BY-4.0")),
+        seed=specs[0].seed,
+        made_with=made_with(),
+        frames=FRAMES,
+        states=STATES,
+        columns=columns,
+        scenario=tree,
+        runs=list(runs),
+        failed_runs=list(failed),
+    )

@@ -1,0 +1,123 @@
+"""How far a command is: a bar with the time left on a terminal, plain lines elsewhere; always on standard error."""
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager
+from typing import Protocol
+
+SECONDS_BETWEEN_LINES = 10.0
+
+
+class StageReport(Protocol):
+    """What a stage tells while it works."""
+
+    def update(self, name: str, done: float) -> None:
+        """How much of the part `name` is done, in the stage's unit."""
+        ...
+
+    def say(self, text: str) -> None:
+        """One line that stays."""
+        ...
+
+
+class Report(Protocol):
+    """Where the stages of a command report to."""
+
+    def stage(self, name: str, total: float, unit: str) -> AbstractContextManager[StageReport]: ...
+
+    def say(self, text: str) -> None: ...
+
+
+def report_here() -> Report:
+    return BarReport() if sys.stderr.isatty() else LineReport()
+
+
+class LineReport:
+    """Plain lines, one at the start and end of a stage and now and then between."""
+
+    def say(self, text: str) -> None:
+        print(text, file=sys.stderr, flush=True)  # noqa: T201 - this is the log of a batch
+
+    @contextmanager
+    def stage(self, name: str, total: float, unit: str) -> Iterator[StageReport]:
+        stage = _Lines(self, name, total, unit)
+        yield stage
+        self.say(f"{name}: {stage.done:.0f} of {total:.0f} {unit} in {seconds(time.monotonic() - stage.started)}")
+
+
+class _Lines:
+    def __init__(self, report: LineReport, name: str, total: float, unit: str) -> None:
+        self._report, self._name, self._total, self._unit = report, name, total, unit
+        self._parts: dict[str, float] = {}
+        self.started = self._last = time.monotonic()
+
+    @property
+    def done(self) -> float:
+        return sum(self._parts.values())
+
+    def say(self, text: str) -> None:
+        self._report.say(f"{self._name}: {text}")
+
+    def update(self, name: str, done: float) -> None:
+        self._parts[name] = done
+        now = time.monotonic()
+        if now - self._last < SECONDS_BETWEEN_LINES:
+            return
+        self._last = now
+        left = (now - self.started) * (self._total / self.done - 1) if self.done else float("inf")
+        eta = f", about {seconds(left)} left" if left < float("inf") else ""
+        self.say(f"{self.done:.0f} of {self._total:.0f} {self._unit}{eta}")
+
+
+class BarReport:
+    """A bar per stage with elapsed and remaining time."""
+
+    def __init__(self) -> None:
+        from rich.console import Console  # noqa: PLC0415 - the help of a command needs no console
+
+        self._console = Console(stderr=True, highlight=False)
+
+    def say(self, text: str) -> None:
+        self._console.print(text, markup=False)
+
+    @contextmanager
+    def stage(self, name: str, total: float, unit: str) -> Iterator[StageReport]:
+        from rich.progress import (  # noqa: PLC0415 - see above
+            BarColumn,
+            Progress,
+            TextColumn,
+            TimeElapsedColumn,
+            TimeRemainingColumn,
+        )
+
+        columns = (
+            TextColumn(f"{name:9}"),
+            BarColumn(),
+            TextColumn(f"{{task.completed:.0f}} of {{task.total:.0f}} {unit}"),
+            TimeElapsedColumn(),
+            TextColumn("left"),
+            TimeRemainingColumn(),
+        )
+        with Progress(*columns, console=self._console) as progress:
+            task = progress.add_task(name, total=total)
+            yield _Bar(lambda done: progress.update(task, completed=done), self.say)
+
+
+class _Bar:
+    def __init__(self, show, say) -> None:  # noqa: ANN001 - two callables of the line above
+        self._show, self.say = show, say
+        self._parts: dict[str, float] = {}
+
+    def update(self, name: str, done: float) -> None:
+        self._parts[name] = done
+        self._show(sum(self._parts.values()))
+
+
+def seconds(duration_s: float) -> str:
+    """A duration as a person says it: `8.2 s`, `3 min 05 s`, `2 h 10 min`."""
+    if duration_s < 60:
+        return f"{duration_s:.1f} s"
+    minutes, rest = divmod(round(duration_s), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min {rest:02d} s"

@@ -1,0 +1,131 @@
+"""Third stage: good runs put together as the released dataset, with description, metadata and checksums."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from blender_scenes.camera import pose_X_RC, pose_X_WR
+from configs.schema.scenario import RunSpec
+from pipeline.dataset.description import DESCRIPTION, markdown
+from pipeline.dataset.manifest import MANIFEST, manifest
+from pipeline.dataset.metadata import METADATA, FailedRun, RunRecord, describe
+from pipeline.dataset.rows import Rows
+from pipeline.dataset.side import CAMERA, TOF, WHEELS, image_positions, tof_csv, wheels_csv
+from pipeline.files import hashes_of, holds, remove_folder, replace_folder, sha256_of, write_file
+from pipeline.progress import Report
+from pipeline.stages.render import IMAGES
+from pipeline.stages.simulate_runs import SPEC, RunProblem, read_outcome, read_recording, spec_text
+from pipeline.versions import versions
+from pipeline.workspace import PARTIAL, STAGES, Workspace, input_key, mark_done
+
+DATA, POSITIONS, SIDE = "data.csv", "image_positions.txt", "side"
+
+
+def assemble(
+    workspace: Workspace,
+    tree: dict[str, Any],
+    specs: Sequence[RunSpec],
+    problems: Sequence[RunProblem],
+    report: Report,
+) -> None:
+    """Release every run without a problem; a run released before that has one now is taken back.
+
+    Args:
+        workspace: The output folder, with the stages before this one done.
+        tree: The scenario as loaded, with its distributions.
+        specs: All runs of the scenario.
+        problems: What failed so far.
+        report: Where to tell.
+    """
+    failed = {problem.run for problem in problems}
+    good = [spec for spec in specs if spec.key not in failed]
+    hashes: dict[str, str] = {}
+    records = []
+    with report.stage("assemble", len(good), "runs") as stage:
+        _take_back(workspace, {spec.key for spec in good})
+        for spec in good:
+            hashes |= {f"{spec.key}/{name}": digest for name, digest in _release_run(workspace, spec).items()}
+            simulated = workspace.simulate(spec.key).path
+            rows = Rows.from_recording(read_recording(simulated))
+            records.append(RunRecord.of(spec, rows, read_outcome(simulated).lap_time_s))
+            stage.update(spec.key, 1)
+    if not good:
+        _remove_files(workspace.out, (MANIFEST, METADATA, DESCRIPTION))
+        return
+    failed_runs = [FailedRun(run=p.run, stage=p.stage, problem=p.text) for p in problems]
+    metadata = describe(tree, specs, records, failed_runs)
+    for name, data in ((METADATA, metadata.to_json()), (DESCRIPTION, markdown(metadata, good[0]))):
+        _write_if_new(workspace.out / name, data)
+        hashes[name] = sha256_of(workspace.out / name)
+    _write_if_new(workspace.out / MANIFEST, manifest(hashes))
+
+
+def _release_run(workspace: Workspace, spec: RunSpec) -> dict[str, str]:
+    """Put one run's folder in place unless it is there unchanged; SHA-256 of its files by their path in it."""
+    stages = {"simulate": workspace.simulate(spec.key).done(), "render": workspace.render(spec.key).done()}
+    files = {name: done.files for name, done in stages.items() if done is not None}
+    key = input_key("assemble", stages=files, versions=versions("symolo", "numpy"))
+    marker, released = workspace.assemble(spec.key), workspace.out / spec.key
+    done = marker.done()
+    if done is not None and done.key == key and holds(released, done.files):
+        return done.files
+    _remove_files(workspace.out, (MANIFEST,))
+    partial = workspace.out / STAGES / "assemble" / (spec.key + PARTIAL)
+    remove_folder(partial)
+    _fill(workspace, spec, partial)
+    hashes = hashes_of(partial)
+    replace_folder(partial, released)
+    marker.path.mkdir(parents=True, exist_ok=True)
+    mark_done(marker.path, key, hashes)
+    return hashes
+
+
+def _fill(workspace: Workspace, spec: RunSpec, folder: Path) -> None:
+    recording = read_recording(workspace.simulate(spec.key).path)
+    rows = Rows.from_recording(recording)
+    (folder / SIDE).mkdir(parents=True)
+    (folder / IMAGES).mkdir()
+    write_file(folder / DATA, rows.to_csv())
+    write_file(folder / POSITIONS, image_positions(rows))
+    write_file(folder / SIDE / WHEELS.file, wheels_csv(recording))
+    write_file(folder / SIDE / TOF.file, tof_csv(recording))
+    write_file(folder / SIDE / CAMERA.file, CAMERA.to_csv(camera_table(spec, rows)))
+    write_file(folder / SIDE / SPEC, spec_text(spec))
+    for image in sorted((workspace.render(spec.key).path / IMAGES).glob("*.jpg")):
+        write_file(folder / IMAGES / image.name, image.read_bytes())
+
+
+def camera_table(spec: RunSpec, rows: Rows) -> np.ndarray:
+    """The columns of side/camera.csv, (images, 14)."""
+    X_RC = pose_X_RC(spec.robot.camera, spec.robot.chassis.base_height_m)
+    table = []
+    for i in np.flatnonzero(rows.image):
+        X_WC = pose_X_WR(*rows.pose[i]) @ X_RC
+        table.append([rows.image[i], rows.t_ms[i], *X_WC[:3, :3].ravel(), *X_WC[:3, 3]])
+    return np.array(table, dtype=np.float64)
+
+
+def _take_back(workspace: Workspace, good: set[str]) -> None:
+    """Remove released runs that the scenario no longer holds, or that failed since."""
+    root = workspace.out / STAGES / "assemble"
+    for marker in sorted(root.glob("*/*/done.json")):
+        run = marker.parent.relative_to(root).as_posix()
+        if run not in good:
+            _remove_files(workspace.out, (MANIFEST,))
+            remove_folder(workspace.out / run)
+            remove_folder(marker.parent)
+            route = (workspace.out / run).parent
+            if route.is_dir() and not any(route.iterdir()):
+                route.rmdir()
+
+
+def _remove_files(folder: Path, names: Sequence[str]) -> None:
+    for name in names:
+        (folder / name).unlink(missing_ok=True)
+
+
+def _write_if_new(path: Path, data: bytes) -> None:
+    if not path.is_file() or path.read_bytes() != data:
+        write_file(path, data)

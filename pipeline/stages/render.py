@@ -1,0 +1,134 @@
+"""Second stage: every good run's frames rendered, in blocks over the workers, and resumed frame by frame."""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from blender_scenes.job import FramePose, build_job
+from configs.schema.scenario import RunSpec
+from configs.streams import stream
+from physics.arena import Arena
+from pipeline.dataset.rows import Rows
+from pipeline.files import canonical_json, remove_folder, sha256_of, write_file
+from pipeline.progress import Report
+from pipeline.stages.simulate_runs import RunProblem
+from pipeline.units import Finished, Progress, RenderUnit
+from pipeline.versions import versions
+from pipeline.workers import AnyEvent, AnyUnit, run_units
+from pipeline.workspace import DONE, StageFolder, input_key, mark_done
+
+JOB, IMAGES, FRAMES, INPUTS = "job.json", "images", "frames.json", "inputs.json"
+
+
+@dataclass(frozen=True)
+class RenderTask:
+    """The pictures of one run: the job, and the folder that it fills."""
+
+    run: str
+    folder: StageFolder
+    job_text: str
+    frames: tuple[FramePose, ...]
+
+    @property
+    def key(self) -> str:
+        digest = hashlib.sha256(self.job_text.encode()).hexdigest()
+        return input_key("render", job=digest, versions=versions("symolo", "bpy", "numpy", "opencv-python-headless"))
+
+    @property
+    def images(self) -> Path:
+        return self.folder.path / IMAGES
+
+
+def render_task(spec: RunSpec, rows: Rows, folder: StageFolder) -> RenderTask:
+    frames = frame_poses(rows)
+    arena = Arena.from_config(spec.arena)
+    seed = int(stream(spec.seed, spec.route, spec.run, "render").integers(2**31))
+    job = build_job(arena, spec.robot, spec.look, spec.render, frames, seed)
+    return RenderTask(spec.key, folder, job.to_json(), frames)
+
+
+def frame_poses(rows: Rows) -> tuple[FramePose, ...]:
+    """Where the robot is at each shutter."""
+    return tuple(
+        FramePose(number=int(rows.image[i]), t_s=float(rows.t_ms[i]) / 1000, x_m=x, y_m=y, yaw_rad=yaw)
+        for i, (x, y, yaw) in enumerate(rows.pose.tolist())
+        if rows.image[i] > 0
+    )
+
+
+def render_runs(tasks: Sequence[RenderTask], workers: int, cores: int, report: Report) -> list[RunProblem]:
+    """Render what is not there yet; frames made before an interruption are kept when their job is the same."""
+    pending = [task for task in tasks if not task.folder.is_done(task.key)]
+    if len(pending) < len(tasks):
+        report.say(f"render: {len(tasks) - len(pending)} of {len(tasks)} runs are there already")
+    if not pending:
+        return []
+    for task in pending:
+        _prepare(task)
+    units = blocks(pending, workers, cores)
+    with report.stage("render", sum(len(task.frames) for task in pending), "images") as stage:
+
+        def on_event(unit: AnyUnit, event: AnyEvent) -> None:
+            if isinstance(unit, RenderUnit) and isinstance(event, Progress | Finished):
+                share = event.share if isinstance(event, Progress) else 1.0
+                stage.update(f"{unit.name} from {unit.numbers[0]}", share * len(unit.numbers))
+
+        failures = run_units(units, workers, on_event)
+    failed = {failure.unit.name for failure in failures}
+    for task in pending:
+        if task.run not in failed:
+            _finish(task)
+    return [RunProblem(failure.unit.name, "render", failure.text) for failure in failures]
+
+
+def blocks(tasks: Sequence[RenderTask], workers: int, cores: int) -> list[RenderUnit]:
+    """Frames in blocks, as many for each run as it takes to give every worker one."""
+    count = -(-workers // len(tasks))
+    units = []
+    for task in tasks:
+        numbers = [frame.number for frame in task.frames]
+        size = max(1, -(-len(numbers) // count))
+        units += [
+            RenderUnit(
+                name=task.run,
+                job=task.folder.path / JOB,
+                images=task.images,
+                numbers=tuple(numbers[start : start + size]),
+                threads=max(1, cores // min(workers, count * len(tasks))),
+            )
+            for start in range(0, len(numbers), size)
+        ]
+    return units
+
+
+def _prepare(task: RenderTask) -> None:
+    path = task.folder.path
+    inputs = canonical_json({"key": task.key})
+    if not (path / INPUTS).is_file() or (path / INPUTS).read_bytes() != inputs:
+        remove_folder(path)
+    task.images.mkdir(parents=True, exist_ok=True)
+    (path / DONE).unlink(missing_ok=True)
+    write_file(path / JOB, task.job_text.encode())
+    write_file(path / INPUTS, inputs)
+
+
+def _finish(task: RenderTask) -> None:
+    records = [
+        {
+            "number": frame.number,
+            "file": f"{IMAGES}/{image_name(frame.number)}",
+            "sha256": sha256_of(task.images / image_name(frame.number)),
+            "t_s": frame.t_s,
+            "x_m": frame.x_m,
+            "y_m": frame.y_m,
+            "yaw_rad": frame.yaw_rad,
+        }
+        for frame in task.frames
+    ]
+    write_file(task.folder.path / FRAMES, canonical_json({"frames": records}))
+    mark_done(task.folder.path, task.key)
+
+
+def image_name(number: int) -> str:
+    return f"{number:06d}.jpg"

@@ -1,0 +1,74 @@
+"""The unit of work, one run simulated or one block of frames rendered, and what a worker says while doing it."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
+
+
+class Message(BaseModel):
+    """One line of JSON between the supervisor and a worker."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class SimulateUnit(Message):
+    kind: Literal["simulate"] = "simulate"
+    name: str
+    spec: str
+    """The run specification as JSON text."""
+    folder: Path
+    key: str
+    """Input key of the stage."""
+
+    def run(self, progress: Callable[[float], None]) -> None:
+        from pipeline.stages.simulate_runs import simulate_into  # noqa: PLC0415 - loads pybullet, in the worker alone
+
+        simulate_into(self.spec, self.folder, self.key, progress)
+
+
+class RenderUnit(Message):
+    kind: Literal["render"] = "render"
+    name: str
+    job: Path
+    images: Path
+    numbers: tuple[int, ...]
+    threads: int
+
+    def run(self, progress: Callable[[float], None]) -> None:
+        from blender_scenes.renderer import render_job  # noqa: PLC0415 - opencv, in the worker alone
+
+        shares = iter(index / len(self.numbers) for index in range(1, len(self.numbers) + 1))
+        render_job(
+            self.job,
+            self.images,
+            threads=self.threads,
+            numbers=self.numbers,
+            on_frame=lambda _number: progress(next(shares, 1.0)),
+        )
+
+
+Unit = Annotated[SimulateUnit | RenderUnit, Field(discriminator="kind")]
+
+
+class Progress(Message):
+    kind: Literal["progress"] = "progress"
+    share: float
+    """How much of the unit is done, 0 to 1."""
+
+
+class Finished(Message):
+    kind: Literal["finished"] = "finished"
+
+
+class Failed(Message):
+    kind: Literal["failed"] = "failed"
+    error: Literal["input", "environment", "run", "bug", "killed"]
+    text: str
+
+
+Event = Annotated[Progress | Finished | Failed, Field(discriminator="kind")]
+
+UNITS: TypeAdapter[SimulateUnit | RenderUnit] = TypeAdapter(Unit)
+EVENTS: TypeAdapter[Progress | Finished | Failed] = TypeAdapter(Event)

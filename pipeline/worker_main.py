@@ -1,0 +1,48 @@
+"""The worker process: `python -m pipeline.worker_main` reads one unit from its input, does it and says how it goes.
+
+Its input stays open as long as the supervisor lives; when it closes, the worker ends itself and its children.
+"""
+
+import os
+import signal
+import sys
+import threading
+import traceback
+from typing import TextIO
+
+from configs.errors import EnvironmentLacking, InputError, RunFailed
+from pipeline.units import UNITS, Failed, Finished, Message, Progress
+
+
+def main() -> None:
+    # Engines print to file descriptor 1 whatever Python's sys.stdout is, so that the channel gets one of its own.
+    channel = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)
+    unit = UNITS.validate_json(sys.stdin.readline())
+    threading.Thread(target=_end_with_the_supervisor, daemon=True).start()
+    try:
+        unit.run(lambda share: _say(channel, Progress(share=share)))
+    except InputError as error:
+        _say(channel, Failed(error="input", text=str(error)))
+    except EnvironmentLacking as error:
+        _say(channel, Failed(error="environment", text=str(error)))
+    except RunFailed as error:
+        _say(channel, Failed(error="run", text=str(error)))
+    except Exception:  # noqa: BLE001 - reported with its traceback by the supervisor, which decides
+        _say(channel, Failed(error="bug", text=traceback.format_exc()))
+    else:
+        _say(channel, Finished())
+
+
+def _say(channel: TextIO, message: Message) -> None:
+    channel.write(message.model_dump_json() + "\n")
+    channel.flush()
+
+
+def _end_with_the_supervisor() -> None:
+    sys.stdin.read()
+    os.killpg(0, signal.SIGKILL)
+
+
+if __name__ == "__main__":
+    main()
