@@ -1,8 +1,183 @@
-"""The look of a run: floor, tape, walls, light and exposure as plain numbers."""
+"""The look of a run: floor, tape, surfaces, room, light and camera response as plain numbers.
+
+Light is photometric in thousands (klx, kcd/m2, klm); reflectances are linear shares of light, 0 black and 1 white. Yaw
+angles count counter-clockwise from +x of the world frame W.
+"""
+
+from typing import Literal
+
+from pydantic import Field
 
 from configs.schema.base import Section, Slug
+
+FloorName = Literal["linoleum", "ceramic_tile", "parquet", "concrete"]
+"""`blender_scenes.materials` has a member for every one."""
+
+PanoramaName = Literal["city", "courtyard", "forest", "interior", "night", "studio", "sunrise", "sunset"]
+"""The panoramas shipped with bpy."""
+
+
+class Paint(Section):
+    """A colour by how much light it returns and by its tint."""
+
+    reflectance: float = Field(ge=0.01, le=0.95)
+    """Luminous reflectance."""
+    hue_deg: float = Field(default=40.0, ge=-360, le=360)
+    """0 red, 60 yellow, 120 green, 240 blue."""
+    saturation: float = Field(default=0.0, ge=0, le=1)
+
+
+class Linoleum(Section):
+    """Marbled sheet with a worn wax gloss."""
+
+    paint: Paint = Paint(reflectance=0.55, hue_deg=40, saturation=0.12)
+    marbling: float = Field(default=0.15, ge=0, le=1)
+    """Depth of the streaks relative to the mean reflectance."""
+    roughness: float = Field(default=0.35, ge=0.05, le=1)
+
+
+class CeramicTile(Section):
+    paint: Paint = Paint(reflectance=0.6, hue_deg=35, saturation=0.08)
+    joint: Paint = Paint(reflectance=0.3, hue_deg=35, saturation=0.1)
+    size_m: float = Field(default=0.33, ge=0.02, le=2)
+    joint_width_m: float = Field(default=0.004, ge=0.0005, le=0.03)
+    variation: float = Field(default=0.06, ge=0, le=1)
+    """Spread of reflectance from tile to tile and within one."""
+    roughness: float = Field(default=0.25, ge=0.05, le=1)
+
+
+class Parquet(Section):
+    paint: Paint = Paint(reflectance=0.34, hue_deg=30, saturation=0.5)
+    plank_length_m: float = Field(default=0.5, ge=0.05, le=5)
+    plank_width_m: float = Field(default=0.07, ge=0.01, le=1)
+    gap_m: float = Field(default=0.0005, ge=0, le=0.01)
+    variation: float = Field(default=0.35, ge=0, le=1)
+    """Spread of reflectance from plank to plank."""
+    roughness: float = Field(default=0.35, ge=0.05, le=1)
+
+
+class Concrete(Section):
+    """Power-floated slab with clouds, pores and hairline marks."""
+
+    paint: Paint = Paint(reflectance=0.4, hue_deg=45, saturation=0.06)
+    clouding: float = Field(default=0.25, ge=0, le=1)
+    roughness: float = Field(default=0.6, ge=0.05, le=1)
+
+
+class FloorLook(Section):
+    material: FloorName = "linoleum"
+    yaw_deg: float = Field(default=0.0, ge=-360, le=360)
+    """Turns the pattern under the arena."""
+    dirt: float = Field(default=0.3, ge=0, le=1)
+    """Scuffs, dust and stains; 0 for a floor just laid."""
+    linoleum: Linoleum = Linoleum()
+    ceramic_tile: CeramicTile = CeramicTile()
+    parquet: Parquet = Parquet()
+    concrete: Concrete = Concrete()
+
+
+class TapeLook(Section):
+    """The tape of the line, laid piece by piece with butt joints."""
+
+    paint: Paint = Paint(reflectance=0.035, hue_deg=30, saturation=0.05)
+    roughness: float = Field(default=0.5, ge=0.05, le=1)
+    thickness_m: float = Field(default=0.00013, ge=0.00001, le=0.001)
+    wear: float = Field(default=0.4, ge=0, le=1)
+    """Scuffs, dust and glossy spots."""
+
+
+class BoardLook(Section):
+    """Painted walls and boards of the arena; the reflectance follows from the surface's name."""
+
+    roughness: float = Field(default=0.55, ge=0.05, le=1)
+    tint_hue_deg: float = Field(default=45.0, ge=-360, le=360)
+    tint_saturation: float = Field(default=0.04, ge=0, le=1)
+    wear: float = Field(default=0.3, ge=0, le=1)
+
+
+class CardboardLook(Section):
+    paint: Paint = Paint(reflectance=0.3, hue_deg=30, saturation=0.52)
+    wear: float = Field(default=0.3, ge=0, le=1)
+
+
+class RoomLook(Section):
+    """The room around the arena, a box whose walls keep the margins from the arena's bounds."""
+
+    margin_east_m: float = Field(default=2.0, ge=1.3, le=30)
+    margin_north_m: float = Field(default=1.8, ge=1.3, le=30)
+    margin_west_m: float = Field(default=2.2, ge=1.3, le=30)
+    margin_south_m: float = Field(default=1.6, ge=1.3, le=30)
+    height_m: float = Field(default=2.8, ge=2, le=10)
+    wall: Paint = Paint(reflectance=0.7, hue_deg=48, saturation=0.08)
+    skirting: Paint = Paint(reflectance=0.45, hue_deg=30, saturation=0.3)
+    skirting_height_m: float = Field(default=0.07, ge=0.01, le=0.5)
+
+
+class WindowLook(Section):
+    side: Literal["east", "north", "west", "south"] = "east"
+    width_m: float = Field(default=2.4, ge=0.2, le=20)
+    height_m: float = Field(default=1.5, ge=0.2, le=8)
+    sill_m: float = Field(default=0.9, ge=0.0, le=3)
+    panes: int = Field(default=3, ge=1, le=20)
+    """Side by side, with a bar between two of them."""
+
+
+class SkyLook(Section):
+    panorama: PanoramaName = "courtyard"
+    yaw_deg: float = Field(default=0.0, ge=-360, le=360)
+    luminance_kcd_m2: float = Field(default=3.0, ge=0, le=100)
+    """Mean over the upper half of the panorama."""
+
+
+class SunLook(Section):
+    elevation_deg: float = Field(default=35.0, ge=1, le=90)
+    azimuth_from_window_deg: float = Field(default=20.0, ge=-180, le=180)
+    """From the window's outward normal, counter-clockwise; the sun comes in where it is within about +-70."""
+    illuminance_klx: float = Field(default=1.5, ge=0, le=120)
+    """On a surface that faces it; a veiled sun or one behind curtains has little, 0 is an overcast day."""
+    color_temperature_K: float = Field(default=5200.0, ge=1500, le=15000)
+    angular_diameter_deg: float = Field(default=0.8, ge=0.1, le=30)
+
+
+class LampsLook(Section):
+    """Flat ceiling lamps in a grid."""
+
+    rows: int = Field(default=2, ge=0, le=10)
+    columns: int = Field(default=2, ge=1, le=10)
+    length_m: float = Field(default=1.2, ge=0.05, le=5)
+    width_m: float = Field(default=0.3, ge=0.02, le=5)
+    flux_klm: float = Field(default=3.5, ge=0, le=100)
+    """Of one lamp."""
+    color_temperature_K: float = Field(default=4000.0, ge=1500, le=15000)
+
+
+class CameraLook(Section):
+    """From the light on the sensor to the numbers in the picture."""
+
+    brightness: float = Field(default=0.20, ge=0.01, le=0.9)
+    """What the exposure makes of the scene's median luminance, linear; 0.18 is a photographer's middle grey."""
+    compensation_ev: float = Field(default=0.0, ge=-6, le=6)
+    white_balance_K: float = Field(default=4800.0, ge=1500, le=15000)
+    """The light that is rendered neutral."""
+    contrast: float = Field(default=1.0, ge=0.5, le=2)
+    saturation: float = Field(default=0.9, ge=0, le=2)
+    vignetting: float = Field(default=0.25, ge=0, le=1)
+    """Share of light lost in the corner."""
+    shot_noise: float = Field(default=0.012, ge=0, le=0.5)
+    """Standard deviation at full white, falling as the root of the light."""
+    read_noise: float = Field(default=0.003, ge=0, le=0.5)
 
 
 class LookConfig(Section):
     name: Slug
     description: str = ""
+    floor: FloorLook = FloorLook()
+    tape: TapeLook = TapeLook()
+    boards: BoardLook = BoardLook()
+    cardboard: CardboardLook = CardboardLook()
+    room: RoomLook = RoomLook()
+    window: WindowLook = WindowLook()
+    sky: SkyLook = SkyLook()
+    sun: SunLook = SunLook()
+    lamps: LampsLook = LampsLook()
+    camera: CameraLook = CameraLook()

@@ -1,0 +1,71 @@
+"""The Blender process: reads a request, renders its frames, puts each in place, and says so."""
+
+import os
+import signal
+import sys
+import tempfile
+import threading
+import time
+from pathlib import Path
+from typing import TextIO
+
+from blender_scenes.camera_response import develop, encode_jpeg, exposure_gain
+from blender_scenes.frame_files import FrameFile, frame_name, put_in_place
+from blender_scenes.job import RenderJob
+from blender_scenes.protocol import MESSAGE, REQUEST, Failed, Finished, FrameDone, Message, Ready, Request
+
+
+def main() -> int:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the renderer decides what follows
+    replies = os.fdopen(os.dup(1), "w", buffering=1)
+    os.dup2(2, 1)  # whatever Blender prints goes to the log
+    request = REQUEST.validate_json(sys.stdin.readline())
+    threading.Thread(target=_leave_with_the_renderer, daemon=True).start()
+    try:
+        import bpy  # noqa: F401, PLC0415 - a missing system library is reported, not raised
+    except ImportError as error:
+        _say(replies, Failed(str(error), lacking=True))
+        return 1
+    try:
+        _render(request, replies)
+    except (OSError, ValueError, RuntimeError) as error:
+        _say(replies, Failed(str(error), lacking=False))
+        raise
+    _say(replies, Finished())
+    return 0
+
+
+def _render(request: Request, replies: TextIO) -> None:
+    from blender_scenes.bpy_side import build, engine  # noqa: PLC0415 - they import bpy
+
+    begin = time.perf_counter()
+    job = RenderJob.from_json(Path(request.job_path).read_text())
+    views = {view.number: view for view in job.frames}
+    with tempfile.TemporaryDirectory(prefix="symolo-light-") as scratch:
+        build.start()
+        build.build(job.scene, job.camera)
+        engine.configure(job, request.threads, Path(scratch))
+        gain = exposure_gain(engine.metered_light(job), job.response)
+        _say(replies, Ready(gain, time.perf_counter() - begin))
+        for number in request.numbers:
+            begin = time.perf_counter()
+            pixels = develop(engine.frame_light(job, views[number]), job.response, gain, number)
+            data = encode_jpeg(pixels, job.response.jpeg_quality)
+            path = Path(request.images_dir) / frame_name(number)
+            sha256 = put_in_place(data, path, job.camera.width_px, job.camera.height_px)
+            _say(replies, FrameDone(FrameFile(number, path.name, sha256, len(data), time.perf_counter() - begin)))
+
+
+def _say(replies: TextIO, message: Message) -> None:
+    replies.write(MESSAGE.dump_json(message).decode() + "\n")
+    replies.flush()
+
+
+def _leave_with_the_renderer() -> None:
+    """Ends this process when the renderer is gone, even killed: its end of the pipe closes with it."""
+    sys.stdin.read()
+    os._exit(1)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

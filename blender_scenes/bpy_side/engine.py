@@ -1,0 +1,131 @@
+"""Cycles, with every setting that decides a pixel set here, and the linear light of one view read back whole."""
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from blender_scenes.bpy_side.build import CAMERA, ROBOT
+from blender_scenes.camera import pose_X_WR
+from blender_scenes.description import FrameView
+from blender_scenes.exr import read_exr
+from blender_scenes.job import RenderJob, Sampling
+from configs.streams import stream
+
+_SCRATCH = "light.exr"
+_METERED_VIEWS = 5
+_METERED_WIDTH_PX = 64
+_METERING_SAMPLES = 8
+
+
+def configure(job: RenderJob, threads: int, scratch: Path) -> None:
+    """Sets the scene up for the job; the picture's size is set for each view."""
+    scene = bpy.context.scene
+    render = scene.render
+    render.engine = "CYCLES"
+    render.resolution_percentage = 100
+    render.pixel_aspect_x = render.pixel_aspect_y = 1.0
+    render.threads_mode, render.threads = "FIXED", threads
+    render.use_persistent_data = True
+    render.use_motion_blur = render.use_border = render.use_compositing = render.use_sequencer = False
+    render.film_transparent = False
+    render.dither_intensity = 0.0
+    render.filepath = str(scratch / _SCRATCH)
+    render.use_file_extension = False
+    image = render.image_settings
+    image.file_format, image.color_mode, image.color_depth, image.exr_codec = "OPEN_EXR", "RGB", "32", "NONE"
+    image.color_management = "FOLLOW_SCENE"
+    scene.view_settings.exposure, scene.view_settings.gamma = 0.0, 1.0
+    _cycles(scene.cycles, job.sampling)
+
+
+def _cycles(cycles: bpy.types.PropertyGroup, sampling: Sampling) -> None:
+    settings = {
+        "device": "CPU",
+        "feature_set": "SUPPORTED",
+        "shading_system": False,
+        "samples": sampling.samples,
+        "use_adaptive_sampling": False,
+        "time_limit": 0.0,
+        "sampling_pattern": "TABULATED_SOBOL",
+        "scrambling_distance": 1.0,
+        "auto_scrambling_distance": False,
+        "use_denoising": sampling.denoise,
+        "denoiser": "OPENIMAGEDENOISE",
+        "denoising_input_passes": "RGB_ALBEDO_NORMAL",
+        "denoising_prefilter": sampling.prefilter,
+        "denoising_quality": sampling.denoise_quality,
+        "denoising_use_gpu": False,
+        "use_light_tree": False,
+        "light_sampling_threshold": 0.0,
+        "use_guiding": False,
+        "max_bounces": max(sampling.diffuse_bounces, sampling.glossy_bounces, sampling.transmission_bounces),
+        "diffuse_bounces": sampling.diffuse_bounces,
+        "glossy_bounces": sampling.glossy_bounces,
+        "transmission_bounces": sampling.transmission_bounces,
+        "volume_bounces": 0,
+        "transparent_max_bounces": 8,
+        "min_light_bounces": 0,
+        "min_transparent_bounces": 0,
+        "caustics_reflective": False,
+        "caustics_refractive": False,
+        "blur_glossy": 1.0,
+        "sample_clamp_direct": 0.0,
+        "sample_clamp_indirect": 5.0,
+        "use_fast_gi": False,
+        "film_exposure": 1.0,
+        "pixel_filter_type": "BLACKMAN_HARRIS",
+        "filter_width": sampling.filter_width_px,
+        "use_animated_seed": False,
+        "use_auto_tile": False,
+        "debug_bvh_type": "DYNAMIC_BVH",
+        "debug_use_spatial_splits": False,
+    }
+    for name, value in settings.items():
+        setattr(cycles, name, value)
+
+
+def frame_light(job: RenderJob, view: FrameView) -> np.ndarray:
+    """(H, W, 3) linear light of one of the job's frames."""
+    size = job.camera.width_px, job.camera.height_px
+    sampling = job.sampling
+    seed = _noise_seed(sampling.seed, "frame", view.number)
+    return _light(view, size, seed=seed, samples=sampling.samples, denoise=sampling.denoise)
+
+
+def metered_light(job: RenderJob) -> np.ndarray:
+    """Light of small pictures of a few of the job's views, spread over the run, whichever frames are asked for."""
+    chosen = np.unique(np.linspace(0, len(job.frames) - 1, _METERED_VIEWS).round().astype(int))
+    height = max(1, round(_METERED_WIDTH_PX * job.camera.height_px / job.camera.width_px))
+    seen = []
+    for view in (job.frames[i] for i in chosen):
+        seed = _noise_seed(job.sampling.seed, "metering", view.number)
+        seen.append(_light(view, (_METERED_WIDTH_PX, height), seed=seed, samples=_METERING_SAMPLES, denoise=False))
+    return np.concatenate(seen)
+
+
+def _noise_seed(seed: int, *path: str | int) -> int:
+    return int(stream(seed, "path tracing", *path).integers(2**31))
+
+
+def _light(view: FrameView, size: tuple[int, int], *, seed: int, samples: int, denoise: bool) -> np.ndarray:
+    """(H, W, 3) linear light that the camera receives in a view.
+
+    Raises:
+        ValueError: Blender left no whole picture, as it does on a full disk.
+    """
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y = size
+    scene.cycles.seed, scene.cycles.samples, scene.cycles.use_denoising = seed, samples, denoise
+    bpy.data.objects[ROBOT].matrix_world = Matrix(pose_X_WR(*view.robot_pose).tolist())
+    # Blender's camera looks along its own -z with y up: the optical frame turned half a turn about x.
+    X_WC = np.array(view.X_WC) @ np.diag([1.0, -1.0, -1.0, 1.0])
+    bpy.data.objects[CAMERA].matrix_world = Matrix(X_WC.tolist())
+    scratch = Path(scene.render.filepath)
+    scratch.unlink(missing_ok=True)
+    bpy.ops.render.render(write_still=True)
+    if not scratch.exists():
+        raise ValueError(f"Blender wrote no picture for frame {view.number}")
+    channels = read_exr(scratch.read_bytes())
+    return np.stack([channels[name] for name in "RGB"], axis=-1).astype(np.float32)

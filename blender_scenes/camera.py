@@ -1,0 +1,73 @@
+"""The pinhole camera on the robot: intrinsics, poses and projection.
+
+Frames: W the world, R the robot (middle of the axle, x forward, y left, z up), C the camera's optical frame of OpenCV
+(x right, y down, z along the axis). X_AB is the pose of B in A, so that p_A = X_AB p_B.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blender_scenes.description import Intrinsics
+from configs.schema.robot import Camera
+
+Array = NDArray[np.float64]
+
+
+def intrinsics(camera: Camera, width_px: int, height_px: int) -> Intrinsics:
+    """Square pixels, axis through the picture's middle."""
+    focal_px = width_px * camera.focal_length_mm / camera.sensor_width_mm
+    return Intrinsics(width_px, height_px, focal_px, focal_px, 0.5 * (width_px - 1), 0.5 * (height_px - 1))
+
+
+def matrix_K(camera: Intrinsics) -> Array:
+    """(3, 3) camera matrix."""
+    return np.array([[camera.fx_px, 0, camera.cx_px], [0, camera.fy_px, camera.cy_px], [0, 0, 1.0]])
+
+
+def horizontal_field_of_view_rad(camera: Camera) -> float:
+    return float(2 * np.arctan(0.5 * camera.sensor_width_mm / camera.focal_length_mm))
+
+
+def pose_X_RC(camera: Camera, base_height_m: float) -> Array:
+    """(4, 4) pose of the camera in R: its axis lies in R's x-z plane, `pitch_down_deg` below the horizon."""
+    pitch = np.radians(camera.pitch_down_deg)
+    right = np.array([0.0, -1.0, 0.0])
+    forward = np.array([np.cos(pitch), 0.0, -np.sin(pitch)])
+    X_RC = np.eye(4)
+    X_RC[:3, :3] = np.stack([right, np.cross(forward, right), forward], axis=1)
+    X_RC[:3, 3] = camera.x_m, camera.y_m, base_height_m + camera.height_above_base_m
+    return X_RC
+
+
+def pose_X_WR(x_m: float, y_m: float, yaw_rad: float) -> Array:
+    """(4, 4) pose of the robot standing on the floor."""
+    c, s = np.cos(yaw_rad), np.sin(yaw_rad)
+    return np.array([[c, -s, 0, x_m], [s, c, 0, y_m], [0, 0, 1, 0], [0, 0, 0, 1.0]])
+
+
+def project(camera: Intrinsics, X_WC: Array, p_W: Array) -> tuple[Array, Array]:
+    """Pixels (N, 2) of points (N, 3) in W, and their depths (N,) along the axis [m].
+
+    A point with a depth of zero or less is behind the camera and its pixel means nothing.
+    """
+    p_C = (p_W - X_WC[:3, 3]) @ X_WC[:3, :3]
+    depth = p_C[:, 2]
+    safe = np.where(depth > 0, depth, np.nan)
+    u = camera.fx_px * p_C[:, 0] / safe + camera.cx_px
+    v = camera.fy_px * p_C[:, 1] / safe + camera.cy_px
+    return np.stack([u, v], axis=1), depth
+
+
+def floor_points(camera: Intrinsics, X_WC: Array, pixels: Array) -> Array:
+    """Floor points (N, 3) seen in pixels (N, 2); NaN where the ray never comes down."""
+    rays_C = np.stack(
+        [
+            (pixels[:, 0] - camera.cx_px) / camera.fx_px,
+            (pixels[:, 1] - camera.cy_px) / camera.fy_px,
+            np.ones(len(pixels)),
+        ],
+        axis=1,
+    )
+    rays_W = rays_C @ X_WC[:3, :3].T
+    down = np.where(rays_W[:, 2] < 0, -rays_W[:, 2], np.nan)
+    return X_WC[:3, 3] + rays_W * (X_WC[2, 3] / down)[:, None]

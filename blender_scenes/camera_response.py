@@ -1,0 +1,100 @@
+"""From light to picture: exposure, white balance, vignetting, noise, tone curve and JPEG, in numpy and OpenCV alone.
+
+Pixels depend on the light, the settings and the frame's number, never on threads or order.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from blender_scenes.colour import LUMINANCE, light_rgb
+from blender_scenes.shading import RGB
+from configs.schema.look import CameraLook
+from configs.streams import stream
+
+Image = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class CameraResponse:
+    seed: int
+    brightness: float
+    """Linear value of the scene's median luminance, compensation included."""
+    white_balance: RGB
+    """Gains that render the chosen light neutral."""
+    contrast: float
+    saturation: float
+    vignetting: float
+    shot_noise: float
+    read_noise: float
+    jpeg_quality: int
+
+    @classmethod
+    def from_look(cls, look: CameraLook, seed: int, jpeg_quality: int) -> "CameraResponse":
+        r, g, b = light_rgb(look.white_balance_K)
+        return cls(
+            seed=seed,
+            brightness=look.brightness * 2.0**look.compensation_ev,
+            white_balance=(g / r, 1.0, g / b),
+            contrast=look.contrast,
+            saturation=look.saturation,
+            vignetting=look.vignetting,
+            shot_noise=look.shot_noise,
+            read_noise=look.read_noise,
+            jpeg_quality=jpeg_quality,
+        )
+
+
+def exposure_gain(metered: NDArray[np.float32], response: CameraResponse) -> float:
+    """Gain that brings the median luminance of metered light (..., 3) to the look's brightness."""
+    luminance = metered @ LUMINANCE.astype(np.float32)
+    median = float(np.median(luminance))
+    if not median > 0:
+        raise ValueError("the scene is black: no light reaches what the camera sees")
+    return response.brightness / median
+
+
+def develop(light: Image, response: CameraResponse, gain: float, number: int) -> NDArray[np.uint8]:
+    """(H, W, 3) 8-bit RGB of linear light (H, W, 3)."""
+    height, width, _ = light.shape
+    exposed = light * (gain * np.asarray(response.white_balance, np.float32))
+    exposed = exposed * _vignette(width, height, response.vignetting)[..., None]
+    exposed = np.maximum(exposed + _noise(exposed, response, number), 0)
+    grey = (exposed @ LUMINANCE.astype(np.float32))[..., None]
+    exposed = np.maximum(grey + response.saturation * (exposed - grey), 0)
+    return (255 * _tone(exposed, response.contrast) + 0.5).astype(np.uint8)
+
+
+def encode_jpeg(pixels: NDArray[np.uint8], quality: int) -> bytes:
+    """JPEG file of RGB pixels."""
+    done, data = cv2.imencode(".jpg", cv2.cvtColor(pixels, cv2.COLOR_RGB2BGR), [cv2.IMWRITE_JPEG_QUALITY, quality])
+    if not done:
+        raise OSError("OpenCV could not encode a frame as JPEG")
+    return data.tobytes()
+
+
+def _vignette(width: int, height: int, loss: float) -> Image:
+    """Light that is left, falling with the square of the distance from the middle to 1 - `loss` in the corner."""
+    x = (np.arange(width, dtype=np.float32) + 0.5) / width - 0.5
+    y = ((np.arange(height, dtype=np.float32) + 0.5) - 0.5 * height) / width
+    r2 = (x[None, :] ** 2 + y[:, None] ** 2) / (0.25 + 0.25 * (height / width) ** 2)
+    return (1 - loss * r2).astype(np.float32)
+
+
+def _noise(exposed: Image, response: CameraResponse, number: int) -> Image:
+    """Shot and read noise, slightly blurred as a colour filter's interpolation leaves it."""
+    draw = stream(response.seed, "camera noise", number).standard_normal(exposed.shape, np.float32)
+    soft = cv2.GaussianBlur(draw, (3, 3), 0.6)
+    sd = np.sqrt(response.shot_noise**2 * np.maximum(exposed, 0) + response.read_noise**2)
+    return (1.6 * sd * soft).astype(np.float32)
+
+
+def _tone(linear: Image, contrast: float) -> Image:
+    """SRGB transfer (IEC 61966-2-1) with a soft shoulder above 0.7, then contrast about middle grey."""
+    scaled = 0.18 * (linear / 0.18) ** np.float32(contrast)
+    knee = np.float32(0.7)
+    over = np.maximum(scaled - knee, 0)
+    rolled = np.where(scaled > knee, knee + (1 - knee) * (1 - np.exp(-over / (1 - knee))), scaled)
+    return np.where(rolled <= 0.0031308, 12.92 * rolled, 1.055 * np.power(np.maximum(rolled, 1e-9), 1 / 2.4) - 0.055)

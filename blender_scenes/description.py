@@ -1,0 +1,114 @@
+"""The scene as data: meshes, surfaces, lights, sky and camera, free of any renderer.
+
+Units are metres and radians. Light is photometric in thousands (kilolux, kilocandela per square metre), so that a
+radiance of 1 is 1000 cd/m2; exposure makes pixels of it. Everything stands in W but the robot's parts, which do in R.
+"""
+
+from dataclasses import dataclass
+
+from blender_scenes.shading import RGB, Surface
+
+Point3 = tuple[float, float, float]
+Point2 = tuple[float, float]
+Row4 = tuple[float, float, float, float]
+Matrix4 = tuple[Row4, Row4, Row4, Row4]
+"""(4, 4) homogeneous transform, row by row."""
+
+
+@dataclass(frozen=True)
+class Mesh:
+    name: str
+    vertices: tuple[Point3, ...]
+    """(N, 3) [m]."""
+    faces: tuple[tuple[int, ...], ...]
+    """Vertex numbers of each polygon, counter-clockwise seen from outside."""
+    uv_m: tuple[tuple[Point2, ...], ...]
+    """Surface coordinates of each corner of each face [m]."""
+    face_surface: tuple[str, ...]
+    """Name of each face's surface."""
+    smooth: bool = False
+    seen_by_camera: bool = True
+    """False for a body that may shade and mirror but never stands before the lens."""
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A rectangle that shines to one side, evenly over its area."""
+
+    name: str
+    center: Point3
+    right: Point3
+    """Unit vector along the width."""
+    up: Point3
+    """Unit vector along the height; light leaves along right x up."""
+    width_m: float
+    height_m: float
+    radiance: RGB
+
+
+@dataclass(frozen=True)
+class Portal:
+    """An opening through which the sky is sampled; it shines not by itself. Sides as those of a panel."""
+
+    name: str
+    center: Point3
+    right: Point3
+    up: Point3
+    width_m: float
+    height_m: float
+
+
+@dataclass(frozen=True)
+class Sun:
+    towards: Point3
+    """Unit vector from the scene to the sun."""
+    irradiance: RGB
+    """On a surface that faces the sun."""
+    angular_diameter_rad: float
+
+
+@dataclass(frozen=True)
+class Sky:
+    """One of the panoramas shipped with bpy, all around."""
+
+    panorama: str
+    yaw_rad: float
+    mean_radiance: float
+    """Of the upper half; the panorama is scaled to it."""
+    tint: RGB = (1.0, 1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Scene:
+    surfaces: tuple[Surface, ...]
+    meshes: tuple[Mesh, ...]
+    robot: tuple[Mesh, ...]
+    """The robot's parts, in R."""
+    panels: tuple[Panel, ...]
+    portals: tuple[Portal, ...]
+    sun: Sun | None
+    sky: Sky
+
+
+@dataclass(frozen=True)
+class Intrinsics:
+    """Pinhole camera; pixel (0, 0) is the middle of the first pixel, as OpenCV counts."""
+
+    width_px: int
+    height_px: int
+    fx_px: float
+    fy_px: float
+    cx_px: float
+    cy_px: float
+
+
+@dataclass(frozen=True)
+class FrameView:
+    """One picture to be taken."""
+
+    number: int
+    t_s: float
+    robot_pose: tuple[float, float, float]
+    """x [m], y [m], yaw [rad] of R in W."""
+    X_WC: Matrix4
+    """Pose of the optical frame (x right, y down, z forward) in W."""

@@ -1,0 +1,98 @@
+"""Pictures on disk: put in place whole or not at all, and known again by their hash."""
+
+import hashlib
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+from pydantic import TypeAdapter, ValidationError
+
+
+@dataclass(frozen=True)
+class FrameFile:
+    """One finished picture."""
+
+    number: int
+    file: str
+    """Name within the folder of the pictures."""
+    sha256: str
+    size_bytes: int
+    seconds: float
+    """What rendering, developing and writing it took."""
+
+
+@dataclass(frozen=True)
+class _Entry:
+    job_sha256: str
+    frame: FrameFile
+
+
+_ENTRY = TypeAdapter(_Entry)
+
+
+def frame_name(number: int) -> str:
+    return f"{number:06d}.jpg"
+
+
+def put_in_place(data: bytes, path: Path, width_px: int, height_px: int) -> str:
+    """Writes an encoded picture beside `path`, reads it back, decodes it, renames it; returns its SHA-256.
+
+    Raises:
+        OSError: The disk did not keep what was written, or the picture does not decode to its size.
+    """
+    beside = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        with beside.open("wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        kept = beside.read_bytes()
+        if kept != data or not _decodes(kept, width_px, height_px):
+            raise OSError(f"{path}: the picture on disk is not the one written ({len(kept)} of {len(data)} bytes)")
+        beside.replace(path)
+    finally:
+        beside.unlink(missing_ok=True)
+    return hashlib.sha256(data).hexdigest()
+
+
+def _decodes(data: bytes, width_px: int, height_px: int) -> bool:
+    pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
+    return pixels is not None and pixels.shape == (height_px, width_px, 3)
+
+
+class Ledger:
+    """The record of finished pictures beside their folder, one line each, so that a killed run loses none."""
+
+    def __init__(self, images_dir: Path, job_sha256: str) -> None:
+        self._images_dir = images_dir
+        self._job_sha256 = job_sha256
+        self._path = images_dir.with_name(f"{images_dir.name}.jsonl")
+
+    def add(self, frame: FrameFile) -> None:
+        line = _ENTRY.dump_json(_Entry(self._job_sha256, frame)) + b"\n"
+        with self._path.open("ab") as file:
+            file.write(line)
+            file.flush()
+            os.fsync(file.fileno())
+
+    def whole_frames(self) -> dict[int, FrameFile]:
+        """Recorded pictures of this job that lie in the folder as they were written, by number."""
+        if not self._path.exists():
+            return {}
+        recorded = {}
+        for line in self._path.read_bytes().splitlines():
+            try:
+                entry = _ENTRY.validate_json(line)
+            except ValidationError:  # a line cut short by a kill
+                continue
+            if entry.job_sha256 == self._job_sha256:
+                recorded[entry.frame.number] = entry.frame
+        return {number: frame for number, frame in recorded.items() if self._is_whole(frame)}
+
+    def _is_whole(self, frame: FrameFile) -> bool:
+        path = self._images_dir / frame.file
+        if not path.is_file() or path.stat().st_size != frame.size_bytes:
+            return False
+        return hashlib.sha256(path.read_bytes()).hexdigest() == frame.sha256

@@ -1,0 +1,108 @@
+"""Meshes from the arena's geometry and from simple bodies, each face with surface coordinates in metres."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blender_scenes.description import Mesh, Point2, Point3
+from physics.arena import Box, Line
+
+Array = NDArray[np.float64]
+
+SIDES = ("back", "right", "front", "left", "bottom", "top")
+"""Faces of a box: -x', -y', +x', +y', -z', +z' in its own axes."""
+
+_BOX_FACES = ((3, 0, 4, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 2, 1, 0), (4, 5, 6, 7))
+
+
+def rectangle(name: str, corners: Sequence[Point3], surface: str) -> Mesh:
+    """A flat four-sided face; u runs along the first edge, v towards the last corner."""
+    points = np.asarray(corners)
+    width, height = np.linalg.norm(points[1] - points[0]), np.linalg.norm(points[3] - points[0])
+    uv = ((0.0, 0.0), (float(width), 0.0), (float(width), float(height)), (0.0, float(height)))
+    return Mesh(name, tuple(corners), ((0, 1, 2, 3),), (uv,), (surface,))
+
+
+def floor(name: str, low: Point2, high: Point2, yaw_rad: float, surface: str) -> Mesh:
+    """The floor rectangle from `low` to `high`, its pattern turned by `yaw_rad` about the origin of W."""
+    corners = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])]
+    c, s = float(np.cos(yaw_rad)), float(np.sin(yaw_rad))
+    uv = tuple((c * x + s * y, c * y - s * x) for x, y in corners)
+    return Mesh(name, tuple((x, y, 0.0) for x, y in corners), ((0, 1, 2, 3),), (uv,), (surface,))
+
+
+def tapes(line: Line, thickness_m: float, surfaces: Sequence[str]) -> list[Mesh]:
+    """One strip per piece of the line, `thickness_m` above the floor, its outline the edges that the sensor reads.
+
+    u runs along the piece from its start, v across from the right edge to the left one.
+    """
+    meshes = []
+    for number, (piece, (left, right)) in enumerate(zip(line.pieces, line.edges(spacing_m=0.004), strict=True)):
+        count = len(left)
+        flat = np.concatenate([right, left])
+        vertices = tuple((float(x), float(y), thickness_m) for x, y in flat)
+        along = np.linspace(0.0, piece.length_m, count)
+        faces, uv = [], []
+        for i in range(count - 1):
+            faces.append((i, i + 1, count + i + 1, count + i))
+            a, b = float(along[i]), float(along[i + 1])
+            uv.append(((a, 0.0), (b, 0.0), (b, line.width_m), (a, line.width_m)))
+        meshes.append(Mesh(f"tape_{number}", vertices, tuple(faces), tuple(uv), (surfaces[number],) * len(faces)))
+    return meshes
+
+
+def box_corners(box: Box) -> Array:
+    """(8, 3) corners, the lower four first, counter-clockwise."""
+    footprint = box.footprint()
+    low, high = box.center[2] - 0.5 * box.size[2], box.center[2] + 0.5 * box.size[2]
+    return np.concatenate(
+        [np.column_stack([footprint, np.full(4, low)]), np.column_stack([footprint, np.full(4, high)])]
+    )
+
+
+def box(name: str, corners: Array, surfaces: Sequence[str], *, seen_by_camera: bool = True) -> Mesh:
+    """A box from its eight corners and a surface for each of `SIDES`."""
+    uv = []
+    for face in _BOX_FACES:
+        p = corners[list(face)]
+        width, height = float(np.linalg.norm(p[1] - p[0])), float(np.linalg.norm(p[3] - p[0]))
+        uv.append(((0.0, 0.0), (width, 0.0), (width, height), (0.0, height)))
+    vertices = tuple((float(x), float(y), float(z)) for x, y, z in corners)
+    return Mesh(name, vertices, _BOX_FACES, tuple(uv), tuple(surfaces), seen_by_camera=seen_by_camera)
+
+
+def block(name: str, center: Point3, size: Point3, surface: str, *, seen_by_camera: bool = True) -> Mesh:
+    """A box along the axes of its frame."""
+    half = 0.5 * np.asarray(size)
+    signs = np.array(
+        [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]
+    )
+    return box(name, np.asarray(center) + signs * half, (surface,) * 6, seen_by_camera=seen_by_camera)
+
+
+def cylinder(
+    name: str, center: Point3, axis: int, radius_m: float, length_m: float, surface: str, *, seen_by_camera: bool = True
+) -> Mesh:
+    """A closed cylinder of 48 sides along axis 0, 1 or 2 of its frame."""
+    sides = 48
+    angle = 2 * np.pi * np.arange(sides) / sides
+    ring = np.zeros((sides, 3))
+    ring[:, (axis + 1) % 3], ring[:, (axis + 2) % 3] = radius_m * np.cos(angle), radius_m * np.sin(angle)
+    shift = np.zeros(3)
+    shift[axis] = 0.5 * length_m
+    vertices = np.asarray(center) + np.concatenate([ring - shift, ring + shift])
+    faces = [tuple(range(sides - 1, -1, -1)), tuple(range(sides, 2 * sides))]
+    faces += [(i, (i + 1) % sides, sides + (i + 1) % sides, sides + i) for i in range(sides)]
+    flat = [(float(radius_m * np.cos(a)), float(radius_m * np.sin(a))) for a in angle]
+    arc = 2 * np.pi * radius_m / sides
+    uv = [tuple(flat[::-1]), tuple(flat)]
+    uv += [((i * arc, 0.0), ((i + 1) * arc, 0.0), ((i + 1) * arc, length_m), (i * arc, length_m)) for i in range(sides)]
+    return Mesh(
+        name,
+        tuple((float(x), float(y), float(z)) for x, y, z in vertices),
+        tuple(faces),
+        tuple(uv),
+        (surface,) * len(faces),
+        seen_by_camera=seen_by_camera,
+    )

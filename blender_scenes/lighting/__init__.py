@@ -1,0 +1,16 @@
+"""Kinds of light, one file each: functions from the look and the room to what they add."""
+
+from collections.abc import Callable
+
+from blender_scenes.lighting.base import Lights
+from blender_scenes.lighting.ceiling_lamps import ceiling_lamps
+from blender_scenes.lighting.daylight import daylight
+from blender_scenes.lighting.sun import sun
+from blender_scenes.rooms.base import Room
+from configs.schema.look import LookConfig
+
+LIGHTS: dict[str, Callable[[LookConfig, Room], Lights]] = {
+    "daylight": daylight,
+    "sun": sun,
+    "ceiling_lamps": ceiling_lamps,
+}

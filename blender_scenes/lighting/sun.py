@@ -1,0 +1,25 @@
+"""Direct sun through the window."""
+
+import math
+
+from blender_scenes.colour import light_rgb, scaled
+from blender_scenes.description import Sun
+from blender_scenes.lighting.base import Lights
+from blender_scenes.rooms.base import Room
+from configs.schema.look import LookConfig
+
+
+def sun(look: LookConfig, room: Room) -> Lights:
+    """The sun as it stands to the window's outward normal; none where it gives no light."""
+    own = look.sun
+    if own.illuminance_klx == 0:
+        return Lights()
+    outward = math.atan2(-room.window.inward[1], -room.window.inward[0])
+    azimuth, elevation = outward + math.radians(own.azimuth_from_window_deg), math.radians(own.elevation_deg)
+    towards = (
+        math.cos(elevation) * math.cos(azimuth),
+        math.cos(elevation) * math.sin(azimuth),
+        math.sin(elevation),
+    )
+    irradiance = scaled(light_rgb(own.color_temperature_K), own.illuminance_klx)
+    return Lights(suns=(Sun(towards, irradiance, math.radians(own.angular_diameter_deg)),))

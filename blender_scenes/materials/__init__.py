@@ -1,0 +1,40 @@
+"""Materials: one file each, a pure function from numbers to a `Surface`, and the tables that name them."""
+
+from collections.abc import Callable
+
+from blender_scenes.materials.base import Patch
+from blender_scenes.materials.boards import board
+from blender_scenes.materials.cardboard import cardboard
+from blender_scenes.materials.ceramic_tile import ceramic_tile
+from blender_scenes.materials.concrete import concrete
+from blender_scenes.materials.glass import glass
+from blender_scenes.materials.linoleum import linoleum
+from blender_scenes.materials.metal import metal
+from blender_scenes.materials.paper import paper
+from blender_scenes.materials.parquet import parquet
+from blender_scenes.materials.plastic import plastic
+from blender_scenes.materials.wood import wood
+from blender_scenes.shading import Surface
+from configs.schema.arena import SurfaceName
+from configs.schema.look import FloorLook, FloorName, LookConfig
+
+FLOORS: dict[FloorName, Callable[[FloorLook, Patch], Surface]] = {
+    "linoleum": linoleum,
+    "ceramic_tile": ceramic_tile,
+    "parquet": parquet,
+    "concrete": concrete,
+}
+
+SURFACES: dict[SurfaceName, Callable[[LookConfig, Patch], Surface]] = {
+    "white_board": board(0.78),
+    "light_grey_board": board(0.5),
+    "dark_grey_board": board(0.16),
+    "black_board": board(0.04),
+    "metal": metal,
+    "wood": wood,
+    "glass": glass,
+    "paper": paper,
+    "cardboard": cardboard,
+    "plastic": plastic,
+}
+"""What walls and obstacles are made of; the names are those of `physics.surfaces`."""

@@ -1,0 +1,18 @@
+"""Plain surfaces of the room and of the robot, which are seen from afar, in mirrors and as shadows."""
+
+from blender_scenes.colour import paint_color
+from blender_scenes.shading import RGB, Color, Surface
+from configs.schema.look import Paint
+
+
+def painted(name: str, paint: Paint, roughness: float) -> Surface:
+    return Surface(name, paint_color(paint), roughness=roughness)
+
+
+def moulded(name: str, rgb: RGB, roughness: float) -> Surface:
+    """Plastic, rubber or lacquer of one colour."""
+    return Surface(name, Color(rgb), roughness=roughness)
+
+
+def bare_metal(name: str, rgb: RGB, roughness: float) -> Surface:
+    return Surface(name, Color(rgb), roughness=roughness, metallic=1.0)

@@ -1,0 +1,56 @@
+"""What the renderer and its Blender process say to each other: one JSON message a line.
+
+The renderer sends one `Request` on the child's standard input and keeps it open; its end tells the child that nobody
+waits any more. The child answers on its standard output, which Blender's own chatter never reaches.
+"""
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from pydantic import Field, TypeAdapter
+
+from blender_scenes.frame_files import FrameFile
+
+
+@dataclass(frozen=True)
+class Request:
+    job_path: str
+    images_dir: str
+    numbers: tuple[int, ...]
+    threads: int
+
+
+@dataclass(frozen=True)
+class Ready:
+    """Scene built and exposure metered."""
+
+    exposure_gain: float
+    seconds: float
+    kind: Literal["ready"] = "ready"
+
+
+@dataclass(frozen=True)
+class FrameDone:
+    """A picture is in place, decoded and flushed to disk."""
+
+    frame: FrameFile
+    kind: Literal["frame"] = "frame"
+
+
+@dataclass(frozen=True)
+class Finished:
+    kind: Literal["finished"] = "finished"
+
+
+@dataclass(frozen=True)
+class Failed:
+    """The child gives up; `lacking` where the machine lacks something that an installation mends."""
+
+    message: str
+    lacking: bool
+    kind: Literal["failed"] = "failed"
+
+
+Message = Annotated[Ready | FrameDone | Finished | Failed, Field(discriminator="kind")]
+MESSAGE: TypeAdapter[Ready | FrameDone | Finished | Failed] = TypeAdapter(Message)
+REQUEST: TypeAdapter[Request] = TypeAdapter(Request)

@@ -1,0 +1,149 @@
+"""Renders a job's frames in a Blender process of its own, and finishes what an earlier call left undone."""
+
+import contextlib
+import hashlib
+import queue
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO
+
+from pydantic import ValidationError
+
+from blender_scenes.frame_files import FrameFile, Ledger
+from blender_scenes.job import RenderJob
+from blender_scenes.protocol import MESSAGE, REQUEST, Failed, Finished, FrameDone, Message, Request
+from configs.errors import EnvironmentLacking
+
+SYSTEM_PACKAGES = "libgl1 libsm6 libx11-6 libxext6 libxfixes3 libxi6 libxkbcommon0 libxrender1 libxt6"
+"""Debian packages of the shared libraries that bpy loads."""
+
+_LOG_LINES = 15
+_SILENCE_S = 300.0
+_SILENCE_PER_SAMPLE_S = 2e-4
+"""Patience for each camera sample: two hundred times what one takes."""
+
+
+class RenderError(RuntimeError):
+    """The Blender process died, fell silent or gave up; the text ends with the last lines of its log."""
+
+
+@dataclass(frozen=True)
+class FrameSet:
+    """The pictures of a job that were asked for, in order of their numbers."""
+
+    frames: tuple[FrameFile, ...]
+    rendered: int
+    """How many of them this call rendered; the others were there and whole."""
+
+
+def render_job(
+    job_path: Path,
+    images_dir: Path,
+    *,
+    threads: int = 1,
+    numbers: Sequence[int] | None = None,
+    on_frame: Callable[[int], None] | None = None,
+) -> FrameSet:
+    """Renders the frames `numbers` of a job (all by default) into `images_dir`.
+
+    Pixels depend on the job and the frame's number alone. Finished frames are recorded in a file beside the folder,
+    `<folder>.jsonl`; a frame that is there and whole is not rendered again. `on_frame` hears of every frame in place.
+
+    Raises:
+        EnvironmentLacking: bpy cannot be loaded.
+        RenderError: The Blender process failed.
+        ValueError: The job is damaged or has no such frame.
+    """
+    text = job_path.read_bytes()
+    job = RenderJob.from_json(text.decode())
+    known = [view.number for view in job.frames]
+    wanted = sorted(set(known if numbers is None else numbers))
+    if unknown := sorted(set(wanted) - set(known)):
+        raise ValueError(f"{job_path}: no frame {unknown[0]}; the job has {len(known)} frames")
+    images_dir.mkdir(parents=True, exist_ok=True)
+    ledger = Ledger(images_dir, hashlib.sha256(text).hexdigest())
+    whole = ledger.whole_frames()
+    missing = tuple(number for number in wanted if number not in whole)
+    for number in wanted:
+        if number in whole and on_frame is not None:
+            on_frame(number)
+    if missing:
+        request = Request(str(job_path), str(images_dir), missing, threads)
+        pixels = job.camera.width_px * job.camera.height_px
+        patience = _SILENCE_S + _SILENCE_PER_SAMPLE_S * pixels * job.sampling.samples
+        for frame in _blender_frames(request, patience):
+            ledger.add(frame)
+            whole[frame.number] = frame
+            if on_frame is not None:
+                on_frame(frame.number)
+    return FrameSet(tuple(whole[number] for number in wanted), rendered=len(missing))
+
+
+def _blender_frames(request: Request, patience_s: float) -> Iterator[FrameFile]:
+    """Finished frames of a child process as they come; the child never outlives the iteration."""
+    with tempfile.TemporaryFile() as log:
+        command = [sys.executable, "-X", "faulthandler", "-m", "blender_scenes.bpy_side"]
+        child = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log)
+        try:
+            yield from _converse(child, request, patience_s, log)
+        finally:
+            child.kill()
+            child.wait()
+            for pipe in (child.stdin, child.stdout):
+                if pipe is not None:
+                    pipe.close()
+
+
+def _converse(
+    child: subprocess.Popen[bytes], request: Request, patience_s: float, log: IO[bytes]
+) -> Iterator[FrameFile]:
+    lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    if child.stdin is None or child.stdout is None:
+        raise RenderError("the Blender process has no pipes")
+    threading.Thread(target=_pass_lines_on, args=(child.stdout, lines), daemon=True).start()
+    with contextlib.suppress(BrokenPipeError):  # a child that is dead already is noticed when it is listened to
+        child.stdin.write(REQUEST.dump_json(request) + b"\n")
+        child.stdin.flush()
+    while True:
+        try:
+            line = lines.get(timeout=patience_s)
+        except queue.Empty:
+            raise RenderError(f"Blender said nothing for {patience_s:.0f} s{_tail(log)}") from None
+        if not line:
+            raise RenderError(f"the Blender process ended with status {child.wait()} before its work did{_tail(log)}")
+        message = _message(line, log)
+        if isinstance(message, FrameDone):
+            yield message.frame
+        elif isinstance(message, Failed):
+            if message.lacking:
+                raise EnvironmentLacking(f"{message.message}: run `apt-get install -y {SYSTEM_PACKAGES}`")
+            raise RenderError(f"{message.message}{_tail(log)}")
+        elif isinstance(message, Finished):
+            return
+
+
+def _pass_lines_on(pipe: IO[bytes], lines: "queue.SimpleQueue[bytes]") -> None:
+    """Feeds the child's messages to the queue, and an empty one at its end."""
+    with contextlib.suppress(ValueError):  # the pipe is closed under us once the child is killed
+        for line in pipe:
+            lines.put(line)
+    lines.put(b"")
+
+
+def _message(line: bytes, log: IO[bytes]) -> Message:
+    try:
+        return MESSAGE.validate_json(line)
+    except ValidationError:
+        raise RenderError(f"the Blender process said {line[:200]!r}, which is no message{_tail(log)}") from None
+
+
+def _tail(log: IO[bytes]) -> str:
+    """The log's last lines, indented, to stand at the end of an error."""
+    log.seek(0)
+    lines = log.read().decode(errors="replace").splitlines()[-_LOG_LINES:]
+    return "; the last lines of its log:\n" + "\n".join(f"  {line}" for line in lines) if lines else ""

@@ -1,0 +1,32 @@
+"""What a room is to the rest of the scene: its meshes and surfaces, and the opening that lets the daylight in."""
+
+from dataclasses import dataclass
+
+from blender_scenes.description import Mesh, Point2, Point3
+from blender_scenes.shading import Surface
+
+
+@dataclass(frozen=True)
+class Opening:
+    """A window's clear rectangle in a wall."""
+
+    center: Point3
+    right: Point3
+    """Unit vector along the width, as seen from inside looking out."""
+    up: Point3
+    inward: Point3
+    """Unit normal, right x up."""
+    width_m: float
+    height_m: float
+
+
+@dataclass(frozen=True)
+class Room:
+    low: Point2
+    """South-west corner of the floor [m]."""
+    high: Point2
+    height_m: float
+    window: Opening
+    meshes: tuple[Mesh, ...]
+    """Without the floor, whose material is chosen apart."""
+    surfaces: tuple[Surface, ...]

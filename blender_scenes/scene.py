@@ -1,0 +1,78 @@
+"""The scene of a run: arena, room, light and robot put together from configuration and seed."""
+
+import math
+
+import numpy as np
+
+from blender_scenes import geometry
+from blender_scenes.description import Mesh, Point2, Scene
+from blender_scenes.lighting import LIGHTS
+from blender_scenes.materials import FLOORS, SURFACES
+from blender_scenes.materials.base import Patch
+from blender_scenes.materials.tape import tape
+from blender_scenes.robot_body import robot_body, robot_surfaces
+from blender_scenes.rooms import ROOMS
+from blender_scenes.rooms.base import Room
+from blender_scenes.shading import Surface
+from configs.schema.look import LookConfig
+from configs.schema.robot import RobotConfig
+from physics.arena import Arena
+
+
+def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> Scene:
+    """The scene that the run's camera sees; the same arguments give the same scene."""
+    low, high = arena_bounds(arena)
+    room = ROOMS["plain"](look, low, high)
+    parts = [_floor(look, room, seed), *_line(arena, look, seed)]
+    parts += _boxes(arena, look, seed)
+    surfaces = [s for _, own in parts for s in own] + list(room.surfaces) + list(robot_surfaces())
+    lights = [light(look, room) for light in LIGHTS.values()]
+    suns = [sun for light in lights for sun in light.suns]
+    (sky,) = [sky for light in lights for sky in light.skies]
+    return Scene(
+        surfaces=tuple(surfaces),
+        meshes=tuple(mesh for mesh, _ in parts) + room.meshes,
+        robot=robot_body(robot),
+        panels=tuple(panel for light in lights for panel in light.panels),
+        portals=tuple(portal for light in lights for portal in light.portals),
+        sun=suns[0] if suns else None,
+        sky=sky,
+    )
+
+
+def arena_bounds(arena: Arena) -> tuple[Point2, Point2]:
+    """Corners of the rectangle that holds line and boxes; a square metre about the origin for an empty arena."""
+    points = [np.concatenate(edges) for edges in arena.line.edges()] + [box.footprint() for box in arena.boxes]
+    everything = np.concatenate(points) if points else np.array([[-0.5, -0.5], [0.5, 0.5]])
+    low, high = everything.min(axis=0), everything.max(axis=0)
+    return (float(low[0]), float(low[1])), (float(high[0]), float(high[1]))
+
+
+Part = tuple[Mesh, tuple[Surface, ...]]
+
+
+def _floor(look: LookConfig, room: Room, seed: int) -> Part:
+    size = room.high[0] - room.low[0], room.high[1] - room.low[1]
+    surface = FLOORS[look.floor.material](look.floor, Patch("floor", size, seed))
+    mesh = geometry.floor("floor", room.low, room.high, math.radians(look.floor.yaw_deg), surface.name)
+    return mesh, (surface,)
+
+
+def _line(arena: Arena, look: LookConfig, seed: int) -> list[Part]:
+    pieces = arena.line.pieces
+    surfaces = [
+        tape(look.tape, Patch(f"tape_{i}", (piece.length_m, arena.line.width_m), seed))
+        for i, piece in enumerate(pieces)
+    ]
+    meshes = geometry.tapes(arena.line, look.tape.thickness_m, [surface.name for surface in surfaces])
+    return [(mesh, (surface,)) for mesh, surface in zip(meshes, surfaces, strict=True)]
+
+
+def _boxes(arena: Arena, look: LookConfig, seed: int) -> list[Part]:
+    parts = []
+    for box in arena.boxes:
+        name = f"{box.kind}_{box.name}"
+        surface = SURFACES[box.surface](look, Patch(name, (box.size[0], box.size[2]), seed))
+        mesh = geometry.box(name, geometry.box_corners(box), (surface.name,) * 6)
+        parts.append((mesh, (surface,)))
+    return parts

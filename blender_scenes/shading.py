@@ -1,0 +1,150 @@
+"""Surfaces as data: a small algebra of texture expressions that Blender's side turns into shader nodes.
+
+Every texture is a function of the surface coordinates (u, v) in metres that each mesh carries, so that a grain of
+2 mm is 2 mm on whatever it lies. Nothing here knows Blender; equal numbers give equal expressions.
+"""
+
+from dataclasses import dataclass
+from typing import Annotated, Literal, Union
+
+from pydantic import Field
+
+RGB = tuple[float, float, float]
+"""Linear Rec. 709 components; reflectances within 0-1."""
+
+
+@dataclass(frozen=True)
+class Expression:
+    """Arithmetic on expressions and numbers builds larger expressions."""
+
+    def __add__(self, other: "Texture | float") -> "Arithmetic":
+        return Arithmetic("add", as_texture(self), as_texture(other))
+
+    def __sub__(self, other: "Texture | float") -> "Arithmetic":
+        return Arithmetic("subtract", as_texture(self), as_texture(other))
+
+    def __rsub__(self, other: float) -> "Arithmetic":
+        return Arithmetic("subtract", as_texture(other), as_texture(self))
+
+    def __mul__(self, other: "Texture | float") -> "Arithmetic":
+        return Arithmetic("multiply", as_texture(self), as_texture(other))
+
+    __radd__ = __add__
+    __rmul__ = __mul__
+
+
+@dataclass(frozen=True)
+class Number(Expression):
+    value: float
+    kind: Literal["number"] = "number"
+
+
+@dataclass(frozen=True)
+class Color(Expression):
+    rgb: RGB
+    kind: Literal["color"] = "color"
+
+
+@dataclass(frozen=True)
+class Coordinate(Expression):
+    """One of the surface coordinates [m]."""
+
+    axis: Literal["u", "v"]
+    kind: Literal["coordinate"] = "coordinate"
+
+
+@dataclass(frozen=True)
+class Noise(Expression):
+    """Fractal gradient noise, 0-1 with mean 0.5."""
+
+    per_m: tuple[float, float]
+    """Features per metre along u and v; unequal ones give grain."""
+    offset: tuple[float, float]
+    """Where in the endless pattern the surface lies, in features."""
+    octaves: float = 2.0
+    gain: float = 0.5
+    """Amplitude of each octave relative to the one before."""
+    warp: float = 0.0
+    kind: Literal["noise"] = "noise"
+
+
+@dataclass(frozen=True)
+class Cells(Expression):
+    """Voronoi cells: distance to the nearest point, to the nearest edge, or a random number per cell, all 0-1."""
+
+    per_m: tuple[float, float]
+    offset: tuple[float, float]
+    value: Literal["distance", "edge", "random"] = "distance"
+    kind: Literal["cells"] = "cells"
+
+
+@dataclass(frozen=True)
+class Tiles(Expression):
+    """Rectangles in courses: 1 in the joint and 0 on the tile, or a random number 0-1 per tile."""
+
+    size_m: tuple[float, float]
+    joint_m: float
+    stagger: float
+    """Shift of every second course, in tile lengths."""
+    offset_m: tuple[float, float]
+    value: Literal["joint", "random"] = "joint"
+    softness: float = 0.1
+    """Share of the joint over which it rises."""
+    kind: Literal["tiles"] = "tiles"
+
+
+@dataclass(frozen=True)
+class Arithmetic(Expression):
+    operation: Literal["add", "subtract", "multiply", "minimum", "maximum", "power", "sine", "absolute", "fraction"]
+    a: "Texture"
+    b: "Texture" = Number(0.0)
+    """Not used by sine, absolute and fraction."""
+    kind: Literal["arithmetic"] = "arithmetic"
+
+
+@dataclass(frozen=True)
+class Step(Expression):
+    """Smooth rise from 0 at `low` to 1 at `high`."""
+
+    of: "Texture"
+    low: float
+    high: float
+    kind: Literal["step"] = "step"
+
+
+@dataclass(frozen=True)
+class Mix(Expression):
+    """`a` where `by` is 0, `b` where it is 1; colours or numbers."""
+
+    by: "Texture"
+    a: "Texture"
+    b: "Texture"
+    kind: Literal["mix"] = "mix"
+
+
+Texture = Annotated[
+    Union[Number, Color, Coordinate, Noise, Cells, Tiles, Arithmetic, Step, Mix],  # noqa: UP007 (forward references)
+    Field(discriminator="kind"),
+]
+
+
+def as_texture(value: "Expression | float") -> "Texture":
+    """The expression itself, or a number as one."""
+    return value if isinstance(value, Expression) else Number(float(value))  # pyright: ignore[reportReturnType]
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A physically based surface: one layer of dielectric or metal, optionally transparent or with a clear coat."""
+
+    name: str
+    base_color: Texture
+    """Diffuse reflectance, or the colour of a metal's or glass's light."""
+    roughness: Texture | float = 0.5
+    height_m: Texture | None = None
+    """Relief normal to the surface; drawn as shading, not as geometry."""
+    metallic: float = 0.0
+    refractive_index: float = 1.45
+    transmission: float = 0.0
+    coat: float = 0.0
+    coat_roughness: float = 0.1
