@@ -1,0 +1,200 @@
+"""What no single field can show: geometry that cannot be, and settings that contradict each other."""
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from configs.errors import InputError
+from configs.footprints import Point, corners, overlap, wall_corners
+from configs.schema.arena import ArcPiece, ArenaConfig, StraightPiece
+from configs.schema.robot import RobotConfig
+from configs.schema.scenario import Rates, Route, Scenario
+from configs.tree import FieldPath, Node, dotted
+
+
+@dataclass(frozen=True)
+class Fault:
+    path: FieldPath
+    problem: str = ""
+    got: object = ...
+    allowed: str = ""
+    cure: str = ""
+
+
+def check_scenario(scenario: Scenario, root: Node) -> None:
+    """Refuse a scenario whose fields contradict each other.
+
+    Raises:
+        InputError: For the first contradiction, at the place of one of its fields.
+    """
+    _refuse(_scenario_faults(scenario, range(len(scenario.routes))), root)
+
+
+def check_run(scenario: Scenario, root: Node, route: int, run: int) -> None:
+    """The same for the values drawn for one run of the route with this index."""
+    note = f"drawn for {scenario.routes[route].name} run {run}; narrow the distributions or take another seed"
+    _refuse(_scenario_faults(scenario, [route]), root, note)
+
+
+def check_arena(arena: ArenaConfig, root: Node) -> None:
+    _refuse(_arena_faults(arena), root)
+
+
+def check_robot(robot: RobotConfig, root: Node) -> None:
+    _refuse(_robot_faults(robot), root)
+
+
+def _refuse(faults: Iterable[Fault], root: Node, note: str = "") -> None:
+    for fault in faults:
+        what = f"{dotted(fault.path)}: {fault.problem}" if fault.problem else dotted(fault.path)
+        cure = "; ".join(part for part in (fault.cure, note) if part)
+        where = root.place_of(fault.path)
+        raise InputError(what, where=where, got=fault.got, allowed=fault.allowed, cure=cure)
+
+
+def _scenario_faults(scenario: Scenario, routes: Iterable[int]) -> Iterator[Fault]:
+    yield from _route_name_faults(scenario.routes)
+    yield from _arena_faults(scenario.arena)
+    yield from _robot_faults(scenario.robot)
+    yield from _period_faults(scenario.rates, scenario.robot)
+    for index in routes:
+        yield from _start_faults(scenario.arena, scenario.robot, scenario.routes[index], ("routes", index, "start"))
+
+
+def _route_name_faults(routes: tuple[Route, ...]) -> Iterator[Fault]:
+    seen: dict[str, int] = {}
+    for index, route in enumerate(routes):
+        first = seen.setdefault(route.name.lower(), index)
+        if first != index:
+            cure = "give each route a name of its own, different in more than upper and lower case"
+            yield Fault(("routes", index, "name"), f"the same name as routes.{first}", got=route.name, cure=cure)
+
+
+def _period_faults(rates: Rates, robot: RobotConfig) -> Iterator[Fault]:
+    steps = robot.tof.period_s * rates.physics_hz
+    if round(steps) < 1 or not math.isclose(steps, round(steps), rel_tol=1e-9):
+        step_s = 1 / rates.physics_hz
+        near = max(1, round(steps)) / rates.physics_hz
+        allowed = f"a whole number of physics steps of {step_s:.9g} s (rates.physics_hz {rates.physics_hz})"
+        yield Fault(("robot", "tof", "period_s"), got=robot.tof.period_s, allowed=allowed, cure=f"write {near:.9g}")
+
+
+def _arena_faults(arena: ArenaConfig) -> Iterator[Fault]:
+    line: FieldPath = ("arena", "line", "pieces")
+    for index, piece in enumerate(arena.line.pieces):
+        yield from _piece_faults(piece, arena.line.width_m, (*line, index))
+    names: dict[str, FieldPath] = {}
+    for kind, items in (("walls", arena.walls), ("obstacles", arena.obstacles)):
+        for index, item in enumerate(items):
+            path: FieldPath = ("arena", kind, index)
+            first = names.setdefault(item.name, path)
+            if first != path:
+                cure = "contacts and drawn values go by name; give each its own"
+                yield Fault((*path, "name"), f"the same name as {dotted(first)}", got=item.name, cure=cure)
+    for index, wall in enumerate(arena.walls):
+        if math.dist(wall.start, wall.end) < 1e-3:
+            yield Fault(("arena", "walls", index), "a wall of no length", got=wall.end, allowed="an end off its start")
+    yield from _outside_faults(arena)
+
+
+def _piece_faults(piece: StraightPiece | ArcPiece, width_m: float, path: FieldPath) -> Iterator[Fault]:
+    if isinstance(piece, StraightPiece):
+        if math.dist(piece.start, piece.end) < 1e-3:
+            yield Fault(path, "a straight piece of no length", got=piece.end, allowed="an end off its start")
+        return
+    sweep_deg = abs(piece.end_deg - piece.start_deg)
+    if sweep_deg < 0.1:
+        yield Fault(path, "an arc of no length", got=piece.end_deg, allowed="end_deg other than start_deg")
+    if sweep_deg > 360:
+        yield Fault(path, "the arc overlaps itself", got=sweep_deg, allowed="at most 360 from start_deg to end_deg")
+    if piece.radius_m <= width_m / 2:
+        allowed = f"more than half the line's width of {width_m}"
+        yield Fault((*path, "radius_m"), got=piece.radius_m, allowed=allowed)
+
+
+def _outside_faults(arena: ArenaConfig) -> Iterator[Fault]:
+    limit = arena.floor.half_extent_m
+    points: list[tuple[FieldPath, Point]] = []
+    for index, piece in enumerate(arena.line.pieces):
+        path: FieldPath = ("arena", "line", "pieces", index)
+        if isinstance(piece, StraightPiece):
+            points += [((*path, "start"), piece.start), ((*path, "end"), piece.end)]
+        else:
+            reach = [abs(at) + piece.radius_m for at in piece.center]
+            points.append((path, (reach[0], reach[1])))
+    for index, wall in enumerate(arena.walls):
+        points += [(("arena", "walls", index, "start"), wall.start), (("arena", "walls", index, "end"), wall.end)]
+    points += [(("arena", "obstacles", i, "center"), obstacle.center) for i, obstacle in enumerate(arena.obstacles)]
+    for path, point in points:
+        if max(abs(point[0]), abs(point[1])) > limit:
+            allowed = f"points on the floor, within {limit} m of the origin along x and y"
+            cure = "move it or enlarge arena.floor.half_extent_m"
+            yield Fault(path, "beyond the edge of the floor", got=point, allowed=allowed, cure=cure)
+
+
+def _robot_faults(robot: RobotConfig) -> Iterator[Fault]:
+    tof, motor = robot.tof, robot.motor
+    yield from _body_faults(robot)
+    if tof.min_range_m >= tof.max_range_m:
+        allowed = f"less than max_range_m, which is {tof.max_range_m}"
+        yield Fault(("robot", "tof", "min_range_m"), got=tof.min_range_m, allowed=allowed)
+    if tof.min_range_m < tof.no_target_m < tof.max_range_m:
+        allowed = f"no valid range: at most min_range_m ({tof.min_range_m}) or at least max_range_m ({tof.max_range_m})"
+        yield Fault(("robot", "tof", "no_target_m"), got=tof.no_target_m, allowed=allowed)
+    voltage = min(robot.power.battery_voltage_V, robot.power.motor_voltage_limit_V)
+    stall_N_m = motor.torque_constant_N_m_A * voltage / motor.winding_resistance_ohm
+    if stall_N_m <= motor.coulomb_friction_N_m:
+        problem = f"the motor cannot turn: at {voltage} V it stalls at {stall_N_m:.3g} N m"
+        allowed = "less friction than that"
+        yield Fault(
+            ("robot", "motor", "coulomb_friction_N_m"), problem, got=motor.coulomb_friction_N_m, allowed=allowed
+        )
+    corner = robot.controller.corner
+    if corner.front_below_m >= corner.front_clear_m:
+        allowed = f"less than front_clear_m, which is {corner.front_clear_m}"
+        yield Fault(("robot", "controller", "corner", "front_below_m"), got=corner.front_below_m, allowed=allowed)
+
+
+def _body_faults(robot: RobotConfig) -> Iterator[Fault]:
+    chassis, drive = robot.chassis, robot.drive
+    across = drive.track_m + drive.wheel_width_m
+    if across > chassis.width_m + 1e-9:
+        allowed = f"at most chassis.width_m less a wheel's width, {chassis.width_m - drive.wheel_width_m:.6g}"
+        yield Fault(("robot", "drive", "track_m"), got=drive.track_m, allowed=allowed)
+    if drive.wheel_diameter_m > chassis.length_m:
+        allowed = f"at most chassis.length_m, which is {chassis.length_m}"
+        yield Fault(("robot", "drive", "wheel_diameter_m"), got=drive.wheel_diameter_m, allowed=allowed)
+    if drive.wheel_diameter_m <= chassis.clearance_m:
+        allowed = f"more than chassis.clearance_m, which is {chassis.clearance_m}"
+        yield Fault(("robot", "drive", "wheel_diameter_m"), got=drive.wheel_diameter_m, allowed=allowed)
+    if chassis.clearance_m >= chassis.base_height_m:
+        allowed = f"less than base_height_m, which is {chassis.base_height_m}"
+        yield Fault(("robot", "chassis", "clearance_m"), got=chassis.clearance_m, allowed=allowed)
+    if abs(drive.caster_x_m) > chassis.length_m / 2:
+        allowed = f"within half of chassis.length_m, {chassis.length_m / 2:.6g}, of the axle"
+        yield Fault(("robot", "drive", "caster_x_m"), got=drive.caster_x_m, allowed=allowed)
+    low, high = sorted((0.0, drive.caster_x_m))
+    if not low <= chassis.center_of_mass_x_m <= high or low == high:
+        allowed = f"between the axle at 0 and the caster at {drive.caster_x_m}, or the robot tips over"
+        yield Fault(("robot", "chassis", "center_of_mass_x_m"), got=chassis.center_of_mass_x_m, allowed=allowed)
+
+
+def _start_faults(arena: ArenaConfig, robot: RobotConfig, route: Route, path: FieldPath) -> Iterator[Fault]:
+    start = route.start
+    at = (start.x_m, start.y_m)
+    robot_corners = corners(at, (robot.chassis.length_m, robot.chassis.width_m), start.yaw_deg)
+    limit = arena.floor.half_extent_m
+    if any(max(abs(x), abs(y)) > limit for x, y in robot_corners):
+        allowed = f"poses on the floor, within {limit} m of the origin along x and y"
+        yield Fault(path, "the robot stands beyond the edge of the floor", got=at, allowed=allowed)
+    for wall in arena.walls:
+        if math.dist(wall.start, wall.end) > 0 and overlap(robot_corners, wall_corners(wall)):
+            yield _blocked(route, path, f"wall {wall.name}")
+    for obstacle in arena.obstacles:
+        if overlap(robot_corners, corners(obstacle.center, obstacle.size[:2], obstacle.yaw_deg)):
+            yield _blocked(route, path, f"obstacle {obstacle.name}")
+
+
+def _blocked(route: Route, path: FieldPath, name: str) -> Fault:
+    problem = f"the robot of route {route.name} would start inside {name}"
+    return Fault(path, problem, got=(route.start.x_m, route.start.y_m), cure="move the start or what stands there")

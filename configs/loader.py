@@ -1,0 +1,153 @@
+"""From the name of a scenario to a resolved, checked tree that runs can be drawn from."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from configs.checks import check_arena, check_robot, check_scenario
+from configs.overrides import apply_override
+from configs.references import Reader, locate
+from configs.schema.arena import ArenaConfig
+from configs.schema.base import Section
+from configs.schema.look import LookConfig
+from configs.schema.robot import RobotConfig
+from configs.schema.scenario import Rates, Scenario, Stop
+from configs.shapes import Shape, with_defaults
+from configs.tree import FieldPath, Node, dotted
+from configs.validation import Placed, distributions_of, probes, validated
+
+
+@dataclass(frozen=True)
+class PlannedRoute:
+    name: str
+    runs: int
+
+
+@dataclass(frozen=True)
+class LoadedScenario:
+    """A scenario with files, names and overrides resolved, checked at every end of its distributions."""
+
+    root: Node
+    placed: Mapping[FieldPath, Placed]
+    """The distributions by path."""
+    source_files: tuple[Path, ...]
+    name: str
+    description: str
+    licence: str
+    seed: int
+    routes: tuple[PlannedRoute, ...]
+    stop: Stop
+    rates: Rates
+
+    @property
+    def tree(self) -> dict[str, Any]:
+        """The whole scenario as plain values, distributions as written."""
+        return self.root.plain()
+
+    @property
+    def origins(self) -> dict[str, str]:
+        """Field path -> `file:line` or `--set field.path`."""
+        return _origins(self.root)
+
+
+@dataclass(frozen=True)
+class LoadedSection:
+    """An arena, robot or look alone; field paths begin with its kind, as in a scenario."""
+
+    kind: str
+    root: Node
+    placed: Mapping[FieldPath, Placed]
+    source_files: tuple[Path, ...]
+
+    @property
+    def tree(self) -> dict[str, Any]:
+        return self.root.plain()[self.kind]
+
+    @property
+    def origins(self) -> dict[str, str]:
+        return _origins(self.root)
+
+
+class ArenaAlone(Section):
+    arena: ArenaConfig
+
+
+class RobotAlone(Section):
+    robot: RobotConfig
+
+
+class LookAlone(Section):
+    look: LookConfig
+
+
+ALONE: Mapping[str, type[ArenaAlone | RobotAlone | LookAlone]] = MappingProxyType(
+    {"arena": ArenaAlone, "robot": RobotAlone, "look": LookAlone}
+)
+
+
+def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedScenario:
+    """Load a shipped scenario by name, or any by path.
+
+    Args:
+        name_or_path: For example `smoke` or `my/scenario.yaml`.
+        overrides: Texts such as `look.sun.elevation_deg=30`, applied in this order.
+
+    Raises:
+        InputError: For the first thing that is wrong, before anything is drawn.
+    """
+    reader = Reader()
+    root = reader.read("scenario", locate("scenario", name_or_path, folder=Path(), what="scenario"))
+    root = _overridden(root, Scenario, overrides, reader)
+    placed = distributions_of(root, Scenario)
+    probed = [validated(root, Scenario, values) for values in probes(placed)]
+    for scenario in probed:
+        check_scenario(scenario, root)
+    scenario = probed[0]  # what is read of it below is the same in all
+    return LoadedScenario(
+        root=root,
+        placed=placed,
+        source_files=tuple(reader.sources),
+        name=scenario.name,
+        description=scenario.description,
+        licence=scenario.licence,
+        seed=scenario.seed,
+        routes=tuple(PlannedRoute(route.name, route.runs) for route in scenario.routes),
+        stop=scenario.stop,
+        rates=scenario.rates,
+    )
+
+
+def load_section(kind: str, name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSection:
+    """Load an arena, a robot or a look alone, for example to render a run again under another look.
+
+    Args:
+        kind: arena, robot or look.
+        name_or_path: The name of a shipped file, or a path.
+        overrides: Texts such as `look.sun.elevation_deg=30`.
+    """
+    reader = Reader()
+    node = reader.read(kind, locate(kind, name_or_path, folder=Path(), what=f"--{kind}"))
+    root = _overridden(Node({kind: node}, node.where), ALONE[kind], overrides, reader)
+    placed = distributions_of(root, ALONE[kind])
+    for values in probes(placed):
+        alone = validated(root, ALONE[kind], values)
+        if isinstance(alone, ArenaAlone):
+            check_arena(alone.arena, root)
+        elif isinstance(alone, RobotAlone):
+            check_robot(alone.robot, root)
+    return LoadedSection(kind, root, placed, tuple(reader.sources))
+
+
+def _overridden(root: Node, model: type[Section], overrides: Sequence[str], reader: Reader) -> Node:
+    shape = Shape.of(model)
+    root = with_defaults(root, shape)
+    for text in overrides:
+        # Defaults again, because a new list item or section may leave fields out.
+        root = with_defaults(apply_override(root, text, reader), shape)
+    return root
+
+
+def _origins(root: Node) -> dict[str, str]:
+    return {dotted(path): node.where for path, node in root.walk() if path}

@@ -1,0 +1,58 @@
+"""Values given on the command line: `--set look.sun.elevation_deg=30`."""
+
+from pathlib import Path
+
+from configs.errors import InputError, nearest
+from configs.references import SECTIONS, Reader
+from configs.tree import FieldPath, Node, dotted, merge
+from configs.yaml_reader import parse_yaml
+
+
+def apply_override(root: Node, text: str, reader: Reader) -> Node:
+    """The tree with one `field.path=value` laid over it; the value is YAML, list items go by index or name.
+
+    Raises:
+        InputError: When the text has another form, or the path runs through a value that has no fields.
+    """
+    name, equals, value = text.partition("=")
+    name = name.strip()
+    where = f"--set {name}"
+    if not equals or not name or not all(name.split(".")):
+        raise InputError("--set", got=text, allowed="field.path=value, such as look.sun.elevation_deg=30")
+    if name.split(".")[-1] == "extends":
+        raise InputError(
+            "'extends' is read from files alone", where=where, cure="set the fields, or the section's name"
+        )
+    node = parse_yaml(value, where, with_lines=False)
+    if name in SECTIONS and isinstance(root.value, dict):
+        node, is_whole = reader.section(name, node, Path.cwd())
+        if is_whole:
+            return Node({**root.value, name: node}, root.where)
+    return _set(root, name.split("."), (), node, where)
+
+
+def _set(node: Node, rest: list[str], path: FieldPath, value: Node, where: str) -> Node:
+    if not rest:
+        return merge(node, value)
+    if isinstance(node.value, dict):
+        fresh = Node({} if len(rest) > 1 else None, where)
+        inner = _set(node.value.get(rest[0], fresh), rest[1:], (*path, rest[0]), value, where)
+        return Node({**node.value, rest[0]: inner}, node.where)
+    if isinstance(node.value, tuple):
+        index = _index(node.value, rest[0], path, where)
+        items = list(node.value)
+        items[index] = _set(items[index], rest[1:], (*path, index), value, where)
+        return Node(tuple(items), node.where)
+    raise InputError(f"{dotted(path)} is a single value and has no field '{rest[0]}'", where=where, got=node.plain())
+
+
+def _index(items: tuple[Node, ...], key: str, path: FieldPath, where: str) -> int:
+    names = [name.value if (name := item.child("name")) else None for item in items]
+    if key.isdecimal() and int(key) < len(items):
+        return int(key)
+    if key in names:
+        return names.index(key)
+    known = [name for name in names if isinstance(name, str)]
+    allowed = f"an index from 0 to {len(items) - 1}" if items else "nothing, the list is empty"
+    allowed += f", or a name of {', '.join(known[:12])}" if known else ""
+    raise InputError(f"{dotted(path)}: item", where=where, got=key, allowed=allowed, nearest=nearest(key, known))

@@ -1,0 +1,105 @@
+"""Names and paths of scenarios, arenas, robots and looks, and the files that build on others by `extends:`."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from configs.errors import InputError, nearest
+from configs.tree import FieldPath, Node, dotted, merge
+from configs.yaml_reader import displayed, read_yaml
+
+FOLDERS = {"scenario": "scenarios", "arena": "arenas", "robot": "robots", "look": "looks"}
+SECTIONS = ("arena", "robot", "look")
+_SHIPPED = Path(__file__).parent
+
+
+def shipped_names(kind: str) -> tuple[str, ...]:
+    """Names of the files that come with the project, for example `("classroom", "lab")` of `look`."""
+    return tuple(sorted(path.stem for path in (_SHIPPED / FOLDERS[kind]).glob("*.yaml")))
+
+
+def locate(kind: str, reference: str, *, folder: Path, what: str, where: str = "") -> Path:
+    """The file that a name or a path means.
+
+    Args:
+        kind: scenario, arena, robot or look.
+        reference: The name of a shipped file, or a path, which has a slash or ends in .yaml.
+        folder: Where a relative path starts.
+        what: Field path or argument that holds the reference, for the message.
+        where: `file:line` of it.
+    """
+    if "/" in reference or reference.endswith((".yaml", ".yml")):
+        path = folder / Path(reference).expanduser() if reference.startswith("~") else folder / reference
+        if path.is_file():
+            return path
+        beside = [entry.name for entry in path.parent.glob("*.y*ml")] if path.parent.is_dir() else []
+        close = nearest(path.name, beside)
+        problem = "a folder, not a file" if path.is_dir() else "no such file"
+        raise InputError(
+            f"{what}: {problem}",
+            where=where,
+            got=displayed(path),
+            allowed=f"a YAML file, or one of the names {', '.join(shipped_names(kind))}",
+            nearest=str(Path(reference).with_name(close)) if close else nearest(path.stem, shipped_names(kind)),
+        )
+    names = shipped_names(kind)
+    if reference in names:
+        return _SHIPPED / FOLDERS[kind] / f"{reference}.yaml"
+    beside = folder / f"{reference}.yaml"
+    raise InputError(
+        what,
+        where=where,
+        got=reference,
+        allowed=f"the name of a shipped {kind} ({', '.join(names)}) or the path of a YAML file",
+        nearest=f"./{beside.name}" if beside.is_file() else nearest(reference, names),
+    )
+
+
+@dataclass
+class Reader:
+    """Reads files with all that they build on, and remembers which ones they were."""
+
+    sources: list[Path] = field(default_factory=list)
+
+    def read(self, kind: str, path: Path, chain: tuple[Path, ...] = ()) -> Node:
+        """The file's tree with `extends:` and, of a scenario, the named sections resolved."""
+        document = read_yaml(path)
+        if path not in self.sources:
+            self.sources.append(path)
+        prefix = () if kind == "scenario" else (kind,)
+        return self.resolve(kind, document.root, path.parent, (*chain, path.resolve()), prefix)
+
+    def resolve(
+        self, kind: str, root: Node, folder: Path, chain: tuple[Path, ...] = (), prefix: FieldPath = ()
+    ) -> Node:
+        """A mapping laid over what it extends; relative paths in it start at `folder`."""
+        own = {str(key): node for key, node in root.children()}
+        whole = set()
+        if kind == "scenario":
+            for section in SECTIONS:
+                if section in own:
+                    own[section], is_whole = self.section(section, own[section], folder)
+                    whole |= {section} if is_whole else set()
+        base = own.pop("extends", None)
+        if base is None:
+            return Node(own, root.where)
+        what = dotted((*prefix, "extends"))
+        if not isinstance(base.value, str):
+            allowed = f"the name or path of one {kind}"
+            raise InputError(what, where=base.where, got=base.plain(), allowed=allowed)
+        path = locate(kind, base.value, folder=folder, what=what, where=base.where)
+        if path.resolve() in chain:
+            turns = [displayed(file) for file in (*chain[chain.index(path.resolve()) :], path)]
+            cure = "remove one of these 'extends:'"
+            raise InputError(f"{what}: files extend each other, {' -> '.join(turns)}", where=base.where, cure=cure)
+        beneath = self.read(kind, path, chain)
+        kept = {str(key): node for key, node in beneath.children() if key not in whole}
+        return merge(Node(kept, beneath.where), Node(own, root.where))
+
+    def section(self, kind: str, node: Node, folder: Path) -> tuple[Node, bool]:
+        """A section with its name or `extends:` resolved, and whether it thereby stands on its own."""
+        if isinstance(node.value, str):
+            path = locate(kind, node.value, folder=folder, what=kind, where=node.where)
+            return self.read(kind, path), True
+        if isinstance(node.value, dict) and "extends" in node.value:
+            return self.resolve(kind, node, folder, prefix=(kind,)), True
+        return node, False

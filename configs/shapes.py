@@ -1,0 +1,189 @@
+"""The schema seen from a file: what may stand at a field path, in words, and whether it may be drawn.
+
+Everything is read off the JSON Schema that pydantic makes of the models, so that the models stay the only source.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from pydantic import BaseModel
+
+from configs.schema.base import FIXED_KEY
+from configs.tree import FieldPath, Node, merge, node_of
+
+_BOUNDS = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
+_PLAIN_WORDS = {"boolean": "true or false", "string": "text", "null": "nothing", "array": "a list"}
+_MOST_NAMES = 12
+
+
+@dataclass(frozen=True)
+class Shape:
+    schema: Mapping[str, Any]
+    """A JSON Schema whose own `$ref` is resolved; those further inside are not."""
+    definitions: Mapping[str, Any]
+
+    @classmethod
+    @cache
+    def of(cls, model: type[BaseModel]) -> "Shape":
+        schema = model.model_json_schema()
+        return cls(schema, schema.get("$defs", {}))
+
+    @property
+    def fields(self) -> dict[str, Any]:
+        """JSON Schema of each field, empty where this is no mapping of known fields."""
+        return self.schema.get("properties", {})
+
+    @property
+    def tag_key(self) -> str:
+        """The field that decides between several mappings, or an empty string."""
+        return self.schema.get("discriminator", {}).get("propertyName", "")
+
+    @property
+    def tags(self) -> tuple[str, ...]:
+        return tuple(self.schema.get("discriminator", {}).get("mapping", {}))
+
+    @property
+    def types(self) -> set[str]:
+        """JSON types of a leaf's values."""
+        return {option.get("type", "") for option in self.schema.get("anyOf", [self.schema])}
+
+    @property
+    def is_leaf(self) -> bool:
+        return self.types <= {"number", "integer", "boolean", "string", "null"} and not self.tag_key
+
+    @property
+    def is_integer(self) -> bool:
+        return "integer" in self.types and "number" not in self.types
+
+    @property
+    def is_number(self) -> bool:
+        return "number" in self.types
+
+    @property
+    def not_drawn(self) -> str:
+        """Why no distribution may stand here; empty where one may."""
+        if FIXED_KEY in self.schema:
+            return self.schema[FIXED_KEY]
+        if "const" in self.schema or len(self.schema.get("enum", [1, 2])) < 2:
+            return "it has one value only"
+        if self.types <= {"string", "null"} and "enum" not in self.schema:
+            return "text is not drawn"
+        return ""
+
+    def child(self, key: str | int, node: Node | None = None) -> "Shape | None":
+        """What may stand under a key; `node` is the mapping itself, whose tag decides between several."""
+        here = self._variant(node)
+        if here is None:
+            return None
+        if isinstance(key, str):
+            free = here.schema.get("additionalProperties")
+            inner = here.fields.get(key, free if isinstance(free, dict) else None)
+        else:
+            fixed = here.schema.get("prefixItems", [])
+            inner = fixed[key] if key < len(fixed) else here.schema.get("items")
+        return self._resolved(inner) if inner else None
+
+    def at(self, path: FieldPath, root: Node) -> "Shape | None":
+        """What may stand at a path below this shape."""
+        shape: Shape | None = self
+        node: Node | None = root
+        for key in path:
+            if shape is None:
+                return None
+            shape = shape.child(key, node)
+            node = node.child(key) if node else None
+        return shape
+
+    def known_keys(self, node: Node | None = None) -> Iterator[str]:
+        here = self._variant(node)
+        yield from here.fields if here else (self.tag_key,)
+
+    def paths(self, above: FieldPath = ()) -> Iterator[FieldPath]:
+        """Every field below this one, but for those inside lists."""
+        for key in self.fields:
+            yield (*above, key)
+            inner = self.child(key)
+            if inner is not None:
+                yield from inner.paths((*above, key))
+
+    def words(self) -> str:
+        """What is allowed, for a message."""
+        schema = self.schema
+        if self.tag_key:
+            return f"a mapping whose '{self.tag_key}' is one of {', '.join(self.tags)}"
+        if self.fields:
+            return f"a mapping with the fields {shown_names(list(self.fields))}"
+        if "const" in schema:
+            return str(schema["const"])
+        if "enum" in schema:
+            return f"one of {shown_names(schema['enum'])}"
+        if "anyOf" in schema:
+            return " or ".join(self._resolved(option).words() for option in schema["anyOf"])
+        return self._words_of_type()
+
+    def _words_of_type(self) -> str:
+        schema = self.schema
+        if "prefixItems" in schema:
+            items = [self._resolved(item).words() for item in schema["prefixItems"]]
+            each = f"each {items[0]}" if len(set(items)) == 1 else ", ".join(items)
+            return f"a list of {len(items)}, {each}"
+        if "pattern" in schema:
+            return "a name of letters, digits, '_' and '-', at most 64, beginning with a letter or digit"
+        if schema.get("type") in {"number", "integer"}:
+            kind = "number" if schema["type"] == "number" else "whole number"
+            bounds = [f"{sign} {schema[key]}" for key, sign in _BOUNDS.items() if key in schema]
+            return f"{kind} {' and '.join(bounds)}".strip()
+        least = schema.get("minItems")
+        return _PLAIN_WORDS.get(schema.get("type", ""), "a mapping") + (f" with at least {least} item" if least else "")
+
+    def _variant(self, node: Node | None) -> "Shape | None":
+        if not self.tag_key:
+            return self
+        tag = node.value.get(self.tag_key) if node and isinstance(node.value, dict) else None
+        reference = self.schema["discriminator"]["mapping"].get(tag.value) if tag else None
+        return None if reference is None else self._resolved({"$ref": reference})
+
+    def _resolved(self, schema: Mapping[str, Any]) -> "Shape":
+        if "anyOf" in schema:  # `X | None` is X where it is no leaf
+            solid = [option for option in schema["anyOf"] if option.get("type") != "null"]
+            if len(solid) == 1:
+                schema = {**{k: v for k, v in schema.items() if k != "anyOf"}, **solid[0]}
+        if "$ref" in schema:
+            schema = {**self.definitions[schema["$ref"].rsplit("/", 1)[1]], **schema}
+            schema = {key: value for key, value in schema.items() if key != "$ref"}
+        return Shape(schema, self.definitions)
+
+
+def with_defaults(node: Node, shape: Shape) -> Node:
+    """The node with every field that was left out, below mappings and lists alike, at the place of its mapping.
+
+    A mapping that gives some fields of a default keeps the others: `tape: {paint: {reflectance: 0.1}}` has the
+    tape's tint.
+    """
+    if isinstance(node.value, tuple):
+        items = []
+        for index, item in enumerate(node.value):
+            inner = shape.child(index)
+            items.append(with_defaults(item, inner) if inner else item)
+        return Node(tuple(items), node.where)
+    if not isinstance(node.value, dict) or shape.is_leaf:
+        return node
+    given = dict(node.value)
+    for key in shape.known_keys(node):
+        inner = shape.child(key, node)
+        if inner is None:
+            continue
+        if key not in given and "default" in inner.schema:
+            given[key] = node_of(inner.schema["default"], node.where)
+        elif isinstance(given.get(key, node).value, dict) and isinstance(inner.schema.get("default"), dict):
+            given[key] = merge(node_of(inner.schema["default"], node.where), given[key])
+        if key in given:
+            given[key] = with_defaults(given[key], inner)
+    return Node(given, node.where)
+
+
+def shown_names(names: Sequence[object]) -> str:
+    text = ", ".join(str(name) for name in names[:_MOST_NAMES])
+    return text + (f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else "")

@@ -1,0 +1,101 @@
+"""A configuration as a tree of values that remember where they were written."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+Scalar = str | int | float | bool | None
+FieldPath = tuple[str | int, ...]
+"""Keys and list indices from the top, for example `("arena", "walls", 0, "start")`."""
+
+Values = Mapping[FieldPath, Scalar]
+"""What stands in place of the distributions, by path."""
+
+DISTRIBUTION_KINDS = ("uniform", "normal", "log_uniform", "choice")
+
+
+@dataclass(frozen=True)
+class Node:
+    """A value of a file together with the place where it was written."""
+
+    value: "Scalar | dict[str, Node] | tuple[Node, ...]"
+    where: str
+    """`file:line`, or `--set field.path`."""
+
+    @property
+    def is_distribution(self) -> bool:
+        """Whether this is a mapping meant as a distribution, well formed or not."""
+        return isinstance(self.value, dict) and any(key in DISTRIBUTION_KINDS for key in self.value)
+
+    def children(self) -> "Iterator[tuple[str | int, Node]]":
+        if isinstance(self.value, dict):
+            yield from self.value.items()
+        elif isinstance(self.value, tuple):
+            yield from enumerate(self.value)
+
+    def child(self, key: str | int) -> "Node | None":
+        if isinstance(self.value, dict):
+            return self.value.get(key) if isinstance(key, str) else None
+        if isinstance(self.value, tuple) and isinstance(key, int) and 0 <= key < len(self.value):
+            return self.value[key]
+        return None
+
+    def at(self, path: FieldPath) -> "Node | None":
+        node: Node | None = self
+        for key in path:
+            node = node.child(key) if node else None
+        return node
+
+    def plain(self) -> Any:  # noqa: ANN401 - whatever the file holds
+        """The value without places: dict, list and scalars."""
+        if isinstance(self.value, dict):
+            return {key: child.plain() for key, child in self.value.items()}
+        if isinstance(self.value, tuple):
+            return [child.plain() for child in self.value]
+        return self.value
+
+    def place_of(self, path: FieldPath) -> str:
+        """Where the deepest node on the way to a path was written."""
+        node = self
+        for key in path:
+            inner = node.child(key)
+            if inner is None:
+                break
+            node = inner
+        return node.where
+
+    def walk(self, path: FieldPath = ()) -> "Iterator[tuple[FieldPath, Node]]":
+        """Every node below and including this one, with its path."""
+        yield path, self
+        for key, child in self.children():
+            yield from child.walk((*path, key))
+
+
+def dotted(path: FieldPath) -> str:
+    return ".".join(str(part) for part in path)
+
+
+def node_of(value: Any, where: str) -> Node:  # noqa: ANN401 - whatever JSON holds
+    """A plain value as nodes that all have one place."""
+    if isinstance(value, dict):
+        return Node({key: node_of(item, where) for key, item in value.items()}, where)
+    if isinstance(value, list):
+        return Node(tuple(node_of(item, where) for item in value), where)
+    return Node(value, where)
+
+
+def merge(base: Node, over: Node) -> Node:
+    """Mappings are merged deeply; lists, scalars, distributions and mappings of another `kind` replace."""
+    if not isinstance(base.value, dict) or not isinstance(over.value, dict):
+        return over
+    if base.is_distribution or over.is_distribution or _kind(base) != _kind(over):
+        return over
+    merged = dict(base.value)
+    for key, node in over.value.items():
+        merged[key] = merge(merged[key], node) if key in merged else node
+    return Node(merged, over.where)
+
+
+def _kind(node: Node) -> object:
+    kind = node.child("kind")
+    return kind.value if kind else None

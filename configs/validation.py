@@ -1,0 +1,119 @@
+"""A tree of values and distributions held against the schema; the first fault is told in one line."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+from pydantic import BaseModel, ValidationError
+
+from configs.distributions import Choice, Distribution, Uniform, parse
+from configs.errors import InputError
+from configs.faults import explained
+from configs.shapes import Shape
+from configs.tree import FieldPath, Node, Scalar, Values, dotted
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A distribution at the field that it serves."""
+
+    distribution: Distribution
+    is_integer: bool
+    is_number: bool
+
+    def draw(self, rng: np.random.Generator) -> Scalar:
+        if self.is_integer and not isinstance(self.distribution, Choice):
+            return self.distribution.draw_integer(rng)
+        return self._of_field(self.distribution.draw(rng))
+
+    def ends(self) -> tuple[Scalar, ...]:
+        """The values at which the schema's constraints are checked, lowest first and highest last."""
+        ends = [self._of_field(end) for end in self.distribution.extremes()]
+        return tuple(sorted(ends, key=lambda end: (isinstance(end, str), end)))
+
+    def _of_field(self, value: Scalar) -> Scalar:
+        """As the field's own type: a real field has no whole numbers, a whole-number field no fractions."""
+        if self.is_number and type(value) is int:
+            return float(value)
+        return round(value) if self.is_integer and not isinstance(self.distribution, Choice) else value  # type: ignore[arg-type]
+
+
+def distributions_of(root: Node, model: type[BaseModel]) -> dict[FieldPath, Placed]:
+    """The distributions of a tree, by path, once their places and kinds are known to be right.
+
+    Raises:
+        InputError: For the first distribution that is malformed or stands where none may.
+    """
+    found = _distributions(root, Shape.of(model), ())
+    return dict(sorted(found, key=lambda item: dotted(item[0])))
+
+
+def probes(placed: Mapping[FieldPath, Placed]) -> Iterator[Values]:
+    """Sets of values under which any two distributions meet at all four pairs of their ends.
+
+    The n-th distribution takes its high end where a bit of n is set, and once the other way round; any two numbers
+    differ in some bit. Options of a choice that are no ends follow, each once.
+    """
+    ends = {path: item.ends() for path, item in placed.items()}
+    yield {path: values[0] for path, values in ends.items()}
+    if not ends:
+        return
+    yield {path: values[-1] for path, values in ends.items()}
+    for bit in range((len(ends) - 1).bit_length()):
+        for turn in (0, 1):
+            yield {path: values[-((n >> bit & 1) ^ turn)] for n, (path, values) in enumerate(ends.items())}
+    for option in range(1, max(len(values) for values in ends.values()) - 1):
+        yield {path: values[min(option, len(values) - 1)] for path, values in ends.items()}
+
+
+def validated(root: Node, model: type[Model], values: Values) -> Model:
+    """The model made of a tree with these values in place of its distributions."""
+    try:
+        return model.model_validate(filled(root, values))
+    except ValidationError as error:
+        raise explained(error, root, Shape.of(model), values) from None
+
+
+def filled(node: Node, values: Values, path: FieldPath = ()) -> Any:  # noqa: ANN401 - whatever the file holds
+    """The plain tree with values in place of distributions."""
+    if path in values:
+        return values[path]
+    if isinstance(node.value, dict):
+        return {key: filled(child, values, (*path, key)) for key, child in node.value.items()}
+    if isinstance(node.value, tuple):
+        return [filled(child, values, (*path, index)) for index, child in enumerate(node.value)]
+    return node.value
+
+
+def _distributions(node: Node, shape: Shape, path: FieldPath) -> Iterator[tuple[FieldPath, Placed]]:
+    if isinstance(node.value, dict) and (shape.is_leaf or _stands_for_more(node, shape)):
+        yield path, _placed(node, shape, path)
+        return
+    for key, child in node.children():
+        inner = shape.child(key, node)
+        if inner is not None:
+            yield from _distributions(child, inner, (*path, key))
+
+
+def _stands_for_more(node: Node, shape: Shape) -> bool:
+    return node.is_distribution and not any(key in shape.fields for key in dict(node.children()))
+
+
+def _placed(node: Node, shape: Shape, path: FieldPath) -> Placed:
+    reason = "a distribution stands for one value" if not shape.is_leaf else shape.not_drawn
+    if reason and node.is_distribution:
+        cure = f"no distribution may stand here, because {reason}"
+        raise InputError(dotted(path), where=node.where, got=node.plain(), allowed=shape.words(), cure=cure)
+    if reason:
+        raise InputError(dotted(path), where=node.where, got=node.plain(), allowed=shape.words())
+    distribution = parse(node, path)
+    if not isinstance(distribution, Choice) and not (shape.is_number or shape.is_integer):
+        cure = "only {choice: [...]} may draw it"
+        raise InputError(dotted(path), where=node.where, got=node.plain(), allowed=shape.words(), cure=cure)
+    if shape.is_integer and isinstance(distribution, Uniform) and any(end % 1 for end in distribution.extremes()):
+        allowed = "ends that are whole numbers, because the field is one"
+        raise InputError(dotted(path), where=node.where, got=node.plain(), allowed=allowed)
+    return Placed(distribution, shape.is_integer, shape.is_number)
