@@ -20,15 +20,19 @@ class WheelSpeedLoop:
         """As the board measures it."""
 
     def update(self, counts: int, set_point_rad_s: float) -> float:
-        """Voltage [V] until the next update. A set point of zero shorts the motor, which brakes it."""
-        self.speed_rad_s += self._smoothing * ((counts - self._counts) * self._rad_s_per_count - self.speed_rad_s)
+        """Voltage [V] until the next update."""
+        turned = counts - self._counts
         self._counts = counts
-        if set_point_rad_s == 0.0:
+        self.speed_rad_s += self._smoothing * (turned * self._rad_s_per_count - self.speed_rad_s)
+        if set_point_rad_s == 0.0 and turned == 0:
+            # Friction holds a wheel that stands; what the integral still remembers must not creep it on.
             self._integral_V = 0.0
             return 0.0
         loop, limit = self._loop, self._limit_V
         error = set_point_rad_s - self.speed_rad_s
-        feed_forward = loop.feedforward_V_s_rad * set_point_rad_s + copysign(loop.feedforward_static_V, set_point_rad_s)
+        feed_forward = loop.feedforward_V_s_rad * set_point_rad_s
+        if set_point_rad_s != 0.0:
+            feed_forward += copysign(loop.feedforward_static_V, set_point_rad_s)
         voltage = feed_forward + loop.proportional_V_s_rad * error + self._integral_V
         clipped = min(max(voltage, -limit), limit)
         # Against a limit the integral may only move back from it.
