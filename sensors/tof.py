@@ -1,7 +1,7 @@
 """VL53L0X time-of-flight sensors: rays over the cone, weighted mean, error, noise (paper sections 5.2 and 6).
 
-One update of the three sensors is one batch of rays. A ray counts by the beam's profile at its angle times the cosine of
-its incidence (Lambert); rays that meet nothing return nothing. Where too little light returns there is no target.
+One update of the three sensors is one batch of rays. A ray counts by the beam's profile at its angle times the cosine
+of its incidence (Lambert); rays that meet nothing return nothing. Where too little light returns there is no target.
 """
 
 from enum import IntEnum
@@ -95,7 +95,7 @@ class TofArray(Sensor):
 
 
 def ray_pattern(rays: int, field_of_view_rad: float) -> tuple[Array, Array]:
-    """Angle off the axis and angle around it [rad], (rays,) each: a sunflower spiral, even over the cone's solid angle."""
+    """Angle off the axis and around it [rad], (rays,) each: a sunflower spiral, even over the cone's solid angle."""
     index = np.arange(rays) + 0.5
     golden_angle = np.pi * (3.0 - np.sqrt(5.0))
     return 0.5 * field_of_view_rad * np.sqrt(index / rays), golden_angle * index
@@ -110,7 +110,7 @@ def ray_directions(mount: TofMount, angle: Array, roll: Array) -> Array:
 
 
 def noise_growth(range_m: Array) -> Array:
-    """Eq. 23 over its value at short range; the printed polynomial is taken in d = x - 0.18 m, where it is continuous."""
+    """Eq. 23 over its value at short range; the polynomial is taken in d = x - 0.18 m, where it is continuous."""
     d = np.maximum(range_m - NEAR_LIMIT_M, 0.0)
     polynomial_mm = 1.15 * d**3 + 2.51 * d**2 + 4.88 * d + 1.40
     return np.where(d > 0, np.maximum(polynomial_mm, NOISE_AT_NEAR_MM), NOISE_AT_NEAR_MM) / NOISE_AT_NEAR_MM

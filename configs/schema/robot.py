@@ -156,8 +156,13 @@ class WallFollowing(Section):
     target_distance_m: float = Field(gt=0, le=1)
     """Perpendicular distance of the sensor from the wall (paper Eq. 14)."""
     error_scale_per_m: float = Field(gt=0, le=1000)
-    """Brings the wall error to the line error's range, where it saturates at +-3.5."""
+    """Brings the wall error to the line error's range."""
+    far_error_limit: float = Field(gt=0, le=3.5)
+    """Saturation when too far: gentle, so that the mixed range at a wall's end does not turn the robot around it."""
     lost_beyond_m: float = Field(gt=0, le=2)
+    """The side sensor no longer sees the wall that is followed."""
+    found_within_m: float = Field(gt=0, le=2)
+    """The side sensor sees a wall that can be followed from now on."""
 
 
 class Corner(Section):

@@ -6,8 +6,11 @@ import pybullet
 
 from physics.arena import Arena, Box
 
-FLOOR, BOXES, CHASSIS, TREADS = 1, 2, 4, 8
-"""Collision groups: treads (wheels and caster) meet the floor only, the chassis meets walls and obstacles only."""
+RAYS, BOXES, CHASSIS, TREADS, FLOOR = 1, 2, 4, 8, 16
+"""Collision groups: treads (wheels and caster) meet the floor only, the chassis meets walls and obstacles only.
+
+Bullet puts every ray into group 1, and a body that does not admit that group is not seen.
+"""
 
 
 def connect() -> int:
@@ -20,7 +23,7 @@ def add_arena(client: int, arena: Arena) -> dict[int, int]:
     shape = pybullet.createCollisionShape(pybullet.GEOM_PLANE, planeNormal=[0, 0, 1], physicsClientId=client)
     floor = pybullet.createMultiBody(0, shape, physicsClientId=client)
     pybullet.changeDynamics(floor, -1, lateralFriction=1.0, restitution=0.0, physicsClientId=client)
-    pybullet.setCollisionFilterGroupMask(floor, -1, FLOOR, TREADS, physicsClientId=client)
+    pybullet.setCollisionFilterGroupMask(floor, -1, FLOOR, TREADS | RAYS, physicsClientId=client)
     return {floor: 0} | {_add_box(client, box): 1 + i for i, box in enumerate(arena.boxes)}
 
 
@@ -30,5 +33,5 @@ def _add_box(client: int, box: Box) -> int:
     turn = [0.0, 0.0, sin(0.5 * box.yaw_rad), cos(0.5 * box.yaw_rad)]
     body = pybullet.createMultiBody(0, shape, basePosition=box.center, baseOrientation=turn, physicsClientId=client)
     pybullet.changeDynamics(body, -1, lateralFriction=1.0, restitution=0.0, physicsClientId=client)
-    pybullet.setCollisionFilterGroupMask(body, -1, BOXES, CHASSIS, physicsClientId=client)
+    pybullet.setCollisionFilterGroupMask(body, -1, BOXES, CHASSIS | RAYS, physicsClientId=client)
     return int(body)

@@ -26,8 +26,11 @@ class View:
     def on_line(self) -> bool:
         return self.line_error is not None
 
-    def wall_in_reach(self, side: Side) -> bool:
-        return self.seen.side_m(side) < self.config.wall.lost_beyond_m
+    def wall_found(self, side: Side) -> bool:
+        return self.seen.side_m(side) < self.config.wall.found_within_m
+
+    def wall_lost(self, side: Side) -> bool:
+        return self.seen.side_m(side) > self.config.wall.lost_beyond_m
 
     def obstacle_ahead(self, free_side: Side) -> bool:
         avoid = self.config.avoidance
@@ -37,10 +40,11 @@ class View:
         return self.seen.front_m < self.config.corner.front_below_m
 
     def corner_turned(self, wall_side: Side) -> bool:
-        return self.seen.front_m > self.config.corner.front_clear_m and self.wall_in_reach(wall_side)
+        return self.seen.front_m > self.config.corner.front_clear_m and self.wall_found(wall_side)
 
-    def avoided_back_on_line(self) -> bool:
-        return self.on_line() and self.follower is not None and self.follower.on_the_way_back
+    def line_met_on_the_way_back(self) -> bool:
+        on_the_way_back = self.follower is not None and self.follower.on_the_way_back
+        return on_the_way_back and self.return_state is State.LINE and self.on_line()
 
     def avoided(self, into: State) -> bool:
         return self.follower is not None and self.follower.finished and self.return_state is into
@@ -73,22 +77,22 @@ TRANSITIONS: tuple[Transition, ...] = (
     Transition(_LEFT, lambda v: v.corner_ahead(), State.TURN_RIGHT),
     Transition(_from(State.TURN_LEFT), lambda v: v.corner_turned("right"), State.RIGHT_WALL),
     Transition(_from(State.TURN_RIGHT), lambda v: v.corner_turned("left"), State.LEFT_WALL),
-    # The way back from an obstacle ends on the line, or where it began.
-    Transition(_AVOIDING, lambda v: v.avoided_back_on_line(), State.LINE),
+    # The way back from an obstacle on a line ends where the line is met; beside a wall it is driven to its end.
+    Transition(_AVOIDING, lambda v: v.line_met_on_the_way_back(), State.LINE),
     Transition(_AVOIDING, lambda v: v.avoided(State.LINE), State.LINE),
     Transition(_AVOIDING, lambda v: v.avoided(State.RIGHT_WALL), State.RIGHT_WALL),
     Transition(_AVOIDING, lambda v: v.avoided(State.LEFT_WALL), State.LEFT_WALL),
     Transition(_WALLS | _LOST, lambda v: v.on_line(), State.LINE),
     # The line has ended: a wall takes over.
-    Transition(_LINE, lambda v: not v.on_line() and v.wall_in_reach("right"), State.RIGHT_WALL),
-    Transition(_LINE, lambda v: not v.on_line() and v.wall_in_reach("left"), State.LEFT_WALL),
+    Transition(_LINE, lambda v: not v.on_line() and v.wall_found("right"), State.RIGHT_WALL),
+    Transition(_LINE, lambda v: not v.on_line() and v.wall_found("left"), State.LEFT_WALL),
     # The wall has ended: the one on the other side takes over, or the robot looks for the old one.
-    Transition(_RIGHT, lambda v: not v.wall_in_reach("right") and v.wall_in_reach("left"), State.LEFT_WALL),
-    Transition(_LEFT, lambda v: not v.wall_in_reach("left") and v.wall_in_reach("right"), State.RIGHT_WALL),
-    Transition(_RIGHT, lambda v: not v.wall_in_reach("right"), State.LOST_RIGHT_WALL),
-    Transition(_LEFT, lambda v: not v.wall_in_reach("left"), State.LOST_LEFT_WALL),
-    Transition(_LOST, lambda v: v.wall_in_reach("right"), State.RIGHT_WALL),
-    Transition(_LOST, lambda v: v.wall_in_reach("left"), State.LEFT_WALL),
+    Transition(_RIGHT, lambda v: v.wall_lost("right") and v.wall_found("left"), State.LEFT_WALL),
+    Transition(_LEFT, lambda v: v.wall_lost("left") and v.wall_found("right"), State.RIGHT_WALL),
+    Transition(_RIGHT, lambda v: v.wall_lost("right"), State.LOST_RIGHT_WALL),
+    Transition(_LEFT, lambda v: v.wall_lost("left"), State.LOST_LEFT_WALL),
+    Transition(_LOST, lambda v: not v.wall_lost("right"), State.RIGHT_WALL),
+    Transition(_LOST, lambda v: not v.wall_lost("left"), State.LEFT_WALL),
 )
 
 

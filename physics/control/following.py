@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from configs.schema.robot import FollowGains, WallFollowing
 
 MAX_ERROR = 3.5
-"""Outermost channel of the line sensor; the wall error saturates there too."""
+"""Outermost channel of the line sensor; the wall error saturates there too when the robot is too close."""
 
 
 def line_error(line: Sequence[float], threshold: float) -> float | None:
@@ -20,7 +20,7 @@ def wall_error(measured_m: float, config: WallFollowing) -> float:
     """Eq. 13-14, scaled and saturated to the line error's range; positive when too close to the wall."""
     actual_m = math.cos(math.radians(45.0)) * measured_m
     error = config.error_scale_per_m * (config.target_distance_m - actual_m)
-    return max(-MAX_ERROR, min(MAX_ERROR, error))
+    return max(-config.far_error_limit, min(MAX_ERROR, error))
 
 
 def follow(error: float, gains: FollowGains) -> tuple[float, float]:
