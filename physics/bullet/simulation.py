@@ -6,8 +6,6 @@ limited force: true stick. Both together are the paper's Eq. 18 and 20.
 """
 
 from math import atan2, floor, pi
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Self
 
 import pybullet
@@ -15,10 +13,10 @@ import pybullet
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates
 from physics.arena import Arena
-from physics.bullet.rays import Array, Hits, RayScene
-from physics.bullet.world import BOXES, CHASSIS, FLOOR, TREADS, add_arena, connect
+from physics.bullet.body import add_robot
+from physics.bullet.world import add_arena, connect
 from physics.motor import MotorModel
-from physics.urdf import CASTER, LEFT_WHEEL, RIGHT_WHEEL, robot_urdf
+from physics.rays import Array, Hits, RayScene
 from physics.wheel_loop import WheelSpeedLoop, voltage_limit_V
 
 GRAVITY_M_S2 = 9.81
@@ -49,7 +47,7 @@ class BulletSimulation:
         self._client = connect()
         self._set_engine()
         self._surface_of_body = add_arena(self._client, arena)
-        self._robot, self._wheels = self._load(robot, start)
+        self._robot, self._wheels = add_robot(self._client, robot, start)
         self._yaw = start[2]
 
     def __enter__(self) -> Self:
@@ -60,7 +58,6 @@ class BulletSimulation:
 
     def close(self) -> None:
         pybullet.disconnect(self._client)
-        self._rays.close()
 
     def _set_engine(self) -> None:
         client = self._client
@@ -72,55 +69,6 @@ class BulletSimulation:
             deterministicOverlappingPairs=1,
             physicsClientId=client,
         )
-
-    def _load(self, robot: RobotConfig, start: tuple[float, float, float]) -> tuple[int, list[int]]:
-        client = self._client
-        x, y, yaw = start
-        with TemporaryDirectory() as folder:
-            path = Path(folder) / "robot.urdf"
-            path.write_text(robot_urdf(robot), encoding="utf-8")
-            # Without the flag PyBullet makes up inertias from the collision shapes.
-            body = pybullet.loadURDF(
-                str(path),
-                basePosition=[x, y, 0.0],
-                baseOrientation=pybullet.getQuaternionFromEuler([0.0, 0.0, yaw]),
-                flags=pybullet.URDF_USE_INERTIA_FROM_FILE,
-                physicsClientId=client,
-            )
-        joints = range(pybullet.getNumJoints(body, physicsClientId=client))
-        links = {pybullet.getJointInfo(body, j, physicsClientId=client)[12].decode(): j for j in joints}
-        friction = {RIGHT_WHEEL: robot.drive.wheel_friction, LEFT_WHEEL: robot.drive.wheel_friction}
-        friction[CASTER] = robot.drive.caster_friction
-        for name, coefficient in friction.items():
-            link = links[name]
-            pybullet.changeDynamics(body, link, lateralFriction=coefficient, restitution=0.0, physicsClientId=client)
-            pybullet.setCollisionFilterGroupMask(body, link, TREADS, FLOOR, physicsClientId=client)
-        # Bullet's own damping would slow the free body; 1000 rad/s is its cap on joint speeds.
-        pybullet.changeDynamics(
-            body,
-            -1,
-            linearDamping=0.0,
-            angularDamping=0.0,
-            restitution=0.0,
-            maxJointVelocity=1000,
-            physicsClientId=client,
-        )
-        pybullet.setCollisionFilterGroupMask(body, -1, CHASSIS, BOXES, physicsClientId=client)
-        wheels = [links[RIGHT_WHEEL], links[LEFT_WHEEL]]
-        for wheel in wheels:
-            # URDF has no word for a reflected rotor, and no body could have so much inertia about one axis alone.
-            across, spin, _ = pybullet.getDynamicsInfo(body, wheel, physicsClientId=client)[2]
-            inertia = [across, spin + self._motor.inertia_kg_m2, across]
-            pybullet.changeDynamics(body, wheel, localInertiaDiagonal=inertia, physicsClientId=client)
-            pybullet.setJointMotorControl2(
-                body,
-                wheel,
-                pybullet.VELOCITY_CONTROL,
-                targetVelocity=0.0,
-                force=self._motor.coulomb_N_m,
-                physicsClientId=client,
-            )
-        return int(body), wheels
 
     @property
     def steps(self) -> int:
@@ -200,9 +148,9 @@ class BulletSimulation:
         return pybullet.getJointStates(self._robot, self._wheels, physicsClientId=self._client)
 
     def encoder_counts(self) -> tuple[int, int]:
-        """Quadrature counts, right and left, since the start."""
+        """Quadrature counts, right and left, since the start, which lies in the middle between two edges."""
         right, left = self._wheel_states()
-        return floor(right[0] * self._rad_to_counts), floor(left[0] * self._rad_to_counts)
+        return floor(right[0] * self._rad_to_counts + 0.5), floor(left[0] * self._rad_to_counts + 0.5)
 
     def wheel_speeds(self) -> tuple[float, float]:
         """True speeds, right and left [rad/s]."""

@@ -9,7 +9,7 @@ from physics.arena import Arena, Box
 RAYS, BOXES, CHASSIS, TREADS, FLOOR = 1, 2, 4, 8, 16
 """Collision groups: treads (wheels and caster) meet the floor only, the chassis meets walls and obstacles only.
 
-Bullet puts every ray into group 1, and a body that does not admit that group is not seen.
+Bullet puts its own rays into group 1, which the tests of `physics.rays` compare with; the robot does not admit them.
 """
 
 

@@ -1,0 +1,77 @@
+"""The robot's body in a PyBullet client: links from its URDF, contacts, rotor inertia, stick-slip friction."""
+
+from math import cos, sin
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pybullet
+
+from configs.schema.robot import RobotConfig
+from physics.bullet.world import BOXES, CHASSIS, FLOOR, TREADS
+from physics.urdf import CASTER, LEFT_WHEEL, RIGHT_WHEEL, robot_urdf
+
+MAX_JOINT_SPEED_RAD_S = 1000.0
+"""Bullet caps joint speeds, at 100 rad/s unless told otherwise."""
+
+
+def add_robot(client: int, robot: RobotConfig, start: tuple[float, float, float]) -> tuple[int, list[int]]:
+    """Put the robot on the floor at x [m], y [m], yaw [rad]; its body id, and the wheel joints, right and left."""
+    body = _load(client, robot_urdf(robot), start)
+    pybullet.changeDynamics(
+        body,
+        -1,
+        linearDamping=0.0,
+        angularDamping=0.0,
+        restitution=0.0,
+        maxJointVelocity=MAX_JOINT_SPEED_RAD_S,
+        physicsClientId=client,
+    )
+    pybullet.setCollisionFilterGroupMask(body, -1, CHASSIS, BOXES, physicsClientId=client)
+    links = _links(client, body)
+    wheels = [links[RIGHT_WHEEL], links[LEFT_WHEEL]]
+    for wheel in wheels:
+        _tread(client, body, wheel, robot.drive.wheel_friction)
+        _motor(client, body, wheel, robot)
+    _tread(client, body, links[CASTER], robot.drive.caster_friction)
+    return body, wheels
+
+
+def _load(client: int, urdf: str, start: tuple[float, float, float]) -> int:
+    x, y, yaw = start
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "robot.urdf"
+        path.write_text(urdf, encoding="utf-8")
+        body = pybullet.loadURDF(
+            str(path),
+            basePosition=[x, y, 0.0],
+            baseOrientation=[0.0, 0.0, sin(0.5 * yaw), cos(0.5 * yaw)],
+            # Without the flag PyBullet makes up inertias from the collision shapes.
+            flags=pybullet.URDF_USE_INERTIA_FROM_FILE,
+            physicsClientId=client,
+        )
+    return int(body)
+
+
+def _links(client: int, body: int) -> dict[str, int]:
+    joints = range(pybullet.getNumJoints(body, physicsClientId=client))
+    return {pybullet.getJointInfo(body, joint, physicsClientId=client)[12].decode(): joint for joint in joints}
+
+
+def _tread(client: int, body: int, link: int, friction: float) -> None:
+    pybullet.changeDynamics(body, link, lateralFriction=friction, restitution=0.0, physicsClientId=client)
+    pybullet.setCollisionFilterGroupMask(body, link, TREADS, FLOOR, physicsClientId=client)
+
+
+def _motor(client: int, body: int, wheel: int, robot: RobotConfig) -> None:
+    # URDF has no word for a reflected rotor, and no body could have so much inertia about one axis alone.
+    across, spin, _ = pybullet.getDynamicsInfo(body, wheel, physicsClientId=client)[2]
+    inertia = [across, spin + robot.motor.rotor_inertia_kg_m2, across]
+    pybullet.changeDynamics(body, wheel, localInertiaDiagonal=inertia, physicsClientId=client)
+    pybullet.setJointMotorControl2(
+        body,
+        wheel,
+        pybullet.VELOCITY_CONTROL,
+        targetVelocity=0.0,
+        force=robot.motor.coulomb_friction_N_m,
+        physicsClientId=client,
+    )
