@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
+from configs.errors import RunFailed
+
 
 class Message(BaseModel):
     """One line of JSON between the supervisor and a worker."""
@@ -37,16 +39,19 @@ class RenderUnit(Message):
     threads: int
 
     def run(self, progress: Callable[[float], None]) -> None:
-        from blender_scenes.renderer import render_job  # noqa: PLC0415 - opencv, in the worker alone
+        from blender_scenes.renderer import RenderError, render_job  # noqa: PLC0415 - opencv, in the worker alone
 
         shares = iter(index / len(self.numbers) for index in range(1, len(self.numbers) + 1))
-        render_job(
-            self.job,
-            self.images,
-            threads=self.threads,
-            numbers=self.numbers,
-            on_frame=lambda _number: progress(next(shares, 1.0)),
-        )
+        try:
+            render_job(
+                self.job,
+                self.images,
+                threads=self.threads,
+                numbers=self.numbers,
+                on_frame=lambda _number: progress(next(shares, 1.0)),
+            )
+        except RenderError as error:
+            raise RunFailed(str(error)) from error
 
 
 Unit = Annotated[SimulateUnit | RenderUnit, Field(discriminator="kind")]

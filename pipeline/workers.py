@@ -29,6 +29,11 @@ class WorkerError(Exception):
     """A worker ended by an error that is not the user's; the text is its traceback."""
 
 
+def cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0))
+
+
 @dataclass(frozen=True)
 class UnitFailure:
     unit: AnyUnit

@@ -88,31 +88,23 @@ class Workspace:
     @contextlib.contextmanager
     def locked(self) -> Iterator[None]:
         """Hold the folder for this process; the operating system lets go of it however the process ends."""
-        with lock_folder(self.out / STAGES, self.out):
-            yield
-
-
-@contextlib.contextmanager
-def lock_folder(folder: Path, out: Path) -> Iterator[None]:
-    folder.mkdir(parents=True, exist_ok=True)
-    with (folder / "lock").open("ab") as file:
+        (self.out / STAGES).mkdir(parents=True, exist_ok=True)
+        descriptor = os.open(self.out / STAGES, os.O_RDONLY | os.O_DIRECTORY)
         try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            yield
         except BlockingIOError:
             raise InputError(
                 "another symolo command is working in this folder",
-                where=f"--out {out}",
+                where=f"--out {self.out}",
                 cure="wait for it, or name another folder",
             ) from None
-        yield
+        finally:
+            os.close(descriptor)
 
 
-def check_out(out: Path, owned_by: str) -> None:
+def check_out(out: Path) -> None:
     """Refuse a folder that cannot or should not be written to, before any work starts.
-
-    Args:
-        out: The folder named by the user.
-        owned_by: A name inside it that shows that this command made it, so that it may be continued.
 
     Raises:
         InputError: It is a file, foreign and not empty, or not writable.
@@ -120,10 +112,8 @@ def check_out(out: Path, owned_by: str) -> None:
     where = f"--out {out}"
     if out.exists() and not out.is_dir():
         raise InputError("is a file, not a folder", where=where, cure="name a folder that is new or empty")
-    if out.is_dir() and not (out / owned_by).exists() and any(out.iterdir()):
-        raise InputError(
-            "holds files that this command did not make", where=where, cure="name a folder that is new or empty"
-        )
+    if out.is_dir() and not (out / STAGES).is_dir() and any(out.iterdir()):
+        raise InputError("holds files that symolo did not make", where=where, cure="name a folder that is new or empty")
     nearest = _nearest_existing(out)
     if not nearest.is_dir():
         raise InputError(f"lies below the file {nearest}", where=where, cure="name a folder that is new or empty")

@@ -6,6 +6,7 @@ import numpy as np
 
 from physics.trajectory import Recording
 from pipeline.dataset.rows import Floats, Numbers, Rows, csv_bytes, wrapped
+from sensors.tof import TofStatus
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,8 @@ WHEELS = SideTable(
 DRIVE_SERIES = ("command", "wheel_speed_rad_s", "voltage_V", "current_A", "encoder_counts")
 TOF = SideTable(
     "tof.csv",
-    "status of each ToF sensor at each row of data.csv",
+    "status of each ToF sensor at each row of data.csv: "
+    + ", ".join(f"{status.value} {status.name.lower()}" for status in TofStatus),
     (SideColumn("t", "ms", 0), *(SideColumn(f"status_{side}", "-", 0) for side in "flr")),
 )
 CAMERA = SideTable(

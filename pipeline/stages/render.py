@@ -5,8 +5,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from blender_scenes.frame_files import frame_name
 from blender_scenes.job import FramePose, build_job
-from configs.schema.scenario import RunSpec
+from configs.schema.arena import ArenaConfig
+from configs.schema.look import LookConfig
+from configs.schema.robot import RobotConfig
+from configs.schema.scenario import Render, RunSpec
 from configs.streams import stream
 from physics.arena import Arena
 from pipeline.dataset.rows import Rows
@@ -22,6 +26,24 @@ JOB, IMAGES, FRAMES, INPUTS = "job.json", "images", "frames.json", "inputs.json"
 
 
 @dataclass(frozen=True)
+class Appearance:
+    """All that decides a run's pictures besides where the robot is."""
+
+    arena: ArenaConfig
+    robot: RobotConfig
+    look: LookConfig
+    render: Render
+    seed: int
+    """Of the run, not of the scenario: no two runs share their stains and their noise."""
+
+    @classmethod
+    def of(cls, spec: RunSpec, seed: int | None = None) -> "Appearance":
+        """The run's own; another `seed` than the scenario's gives other stains and noise."""
+        own = stream(spec.seed if seed is None else seed, spec.route, spec.run, "render")
+        return cls(spec.arena, spec.robot, spec.look, spec.render, int(own.integers(2**31)))
+
+
+@dataclass(frozen=True)
 class RenderTask:
     """The pictures of one run: the job, and the folder that it fills."""
 
@@ -29,6 +51,13 @@ class RenderTask:
     folder: StageFolder
     job_text: str
     frames: tuple[FramePose, ...]
+
+    @classmethod
+    def of(cls, run: str, appearance: Appearance, rows: Rows, folder: StageFolder) -> "RenderTask":
+        frames = frame_poses(rows)
+        arena = Arena.from_config(appearance.arena)
+        job = build_job(arena, appearance.robot, appearance.look, appearance.render, frames, appearance.seed)
+        return cls(run, folder, job.to_json(), frames)
 
     @property
     def key(self) -> str:
@@ -38,14 +67,6 @@ class RenderTask:
     @property
     def images(self) -> Path:
         return self.folder.path / IMAGES
-
-
-def render_task(spec: RunSpec, rows: Rows, folder: StageFolder) -> RenderTask:
-    frames = frame_poses(rows)
-    arena = Arena.from_config(spec.arena)
-    seed = int(stream(spec.seed, spec.route, spec.run, "render").integers(2**31))
-    job = build_job(arena, spec.robot, spec.look, spec.render, frames, seed)
-    return RenderTask(spec.key, folder, job.to_json(), frames)
 
 
 def frame_poses(rows: Rows) -> tuple[FramePose, ...]:
@@ -117,8 +138,8 @@ def _finish(task: RenderTask) -> None:
     records = [
         {
             "number": frame.number,
-            "file": f"{IMAGES}/{image_name(frame.number)}",
-            "sha256": sha256_of(task.images / image_name(frame.number)),
+            "file": f"{IMAGES}/{frame_name(frame.number)}",
+            "sha256": sha256_of(task.images / frame_name(frame.number)),
             "t_s": frame.t_s,
             "x_m": frame.x_m,
             "y_m": frame.y_m,
@@ -127,8 +148,6 @@ def _finish(task: RenderTask) -> None:
         for frame in task.frames
     ]
     write_file(task.folder.path / FRAMES, canonical_json({"frames": records}))
-    mark_done(task.folder.path, task.key)
-
-
-def image_name(number: int) -> str:
-    return f"{number:06d}.jpg"
+    pictures = {record["file"]: record["sha256"] for record in records}
+    texts = {name: sha256_of(task.folder.path / name) for name in (JOB, FRAMES)}
+    mark_done(task.folder.path, task.key, {**texts, **pictures})

@@ -1,0 +1,95 @@
+"""A scenario and an output folder: which stages are to be done for which runs, and what came of it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from configs.draw import draw_all
+from configs.errors import InputError
+from configs.loader import LoadedScenario, load_scenario
+from configs.schema.scenario import RunSpec
+from pipeline.dataset.rows import Rows
+from pipeline.plan import Plan
+from pipeline.progress import Report
+from pipeline.stages.assemble import assemble
+from pipeline.stages.render import Appearance, RenderTask, render_runs
+from pipeline.stages.simulate_runs import (
+    RunProblem,
+    read_outcome,
+    read_recording,
+    simulate_runs,
+    simulation_key,
+)
+from pipeline.workers import cores
+from pipeline.workspace import Workspace, check_disk, check_out
+
+
+@dataclass(frozen=True)
+class Batch:
+    """What a command works on; nothing is written before one of the stages is asked for."""
+
+    loaded: LoadedScenario
+    specs: tuple[RunSpec, ...]
+    workspace: Workspace
+    workers: int
+    cores: int
+
+    @classmethod
+    def open(cls, scenario: str, overrides: Sequence[str], out: Path, workers: int | None) -> "Batch":
+        """Load and draw the scenario and see that there is room for it.
+
+        Raises:
+            InputError: The scenario or the output folder cannot be used.
+            EnvironmentLacking: The disk is too full.
+        """
+        loaded = load_scenario(scenario, overrides)
+        specs = tuple(draw_all(loaded))
+        check_out(out)
+        check_disk(out, Plan.of(specs, cores()).bytes_needed)
+        return cls(loaded, specs, Workspace(out.absolute()), workers or cores(), cores())
+
+    def simulate(self, report: Report) -> list[RunProblem]:
+        return simulate_runs(self.workspace, self.specs, self.workers, report)
+
+    def simulated(self) -> list[RunProblem]:
+        """Problems of runs simulated before.
+
+        Raises:
+            InputError: A run is not simulated yet, or from other inputs.
+        """
+        for spec in self.specs:
+            if not self.workspace.simulate(spec.key).is_done(simulation_key(spec)):
+                raise self._not_done(spec, "simulate")
+        return [
+            RunProblem(spec.key, "simulate", text)
+            for spec in self.specs
+            for text in read_outcome(self.workspace.simulate(spec.key).path).problems
+        ]
+
+    def render(self, problems: Sequence[RunProblem], report: Report) -> list[RunProblem]:
+        return render_runs(self._render_tasks(problems), self.workers, self.cores, report)
+
+    def check_rendered(self, problems: Sequence[RunProblem]) -> None:
+        """Raise InputError for a good run that is not rendered yet, or from other inputs."""
+        for task in self._render_tasks(problems):
+            if not task.folder.is_done(task.key):
+                raise self._not_done(next(spec for spec in self.specs if spec.key == task.run), "render")
+
+    def assemble(self, problems: Sequence[RunProblem], report: Report) -> None:
+        assemble(self.workspace, self.loaded.tree, self.specs, problems, report)
+
+    def _render_tasks(self, problems: Sequence[RunProblem]) -> list[RenderTask]:
+        failed = {problem.run for problem in problems}
+        tasks = []
+        for spec in self.specs:
+            if spec.key not in failed:
+                rows = Rows.from_recording(read_recording(self.workspace.simulate(spec.key).path))
+                tasks.append(RenderTask.of(spec.key, Appearance.of(spec), rows, self.workspace.render(spec.key)))
+        return tasks
+
+    def _not_done(self, spec: RunSpec, stage: str) -> InputError:
+        return InputError(
+            f"run {spec.key} of this scenario is not there from stage '{stage}'",
+            where=f"--out {self.workspace.out}",
+            cure=f"run `symolo {stage}` with the same scenario first, or `symolo release` for all stages",
+        )

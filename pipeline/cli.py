@@ -1,0 +1,100 @@
+"""The command `symolo`: commands, exit codes, and errors as one clear line."""
+
+import errno
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+from typing import Annotated
+
+import typer
+
+from configs.errors import EnvironmentLacking, InputError, RunFailed
+from pipeline.commands import look, make
+
+EPILOG = """Exit codes: 0 done; 1 a bug; 2 bad input or usage, nothing written; 3 a run failed, the others are finished;
+4 verify found faults; 5 the environment lacks something; 130 interrupted.
+
+First steps:
+
+symolo doctor
+
+symolo release smoke --out data
+
+symolo verify data
+
+symolo rerender data/CW/test_1 --look lab --out lab
+"""
+
+app = typer.Typer(
+    name="symolo",
+    help="From a YAML scenario to a photorealistic, physically honest dataset of a small educational robot.",
+    epilog=EPILOG,
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+for command in (make.plan, make.release, make.simulate, make.render, make.assemble, make.rerender):
+    app.command(rich_help_panel="Make data")(command)
+for command in (look.verify, look.contact_sheet, look.doctor, look.schema):
+    app.command(rich_help_panel="Look at data, machine and format")(command)
+
+
+def _print_version(wanted: bool) -> None:  # noqa: FBT001 - what typer calls back with
+    if wanted:
+        from pipeline.versions import installed_version  # noqa: PLC0415 - half of the time that --help takes
+
+        typer.echo(f"symolo {installed_version('symolo')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    *,
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    pass
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code."""
+    try:
+        code = app(arguments, standalone_mode=False)
+    except typer.TyperException as error:
+        return _fail(2, f"{error.format_message()} (see symolo --help)")
+    except InputError as error:
+        return _fail(2, str(error))
+    except RunFailed as error:
+        return _fail(3, str(error))
+    except EnvironmentLacking as error:
+        return _fail(5, str(error))
+    except (KeyboardInterrupt, typer.Abort):
+        return _interrupted()
+    except BrokenPipeError:
+        # Whoever read our output has gone; the interpreter must not fail on the rest of it.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except OSError as error:
+        if error.errno in {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EMFILE}:
+            return _fail(5, f"{error}; free what is short and run the command again, it continues")
+        return _bug()
+    except Exception:  # noqa: BLE001 - the last line of defence gives a bug its exit code
+        return _bug()
+    return _interrupted() if code == 130 else int(code or 0)
+
+
+def _fail(code: int, text: str) -> int:
+    typer.echo(f"symolo: {text}", err=True)
+    return code
+
+
+def _interrupted() -> int:
+    return _fail(130, "interrupted; run the same command again to continue")
+
+
+def _bug() -> int:
+    traceback.print_exc()
+    return _fail(1, "this is a bug in symolo; please report it with the lines above")

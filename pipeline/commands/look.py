@@ -1,0 +1,76 @@
+"""Commands that look at data or at the machine: verify, contact-sheet, schema, doctor."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+FAULTS = 4
+LACKING = 5
+
+
+def verify(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Dataset: the folder that holds metadata.json.")],
+) -> int:
+    """Check a dataset: structure, columns, units and ranges, rates, images, positions, checksums.
+
+    Prints one line for each fault, `file: what`, and ends with exit code 4 if there is one.
+
+    Example: symolo verify data
+    """
+    from pipeline.verify import verify as findings_of  # noqa: PLC0415
+
+    count = 0
+    for finding in findings_of(folder):
+        typer.echo(str(finding))
+        count += 1
+    typer.echo(f"{folder}: {count} faults" if count else f"{folder}: no fault", err=bool(count))
+    return FAULTS if count else 0
+
+
+def contact_sheet(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Dataset, run folder, or output of rerender.")],
+    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="Picture to write, .jpg or .png.")],
+    per_run: Annotated[int, typer.Option(min=1, max=100, help="Images of each run, spread evenly.")] = 6,
+    width_px: Annotated[int, typer.Option(min=16, max=4096, help="Width of each image.")] = 240,
+) -> None:
+    """Put images of every run on one sheet, labelled with run, image number and state.
+
+    Example: symolo contact-sheet data --out sheet.jpg
+    """
+    from configs.errors import InputError  # noqa: PLC0415
+    from pipeline.contact_sheet import contact_sheet as sheet_of  # noqa: PLC0415
+    from pipeline.contact_sheet import save  # noqa: PLC0415
+
+    if out.suffix not in {".jpg", ".png"} or out.is_dir() or not out.absolute().parent.is_dir():
+        raise InputError("--out", got=str(out), allowed="a file name ending in .jpg or .png in a folder that exists")
+    if not folder.is_dir():
+        raise InputError("no such folder", where=str(folder), cure="name a dataset or a run folder")
+    save(sheet_of(folder, per_run, width_px), out)
+    typer.echo(str(out))
+
+
+def schema() -> None:
+    """Print the JSON Schema of scenario files, for editors that check and complete YAML.
+
+    Example: symolo schema > scenario.schema.json
+    """
+    import json  # noqa: PLC0415
+
+    from configs.json_schema import scenario_json_schema  # noqa: PLC0415
+
+    typer.echo(json.dumps(scenario_json_schema(), indent=2, ensure_ascii=False))
+
+
+def doctor() -> int:
+    """Check this machine: Python, packages, system libraries, Blender, PyBullet, disk, cores, memory, graphics card.
+
+    For each thing missing it says the line that mends it, and ends with exit code 5.
+    """
+    from pipeline.doctor import examine  # noqa: PLC0415
+
+    lacking = False
+    for check in examine(Path.cwd()):
+        typer.echo(str(check))
+        lacking |= not check.ok
+    return LACKING if lacking else 0

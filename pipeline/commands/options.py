@@ -1,0 +1,24 @@
+"""Arguments and options that several commands share."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Scenario = Annotated[str, typer.Argument(metavar="SCENARIO", help="Name of a shipped scenario, or a YAML file.")]
+Out = Annotated[
+    Path, typer.Option("--out", metavar="DIR", help="Output folder: new, empty, or one that symolo made before.")
+]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="PATH=VALUE",
+        help="Override one field, such as render.samples=16; may be given again. The value is YAML and may be a "
+        "distribution, such as '{uniform: [4, 8]}'.",
+    ),
+]
+Workers = Annotated[
+    int | None,
+    typer.Option("--workers", min=1, max=256, metavar="N", help="Child processes at a time; all cores by default."),
+]

@@ -1,0 +1,177 @@
+"""What is wrong with one released run: structure, columns, units, ranges, rates, pictures, positions."""
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from pipeline.dataset.metadata import RunRecord
+from pipeline.dataset.rows import HEADER, Floats, Rows, parse_table, semantic_faults
+from pipeline.dataset.side import CAMERA, POSITIONS_HEADER, TOF, WHEELS
+
+MOST_PER_KIND = 5
+"""Faults of one kind that are named one by one; a file in wrong units has as many as rows."""
+
+FASTEST_M_S = 3.0
+FASTEST_RAD_S = 30.0
+
+_JPEG_START, _JPEG_END = b"\xff\xd8\xff", b"\xff\xd9"
+
+
+@dataclass(frozen=True)
+class Finding:
+    file: str
+    what: str
+
+    def __str__(self) -> str:
+        return f"{self.file}: {self.what}"
+
+
+def check_run(root: Path, record: RunRecord) -> Iterator[Finding]:
+    """Every fault of the run's folder below the dataset `root`, as metadata.json describes the run."""
+    run = root / record.run
+    if not run.is_dir():
+        yield Finding(record.run, "the folder is missing")
+        return
+    data = f"{record.run}/data.csv"
+    table, faults = _table(run / "data.csv", HEADER)
+    yield from _limited(data, faults)
+    if len(table) == 0:
+        return
+    rows = Rows.from_table(table)
+    yield from _limited(data, [str(fault) for fault in semantic_faults(rows)])
+    yield from _rows_checks(data, rows, record)
+    yield from _images(run / "images", f"{record.run}/images", rows, record)
+    yield from _positions(run / "image_positions.txt", f"{record.run}/image_positions.txt", rows)
+    yield from _side(run / "side", f"{record.run}/side", rows)
+
+
+def _rows_checks(name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:
+    if len(rows.t_ms) != record.rows:
+        yield Finding(name, f"{len(rows.t_ms)} rows, metadata.json says {record.rows}")
+    row_hz, camera_hz = record.rates.control_hz, record.rates.camera_hz
+    ticks = np.arange(len(rows.t_ms))
+    expected_ms = np.rint(ticks * 1000 / row_hz)
+    yield from _limited(name, _at(rows.t_ms != expected_ms, rows.t_ms, "column t", f"ms does not keep {row_hz} Hz"))
+    per_image = row_hz // camera_hz
+    expected_image = np.where(ticks % per_image == 0, 1 + ticks // per_image, 0)
+    wrong = rows.image != expected_image
+    yield from _limited(name, _at(wrong, rows.image, "column img", f"does not keep {camera_hz} Hz"))
+    yield from _ranges(name, rows, record)
+    yield from _motion(name, rows)
+
+
+def _ranges(name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:
+    low, high, none = record.tof_min_range_m, record.tof_max_range_m, record.tof_no_target_m
+    outside = ((rows.tof_m < low) | (rows.tof_m > high)) & (rows.tof_m != none)
+    for i, column in enumerate(("d_f", "d_l", "d_r")):
+        what = f"m is outside {low:g}..{high:g} and not the no-target value {none:g}"
+        yield from _limited(name, _at(outside[:, i], rows.tof_m[:, i], f"column {column}", what))
+    for i in range(8):
+        channel = rows.line[:, i]
+        yield from _limited(name, _at((channel < 0) | (channel > 1), channel, f"column L{i}", "is outside 0..1"))
+    theta = rows.pose[:, 2]
+    yield from _limited(name, _at(np.abs(theta) > np.pi + 1e-6, theta, "column theta", "rad is outside -pi..pi"))
+    for i, (column, fastest, unit) in enumerate((("v", FASTEST_M_S, "m/s"), ("w", FASTEST_RAD_S, "rad/s"))):
+        value = rows.twist[:, i]
+        what = f"{unit} is beyond what the robot can do ({fastest:g} {unit})"
+        yield from _limited(name, _at(np.abs(value) > fastest, value, f"column {column}", what))
+
+
+def _motion(name: str, rows: Rows) -> Iterator[Finding]:
+    """Position and heading must change as the speeds say; a column in another unit does not."""
+    dt = np.diff(rows.t_ms) / 1000
+    if len(dt) == 0 or np.any(dt <= 0):
+        return
+    steps = np.linalg.norm(np.diff(rows.pose[:, :2], axis=0), axis=1)
+    jumps = np.concatenate(([False], steps > FASTEST_M_S * dt))
+    yield from _limited(name, _at(jumps, np.concatenate(([0.0], steps)), "columns x, y", "m is a jump"))
+    mean = 0.5 * (rows.twist[1:] + rows.twist[:-1])
+    driven, stepped = float(np.sum(np.abs(mean[:, 0]) * dt)), float(steps.sum())
+    if abs(driven - stepped) > 0.02 + 0.1 * max(driven, stepped):
+        yield Finding(name, f"column v adds up to {driven:.3f} m, columns x, y to {stepped:.3f} m")
+    turned = float(np.sum(mean[:, 1] * dt))
+    seen = float(np.unwrap(rows.pose[:, 2])[-1] - rows.pose[0, 2])
+    if abs(turned - seen) > 0.3 + 0.1 * abs(seen):
+        yield Finding(name, f"column w adds up to {turned:.2f} rad, column theta to {seen:.2f} rad")
+
+
+def _images(folder: Path, name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:
+    numbers = [int(number) for number in rows.image if number > 0]
+    if len(numbers) != record.images:
+        yield Finding(name, f"data.csv names {len(numbers)} images, metadata.json says {record.images}")
+    expected = {f"{number:06d}.jpg" for number in numbers}
+    there = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
+    yield from _limited(name, [f"{file} is missing" for file in sorted(expected - there)])
+    yield from _limited(name, [f"{file} is not named in data.csv" for file in sorted(there - expected)])
+    for file in sorted(expected & there):
+        fault = _picture_fault(folder / file, record.image_width_px, record.image_height_px)
+        if fault:
+            yield Finding(f"{name}/{file}", fault)
+
+
+def _picture_fault(path: Path, width_px: int, height_px: int) -> str:
+    import cv2  # noqa: PLC0415 - half a second that no other command needs
+
+    data = path.read_bytes()
+    if not data.startswith(_JPEG_START) or not data.endswith(_JPEG_END):
+        return "is not a whole JPEG file"
+    picture = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_COLOR)
+    if picture is None:
+        return "cannot be decoded"
+    if picture.shape[:2] != (height_px, width_px):
+        return f"is {picture.shape[1]} x {picture.shape[0]} px, metadata.json says {width_px} x {height_px}"
+    return ""
+
+
+def _positions(path: Path, name: str, rows: Rows) -> Iterator[Finding]:
+    table, faults = _table(path, POSITIONS_HEADER, separator=" ")
+    yield from _limited(name, faults)
+    taken = rows.image > 0
+    expected = np.column_stack((rows.image[taken], rows.pose[taken]))
+    if len(table) == 0:
+        return
+    if len(table) != len(expected):
+        yield Finding(name, f"{len(table)} positions for {len(expected)} images in data.csv")
+        return
+    differ = np.flatnonzero(np.any(table != expected, axis=1))
+    yield from _limited(
+        name, [f"line {i + 2}: is not the pose of image {expected[i, 0]:.0f} in data.csv" for i in differ]
+    )
+
+
+def _side(folder: Path, name: str, rows: Rows) -> Iterator[Finding]:
+    for side, times in ((WHEELS, rows.t_ms), (TOF, rows.t_ms), (CAMERA, rows.t_ms[rows.image > 0])):
+        table, faults = _table(folder / side.file, side.header)
+        yield from _limited(f"{name}/{side.file}", faults)
+        if len(table) and not np.array_equal(table[:, side.header.index("t")], times):
+            yield Finding(f"{name}/{side.file}", "column t is not that of data.csv")
+    try:
+        json.loads((folder / "spec.json").read_bytes())
+    except (OSError, ValueError) as error:
+        yield Finding(f"{name}/spec.json", f"cannot be read: {error}")
+
+
+def _table(path: Path, header: Sequence[str], separator: str = ",") -> tuple[Floats, list[str]]:
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        return np.empty((0, len(header))), [f"cannot be read: {error.strerror}"]
+    table, faults = parse_table(data, header, separator)
+    found = [str(fault) for fault in faults]
+    if not data.endswith(b"\n"):
+        found.append("does not end with a line end: the file is cut off")
+    return table, found
+
+
+def _at(wrong: np.ndarray, values: np.ndarray, column: str, what: str) -> list[str]:
+    return [f"line {i + 2}: {column}: {values[i]:g} {what}" for i in np.flatnonzero(wrong)]
+
+
+def _limited(name: str, faults: Sequence[str]) -> Iterator[Finding]:
+    for fault in faults[:MOST_PER_KIND]:
+        yield Finding(name, fault)
+    if len(faults) > MOST_PER_KIND:
+        yield Finding(name, f"and {len(faults) - MOST_PER_KIND} more of this kind")

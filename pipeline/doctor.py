@@ -1,0 +1,169 @@
+"""`symolo doctor`: whether this machine has what the program needs, and the line that mends what is missing."""
+
+import importlib.util
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipeline.versions import installed_version
+
+PACKAGES = (
+    "bpy",
+    "numpy",
+    "opencv-python-headless",
+    "pandas",
+    "pybullet",
+    "pydantic",
+    "PyYAML",
+    "rich",
+    "scipy",
+    "typer",
+)
+LOCK = Path(__file__).resolve().parents[1] / "requirements.lock"
+INSTALL = "run ./setup in the repository"
+LEAST_DISK_MB = 1000
+LEAST_MEMORY_MB = 2000
+CHILD_TIMEOUT_S = 120
+
+# Device types in the order of preference; bpy's own names.
+ASK_BLENDER = """
+import bpy
+preferences = bpy.context.preferences.addons["cycles"].preferences
+names = []
+for kind in ("OPTIX", "CUDA", "HIP", "ONEAPI"):
+    try:
+        names += [f"{d.name} ({kind})" for d in preferences.get_devices_for_type(kind) if d.type == kind]
+    except Exception:
+        pass
+print("version " + bpy.app.version_string)
+print("devices " + ", ".join(names))
+"""
+
+
+@dataclass(frozen=True)
+class Check:
+    """One line of the doctor's report."""
+
+    name: str
+    ok: bool
+    found: str
+    cure: str = ""
+
+    def __str__(self) -> str:
+        line = f"{'ok     ' if self.ok else 'MISSING'} {self.name}: {self.found}"
+        return line if self.ok or not self.cure else f"{line}; {self.cure}"
+
+
+def examine(folder: Path) -> Iterator[Check]:
+    """All checks in turn; `folder` is where the disk space is looked at."""
+    yield _python()
+    locked = locked_versions()
+    for package in PACKAGES:
+        yield _package(package, locked)
+    libraries = _system_libraries()
+    yield libraries
+    if libraries.ok:
+        yield from _blender()
+    yield _pybullet()
+    yield from _machine(folder)
+
+
+def locked_versions() -> dict[str, str]:
+    """Version by package name in lower case; empty where the program is installed without its repository."""
+    if not LOCK.is_file():
+        return {}
+    return {
+        name.lower(): version for name, version in re.findall(r"^([\w.-]+)==([^\s\\]+)", LOCK.read_text(), re.MULTILINE)
+    }
+
+
+def _python() -> Check:
+    version = ".".join(map(str, sys.version_info[:3]))
+    return Check(
+        "Python", sys.version_info[:2] == (3, 11), version, "install Python 3.11: apt-get install -y python3.11-venv"
+    )
+
+
+def _package(package: str, locked: dict[str, str]) -> Check:
+    version = installed_version(package)
+    wanted = locked.get(package.lower())
+    if version is None:
+        return Check(package, ok=False, found="not installed", cure=INSTALL)
+    if wanted and version != wanted:
+        return Check(package, ok=False, found=f"{version}, the lock file says {wanted}", cure=INSTALL)
+    return Check(package, ok=True, found=version)
+
+
+def _system_libraries() -> Check:
+    """Shared libraries that the dynamic loader does not find for bpy."""
+    name = "system libraries"
+    spec = importlib.util.find_spec("bpy")
+    if spec is None or spec.origin is None:
+        return Check(name, ok=False, found="cannot be asked for while bpy is missing", cure=INSTALL)
+    ldd = shutil.which("ldd")
+    if ldd is None:
+        return Check(name, ok=True, found="not looked at: there is no ldd")
+    binary = Path(spec.origin)
+    binary = binary if binary.suffix == ".so" else binary.with_name("__init__.so")
+    listing = subprocess.run([ldd, str(binary)], capture_output=True, text=True, check=False).stdout
+    missing = sorted(set(re.findall(r"^\s*(\S+) => not found", listing, re.MULTILINE)))
+    return Check(name, not missing, ", ".join(missing) or "all that bpy loads", _apt_line())
+
+
+def _apt_line() -> str:
+    try:
+        from blender_scenes.renderer import SYSTEM_PACKAGES  # noqa: PLC0415 - needs opencv, which may be what is missing
+    except ImportError:
+        return INSTALL
+    return f"run apt-get install -y {SYSTEM_PACKAGES}"
+
+
+def _blender() -> Iterator[Check]:
+    code, out, error = _child(ASK_BLENDER)
+    facts = dict(line.split(" ", 1) for line in out.splitlines() if line.startswith(("version ", "devices ")))
+    if code or "version" not in facts:
+        yield Check("Blender", ok=False, found=error or "does not start", cure=_apt_line())
+        return
+    yield Check("Blender", ok=True, found=f"{facts['version']} starts")
+    yield Check("graphics card", ok=True, found=facts.get("devices", "") or "none; pictures are rendered on the CPU")
+
+
+def _pybullet() -> Check:
+    code, _, error = _child("import pybullet; pybullet.disconnect(pybullet.connect(pybullet.DIRECT))")
+    return Check("PyBullet", code == 0, "starts" if code == 0 else error or "does not start", INSTALL)
+
+
+def _child(program: str) -> tuple[int, str, str]:
+    """Exit code, output and last line of the error output of a Python child that may well crash."""
+    try:
+        child = subprocess.run(
+            [sys.executable, "-P", "-c", program], capture_output=True, text=True, check=False, timeout=CHILD_TIMEOUT_S
+        )
+    except subprocess.TimeoutExpired:
+        return 1, "", f"no answer within {CHILD_TIMEOUT_S} s"
+    lines = child.stderr.strip().splitlines()
+    return child.returncode, child.stdout, lines[-1] if lines else ""
+
+
+def _machine(folder: Path) -> Iterator[Check]:
+    from pipeline.workers import cores  # noqa: PLC0415 - needs pydantic, which is looked at above
+
+    free_mb = shutil.disk_usage(folder).free // 10**6
+    yield Check("disk", free_mb >= LEAST_DISK_MB, f"{free_mb} MB free in {folder}", "free some space or work elsewhere")
+    yield Check("cores", ok=True, found=str(cores()))
+    memory_mb = _memory_available_mb()
+    if memory_mb is not None:
+        cure = "close other programs, or give --workers 1"
+        yield Check("memory", memory_mb >= LEAST_MEMORY_MB, f"{memory_mb} MB available", cure)
+
+
+def _memory_available_mb() -> int | None:
+    try:
+        found = re.search(r"^MemAvailable:\s+(\d+) kB", Path("/proc/meminfo").read_text(), re.MULTILINE)
+    except OSError:
+        return None
+    return int(found.group(1)) // 1000 if found else None

@@ -1,0 +1,191 @@
+"""Pictures for a trajectory that is there already, ours or a SyMoLo data.csv from elsewhere; simulates nothing."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from pydantic import ValidationError
+
+from configs.draw import draw_arena, draw_look, draw_robot, draw_run
+from configs.errors import InputError
+from configs.loader import load_scenario, load_section
+from configs.schema.arena import ArenaConfig
+from configs.schema.robot import RobotConfig
+from configs.schema.scenario import Render, RunSpec
+from configs.streams import stream
+from pipeline.dataset.rows import Ints, Rows, read_rows
+from pipeline.dataset.side import image_positions
+from pipeline.files import remove_folder, replace_folder, write_file
+from pipeline.progress import Report
+from pipeline.stages.assemble import DATA, POSITIONS, SIDE
+from pipeline.stages.render import FRAMES, IMAGES, JOB, Appearance, RenderTask, render_runs
+from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, RunProblem, read_recording
+from pipeline.workspace import PARTIAL, STAGES, Workspace
+
+CARRIER = "symolo"
+"""The scenario whose reader checks `--set render...`, and whose picture settings a foreign trajectory gets."""
+
+SECTIONS = ("look", "render", "arena", "robot")
+
+
+@dataclass(frozen=True)
+class Request:
+    """What the user asked for beside the trajectory."""
+
+    look: str
+    arena: str | None = None
+    robot: str | None = None
+    camera_hz: float | None = None
+    seed: int | None = None
+    overrides: tuple[str, ...] = ()
+
+    def of(self, section: str) -> tuple[str, ...]:
+        """The overrides below one section."""
+        return tuple(text for text in self.overrides if text.strip().startswith((f"{section}.", f"{section}=")))
+
+
+@dataclass(frozen=True)
+class Source:
+    """A trajectory to look at, and what is known of the run it came from."""
+
+    rows: Rows
+    data: bytes
+    """data.csv as it is or would be."""
+    spec: RunSpec | None
+    """None for a foreign data.csv."""
+
+
+def render_source(
+    source: Source, appearance: Appearance, workspace: Workspace, *, workers: int, cores: int, report: Report
+) -> list[RunProblem]:
+    """Render what `prepare` found and fill the workspace's folder with it."""
+    with workspace.locked():
+        task = RenderTask.of("rerender", appearance, source.rows, workspace.render("rerender"))
+        problems = render_runs([task], workers, cores, report)
+        if not problems:
+            _publish(task, source, workspace)
+    return problems
+
+
+def prepare(source: Path, request: Request) -> tuple[Source, Appearance]:
+    """Read and check everything, before anything is written.
+
+    Raises:
+        InputError: The trajectory, the look or another part of the request cannot be used.
+    """
+    for text in request.overrides:
+        if text.strip().partition("=")[0].partition(".")[0] not in SECTIONS:
+            raise InputError(
+                "--set", got=text, allowed="fields of " + ", ".join(SECTIONS), cure="simulate anew for others"
+            )
+    found = _timed(read_source(source), request.camera_hz)
+    return found, _appearance(found.spec, request)
+
+
+def read_source(path: Path) -> Source:
+    """A run folder of a dataset or of `.stages`, or a data.csv with nothing beside it."""
+    folder = path.parent if path.name == DATA else path
+    if path.is_dir() and (folder / TRAJECTORY).is_file():
+        rows = Rows.from_recording(read_recording(folder))
+        return Source(rows, rows.to_csv(), _read_spec(folder / SPEC))
+    data = path if path.is_file() else folder / DATA
+    if not data.is_file():
+        raise InputError(
+            "is no run folder and no data.csv",
+            where=str(path),
+            cure="name a folder such as OUT/CW/test_1, or a data.csv",
+        )
+    side = folder / SIDE / SPEC
+    spec = _read_spec(side) if data.name == DATA and side.is_file() else None
+    return Source(read_rows(data), data.read_bytes(), spec)
+
+
+def _read_spec(path: Path) -> RunSpec:
+    try:
+        return RunSpec.model_validate_json(path.read_bytes())
+    except (OSError, ValidationError) as error:
+        reason = error.strerror if isinstance(error, OSError) else error.errors()[0]["msg"]
+        raise InputError(
+            f"cannot be read: {reason}", where=str(path), cure="name the data.csv with --arena and --robot"
+        ) from None
+
+
+def _timed(source: Source, camera_hz: float | None) -> Source:
+    """With image numbers at `camera_hz` when it is given, else with those of data.csv."""
+    if camera_hz is None:
+        if np.any(source.rows.image > 0):
+            return source
+        raise InputError(
+            "data.csv",
+            got="img 0 in every row",
+            allowed="at least one image",
+            cure="choose a rate, such as --camera-hz 5",
+        )
+    rows = Rows.from_table(source.rows.table())
+    rows = Rows(
+        rows.t_ms, rows.pose, rows.state, rows.twist, rows.tof_m, rows.line, image_numbers(rows.t_ms, camera_hz)
+    )
+    return Source(rows, rows.to_csv(), source.spec)
+
+
+def image_numbers(t_ms: Ints, camera_hz: float) -> Ints:
+    """(N,), 1, 2, 3... at the first row of every camera period since the first row, 0 elsewhere."""
+    period = np.floor((t_ms - t_ms[0]) * camera_hz / 1000 + 1e-9)
+    first = np.concatenate(([True], np.diff(period) > 0))
+    return np.where(first, np.cumsum(first), 0)
+
+
+def _appearance(spec: RunSpec | None, request: Request) -> Appearance:
+    route, run = (spec.route, spec.run) if spec else ("foreign", 1)
+    seed = request.seed if request.seed is not None else spec.seed if spec else 1
+    look, _ = draw_look(load_section("look", request.look, request.of("look")), seed, route, run)
+    return Appearance(
+        arena=_arena(spec, request, seed, route, run),
+        robot=_robot(spec, request, seed, route, run),
+        look=look,
+        render=_render(spec, request),
+        seed=int(stream(seed, route, run, "render").integers(2**31)),
+    )
+
+
+def _arena(spec: RunSpec | None, request: Request, seed: int, route: str, run: int) -> ArenaConfig:
+    if spec and not request.arena:
+        _refuse_overrides(request, "arena")
+        return spec.arena
+    return draw_arena(load_section("arena", request.arena or "symolo", request.of("arena")), seed, route, run)[0]
+
+
+def _robot(spec: RunSpec | None, request: Request, seed: int, route: str, run: int) -> RobotConfig:
+    if spec and not request.robot:
+        _refuse_overrides(request, "robot")
+        return spec.robot
+    return draw_robot(load_section("robot", request.robot or "nominal", request.of("robot")), seed, route, run)[0]
+
+
+def _refuse_overrides(request: Request, section: str) -> None:
+    if request.of(section):
+        raise InputError(
+            "--set", got=request.of(section)[0], allowed="look or render", cure=f"name --{section} as well"
+        )
+
+
+def _render(spec: RunSpec | None, request: Request) -> Render:
+    own = spec.render.model_dump(mode="json") if spec else {}
+    settings = [f"render.{name}={str(value).lower()}" for name, value in own.items()]
+    loaded = load_scenario(CARRIER, [*settings, *request.of("render")])
+    return draw_run(loaded, loaded.routes[0].name, 1).render
+
+
+def _publish(task: RenderTask, source: Source, workspace: Workspace) -> None:
+    out = workspace.out
+    partial = out / STAGES / (IMAGES + PARTIAL)
+    remove_folder(partial)
+    partial.mkdir()
+    for frame in task.frames:
+        name = f"{frame.number:06d}.jpg"
+        write_file(partial / name, (task.images / name).read_bytes())
+    replace_folder(partial, out / IMAGES)
+    write_file(out / DATA, source.data)
+    write_file(out / POSITIONS, image_positions(source.rows))
+    for name in (JOB, FRAMES):
+        write_file(out / name, (task.folder.path / name).read_bytes())
