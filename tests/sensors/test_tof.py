@@ -1,0 +1,107 @@
+"""VL53L0X: readings of worlds with a closed form, against the paper's tables and equations."""
+
+import math
+
+import numpy as np
+import pytest
+
+from sensors.tof import TofArray, TofStatus, log_error_m, noise_growth, ray_directions, ray_pattern
+
+FRONT = 0
+NO_TARGET_M = 2.0
+
+
+def sensors(robot, arena, seed=0, **changes):
+    config = robot.tof.model_copy(update={"error_scale": 0.0} | changes)
+    return TofArray(config, arena, 1000, np.random.default_rng(seed))
+
+
+def wall_ahead(plane_world, robot, distance_m):
+    return plane_world(wall_x_m=robot.tof.mounts.front.x_m + distance_m)
+
+
+@pytest.mark.parametrize("distance_m", [0.05, 0.1, 0.25, 0.6, 1.15])
+def test_a_wall_met_head_on_reads_its_distance(robot, arena_of, plane_world, distance_m):
+    tof = sensors(robot, arena_of(), noise_scale=0.0)
+    reading, status = tof.sample(wall_ahead(plane_world, robot, distance_m))[FRONT]
+    assert status == TofStatus.VALID
+    # White paper board reads 0.25 mm long (Table 3), and the device gives whole millimetres.
+    assert reading == pytest.approx(distance_m + 0.00025, abs=0.0005001)
+
+
+@pytest.mark.parametrize(
+    ("surface", "mean_mm", "sd_mm"),
+    [
+        ("white_board", 100.25, 0.84),
+        ("light_grey_board", 100.21, 0.82),
+        ("dark_grey_board", 101.24, 0.79),
+        ("black_board", 95.63, 0.80),
+        ("metal", 89.06, 1.28),
+        ("wood", 99.88, 1.42),
+        ("glass", 96.58, 1.77),
+        ("paper", 101.42, 1.45),
+        ("plastic", 99.7, 1.31),
+    ],
+)
+def test_readings_at_100_mm_are_those_of_tables_3_and_4(robot, arena_of, plane_world, surface, mean_mm, sd_mm):
+    tof = sensors(robot, arena_of(surface), quantisation_m=0.0)
+    world = wall_ahead(plane_world, robot, 0.1)
+    readings_mm = 1e3 * np.array([tof.sample(world)[FRONT, 0] for _ in range(2000)])
+    # Three standard errors of 2,000 readings.
+    assert readings_mm.mean() == pytest.approx(mean_mm, abs=3 * sd_mm / math.sqrt(2000))
+    assert readings_mm.std() == pytest.approx(sd_mm, rel=0.05)
+
+
+def test_noise_grows_as_equation_23_in_the_distance_beyond_180_mm():
+    assert noise_growth(np.array([0.05, 0.1, 0.18])) == pytest.approx(1.0)
+    by_hand_mm = 1.15 * 0.5**3 + 2.51 * 0.5**2 + 4.88 * 0.5 + 1.40
+    assert 1.41 * noise_growth(np.array([0.68]))[0] == pytest.approx(by_hand_mm)
+
+
+def test_the_error_is_equation_24_with_its_zero_at_180_mm():
+    assert log_error_m(np.array([0.04, 0.18])) == pytest.approx(0.0)
+    assert 1e3 * log_error_m(np.array([1.0]))[0] == pytest.approx(102.5, abs=0.05)
+
+
+def test_nothing_ahead_is_no_target(robot, arena_of, plane_world):
+    for floor in (False, True):
+        readings = sensors(robot, arena_of()).sample(plane_world(floor=floor))
+        assert readings[:, 0].tolist() == [NO_TARGET_M] * 3
+        assert readings[:, 1].tolist() == [TofStatus.NO_TARGET] * 3
+
+
+@pytest.mark.parametrize("distance_m", [0.02, 1.3])
+def test_a_wall_out_of_range_is_no_target(robot, arena_of, plane_world, distance_m):
+    reading, status = sensors(robot, arena_of()).sample(wall_ahead(plane_world, robot, distance_m))[FRONT]
+    assert (reading, status) == (NO_TARGET_M, TofStatus.NO_TARGET)
+
+
+def test_side_sensors_look_45_degrees_to_their_side(robot, arena_of, plane_world):
+    """Turned right by 45 degrees, the left sensor meets a wall ahead head-on, and the right one looks along it."""
+    mount = robot.tof.mounts.left
+    yaw = -math.pi / 4
+    sensor_x = mount.x_m * math.cos(yaw) - mount.y_m * math.sin(yaw)
+    world = plane_world(wall_x_m=sensor_x + 0.2, at=(0.0, 0.0, yaw))
+    _, left, right = sensors(robot, arena_of(), noise_scale=0.0).sample(world)
+    assert left[0] == pytest.approx(0.20025, abs=0.0005001)
+    assert right[1] == TofStatus.NO_TARGET
+
+
+def test_a_lost_update_keeps_the_value_before_and_says_so(robot, arena_of, plane_world):
+    tof = sensors(robot, arena_of(), dropout_probability=1.0)
+    reading, status = tof.sample(wall_ahead(plane_world, robot, 0.1))[FRONT]
+    assert (reading, status) == (NO_TARGET_M, TofStatus.HELD)
+
+
+def test_90_rays_fill_a_cone_of_25_degrees_about_the_axis(robot):
+    angle, roll = ray_pattern(90, math.radians(25.0))
+    directions = ray_directions(robot.tof.mounts.left, angle, roll)
+    axis = np.array([math.cos(math.pi / 4), math.sin(math.pi / 4), 0.0])
+    off_axis = np.degrees(np.arccos(directions @ axis))
+    assert len(directions) == 90
+    assert np.linalg.norm(directions, axis=1) == pytest.approx(1.0)
+    assert off_axis.max() <= 12.5
+    assert off_axis.max() == pytest.approx(12.5, abs=0.1)
+    assert directions.mean(axis=0) / np.linalg.norm(directions.mean(axis=0)) == pytest.approx(axis, abs=2e-3)
+    # Even over the disc: half of the rays lie within 1 / sqrt(2) of the radius.
+    assert np.count_nonzero(off_axis < 12.5 / math.sqrt(2)) == 45
