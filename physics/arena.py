@@ -33,7 +33,7 @@ class Straight:
         """Points (N, 2) at arc lengths `s`, moved `offset` to the left of the direction of travel."""
         tangent = np.subtract(self.end, self.start) / self.length_m
         normal = np.array([-tangent[1], tangent[0]])
-        return np.asarray(self.start) + np.outer(s, tangent) + np.multiply.outer(np.broadcast_to(offset, s.shape), normal)
+        return np.asarray(self.start) + np.outer(s, tangent) + np.outer(np.broadcast_to(offset, s.shape), normal)
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from configs.streams import stream
 from numpy.typing import NDArray
-from physics.bullet.simulation import BulletSimulation
 
 from configs.schema.scenario import RunSpec
+from configs.streams import stream
 from physics.arena import Arena
+from physics.bullet.simulation import BulletSimulation
 from physics.control.base import Command, ControlInput, State
 from physics.control.controller import RobotController
 from physics.lap import Lap
