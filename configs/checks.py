@@ -1,24 +1,17 @@
 """What no single field can show: geometry that cannot be, and settings that contradict each other."""
 
 import math
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
 
+from configs.distributions import Choice
 from configs.errors import InputError
+from configs.faults import Fault
 from configs.footprints import Point, corners, overlap, wall_corners
 from configs.schema.arena import ArcPiece, ArenaConfig, StraightPiece
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Route, Scenario
 from configs.tree import FieldPath, Node, dotted
-
-
-@dataclass(frozen=True)
-class Fault:
-    path: FieldPath
-    problem: str = ""
-    got: object = ...
-    allowed: str = ""
-    cure: str = ""
+from configs.validation import Placed
 
 
 def check_scenario(scenario: Scenario, root: Node) -> None:
@@ -36,6 +29,15 @@ def check_run(scenario: Scenario, root: Node, route: int, run: int) -> None:
     _refuse(_scenario_faults(scenario, [route]), root, note)
 
 
+def check_kinds(placed: Mapping[FieldPath, Placed], root: Node) -> None:
+    """Refuse distributions whose draws would nearly all break a rule that their ends keep."""
+    path: FieldPath = ("robot", "tof", "period_s")
+    item = placed.get(path)
+    if item and not isinstance(item.distribution, Choice):
+        allowed = "a number or {choice: [...]}, because it is a whole number of physics steps"
+        raise InputError(dotted(path), where=root.place_of(path), got=root.plain_at(path), allowed=allowed)
+
+
 def check_arena(arena: ArenaConfig, root: Node) -> None:
     _refuse(_arena_faults(arena), root)
 
@@ -46,10 +48,7 @@ def check_robot(robot: RobotConfig, root: Node) -> None:
 
 def _refuse(faults: Iterable[Fault], root: Node, note: str = "") -> None:
     for fault in faults:
-        what = f"{dotted(fault.path)}: {fault.problem}" if fault.problem else dotted(fault.path)
-        cure = "; ".join(part for part in (fault.cure, note) if part)
-        where = root.place_of(fault.path)
-        raise InputError(what, where=where, got=fault.got, allowed=fault.allowed, cure=cure)
+        raise fault.error(root, note)
 
 
 def _scenario_faults(scenario: Scenario, routes: Iterable[int]) -> Iterator[Fault]:
@@ -133,50 +132,64 @@ def _outside_faults(arena: ArenaConfig) -> Iterator[Fault]:
 
 
 def _robot_faults(robot: RobotConfig) -> Iterator[Fault]:
-    tof, motor = robot.tof, robot.motor
     yield from _body_faults(robot)
+    yield from _range_faults(robot)
+    yield from _stall_faults(robot)
+    corner = robot.controller.corner
+    if corner.front_below_m >= corner.front_clear_m:
+        path: FieldPath = ("robot", "controller", "corner")
+        allowed = f"less than front_clear_m, which is {corner.front_clear_m}"
+        against = (*path, "front_clear_m")
+        yield Fault((*path, "front_below_m"), got=corner.front_below_m, allowed=allowed, against=against)
+
+
+def _range_faults(robot: RobotConfig) -> Iterator[Fault]:
+    tof = robot.tof
+    path: FieldPath = ("robot", "tof")
     if tof.min_range_m >= tof.max_range_m:
         allowed = f"less than max_range_m, which is {tof.max_range_m}"
-        yield Fault(("robot", "tof", "min_range_m"), got=tof.min_range_m, allowed=allowed)
+        yield Fault((*path, "min_range_m"), got=tof.min_range_m, allowed=allowed, against=(*path, "max_range_m"))
     if tof.min_range_m < tof.no_target_m < tof.max_range_m:
-        allowed = f"no valid range: at most min_range_m ({tof.min_range_m}) or at least max_range_m ({tof.max_range_m})"
-        yield Fault(("robot", "tof", "no_target_m"), got=tof.no_target_m, allowed=allowed)
+        ends = f"up to {tof.min_range_m} (min_range_m) or from {tof.max_range_m} (max_range_m)"
+        yield Fault((*path, "no_target_m"), got=tof.no_target_m, allowed=f"values outside the valid range, {ends}")
+
+
+def _stall_faults(robot: RobotConfig) -> Iterator[Fault]:
+    motor = robot.motor
     voltage = min(robot.power.battery_voltage_V, robot.power.motor_voltage_limit_V)
     stall_N_m = motor.torque_constant_N_m_A * voltage / motor.winding_resistance_ohm
     if stall_N_m <= motor.coulomb_friction_N_m:
-        problem = f"the motor cannot turn: at {voltage} V it stalls at {stall_N_m:.3g} N m"
-        allowed = "less friction than that"
-        yield Fault(
-            ("robot", "motor", "coulomb_friction_N_m"), problem, got=motor.coulomb_friction_N_m, allowed=allowed
-        )
-    corner = robot.controller.corner
-    if corner.front_below_m >= corner.front_clear_m:
-        allowed = f"less than front_clear_m, which is {corner.front_clear_m}"
-        yield Fault(("robot", "controller", "corner", "front_below_m"), got=corner.front_below_m, allowed=allowed)
+        path: FieldPath = ("robot", "motor")
+        problem = "the motor cannot overcome its friction"
+        allowed = f"less than {stall_N_m:.3g}, its torque at {voltage} V and {motor.winding_resistance_ohm} ohm"
+        against = (*path, "winding_resistance_ohm")
+        yield Fault((*path, "coulomb_friction_N_m"), problem, motor.coulomb_friction_N_m, allowed, against=against)
 
 
 def _body_faults(robot: RobotConfig) -> Iterator[Fault]:
     chassis, drive = robot.chassis, robot.drive
-    across = drive.track_m + drive.wheel_width_m
-    if across > chassis.width_m + 1e-9:
-        allowed = f"at most chassis.width_m less a wheel's width, {chassis.width_m - drive.wheel_width_m:.6g}"
-        yield Fault(("robot", "drive", "track_m"), got=drive.track_m, allowed=allowed)
-    if drive.wheel_diameter_m > chassis.length_m:
-        allowed = f"at most chassis.length_m, which is {chassis.length_m}"
-        yield Fault(("robot", "drive", "wheel_diameter_m"), got=drive.wheel_diameter_m, allowed=allowed)
-    if drive.wheel_diameter_m <= chassis.clearance_m:
-        allowed = f"more than chassis.clearance_m, which is {chassis.clearance_m}"
-        yield Fault(("robot", "drive", "wheel_diameter_m"), got=drive.wheel_diameter_m, allowed=allowed)
+    chassis_path: FieldPath = ("robot", "chassis")
+    drive_path: FieldPath = ("robot", "drive")
+    widest = chassis.width_m - drive.wheel_width_m
+    if drive.track_m > widest + 1e-9:
+        allowed = f"at most {widest:.6g}, chassis.width_m less drive.wheel_width_m, which covers the wheels"
+        yield Fault((*drive_path, "track_m"), got=drive.track_m, allowed=allowed, against=(*chassis_path, "width_m"))
+    if not chassis.clearance_m < drive.wheel_diameter_m <= chassis.length_m:
+        allowed = f"more than chassis.clearance_m ({chassis.clearance_m}), up to chassis.length_m ({chassis.length_m})"
+        yield Fault((*drive_path, "wheel_diameter_m"), got=drive.wheel_diameter_m, allowed=allowed)
     if chassis.clearance_m >= chassis.base_height_m:
         allowed = f"less than base_height_m, which is {chassis.base_height_m}"
-        yield Fault(("robot", "chassis", "clearance_m"), got=chassis.clearance_m, allowed=allowed)
+        against = (*chassis_path, "base_height_m")
+        yield Fault((*chassis_path, "clearance_m"), got=chassis.clearance_m, allowed=allowed, against=against)
     if abs(drive.caster_x_m) > chassis.length_m / 2:
-        allowed = f"within half of chassis.length_m, {chassis.length_m / 2:.6g}, of the axle"
-        yield Fault(("robot", "drive", "caster_x_m"), got=drive.caster_x_m, allowed=allowed)
+        allowed = f"at most {chassis.length_m / 2:.6g}, half of chassis.length_m, before or behind the axle"
+        against = (*chassis_path, "length_m")
+        yield Fault((*drive_path, "caster_x_m"), got=drive.caster_x_m, allowed=allowed, against=against)
     low, high = sorted((0.0, drive.caster_x_m))
     if not low <= chassis.center_of_mass_x_m <= high or low == high:
         allowed = f"between the axle at 0 and the caster at {drive.caster_x_m}, or the robot tips over"
-        yield Fault(("robot", "chassis", "center_of_mass_x_m"), got=chassis.center_of_mass_x_m, allowed=allowed)
+        got, against = chassis.center_of_mass_x_m, (*drive_path, "caster_x_m")
+        yield Fault((*chassis_path, "center_of_mass_x_m"), got=got, allowed=allowed, against=against)
 
 
 def _start_faults(arena: ArenaConfig, robot: RobotConfig, route: Route, path: FieldPath) -> Iterator[Fault]:

@@ -17,6 +17,7 @@ from configs.tree import DISTRIBUTION_KINDS, FieldPath, Node, Scalar, dotted
 
 _WITHOUT_LIMITS_SD = 4.0
 _LEAST_SHARE = 1e-3
+_MOST_OPTIONS = 256  # each is held against the schema
 _NORMAL_KEYS = ("mean", "sd", "low", "high")
 _EXAMPLES = {
     "uniform": "{uniform: [low, high]}",
@@ -24,6 +25,7 @@ _EXAMPLES = {
     "log_uniform": "{log_uniform: [low, high]}",
     "choice": "{choice: [a, b]}",
 }
+_NORMAL_EXAMPLE = "{normal: {mean: m, sd: s, low: a, high: b}}"
 
 
 @dataclass(frozen=True)
@@ -129,8 +131,9 @@ def parse(node: Node, path: FieldPath) -> Distribution:
             allowed="a single value, or one of " + ", ".join(_EXAMPLES.values()),
             nearest=nearest(unknown[0], DISTRIBUTION_KINDS) if unknown else "",
         )
+    example = _NORMAL_EXAMPLE if kind == "normal" and isinstance(arguments.value, dict) else _EXAMPLES[str(kind)]
     faulty = partial(
-        InputError, f"{what}.{kind}", where=arguments.where, got=arguments.plain(), cure=f"write {_EXAMPLES[str(kind)]}"
+        InputError, f"{what}.{kind}", where=arguments.where, got=arguments.plain(), cure=f"write {example}"
     )
     if kind == "choice":
         return _parse_choice(arguments, faulty)
@@ -148,8 +151,8 @@ def parse(node: Node, path: FieldPath) -> Distribution:
 
 def _parse_choice(arguments: Node, faulty: Callable[..., InputError]) -> Choice:
     items = arguments.value
-    if not isinstance(items, tuple) or not items:
-        raise faulty(allowed="a list of at least one value")
+    if not isinstance(items, tuple) or not 1 <= len(items) <= _MOST_OPTIONS:
+        raise faulty(allowed=f"a list of 1 to {_MOST_OPTIONS} values")
     if any(isinstance(item.value, dict | tuple) or item.value is None for item in items):
         raise faulty(allowed="numbers, names, or true and false")
     return Choice(tuple(item.value for item in items))  # type: ignore[misc]

@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 
 _LONGEST_VALUE = 60
+_LONGEST_WHAT = 300
 _UNPRINTABLE = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]+")
 
 
@@ -25,11 +26,13 @@ class InputError(Exception):
     def __init__(
         self, what: str, *, where: str = "", got: object = ..., allowed: str = "", nearest: str = "", cure: str = ""
     ) -> None:
-        facts = [] if got is ... else [f"got {shown(got)}"]
-        facts += [f"allowed: {allowed}"] if allowed else []
-        head = ": ".join(part for part in (where, what, ", ".join(facts)) if part)
-        tail = ([f"did you mean {nearest}"] if nearest else []) + ([cure] if cure else [])
-        super().__init__(one_line("; ".join([head, *tail])))
+        head = ": ".join(part for part in (where, _shortened(what, _LONGEST_WHAT)) if part)
+        if got is not ...:
+            head += f": got {shown(got)}"
+        if allowed:
+            head += f"{';' if got is ... else ','} allowed: {allowed}"
+        tail = [f"did you mean {nearest}"] if nearest else []
+        super().__init__(one_line("; ".join([head, *tail, *([cure] if cure else [])])))
 
 
 class RunFailed(Exception):  # noqa: N818 - a run that fails is an outcome with a name, and the name is the contract's
@@ -67,4 +70,8 @@ def shown(value: object) -> str:
         text = "[" + ", ".join(shown(item) for item in value[:4]) + (", ...]" if len(value) > 4 else "]")
     else:
         text = repr(value)
-    return text if len(text) <= _LONGEST_VALUE + 2 else text[:_LONGEST_VALUE] + "..."
+    return _shortened(text, _LONGEST_VALUE + 2)
+
+
+def _shortened(text: str, length: int) -> str:
+    return text if len(text) <= length else text[:length] + "..."

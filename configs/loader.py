@@ -6,7 +6,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from configs.checks import check_arena, check_robot, check_scenario
+from configs.checks import check_arena, check_kinds, check_robot, check_scenario
 from configs.overrides import apply_override
 from configs.references import Reader, locate
 from configs.schema.arena import ArenaConfig
@@ -101,6 +101,7 @@ def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSce
     root = reader.read("scenario", locate("scenario", name_or_path, folder=Path(), what="scenario"))
     root = _overridden(root, Scenario, overrides, reader)
     placed = distributions_of(root, Scenario)
+    check_kinds(placed, root)
     probed = [validated(root, Scenario, values) for values in probes(placed)]
     for scenario in probed:
         check_scenario(scenario, root)

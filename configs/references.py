@@ -1,5 +1,6 @@
 """Names and paths of scenarios, arenas, robots and looks, and the files that build on others by `extends:`."""
 
+import os
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -27,31 +28,37 @@ def locate(kind: str, reference: str, *, folder: Path, what: str, where: str = "
         what: Field path or argument that holds the reference, for the message.
         where: `file:line` of it.
     """
-    if "/" in reference or reference.endswith((".yaml", ".yml")):
-        path = folder / Path(reference).expanduser() if reference.startswith("~") else folder / reference
-        if path.is_file():
-            return path
-        beside = [entry.name for entry in path.parent.glob("*.y*ml")] if path.parent.is_dir() else []
-        close = nearest(path.name, beside)
-        problem = "a folder, not a file" if path.is_dir() else "no such file"
-        raise InputError(
-            f"{what}: {problem}",
-            where=where,
-            got=displayed(path),
-            allowed=f"a YAML file, or one of the names {', '.join(shipped_names(kind))}",
-            nearest=str(Path(reference).with_name(close)) if close else nearest(path.stem, shipped_names(kind)),
-        )
     names = shipped_names(kind)
     if reference in names:
         return _SHIPPED / FOLDERS[kind] / f"{reference}.yaml"
+    # os.path tells no file from a name that the system refuses; pathlib raises there.
+    if "/" in reference or reference.endswith((".yaml", ".yml")):
+        path = folder / os.path.expanduser(reference)  # noqa: PTH111 - as above
+        if os.path.isfile(path):  # noqa: PTH113 - as above
+            return path
+        problem = "a folder, not a file" if os.path.isdir(path) else "no such file"  # noqa: PTH112 - as above
+        close = _nearest_file(path, reference, names)
+        raise InputError(
+            f"{what}: {problem}", where=where, got=displayed(path), allowed=_references(kind), nearest=close
+        )
     beside = folder / f"{reference}.yaml"
-    raise InputError(
-        what,
-        where=where,
-        got=reference,
-        allowed=f"the name of a shipped {kind} ({', '.join(names)}) or the path of a YAML file",
-        nearest=f"./{beside.name}" if beside.is_file() else nearest(reference, names),
-    )
+    close = f"./{beside.name}" if os.path.isfile(beside) else nearest(reference, names)  # noqa: PTH113 - as above
+    raise InputError(what, where=where, got=reference, allowed=_references(kind), nearest=close)
+
+
+def _references(kind: str) -> str:
+    return f"the name of a shipped {kind} ({', '.join(shipped_names(kind))}) or the path of a YAML file"
+
+
+def _nearest_file(path: Path, reference: str, names: tuple[str, ...]) -> str:
+    """The shipped name or the file beside `path` that is most like it."""
+    try:
+        beside = {entry.stem: entry.name for entry in path.parent.iterdir() if entry.suffix in {".yaml", ".yml"}}
+    except (OSError, ValueError):
+        beside = {}
+    beside.pop(path.stem, None)
+    close = nearest(path.stem, [*beside, *names])
+    return close if close in names or not close else str(Path(reference).with_name(beside[close]))
 
 
 @dataclass
@@ -102,4 +109,7 @@ class Reader:
             return self.read(kind, path), True
         if isinstance(node.value, dict) and "extends" in node.value:
             return self.resolve(kind, node, folder, prefix=(kind,)), True
+        if not isinstance(node.value, dict):
+            allowed = f"{_references(kind)}, or a mapping"
+            raise InputError(kind, where=node.where, got=node.plain(), allowed=allowed)
         return node, False

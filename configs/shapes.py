@@ -141,8 +141,9 @@ class Shape:
     def _variant(self, node: Node | None) -> "Shape | None":
         if not self.tag_key:
             return self
-        tag = node.value.get(self.tag_key) if node and isinstance(node.value, dict) else None
-        reference = self.schema["discriminator"]["mapping"].get(tag.value) if tag else None
+        tag = node.child(self.tag_key) if node else None
+        known = tag is not None and tag.value in self.tags
+        reference = self.schema["discriminator"]["mapping"][tag.value] if tag and known else None
         return None if reference is None else self._resolved({"$ref": reference})
 
     def _resolved(self, schema: Mapping[str, Any]) -> "Shape":
@@ -168,7 +169,7 @@ def with_defaults(node: Node, shape: Shape) -> Node:
             inner = shape.child(index)
             items.append(with_defaults(item, inner) if inner else item)
         return Node(tuple(items), node.where)
-    if not isinstance(node.value, dict) or shape.is_leaf:
+    if not isinstance(node.value, dict) or node.is_distribution or shape.is_leaf:
         return node
     given = dict(node.value)
     for key in shape.known_keys(node):

@@ -54,6 +54,10 @@ class Node:
             return [child.plain() for child in self.value]
         return self.value
 
+    def plain_at(self, path: FieldPath) -> Any:  # noqa: ANN401 - whatever the file holds
+        node = self.at(path)
+        return node.plain() if node else None
+
     def place_of(self, path: FieldPath) -> str:
         """Where the deepest node on the way to a path was written."""
         node = self

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -9,7 +10,7 @@ from pydantic import BaseModel, ValidationError
 
 from configs.distributions import Choice, Distribution, Uniform, parse
 from configs.errors import InputError
-from configs.faults import explained
+from configs.schema_faults import explained
 from configs.shapes import Shape
 from configs.tree import FieldPath, Node, Scalar, Values, dotted
 
@@ -74,7 +75,7 @@ def validated(root: Node, model: type[Model], values: Values) -> Model:
     try:
         return model.model_validate(filled(root, values))
     except ValidationError as error:
-        raise explained(error, root, Shape.of(model), values) from None
+        raise explained(error, root, Shape.of(model)) from None
 
 
 def filled(node: Node, values: Values, path: FieldPath = ()) -> Any:  # noqa: ANN401 - whatever the file holds
@@ -89,31 +90,28 @@ def filled(node: Node, values: Values, path: FieldPath = ()) -> Any:  # noqa: AN
 
 
 def _distributions(node: Node, shape: Shape, path: FieldPath) -> Iterator[tuple[FieldPath, Placed]]:
-    if isinstance(node.value, dict) and (shape.is_leaf or _stands_for_more(node, shape)):
+    if isinstance(node.value, dict) and (shape.is_leaf or node.is_distribution):
         yield path, _placed(node, shape, path)
         return
+    tag = node.child(shape.tag_key)
+    if tag is not None and tag.is_distribution:
+        what, allowed = dotted((*path, shape.tag_key)), f"one of {', '.join(shape.tags)}"
+        cure = "no distribution may stand here, because the other fields follow it"
+        raise InputError(what, where=tag.where, got=tag.plain(), allowed=allowed, cure=cure)
     for key, child in node.children():
         inner = shape.child(key, node)
         if inner is not None:
             yield from _distributions(child, inner, (*path, key))
 
 
-def _stands_for_more(node: Node, shape: Shape) -> bool:
-    return node.is_distribution and not any(key in shape.fields for key in dict(node.children()))
-
-
 def _placed(node: Node, shape: Shape, path: FieldPath) -> Placed:
-    reason = "a distribution stands for one value" if not shape.is_leaf else shape.not_drawn
-    if reason and node.is_distribution:
-        cure = f"no distribution may stand here, because {reason}"
-        raise InputError(dotted(path), where=node.where, got=node.plain(), allowed=shape.words(), cure=cure)
+    refusal = partial(InputError, dotted(path), where=node.where, got=node.plain(), allowed=shape.words())
+    reason = shape.not_drawn if shape.is_leaf else "a distribution stands for one value"
     if reason:
-        raise InputError(dotted(path), where=node.where, got=node.plain(), allowed=shape.words())
+        raise refusal(cure=f"no distribution may stand here, because {reason}" if node.is_distribution else "")
     distribution = parse(node, path)
     if not isinstance(distribution, Choice) and not (shape.is_number or shape.is_integer):
-        cure = "only {choice: [...]} may draw it"
-        raise InputError(dotted(path), where=node.where, got=node.plain(), allowed=shape.words(), cure=cure)
+        raise refusal(cure="only {choice: [...]} may draw it")
     if shape.is_integer and isinstance(distribution, Uniform) and any(end % 1 for end in distribution.extremes()):
-        allowed = "ends that are whole numbers, because the field is one"
-        raise InputError(dotted(path), where=node.where, got=node.plain(), allowed=allowed)
+        raise refusal(cure="the ends of a whole-number field are whole numbers")
     return Placed(distribution, shape.is_integer, shape.is_number)

@@ -16,7 +16,7 @@ from configs.tree import FieldPath, Node, Scalar, dotted
 
 MAX_BYTES = 1 << 20
 MAX_DEPTH = 32
-MAX_NODES = 50_000
+MAX_NODES = 20_000
 
 _INTEGER = re.compile(r"[-+]?(0|[1-9][0-9]*)")
 _FLOAT = re.compile(r"[-+]?(0|[1-9][0-9]*)?(\.[0-9]*)?([eE][-+]?[0-9]+)?")
@@ -71,7 +71,9 @@ def parse_yaml(text: str, name: str, *, with_lines: bool = True) -> Node:
         what = f"character {shown(chr(error.character))} is not allowed in YAML"  # pyright: ignore[reportArgumentType]
         raise InputError(what, where=f"{name}:{line}" if with_lines else name, cure="remove it") from None
     except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
+        # What is never closed or completed is best looked for where it began.
+        begun = any(sign in str(error.problem) for sign in ("end of stream", "stream end", "could not find expected"))
+        mark = error.context_mark if begun and error.context_mark else error.problem_mark
         where = f"{name}:{mark.line + 1}" if mark and with_lines else name
         problem = f"{error.context or ''} {error.problem or ''}".strip()
         cure = next((cure for sign, cure in _PARSER_CURES.items() if sign in problem), "")
@@ -163,7 +165,7 @@ class _Builder:
 
     def _refuse_extras(self, event: yaml.Event, path: FieldPath, where: str) -> None:
         self.nodes += 1
-        what = dotted(path) or "top level"
+        what = dotted(path) or ("top level" if self.with_lines else "value")
         if isinstance(event, yaml.AliasEvent):
             raise InputError(
                 what, where=where, got=f"*{event.anchor}", cure="aliases are not read; write the value out"
@@ -172,7 +174,12 @@ class _Builder:
             if event.anchor:
                 raise InputError(what, where=where, got=f"&{event.anchor}", cure="anchors are not read; remove it")
             if event.tag:
-                raise InputError(what, where=where, got=str(event.tag), cure="tags are not read; remove it")
+                raise InputError(
+                    what,
+                    where=where,
+                    got=event.tag.replace("tag:yaml.org,2002:", "!!"),
+                    cure="tags are not read; remove it",
+                )
         if len(path) > MAX_DEPTH:
             raise InputError(f"{dotted(path[:3])}...: nested too deep", where=where, allowed=f"{MAX_DEPTH} levels")
         if self.nodes > MAX_NODES:

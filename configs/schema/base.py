@@ -5,7 +5,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler, Strict
 from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import CoreSchema
+from pydantic_core import CoreSchema, PydanticCustomError
 
 FIXED_KEY = "x-fixed"
 """Under this key the JSON Schema of a field says why no distribution may stand there."""
@@ -17,8 +17,23 @@ class Fixed:
 
     reason: str
 
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:  # noqa: PLW3201 - pydantic's hook
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
         return {**handler(schema), FIXED_KEY: self.reason}
+
+
+FIELDS_DISAGREE = "fields_disagree"
+
+
+def disagreement(field: str, got: float, allowed: str) -> PydanticCustomError:
+    """What a section's validator raises when one of its fields does not go with another.
+
+    Args:
+        field: The field at fault.
+        got: Its value.
+        allowed: What would go, in words.
+    """
+    context = {"field": field, "got": got, "allowed": allowed}
+    return PydanticCustomError(FIELDS_DISAGREE, "{field}: got {got}, allowed: {allowed}", context)
 
 
 PLANNED = Fixed("the plan needs it before anything is drawn")

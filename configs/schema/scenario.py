@@ -6,7 +6,7 @@ from typing import Annotated
 from pydantic import Field, model_validator
 
 from configs.schema.arena import ArenaConfig
-from configs.schema.base import PLANNED, FromList, Section, Slug
+from configs.schema.base import PLANNED, FromList, Section, Slug, disagreement
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 
@@ -45,7 +45,7 @@ class Rates(Section):
         chain += [("control_hz", self.control_hz), ("camera_hz", self.camera_hz)]
         for (fast_name, fast), (slow_name, slow) in pairwise(chain):
             if fast % slow:
-                raise ValueError(f"{fast_name} {fast} is no whole multiple of {slow_name} {slow}")
+                raise disagreement(slow_name, slow, f"a whole fraction of {fast_name}, which is {fast}")
         return self
 
 

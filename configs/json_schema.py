@@ -1,0 +1,84 @@
+"""JSON Schema of a scenario file, for editors: what the models say, and what a file may write instead.
+
+Beyond the models, a file may name its arena, robot and look, build on another by `extends:`, leave out what that one
+gives, and hold a distribution at any leaf that may be drawn.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from configs.references import SECTIONS, shipped_names
+from configs.schema.scenario import Scenario
+from configs.shapes import Shape
+
+_NUMBERS = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
+_NORMAL = {
+    "type": "object",
+    "properties": {key: {"type": "number"} for key in ("mean", "sd", "low", "high")},
+    "required": ["mean", "sd"],
+    "additionalProperties": False,
+}
+_OPTIONS = {"type": "array", "items": {"type": ["number", "string", "boolean"]}, "minItems": 1}
+_KINDS = {"uniform": _NUMBERS, "log_uniform": _NUMBERS, "normal": {"anyOf": [_NUMBERS, _NORMAL]}, "choice": _OPTIONS}
+
+
+def scenario_json_schema() -> dict[str, Any]:
+    """The schema as plain data, draft 2020-12."""
+    shape = Shape.of(Scenario)
+    in_lists = set(_below_lists(shape.schema, shape))
+    definitions = {name: _mapping(schema, shape, name in in_lists) for name, schema in shape.definitions.items()}
+    definitions["any_distribution"] = {"anyOf": [_one_of(kind) for kind in _KINDS]}
+    definitions["choice_distribution"] = _one_of("choice")
+    for kind in SECTIONS:
+        name = shape.schema["properties"][kind]["$ref"].rsplit("/", 1)[1]
+        definitions[name]["properties"]["extends"] = _reference(kind)
+    top = _mapping(shape.schema, shape, required=False)
+    for kind in SECTIONS:
+        top["properties"][kind] = {"anyOf": [_reference(kind), shape.schema["properties"][kind]]}
+    top["properties"]["extends"] = _reference("scenario")
+    top["anyOf"] = [{"required": ["extends"]}, {"required": shape.schema["required"]}]
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **top, "$defs": definitions}
+
+
+def _one_of(kind: str) -> dict[str, Any]:
+    return {"type": "object", "properties": {kind: _KINDS[kind]}, "required": [kind], "additionalProperties": False}
+
+
+def _reference(kind: str) -> dict[str, Any]:
+    path = {"type": "string", "pattern": r"/|\.ya?ml$", "description": "path, relative to this file"}
+    return {"anyOf": [{"enum": list(shipped_names(kind)), "description": f"name of a shipped {kind}"}, path]}
+
+
+def _mapping(schema: Mapping[str, Any], shape: Shape, required: bool) -> dict[str, Any]:  # noqa: FBT001 - one caller
+    """A model's schema whose fields may be drawn and, outside lists, left to what the file extends."""
+    kept = {key: value for key, value in schema.items() if key != "$defs" and (required or key != "required")}
+    kept["properties"] = {key: _field(inner, shape) for key, inner in schema.get("properties", {}).items()}
+    return kept
+
+
+def _field(schema: dict[str, Any], shape: Shape) -> dict[str, Any]:
+    if "prefixItems" in schema:
+        return {**schema, "prefixItems": [_field(item, shape) for item in schema["prefixItems"]]}
+    leaf = Shape(schema, shape.definitions)
+    if "$ref" in schema or not leaf.is_leaf or leaf.not_drawn:
+        return schema
+    about = {key: schema[key] for key in ("title", "description", "default") if key in schema}
+    value = {key: item for key, item in schema.items() if key not in about}
+    numeric = leaf.is_number or leaf.is_integer
+    distribution = "any_distribution" if numeric else "choice_distribution"
+    return {**about, "anyOf": [value, {"$ref": f"#/$defs/{distribution}"}]}
+
+
+def _below_lists(schema: Any, shape: Shape, inside: bool = False) -> Iterator[str]:  # noqa: ANN401, FBT001, FBT002 - plain JSON
+    """Names of the definitions that stand in lists: a list replaces, so its items must be whole."""
+    if isinstance(schema, list):
+        for item in schema:
+            yield from _below_lists(item, shape, inside)
+    elif isinstance(schema, dict):
+        if "$ref" in schema:
+            name = schema["$ref"].rsplit("/", 1)[1]
+            yield from [name] if inside else []
+            yield from _below_lists(shape.definitions[name], shape, inside)
+        for key, item in schema.items():
+            if key not in {"$defs", "$ref", "default", "discriminator"}:
+                yield from _below_lists(item, shape, inside or key == "items")

@@ -1,0 +1,45 @@
+import pickle
+
+import pytest
+
+from configs.errors import InputError, nearest, shown
+
+
+def test_the_parts_of_an_error_stand_in_one_order():
+    error = InputError("robot.x_m", where="a.yaml:3", got="abc", allowed="number", nearest="0.1", cure="write it")
+    assert str(error) == "a.yaml:3: robot.x_m: got 'abc', allowed: number; did you mean 0.1; write it"
+
+
+def test_parts_that_are_not_given_leave_no_trace():
+    assert str(InputError("out/ is not empty")) == "out/ is not empty"
+    assert str(InputError("--workers", got=0, allowed="1 or more")) == "--workers: got 0, allowed: 1 or more"
+    assert str(InputError("key", where="a.yaml:1", allowed="text")) == "a.yaml:1: key; allowed: text"
+
+
+def test_an_error_comes_out_of_a_worker_process_unchanged():
+    error = InputError("robot.x_m", where="a.yaml:3", got=None)
+    assert str(pickle.loads(pickle.dumps(error))) == "a.yaml:3: robot.x_m: got nothing (null)"  # noqa: S301 - our own bytes
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (True, "true"),
+        (3.5, "3.5"),
+        ("a\nb", r"'a\nb'"),
+        ([1, "a"], "[1, 'a']"),
+        ([1, 2, 3, 4, 5], "[1, 2, 3, 4, ...]"),
+        ({"a": {"b": None}}, "{a: {b: nothing (null)}}"),
+        ("x" * 100, "'" + "x" * 60),
+    ],
+)
+def test_values_are_shown_short_and_as_the_user_writes_them(value: object, text: str):
+    assert shown(value).startswith(text)
+    assert len(shown(value)) <= 65
+
+
+def test_nearest_looks_past_case_and_gives_up_on_strangers():
+    names = ["winding_resistance_ohm", "torque_constant_N_m_A"]
+    assert nearest("WINDING_RESISTENCE_OHM", names) == "winding_resistance_ohm"
+    assert nearest("elevation_deg", names) == ""
+    assert nearest(None, names) == ""
