@@ -1,8 +1,6 @@
 """The command `symolo`: commands, exit codes, and errors as one clear line."""
 
 import errno
-import os
-import sys
 import traceback
 from collections.abc import Sequence
 from typing import Annotated
@@ -73,10 +71,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _fail(5, str(error))
     except (KeyboardInterrupt, typer.Abort):
         return _interrupted()
-    except BrokenPipeError:
-        # Whoever read our output has gone; the interpreter must not fail on the rest of it.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
+    except SystemExit:
+        return 0  # typer's answer to a reader of our output that has gone, as in `symolo schema | head`
     except OSError as error:
         if error.errno in {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EMFILE}:
             return _fail(5, f"{error}; free what is short and run the command again, it continues")

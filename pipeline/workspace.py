@@ -5,6 +5,7 @@ import fcntl
 import hashlib
 import os
 import shutil
+import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -117,8 +118,11 @@ def check_out(out: Path) -> None:
     nearest = _nearest_existing(out)
     if not nearest.is_dir():
         raise InputError(f"lies below the file {nearest}", where=where, cure="name a folder that is new or empty")
-    if not os.access(nearest, os.W_OK | os.X_OK):
-        raise InputError(f"cannot be written: no permission in {nearest}", where=where, cure="name another folder")
+    try:
+        tempfile.TemporaryFile(dir=nearest).close()
+    except OSError as error:
+        what = f"cannot be written: {nearest}: {error.strerror}"
+        raise InputError(what, where=where, cure="name another folder") from None
 
 
 def check_disk(out: Path, needed_bytes: int) -> None:

@@ -114,7 +114,7 @@ def rerender(
 
     Example: symolo rerender data/CW/test_1 --look lab --out lab
 
-    A data.csv alone: symolo rerender elsewhere/data.csv --look classroom --camera-hz 5 --out pictures --set render.width_px=320
+    A data.csv alone: symolo rerender elsewhere/data.csv --look classroom --camera-hz 5 --out pictures
     """
     from pipeline.progress import report_here  # noqa: PLC0415
     from pipeline.rerender import Request, prepare, render_source  # noqa: PLC0415

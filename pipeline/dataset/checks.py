@@ -14,6 +14,7 @@ from pipeline.dataset.side import CAMERA, POSITIONS_HEADER, TOF, WHEELS
 MOST_PER_KIND = 5
 """Faults of one kind that are named one by one; a file in wrong units has as many as rows."""
 
+START_TOLERANCE_M = 0.002
 FASTEST_M_S = 3.0
 FASTEST_RAD_S = 30.0
 
@@ -59,6 +60,10 @@ def _rows_checks(name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:
     expected_image = np.where(ticks % per_image == 0, 1 + ticks // per_image, 0)
     wrong = rows.image != expected_image
     yield from _limited(name, _at(wrong, rows.image, "column img", f"does not keep {camera_hz} Hz"))
+    start = np.array([record.start.x_m, record.start.y_m])
+    if np.linalg.norm(rows.pose[0, :2] - start) > START_TOLERANCE_M:
+        x, y = rows.pose[0, :2]
+        yield Finding(name, f"line 2: columns x, y: ({x:g}, {y:g}) m is not the start in metadata.json")
     yield from _ranges(name, rows, record)
     yield from _motion(name, rows)
 

@@ -146,7 +146,8 @@ def read_rows(path: Path) -> Rows:
     table, faults = parse_table(data, HEADER)
     faults = faults or [fault for fault in semantic_faults(Rows.from_table(table)) if fault.kind in ("time", "image")]
     if faults:
-        raise InputError(faults[0].what, where=f"{path}:{faults[0].line}", cure="mend or remove the row")
+        cure = "mend or remove the row" if faults[0].line > 1 else ""
+        raise InputError(faults[0].what, where=f"{path}:{faults[0].line}", cure=cure)
     return Rows.from_table(table)
 
 
@@ -156,6 +157,8 @@ def parse_table(data: bytes, header: Sequence[str], separator: str = ",") -> tup
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         return _empty(header), [Fault(data.count(b"\n", 0, error.start) + 1, "is not UTF-8 text")]
+    if not text.strip():
+        return _empty(header), [Fault(1, "is empty")]
     lines = [line.split(separator) for line in text.replace("\r\n", "\n").removesuffix("\n").split("\n")]
     if tuple(lines[0]) != tuple(header):
         return _empty(header), [Fault(1, _header_fault(lines[0], header))]

@@ -1,0 +1,99 @@
+"""One small dataset through the real stages, made once, and ways to run the command line."""
+
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from pipeline.cli import main
+from pipeline.dataset.manifest import MANIFEST, manifest, released_hashes
+
+TINY = [
+    f"--set={setting}"
+    for setting in (
+        "stop.time_limit_s=1.0",
+        "render.width_px=32",
+        "render.height_px=24",
+        "render.samples=1",
+    )
+]
+
+
+@dataclass(frozen=True)
+class Ended:
+    code: int
+    out: str
+    err: str
+
+
+@dataclass(frozen=True)
+class CommandLine:
+    """`symolo` in this process, and as the command that a user types."""
+
+    capture: pytest.CaptureFixture[str]
+
+    def __call__(self, *arguments: object) -> Ended:
+        self.capture.readouterr()
+        code = main([str(argument) for argument in arguments])
+        captured = self.capture.readouterr()
+        return Ended(code, captured.out, captured.err)
+
+    @staticmethod
+    def start(*arguments: object, **options: object) -> subprocess.Popen[str]:
+        command = [sys.executable, "-P", "-c", "import sys; from pipeline.cli import main; sys.exit(main())"]
+        return subprocess.Popen(
+            [*command, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options
+        )
+
+
+@pytest.fixture
+def symolo(capsys: pytest.CaptureFixture[str]) -> CommandLine:
+    return CommandLine(capsys)
+
+
+@pytest.fixture(scope="session")
+def tiny() -> list[str]:
+    """Settings that shrink the smoke scenario to a second of driving and six images a run."""
+    return TINY
+
+
+@pytest.fixture(scope="session")
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Made by one worker; read only, `copy_of` is for changing it."""
+    out = tmp_path_factory.mktemp("dataset") / "data"
+    assert main(["release", "smoke", "--out", str(out), *TINY, "--workers", "1"]) == 0
+    return out
+
+
+@pytest.fixture
+def copy_of(tmp_path: Path) -> Callable[..., Path]:
+    def copy(source: Path, *, stages: bool = False) -> Path:
+        ignore = None if stages else shutil.ignore_patterns(".stages")
+        return Path(shutil.copytree(source, tmp_path / "copy", ignore=ignore))
+
+    return copy
+
+
+@pytest.fixture
+def sign() -> Callable[[Path], None]:
+    """Writes checksums that fit, so that only a check of the content can find a fault."""
+
+    def write(root: Path) -> None:
+        (root / MANIFEST).write_bytes(manifest(released_hashes(root)))
+
+    return write
+
+
+@pytest.fixture
+def release_of() -> Callable[[Path], dict[str, bytes]]:
+    """Bytes of every released file by name."""
+
+    def read(root: Path) -> dict[str, bytes]:
+        files = (path for path in root.rglob("*") if path.is_file() and ".stages" not in path.parts)
+        return {path.relative_to(root).as_posix(): path.read_bytes() for path in files}
+
+    return read

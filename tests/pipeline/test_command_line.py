@@ -1,0 +1,230 @@
+"""Bad input and usage: exit code 2, one clear line, nothing written. And what the other exit codes take."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import cv2
+import pytest
+
+from pipeline.units import SimulateUnit
+from pipeline.workers import WorkerError, run_units
+
+DATA_CSV = "t,x,y,theta,state,v,w,d_f,d_l,d_r,L0,L1,L2,L3,L4,L5,L6,L7,img\n" + "\n".join(
+    f"{50 * i},0.55,{-0.2 - 0.01 * i},-1.57,0,0.2,0,2,2,2,1,1,1,0,0,1,1,1,{{img}}" for i in range(3)
+)
+
+# Arguments, and what the line must say; OUT is a folder that is not there yet, HERE one with the files made below.
+BAD = {
+    "no such command": (["relase", "smoke"], "'release'"),
+    "no scenario": (["release", "--out", "OUT"], "SCENARIO"),
+    "no output folder": (["release", "smoke"], "--out"),
+    "no such option": (["release", "smoke", "--out", "OUT", "--worker", "2"], "--workers"),
+    "no workers": (["release", "smoke", "--out", "OUT", "--workers", "0"], "--workers"),
+    "workers in words": (["release", "smoke", "--out", "OUT", "--workers", "two"], "--workers"),
+    "one argument too many": (["release", "smoke", "symolo", "--out", "OUT"], "symolo"),
+    "misspelt scenario": (["release", "smok", "--out", "OUT"], "did you mean smoke"),
+    "no such scenario file": (["simulate", "nowhere.yaml", "--out", "OUT"], "nowhere.yaml"),
+    "scenario is a folder": (["plan", "HERE"], "HERE"),
+    "scenario is no YAML": (["plan", "HERE/bad.yaml"], "bad.yaml:2"),
+    "scenario with another field": (["plan", "HERE/extra.yaml"], "extra.yaml:3"),
+    "set without a value": (["release", "smoke", "--out", "OUT", "--set", "render.samples"], "--set"),
+    "set of no such field": (["release", "smoke", "--out", "OUT", "--set", "render.sampels=3"], "samples"),
+    "set of the wrong type": (["release", "smoke", "--out", "OUT", "--set", "render.samples=many"], "'many'"),
+    "set beyond its bounds": (["release", "smoke", "--out", "OUT", "--set", "render.width_px=1"], "render.width_px"),
+    "set of a bad distribution": (
+        ["release", "smoke", "--out", "OUT", "--set", "render.samples={uniform: [8, 1]}"],
+        "render.samples",
+    ),
+    "set of rates that do not divide": (["release", "smoke", "--out", "OUT", "--set", "rates.camera_hz=7"], "7"),
+    "set of a look that is not there": (["release", "smoke", "--out", "OUT", "--set", "look=palace"], "palace"),
+    "output is a file": (["release", "smoke", "--out", "HERE/data.csv"], "is a file"),
+    "output below a file": (["release", "smoke", "--out", "HERE/data.csv/x"], "below the file"),
+    "output holds other files": (["release", "smoke", "--out", "HERE"], "did not make"),
+    "output may not be written": (["release", "smoke", "--out", "/proc/symolo"], "/proc"),
+    "render before simulate": (["render", "smoke", "--out", "OUT"], "symolo simulate"),
+    "assemble before render": (["assemble", "smoke", "--out", "OUT"], "symolo simulate"),
+    "verify what is not there": (["verify", "OUT"], "no such folder"),
+    "verify a file": (["verify", "HERE/data.csv"], "no such folder"),
+    "rerender what is not there": (["rerender", "OUT", "--look", "lab", "--out", "OUT2"], "no run folder"),
+    "rerender an empty folder": (["rerender", "HERE/empty", "--look", "lab", "--out", "OUT"], "no run folder"),
+    "rerender without a look": (["rerender", "HERE/data.csv", "--out", "OUT"], "--look"),
+    "rerender under no such look": (
+        ["rerender", "HERE/data.csv", "--look", "labb", "--out", "OUT"],
+        "did you mean lab",
+    ),
+    "rerender in no such arena": (
+        ["rerender", "HERE/data.csv", "--look", "lab", "--arena", "mars", "--out", "OUT"],
+        "--arena",
+    ),
+    "rerender with another field": (
+        ["rerender", "HERE/data.csv", "--look", "lab", "--set", "stop.lap=true", "--out", "OUT"],
+        "stop.lap",
+    ),
+    "rerender too wide": (
+        ["rerender", "HERE/data.csv", "--look", "lab", "--set", "render.width_px=1", "--out", "OUT"],
+        "render.width_px",
+    ),
+    "rerender without images": (["rerender", "HERE/no_images.csv", "--look", "lab", "--out", "OUT"], "--camera-hz 5"),
+    "rerender at no rate": (
+        ["rerender", "HERE/no_images.csv", "--look", "lab", "--camera-hz", "0", "--out", "OUT"],
+        "--camera-hz",
+    ),
+    "rerender a text": (["rerender", "HERE/bad.yaml", "--look", "lab", "--out", "OUT"], "bad.yaml:1"),
+    "rerender into its source": (["rerender", "HERE/data.csv", "--look", "lab", "--out", "HERE"], "did not make"),
+    "contact sheet of nothing": (["contact-sheet", "HERE/empty", "--out", "OUT.jpg"], "no data.csv with images"),
+    "contact sheet as a text": (["contact-sheet", "HERE", "--out", "OUT.txt"], ".jpg or .png"),
+}
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    folder = tmp_path / "HERE"
+    (folder / "empty").mkdir(parents=True)
+    (folder / "data.csv").write_text(DATA_CSV.format(img=0).replace(",0\n", ",1\n", 1) + "\n")
+    (folder / "no_images.csv").write_text(DATA_CSV.format(img=0) + "\n")
+    (folder / "bad.yaml").write_text("name: [\n")
+    (folder / "extra.yaml").write_text("extends: smoke\nname: extra\ncolour: blue\n")
+    return tmp_path
+
+
+def files_in(folder):
+    return {path: path.read_bytes() if path.is_file() else None for path in folder.rglob("*")}
+
+
+@pytest.mark.parametrize("kind", BAD)
+def test_bad_input_is_one_line_and_nothing_written(kind, here, symolo):
+    arguments, say = BAD[kind]
+    before = files_in(here)
+    ended = symolo(*arguments)
+    assert ended.code == 2
+    assert ended.out == ""
+    assert ended.err.count("\n") == 1
+    assert ended.err.startswith("symolo: ")
+    assert say in ended.err
+    assert files_in(here) == before
+
+
+def test_a_full_disk_is_noticed_before_the_work_starts(here, symolo, monkeypatch):
+    usage = shutil.disk_usage(here)._replace(free=1000)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _path: usage)
+    ended = symolo("release", "symolo", "--out", "OUT")
+    assert (ended.code, ended.err.count("\n")) == (5, 1)
+    assert "are needed and 0 MB are free" in ended.err
+    assert not (here / "OUT").exists()
+
+
+def test_a_bug_in_a_worker_is_told_with_its_traceback_and_the_others_are_done(tmp_path):
+    """A specification that is none gets past no check of the command line, so that it can only be a bug."""
+    units = [SimulateUnit(name=f"A/test_{i}", spec="{}", folder=tmp_path / str(i), key="k") for i in (1, 2)]
+    ended = []
+    with pytest.raises(WorkerError) as caught:
+        run_units(units, 1, lambda unit, event: ended.append((unit.name, event.kind)))
+    assert ended == [("A/test_1", "failed"), ("A/test_2", "failed")]
+    assert str(caught.value).count("ValidationError") == 2
+
+
+def test_plan_of_the_full_release_counts_what_will_be_made(symolo):
+    """Six runs; an image at t = 0 and then 5 a second; 40 s a lap is what the plan says it assumes."""
+    ended = symolo("plan", "symolo")
+    assert ended.code == 0
+    lines = ended.out.splitlines()
+    assert [line.split()[0] for line in lines[1:7]] == [f"{r}/test_{n}" for r in ("CW", "CCW") for n in (1, 2, 3)]
+    assert lines[1].split()[1:] == ["40.0", "801", "201", "640", "x", "480"]
+    assert "images     1206" in lines
+    assert "a lap of 40 s" in lines[-1]
+
+
+def test_plan_of_smoke_counts_to_the_image(dataset, tiny, symolo):
+    """With a time limit instead of a lap nothing is assumed about rows and images."""
+    lines = symolo("plan", "smoke", *tiny).out.splitlines()
+    for line in lines[1:3]:
+        run, _, rows, images, *_ = line.split()
+        assert len((dataset / run / "data.csv").read_text().splitlines()) - 1 == int(rows)
+        assert len(list((dataset / run / "images").iterdir())) == int(images)
+
+
+def test_schema_is_json(symolo):
+    ended = symolo("schema")
+    assert ended.code == 0
+    assert "properties" in json.loads(ended.out)
+
+
+def test_version_is_that_of_the_project(symolo):
+    pyproject = (Path(__file__).parents[2] / "pyproject.toml").read_text()
+    assert f'version = "{symolo("--version").out.removeprefix("symolo ").strip()}"' in pyproject
+
+
+def test_a_reader_that_goes_away_is_no_error(symolo):
+    process = symolo.start("schema")
+    process.stdout.close()
+    with process.stderr as stderr:
+        assert stderr.read() == ""
+    assert process.wait(timeout=30) == 0
+
+
+def test_contact_sheet_shows_every_run(dataset, tmp_path, symolo):
+    out = tmp_path / "sheet.png"
+    assert symolo("contact-sheet", dataset, "--out", out, "--per-run", 3, "--width-px", 64).code == 0
+    sheet = cv2.imread(str(out))
+    assert sheet.shape == (2 * (48 + 18), 3 * 64, 3)
+    first = cv2.imread(str(dataset / "CCW/test_1/images/000001.jpg"))
+    shown = cv2.resize(sheet[18 : 18 + 48, :64], (32, 24), interpolation=cv2.INTER_NEAREST)
+    assert abs(shown.astype(int) - first).max() == 0
+
+
+def test_doctor_finds_nothing_missing_here(symolo):
+    ended = symolo("doctor")
+    assert (ended.code, ended.err) == (0, "")
+    assert all(line.startswith("ok ") for line in ended.out.splitlines())
+    names = [line.split(":")[0].split(None, 1)[1] for line in ended.out.splitlines()]
+    assert {"Python", "bpy", "system libraries", "Blender", "PyBullet", "disk", "cores", "memory"} <= set(names)
+
+
+def test_doctor_names_the_line_that_mends_missing_libraries_and_a_broken_engine(tmp_path, symolo):
+    """The dynamic loader's listing and an engine that does not start, as a bare machine shows them."""
+    ldd = tmp_path / "ldd"
+    ldd.write_text("#!/bin/sh\necho '\tlibXi.so.6 => not found'\necho '\tlibSM.so.6 => not found'\n")
+    ldd.chmod(0o755)
+    (tmp_path / "pybullet.py").write_text("raise ImportError('broken on purpose')\n")
+    environment = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}", "PYTHONPATH": str(tmp_path)}
+    process = symolo.start("doctor", env=environment)
+    out, err = process.communicate(timeout=60)
+    assert (process.returncode, err) == (5, "")
+    missing = [line for line in out.splitlines() if line.startswith("MISSING")]
+    assert len(missing) == 2
+    assert "libSM.so.6, libXi.so.6" in missing[0]
+    assert "apt-get install -y" in missing[0]
+    assert "libxi6" in missing[0]
+    assert "broken on purpose" in missing[1]
+    assert "./setup" in missing[1]
+
+
+def test_doctor_compares_with_the_lock_file(symolo, monkeypatch):
+    monkeypatch.setattr("pipeline.doctor.locked_versions", lambda: {"scipy": "9.9"})
+    ended = symolo("doctor")
+    assert ended.code == 5
+    (line,) = [line for line in ended.out.splitlines() if line.startswith("MISSING")]
+    assert line.startswith("MISSING scipy: ")
+    assert "the lock file says 9.9" in line
+
+
+def test_help_of_every_command_gives_an_example(symolo):
+    commands = ["plan", "release", "simulate", "render", "assemble", "rerender", "verify", "contact-sheet", "schema"]
+    listing = symolo("--help").out
+    for command in commands:
+        assert command in listing
+        assert f"Example: symolo {command}" in " ".join(symolo(command, "--help").out.split())
+
+
+def test_help_is_quick():
+    """Under a second also on a busy machine: no engine and no table library is loaded for it."""
+    program = "import sys; from pipeline.cli import main; main(['--help']); print(sorted(sys.modules), file=sys.stderr)"
+    process = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    loaded = process.stderr
+    for heavy in ("'bpy'", "'pybullet'", "'numpy'", "'pandas'", "'scipy'", "'cv2'", "'pydantic'"):
+        assert heavy not in loaded

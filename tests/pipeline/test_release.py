@@ -1,0 +1,206 @@
+"""A release is the same bytes however it is made, and a rerun does only what changed."""
+
+import json
+import math
+import os
+import shutil
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import cv2
+import pytest
+
+from pipeline.workspace import Workspace
+
+ARENA_WITH_A_SILL = """
+extends: symolo
+name: with_a_sill
+walls:
+  - {name: A1, start: [-0.05, 0.90], end: [-0.85, 0.90]}
+  - {name: sill, start: [0.65, -0.05], end: [0.45, -0.05], height_m: 0.03}
+"""
+
+
+def test_columns_and_folders_are_those_of_the_paper(dataset):
+    header = "t,x,y,theta,state,v,w,d_f,d_l,d_r,L0,L1,L2,L3,L4,L5,L6,L7,img"
+    for route in ("CW", "CCW"):
+        run = dataset / route / "test_1"
+        lines = (run / "data.csv").read_text().splitlines()
+        assert lines[0] == header
+        assert [line.split(",")[0] for line in lines[1:]] == [str(50 * i) for i in range(21)]
+        assert [line.split(",")[-1] for line in lines[1:6]] == ["1", "0", "0", "0", "2"]
+        assert (run / "image_positions.txt").read_text().splitlines()[0] == "img x y theta"
+        assert sorted(p.name for p in (run / "images").iterdir()) == [f"{i:06d}.jpg" for i in range(1, 7)]
+        assert cv2.imread(str(run / "images" / "000001.jpg")).shape == (24, 32, 3)
+
+
+def test_both_routes_start_where_the_paper_says(dataset):
+    for route, theta in (("CW", -math.pi / 2), ("CCW", math.pi / 2)):
+        first = (dataset / route / "test_1" / "data.csv").read_text().splitlines()[1].split(",")
+        assert [float(value) for value in first[1:4]] == pytest.approx([0.55, -0.20, theta], abs=1e-6)
+
+
+def test_metadata_holds_every_drawn_value_and_nothing_of_this_machine(dataset):
+    text = (dataset / "metadata.json").read_text()
+    metadata = json.loads(text)
+    for run in metadata["runs"]:
+        spec = json.loads((dataset / run["run"] / "side" / "spec.json").read_text())
+        assert run["drawn"] == spec["drawn"]
+        assert run["drawn"], "the shipped look draws its lights"
+        for path, value in run["drawn"].items():
+            node = spec
+            for key in path.split("."):
+                node = node[int(key)] if isinstance(node, list) else node[key]
+            assert node == value, path
+    assert os.uname().nodename not in text
+    assert str(dataset.parent) not in text
+
+
+def test_sha256sum_accepts_the_manifest(dataset):
+    checked = subprocess.run(
+        [shutil.which("sha256sum"), "-c", "--quiet", "--strict", "manifest-sha256.txt"],
+        cwd=dataset,
+        capture_output=True,
+        check=False,
+    )
+    assert checked.returncode == 0, checked.stdout
+    listed = {line.split("  ")[1] for line in (dataset / "manifest-sha256.txt").read_text().splitlines()}
+    there = {p.relative_to(dataset).as_posix() for p in dataset.rglob("*") if p.is_file() and ".stages" not in p.parts}
+    assert listed == there - {"manifest-sha256.txt"}
+
+
+def test_more_workers_and_smaller_blocks_give_the_same_bytes(dataset, tmp_path, symolo, tiny, release_of):
+    out = tmp_path / "again"
+    assert symolo("release", "smoke", "--out", out, *tiny, "--workers", 4).code == 0
+    assert release_of(out) == release_of(dataset)
+
+
+def test_stages_one_by_one_give_the_same_bytes_and_refuse_another_order(dataset, tmp_path, symolo, tiny, release_of):
+    out = tmp_path / "staged"
+    for early in ("render", "assemble"):
+        refused = symolo(early, "smoke", "--out", out, *tiny)
+        assert (refused.code, refused.err.count("\n")) == (2, 1)
+        assert "symolo simulate" in refused.err
+        assert not out.exists()
+    assert symolo("simulate", "smoke", "--out", out, *tiny).code == 0
+    assert symolo("assemble", "smoke", "--out", out, *tiny).code == 2
+    assert symolo("render", "smoke", "--out", out, *tiny).code == 0
+    assert not (out / "CW").exists()
+    assert symolo("assemble", "smoke", "--out", out, *tiny).code == 0
+    assert release_of(out) == release_of(dataset)
+
+
+def test_a_second_release_touches_nothing(dataset, copy_of, symolo, tiny):
+    out = copy_of(dataset, stages=True)
+    before = {path: path.stat().st_mtime_ns for path in out.rglob("*") if path.is_file()}
+    assert symolo("release", "smoke", "--out", out, *tiny).code == 0
+    assert {path: path.stat().st_mtime_ns for path in out.rglob("*") if path.is_file()} == before
+
+
+def test_another_look_is_rendered_anew_but_not_simulated(dataset, copy_of, symolo, tiny):
+    out = copy_of(dataset, stages=True)
+    trajectory = out / ".stages/simulate/CW/test_1/trajectory.npz"
+    before = trajectory.stat().st_mtime_ns
+    sunny = [*tiny, "--set", "look.sun.elevation_deg=70", "--set", "look.sun.illuminance_klx=60"]
+    ended = symolo("release", "smoke", "--out", out, *sunny)
+    assert ended.code == 0
+    assert "simulate: 2 of 2 runs are there already" in ended.err
+    assert trajectory.stat().st_mtime_ns == before
+    run = "CW/test_1"
+    assert (out / run / "data.csv").read_bytes() == (dataset / run / "data.csv").read_bytes()
+    assert (out / run / "images/000001.jpg").read_bytes() != (dataset / run / "images/000001.jpg").read_bytes()
+    assert json.loads((out / run / "side/spec.json").read_text())["look"]["sun"]["elevation_deg"] == 70
+    assert symolo("verify", out).code == 0
+
+
+def test_a_damaged_image_in_the_stages_and_the_release_is_made_again(dataset, copy_of, symolo, tiny, release_of):
+    out = copy_of(dataset, stages=True)
+    for damaged in (out / ".stages/render/CW/test_1/images/000003.jpg", out / "CW/test_1/images/000003.jpg"):
+        data = bytearray(damaged.read_bytes())
+        data[len(data) // 2] ^= 1
+        damaged.write_bytes(data)
+    assert symolo("release", "smoke", "--out", out, *tiny).code == 0
+    assert release_of(out) == release_of(dataset)
+
+
+def test_a_run_that_touches_something_is_reported_and_not_released(tmp_path, symolo, tiny):
+    """A sill below the range sensors' beams stands in the way of the counter-clockwise route alone."""
+    (tmp_path / "sill.yaml").write_text(ARENA_WITH_A_SILL)
+    out = tmp_path / "out"
+    arguments = ("release", "smoke", "--out", out, *tiny, "--set", f"arena={tmp_path / 'sill.yaml'}")
+    ended = symolo(*arguments)
+    assert ended.code == 3
+    (line,) = [line for line in ended.err.splitlines() if line.startswith("failed")]
+    assert line.startswith("failed: CCW/test_1: simulate: touched sill at 0.")
+    assert not (out / "CCW").exists()
+    assert [run["run"] for run in json.loads((out / "metadata.json").read_text())["runs"]] == ["CW/test_1"]
+    assert "touched sill" in (out / "README.md").read_text()
+    assert symolo("verify", out).code == 0
+    again = symolo(*arguments)
+    assert again.code == 3
+    assert "2 of 2 runs are there already" in again.err
+
+
+def test_killed_and_interrupted_at_any_stage_it_ends_with_the_same_bytes(dataset, tmp_path, symolo, tiny, release_of):
+    out = tmp_path / "killed"
+    arguments = ("release", "smoke", "--out", out, *tiny, "--workers", 2)
+    images = out / ".stages/render"
+
+    interrupted = symolo.start(*arguments)
+    _wait_for(out.exists)
+    interrupted.send_signal(signal.SIGINT)
+    _, err = interrupted.communicate(timeout=30)
+    assert interrupted.returncode == 130
+    assert "Traceback" not in err
+
+    killed = symolo.start(*arguments)
+    _wait_for(lambda: any(images.rglob("*.jpg")))
+    children = _descendants(killed.pid)
+    killed.kill()
+    killed.communicate()
+    assert children, "there were workers to be left behind"
+    _wait_for(lambda: not any(Path(f"/proc/{pid}").exists() for pid in children))
+    assert not (out / "metadata.json").exists()
+    done_before = set(images.rglob("*.jpg"))
+
+    bereft = symolo.start(*arguments)
+    _wait_for(lambda: bool(_workers(bereft.pid)) and (out / ".stages/simulate/CCW/test_1/done.json").exists())
+    os.kill(_workers(bereft.pid)[0], signal.SIGKILL)
+    _, err = bereft.communicate(timeout=120)
+    assert bereft.returncode == 3
+    assert sum("SIGKILL" in line for line in err.splitlines()) == 1
+
+    assert symolo(*arguments).code == 0
+    assert done_before <= set(images.rglob("*.jpg"))
+    assert release_of(out) == release_of(dataset)
+
+
+def test_two_commands_do_not_work_in_one_folder(dataset, copy_of, symolo, tiny):
+    out = copy_of(dataset, stages=True)
+    with Workspace(out).locked():
+        ended = symolo("release", "smoke", "--out", out, *tiny)
+    assert ended.code == 2
+    assert "another symolo command" in ended.err
+
+
+def _wait_for(condition, timeout_s=60.0):
+    end = time.monotonic() + timeout_s
+    while not condition():
+        assert time.monotonic() < end, "it did not happen in time"
+        time.sleep(0.02)
+
+
+def _descendants(pid):
+    """Children by any thread, and theirs."""
+    found = []
+    for task in Path(f"/proc/{pid}/task").iterdir():
+        for child in map(int, (task / "children").read_text().split()):
+            found += [child, *_descendants(child)]
+    return found
+
+
+def _workers(pid):
+    """Children that run a unit of work already."""
+    return [p for p in _descendants(pid) if b"pipeline.worker_main" in Path(f"/proc/{p}/cmdline").read_bytes()]

@@ -1,0 +1,63 @@
+"""Pictures for a stored trajectory: the same ones again, other looks, and a SyMoLo data.csv with nothing beside it."""
+
+import sys
+
+import cv2
+import numpy as np
+import pytest
+
+OUTPUT = {"data.csv", "image_positions.txt", "images", "job.json", "frames.json"}
+
+
+@pytest.fixture(autouse=True)
+def without_pybullet(tmp_path, monkeypatch):
+    """Any process that imports pybullet, child or not, fails."""
+    folder = tmp_path / "poison"
+    folder.mkdir()
+    (folder / "pybullet.py").write_text("raise SystemExit('pybullet was imported')\n")
+    monkeypatch.setenv("PYTHONPATH", str(folder))
+    monkeypatch.delitem(sys.modules, "pybullet", raising=False)
+    monkeypatch.syspath_prepend(str(folder))
+
+
+def made(out):
+    return {path.name for path in out.iterdir() if not path.name.startswith(".")}
+
+
+def test_the_same_look_gives_the_same_pictures_and_another_one_others(dataset, tmp_path, symolo):
+    same, other = tmp_path / "same", tmp_path / "other"
+    run = dataset / "CW/test_1"
+    assert symolo("rerender", run, "--look", "classroom", "--out", same).code == 0
+    assert made(same) == OUTPUT
+    for name in ("data.csv", "image_positions.txt", *(f"images/{i:06d}.jpg" for i in range(1, 7))):
+        assert (same / name).read_bytes() == (run / name).read_bytes(), name
+    arguments = ("--look", "lab", "--set", "render.width_px=48", "--set", "render.height_px=36", "--workers", 1)
+    assert symolo("rerender", dataset / ".stages/simulate/CW/test_1", *arguments, "--out", other).code == 0
+    assert cv2.imread(str(other / "images/000001.jpg")).shape == (36, 48, 3)
+    assert (other / "data.csv").read_bytes() == (run / "data.csv").read_bytes()
+
+
+def test_a_foreign_data_csv_is_enough(dataset, tmp_path, symolo, tiny):
+    """No image is numbered in it, times jitter, digits are others; the last row is beyond the third period."""
+    header, *rows = (dataset / "CCW/test_1/data.csv").read_text().splitlines()
+    cells = [row.split(",") for row in rows[:10]]
+    for i, row in enumerate(cells):
+        row[0], row[1], row[-1] = str(50 * i + i % 3), f"{float(row[1]):.9f}", "0"
+    foreign = tmp_path / "elsewhere.csv"
+    foreign.write_text("\n".join([header, *(",".join(row) for row in cells)]) + "\n")
+    out = tmp_path / "out"
+    small = [setting for setting in tiny if "render" in setting]
+    arguments = ("rerender", foreign, "--look", "classroom", "--camera-hz", 5, "--out", out, *small)
+    assert symolo(*arguments).code == 0
+    assert made(out) == OUTPUT
+    assert sorted(path.name for path in (out / "images").iterdir()) == ["000001.jpg", "000002.jpg", "000003.jpg"]
+    table = np.genfromtxt(out / "data.csv", delimiter=",", names=True)
+    np.testing.assert_array_equal(table["img"], [1, 0, 0, 0, 2, 0, 0, 0, 3, 0])
+    positions = np.genfromtxt(out / "image_positions.txt", names=True)
+    np.testing.assert_array_equal(positions["img"], [1, 2, 3])
+    taken = table[table["img"] > 0]
+    for name in ("x", "y", "theta"):
+        np.testing.assert_array_equal(positions[name], taken[name])
+    before = {path: path.stat().st_mtime_ns for path in (out / ".stages").rglob("*.jpg")}
+    assert symolo(*arguments).code == 0
+    assert {path: path.stat().st_mtime_ns for path in (out / ".stages").rglob("*.jpg")} == before

@@ -1,0 +1,238 @@
+"""`symolo verify` names the file and the fault of every kind of damage, also where the checksums were written anew."""
+
+import json
+import re
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from pipeline.verify import verify
+
+RUN = "CW/test_1"
+CSV = f"{RUN}/data.csv"
+
+
+def edit(name, change):
+    def damage(root: Path):
+        path = root / name
+        text = path.read_text()
+        changed = change(text)
+        assert changed != text
+        path.write_text(changed)
+
+    return damage
+
+
+def cell(column, row, value):
+    """Puts `value` into one cell of data.csv; row 0 is the first below the header."""
+
+    def change(text):
+        lines = text.splitlines()
+        cells = lines[row + 1].split(",")
+        cells[lines[0].split(",").index(column)] = value
+        lines[row + 1] = ",".join(cells)
+        return "\n".join(lines) + "\n"
+
+    return edit(CSV, change)
+
+
+def scaled(column, factor):
+    """A column in another unit."""
+
+    def change(text):
+        header, *rows = (line.split(",") for line in text.splitlines())
+        at = header.index(column)
+        for row in rows:
+            row[at] = f"{float(row[at]) * factor:.6f}"
+        return "\n".join(",".join(row) for row in (header, *rows)) + "\n"
+
+    return edit(CSV, change)
+
+
+def metadata(change):
+    def damage(root):
+        path = root / "metadata.json"
+        content = json.loads(path.read_text())
+        change(content)
+        path.write_text(json.dumps(content))
+
+    return damage
+
+
+def remove(name):
+    return lambda root: (root / name).unlink()
+
+
+def cut(name, keep):
+    return lambda root: (root / name).write_bytes((root / name).read_bytes()[:keep])
+
+
+def another_size(root):
+    cv2.imwrite(str(root / RUN / "images/000002.jpg"), np.zeros((48, 64, 3), np.uint8))
+
+
+def swap(first, second):
+    def damage(root):
+        one, two = (root / RUN / first).read_bytes(), (root / RUN / second).read_bytes()
+        (root / RUN / first).write_bytes(two)
+        (root / RUN / second).write_bytes(one)
+
+    return damage
+
+
+def without_line(number):
+    return lambda text: "".join(line for i, line in enumerate(text.splitlines(keepends=True)) if i != number)
+
+
+def half_of_it(text):
+    return text[: len(text) // 2]
+
+
+CONTENT = {
+    "csv missing": (remove(CSV), CSV, "cannot be read"),
+    "csv empty": (cut(CSV, 0), CSV, "is empty"),
+    "csv cut in a row": (edit(CSV, half_of_it), CSV, "cut off"),
+    "csv is binary": (lambda root: (root / CSV).write_bytes(b"\xff\xfe\x00"), CSV, "not UTF-8"),
+    "column renamed": (
+        edit(CSV, lambda t: t.replace("theta", "thta", 1)),
+        CSV,
+        r"'thta' is not known \(nearest: theta\)",
+    ),
+    "columns swapped": (edit(CSV, lambda t: t.replace("t,x,y", "t,y,x", 1)), CSV, "another order"),
+    "semicolons": (edit(CSV, lambda t: t.replace(",", ";")), CSV, "is not known"),
+    "not a number": (cell("v", 3, "fast"), CSV, "line 5: column v: 'fast' is not a finite number"),
+    "nan": (cell("d_f", 0, "nan"), CSV, "line 2: column d_f: 'nan'"),
+    "infinite": (cell("w", 9, "-inf"), CSV, "line 11: column w: '-inf'"),
+    "state with a fraction": (cell("state", 1, "0.5"), CSV, "column state: '0.5' is not an integer"),
+    "unknown state": (cell("state", 1, "7"), CSV, "line 3: column state: 7 is none of 0, 1, 2"),
+    "time stands still": (cell("t", 4, "150"), CSV, "line 6: column t: 150 ms is not after 150 ms"),
+    "time shifted": (cell("t", 4, "210"), CSV, "line 6: column t: 210 ms does not keep 20 Hz"),
+    "row missing": (edit(CSV, without_line(7)), CSV, "20 rows, metadata.json says 21"),
+    "time in seconds": (scaled("t", 1e-3), CSV, "column t"),
+    "position in millimetres": (scaled("y", 1000), CSV, "line 3: columns x, y: .* m is a jump"),
+    "coordinate in millimetres": (scaled("x", 1000), CSV, r"\(550, -0.2\) m is not the start"),
+    "position jumps": (cell("y", 8, "0.9"), CSV, "line 10: columns x, y: 1.* m is a jump"),
+    "theta in degrees": (scaled("theta", 57.29578), CSV, "rad is outside -pi..pi"),
+    "speed in millimetres": (scaled("v", 1000), CSV, "beyond what the robot can do"),
+    "speed in centimetres": (scaled("v", 10), CSV, "column v adds up to"),
+    "speed without sign of turn": (cell("w", 5, "31"), CSV, "line 7: column w: 31 rad/s"),
+    "range in millimetres": (scaled("d_l", 1000), CSV, "column d_l: 2000 m is outside 0.04..1.2"),
+    "range below the least": (cell("d_r", 2, "0.0390"), CSV, "line 4: column d_r: 0.039 m"),
+    "reflectance above one": (cell("L7", 2, "1.2"), CSV, "line 4: column L7: 1.2 is outside 0..1"),
+    "reflectance negative": (cell("L0", 2, "-0.01"), CSV, "column L0"),
+    "image number repeated": (cell("img", 4, "1"), CSV, "column img: 1 does not count up from 1"),
+    "image at another row": (cell("img", 2, "9"), CSV, "column img: 9 does not keep 5 Hz"),
+    "image removed": (remove(f"{RUN}/images/000004.jpg"), f"{RUN}/images", "000004.jpg is missing"),
+    "image added": (
+        lambda root: (root / RUN / "images/000099.jpg").write_bytes((root / RUN / "images/000001.jpg").read_bytes()),
+        f"{RUN}/images",
+        "000099.jpg is not named in data.csv",
+    ),
+    "image cut": (cut(f"{RUN}/images/000005.jpg", 400), f"{RUN}/images/000005.jpg", "not a whole JPEG"),
+    "image empty": (cut(f"{RUN}/images/000005.jpg", 0), f"{RUN}/images/000005.jpg", "not a whole JPEG"),
+    "image without a body": (
+        lambda root: (root / RUN / "images/000005.jpg").write_bytes(b"\xff\xd8\xff\xe0 nothing \xff\xd9"),
+        f"{RUN}/images/000005.jpg",
+        "cannot be decoded",
+    ),
+    "image of another size": (another_size, f"{RUN}/images/000002.jpg", "is 64 x 48 px, metadata.json says 32 x 24"),
+    "position changed": (
+        edit(f"{RUN}/image_positions.txt", lambda t: t.replace("1 0.550000", "1 0.550001")),
+        f"{RUN}/image_positions.txt",
+        "line 2: is not the pose of image 1",
+    ),
+    "position missing": (
+        edit(f"{RUN}/image_positions.txt", without_line(3)),
+        f"{RUN}/image_positions.txt",
+        "5 positions for 6 images",
+    ),
+    "positions with commas": (
+        edit(f"{RUN}/image_positions.txt", lambda t: t.replace(" ", ",")),
+        f"{RUN}/image_positions.txt",
+        "expected img x y theta|expected img,x,y,theta",
+    ),
+    "side file of another run": (
+        edit(f"{RUN}/side/wheels.csv", lambda t: t.replace("\n50,", "\n51,")),
+        f"{RUN}/side/wheels.csv",
+        "column t is not that of data.csv",
+    ),
+    "side file missing": (remove(f"{RUN}/side/tof.csv"), f"{RUN}/side/tof.csv", "cannot be read"),
+    "specification cut": (cut(f"{RUN}/side/spec.json", 100), f"{RUN}/side/spec.json", "cannot be read"),
+    "metadata missing": (remove("metadata.json"), "metadata.json", "cannot be read"),
+    "metadata is no JSON": (cut("metadata.json", 50), "metadata.json", "Invalid JSON"),
+    "metadata with another field": (metadata(lambda m: m.update(extra=1)), "metadata.json", "extra"),
+    "metadata without a rate": (metadata(lambda m: m["runs"][0].pop("rates")), "metadata.json", "runs.0.rates"),
+    "metadata of more rows": (metadata(lambda m: m["runs"][0].update(rows=22)), CSV, "21 rows, metadata.json says 22"),
+    "metadata leads outside": (metadata(lambda m: m["runs"][0].update(run="../x")), "metadata.json", "leads out of"),
+    "run folder gone": (lambda root: (root / RUN).rename(root / "CW/test_9"), RUN, "the folder is missing"),
+    "description missing": (remove("README.md"), "README.md", "is missing"),
+    "link instead of a file": (
+        lambda root: (remove(CSV)(root), (root / CSV).symlink_to("../../CCW/test_1/data.csv")),
+        CSV,
+        "symbolic link",
+    ),
+}
+
+UNSIGNED = {
+    "one bit of an image": (
+        lambda root: _flip_bit(root / RUN / "images/000003.jpg"),
+        f"{RUN}/images/000003.jpg",
+        "was changed",
+    ),
+    "images swapped": (swap("images/000001.jpg", "images/000002.jpg"), f"{RUN}/images/000002.jpg", "was changed"),
+    "file added": (lambda root: (root / "CW/notes.txt").write_text("x"), "CW/notes.txt", "is not named in"),
+    "file removed": (remove(f"{RUN}/side/camera.csv"), f"{RUN}/side/camera.csv", "is missing"),
+    "description edited": (edit("README.md", str.upper), "README.md", "was changed"),
+    "manifest removed": (remove("manifest-sha256.txt"), "manifest-sha256.txt", "cannot be read"),
+    "manifest cut": (cut("manifest-sha256.txt", 100), "manifest-sha256.txt", "line 2 is not a checksum"),
+    "manifest twice": (edit("manifest-sha256.txt", lambda t: t + t), "manifest-sha256.txt", "is not a checksum"),
+}
+
+
+def _flip_bit(path):
+    data = bytearray(path.read_bytes())
+    data[-20] ^= 4
+    path.write_bytes(data)
+
+
+def test_a_dataset_as_released_has_no_fault(dataset):
+    assert list(verify(dataset)) == []
+
+
+@pytest.mark.parametrize("kind", CONTENT)
+def test_damage_is_found_by_content(kind, dataset, copy_of, sign):
+    damage, file, what = CONTENT[kind]
+    root = copy_of(dataset)
+    damage(root)
+    sign(root)
+    found = [str(finding) for finding in verify(root)]
+    assert any(text.startswith(f"{file}: ") and re.search(what, text) for text in found), found
+
+
+@pytest.mark.parametrize("kind", UNSIGNED)
+def test_damage_is_found_by_checksum(kind, dataset, copy_of):
+    damage, file, what = UNSIGNED[kind]
+    root = copy_of(dataset)
+    damage(root)
+    found = [str(finding) for finding in verify(root)]
+    assert any(text.startswith(f"{file}: ") and what in text for text in found), found
+
+
+def test_the_command_names_the_faults_and_ends_with_four(dataset, copy_of, symolo):
+    root = copy_of(dataset)
+    assert symolo("verify", root).code == 0
+    cell("L3", 0, "1.5")(root)
+    ended = symolo("verify", root)
+    assert ended.code == 4
+    assert f"{CSV}: line 2: column L3: 1.5 is outside 0..1" in ended.out.splitlines()
+
+
+def test_many_faults_of_a_kind_are_summed_up(dataset, copy_of, sign):
+    root = copy_of(dataset)
+    scaled("theta", 57.29578)(root)
+    sign(root)
+    found = [finding.what for finding in verify(root) if "theta" in finding.what or "of this kind" in finding.what]
+    assert len([text for text in found if text.startswith("line")]) == 5
+    assert "and 16 more of this kind" in found
