@@ -24,19 +24,24 @@ symolo verify data
 symolo rerender data/CW/test_1 --look lab --out lab
 """
 
-app = typer.Typer(
-    name="symolo",
-    help="From a YAML scenario to a photorealistic, physically honest dataset of a small educational robot.",
-    epilog=EPILOG,
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
-for command in (make.plan, make.release, make.simulate, make.render, make.assemble, make.rerender):
-    app.command(rich_help_panel="Make data")(command)
-for command in (look.verify, look.contact_sheet, look.doctor, look.schema):
-    app.command(rich_help_panel="Look at data, machine and format")(command)
+
+def command_line() -> typer.Typer:
+    """All commands, as `--help` lists them."""
+    app = typer.Typer(
+        name="symolo",
+        help="From a YAML scenario to a photorealistic, physically honest dataset of a small educational robot.",
+        epilog=EPILOG,
+        no_args_is_help=True,
+        add_completion=False,
+        pretty_exceptions_enable=False,
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+    app.callback()(_options)
+    for command in (make.plan, make.release, make.simulate, make.render, make.assemble, make.rerender):
+        app.command(rich_help_panel="Make data")(command)
+    for command in (look.verify, look.contact_sheet, look.doctor, look.schema):
+        app.command(rich_help_panel="Look at data, machine and format")(command)
+    return app
 
 
 def _print_version(wanted: bool) -> None:  # noqa: FBT001 - what typer calls back with
@@ -47,7 +52,6 @@ def _print_version(wanted: bool) -> None:  # noqa: FBT001 - what typer calls bac
         raise typer.Exit
 
 
-@app.callback()
 def _options(
     *,
     version: Annotated[
@@ -60,7 +64,7 @@ def _options(
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
     try:
-        code = app(arguments, standalone_mode=False)
+        code = command_line()(arguments, standalone_mode=False)
     except typer.TyperException as error:
         return _fail(2, f"{error.format_message()} (see symolo --help)")
     except InputError as error:

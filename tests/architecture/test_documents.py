@@ -1,0 +1,82 @@
+"""What README.md, the lock file and the scripts say holds."""
+
+import re
+import shlex
+import tomllib
+from pathlib import Path
+
+import pytest
+from typer.main import get_command
+
+from blender_scenes.renderer import SYSTEM_PACKAGES
+from configs.loader import load_scenario, load_section
+from pipeline.cli import command_line
+
+ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text()
+PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
+LOCK = (ROOT / "requirements.lock").read_text()
+
+CODE = re.findall(r"^    (.+)$|^```\w*\n(.*?)^```", README, re.MULTILINE | re.DOTALL)
+LINES = [line.strip() for block in CODE for part in block for line in part.splitlines()]
+COMMANDS = [
+    found.group(1).strip()
+    for line in LINES
+    for found in [re.search(r"(?:^|&& |\$ )(?:\.venv/bin/)?symolo ([^#|>&]+)", line)]
+    if found
+]
+
+
+def test_readme_has_commands_to_check():
+    assert len(COMMANDS) >= 8
+    assert any(command.startswith("release smoke") for command in COMMANDS)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_command_of_the_readme_is_one(command):
+    """It parses, and the scenario, the look and the settings that it names are there."""
+    group = get_command(command_line())
+    name, *arguments = shlex.split(command)
+    if name == "--version":
+        return
+    leaf = group.get_command(None, name)
+    assert leaf is not None, f"no command {name}"
+    values = leaf.make_context(name, arguments).params
+    if "scenario" in values and not values["scenario"].endswith(".yaml"):
+        load_scenario(values["scenario"], values["settings"] or ())
+    if "look" in values and not values["look"].endswith(".yaml"):
+        load_section("look", values["look"])
+
+
+def test_the_scenario_of_the_readme_is_one(tmp_path):
+    lines = README.partition("    # my_scenario.yaml\n")[2].split("\n\n")[0]
+    path = tmp_path / "my_scenario.yaml"
+    path.write_text("\n".join(line.removeprefix("    ") for line in lines.splitlines()))
+    loaded = load_scenario(str(path))
+    assert [(route.name, route.runs) for route in loaded.routes] == [("CW", 10)]
+    assert loaded.tree["look"]["floor"]["material"] == {"choice": ["parquet", "linoleum"]}
+
+
+def test_every_command_is_in_the_readme():
+    listed = set(get_command(command_line()).commands)
+    assert listed == {name for name in listed if re.search(rf"`{name}\b", README)}
+
+
+def test_readme_names_the_libraries_that_the_renderer_asks_for():
+    assert SYSTEM_PACKAGES in README
+
+
+def test_the_scripts_run_the_test_command_of_the_readme():
+    assert ".venv/bin/python -m pytest" in LINES
+    assert (ROOT / ".ci/run").read_text().rstrip().endswith("python -m pytest")
+
+
+def test_every_package_asked_for_is_locked_with_hashes():
+    asked = PYPROJECT["project"]["dependencies"] + PYPROJECT["project"]["optional-dependencies"]["dev"]
+    for requirement in asked:
+        name = re.match(r"[\w.-]+", requirement).group().lower()
+        assert re.search(rf"^{re.escape(name)}==\S+ \\\n    --hash=sha256:[0-9a-f]{{64}}", LOCK, re.MULTILINE), name
+
+
+def test_the_lock_file_names_no_address():
+    assert not re.search(r"://|^-|@ ", LOCK, re.MULTILINE)

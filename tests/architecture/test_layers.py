@@ -1,0 +1,84 @@
+"""Who may import whom, and what importing does."""
+
+import ast
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PACKAGES = ("configs", "physics", "sensors", "diagnosis", "blender_scenes", "pipeline")
+MODULES = sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
+
+ENGINES = {
+    "pybullet": "physics/bullet/",
+    "pybullet_data": "physics/bullet/",
+    "bpy": "blender_scenes/bpy_side/",
+    "bmesh": "blender_scenes/bpy_side/",
+    "mathutils": "blender_scenes/bpy_side/",
+}
+
+
+def name_of(path):
+    return path.relative_to(ROOT).as_posix()
+
+
+def imported(tree):
+    """Top-level names of every import, also of those inside functions."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name.split(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            yield node.module.split(".")[0]
+
+
+def test_there_are_modules_to_look_at():
+    assert {name_of(path).split("/")[0] for path in MODULES} == set(PACKAGES)
+
+
+def test_layers_hold():
+    lint = Path(sys.executable).with_name("lint-imports")
+    linted = subprocess.run([lint, "--no-cache"], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert linted.returncode == 0, linted.stdout
+
+
+def test_an_engine_is_imported_in_one_folder_only():
+    strays = [
+        f"{name_of(path)}: {module}"
+        for path in MODULES
+        for module in imported(ast.parse(path.read_text()))
+        if not name_of(path).startswith(ENGINES.get(module, ""))
+    ]
+    assert strays == []
+
+
+def does_something(node):
+    """A module defines and imports; a loop, a branch or a bare call at its top level does something."""
+    is_docstring = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+    is_guard = isinstance(node, ast.If) and ast.unparse(node.test) in {"TYPE_CHECKING", "__name__ == '__main__'"}
+    defines = ast.Import | ast.ImportFrom | ast.FunctionDef | ast.ClassDef | ast.Assign | ast.AnnAssign
+    return not (is_docstring or is_guard or isinstance(node, defines))
+
+
+def test_nothing_happens_at_import():
+    assert does_something(ast.parse("import x\nx.start()").body[1]), "the check finds what it is for"
+    found = [
+        f"{name_of(path)}: line {node.lineno}: {ast.unparse(node)[:80]}"
+        for path in MODULES
+        for node in ast.parse(path.read_text()).body
+        if does_something(node)
+    ]
+    assert found == []
+
+
+@pytest.mark.parametrize(
+    "module", ["pipeline", "pipeline.cli", "pipeline.batch", "pipeline.rerender", "pipeline.verify"]
+)
+def test_importing_the_pipeline_loads_no_engine(module):
+    program = f"import json, sys, {module}; print(json.dumps(sorted(sys.modules)))"
+    process = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    loaded = set(json.loads(process.stdout))
+    assert module in loaded
+    assert loaded.isdisjoint(ENGINES)
