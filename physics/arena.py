@@ -4,6 +4,8 @@ Everything is in the world frame W: x and y on the floor, z up, metres and radia
 """
 
 from dataclasses import dataclass
+from functools import cached_property
+from math import hypot
 from typing import Literal
 
 import numpy as np
@@ -19,21 +21,26 @@ class Straight:
     start: tuple[float, float]
     end: tuple[float, float]
 
-    @property
+    @cached_property
     def length_m(self) -> float:
-        return float(np.hypot(self.end[0] - self.start[0], self.end[1] - self.start[1]))
+        return hypot(self.end[0] - self.start[0], self.end[1] - self.start[1])
+
+    @cached_property
+    def tangent(self) -> tuple[float, float]:
+        """Unit vector from start to end."""
+        return (self.end[0] - self.start[0]) / self.length_m, (self.end[1] - self.start[1]) / self.length_m
 
     def local(self, points: Array) -> tuple[Array, Array]:
         """Arc length along the piece and offset to its left, (N,) each, for points (N, 2)."""
-        tangent = (np.subtract(self.end, self.start)) / self.length_m
-        delta = points - np.asarray(self.start)
-        return delta @ tangent, tangent[0] * delta[:, 1] - tangent[1] * delta[:, 0]
+        x, y = points[:, 0] - self.start[0], points[:, 1] - self.start[1]
+        tx, ty = self.tangent
+        return tx * x + ty * y, tx * y - ty * x
 
     def at(self, s: Array, offset: Array | float = 0.0) -> Array:
         """Points (N, 2) at arc lengths `s`, moved `offset` to the left of the direction of travel."""
-        tangent = np.subtract(self.end, self.start) / self.length_m
-        normal = np.array([-tangent[1], tangent[0]])
-        return np.asarray(self.start) + np.outer(s, tangent) + np.outer(np.broadcast_to(offset, s.shape), normal)
+        tx, ty = self.tangent
+        left = np.broadcast_to(offset, s.shape)
+        return np.asarray(self.start) + np.outer(s, (tx, ty)) + np.outer(left, (-ty, tx))
 
 
 @dataclass(frozen=True)
@@ -55,12 +62,11 @@ class Arc:
 
     def local(self, points: Array) -> tuple[Array, Array]:
         """Arc length along the piece and offset to its left, (N,) each, for points (N, 2)."""
-        delta = points - np.asarray(self.center)
-        angle = np.arctan2(delta[:, 1], delta[:, 0])
+        x, y = points[:, 0] - self.center[0], points[:, 1] - self.center[1]
         middle = 0.5 * (self.start_rad + self.end_rad)
-        from_middle = (angle - middle + np.pi) % (2 * np.pi) - np.pi
+        from_middle = (np.arctan2(y, x) - middle + np.pi) % (2 * np.pi) - np.pi
         s = self.radius_m * (self.turn * from_middle) + 0.5 * self.length_m
-        return s, self.turn * (self.radius_m - np.hypot(delta[:, 0], delta[:, 1]))
+        return s, self.turn * (self.radius_m - np.hypot(x, y))
 
     def at(self, s: Array, offset: Array | float = 0.0) -> Array:
         """Points (N, 2) at arc lengths `s`, moved `offset` to the left of the direction of travel."""

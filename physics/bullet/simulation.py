@@ -3,6 +3,10 @@
 Back-EMF and viscous friction are linear in speed and stand as joint damping in the robot's URDF, so that a step
 needs the stall torque of the present voltages alone. Coulomb friction is the joint's velocity motor at zero speed with
 limited force: true stick. Both together are the paper's Eq. 18 and 20.
+
+The rotor stands as inertia of the wheel, geared up. Its spin-up would push the body back with the geared torque and
+lift the wheels at a hard start, though the real rotor turns behind the gears and pushes next to nothing: that torque is
+given back to the body.
 """
 
 from math import atan2, floor, pi
@@ -19,7 +23,8 @@ from physics.motor import MotorModel
 from physics.rays import Array, Hits, RayScene
 from physics.wheel_loop import WheelSpeedLoop, voltage_limit_V
 
-GRAVITY_M_S2 = 9.81
+REACTION_SMOOTHING_S = 0.002
+"""Of the wheels' spin-up, which is known one step late; unsmoothed, a heavy rotor would shake a light body."""
 
 
 class BulletSimulation:
@@ -37,6 +42,9 @@ class BulletSimulation:
         self._set_points: tuple[float, float] | None = (0.0, 0.0)
         self._voltages = (0.0, 0.0)
         self._torques = [0.0, 0.0]
+        self._smoothing = 1.0 / (1.0 + REACTION_SMOOTHING_S * rates.physics_hz)
+        self._reaction_gain = robot.motor.rotor_inertia_kg_m2 * rates.physics_hz * self._smoothing
+        self._speed_sum = self._reaction_N_m = 0.0
         # Of the chassis' centre of mass, which is what PyBullet reports, to the middle of the axle.
         chassis = robot.chassis
         axle_height = 0.5 * robot.drive.wheel_diameter_m
@@ -44,8 +52,7 @@ class BulletSimulation:
         self._box_names = tuple(box.name for box in arena.boxes)
         self._touched: set[int] = set()
         self._rays = RayScene(arena)
-        self._client = connect()
-        self._set_engine()
+        self._client = connect(rates.physics_hz)
         self._surface_of_body = add_arena(self._client, arena)
         self._robot, self._wheels = add_robot(self._client, robot, start)
         self._yaw = start[2]
@@ -58,17 +65,6 @@ class BulletSimulation:
 
     def close(self) -> None:
         pybullet.disconnect(self._client)
-
-    def _set_engine(self) -> None:
-        client = self._client
-        pybullet.setGravity(0, 0, -GRAVITY_M_S2, physicsClientId=client)
-        pybullet.setPhysicsEngineParameter(
-            fixedTimeStep=1.0 / self._rates.physics_hz,
-            # Bullet's own 1e-7 stops so early that a straight drive of 1 m drifts 0.5 mm to one side.
-            solverResidualThreshold=1e-16,
-            deterministicOverlappingPairs=1,
-            physicsClientId=client,
-        )
 
     @property
     def steps(self) -> int:
@@ -91,18 +87,30 @@ class BulletSimulation:
     def advance(self, steps: int) -> None:
         """Take so many physics steps."""
         per_update = self._rates.physics_hz // self._rates.wheel_loop_hz
-        client, robot, wheels, torques = self._client, self._robot, self._wheels, self._torques
-        set_torques, mode, step = pybullet.setJointMotorControlArray, pybullet.TORQUE_CONTROL, pybullet.stepSimulation
         end = self._steps + steps
         while self._steps < end:
             since_update = self._steps % per_update
             if since_update == 0:
                 self._update()
             count = min(per_update - since_update, end - self._steps)
-            for _ in range(count):
-                set_torques(robot, wheels, mode, forces=torques, physicsClientId=client)
-                step(physicsClientId=client)
+            self._step(count)
             self._steps += count
+
+    def _step(self, count: int) -> None:
+        """The innermost loop, about 5 us around a step of the engine of 20 us."""
+        client, robot, wheels, torques = self._client, self._robot, self._wheels, self._torques
+        read, step = pybullet.getJointStates, pybullet.stepSimulation
+        drive, mode = pybullet.setJointMotorControlArray, pybullet.TORQUE_CONTROL
+        push, frame = pybullet.applyExternalTorque, pybullet.LINK_FRAME
+        gain, smoothing, speed, reaction = self._reaction_gain, self._smoothing, self._speed_sum, self._reaction_N_m
+        for _ in range(count):
+            right, left = read(robot, wheels, physicsClientId=client)
+            reaction += gain * (right[1] + left[1] - speed) - smoothing * reaction
+            speed = right[1] + left[1]
+            push(robot, -1, [0.0, reaction, 0.0], frame, physicsClientId=client)
+            drive(robot, wheels, mode, forces=torques, physicsClientId=client)
+            step(physicsClientId=client)
+        self._speed_sum, self._reaction_N_m = speed, reaction
 
     def _update(self) -> None:
         """Once per wheel-loop period: the loop, the contacts, and the turns of the yaw."""

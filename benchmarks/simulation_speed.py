@@ -1,0 +1,90 @@
+"""Wall time of a whole lap with all sensors and the controller against bare `stepSimulation` on the same world.
+
+Both run in turns in one process on one core, for the same number of steps; medians are compared.
+
+    python benchmarks/simulation_speed.py [--scenario symolo] [--route CW] [--repeats 7]
+"""
+
+import argparse
+import os
+import time
+from math import copysign, radians
+from statistics import median
+
+import pybullet
+
+from configs.draw import draw_run
+from configs.loader import load_scenario
+from configs.schema.scenario import RunSpec
+from physics.arena import Arena
+from physics.bullet.body import add_robot
+from physics.bullet.world import add_arena, connect
+from physics.motor import MotorModel
+from pipeline.stages.simulate import simulate
+
+WHEEL_SPEED_RAD_S = 4.0
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scenario", default="symolo")
+    parser.add_argument("--route", default="CW")
+    parser.add_argument("--repeats", type=int, default=7)
+    arguments = parser.parse_args()
+    os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    spec = draw_run(load_scenario(arguments.scenario), arguments.route, 1)
+    laps, bares, steps = [], [], 0
+    for _ in range(arguments.repeats):
+        seconds, steps = time_lap(spec)
+        laps.append(seconds)
+        bares.append(time_bare(spec, steps))
+    simulated_s = steps / spec.rates.physics_hz
+    print(
+        f"{arguments.scenario} {arguments.route}: {simulated_s:.2f} s in {steps} steps, medians of {arguments.repeats}"
+    )
+    for name, seconds in (("whole lap, all sensors", median(laps)), ("bare stepSimulation", median(bares))):
+        per_step_us, times_real = 1e6 * seconds / steps, simulated_s / seconds
+        print(f"{name:24s} {seconds:7.3f} s {per_step_us:7.1f} us/step {times_real:7.1f} x real time")
+    print(f"ratio {median(laps) / median(bares):.2f}")
+
+
+def time_lap(spec: RunSpec) -> tuple[float, int]:
+    """Wall time [s] of one run, and its physics steps."""
+    begin = time.perf_counter()
+    outcome = simulate(spec)
+    elapsed = time.perf_counter() - begin
+    if outcome.problems:
+        raise SystemExit(f"the run failed: {'; '.join(outcome.problems)}")
+    return elapsed, round(float(outcome.recording.trajectory.t_s[-1]) * spec.rates.physics_hz)
+
+
+def time_bare(spec: RunSpec, steps: int) -> float:
+    """Wall time [s] of the engine's steps alone, while the robot turns on the spot.
+
+    Joint motors out of reach of their target are constant torques, so that the solver has the work it has in a lap.
+    """
+    client = connect(spec.rates.physics_hz)
+    add_arena(client, Arena.from_config(spec.arena))
+    start = (spec.start.x_m, spec.start.y_m, radians(spec.start.yaw_deg))
+    robot, wheels = add_robot(client, spec.robot, start)
+    torque = MotorModel.from_config(spec.robot.motor).damping_N_m_s_rad * WHEEL_SPEED_RAD_S
+    for wheel, sign in zip(wheels, (1.0, -1.0), strict=True):
+        pybullet.setJointMotorControl2(
+            robot,
+            wheel,
+            pybullet.VELOCITY_CONTROL,
+            targetVelocity=copysign(100.0 * WHEEL_SPEED_RAD_S, sign),
+            force=torque,
+            physicsClientId=client,
+        )
+    step = pybullet.stepSimulation
+    begin = time.perf_counter()
+    for _ in range(steps):
+        step(physicsClientId=client)
+    elapsed = time.perf_counter() - begin
+    pybullet.disconnect(client)
+    return elapsed
+
+
+if __name__ == "__main__":
+    main()

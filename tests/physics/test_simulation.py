@@ -1,0 +1,306 @@
+import math
+
+import numpy as np
+import pybullet
+import pytest
+
+from configs.schema.scenario import Rates
+from physics.bullet.simulation import BulletSimulation
+from physics.motor import MotorModel
+
+ORIGIN = (0.0, 0.0, 0.0)
+
+
+@pytest.fixture
+def simulate(robot, open_floor):
+    """Make simulations of the nominal robot on an empty floor, and close them after the test."""
+    made = []
+
+    def make(arena=open_floor, start=ORIGIN, rates=None, robot=robot):
+        made.append(BulletSimulation(robot, arena, start, rates or Rates()))
+        return made[-1]
+
+    yield make
+    for simulation in made:
+        simulation.close()
+
+
+def lift(simulation):
+    """Take the robot off the floor and gravity off the robot: wheels without load."""
+    pybullet.setGravity(0, 0, 0, physicsClientId=simulation._client)
+    pybullet.resetBasePositionAndOrientation(
+        simulation._robot, [0, 0, 1], [0, 0, 0, 1], physicsClientId=simulation._client
+    )
+
+
+def wheel_angles(simulation):
+    return np.array([state[0] for state in simulation._wheel_states()])
+
+
+def body_height_and_tilt(simulation):
+    position, turn = pybullet.getBasePositionAndOrientation(simulation._robot, physicsClientId=simulation._client)
+    roll, pitch, _ = pybullet.getEulerFromQuaternion(turn)
+    return position[2], roll, pitch
+
+
+def signature(simulation):
+    return (simulation.pose(), simulation.twist(), simulation.wheel_speeds(), simulation.currents())
+
+
+class TestMotorInTheEngine:
+    @pytest.mark.parametrize("voltage", [-5.0, 0.5, 2.0, 6.0])
+    def test_wheels_off_load_settle_where_eq_20_says(self, simulate, robot, voltage):
+        simulation = simulate()
+        lift(simulation)
+        simulation.set_voltages(voltage, voltage)
+        simulation.advance(1500)
+        current, speed = MotorModel.from_config(robot.motor).steady_state(voltage)
+        assert simulation.wheel_speeds() == pytest.approx((speed, speed), rel=1e-6)
+        assert simulation.currents() == pytest.approx((current, current), rel=1e-6)
+
+    def test_the_run_up_follows_eq_20(self, simulate, robot):
+        heavy = robot.model_copy(update={"chassis": robot.chassis.model_copy(update={"mass_kg": 20.0})})
+        simulation = simulate(robot=heavy)
+        lift(simulation)
+        # One wheel each way, so that the body stays put and the wheel's own inertia is all there is.
+        simulation.set_voltages(3.0, -3.0)
+        motor = MotorModel.from_config(robot.motor)
+        disc = 0.5 * robot.drive.wheel_mass_kg * (0.5 * robot.drive.wheel_diameter_m) ** 2
+        for steps in (10, 20, 40, 80):
+            simulation.advance(steps - simulation.steps)
+            expected, _ = motor.step(3.0, 0.0, simulation.time_s, disc)
+            assert simulation.wheel_speeds() == pytest.approx((expected, -expected), rel=0.03)
+
+    @pytest.mark.parametrize("share", [-0.99, 0.5, 0.99])
+    def test_a_robot_below_breakaway_stays_where_it_is(self, simulate, robot, share):
+        motor = robot.motor
+        breakaway = motor.coulomb_friction_N_m * motor.winding_resistance_ohm / motor.torque_constant_N_m_A
+        simulation = simulate()
+        simulation.set_voltages(share * breakaway, share * breakaway)
+        simulation.advance(10_000)
+        assert simulation.encoder_counts() == (0, 0)
+        # The solver's rest, about 5e-9 rad/s: a count in four days.
+        assert np.abs(wheel_angles(simulation)).max() < 1e-6
+        assert np.abs(simulation.pose()).max() < 1e-7
+
+    def test_a_lifted_wheel_moves_just_above_breakaway(self, simulate, robot):
+        motor = robot.motor
+        breakaway = motor.coulomb_friction_N_m * motor.winding_resistance_ohm / motor.torque_constant_N_m_A
+        simulation = simulate()
+        lift(simulation)
+        simulation.set_voltages(1.01 * breakaway, -1.01 * breakaway)
+        simulation.advance(2000)
+        right, left = simulation.wheel_speeds()
+        expected = MotorModel.from_config(motor).steady_state(1.01 * breakaway)[1]
+        assert (right, left) == pytest.approx((expected, -expected), rel=1e-3)
+
+    def test_friction_stops_a_wheel_and_does_not_turn_it_back(self, simulate):
+        simulation = simulate()
+        simulation.set_voltages(3.0, 3.0)
+        simulation.advance(500)
+        simulation.set_voltages(0.0, 0.0)
+        simulation.advance(500)
+        stopped = simulation.encoder_counts()
+        simulation.advance(2000)
+        assert simulation.encoder_counts() == stopped
+        assert np.abs(simulation.wheel_speeds()).max() < 1e-7
+
+    def test_voltages_stop_at_the_driver_limit_and_at_the_battery(self, simulate, robot):
+        simulation = simulate()
+        simulation.set_voltages(50.0, -50.0)
+        assert simulation.voltages() == (6.0, -6.0)
+        weak = robot.model_copy(update={"power": robot.power.model_copy(update={"battery_voltage_V": 4.5})})
+        simulation = simulate(robot=weak)
+        simulation.set_wheel_speeds(100.0, -100.0)
+        simulation.advance(20)
+        assert simulation.voltages() == (4.5, -4.5)
+
+
+class TestDriving:
+    def test_a_straight_drive_is_straight_level_and_steady(self, simulate):
+        simulation = simulate()
+        simulation.set_wheel_speeds(4.6, 4.6)
+        simulation.advance(500)
+        x0 = simulation.pose()[0]
+        bodies = []
+        while simulation.pose()[0] - x0 < 1.0:
+            simulation.advance(20)
+            bodies.append(body_height_and_tilt(simulation))
+        _, y, yaw = simulation.pose()
+        assert abs(y) < 1e-5
+        assert abs(yaw) < 1e-5
+        assert np.ptp(np.array(bodies), axis=0).max() < 1e-6
+
+    def test_the_distance_is_what_the_wheels_roll(self, simulate, robot):
+        simulation = simulate()
+        simulation.set_wheel_speeds(4.6, 4.6)
+        simulation.advance(500)
+        start, angle = simulation.pose()[0], wheel_angles(simulation).mean()
+        simulation.advance(5000)
+        rolled = 0.5 * robot.drive.wheel_diameter_m * (wheel_angles(simulation).mean() - angle)
+        assert simulation.pose()[0] - start == pytest.approx(rolled, rel=1e-3)
+
+    @pytest.mark.parametrize(("right", "left"), [(6.0, 2.0), (3.0, 5.0), (3.0, -3.0), (-4.0, -2.0)])
+    def test_arcs_follow_the_kinematics(self, simulate, robot, right, left):
+        simulation = simulate()
+        simulation.set_wheel_speeds(right, left)
+        simulation.advance(1000)
+        yaw, angles = simulation.pose()[2], wheel_angles(simulation)
+        speeds = []
+        for _ in range(100):
+            simulation.advance(30)
+            speeds.append(simulation.twist())
+        turned = wheel_angles(simulation) - angles
+        radius = 0.5 * robot.drive.wheel_diameter_m
+        assert simulation.pose()[2] - yaw == pytest.approx(radius * (turned[0] - turned[1]) / 0.14, rel=1e-3)
+        v, w = np.mean(speeds, axis=0)
+        assert v == pytest.approx(radius * 0.5 * (right + left), rel=5e-3, abs=2e-4)
+        assert w == pytest.approx(radius * (right - left) / 0.14, rel=5e-3)
+
+    def test_yaw_counts_whole_turns(self, simulate):
+        simulation = simulate(start=(0.0, 0.0, 3.0))
+        simulation.set_wheel_speeds(6.0, -6.0)
+        simulation.advance(5000)
+        # 2 * 0.0325 * 6 / 0.14 rad/s for 5 s, less the run-up.
+        assert simulation.pose()[2] - 3.0 == pytest.approx(13.9, abs=0.4)
+
+    def test_the_start_pose_is_that_of_the_axle(self, simulate):
+        assert simulate(start=(0.55, -0.2, math.pi / 2)).pose() == pytest.approx((0.55, -0.2, math.pi / 2), abs=1e-12)
+
+    @pytest.mark.parametrize("set_point", [-6.0, 2.0, 4.6, 9.0])
+    def test_the_wheel_loop_settles_within_0_3_s(self, simulate, set_point):
+        simulation = simulate()
+        simulation.set_wheel_speeds(set_point, set_point)
+        shares = []
+        for _ in range(200):
+            simulation.advance(5)
+            shares.append(simulation.wheel_speeds()[0] / set_point)
+        assert max(shares) < 1.15
+        assert np.abs(np.array(shares[60:]) - 1.0).max() < 0.02
+
+    def test_braking_keeps_the_robot_on_its_caster(self, simulate):
+        simulation = simulate()
+        simulation.set_wheel_speeds(9.0, 9.0)
+        simulation.advance(1000)
+        simulation.set_wheel_speeds(0.0, 0.0)
+        pitches = []
+        for _ in range(100):
+            simulation.advance(5)
+            pitches.append(body_height_and_tilt(simulation)[2])
+        assert np.degrees(np.abs(pitches)).max() < 0.1
+        assert simulation.twist()[0] == pytest.approx(0.0, abs=1e-6)
+
+    def test_spinning_wheels_push_with_the_friction_that_their_load_allows(self, simulate, robot):
+        simulation = simulate()
+        simulation.set_voltages(6.0, 6.0)
+        simulation.advance(90)
+        before = simulation.twist()[0]
+        simulation.advance(20)
+        drive, chassis, g = robot.drive, robot.chassis, 9.81
+        assert 0.5 * drive.wheel_diameter_m * min(simulation.wheel_speeds()) > simulation.twist()[0] + 0.05
+        # Forces, and moments about the caster's contact; the wheels' own inertia is 1 % of it.
+        wheels_kg = 2.0 * drive.wheel_mass_kg
+        mass = chassis.mass_kg + wheels_kg
+        center_x = chassis.mass_kg * chassis.center_of_mass_x_m / mass
+        center_z = (chassis.mass_kg * chassis.center_of_mass_z_m + wheels_kg * 0.5 * drive.wheel_diameter_m) / mass
+        base = -drive.caster_x_m
+        share = (base + center_x) / base
+        grip = drive.wheel_friction + drive.caster_friction
+        acceleration = g * (grip * share - drive.caster_friction) / (1.0 + grip * center_z / base)
+        assert (simulation.twist()[0] - before) / 0.02 == pytest.approx(acceleration, rel=0.03)
+
+    def test_the_rotor_behind_the_gears_does_not_lift_the_robot(self, simulate):
+        simulation = simulate()
+        simulation.set_voltages(6.0, 6.0)
+        simulation.advance(1000)
+        simulation.set_voltages(-6.0, -6.0)
+        tilts = []
+        for _ in range(100):
+            simulation.advance(5)
+            tilts.append(body_height_and_tilt(simulation)[2])
+        assert np.degrees(np.abs(tilts)).max() < 10.0
+
+
+class TestEncoders:
+    def test_counts_are_whole_and_follow_the_wheel(self, simulate, robot):
+        simulation = simulate()
+        simulation.set_wheel_speeds(5.0, -3.0)
+        simulation.advance(1000)
+        expected = wheel_angles(simulation) / (2 * math.pi) * robot.encoder.counts_per_revolution
+        counts = simulation.encoder_counts()
+        assert all(isinstance(count, int) for count in counts)
+        assert np.abs(counts - expected).max() <= 0.5
+
+
+class TestTouching:
+    def test_a_box_is_touched_only_once_the_chassis_reaches_it(self, simulate, robot, one_block):
+        simulation = simulate(one_block)
+        simulation.set_wheel_speeds(3.0, 3.0)
+        for _ in range(400):
+            simulation.advance(10)
+            reach = simulation.pose()[0] + 0.5 * robot.chassis.length_m
+            if simulation.touching():
+                break
+            assert reach < 0.3 + 1e-3
+        assert reach == pytest.approx(0.3, abs=1.5e-3)
+
+    def test_a_touch_between_two_looks_is_not_missed(self, simulate, one_block):
+        simulation = simulate(one_block, start=(0.2, 0.0, 0.0))
+        simulation.set_wheel_speeds(3.0, 3.0)
+        simulation.advance(500)
+        simulation.set_wheel_speeds(-3.0, -3.0)
+        simulation.advance(1500)
+        assert simulation.touching() == ("block",)
+        assert simulation.touching() == ()
+
+    def test_a_block_holds_the_robot_up(self, simulate, robot, one_block):
+        simulation = simulate(one_block)
+        simulation.set_wheel_speeds(3.0, 3.0)
+        simulation.advance(5000)
+        assert simulation.pose()[0] + 0.5 * robot.chassis.length_m < 0.302
+
+    def test_the_floor_is_no_obstacle(self, simulate):
+        simulation = simulate()
+        simulation.set_wheel_speeds(3.0, 3.0)
+        simulation.advance(1000)
+        assert simulation.touching() == ()
+
+
+class TestReproducibility:
+    @staticmethod
+    def drive(simulation):
+        simulation.set_wheel_speeds(6.0, 3.0)
+        simulation.advance(700)
+        simulation.set_voltages(-2.0, 3.0)
+        simulation.advance(700)
+        return signature(simulation)
+
+    def test_two_runs_are_the_same_to_the_last_bit(self, simulate, arena):
+        start = (0.55, -0.2, math.pi / 2)
+        assert self.drive(simulate(arena, start)) == self.drive(simulate(arena, start))
+
+    def test_simulations_side_by_side_do_not_disturb_each_other(self, simulate, arena, one_block):
+        alone = self.drive(simulate())
+        first, second, third = simulate(), simulate(one_block), simulate(arena)
+        for simulation in (first, second, third):
+            simulation.set_wheel_speeds(6.0, 3.0)
+        for _ in range(70):
+            for simulation in (third, first, second):
+                simulation.advance(10)
+        for simulation in (first, second):
+            simulation.set_voltages(-2.0, 3.0)
+        for _ in range(7):
+            second.advance(100)
+            first.advance(100)
+        assert signature(first) == alone
+
+    def test_how_the_steps_are_cut_up_does_not_matter(self, simulate):
+        whole, pieces = simulate(), simulate()
+        for simulation in (whole, pieces):
+            simulation.set_wheel_speeds(5.0, 4.0)
+        whole.advance(1000)
+        for steps in (1, 6, 3, 90, 13, 887):
+            pieces.advance(steps)
+        assert whole.steps == pieces.steps == 1000
+        assert whole.time_s == 1.0
+        assert signature(whole) == signature(pieces)
