@@ -23,8 +23,10 @@ from physics.motor import MotorModel
 from physics.rays import Array, Hits, RayScene
 from physics.wheel_loop import WheelSpeedLoop, voltage_limit_V
 
-REACTION_SMOOTHING_S = 0.002
-"""Of the wheels' spin-up, which is known one step late; unsmoothed, a heavy rotor would shake a light body."""
+REACTION_PERIOD_S = 0.002
+REACTION_SMOOTHING = 0.5
+"""How often the wheels' spin-up is looked at, and how much smoothed: it is known late, and taken as it comes a heavy
+rotor would shake a light body."""
 
 
 class BulletSimulation:
@@ -42,9 +44,11 @@ class BulletSimulation:
         self._set_points: tuple[float, float] | None = (0.0, 0.0)
         self._voltages = (0.0, 0.0)
         self._torques = [0.0, 0.0]
-        self._smoothing = 1.0 / (1.0 + REACTION_SMOOTHING_S * rates.physics_hz)
-        self._reaction_gain = robot.motor.rotor_inertia_kg_m2 * rates.physics_hz * self._smoothing
-        self._speed_sum = self._reaction_N_m = 0.0
+        self._look_every = max(1, round(REACTION_PERIOD_S * rates.physics_hz))
+        looks_hz = rates.physics_hz / self._look_every
+        self._reaction_gain = REACTION_SMOOTHING * robot.motor.rotor_inertia_kg_m2 * looks_hz
+        self._reaction = [0.0, 0.0, 0.0]
+        self._speed_sum = 0.0
         # Of the chassis' centre of mass, which is what PyBullet reports, to the middle of the axle.
         chassis = robot.chassis
         axle_height = 0.5 * robot.drive.wheel_diameter_m
@@ -97,20 +101,21 @@ class BulletSimulation:
             self._steps += count
 
     def _step(self, count: int) -> None:
-        """The innermost loop, about 5 us around a step of the engine of 20 us."""
+        """The innermost loop, about 3 us around a step of the engine of 20 us."""
         client, robot, wheels, torques = self._client, self._robot, self._wheels, self._torques
         read, step = pybullet.getJointStates, pybullet.stepSimulation
         drive, mode = pybullet.setJointMotorControlArray, pybullet.TORQUE_CONTROL
         push, frame = pybullet.applyExternalTorque, pybullet.LINK_FRAME
-        gain, smoothing, speed, reaction = self._reaction_gain, self._smoothing, self._speed_sum, self._reaction_N_m
-        for _ in range(count):
-            right, left = read(robot, wheels, physicsClientId=client)
-            reaction += gain * (right[1] + left[1] - speed) - smoothing * reaction
-            speed = right[1] + left[1]
-            push(robot, -1, [0.0, reaction, 0.0], frame, physicsClientId=client)
+        gain, speed, reaction, look_every = self._reaction_gain, self._speed_sum, self._reaction, self._look_every
+        for number in range(self._steps, self._steps + count):
+            if number % look_every == 0:
+                right, left = read(robot, wheels, client)
+                reaction[1] += gain * (right[1] + left[1] - speed) - REACTION_SMOOTHING * reaction[1]
+                speed = right[1] + left[1]
+            push(robot, -1, reaction, frame, client)
             drive(robot, wheels, mode, forces=torques, physicsClientId=client)
-            step(physicsClientId=client)
-        self._speed_sum, self._reaction_N_m = speed, reaction
+            step(client)
+        self._speed_sum = speed
 
     def _update(self) -> None:
         """Once per wheel-loop period: the loop, the contacts, and the turns of the yaw."""

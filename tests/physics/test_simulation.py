@@ -117,18 +117,29 @@ class TestMotorInTheEngine:
 
 
 class TestDriving:
-    def test_a_straight_drive_is_straight_level_and_steady(self, simulate):
-        simulation = simulate()
+    # Bullet's friction is not quite the same in all directions, so that the heading is part of the case.
+    @pytest.mark.parametrize("heading", [0.0, 0.3, 1.2, 2.5])
+    def test_a_straight_drive_of_a_metre_drifts_less_than_a_tenth_of_a_millimetre(self, simulate, heading):
+        simulation = simulate(start=(0.0, 0.0, heading))
         simulation.set_wheel_speeds(4.6, 4.6)
         simulation.advance(500)
-        x0 = simulation.pose()[0]
+        x0, y0, yaw0 = simulation.pose()
+        simulation.advance(6700)
+        x, y, yaw = simulation.pose()
+        along = math.cos(yaw0) * (x - x0) + math.sin(yaw0) * (y - y0)
+        across = math.cos(yaw0) * (y - y0) - math.sin(yaw0) * (x - x0)
+        assert along > 1.0
+        assert abs(across) < 1e-4
+        assert abs(yaw - yaw0) < 2e-4
+
+    def test_the_body_stays_level_and_at_its_height(self, simulate):
+        simulation = simulate()
+        simulation.set_wheel_speeds(5.0, 4.0)
+        simulation.advance(500)
         bodies = []
-        while simulation.pose()[0] - x0 < 1.0:
-            simulation.advance(20)
+        for _ in range(200):
+            simulation.advance(7)
             bodies.append(body_height_and_tilt(simulation))
-        _, y, yaw = simulation.pose()
-        assert abs(y) < 1e-5
-        assert abs(yaw) < 1e-5
         assert np.ptp(np.array(bodies), axis=0).max() < 1e-6
 
     def test_the_distance_is_what_the_wheels_roll(self, simulate, robot):
