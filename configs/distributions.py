@@ -90,7 +90,7 @@ class LogUniform:
         return (self.low, self.high)
 
     def draw(self, rng: np.random.Generator) -> float:
-        exponent = math.log(self.low) + math.log(self.high / self.low) * rng.random()
+        exponent = math.log(self.low) + (math.log(self.high) - math.log(self.low)) * rng.random()
         return min(max(math.exp(exponent), self.low), self.high)
 
     def draw_integer(self, rng: np.random.Generator) -> int:
@@ -139,7 +139,7 @@ def parse(node: Node, path: FieldPath) -> Distribution:
         return _parse_choice(arguments, faulty)
     if kind == "normal":
         return _parse_normal(arguments, faulty)
-    low, high = _numbers(arguments, 2, faulty)
+    low, high = _numbers(arguments.value, 2, faulty)
     if low > high:
         raise faulty(allowed="the lower end first")
     if kind == "uniform":
@@ -166,17 +166,16 @@ def _parse_normal(arguments: Node, faulty: Callable[..., InputError]) -> Normal:
             raise faulty(allowed="the keys mean, sd, low, high", nearest=nearest(unknown[0], _NORMAL_KEYS))
         if "mean" not in given or "sd" not in given:
             raise faulty(allowed="mean and sd, and low and high where wanted")
-        keys = list(given)
-        numbers = dict(
-            zip(keys, _numbers(Node(tuple(given.values()), arguments.where), len(keys), faulty), strict=True)
-        )
+        numbers = dict(zip(given, _numbers(tuple(given.values()), len(given), faulty), strict=True))
         normal = Normal(numbers["mean"], numbers["sd"], numbers.get("low"), numbers.get("high"))
     else:
-        mean, sd = _numbers(arguments, 2, faulty)
+        mean, sd = _numbers(arguments.value, 2, faulty)
         normal = Normal(mean, sd)
     low, high = normal.extremes()
     if normal.sd < 0:
         raise faulty(allowed="sd >= 0")
+    if not (math.isfinite(low) and math.isfinite(high)):
+        raise faulty(allowed="mean and sd whose ends are numbers that a computer can hold")
     if low > high:
         raise faulty(allowed="low below high")
     if normal.share_within() < _LEAST_SHARE:
@@ -184,9 +183,9 @@ def _parse_normal(arguments: Node, faulty: Callable[..., InputError]) -> Normal:
     return normal
 
 
-def _numbers(node: Node, count: int, faulty: Callable[..., InputError]) -> tuple[float, ...]:
-    items = node.value if isinstance(node.value, tuple) else ()
-    numbers = tuple(item.value for item in items if isinstance(item.value, int | float) and item.value is not True)
-    if len(items) != count or len(numbers) != count or any(item.value is False for item in items):
+def _numbers(items: object, count: int, faulty: Callable[..., InputError]) -> tuple[float, ...]:
+    values = [item.value for item in items if isinstance(item, Node)] if isinstance(items, tuple) else []
+    numbers = tuple(value for value in values if isinstance(value, int | float) and not isinstance(value, bool))
+    if not len(numbers) == len(values) == count:
         raise faulty(allowed=f"{count} numbers")
     return numbers

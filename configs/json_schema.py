@@ -26,7 +26,9 @@ def scenario_json_schema() -> dict[str, Any]:
     """The schema as plain data, draft 2020-12."""
     shape = Shape.of(Scenario)
     in_lists = set(_below_lists(shape.schema, shape))
-    definitions = {name: _mapping(schema, shape, name in in_lists) for name, schema in shape.definitions.items()}
+    definitions = {
+        name: _mapping(schema, shape, required=name in in_lists) for name, schema in shape.definitions.items()
+    }
     definitions["any_distribution"] = {"anyOf": [_one_of(kind) for kind in _KINDS]}
     definitions["choice_distribution"] = _one_of("choice")
     for kind in SECTIONS:
@@ -49,7 +51,7 @@ def _reference(kind: str) -> dict[str, Any]:
     return {"anyOf": [{"enum": list(shipped_names(kind)), "description": f"name of a shipped {kind}"}, path]}
 
 
-def _mapping(schema: Mapping[str, Any], shape: Shape, required: bool) -> dict[str, Any]:  # noqa: FBT001 - one caller
+def _mapping(schema: Mapping[str, Any], shape: Shape, *, required: bool) -> dict[str, Any]:
     """A model's schema whose fields may be drawn and, outside lists, left to what the file extends."""
     kept = {key: value for key, value in schema.items() if key != "$defs" and (required or key != "required")}
     kept["properties"] = {key: _field(inner, shape) for key, inner in schema.get("properties", {}).items()}
@@ -69,16 +71,16 @@ def _field(schema: dict[str, Any], shape: Shape) -> dict[str, Any]:
     return {**about, "anyOf": [value, {"$ref": f"#/$defs/{distribution}"}]}
 
 
-def _below_lists(schema: Any, shape: Shape, inside: bool = False) -> Iterator[str]:  # noqa: ANN401, FBT001, FBT002 - plain JSON
+def _below_lists(schema: Any, shape: Shape, *, inside: bool = False) -> Iterator[str]:  # noqa: ANN401 - plain JSON
     """Names of the definitions that stand in lists: a list replaces, so its items must be whole."""
     if isinstance(schema, list):
         for item in schema:
-            yield from _below_lists(item, shape, inside)
+            yield from _below_lists(item, shape, inside=inside)
     elif isinstance(schema, dict):
         if "$ref" in schema:
             name = schema["$ref"].rsplit("/", 1)[1]
             yield from [name] if inside else []
-            yield from _below_lists(shape.definitions[name], shape, inside)
+            yield from _below_lists(shape.definitions[name], shape, inside=inside)
         for key, item in schema.items():
             if key not in {"$defs", "$ref", "default", "discriminator"}:
-                yield from _below_lists(item, shape, inside or key == "items")
+                yield from _below_lists(item, shape, inside=inside or key == "items")

@@ -5,7 +5,7 @@ from pathlib import Path
 from configs.errors import InputError, nearest
 from configs.references import SECTIONS, Reader
 from configs.tree import FieldPath, Node, dotted, merge
-from configs.yaml_reader import parse_yaml
+from configs.yaml_reader import MAX_DEPTH, parse_yaml
 
 
 def apply_override(root: Node, text: str, reader: Reader) -> Node:
@@ -17,18 +17,18 @@ def apply_override(root: Node, text: str, reader: Reader) -> Node:
     name, equals, value = text.partition("=")
     name = name.strip()
     where = f"--set {name}"
-    if not equals or not name or not all(name.split(".")):
+    keys = name.split(".")
+    if not equals or not all(keys) or len(keys) > MAX_DEPTH:
         raise InputError("--set", got=text, allowed="field.path=value, such as look.sun.elevation_deg=30")
-    if name.split(".")[-1] == "extends":
-        raise InputError(
-            "'extends' is read from files alone", where=where, cure="set the fields, or the section's name"
-        )
+    if keys[-1] == "extends":
+        cure = "set the fields, or the section's name"
+        raise InputError("'extends' is read from files alone", where=where, cure=cure)
     node = parse_yaml(value, where, with_lines=False)
     if name in SECTIONS and isinstance(root.value, dict):
         node, is_whole = reader.section(name, node, Path.cwd())
         if is_whole:
             return Node({**root.value, name: node}, root.where)
-    return _set(root, name.split("."), (), node, where)
+    return _set(root, keys, (), node, where)
 
 
 def _set(node: Node, rest: list[str], path: FieldPath, value: Node, where: str) -> Node:
@@ -48,8 +48,9 @@ def _set(node: Node, rest: list[str], path: FieldPath, value: Node, where: str) 
 
 def _index(items: tuple[Node, ...], key: str, path: FieldPath, where: str) -> int:
     names = [name.value if (name := item.child("name")) else None for item in items]
-    if key.isdecimal() and int(key) < len(items):
-        return int(key)
+    indices = [str(index) for index in range(len(items))]
+    if key in indices:
+        return indices.index(key)
     if key in names:
         return names.index(key)
     known = [name for name in names if isinstance(name, str)]

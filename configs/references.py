@@ -10,6 +10,7 @@ from configs.yaml_reader import displayed, read_yaml
 
 FOLDERS = {"scenario": "scenarios", "arena": "arenas", "robot": "robots", "look": "looks"}
 SECTIONS = ("arena", "robot", "look")
+_LONGEST_CHAIN = 32
 _SHIPPED = Path(__file__).parent
 
 
@@ -93,6 +94,8 @@ class Reader:
         if not isinstance(base.value, str):
             allowed = f"the name or path of one {kind}"
             raise InputError(what, where=base.where, got=base.plain(), allowed=allowed)
+        if len(chain) > _LONGEST_CHAIN:
+            raise InputError(f"{what}: too many files on each other", where=base.where, allowed=str(_LONGEST_CHAIN))
         path = locate(kind, base.value, folder=folder, what=what, where=base.where)
         if path.resolve() in chain:
             turns = [displayed(file) for file in (*chain[chain.index(path.resolve()) :], path)]

@@ -92,14 +92,10 @@ def merge(base: Node, over: Node) -> Node:
     """Mappings are merged deeply; lists, scalars, distributions and mappings of another `kind` replace."""
     if not isinstance(base.value, dict) or not isinstance(over.value, dict):
         return over
-    if base.is_distribution or over.is_distribution or _kind(base) != _kind(over):
+    kinds = [kind.value for kind in (base.child("kind"), over.child("kind")) if kind]
+    if base.is_distribution or over.is_distribution or kinds[:1] != kinds[-1:]:
         return over
     merged = dict(base.value)
     for key, node in over.value.items():
         merged[key] = merge(merged[key], node) if key in merged else node
     return Node(merged, over.where)
-
-
-def _kind(node: Node) -> object:
-    kind = node.child("kind")
-    return kind.value if kind else None

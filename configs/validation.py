@@ -37,9 +37,11 @@ class Placed:
 
     def _of_field(self, value: Scalar) -> Scalar:
         """As the field's own type: a real field has no whole numbers, a whole-number field no fractions."""
-        if self.is_number and type(value) is int:
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return value
+        if self.is_number:
             return float(value)
-        return round(value) if self.is_integer and not isinstance(self.distribution, Choice) else value  # type: ignore[arg-type]
+        return value if isinstance(self.distribution, Choice) else round(value)
 
 
 def distributions_of(root: Node, model: type[BaseModel]) -> dict[FieldPath, Placed]:

@@ -136,6 +136,7 @@ CASES = {
     ),
     "normal with negative sd": sun("{normal: [30, -2]}", ".normal", "sd >= 0"),
     "normal beyond its bounds": sun("{normal: [30, 10]}", "", "got -10.0, allowed: number >= 1 and <= 90"),
+    "normal without end": look("lamps: {rows: {normal: [1e308, 1e308]}} #!", "look.lamps.rows.normal", "can hold"),
     "normal with an unknown key": sun("{normal: {mean: 30, std: 2}}", ".normal", "the keys mean, sd, low, high"),
     "normal without sd": sun("{normal: {mean: 30}}", ".normal", "mean and sd"),
     "normal with limits reversed": sun("{normal: {mean: 30, sd: 2, low: 31, high: 30}}", ".normal", "low below high"),

@@ -11,6 +11,8 @@ OVERRIDES = {
     "no value": ("seed", "--set: got 'seed', allowed: field.path=value"),
     "no path": ("=3", "--set: got '=3', allowed: field.path=value"),
     "gap in the path": ("look..sun=3", "--set: got 'look..sun=3'"),
+    "path without end": (".".join("a" * 5000) + "=1", "--set: got 'a.a.a.a."),
+    "index of no end": (f"routes.{'9' * 5000}.runs=1", "--set routes.999"),
     "empty value": ("seed=", "--set seed: seed: got nothing (null), allowed: whole number"),
     "text for a number": ("seed=abc", "--set seed: seed: got 'abc', allowed: whole number"),
     "unknown field": (
@@ -114,6 +116,13 @@ def test_files_that_extend_each_other_are_told_in_their_order(here: Path):
     (here / "b.yaml").write_text("name: b\nextends: a.yaml\n")
     with pytest.raises(InputError, match=r"^b\.yaml:2: extends: .*a\.yaml -> b\.yaml -> a\.yaml"):
         load_scenario("a.yaml")
+
+
+def test_a_tower_of_files_is_refused(here: Path):
+    for number in range(200):
+        (here / f"{number}.yaml").write_text(f"extends: {number + 1}.yaml\n")
+    with pytest.raises(InputError, match="extends: too many files on each other; allowed: 32"):
+        load_scenario("0.yaml")
 
 
 def test_a_section_alone_is_refused_with_the_same_words(here: Path):

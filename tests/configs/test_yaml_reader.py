@@ -82,3 +82,10 @@ def test_a_message_has_no_control_characters_of_the_file():
     with pytest.raises(InputError) as caught:
         parse_yaml('"a\\x1b[31m\\nb": 1\n"a\\x1b[31m\\nb": 2\n', "file")
     assert str(caught.value) == "file:2: a [31m b: the key is given twice, first at file:1; keep one of the two"
+
+
+def test_what_is_no_file_is_refused(tmp_path: Path):
+    with pytest.raises(InputError, match="this is a folder; allowed: a YAML file"):
+        read_yaml(tmp_path)
+    with pytest.raises(InputError, match="there is no such file"):
+        read_yaml(tmp_path / "none.yaml")
