@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from configs.distributions import Choice
 from configs.errors import InputError
 from configs.faults import Fault
-from configs.footprints import Point, corners, overlap, wall_corners
+from configs.footprints import Point, Rectangle, obstacle_footprint, overlap, wall_footprint
 from configs.schema.arena import ArcPiece, ArenaConfig, StraightPiece
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Route, Scenario
@@ -31,11 +31,11 @@ def check_run(scenario: Scenario, root: Node, route: int, run: int) -> None:
 
 def check_kinds(placed: Mapping[FieldPath, Placed], root: Node) -> None:
     """Refuse distributions whose draws would nearly all break a rule that their ends keep."""
-    path: FieldPath = ("robot", "tof", "period_s")
-    item = placed.get(path)
-    if item and not isinstance(item.distribution, Choice):
-        allowed = "a number or {choice: [...]}, because it is a whole number of physics steps"
-        raise InputError(dotted(path), where=root.place_of(path), got=root.plain_at(path), allowed=allowed)
+    for path, item in placed.items():
+        timing = len(path) == 3 and path[0] == "robot" and path[-1] in {"period_s", "delay_s"}
+        if timing and not isinstance(item.distribution, Choice):
+            allowed = "a number or {choice: [...]}, because it is a whole number of physics steps"
+            raise InputError(dotted(path), where=root.place_of(path), got=root.plain_at(path), allowed=allowed)
 
 
 def check_arena(arena: ArenaConfig, root: Node) -> None:
@@ -70,12 +70,15 @@ def _route_name_faults(routes: tuple[Route, ...]) -> Iterator[Fault]:
 
 
 def _period_faults(rates: Rates, robot: RobotConfig) -> Iterator[Fault]:
-    steps = robot.tof.period_s * rates.physics_hz
-    if round(steps) < 1 or not math.isclose(steps, round(steps), rel_tol=1e-9):
-        step_s = 1 / rates.physics_hz
-        near = max(1, round(steps)) / rates.physics_hz
-        allowed = f"a whole number of physics steps of {step_s:.9g} s (rates.physics_hz {rates.physics_hz})"
-        yield Fault(("robot", "tof", "period_s"), got=robot.tof.period_s, allowed=allowed, cure=f"write {near:.9g}")
+    sensors = {"tof": robot.tof, "line_sensor": robot.line_sensor, "encoder": robot.encoder}
+    for name, sensor in sensors.items():
+        for field, value_s, fewest in (("period_s", sensor.period_s, 1), ("delay_s", sensor.delay_s, 0)):
+            steps = value_s * rates.physics_hz
+            if round(steps) < fewest or not math.isclose(steps, round(steps), rel_tol=1e-9):
+                near = max(fewest, round(steps)) / rates.physics_hz
+                step_s = 1 / rates.physics_hz
+                allowed = f"a whole number of physics steps of {step_s:.9g} s (rates.physics_hz {rates.physics_hz})"
+                yield Fault(("robot", name, field), got=value_s, allowed=allowed, cure=f"write {near:.9g}")
 
 
 def _arena_faults(arena: ArenaConfig) -> Iterator[Fault]:
@@ -195,16 +198,16 @@ def _body_faults(robot: RobotConfig) -> Iterator[Fault]:
 def _start_faults(arena: ArenaConfig, robot: RobotConfig, route: Route, path: FieldPath) -> Iterator[Fault]:
     start = route.start
     at = (start.x_m, start.y_m)
-    robot_corners = corners(at, (robot.chassis.length_m, robot.chassis.width_m), start.yaw_deg)
+    body = Rectangle(at, (robot.chassis.length_m, robot.chassis.width_m), math.radians(start.yaw_deg))
     limit = arena.floor.half_extent_m
-    if any(max(abs(x), abs(y)) > limit for x, y in robot_corners):
+    if any(max(abs(x), abs(y)) > limit for x, y in body.corners()):
         allowed = f"poses on the floor, within {limit} m of the origin along x and y"
         yield Fault(path, "the robot stands beyond the edge of the floor", got=at, allowed=allowed)
     for wall in arena.walls:
-        if math.dist(wall.start, wall.end) > 0 and overlap(robot_corners, wall_corners(wall)):
+        if math.dist(wall.start, wall.end) > 0 and overlap(body, wall_footprint(wall)):
             yield _blocked(route, path, f"wall {wall.name}")
     for obstacle in arena.obstacles:
-        if overlap(robot_corners, corners(obstacle.center, obstacle.size[:2], obstacle.yaw_deg)):
+        if overlap(body, obstacle_footprint(obstacle)):
             yield _blocked(route, path, f"obstacle {obstacle.name}")
 
 

@@ -11,9 +11,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from configs.footprints import Rectangle, obstacle_footprint, wall_footprint
 from configs.schema.arena import ArcPiece, ArenaConfig, Obstacle, StraightPiece, SurfaceName, Wall
 
 Array = NDArray[np.float64]
+Kind = Literal["wall", "obstacle"]
 
 
 @dataclass(frozen=True)
@@ -110,7 +112,7 @@ class Box:
     """A wall or an obstacle that stands on the floor."""
 
     name: str
-    kind: Literal["wall", "obstacle"]
+    kind: Kind
     center: tuple[float, float, float]
     size: tuple[float, float, float]
     """Along its own x, y, z [m]."""
@@ -119,10 +121,7 @@ class Box:
 
     def footprint(self) -> Array:
         """Corners (4, 2) counter-clockwise."""
-        half = 0.5 * np.array(self.size[:2])
-        corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half
-        c, s = np.cos(self.yaw_rad), np.sin(self.yaw_rad)
-        return corners @ np.array([[c, s], [-s, c]]) + np.array(self.center[:2])
+        return np.array(Rectangle(self.center[:2], self.size[:2], self.yaw_rad).corners())
 
 
 @dataclass(frozen=True)
@@ -151,26 +150,13 @@ def _piece(config: StraightPiece | ArcPiece) -> Straight | Arc:
 
 
 def _wall(wall: Wall) -> Box:
-    along = np.subtract(wall.end, wall.start)
-    length = float(np.hypot(*along))
-    to_the_right = np.array([along[1], -along[0]]) / length
-    center = 0.5 * np.add(wall.start, wall.end) + 0.5 * wall.thickness_m * to_the_right
-    return Box(
-        name=wall.name,
-        kind="wall",
-        center=(float(center[0]), float(center[1]), 0.5 * wall.height_m),
-        size=(length, wall.thickness_m, wall.height_m),
-        yaw_rad=float(np.arctan2(along[1], along[0])),
-        surface=wall.surface,
-    )
+    return _box(wall.name, "wall", wall_footprint(wall), wall.height_m, wall.surface)
 
 
 def _obstacle(obstacle: Obstacle) -> Box:
-    return Box(
-        name=obstacle.name,
-        kind="obstacle",
-        center=(*obstacle.center, 0.5 * obstacle.size[2]),
-        size=obstacle.size,
-        yaw_rad=float(np.radians(obstacle.yaw_deg)),
-        surface=obstacle.surface,
-    )
+    return _box(obstacle.name, "obstacle", obstacle_footprint(obstacle), obstacle.size[2], obstacle.surface)
+
+
+def _box(name: str, kind: Kind, footprint: Rectangle, height_m: float, surface: SurfaceName) -> Box:
+    center, size = (*footprint.center, 0.5 * height_m), (*footprint.size, height_m)
+    return Box(name, kind, center, size, footprint.yaw_rad, surface)

@@ -1,4 +1,4 @@
-"""The robot: body, drive, motor, sensors and controller. R is the frame at the middle of the axle, x forward, y left."""
+"""The robot: body, drive, sensors and controller. R is the frame at the middle of the axle, x forward, y left."""
 
 from typing import Literal
 
