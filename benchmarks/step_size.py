@@ -1,4 +1,4 @@
-"""Pose error against the physics step, for the same open-loop voltages: 10 s of starts, arcs, a turn on the spot and stops.
+"""Pose error against the physics step for the same open-loop voltages: 10 s of starts, arcs, a turn on the spot, stops.
 
 The reference is the smallest step. Every pose at the control rate is compared, so that no error hides in a lucky end.
 
