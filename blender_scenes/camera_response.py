@@ -21,9 +21,11 @@ Image = NDArray[np.float32]
 class CameraResponse:
     seed: int
     brightness: float
-    """Linear value of the scene's median luminance, compensation included."""
+    """Linear value of the median luminance, compensation included."""
+    exposure_adaption: float
     white_balance: RGB
     """Gains that render the chosen light neutral."""
+    white_balance_adaption: float
     contrast: float
     saturation: float
     vignetting: float
@@ -37,7 +39,9 @@ class CameraResponse:
         return cls(
             seed=seed,
             brightness=look.brightness * 2.0**look.compensation_ev,
+            exposure_adaption=look.exposure_adaption,
             white_balance=(g / r, 1.0, g / b),
+            white_balance_adaption=look.white_balance_adaption,
             contrast=look.contrast,
             saturation=look.saturation,
             vignetting=look.vignetting,
@@ -47,19 +51,41 @@ class CameraResponse:
         )
 
 
-def exposure_gain(metered: NDArray[np.float32], response: CameraResponse) -> float:
-    """Gain that brings the median luminance of metered light (..., 3) to the look's brightness."""
-    luminance = metered @ LUMINANCE.astype(np.float32)
-    median = float(np.median(luminance))
+@dataclass(frozen=True)
+class Metering:
+    """What the camera learnt from a few views of the run before the first shutter."""
+
+    median_luminance: float
+    gains: RGB
+    """White balance, green 1."""
+
+
+def meter(light: Image, response: CameraResponse) -> Metering:
+    """Metering of linear light (..., 3) gathered over the run.
+
+    Raises:
+        ValueError: No light reaches what the camera sees.
+    """
+    gray = np.maximum(light.reshape(-1, 3).mean(axis=0, dtype=np.float64), 1e-9)
+    towards_gray = gray[1] / gray
+    fixed, share = np.asarray(response.white_balance), response.white_balance_adaption
+    gains = fixed ** (1 - share) * towards_gray**share
+    return Metering(_median_luminance(light), (float(gains[0]), 1.0, float(gains[2])))
+
+
+def _median_luminance(light: Image) -> float:
+    median = float(np.median(light @ LUMINANCE.astype(np.float32)))
     if not median > 0:
-        raise ValueError("the scene is black: no light reaches what the camera sees")
-    return response.brightness / median
+        raise ValueError("the picture is black: no light reaches what the camera sees; give the look a lamp or a sky")
+    return median
 
 
-def develop(light: Image, response: CameraResponse, gain: float, number: int) -> NDArray[np.uint8]:
+def develop(light: Image, response: CameraResponse, metering: Metering, number: int) -> NDArray[np.uint8]:
     """(H, W, 3) 8-bit RGB of linear light (H, W, 3)."""
     height, width, _ = light.shape
-    exposed = light * (gain * np.asarray(response.white_balance, np.float32))
+    adaption = response.exposure_adaption
+    median = metering.median_luminance ** (1 - adaption) * _median_luminance(light) ** adaption
+    exposed = light * (np.asarray(metering.gains, np.float32) * np.float32(response.brightness / median))
     exposed = exposed * _vignette(width, height, response.vignetting)[..., None]
     exposed = np.maximum(exposed + _noise(exposed, response, number), 0)
     grey = (exposed @ LUMINANCE.astype(np.float32))[..., None]

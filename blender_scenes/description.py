@@ -44,18 +44,8 @@ class Panel:
     width_m: float
     height_m: float
     radiance: RGB
-
-
-@dataclass(frozen=True)
-class Portal:
-    """An opening through which the sky is sampled; it shines not by itself. Sides as those of a panel."""
-
-    name: str
-    center: Point3
-    right: Point3
-    up: Point3
-    width_m: float
-    height_m: float
+    mirrored: bool = True
+    """False where something else is seen in its place."""
 
 
 @dataclass(frozen=True)
@@ -69,13 +59,19 @@ class Sun:
 
 @dataclass(frozen=True)
 class Sky:
-    """One of the panoramas shipped with bpy, all around."""
+    """One of the panoramas shipped with bpy, all around: what the camera and mirrors see outside.
+
+    It lights nothing else. A panel in each window stands for its light, which so needs far fewer samples.
+    """
 
     panorama: str
     yaw_rad: float
-    mean_radiance: float
-    """Of the upper half; the panorama is scaled to it."""
-    tint: RGB = (1.0, 1.0, 1.0)
+    gain: float
+    """Radiance per unit of the panorama."""
+    ceiling: float
+    """Components of the panorama are cut off here, before the gain: its sun is no part of the sky."""
+    saturation: float
+    """1 as it was taken, 0 grey."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +81,6 @@ class Scene:
     robot: tuple[Mesh, ...]
     """The robot's parts, in R."""
     panels: tuple[Panel, ...]
-    portals: tuple[Portal, ...]
     sun: Sun | None
     sky: Sky
 

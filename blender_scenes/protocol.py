@@ -24,7 +24,6 @@ class Request:
 class Ready:
     """Scene built and exposure metered."""
 
-    exposure_gain: float
     seconds: float
     kind: Literal["ready"] = "ready"
 

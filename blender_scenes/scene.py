@@ -9,6 +9,7 @@ from blender_scenes.description import Mesh, Point2, Scene
 from blender_scenes.lighting import LIGHTS
 from blender_scenes.materials import FLOORS, SURFACES
 from blender_scenes.materials.base import Patch
+from blender_scenes.materials.dirt import dirtied
 from blender_scenes.materials.tape import tape
 from blender_scenes.robot_body import robot_body, robot_surfaces
 from blender_scenes.rooms import ROOMS
@@ -34,7 +35,6 @@ def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> S
         meshes=tuple(mesh for mesh, _ in parts) + room.meshes,
         robot=robot_body(robot),
         panels=tuple(panel for light in lights for panel in light.panels),
-        portals=tuple(portal for light in lights for portal in light.portals),
         sun=suns[0] if suns else None,
         sky=sky,
     )
@@ -53,7 +53,8 @@ Part = tuple[Mesh, tuple[Surface, ...]]
 
 def _floor(look: LookConfig, room: Room, seed: int) -> Part:
     size = room.high[0] - room.low[0], room.high[1] - room.low[1]
-    surface = FLOORS[look.floor.material](look.floor, Patch("floor", size, seed))
+    patch = Patch("floor", size, seed)
+    surface = dirtied(FLOORS[look.floor.material](look.floor, patch), patch, look.floor.dirt)
     mesh = geometry.floor("floor", room.low, room.high, math.radians(look.floor.yaw_deg), surface.name)
     return mesh, (surface,)
 
@@ -72,7 +73,11 @@ def _boxes(arena: Arena, look: LookConfig, seed: int) -> list[Part]:
     parts = []
     for box in arena.boxes:
         name = f"{box.kind}_{box.name}"
-        surface = SURFACES[box.surface](look, Patch(name, (box.size[0], box.size[2]), seed))
-        mesh = geometry.box(name, geometry.box_corners(box), (surface.name,) * 6)
-        parts.append((mesh, (surface,)))
+        make, (length, width, height) = SURFACES[box.surface], box.size
+        ends = make(look, Patch(f"{name}_ends", (width, height), seed))
+        sides = make(look, Patch(f"{name}_sides", (length, height), seed))
+        lid = make(look, Patch(f"{name}_lid", (length, width), seed))
+        faces = {"back": ends, "right": sides, "front": ends, "left": sides, "bottom": lid, "top": lid}
+        mesh = geometry.box(name, geometry.box_corners(box), [faces[side].name for side in geometry.SIDES])
+        parts.append((mesh, (ends, sides, lid)))
     return parts

@@ -65,6 +65,10 @@ class Noise(Expression):
     gain: float = 0.5
     """Amplitude of each octave relative to the one before."""
     warp: float = 0.0
+    turn_rad: float = 0.0
+    """Turns the grain from u towards v."""
+    shift: "Texture | None" = None
+    """Moves the pattern by that many features, so that each tile or plank shows another part of it."""
     kind: Literal["noise"] = "noise"
 
 
@@ -87,6 +91,7 @@ class Tiles(Expression):
     stagger: float
     """Shift of every second course, in tile lengths."""
     offset_m: tuple[float, float]
+    """Where in the endless courses the surface lies."""
     value: Literal["joint", "random"] = "joint"
     softness: float = 0.1
     """Share of the joint over which it rises."""

@@ -6,9 +6,8 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from blender_scenes.bpy_side.shaders import material
-from blender_scenes.colour import LUMINANCE
-from blender_scenes.description import Intrinsics, Mesh, Panel, Portal, Scene, Sky, Sun
+from blender_scenes.bpy_side.shaders import ShaderGraph, material
+from blender_scenes.description import Intrinsics, Mesh, Panel, Scene, Sky, Sun
 
 ROBOT = "R"
 CAMERA = "C"
@@ -29,8 +28,6 @@ def build(scene: Scene, camera: Intrinsics) -> None:
         _mesh(mesh, materials).parent = robot
     for panel in scene.panels:
         _panel(panel)
-    for portal in scene.portals:
-        _portal(portal)
     if scene.sun is not None:
         _sun(scene.sun)
     _sky(scene.sky)
@@ -69,25 +66,16 @@ def _axes(right: tuple, up: tuple, center: tuple) -> Matrix:
     return Matrix(pose.tolist())
 
 
-def _area(shape: Panel | Portal) -> bpy.types.Object:
-    light = bpy.data.lights.new(shape.name, "AREA")
-    light.shape, light.size, light.size_y = "RECTANGLE", shape.width_m, shape.height_m
-    made = _place(shape.name, light)
-    made.matrix_world = _axes(shape.right, shape.up, shape.center)
-    made.visible_camera = False
-    return made
-
-
 def _panel(panel: Panel) -> None:
-    light = _area(panel).data
+    light = bpy.data.lights.new(panel.name, "AREA")
+    light.shape, light.size, light.size_y = "RECTANGLE", panel.width_m, panel.height_m
     peak = max(panel.radiance)
     light.color = [c / peak for c in panel.radiance]
-    # Cycles gives an area light of P watts the radiance P / (pi area), times 4 / 4: a Lambertian emitter.
+    # A Lambertian emitter of radiance L over the area A has the power pi A L.
     light.energy = peak * np.pi * panel.width_m * panel.height_m
-
-
-def _portal(portal: Portal) -> None:
-    _area(portal).data.cycles.is_portal = True
+    made = _place(panel.name, light)
+    made.matrix_world = _axes(panel.right, panel.up, panel.center)
+    made.visible_camera, made.visible_glossy = False, panel.mirrored
 
 
 def _sun(sun: Sun) -> None:
@@ -106,37 +94,24 @@ def _sun(sun: Sun) -> None:
 def _sky(sky: Sky) -> None:
     world = bpy.data.worlds.new("sky")
     bpy.context.scene.world = world
+    world.cycles.sampling_method = "NONE"
+    world.cycles_visibility.diffuse = False
     world.use_nodes = True
-    tree = world.node_tree
-    tree.nodes.clear()
+    graph = ShaderGraph(world.node_tree)
     folder = Path(bpy.utils.system_resource("DATAFILES")) / "studiolights" / "world"
     image = bpy.data.images.load(str(folder / f"{sky.panorama}.exr"))
     image.colorspace_settings.name = "Linear Rec.709"
-    coordinate, mapping = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeMapping")
-    mapping.inputs["Rotation"].default_value = (0.0, 0.0, sky.yaw_rad)
-    texture, tint = tree.nodes.new("ShaderNodeTexEnvironment"), tree.nodes.new("ShaderNodeMix")
+    towards = graph.node("ShaderNodeTexCoord").outputs["Generated"]
+    turned = graph.node("ShaderNodeMapping", Vector=towards, Rotation=(0.0, 0.0, -sky.yaw_rad))
+    texture = graph.node("ShaderNodeTexEnvironment", Vector=turned.outputs[0])
     texture.image = image
-    tint.data_type, tint.blend_type = "RGBA", "MULTIPLY"
-    tint.inputs[0].default_value = 1.0
-    tint.inputs[7].default_value = (*sky.tint, 1.0)
-    shine, output = tree.nodes.new("ShaderNodeBackground"), tree.nodes.new("ShaderNodeOutputWorld")
-    shine.inputs["Strength"].default_value = sky.mean_radiance / _upper_luminance(image)
-    tree.links.new(coordinate.outputs["Generated"], mapping.inputs["Vector"])
-    tree.links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
-    tree.links.new(texture.outputs["Color"], tint.inputs[6])
-    tree.links.new(tint.outputs[2], shine.inputs["Color"])
-    tree.links.new(shine.outputs["Background"], output.inputs["Surface"])
-
-
-def _upper_luminance(image: bpy.types.Image) -> float:
-    """Mean luminance of a panorama above the horizon, by solid angle."""
-    width, height = image.size
-    pixels = np.empty(width * height * 4, np.float32)
-    image.pixels.foreach_get(pixels)
-    luminance = pixels.reshape(height, width, 4)[..., :3] @ LUMINANCE
-    elevation = np.pi * ((np.arange(height) + 0.5) / height - 0.5)
-    weight = np.where(elevation > 0, np.cos(elevation), 0.0)
-    return float(luminance.mean(axis=1) @ weight / weight.sum())
+    cut = graph.node("ShaderNodeVectorMath")
+    cut.operation = "MINIMUM"
+    graph.feed(cut.inputs[0], texture.outputs["Color"])
+    cut.inputs[1].default_value = (sky.ceiling,) * 3
+    tint = graph.node("ShaderNodeHueSaturation", Saturation=sky.saturation, Color=cut.outputs[0])
+    shine = graph.node("ShaderNodeBackground", Color=tint.outputs[0], Strength=sky.gain)
+    graph.node("ShaderNodeOutputWorld", Surface=shine.outputs[0])
 
 
 def _camera(camera: Intrinsics) -> None:

@@ -17,6 +17,7 @@ from blender_scenes.shading import (
     Surface,
     Tiles,
 )
+from blender_scenes.typical import typical_color
 
 _OPERATIONS = {
     "add": "ADD",
@@ -36,10 +37,10 @@ class ShaderGraph:
     """Compiles the expressions of one material."""
 
     def __init__(self, tree: bpy.types.NodeTree) -> None:
+        tree.nodes.clear()
         self._tree = tree
         self._sockets: dict[Expression, bpy.types.NodeSocket] = {}
-        self._uv = self.node("ShaderNodeUVMap")
-        self._uv.uv_map = "uv_m"
+        self._uv: bpy.types.NodeSocket | None = None
         self._compilers: dict[type, Callable] = {
             Number: self._number,
             Color: self._color,
@@ -72,6 +73,13 @@ class ShaderGraph:
             self._sockets[expression] = self._compilers[type(expression)](expression)
         return self._sockets[expression]
 
+    def _surface_coordinates(self) -> bpy.types.NodeSocket:
+        if self._uv is None:
+            node = self.node("ShaderNodeUVMap")
+            node.uv_map = "uv_m"
+            self._uv = node.outputs[0]
+        return self._uv
+
     def _number(self, e: Number) -> bpy.types.NodeSocket:
         node = self.node("ShaderNodeValue")
         node.outputs[0].default_value = e.value
@@ -83,21 +91,28 @@ class ShaderGraph:
         return node.outputs[0]
 
     def _coordinate(self, e: Coordinate) -> bpy.types.NodeSocket:
-        return self.node("ShaderNodeSeparateXYZ", Vector=self._uv.outputs[0]).outputs[
-            "XY".index("X" if e.axis == "u" else "Y")
-        ]
+        return self.node("ShaderNodeSeparateXYZ", Vector=self._surface_coordinates()).outputs["uv".index(e.axis)]
 
-    def _placed(self, per_m: tuple[float, float], offset: tuple[float, float]) -> bpy.types.NodeSocket:
-        mapping = self.node("ShaderNodeMapping", Vector=self._uv.outputs[0])
-        mapping.vector_type = "POINT"
-        mapping.inputs["Location"].default_value = (*offset, 0.0)
-        mapping.inputs["Scale"].default_value = (*per_m, 1.0)
-        return mapping.outputs[0]
+    def _placed(
+        self, per_m: tuple[float, float], offset: tuple[float, float], turn_rad: float = 0.0
+    ) -> bpy.types.NodeSocket:
+        """Surface coordinates turned, then scaled to features and moved."""
+        at = self._surface_coordinates()
+        if turn_rad:
+            at = self.node("ShaderNodeMapping", Vector=at, Rotation=(0.0, 0.0, -turn_rad)).outputs[0]
+        return self.node("ShaderNodeMapping", Vector=at, Location=(*offset, 0.0), Scale=(*per_m, 1.0)).outputs[0]
 
     def _noise(self, e: Noise) -> bpy.types.NodeSocket:
         node = self.node("ShaderNodeTexNoise")
         node.noise_dimensions, node.noise_type, node.normalize = "2D", "FBM", True
-        values = {"Vector": self._placed(e.per_m, e.offset), "Scale": 1.0, "Detail": e.octaves - 1, "Roughness": e.gain}
+        at = self._placed(e.per_m, e.offset, e.turn_rad)
+        if e.shift is not None:
+            apart = self.node("ShaderNodeCombineXYZ", X=e.shift, Y=e.shift)
+            moved = self._tree.nodes.new("ShaderNodeVectorMath")
+            self.feed(moved.inputs[0], at)
+            self.feed(moved.inputs[1], apart.outputs[0])
+            at = moved.outputs[0]
+        values = {"Vector": at, "Scale": 1.0, "Detail": e.octaves - 1, "Roughness": e.gain}
         for name, value in {**values, "Lacunarity": 2.0, "Distortion": e.warp}.items():
             self.feed(node.inputs[name], value)
         return node.outputs["Fac"]
@@ -161,7 +176,6 @@ def material(surface: Surface) -> bpy.types.Material:
     """The Blender material of a surface."""
     made = bpy.data.materials.new(surface.name)
     made.use_nodes = True
-    made.node_tree.nodes.clear()
     graph = ShaderGraph(made.node_tree)
     values = {
         "Base Color": surface.base_color,
@@ -178,6 +192,25 @@ def material(surface: Surface) -> bpy.types.Material:
     if surface.height_m is not None:
         bump = graph.node("ShaderNodeBump", Strength=1.0, Distance=1.0, Height=surface.height_m)
         graph.feed(shader.inputs["Normal"], bump.outputs[0])
-    output = graph.node("ShaderNodeOutputMaterial", Surface=shader.outputs[0])
-    output.is_active_output = True
+    lit = shader.outputs[0]
+    rays = graph.node("ShaderNodeLightPath")
+    if surface.transmission > 0:
+        # Without caustics a clear body would throw the shadow of a black one: light goes straight through instead.
+        clear = graph.node("ShaderNodeBsdfTransparent", Color=surface.base_color)
+        lit = _instead(graph, lit, clear, rays.outputs["Is Shadow Ray"])
+    else:
+        # Light that is on its way to another surface need not know the grain of this one: a quarter of the time less.
+        plain = graph.node("ShaderNodeBsdfDiffuse", Color=(*typical_color(surface), 1.0))
+        lit = _instead(graph, lit, plain, rays.outputs["Is Diffuse Ray"])
+    graph.node("ShaderNodeOutputMaterial", Surface=lit).is_active_output = True
     return made
+
+
+def _instead(
+    graph: ShaderGraph, shader: bpy.types.NodeSocket, other: bpy.types.Node, rays: bpy.types.NodeSocket
+) -> bpy.types.NodeSocket:
+    """The shader, for the named rays the other one."""
+    mix = graph.node("ShaderNodeMixShader", Fac=rays)
+    graph.feed(mix.inputs[1], shader)
+    graph.feed(mix.inputs[2], other.outputs[0])
+    return mix.outputs[0]

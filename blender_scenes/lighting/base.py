@@ -2,12 +2,11 @@
 
 from dataclasses import dataclass
 
-from blender_scenes.description import Panel, Portal, Sky, Sun
+from blender_scenes.description import Panel, Sky, Sun
 
 
 @dataclass(frozen=True)
 class Lights:
     panels: tuple[Panel, ...] = ()
-    portals: tuple[Portal, ...] = ()
     suns: tuple[Sun, ...] = ()
     skies: tuple[Sky, ...] = ()

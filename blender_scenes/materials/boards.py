@@ -1,23 +1,33 @@
-"""Painted board of a given reflectance."""
+"""Painted boards of the arena's walls."""
 
 from collections.abc import Callable
 
 from blender_scenes.colour import paint_color
 from blender_scenes.materials.base import Patch
-from blender_scenes.shading import Mix, Noise, Surface
+from blender_scenes.materials.patterns import streaks
+from blender_scenes.shading import Color, Coordinate, Mix, Noise, Step, Surface, Tiles
 from configs.schema.look import LookConfig, Paint
 
 
 def board(reflectance: float) -> Callable[[LookConfig, Patch], Surface]:
-    """The material of a board painted to `reflectance`."""
+    """The material of boards painted to `reflectance`."""
 
     def painted(look: LookConfig, patch: Patch) -> Surface:
+        """Roller texture, boards that meet every half metre or so, scuffs and grime along the floor."""
         own = look.boards
         paint = Paint(reflectance=reflectance, hue_deg=own.tint_hue_deg, saturation=own.tint_saturation)
-        cloud = Noise((6.0, 6.0), patch.offset("clouds"), octaves=4)
-        roller = Noise((450.0, 450.0), patch.offset("roller"), octaves=2)
-        spread = 0.05 * own.wear
-        base = Mix(cloud, paint_color(paint, times=1 - spread), paint_color(paint, times=1 + spread))
-        return Surface(patch.name, base, roughness=own.roughness + 0.1 * cloud, height_m=0.00004 * roller)
+        cloud = Noise((5.0, 5.0), patch.offset("clouds"), octaves=3)
+        base = Mix(cloud, paint_color(paint, times=0.97), paint_color(paint, times=1.03))
+        height = Coordinate("v")
+        grime = 1 - Step(height + 0.012 * cloud, 0.004, 0.022)
+        scuffs = streaks(patch, "scuffs", length_m=0.06, width_m=0.003, share=0.3 * own.wear)
+        low = 1 - Step(height, 0.03, 0.09)
+        base = Mix(0.35 * own.wear * grime, base, Color((0.18, 0.16, 0.13)))
+        base = Mix(0.3 * scuffs * low, base, Color((0.1, 0.1, 0.1)))
+        first = own.length_m * patch.draw("first board")
+        seam = Tiles((own.length_m, 10.0), 0.0012, 0.0, (first, 5.0), "joint", softness=0.5)
+        base = Mix(0.7 * seam, base, Color((0.08, 0.07, 0.06)))
+        roller = Noise((420.0, 420.0), patch.offset("roller"), octaves=2)
+        return Surface(patch.name, base, roughness=own.roughness + 0.1 * cloud, height_m=0.00003 * roller)
 
     return painted

@@ -2,26 +2,33 @@
 
 from blender_scenes.colour import paint_color
 from blender_scenes.materials.base import Patch
+from blender_scenes.materials.patterns import specks
 from blender_scenes.shading import Mix, Noise, Surface, Tiles
 from configs.schema.look import FloorLook
 
 
 def ceramic_tile(look: FloorLook, patch: Patch) -> Surface:
-    """Square tiles in straight courses, each of a slightly different batch, joints lower and rough."""
+    """Square tiles in straight courses, each of a slightly different batch and cloud; joints lower, rough and sandy."""
     own = look.ceramic_tile
-    pitch = own.size_m
-    offset = patch.offset("courses")
-    joint = Tiles((pitch, pitch), own.joint_width_m, 0.0, offset, "joint")
-    batch = Tiles((pitch, pitch), own.joint_width_m, 0.0, offset, "random")
-    cloud = Noise((9.0, 9.0), patch.offset("clouds"), octaves=4)
+    size, offset = (own.size_m, own.size_m), patch.offset("courses")
+    joint = Tiles(size, own.joint_width_m, 0.0, offset, "joint", softness=0.5)
+    batch = Tiles(size, own.joint_width_m, 0.0, offset, "random")
+    cloud = Noise((11.0, 11.0), patch.offset("clouds"), octaves=4, gain=0.55, warp=0.5, shift=40 * batch)
     tile = Mix(
-        0.5 * batch + 0.5 * cloud,
-        paint_color(own.paint, times=1 - own.variation),
-        paint_color(own.paint, times=1 + own.variation),
+        0.35 * batch + 0.65 * cloud,
+        paint_color(own.paint, times=1 - 1.5 * own.variation),
+        paint_color(own.paint, times=1 + 1.5 * own.variation),
     )
+    tile = Mix(
+        specks(patch, "pepper", per_m=300.0, radius_m=0.0005, share=0.3), tile, paint_color(own.paint, times=0.8)
+    )
+    sand = Noise((500.0, 500.0), patch.offset("sand"), octaves=2)
+    grout = Mix(sand, paint_color(own.joint, times=0.75), paint_color(own.joint, times=1.25))
+    waves = Noise((14.0, 14.0), patch.offset("glaze"), octaves=1, shift=40 * batch)
     return Surface(
         patch.name,
-        Mix(joint, tile, paint_color(own.joint)),
-        roughness=own.roughness + 0.6 * joint,
-        height_m=-0.0008 * joint,
+        Mix(joint, tile, grout),
+        roughness=own.roughness + 0.65 * joint,
+        height_m=0.00006 * waves - 0.0007 * joint,
+        refractive_index=1.5,
     )

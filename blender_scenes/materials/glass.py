@@ -1,9 +1,17 @@
-"""glass."""
+"""Clear float glass."""
 
 from blender_scenes.materials.base import Patch
-from blender_scenes.shading import Color, Surface
+from blender_scenes.shading import Color, Noise, Surface
 from configs.schema.look import LookConfig
 
 
 def glass(look: LookConfig, patch: Patch) -> Surface:
-    return Surface(patch.name, Color((0.5, 0.5, 0.5)))
+    """Slightly green in thickness, with a film of finger marks in the gloss."""
+    film = Noise((9.0, 9.0), patch.offset("film"), octaves=4)
+    return Surface(
+        patch.name,
+        Color((0.86, 0.94, 0.91)),
+        roughness=look.glass.roughness * film,
+        refractive_index=1.52,
+        transmission=1.0,
+    )

@@ -1,9 +1,18 @@
-"""metal."""
+"""Brushed aluminium sheet."""
 
 from blender_scenes.materials.base import Patch
-from blender_scenes.shading import Color, Surface
+from blender_scenes.shading import Color, Mix, Noise, Surface
 from configs.schema.look import LookConfig
 
 
 def metal(look: LookConfig, patch: Patch) -> Surface:
-    return Surface(patch.name, Color((0.5, 0.5, 0.5)))
+    """Brushed along u; reflectance of aluminium, slightly oxidised."""
+    brushed = Noise((6.0, 1500.0), patch.offset("brush"), octaves=3)
+    cloud = Noise((12.0, 12.0), patch.offset("clouds"), octaves=3)
+    return Surface(
+        patch.name,
+        Mix(brushed, Color((0.62, 0.63, 0.64)), Color((0.82, 0.83, 0.84))),
+        roughness=look.metal.roughness + 0.1 * cloud,
+        height_m=0.000004 * brushed,
+        metallic=1.0,
+    )

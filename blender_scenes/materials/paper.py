@@ -1,9 +1,20 @@
-"""paper."""
+"""White drawing paper on a body."""
 
+from blender_scenes.colour import paint_color
 from blender_scenes.materials.base import Patch
-from blender_scenes.shading import Color, Surface
+from blender_scenes.shading import Mix, Noise, Surface
 from configs.schema.look import LookConfig
 
 
 def paper(look: LookConfig, patch: Patch) -> Surface:
-    return Surface(patch.name, Color((0.5, 0.5, 0.5)))
+    """Matt sheet with a fine tooth, faintly buckled."""
+    own = look.paper
+    cloud = Noise((30.0, 30.0), patch.offset("formation"), octaves=4)
+    buckles = Noise((9.0, 5.0), patch.offset("buckles"), octaves=2)
+    tooth = Noise((1200.0, 1200.0), patch.offset("tooth"), octaves=2)
+    return Surface(
+        patch.name,
+        Mix(cloud, paint_color(own.paint, times=0.97), paint_color(own.paint, times=1.03)),
+        roughness=own.roughness,
+        height_m=0.0008 * buckles + 0.00001 * tooth,
+    )

@@ -1,26 +1,27 @@
-"""Oiled wooden parquet."""
+"""Varnished wooden parquet."""
 
 from blender_scenes.colour import paint_color
 from blender_scenes.materials.base import Patch
-from blender_scenes.shading import Mix, Noise, Surface, Tiles
+from blender_scenes.shading import Mix, Noise, Step, Surface, Tiles
 from configs.schema.look import FloorLook
 
 
 def parquet(look: FloorLook, patch: Patch) -> Surface:
-    """Planks in ship's-deck bond with grain along them and narrow dark gaps."""
+    """Planks in ship's-deck bond, each of its own tone and growth rings, with pores along the grain and dark gaps."""
     own = look.parquet
     size, offset = (own.plank_length_m, own.plank_width_m), patch.offset("planks")
-    gap = Tiles(size, own.gap_m, 0.37, offset, "joint")
+    gap = Tiles(size, own.gap_m, 0.37, offset, "joint", softness=0.5)
     plank = Tiles(size, own.gap_m, 0.37, offset, "random")
-    grain = Noise((6.0, 260.0), patch.offset("grain"), octaves=4, gain=0.6, warp=0.4)
-    wood = Mix(
-        0.6 * plank + 0.4 * grain,
-        paint_color(own.paint, times=1 - own.variation),
-        paint_color(own.paint, times=1 + own.variation),
-    )
+    rings = Noise((2.2, 70.0), patch.offset("rings"), octaves=3, gain=0.55, warp=0.5, shift=50 * plank)
+    fibres = Noise((25.0, 800.0), patch.offset("fibres"), octaves=2, gain=0.6, shift=50 * plank)
+    tone = 0.5 * plank + 0.32 * Step(rings, 0.25, 0.75) + 0.18 * fibres
+    wood = Mix(tone, paint_color(own.paint, times=1 - own.variation), paint_color(own.paint, times=1 + own.variation))
+    pores = Step(fibres, 0.62, 0.75)
+    wood = Mix(0.35 * pores, wood, paint_color(own.paint, times=0.35))
     return Surface(
         patch.name,
-        Mix(gap, wood, paint_color(own.paint, times=0.15)),
-        roughness=own.roughness + 0.15 * grain,
-        height_m=-0.0004 * gap,
+        Mix(gap, wood, paint_color(own.paint, times=0.12)),
+        roughness=own.roughness + 0.15 * fibres,
+        height_m=0.00002 * rings - 0.0003 * gap,
+        refractive_index=1.5,
     )

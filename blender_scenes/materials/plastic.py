@@ -1,9 +1,21 @@
-"""plastic."""
+"""Injection-moulded plastic."""
 
+from blender_scenes.colour import paint_color
 from blender_scenes.materials.base import Patch
-from blender_scenes.shading import Color, Surface
+from blender_scenes.materials.patterns import streaks
+from blender_scenes.shading import Mix, Noise, Surface
 from configs.schema.look import LookConfig
 
 
 def plastic(look: LookConfig, patch: Patch) -> Surface:
-    return Surface(patch.name, Color((0.5, 0.5, 0.5)))
+    """One colour, a spark-eroded grain, light scratches."""
+    own = look.plastic
+    scratches = streaks(patch, "scratches", length_m=0.03, width_m=0.0006, share=0.25)
+    grain = Noise((1100.0, 1100.0), patch.offset("grain"), octaves=2)
+    return Surface(
+        patch.name,
+        Mix(0.15 * scratches, paint_color(own.paint), paint_color(own.paint, times=1.4)),
+        roughness=own.roughness + 0.15 * scratches,
+        height_m=0.00001 * grain,
+        refractive_index=1.5,
+    )

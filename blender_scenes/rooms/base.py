@@ -26,6 +26,7 @@ class Room:
     """South-west corner of the floor [m]."""
     high: Point2
     height_m: float
+    wall_depth_m: float
     window: Opening
     meshes: tuple[Mesh, ...]
     """Without the floor, whose material is chosen apart."""

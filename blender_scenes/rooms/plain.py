@@ -31,7 +31,7 @@ def plain_room(look: LookConfig, arena_low: Point2, arena_high: Point2) -> Room:
         painted("room_skirting", own.skirting, 0.4),
         painted("window_frame", Paint(reflectance=0.75), 0.35),
     )
-    return Room(low, high, own.height_m, window, tuple(meshes), surfaces)
+    return Room(low, high, own.height_m, WALL_DEPTH_M, window, tuple(meshes), surfaces)
 
 
 def _frame(side: str, low: Point2, high: Point2) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
@@ -70,24 +70,24 @@ def _wall(side: str, low: Point2, high: Point2, own: RoomLook, window: Opening |
     """Slabs of the wall around the window, and its skirting."""
     foot, right, outward, length = _frame(side, low, high)
 
-    def slab(
-        name: str, a: float, b: float, bottom: float, top: float, inner: float, outer: float, surface: str
-    ) -> Mesh:
-        """A block from `a` to `b` along the wall, from `inner` to `outer` along its outward normal."""
-        lower = [foot + right * s + outward * d for s, d in ((a, inner), (b, inner), (b, outer), (a, outer))]
-        corners = np.array([p + [0, 0, bottom] for p in lower] + [p + [0, 0, top] for p in lower])
+    def slab(name: str, along: Point2, upward: Point2, outwards: Point2, surface: str) -> Mesh:
+        """A block between two places each along the wall, upward, and along the outward normal."""
+        (a, b), (inner, outer) = along, outwards
+        lower = np.array([foot + right * s + outward * d for s, d in ((a, inner), (b, inner), (b, outer), (a, outer))])
+        corners = np.concatenate([lower + (0, 0, upward[0]), lower + (0, 0, upward[1])])
         return box(f"{side}_{name}", corners, (surface,) * 6)
 
-    half, deep = 0.5 * length + WALL_DEPTH_M, WALL_DEPTH_M
-    yield slab("skirting", -half, half, 0.0, own.skirting_height_m, -0.012, 0.0, "room_skirting")
+    half, deep = 0.5 * length + WALL_DEPTH_M, (0.0, WALL_DEPTH_M)
+    yield slab("skirting", (-half, half), (0.0, own.skirting_height_m), (-0.012, 0.0), "room_skirting")
     if window is None:
-        yield slab("wall", -half, half, 0.0, own.height_m, 0.0, deep, "room_wall")
+        yield slab("wall", (-half, half), (0.0, own.height_m), deep, "room_wall")
         return
     edge, sill = 0.5 * window.width_m, window.center[2] - 0.5 * window.height_m
-    yield slab("wall_left", -half, -edge, 0.0, own.height_m, 0.0, deep, "room_wall")
-    yield slab("wall_right", edge, half, 0.0, own.height_m, 0.0, deep, "room_wall")
-    yield slab("wall_below", -edge, edge, 0.0, sill, 0.0, deep, "room_wall")
-    yield slab("wall_above", -edge, edge, sill + window.height_m, own.height_m, 0.0, deep, "room_wall")
+    lintel = sill + window.height_m
+    yield slab("wall_left", (-half, -edge), (0.0, own.height_m), deep, "room_wall")
+    yield slab("wall_right", (edge, half), (0.0, own.height_m), deep, "room_wall")
+    yield slab("wall_below", (-edge, edge), (0.0, sill), deep, "room_wall")
+    yield slab("wall_above", (-edge, edge), (lintel, own.height_m), deep, "room_wall")
 
 
 def _bars(window: Opening, panes: int) -> Iterator[Mesh]:
@@ -98,7 +98,7 @@ def _bars(window: Opening, panes: int) -> Iterator[Mesh]:
 
     def bar(name: str, s0: float, s1: float, h0: float, h1: float) -> Mesh:
         lower = [middle + right * s + inward * d for s, d in ((s0, half), (s1, half), (s1, -half), (s0, -half))]
-        corners = np.array([p + up * h0 for p in lower] + [p + up * h1 for p in lower])
+        corners = np.concatenate([np.array(lower) + up * h0, np.array(lower) + up * h1])
         return box(f"window_{name}", corners, ("window_frame",) * 6)
 
     yield bar("bottom", -half_w, half_w, -half_h, -half_h + 2 * half)

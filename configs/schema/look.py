@@ -93,11 +93,29 @@ class BoardLook(Section):
     tint_hue_deg: float = Field(default=45.0, ge=-360, le=360)
     tint_saturation: float = Field(default=0.04, ge=0, le=1)
     wear: float = Field(default=0.3, ge=0, le=1)
+    length_m: float = Field(default=0.6, ge=0.05, le=10)
+    """Of one board; a wall is made of several that meet in narrow seams."""
 
 
 class CardboardLook(Section):
     paint: Paint = Paint(reflectance=0.3, hue_deg=30, saturation=0.52)
     wear: float = Field(default=0.3, ge=0, le=1)
+    tape: Paint = Paint(reflectance=0.26, hue_deg=28, saturation=0.6)
+    tape_drop_m: float = Field(default=0.035, ge=0, le=1)
+    """How far the packing tape comes down the sides."""
+
+
+class PaintedLook(Section):
+    """A material of one colour and gloss."""
+
+    paint: Paint
+    roughness: float = Field(ge=0.02, le=1)
+
+
+class GlossLook(Section):
+    """A material whose colour is its nature."""
+
+    roughness: float = Field(ge=0.0, le=1)
 
 
 class RoomLook(Section):
@@ -127,6 +145,8 @@ class SkyLook(Section):
     yaw_deg: float = Field(default=0.0, ge=-360, le=360)
     luminance_kcd_m2: float = Field(default=3.0, ge=0, le=100)
     """Mean over the upper half of the panorama."""
+    saturation: float = Field(default=0.45, ge=0, le=2)
+    """1 as the panorama was taken; a hazy sky and curtains make less of a blue."""
 
 
 class SunLook(Section):
@@ -146,7 +166,7 @@ class LampsLook(Section):
     columns: int = Field(default=2, ge=1, le=10)
     length_m: float = Field(default=1.2, ge=0.05, le=5)
     width_m: float = Field(default=0.3, ge=0.02, le=5)
-    flux_klm: float = Field(default=3.5, ge=0, le=100)
+    flux_klm: float = Field(default=4.0, ge=0, le=100)
     """Of one lamp."""
     color_temperature_K: float = Field(default=4000.0, ge=1500, le=15000)
 
@@ -154,13 +174,17 @@ class LampsLook(Section):
 class CameraLook(Section):
     """From the light on the sensor to the numbers in the picture."""
 
-    brightness: float = Field(default=0.20, ge=0.01, le=0.9)
-    """What the exposure makes of the scene's median luminance, linear; 0.18 is a photographer's middle grey."""
+    brightness: float = Field(default=0.22, ge=0.01, le=0.9)
+    """What the exposure makes of the median luminance, linear; 0.18 is a photographer's middle grey."""
     compensation_ev: float = Field(default=0.0, ge=-6, le=6)
-    white_balance_K: float = Field(default=4800.0, ge=1500, le=15000)
-    """The light that is rendered neutral."""
+    exposure_adaption: float = Field(default=0.5, ge=0, le=1)
+    """0: one exposure for the whole run, metered on a few of its views; 1: each frame is exposed by its own light."""
+    white_balance_K: float = Field(default=5000.0, ge=1500, le=15000)
+    """The light that is rendered neutral where the white balance is not automatic."""
+    white_balance_adaption: float = Field(default=0.6, ge=0, le=1)
+    """0: `white_balance_K` holds; 1: the run's mean colour is rendered neutral."""
     contrast: float = Field(default=1.0, ge=0.5, le=2)
-    saturation: float = Field(default=0.9, ge=0, le=2)
+    saturation: float = Field(default=1.0, ge=0, le=2)
     vignetting: float = Field(default=0.25, ge=0, le=1)
     """Share of light lost in the corner."""
     shot_noise: float = Field(default=0.012, ge=0, le=0.5)
@@ -175,6 +199,11 @@ class LookConfig(Section):
     tape: TapeLook = TapeLook()
     boards: BoardLook = BoardLook()
     cardboard: CardboardLook = CardboardLook()
+    plastic: PaintedLook = PaintedLook(paint=Paint(reflectance=0.25, hue_deg=215, saturation=0.7), roughness=0.3)
+    wood: PaintedLook = PaintedLook(paint=Paint(reflectance=0.42, hue_deg=34, saturation=0.5), roughness=0.5)
+    paper: PaintedLook = PaintedLook(paint=Paint(reflectance=0.82, hue_deg=50, saturation=0.03), roughness=0.9)
+    metal: GlossLook = GlossLook(roughness=0.3)
+    glass: GlossLook = GlossLook(roughness=0.05)
     room: RoomLook = RoomLook()
     window: WindowLook = WindowLook()
     sky: SkyLook = SkyLook()
