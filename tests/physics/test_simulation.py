@@ -47,6 +47,34 @@ def signature(simulation):
     return (simulation.pose(), simulation.twist(), simulation.wheel_speeds(), simulation.currents())
 
 
+class TestBody:
+    def test_the_engine_has_the_configured_masses_and_inertias(self, simulate, robot):
+        simulation = simulate()
+        client, body, (right, left) = simulation._client, simulation._robot, simulation._wheels
+        chassis = robot.chassis
+        mass, _, inertia, *_ = pybullet.getDynamicsInfo(body, -1, physicsClientId=client)
+        assert mass == pytest.approx(chassis.mass_kg)
+        height = chassis.base_height_m - chassis.clearance_m
+        expected = chassis.mass_kg / 12.0 * (chassis.length_m**2 + chassis.width_m**2)
+        assert inertia[2] == pytest.approx(expected)
+        assert inertia[0] == pytest.approx(chassis.mass_kg / 12.0 * (chassis.width_m**2 + height**2))
+        disc = 0.5 * robot.drive.wheel_mass_kg * (0.5 * robot.drive.wheel_diameter_m) ** 2
+        for wheel in (right, left):
+            inertia = pybullet.getDynamicsInfo(body, wheel, physicsClientId=client)[2]
+            assert inertia[1] == pytest.approx(disc + robot.motor.rotor_inertia_kg_m2)
+
+    def test_each_wheel_touches_the_floor_in_one_point_in_the_middle_of_its_tread(self, simulate, robot):
+        simulation = simulate()
+        simulation.advance(100)
+        for wheel, side in zip(simulation._wheels, (-1.0, 1.0), strict=True):
+            contacts = pybullet.getContactPoints(
+                bodyA=simulation._robot, linkIndexA=wheel, physicsClientId=simulation._client
+            )
+            assert [contact[6] for contact in contacts] == [
+                pytest.approx((0.0, side * 0.5 * robot.drive.track_m, 0.0), abs=1e-5)
+            ]
+
+
 class TestMotorInTheEngine:
     @pytest.mark.parametrize("voltage", [-5.0, 0.5, 2.0, 6.0])
     def test_wheels_off_load_settle_where_eq_20_says(self, simulate, robot, voltage):
