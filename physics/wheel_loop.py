@@ -14,7 +14,11 @@ class WheelSpeedLoop:
         self._rad_s_per_count = 2.0 * pi / encoder.counts_per_revolution * rate_hz
         self._smoothing = self._period_s / (self._period_s + loop.speed_filter_s)
         self._limit_V = voltage_limit_V(power)
-        self._counts = 0
+        self.restart(0)
+
+    def restart(self, counts: int) -> None:
+        """Begin anew at these encoder counts, as for a wheel at rest."""
+        self._counts = counts
         self._integral_V = 0.0
         self.speed_rad_s = 0.0
         """As the board measures it."""

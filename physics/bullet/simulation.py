@@ -81,6 +81,9 @@ class BulletSimulation:
 
     def set_wheel_speeds(self, right_rad_s: float, left_rad_s: float) -> None:
         """Set points of the wheel loop, from its next update on."""
+        if self._set_points is None:
+            for loop, counts in zip(self._loops, self.encoder_counts(), strict=True):
+                loop.restart(counts)
         self._set_points = (right_rad_s, left_rad_s)
 
     def set_voltages(self, right_V: float, left_V: float) -> None:

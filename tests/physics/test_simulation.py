@@ -217,6 +217,19 @@ class TestDriving:
         assert max(shares) < 1.15
         assert np.abs(np.array(shares[60:]) - 1.0).max() < 0.02
 
+    def test_the_wheel_loop_takes_over_from_open_loop_without_a_jolt(self, simulate):
+        simulation = simulate()
+        simulation.set_voltages(2.0, 2.0)
+        simulation.advance(3000)
+        simulation.set_wheel_speeds(5.0, 5.0)
+        speeds = []
+        for _ in range(80):
+            simulation.advance(5)
+            speeds.append(simulation.wheel_speeds()[0])
+        assert min(speeds) > 0.0
+        assert max(speeds) < 6.0
+        assert speeds[-1] == pytest.approx(5.0, rel=0.02)
+
     def test_braking_keeps_the_robot_on_its_caster(self, simulate):
         simulation = simulate()
         simulation.set_wheel_speeds(9.0, 9.0)
