@@ -8,13 +8,13 @@ from configs.draw import draw_all
 from configs.errors import InputError
 from configs.loader import LoadedScenario, load_scenario
 from configs.schema.scenario import RunSpec
+from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Rows
 from pipeline.plan import Plan
 from pipeline.progress import Report
 from pipeline.stages.assemble import assemble
 from pipeline.stages.render import Appearance, RenderTask, render_runs
 from pipeline.stages.simulate_runs import (
-    RunProblem,
     read_outcome,
     read_recording,
     simulate_runs,
@@ -48,10 +48,10 @@ class Batch:
         check_disk(out, Plan.of(specs, cores()).bytes_needed)
         return cls(loaded, specs, Workspace(out.absolute()), workers or cores(), cores())
 
-    def simulate(self, report: Report) -> list[RunProblem]:
+    def simulate(self, report: Report) -> list[FailedRun]:
         return simulate_runs(self.workspace, self.specs, self.workers, report)
 
-    def simulated(self) -> list[RunProblem]:
+    def simulated(self) -> list[FailedRun]:
         """Problems of runs simulated before.
 
         Raises:
@@ -61,25 +61,25 @@ class Batch:
             if not self.workspace.simulate(spec.key).is_done(simulation_key(spec)):
                 raise self._not_done(spec, "simulate")
         return [
-            RunProblem(spec.key, "simulate", text)
+            FailedRun(run=spec.key, stage="simulate", problem=text)
             for spec in self.specs
             for text in read_outcome(self.workspace.simulate(spec.key).path).problems
         ]
 
-    def render(self, problems: Sequence[RunProblem], report: Report) -> list[RunProblem]:
-        return render_runs(self._render_tasks(problems), self.workers, self.cores, report)
+    def render(self, failures: Sequence[FailedRun], report: Report) -> list[FailedRun]:
+        return render_runs(self._render_tasks(failures), self.workers, self.cores, report)
 
-    def check_rendered(self, problems: Sequence[RunProblem]) -> None:
+    def check_rendered(self, failures: Sequence[FailedRun]) -> None:
         """Raise InputError for a good run that is not rendered yet, or from other inputs."""
-        for task in self._render_tasks(problems):
+        for task in self._render_tasks(failures):
             if not task.folder.is_done(task.key):
                 raise self._not_done(next(spec for spec in self.specs if spec.key == task.run), "render")
 
-    def assemble(self, problems: Sequence[RunProblem], report: Report) -> None:
-        assemble(self.workspace, self.loaded.tree, self.specs, problems, report)
+    def assemble(self, failures: Sequence[FailedRun], report: Report) -> None:
+        assemble(self.workspace, self.loaded.tree, self.specs, failures, report)
 
-    def _render_tasks(self, problems: Sequence[RunProblem]) -> list[RenderTask]:
-        failed = {problem.run for problem in problems}
+    def _render_tasks(self, failures: Sequence[FailedRun]) -> list[RenderTask]:
+        failed = {failure.run for failure in failures}
         tasks = []
         for spec in self.specs:
             if spec.key not in failed:

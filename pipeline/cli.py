@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from configs.errors import EnvironmentLacking, InputError, RunFailed
-from pipeline.commands import look, make
+from pipeline.commands import examine, make
 
 EPILOG = """Exit codes: 0 done; 1 a bug; 2 bad input or usage, nothing written; 3 a run failed, the others are finished;
 4 verify found faults; 5 the environment lacks something; 130 interrupted.
@@ -39,7 +39,7 @@ def command_line() -> typer.Typer:
     app.callback()(_options)
     for command in (make.plan, make.release, make.simulate, make.render, make.assemble, make.rerender):
         app.command(rich_help_panel="Make data")(command)
-    for command in (look.verify, look.contact_sheet, look.doctor, look.schema):
+    for command in (examine.verify, examine.contact_sheet, examine.doctor, examine.schema):
         app.command(rich_help_panel="Look at data, machine and format")(command)
     return app
 

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from blender_scenes.frame_files import frame_name
 from configs.errors import InputError
 from pipeline.dataset.rows import Rows, read_rows
 from pipeline.files import write_file
@@ -62,7 +63,8 @@ def _spread(folder: Path, root: Path, count: int) -> list[Shown]:
     chosen = at[np.unique(np.linspace(0, len(at) - 1, min(count, len(at))).round().astype(int))]
     run = folder.relative_to(root).as_posix()
     return [
-        Shown(folder / "images" / f"{rows.image[i]:06d}.jpg", f"{run} {rows.image[i]} s{rows.state[i]}") for i in chosen
+        Shown(folder / "images" / frame_name(number), f"{run} {number} s{state}")
+        for number, state in zip(rows.image[chosen].tolist(), rows.state[chosen].tolist(), strict=True)
     ]
 
 

@@ -6,20 +6,21 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
+from blender_scenes.frame_files import frame_name
 from configs.draw import draw_arena, draw_look, draw_robot, draw_run
 from configs.errors import InputError
 from configs.loader import load_scenario, load_section
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec
-from configs.streams import stream
+from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Ints, Rows, read_rows
 from pipeline.dataset.side import image_positions
 from pipeline.files import remove_folder, replace_folder, write_file
 from pipeline.progress import Report
 from pipeline.stages.assemble import DATA, POSITIONS, SIDE
-from pipeline.stages.render import FRAMES, IMAGES, JOB, Appearance, RenderTask, render_runs
-from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, RunProblem, read_recording
+from pipeline.stages.render import FRAMES, IMAGES, JOB, Appearance, RenderTask, picture_seed, render_runs
+from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
 from pipeline.workspace import PARTIAL, STAGES, Workspace
 
 CARRIER = "symolo"
@@ -57,14 +58,14 @@ class Source:
 
 def render_source(
     source: Source, appearance: Appearance, workspace: Workspace, *, workers: int, cores: int, report: Report
-) -> list[RunProblem]:
+) -> list[FailedRun]:
     """Render what `prepare` found and fill the workspace's folder with it."""
     with workspace.locked():
         task = RenderTask.of("rerender", appearance, source.rows, workspace.render("rerender"))
-        problems = render_runs([task], workers, cores, report)
-        if not problems:
+        failures = render_runs([task], workers, cores, report)
+        if not failures:
             _publish(task, source, workspace)
-    return problems
+    return failures
 
 
 def prepare(source: Path, request: Request) -> tuple[Source, Appearance]:
@@ -144,7 +145,7 @@ def _appearance(spec: RunSpec | None, request: Request) -> Appearance:
         robot=_robot(spec, request, seed, route, run),
         look=look,
         render=_render(spec, request),
-        seed=int(stream(seed, route, run, "render").integers(2**31)),
+        seed=picture_seed(seed, route, run),
     )
 
 
@@ -182,7 +183,7 @@ def _publish(task: RenderTask, source: Source, workspace: Workspace) -> None:
     remove_folder(partial)
     partial.mkdir()
     for frame in task.frames:
-        name = f"{frame.number:06d}.jpg"
+        name = frame_name(frame.number)
         write_file(partial / name, (task.images / name).read_bytes())
     replace_folder(partial, out / IMAGES)
     write_file(out / DATA, source.data)

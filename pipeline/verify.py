@@ -38,6 +38,10 @@ def verify(root: Path) -> Iterator[Finding]:
                 yield Finding(METADATA, f"run {record.run!r} leads out of the dataset")
             else:
                 yield from check_run(root, record)
+        named = {record.run for record in metadata.runs}
+        for folder in sorted(path.relative_to(root).as_posix() for path in root.glob("*/test_*")):
+            if folder not in named:
+                yield Finding(folder, f"is not named in {METADATA}")
 
 
 def _links(root: Path) -> Iterator[Finding]:

@@ -15,6 +15,7 @@ import threading
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import IO
 
 from pydantic import ValidationError
 
@@ -147,7 +148,7 @@ def end_group(leader: int) -> None:
         os.killpg(leader, signal.SIGKILL)
 
 
-def _post_mortem(code: int, log) -> str:  # noqa: ANN001 - a private type of tempfile
+def _post_mortem(code: int, log: IO[bytes]) -> str:
     log.seek(0, os.SEEK_END)
     log.seek(max(0, log.tell() - 2000))
     tail = log.read().decode("utf-8", errors="replace").strip().splitlines()

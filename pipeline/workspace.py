@@ -126,9 +126,10 @@ def check_out(out: Path) -> None:
 
 
 def check_disk(out: Path, needed_bytes: int) -> None:
-    """Raise EnvironmentLacking when less than `needed_bytes` are free where `out` is or will be."""
+    """Raise EnvironmentLacking when there is no room for `needed_bytes` where `out` is or will be."""
     free = shutil.disk_usage(_nearest_existing(out)).free
-    if free < needed_bytes:
+    there = sum(path.stat().st_size for path in out.rglob("*") if path.is_file())
+    if free + there < needed_bytes:
         raise EnvironmentLacking(
             f"--out {out}: about {needed_bytes / 1e6:.0f} MB are needed and {free / 1e6:.0f} MB are free; "
             "free some space, name a folder on another disk, or lower render.width_px and render.height_px"

@@ -1,7 +1,6 @@
 """Commands that make data: plan, simulate, render, assemble, release, rerender."""
 
 from collections.abc import Sequence
-from enum import IntEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,17 +9,10 @@ import typer
 from pipeline.commands.options import Out, Scenario, Settings, Workers
 
 if TYPE_CHECKING:
-    from pipeline.stages.simulate_runs import RunProblem
+    from pipeline.dataset.metadata import FailedRun
 
 RUN_FAILED = 3
-
-
-class Until(IntEnum):
-    """The stages in their order."""
-
-    SIMULATE = 1
-    RENDER = 2
-    ASSEMBLE = 3
+STAGES = ("simulate", "render", "assemble")
 
 
 def plan(scenario: Scenario, settings: Settings = None) -> None:
@@ -28,10 +20,10 @@ def plan(scenario: Scenario, settings: Settings = None) -> None:
 
     Example: symolo plan symolo --set render.samples=16
     """
-    from configs.draw import draw_all  # noqa: PLC0415
-    from configs.loader import load_scenario  # noqa: PLC0415
-    from pipeline.plan import Plan  # noqa: PLC0415
-    from pipeline.workers import cores  # noqa: PLC0415
+    from configs.draw import draw_all
+    from configs.loader import load_scenario
+    from pipeline.plan import Plan
+    from pipeline.workers import cores
 
     typer.echo(Plan.of(draw_all(load_scenario(scenario, settings or ())), cores()).text())
 
@@ -41,7 +33,7 @@ def simulate(scenario: Scenario, out: Out, settings: Settings = None, workers: W
 
     Example: symolo simulate smoke --out data
     """
-    return _make((Until.SIMULATE,), scenario, out, settings, workers)
+    return _make("simulate", scenario, out, settings, workers)
 
 
 def render(scenario: Scenario, out: Out, settings: Settings = None, workers: Workers = None) -> int:
@@ -49,7 +41,7 @@ def render(scenario: Scenario, out: Out, settings: Settings = None, workers: Wor
 
     Example: symolo render smoke --out data
     """
-    return _make((Until.RENDER,), scenario, out, settings, workers)
+    return _make("render", scenario, out, settings, workers)
 
 
 def assemble(scenario: Scenario, out: Out, settings: Settings = None, workers: Workers = None) -> int:
@@ -57,7 +49,7 @@ def assemble(scenario: Scenario, out: Out, settings: Settings = None, workers: W
 
     Example: symolo assemble smoke --out data
     """
-    return _make((Until.ASSEMBLE,), scenario, out, settings, workers)
+    return _make("assemble", scenario, out, settings, workers)
 
 
 def release(scenario: Scenario, out: Out, settings: Settings = None, workers: Workers = None) -> int:
@@ -67,28 +59,28 @@ def release(scenario: Scenario, out: Out, settings: Settings = None, workers: Wo
 
     What is done and unchanged is not done again: with another look only the images are made anew.
     """
-    return _make(tuple(Until), scenario, out, settings, workers)
+    return _make("release", scenario, out, settings, workers)
 
 
-def _make(
-    stages: Sequence[Until], scenario: str, out: Path, settings: Sequence[str] | None, workers: int | None
-) -> int:
-    from pipeline.batch import Batch  # noqa: PLC0415
-    from pipeline.progress import report_here  # noqa: PLC0415
+def _make(command: str, scenario: str, out: Path, settings: Sequence[str] | None, workers: int | None) -> int:
+    """Do one stage, or all for `release`."""
+    from pipeline.batch import Batch
+    from pipeline.progress import report_here
 
+    stages = STAGES if command == "release" else (command,)
     batch = Batch.open(scenario, settings or (), out, workers)
-    problems = batch.simulated() if Until.SIMULATE not in stages else []
-    if stages == (Until.ASSEMBLE,):
-        batch.check_rendered(problems)
+    failures = batch.simulated() if "simulate" not in stages else []
+    if "assemble" in stages and "render" not in stages:
+        batch.check_rendered(failures)
     report = report_here()
     with batch.workspace.locked():
-        if Until.SIMULATE in stages:
-            problems += batch.simulate(report)
-        if Until.RENDER in stages:
-            problems += batch.render(problems, report)
-        if Until.ASSEMBLE in stages:
-            batch.assemble(problems, report)
-    return _conclude(problems, len(batch.specs), stages[-1].name.lower(), out)
+        if "simulate" in stages:
+            failures += batch.simulate(report)
+        if "render" in stages:
+            failures += batch.render(failures, report)
+        if "assemble" in stages:
+            batch.assemble(failures, report)
+    return _conclude(failures, len(batch.specs), command, out)
 
 
 def rerender(
@@ -116,24 +108,23 @@ def rerender(
 
     A data.csv alone: symolo rerender elsewhere/data.csv --look classroom --camera-hz 5 --out pictures
     """
-    from pipeline.progress import report_here  # noqa: PLC0415
-    from pipeline.rerender import Request, prepare, render_source  # noqa: PLC0415
-    from pipeline.workers import cores  # noqa: PLC0415
-    from pipeline.workspace import Workspace, check_out  # noqa: PLC0415
+    from pipeline.progress import report_here
+    from pipeline.rerender import Request, prepare, render_source
+    from pipeline.workers import cores
+    from pipeline.workspace import Workspace, check_out
 
     request = Request(look, arena, robot, camera_hz, seed, tuple(settings or ()))
     found, appearance = prepare(source, request)
     check_out(out)
-    problems = render_source(
+    failures = render_source(
         found, appearance, Workspace(out.absolute()), workers=workers or cores(), cores=cores(), report=report_here()
     )
-    return _conclude(problems, 1, "rerender", out)
+    return _conclude(failures, 1, "rerender", out)
 
 
-def _conclude(problems: "Sequence[RunProblem]", runs: int, stage: str, out: Path) -> int:
-    for problem in problems:
-        typer.echo(f"failed: {problem.run}: {problem.stage}: {problem.text}", err=True)
-    failed = len({problem.run for problem in problems})
-    good = f"{runs - failed} of {runs} runs" if runs > 1 or failed else "done"
-    typer.echo(f"{stage}: {good}, in {out}")
-    return RUN_FAILED if problems else 0
+def _conclude(failures: "Sequence[FailedRun]", runs: int, command: str, out: Path) -> int:
+    for failure in failures:
+        typer.echo(f"failed: {failure.run}: {failure.stage}: {failure.problem}", err=True)
+    good = runs - len({failure.run for failure in failures})
+    typer.echo(f"{command}: {good} of {runs} {'run' if runs == 1 else 'runs'}, in {out}")
+    return RUN_FAILED if failures else 0

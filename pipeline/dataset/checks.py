@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from blender_scenes.frame_files import frame_name
 from pipeline.dataset.metadata import RunRecord
 from pipeline.dataset.rows import HEADER, Floats, Rows, parse_table, semantic_faults
 from pipeline.dataset.side import CAMERA, POSITIONS_HEADER, TOF, WHEELS
@@ -107,7 +108,7 @@ def _images(folder: Path, name: str, rows: Rows, record: RunRecord) -> Iterator[
     numbers = [int(number) for number in rows.image if number > 0]
     if len(numbers) != record.images:
         yield Finding(name, f"data.csv names {len(numbers)} images, metadata.json says {record.images}")
-    expected = {f"{number:06d}.jpg" for number in numbers}
+    expected = {frame_name(number) for number in numbers}
     there = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
     yield from _limited(name, [f"{file} is missing" for file in sorted(expected - there)])
     yield from _limited(name, [f"{file} is not named in data.csv" for file in sorted(there - expected)])

@@ -16,7 +16,7 @@ from pipeline.dataset.side import CAMERA, TOF, WHEELS, image_positions, tof_csv,
 from pipeline.files import hashes_of, holds, remove_folder, replace_folder, sha256_of, write_file
 from pipeline.progress import Report
 from pipeline.stages.render import IMAGES
-from pipeline.stages.simulate_runs import SPEC, RunProblem, read_outcome, read_recording, spec_text
+from pipeline.stages.simulate_runs import SPEC, read_outcome, read_recording, spec_text
 from pipeline.versions import versions
 from pipeline.workspace import PARTIAL, STAGES, Workspace, input_key, mark_done
 
@@ -27,7 +27,7 @@ def assemble(
     workspace: Workspace,
     tree: dict[str, Any],
     specs: Sequence[RunSpec],
-    problems: Sequence[RunProblem],
+    failures: Sequence[FailedRun],
     report: Report,
 ) -> None:
     """Release every run without a problem; a run released before that has one now is taken back.
@@ -36,10 +36,10 @@ def assemble(
         workspace: The output folder, with the stages before this one done.
         tree: The scenario as loaded, with its distributions.
         specs: All runs of the scenario.
-        problems: What failed so far.
+        failures: What failed so far.
         report: Where to tell.
     """
-    failed = {problem.run for problem in problems}
+    failed = {failure.run for failure in failures}
     good = [spec for spec in specs if spec.key not in failed]
     hashes: dict[str, str] = {}
     records = []
@@ -54,8 +54,7 @@ def assemble(
     if not good:
         _remove_files(workspace.out, (MANIFEST, METADATA, DESCRIPTION))
         return
-    failed_runs = [FailedRun(run=p.run, stage=p.stage, problem=p.text) for p in problems]
-    metadata = describe(tree, specs, records, failed_runs)
+    metadata = describe(tree, specs, records, failures)
     for name, data in ((METADATA, metadata.to_json()), (DESCRIPTION, markdown(metadata, good[0]))):
         _write_if_new(workspace.out / name, data)
         hashes[name] = sha256_of(workspace.out / name)

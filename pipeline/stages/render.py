@@ -13,10 +13,10 @@ from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec
 from configs.streams import stream
 from physics.arena import Arena
+from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Rows
 from pipeline.files import canonical_json, remove_folder, sha256_of, write_file
 from pipeline.progress import Report
-from pipeline.stages.simulate_runs import RunProblem
 from pipeline.units import Finished, Progress, RenderUnit
 from pipeline.versions import versions
 from pipeline.workers import AnyEvent, AnyUnit, run_units
@@ -37,10 +37,13 @@ class Appearance:
     """Of the run, not of the scenario: no two runs share their stains and their noise."""
 
     @classmethod
-    def of(cls, spec: RunSpec, seed: int | None = None) -> "Appearance":
-        """The run's own; another `seed` than the scenario's gives other stains and noise."""
-        own = stream(spec.seed if seed is None else seed, spec.route, spec.run, "render")
-        return cls(spec.arena, spec.robot, spec.look, spec.render, int(own.integers(2**31)))
+    def of(cls, spec: RunSpec) -> "Appearance":
+        return cls(spec.arena, spec.robot, spec.look, spec.render, picture_seed(spec.seed, spec.route, spec.run))
+
+
+def picture_seed(seed: int, route: str, run: int) -> int:
+    """31 bits for the renderer, of the run alone."""
+    return int(stream(seed, route, run, "render").integers(2**31))
 
 
 @dataclass(frozen=True)
@@ -78,7 +81,7 @@ def frame_poses(rows: Rows) -> tuple[FramePose, ...]:
     )
 
 
-def render_runs(tasks: Sequence[RenderTask], workers: int, cores: int, report: Report) -> list[RunProblem]:
+def render_runs(tasks: Sequence[RenderTask], workers: int, cores: int, report: Report) -> list[FailedRun]:
     """Render what is not there yet; frames made before an interruption are kept when their job is the same."""
     pending = [task for task in tasks if not task.folder.is_done(task.key)]
     if len(pending) < len(tasks):
@@ -100,7 +103,7 @@ def render_runs(tasks: Sequence[RenderTask], workers: int, cores: int, report: R
     for task in pending:
         if task.run not in failed:
             _finish(task)
-    return [RunProblem(failure.unit.name, "render", failure.text) for failure in failures]
+    return [FailedRun(run=failure.unit.name, stage="render", problem=failure.text) for failure in failures]
 
 
 def blocks(tasks: Sequence[RenderTask], workers: int, cores: int) -> list[RenderUnit]:

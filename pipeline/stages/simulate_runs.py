@@ -2,13 +2,13 @@
 
 import io
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict
 
 from configs.schema.scenario import RunSpec
 from physics.trajectory import Recording
+from pipeline.dataset.metadata import FailedRun
 from pipeline.files import canonical_json, write_file
 from pipeline.progress import Report
 from pipeline.units import Finished, Progress, SimulateUnit
@@ -32,15 +32,6 @@ class RunOutcome(BaseModel):
     images: int
 
 
-@dataclass(frozen=True)
-class RunProblem:
-    """A run that did not come out, and why."""
-
-    run: str
-    stage: str
-    text: str
-
-
 def simulation_inputs(spec: RunSpec) -> dict:
     """What the trajectory depends on: the run but for its look, its pictures and the camera's mounting."""
     inputs = spec.model_dump(mode="json", exclude={"look": True, "render": True, "robot": {"camera"}})
@@ -53,7 +44,7 @@ def simulation_key(spec: RunSpec) -> str:
     return input_key("simulate", run=simulation_inputs(spec), versions=versions("symolo", "pybullet", "numpy"))
 
 
-def simulate_runs(workspace: Workspace, specs: Sequence[RunSpec], workers: int, report: Report) -> list[RunProblem]:
+def simulate_runs(workspace: Workspace, specs: Sequence[RunSpec], workers: int, report: Report) -> list[FailedRun]:
     """Simulate the runs that are not done yet, and tell of all that failed, now or before."""
     units = []
     for spec in specs:
@@ -64,16 +55,16 @@ def simulate_runs(workspace: Workspace, specs: Sequence[RunSpec], workers: int, 
             units.append(SimulateUnit(name=spec.key, spec=spec.model_dump_json(), folder=folder.path, key=key))
     if len(units) < len(specs):
         report.say(f"simulate: {len(specs) - len(units)} of {len(specs)} runs are there already")
-    problems = _do(units, workers, report) if units else []
-    stopped = {problem.run for problem in problems}
+    failures = _do(units, workers, report) if units else []
+    stopped = {failure.run for failure in failures}
     for spec in specs:
         if spec.key not in stopped:
             outcome = read_outcome(workspace.simulate(spec.key).path)
-            problems += [RunProblem(spec.key, "simulate", text) for text in outcome.problems]
-    return problems
+            failures += [FailedRun(run=spec.key, stage="simulate", problem=text) for text in outcome.problems]
+    return failures
 
 
-def _do(units: Sequence[SimulateUnit], workers: int, report: Report) -> list[RunProblem]:
+def _do(units: Sequence[SimulateUnit], workers: int, report: Report) -> list[FailedRun]:
     with report.stage("simulate", len(units), "runs") as stage:
 
         def on_event(unit: AnyUnit, event: AnyEvent) -> None:
@@ -83,7 +74,7 @@ def _do(units: Sequence[SimulateUnit], workers: int, report: Report) -> list[Run
                 stage.update(unit.name, 1.0)
 
         failures = run_units(units, workers, on_event)
-    return [RunProblem(failure.unit.name, "simulate", failure.text) for failure in failures]
+    return [FailedRun(run=failure.unit.name, stage="simulate", problem=failure.text) for failure in failures]
 
 
 def simulate_into(spec_json: str, path: Path, key: str, progress: Callable[[float], None]) -> None:

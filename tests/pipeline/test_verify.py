@@ -166,6 +166,7 @@ CONTENT = {
     "metadata without a rate": (metadata(lambda m: m["runs"][0].pop("rates")), "metadata.json", "runs.0.rates"),
     "metadata of more rows": (metadata(lambda m: m["runs"][0].update(rows=22)), CSV, "21 rows, metadata.json says 22"),
     "metadata leads outside": (metadata(lambda m: m["runs"][0].update(run="../x")), "metadata.json", "leads out of"),
+    "run folder added": (lambda root: (root / "CW/test_2").mkdir(), "CW/test_2", "is not named in metadata.json"),
     "run folder gone": (lambda root: (root / RUN).rename(root / "CW/test_9"), RUN, "the folder is missing"),
     "description missing": (remove("README.md"), "README.md", "is missing"),
     "link instead of a file": (

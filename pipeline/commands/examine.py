@@ -18,7 +18,7 @@ def verify(
 
     Example: symolo verify data
     """
-    from pipeline.verify import verify as findings_of  # noqa: PLC0415
+    from pipeline.verify import verify as findings_of
 
     count = 0
     for finding in findings_of(folder):
@@ -38,9 +38,9 @@ def contact_sheet(
 
     Example: symolo contact-sheet data --out sheet.jpg
     """
-    from configs.errors import InputError  # noqa: PLC0415
-    from pipeline.contact_sheet import contact_sheet as sheet_of  # noqa: PLC0415
-    from pipeline.contact_sheet import save  # noqa: PLC0415
+    from configs.errors import InputError
+    from pipeline.contact_sheet import contact_sheet as sheet_of
+    from pipeline.contact_sheet import save
 
     if out.suffix not in {".jpg", ".png"} or out.is_dir() or not out.absolute().parent.is_dir():
         raise InputError("--out", got=str(out), allowed="a file name ending in .jpg or .png in a folder that exists")
@@ -55,9 +55,9 @@ def schema() -> None:
 
     Example: symolo schema > scenario.schema.json
     """
-    import json  # noqa: PLC0415
+    import json
 
-    from configs.json_schema import scenario_json_schema  # noqa: PLC0415
+    from configs.json_schema import scenario_json_schema
 
     typer.echo(json.dumps(scenario_json_schema(), indent=2, ensure_ascii=False))
 
@@ -67,7 +67,7 @@ def doctor() -> int:
 
     For each thing missing it says the line that mends it, and ends with exit code 5.
     """
-    from pipeline.doctor import examine  # noqa: PLC0415
+    from pipeline.doctor import examine
 
     lacking = False
     for check in examine(Path.cwd()):
