@@ -14,7 +14,7 @@ RENDER_START_S = 4.0
 """Start of Blender and making of the scene, per run."""
 RENDER_FRAME_S = 0.05
 """Per image whatever its size, on one core."""
-RENDER_SAMPLE_S = 9.5e-6
+RENDER_SAMPLE_S = 8.5e-6
 """Per pixel and sample on one core."""
 BYTES_PER_PIXEL = 0.2
 """Of a JPEG of quality 92."""
