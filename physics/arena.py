@@ -32,6 +32,13 @@ class Straight:
         """Unit vector from start to end."""
         return (self.end[0] - self.start[0]) / self.length_m, (self.end[1] - self.start[1]) / self.length_m
 
+    def at_least_away_m(self, x_m: float, y_m: float) -> float:
+        """A lower bound of the distance between a floor point and the piece's centre line."""
+        tx, ty = self.tangent
+        x, y = x_m - self.start[0], y_m - self.start[1]
+        along = tx * x + ty * y
+        return max(abs(tx * y - ty * x), -along, along - self.length_m)
+
     def local(self, points: Array) -> tuple[Array, Array]:
         """Arc length along the piece and offset to its left, (N,) each, for points (N, 2)."""
         x, y = points[:, 0] - self.start[0], points[:, 1] - self.start[1]
@@ -61,6 +68,10 @@ class Arc:
     def turn(self) -> float:
         """+1 counter-clockwise, -1 clockwise."""
         return 1.0 if self.end_rad > self.start_rad else -1.0
+
+    def at_least_away_m(self, x_m: float, y_m: float) -> float:
+        """A lower bound of the distance between a floor point and the piece's centre line."""
+        return abs(hypot(x_m - self.center[0], y_m - self.center[1]) - self.radius_m)
 
     def local(self, points: Array) -> tuple[Array, Array]:
         """Arc length along the piece and offset to its left, (N,) each, for points (N, 2)."""

@@ -58,7 +58,12 @@ def tape_share(line: Line, points: Array, spot_sd_m: float) -> Array:
         return line.covers(points).astype(float)
     share = np.zeros(len(points))
     half = 0.5 * line.width_m
+    (x, y), (wide_x, wide_y) = points.mean(axis=0).tolist(), np.ptp(points, axis=0).tolist()
+    # Beyond eight standard deviations a double holds nothing of the spot.
+    reach = wide_x + wide_y + half + 8.0 * spot_sd_m
     for piece in line.pieces:
+        if piece.at_least_away_m(x, y) > reach:
+            continue
         s, offset = piece.local(points)
         across = ndtr((offset + half) / spot_sd_m) - ndtr((offset - half) / spot_sd_m)
         along = ndtr(s / spot_sd_m) - ndtr((s - piece.length_m) / spot_sd_m)
