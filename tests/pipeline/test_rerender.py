@@ -37,6 +37,18 @@ def test_the_same_look_gives_the_same_pictures_and_another_one_others(dataset, t
     assert (other / "data.csv").read_bytes() == (run / "data.csv").read_bytes()
 
 
+def test_packages_of_the_same_name_where_the_user_stands_are_not_ours(dataset, tmp_path, symolo, tiny, monkeypatch):
+    """A folder `configs` is nothing unusual; no child process may take it for the program's."""
+    here = tmp_path / "a folder of the user"
+    for package in ("configs", "blender_scenes", "pipeline"):
+        (here / package).mkdir(parents=True)
+        (here / package / "__init__.py").write_text("raise SystemExit('not ours')\n")
+    monkeypatch.chdir(here)
+    small = [setting for setting in tiny if "render" in setting]
+    assert symolo("rerender", dataset / "CW/test_1/data.csv", "--look", "lab", "--out", "out", *small).code == 0
+    assert made(here / "out") == OUTPUT
+
+
 def test_a_foreign_data_csv_is_enough(dataset, tmp_path, symolo, tiny):
     """No image is numbered in it, times jitter, digits are others; the last row is beyond the third period."""
     header, *rows = (dataset / "CCW/test_1/data.csv").read_text().splitlines()
