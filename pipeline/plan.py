@@ -18,6 +18,8 @@ RENDER_SAMPLE_S = 8.5e-6
 """Per pixel and sample on one core."""
 BYTES_PER_PIXEL = 0.2
 """Of a JPEG of quality 92."""
+BYTES_PER_IMAGE = 4096
+"""Besides its pixels: tables, and the rest of a disk block."""
 BYTES_PER_ROW = 600
 """data.csv, side files and the stored trajectory."""
 COPIES = 2
@@ -52,7 +54,8 @@ class Plan:
     @property
     def bytes_needed(self) -> int:
         """Disk space with some to spare [byte]."""
-        pictures = sum(run.images * run.width_px * run.height_px for run in self.runs) * BYTES_PER_PIXEL
+        pixels = sum(run.images * run.width_px * run.height_px for run in self.runs)
+        pictures = pixels * BYTES_PER_PIXEL + self.images * BYTES_PER_IMAGE
         rows = sum(run.rows for run in self.runs) * BYTES_PER_ROW
         return round(COPIES * (pictures + rows) + 1e6)
 
