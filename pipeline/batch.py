@@ -32,7 +32,6 @@ class Batch:
     specs: tuple[RunSpec, ...]
     workspace: Workspace
     workers: int
-    cores: int
 
     @classmethod
     def open(cls, scenario: str, overrides: Sequence[str], out: Path, workers: int | None) -> "Batch":
@@ -46,7 +45,7 @@ class Batch:
         specs = tuple(draw_all(loaded))
         check_out(out)
         check_disk(out, Plan.of(specs, cores()).bytes_needed)
-        return cls(loaded, specs, Workspace(out.absolute()), workers or cores(), cores())
+        return cls(loaded, specs, Workspace(out.absolute()), workers or cores())
 
     def simulate(self, report: Report) -> list[FailedRun]:
         return simulate_runs(self.workspace, self.specs, self.workers, report)
@@ -67,7 +66,7 @@ class Batch:
         ]
 
     def render(self, failures: Sequence[FailedRun], report: Report) -> list[FailedRun]:
-        return render_runs(self._render_tasks(failures), self.workers, self.cores, report)
+        return render_runs(self._render_tasks(failures), self.workers, report)
 
     def check_rendered(self, failures: Sequence[FailedRun]) -> None:
         """Raise InputError for a good run that is not rendered yet, or from other inputs."""

@@ -1,6 +1,5 @@
 """The command `symolo`: commands, exit codes, and errors as one clear line."""
 
-import errno
 import traceback
 from collections.abc import Sequence
 from typing import Annotated
@@ -9,6 +8,7 @@ import typer
 
 from configs.errors import EnvironmentLacking, InputError, RunFailed
 from pipeline.commands import examine, make
+from pipeline.files import DISK_FULL
 
 EPILOG = """Exit codes: 0 done; 1 a bug; 2 bad input or usage, nothing written; 3 a run failed, the others are finished;
 4 verify found faults; 5 the environment lacks something; 130 interrupted.
@@ -78,8 +78,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except SystemExit:
         return 0  # typer's answer to a reader of our output that has gone, as in `symolo schema | head`
     except OSError as error:
-        if error.errno in {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EMFILE}:
-            return _fail(5, f"{error}; free what is short and run the command again, it continues")
+        if error.errno in DISK_FULL:
+            return _fail(5, f"{error}; free some space and run the command again")
         return _bug()
     except Exception:  # noqa: BLE001 - the last line of defence gives a bug its exit code
         return _bug()

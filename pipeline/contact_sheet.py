@@ -17,6 +17,8 @@ from pipeline.workspace import STAGES
 Pixels = NDArray[np.uint8]
 
 LABEL_PX = 18
+LABEL_FITS_PX = 140
+"""Width that a label such as `CCW/test_10 123 s33` takes at full size."""
 FONT = cv2.FONT_HERSHEY_SIMPLEX
 
 
@@ -79,6 +81,7 @@ def _row(images: Sequence[Shown], width_px: int) -> Pixels:
         method = cv2.INTER_AREA if width_px < picture.shape[1] else cv2.INTER_NEAREST
         small = cv2.resize(picture, (width_px, height_px), interpolation=method)
         label = np.zeros((LABEL_PX, width_px, 3), np.uint8)
-        cv2.putText(label, shown.label, (3, LABEL_PX - 5), FONT, 0.4, (255, 255, 255), 1, cv2.LINE_AA)
+        scale = min(0.4, 0.4 * width_px / LABEL_FITS_PX)
+        cv2.putText(label, shown.label, (3, LABEL_PX - 5), FONT, scale, (255, 255, 255), 1, cv2.LINE_AA)
         cells.append(np.concatenate((label, small)))
     return np.concatenate(cells, axis=1)

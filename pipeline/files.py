@@ -1,12 +1,15 @@
 """How a file is written (beside, synced, renamed) and how one is recognised (SHA-256)."""
 
 import contextlib
+import errno
 import hashlib
 import json
 import os
 import shutil
 from collections.abc import Collection, Mapping
 from pathlib import Path
+
+DISK_FULL = frozenset({errno.ENOSPC, errno.EDQUOT})
 
 
 def sha256_of(path: Path) -> str:

@@ -1,7 +1,8 @@
 """Pictures for a trajectory that is there already, ours or a SyMoLo data.csv from elsewhere; simulates nothing."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from zipfile import BadZipFile
 
 import numpy as np
 from pydantic import ValidationError
@@ -57,12 +58,12 @@ class Source:
 
 
 def render_source(
-    source: Source, appearance: Appearance, workspace: Workspace, *, workers: int, cores: int, report: Report
+    source: Source, appearance: Appearance, workspace: Workspace, workers: int, report: Report
 ) -> list[FailedRun]:
     """Render what `prepare` found and fill the workspace's folder with it."""
     with workspace.locked():
         task = RenderTask.of("rerender", appearance, source.rows, workspace.render("rerender"))
-        failures = render_runs([task], workers, cores, report)
+        failures = render_runs([task], workers, report)
         if not failures:
             _publish(task, source, workspace)
     return failures
@@ -87,7 +88,10 @@ def read_source(path: Path) -> Source:
     """A run folder of a dataset or of `.stages`, or a data.csv with nothing beside it."""
     folder = path.parent if path.name == DATA else path
     if path.is_dir() and (folder / TRAJECTORY).is_file():
-        rows = Rows.from_recording(read_recording(folder))
+        try:
+            rows = Rows.from_recording(read_recording(folder))
+        except (OSError, ValueError, KeyError, BadZipFile) as error:
+            raise InputError(f"cannot be read: {error}", where=str(folder / TRAJECTORY), cure="simulate anew") from None
         return Source(rows, rows.to_csv(), _read_spec(folder / SPEC))
     data = path if path.is_file() else folder / DATA
     if not data.is_file():
@@ -122,10 +126,7 @@ def _timed(source: Source, camera_hz: float | None) -> Source:
             allowed="at least one image",
             cure="choose a rate, such as --camera-hz 5",
         )
-    rows = Rows.from_table(source.rows.table())
-    rows = Rows(
-        rows.t_ms, rows.pose, rows.state, rows.twist, rows.tof_m, rows.line, image_numbers(rows.t_ms, camera_hz)
-    )
+    rows = replace(source.rows, image=image_numbers(source.rows.t_ms, camera_hz))
     return Source(rows, rows.to_csv(), source.spec)
 
 

@@ -11,6 +11,7 @@ import traceback
 from typing import TextIO
 
 from configs.errors import EnvironmentLacking, InputError, RunFailed
+from pipeline.files import DISK_FULL
 from pipeline.units import UNITS, Failed, Finished, Message, Progress
 
 
@@ -28,6 +29,11 @@ def main() -> None:
         _say(channel, Failed(error="environment", text=str(error)))
     except RunFailed as error:
         _say(channel, Failed(error="run", text=str(error)))
+    except OSError as error:
+        if error.errno in DISK_FULL:
+            _say(channel, Failed(error="environment", text=f"{error}; free some space and run the command again"))
+        else:
+            _say(channel, Failed(error="bug", text=traceback.format_exc()))
     except Exception:  # noqa: BLE001 - reported with its traceback by the supervisor, which decides
         _say(channel, Failed(error="bug", text=traceback.format_exc()))
     else:

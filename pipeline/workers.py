@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import traceback
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -101,7 +102,10 @@ class _Slots:
                 unit = self.waiting.popleft()
             except IndexError:
                 return
-            self._run(unit)
+            try:
+                self._run(unit)
+            except Exception:  # noqa: BLE001 - a thread must not end in silence, or `run_units` waits for ever
+                self.events.put((unit, Failed(error="bug", text=traceback.format_exc())))
 
     def stop(self) -> None:
         """Start nothing more and end what runs, whole process groups at once."""
@@ -135,10 +139,12 @@ class _Slots:
                     with contextlib.suppress(ValidationError):
                         last = EVENTS.validate_json(line)
                         self.events.put((unit, last))
+                # The worker has ended or is about to; a renderer may outlive one that was killed. The group is ended
+                # before the leader is waited for, while its number cannot yet be another's.
+                with self.lock:
+                    self.running.discard(child.pid)
+                    end_group(child.pid)
                 child.wait()
-            with self.lock:
-                self.running.discard(child.pid)
-                end_group(child.pid)  # a renderer may outlive the worker that was killed
             if not isinstance(last, Finished | Failed):
                 self.events.put((unit, Failed(error="killed", text=_post_mortem(child.returncode, log))))
 

@@ -116,9 +116,7 @@ def rerender(
     request = Request(look, arena, robot, camera_hz, seed, tuple(settings or ()))
     found, appearance = prepare(source, request)
     check_out(out)
-    failures = render_source(
-        found, appearance, Workspace(out.absolute()), workers=workers or cores(), cores=cores(), report=report_here()
-    )
+    failures = render_source(found, appearance, Workspace(out.absolute()), workers or cores(), report_here())
     return _conclude(failures, 1, "rerender", out)
 
 

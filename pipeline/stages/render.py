@@ -19,7 +19,7 @@ from pipeline.files import canonical_json, remove_folder, sha256_of, write_file
 from pipeline.progress import Report
 from pipeline.units import Finished, Progress, RenderUnit
 from pipeline.versions import versions
-from pipeline.workers import AnyEvent, AnyUnit, run_units
+from pipeline.workers import AnyEvent, AnyUnit, cores, run_units
 from pipeline.workspace import DONE, StageFolder, input_key, mark_done
 
 JOB, IMAGES, FRAMES, INPUTS = "job.json", "images", "frames.json", "inputs.json"
@@ -81,7 +81,7 @@ def frame_poses(rows: Rows) -> tuple[FramePose, ...]:
     )
 
 
-def render_runs(tasks: Sequence[RenderTask], workers: int, cores: int, report: Report) -> list[FailedRun]:
+def render_runs(tasks: Sequence[RenderTask], workers: int, report: Report) -> list[FailedRun]:
     """Render what is not there yet; frames made before an interruption are kept when their job is the same."""
     pending = [task for task in tasks if not task.folder.is_done(task.key)]
     if len(pending) < len(tasks):
@@ -90,7 +90,7 @@ def render_runs(tasks: Sequence[RenderTask], workers: int, cores: int, report: R
         return []
     for task in pending:
         _prepare(task)
-    units = blocks(pending, workers, cores)
+    units = blocks(pending, workers)
     with report.stage("render", sum(len(task.frames) for task in pending), "images") as stage:
 
         def on_event(unit: AnyUnit, event: AnyEvent) -> None:
@@ -106,9 +106,10 @@ def render_runs(tasks: Sequence[RenderTask], workers: int, cores: int, report: R
     return [FailedRun(run=failure.unit.name, stage="render", problem=failure.text) for failure in failures]
 
 
-def blocks(tasks: Sequence[RenderTask], workers: int, cores: int) -> list[RenderUnit]:
+def blocks(tasks: Sequence[RenderTask], workers: int) -> list[RenderUnit]:
     """Frames in blocks, as many for each run as it takes to give every worker one."""
     count = -(-workers // len(tasks))
+    threads = max(1, cores() // min(workers, count * len(tasks)))
     units = []
     for task in tasks:
         numbers = [frame.number for frame in task.frames]
@@ -119,7 +120,7 @@ def blocks(tasks: Sequence[RenderTask], workers: int, cores: int) -> list[Render
                 job=task.folder.path / JOB,
                 images=task.images,
                 numbers=tuple(numbers[start : start + size]),
-                threads=max(1, cores // min(workers, count * len(tasks))),
+                threads=threads,
             )
             for start in range(0, len(numbers), size)
         ]

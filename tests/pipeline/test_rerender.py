@@ -73,3 +73,12 @@ def test_a_foreign_data_csv_is_enough(dataset, tmp_path, symolo, tiny):
     before = {path: path.stat().st_mtime_ns for path in (out / ".stages").rglob("*.jpg")}
     assert symolo(*arguments).code == 0
     assert {path: path.stat().st_mtime_ns for path in (out / ".stages").rglob("*.jpg")} == before
+
+
+def test_a_damaged_trajectory_is_one_clear_line(dataset, copy_of, tmp_path, symolo):
+    run = copy_of(dataset, stages=True) / ".stages/simulate/CW/test_1"
+    (run / "trajectory.npz").write_bytes((run / "trajectory.npz").read_bytes()[:500])
+    ended = symolo("rerender", run, "--look", "lab", "--out", tmp_path / "out")
+    assert (ended.code, ended.err.count("\n")) == (2, 1)
+    assert "trajectory.npz: cannot be read" in ended.err
+    assert not (tmp_path / "out").exists()
