@@ -24,8 +24,7 @@ class CameraResponse:
     """Linear value of the median luminance, compensation included."""
     exposure_adaption: float
     white_balance: RGB
-    """Gains that render the chosen light neutral."""
-    white_balance_adaption: float
+    """Gains of the channels, green 1."""
     contrast: float
     saturation: float
     vignetting: float
@@ -34,14 +33,13 @@ class CameraResponse:
     jpeg_quality: int
 
     @classmethod
-    def from_look(cls, look: CameraLook, seed: int, jpeg_quality: int) -> "CameraResponse":
-        r, g, b = light_rgb(look.white_balance_K)
+    def from_look(cls, look: CameraLook, light: RGB, seed: int, jpeg_quality: int) -> "CameraResponse":
+        """The response of a camera in light of the colour `light`, any brightness."""
         return cls(
             seed=seed,
             brightness=look.brightness * 2.0**look.compensation_ev,
             exposure_adaption=look.exposure_adaption,
-            white_balance=(g / r, 1.0, g / b),
-            white_balance_adaption=look.white_balance_adaption,
+            white_balance=_white_balance(look, light),
             contrast=look.contrast,
             saturation=look.saturation,
             vignetting=look.vignetting,
@@ -51,41 +49,33 @@ class CameraResponse:
         )
 
 
-@dataclass(frozen=True)
-class Metering:
-    """What the camera learnt from a few views of the run before the first shutter."""
+def _white_balance(look: CameraLook, light: RGB) -> RGB:
+    """Gains between those for `white_balance_K` and those that render `light` neutral, mixed on a log scale."""
+    fixed = np.array(light_rgb(look.white_balance_K))
+    found = np.array(light) if min(light) > 0 else fixed
+    share = look.white_balance_adaption
+    white = (fixed / fixed[1]) ** (1 - share) * (found / found[1]) ** share
+    return 1.0 / float(white[0]), 1.0, 1.0 / float(white[2])
 
-    median_luminance: float
-    gains: RGB
-    """White balance, green 1."""
 
-
-def meter(light: Image, response: CameraResponse) -> Metering:
-    """Metering of linear light (..., 3) gathered over the run.
+def median_luminance(light: Image) -> float:
+    """The metered value of linear light (..., 3).
 
     Raises:
         ValueError: No light reaches what the camera sees.
     """
-    gray = np.maximum(light.reshape(-1, 3).mean(axis=0, dtype=np.float64), 1e-9)
-    towards_gray = gray[1] / gray
-    fixed, share = np.asarray(response.white_balance), response.white_balance_adaption
-    gains = fixed ** (1 - share) * towards_gray**share
-    return Metering(_median_luminance(light), (float(gains[0]), 1.0, float(gains[2])))
-
-
-def _median_luminance(light: Image) -> float:
     median = float(np.median(light @ LUMINANCE.astype(np.float32)))
     if not median > 0:
         raise ValueError("the picture is black: no light reaches what the camera sees; give the look a lamp or a sky")
     return median
 
 
-def develop(light: Image, response: CameraResponse, metering: Metering, number: int) -> NDArray[np.uint8]:
-    """(H, W, 3) 8-bit RGB of linear light (H, W, 3)."""
+def develop(light: Image, response: CameraResponse, metered: float, number: int) -> NDArray[np.uint8]:
+    """(H, W, 3) 8-bit RGB of linear light (H, W, 3), exposed by its own median and that `metered` over the run."""
     height, width, _ = light.shape
-    adaption = response.exposure_adaption
-    median = metering.median_luminance ** (1 - adaption) * _median_luminance(light) ** adaption
-    exposed = light * (np.asarray(metering.gains, np.float32) * np.float32(response.brightness / median))
+    share = response.exposure_adaption
+    median = metered ** (1 - share) * median_luminance(light) ** share
+    exposed = light * (np.asarray(response.white_balance, np.float32) * np.float32(response.brightness / median))
     exposed = exposed * _vignette(width, height, response.vignetting)[..., None]
     exposed = np.maximum(exposed + _noise(exposed, response, number), 0)
     grey = (exposed @ LUMINANCE.astype(np.float32))[..., None]

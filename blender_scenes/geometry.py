@@ -81,23 +81,22 @@ def block(name: str, center: Point3, size: Point3, surface: str, *, seen_by_came
     return box(name, np.asarray(center) + signs * half, (surface,) * 6, seen_by_camera=seen_by_camera)
 
 
-def cylinder(
-    name: str, center: Point3, axis: int, radius_m: float, length_m: float, surface: str, *, seen_by_camera: bool = True
+def wheel(
+    name: str, center: Point3, radius_m: float, width_m: float, surface: str, *, seen_by_camera: bool = True
 ) -> Mesh:
-    """A closed cylinder of 48 sides along axis 0, 1 or 2 of its frame."""
+    """A closed cylinder of 48 sides about its frame's y axis."""
     sides = 48
     angle = 2 * np.pi * np.arange(sides) / sides
     ring = np.zeros((sides, 3))
-    ring[:, (axis + 1) % 3], ring[:, (axis + 2) % 3] = radius_m * np.cos(angle), radius_m * np.sin(angle)
-    shift = np.zeros(3)
-    shift[axis] = 0.5 * length_m
+    ring[:, 2], ring[:, 0] = radius_m * np.cos(angle), radius_m * np.sin(angle)
+    shift = np.array([0.0, 0.5 * width_m, 0.0])
     vertices = np.asarray(center) + np.concatenate([ring - shift, ring + shift])
     faces = [tuple(range(sides - 1, -1, -1)), tuple(range(sides, 2 * sides))]
     faces += [(i, (i + 1) % sides, sides + (i + 1) % sides, sides + i) for i in range(sides)]
     flat = [(float(radius_m * np.cos(a)), float(radius_m * np.sin(a))) for a in angle]
     arc = 2 * np.pi * radius_m / sides
     uv = [tuple(flat[::-1]), tuple(flat)]
-    uv += [((i * arc, 0.0), ((i + 1) * arc, 0.0), ((i + 1) * arc, length_m), (i * arc, length_m)) for i in range(sides)]
+    uv += [((i * arc, 0.0), ((i + 1) * arc, 0.0), ((i + 1) * arc, width_m), (i * arc, width_m)) for i in range(sides)]
     return Mesh(
         name,
         tuple((float(x), float(y), float(z)) for x, y, z in vertices),

@@ -8,7 +8,8 @@ from pydantic import TypeAdapter
 from blender_scenes.camera import Array, intrinsics, pose_X_RC, pose_X_WR
 from blender_scenes.camera_response import CameraResponse
 from blender_scenes.description import FrameView, Intrinsics, Matrix4, Scene
-from blender_scenes.scene import describe
+from blender_scenes.lighting.illuminance import on_the_floor
+from blender_scenes.scene import arena_bounds, describe
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render
@@ -74,10 +75,13 @@ class RenderJob:
 _JOB = TypeAdapter(RenderJob)
 
 
-def build_job(
+def build_job(  # noqa: PLR0917 - a run's pictures depend on all of these
     arena: Arena, robot: RobotConfig, look: LookConfig, render: Render, frames: Sequence[FramePose], seed: int
 ) -> RenderJob:
     """The rendering of a run; the same arguments give the same job."""
+    scene = describe(arena, robot, look, seed)
+    (x0, y0), (x1, y1) = arena_bounds(arena)
+    light = on_the_floor(scene.panels, (0.5 * (x0 + x1), 0.5 * (y0 + y1), 0.0))
     X_RC = pose_X_RC(robot.camera, robot.chassis.base_height_m)
     views = []
     for frame in frames:
@@ -86,11 +90,11 @@ def build_job(
         views.append(FrameView(frame.number, frame.t_s, pose, _rows(X_WC)))
     return RenderJob(
         format=FORMAT,
-        scene=describe(arena, robot, look, seed),
+        scene=scene,
         camera=intrinsics(robot.camera, render.width_px, render.height_px),
         frames=tuple(views),
         sampling=Sampling(seed=seed, samples=render.samples, denoise=render.denoise),
-        response=CameraResponse.from_look(look.camera, seed, render.jpeg_quality),
+        response=CameraResponse.from_look(look.camera, light, seed, render.jpeg_quality),
     )
 
 

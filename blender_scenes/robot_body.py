@@ -1,7 +1,7 @@
 """The robot's own body as simple shapes in R; it throws shadows and is mirrored but is never seen by its camera."""
 
 from blender_scenes.description import Mesh
-from blender_scenes.geometry import block, cylinder
+from blender_scenes.geometry import block, wheel
 from blender_scenes.materials.fittings import bare_metal, moulded
 from blender_scenes.shading import Surface
 from configs.schema.robot import RobotConfig
@@ -37,11 +37,11 @@ def robot_body(robot: RobotConfig) -> tuple[Mesh, ...]:
     ]
     for name, side in (("left", 0.5), ("right", -0.5)):
         center = (0.0, side * drive.track_m, radius)
-        meshes.append(_cylinder(f"wheel_{name}", center, radius, drive.wheel_width_m, "robot_rubber"))
+        meshes.append(_wheel(f"wheel_{name}", center, radius, drive.wheel_width_m, "robot_rubber"))
         hub = (0.0, side * drive.track_m, radius)
-        meshes.append(_cylinder(f"hub_{name}", hub, 0.7 * radius, drive.wheel_width_m + 0.001, "robot_battery"))
+        meshes.append(_wheel(f"hub_{name}", hub, 0.7 * radius, drive.wheel_width_m + 0.001, "robot_battery"))
     caster = (drive.caster_x_m, 0.0, drive.caster_radius_m)
-    meshes.append(_cylinder("caster", caster, drive.caster_radius_m, 0.012, "robot_steel"))
+    meshes.append(_wheel("caster", caster, drive.caster_radius_m, 0.012, "robot_steel"))
     line = robot.line_sensor
     row = (line.channels - 1) * line.pitch_m + 0.008
     meshes.append(_block("line_sensor", (line.x_m, 0, line.height_m + 0.003), (0.02, row, 0.004), "robot_board"))
@@ -59,5 +59,5 @@ def _block(name: str, center: tuple[float, float, float], size: tuple[float, flo
     return block(f"robot_{name}", center, size, surface, seen_by_camera=False)
 
 
-def _cylinder(name: str, center: tuple[float, float, float], radius: float, length: float, surface: str) -> Mesh:
-    return cylinder(f"robot_{name}", center, 1, radius, length, surface, seen_by_camera=False)
+def _wheel(name: str, center: tuple[float, float, float], radius: float, length: float, surface: str) -> Mesh:
+    return wheel(f"robot_{name}", center, radius, length, surface, seen_by_camera=False)

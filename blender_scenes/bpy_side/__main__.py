@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 from typing import TextIO
 
-from blender_scenes.camera_response import develop, encode_jpeg, meter
+from blender_scenes.camera_response import develop, encode_jpeg, median_luminance
 from blender_scenes.frame_files import FrameFile, frame_name, put_in_place
 from blender_scenes.job import RenderJob
 from blender_scenes.protocol import MESSAGE, REQUEST, Failed, Finished, FrameDone, Message, Ready, Request
@@ -45,11 +45,11 @@ def _render(request: Request, replies: TextIO) -> None:
         build.start()
         build.build(job.scene, job.camera)
         engine.configure(job, request.threads, Path(scratch))
-        metering = meter(engine.metered_light(job), job.response)
+        metered = median_luminance(engine.metered_light(job))
         _say(replies, Ready(time.perf_counter() - begin))
         for number in request.numbers:
             begin = time.perf_counter()
-            pixels = develop(engine.frame_light(job, views[number]), job.response, metering, number)
+            pixels = develop(engine.frame_light(job, views[number]), job.response, metered, number)
             data = encode_jpeg(pixels, job.response.jpeg_quality)
             path = Path(request.images_dir) / frame_name(number)
             sha256 = put_in_place(data, path, job.camera.width_px, job.camera.height_px)

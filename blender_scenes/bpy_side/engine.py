@@ -72,7 +72,7 @@ def _cycles(cycles: bpy.types.PropertyGroup, sampling: Sampling) -> None:
         "caustics_refractive": False,
         "blur_glossy": 1.0,
         "sample_clamp_direct": 0.0,
-        "sample_clamp_indirect": 5.0,
+        "sample_clamp_indirect": 1.0,
         "use_fast_gi": False,
         "film_exposure": 1.0,
         "pixel_filter_type": "BLACKMAN_HARRIS",

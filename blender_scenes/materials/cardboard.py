@@ -24,9 +24,7 @@ def cardboard(look: LookConfig, patch: Patch) -> Surface:
     rib = Arithmetic("sine", u * (math.tau / _FLUTE_PITCH_M))
     tone = 0.4 * fibres + 0.45 * blotches + 0.05 * rib + 0.05
     base = Mix(tone, paint_color(own.paint, times=0.72), paint_color(own.paint, times=1.28))
-    base = Mix(
-        0.5 * specks(patch, "shives", per_m=200.0, radius_m=0.0006, share=0.1), base, paint_color(own.paint, times=0.5)
-    )
+    base = Mix(0.5 * specks(patch, "shives", size_m=0.0012, share=0.3), base, paint_color(own.paint, times=0.5))
     margin = 0.0014
     edge = either(1 - Step(u, 0.0, margin), Step(u, width - margin, width))
     base = Mix(0.8 * own.wear * edge, base, paint_color(own.paint, times=1.5))

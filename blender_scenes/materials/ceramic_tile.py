@@ -13,15 +13,13 @@ def ceramic_tile(look: FloorLook, patch: Patch) -> Surface:
     size, offset = (own.size_m, own.size_m), patch.offset("courses")
     joint = Tiles(size, own.joint_width_m, 0.0, offset, "joint", softness=0.5)
     batch = Tiles(size, own.joint_width_m, 0.0, offset, "random")
-    cloud = Noise((11.0, 11.0), patch.offset("clouds"), octaves=4, gain=0.55, warp=0.5, shift=40 * batch)
+    cloud = Noise((11.0, 11.0), patch.offset("clouds"), octaves=4, gain=0.55, shift=40 * batch)
     tile = Mix(
         0.35 * batch + 0.65 * cloud,
         paint_color(own.paint, times=1 - 1.5 * own.variation),
         paint_color(own.paint, times=1 + 1.5 * own.variation),
     )
-    tile = Mix(
-        specks(patch, "pepper", per_m=300.0, radius_m=0.0005, share=0.3), tile, paint_color(own.paint, times=0.8)
-    )
+    tile = Mix(specks(patch, "pepper", size_m=0.0012, share=0.4), tile, paint_color(own.paint, times=0.8))
     sand = Noise((500.0, 500.0), patch.offset("sand"), octaves=2)
     grout = Mix(sand, paint_color(own.joint, times=0.75), paint_color(own.joint, times=1.25))
     waves = Noise((14.0, 14.0), patch.offset("glaze"), octaves=1, shift=40 * batch)

@@ -2,7 +2,7 @@
 
 from blender_scenes.colour import paint_color
 from blender_scenes.materials.base import Patch
-from blender_scenes.materials.patterns import specks
+from blender_scenes.materials.patterns import specks, worn_gloss
 from blender_scenes.shading import Mix, Noise, Step, Surface
 from configs.schema.look import FloorLook
 
@@ -12,13 +12,12 @@ def linoleum(look: FloorLook, patch: Patch) -> Surface:
     own = look.linoleum
     depth = own.marbling
     streaks = Noise((9.0, 38.0), patch.offset("streaks"), octaves=4, gain=0.6, warp=0.6)
-    light = specks(patch, "light flecks", per_m=220.0, radius_m=0.0007, share=0.3)
-    dark = specks(patch, "dark flecks", per_m=180.0, radius_m=0.0008, share=0.3)
+    light = specks(patch, "light flecks", size_m=0.0022, share=0.5)
+    dark = specks(patch, "dark flecks", size_m=0.0026, share=0.5)
     base = Mix(
         Step(streaks, 0.25, 0.75), paint_color(own.paint, times=1 - depth), paint_color(own.paint, times=1 + depth)
     )
     base = Mix(0.5 * light, base, paint_color(own.paint, times=1 + 2.5 * depth))
     base = Mix(0.5 * dark, base, paint_color(own.paint, times=1 - 2 * depth))
-    wear = Noise((2.5, 2.5), patch.offset("wear"), octaves=3)
-    hammered = Noise((260.0, 260.0), patch.offset("hammered"), octaves=1)
-    return Surface(patch.name, base, roughness=own.roughness - 0.1 + 0.2 * wear, height_m=0.00003 * hammered)
+    wear = Noise((2.5, 2.5), patch.offset("wear"), octaves=2)
+    return Surface(patch.name, base, roughness=worn_gloss(own.roughness, wear, 0.2))

@@ -2,6 +2,7 @@
 
 from blender_scenes.colour import paint_color
 from blender_scenes.materials.base import Patch
+from blender_scenes.materials.patterns import worn_gloss
 from blender_scenes.shading import Mix, Noise, Step, Surface, Tiles
 from configs.schema.look import FloorLook
 
@@ -21,7 +22,7 @@ def parquet(look: FloorLook, patch: Patch) -> Surface:
     return Surface(
         patch.name,
         Mix(gap, wood, paint_color(own.paint, times=0.12)),
-        roughness=own.roughness + 0.15 * fibres,
+        roughness=worn_gloss(own.roughness, fibres, 0.15),
         height_m=0.00002 * rings - 0.0003 * gap,
         refractive_index=1.5,
     )

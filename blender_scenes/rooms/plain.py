@@ -74,7 +74,7 @@ def _wall(side: str, low: Point2, high: Point2, own: RoomLook, window: Opening |
         """A block between two places each along the wall, upward, and along the outward normal."""
         (a, b), (inner, outer) = along, outwards
         lower = np.array([foot + right * s + outward * d for s, d in ((a, inner), (b, inner), (b, outer), (a, outer))])
-        corners = np.concatenate([lower + (0, 0, upward[0]), lower + (0, 0, upward[1])])
+        corners = np.concatenate([np.add(lower, (0.0, 0.0, height)) for height in upward])
         return box(f"{side}_{name}", corners, (surface,) * 6)
 
     half, deep = 0.5 * length + WALL_DEPTH_M, (0.0, WALL_DEPTH_M)

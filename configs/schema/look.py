@@ -174,17 +174,17 @@ class LampsLook(Section):
 class CameraLook(Section):
     """From the light on the sensor to the numbers in the picture."""
 
-    brightness: float = Field(default=0.22, ge=0.01, le=0.9)
+    brightness: float = Field(default=0.25, ge=0.01, le=0.9)
     """What the exposure makes of the median luminance, linear; 0.18 is a photographer's middle grey."""
     compensation_ev: float = Field(default=0.0, ge=-6, le=6)
     exposure_adaption: float = Field(default=0.5, ge=0, le=1)
     """0: one exposure for the whole run, metered on a few of its views; 1: each frame is exposed by its own light."""
     white_balance_K: float = Field(default=5000.0, ge=1500, le=15000)
     """The light that is rendered neutral where the white balance is not automatic."""
-    white_balance_adaption: float = Field(default=0.6, ge=0, le=1)
-    """0: `white_balance_K` holds; 1: the run's mean colour is rendered neutral."""
-    contrast: float = Field(default=1.0, ge=0.5, le=2)
-    saturation: float = Field(default=1.0, ge=0, le=2)
+    white_balance_adaption: float = Field(default=0.8, ge=0, le=1)
+    """0: `white_balance_K` holds; 1: the mixed light of lamps and window over the arena is rendered neutral."""
+    contrast: float = Field(default=1.15, ge=0.5, le=2)
+    saturation: float = Field(default=1.1, ge=0, le=2)
     vignetting: float = Field(default=0.25, ge=0, le=1)
     """Share of light lost in the corner."""
     shot_noise: float = Field(default=0.012, ge=0, le=0.5)
