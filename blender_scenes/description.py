@@ -26,9 +26,6 @@ class Mesh:
     """Surface coordinates of each corner of each face [m]."""
     face_surface: tuple[str, ...]
     """Name of each face's surface."""
-    smooth: bool = False
-    seen_by_camera: bool = True
-    """False for a body that may shade and mirror but never stands before the lens."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +76,7 @@ class Scene:
     surfaces: tuple[Surface, ...]
     meshes: tuple[Mesh, ...]
     robot: tuple[Mesh, ...]
-    """The robot's parts, in R."""
+    """The robot's parts, in R; its camera never sees them."""
     panels: tuple[Panel, ...]
     sun: Sun | None
     sky: Sky

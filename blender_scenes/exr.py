@@ -26,7 +26,7 @@ def read_exr(data: bytes) -> dict[str, NDArray[np.generic]]:
     try:
         attributes, at = _header(data)
         return _lines(data, at, attributes)
-    except (struct.error, IndexError) as error:
+    except (struct.error, IndexError, KeyError) as error:
         raise ValueError(f"truncated OpenEXR file of {len(data)} bytes") from error
 
 
@@ -69,5 +69,7 @@ def _channels(data: bytes) -> list[tuple[str, int]]:
 
 
 def _text(data: bytes, at: int) -> tuple[str, int]:
-    end = data.index(0, at)
+    end = data.find(0, at)
+    if end < 0:
+        raise IndexError(at)
     return data[at:end].decode(), end + 1

@@ -35,13 +35,15 @@ def floor(name: str, low: Point2, high: Point2, yaw_rad: float, surface: str) ->
 def tapes(line: Line, thickness_m: float, surfaces: Sequence[str]) -> list[Mesh]:
     """One strip per piece of the line, `thickness_m` above the floor, its outline the edges that the sensor reads.
 
-    u runs along the piece from its start, v across from the right edge to the left one.
+    u runs along the piece from its start, v across from the right edge to the left one. Each piece lies 2 um above
+    the one before, so that tapes that cross are drawn as laid.
     """
     meshes = []
     for number, (piece, (left, right)) in enumerate(zip(line.pieces, line.edges(spacing_m=0.004), strict=True)):
         count = len(left)
         flat = np.concatenate([right, left])
-        vertices = tuple((float(x), float(y), thickness_m) for x, y in flat)
+        z = thickness_m + 2e-6 * number
+        vertices = tuple((float(x), float(y), z) for x, y in flat)
         along = np.linspace(0.0, piece.length_m, count)
         faces, uv = [], []
         for i in range(count - 1):
@@ -61,29 +63,28 @@ def box_corners(box: Box) -> Array:
     )
 
 
-def box(name: str, corners: Array, surfaces: Sequence[str], *, seen_by_camera: bool = True) -> Mesh:
-    """A box from its eight corners and a surface for each of `SIDES`."""
+def box(name: str, corners: Array, surfaces: Sequence[str | None]) -> Mesh:
+    """A box from its eight corners and a surface for each of `SIDES`; a side without one is left open."""
+    faces = [face for face, surface in zip(_BOX_FACES, surfaces, strict=True) if surface is not None]
     uv = []
-    for face in _BOX_FACES:
+    for face in faces:
         p = corners[list(face)]
         width, height = float(np.linalg.norm(p[1] - p[0])), float(np.linalg.norm(p[3] - p[0]))
         uv.append(((0.0, 0.0), (width, 0.0), (width, height), (0.0, height)))
     vertices = tuple((float(x), float(y), float(z)) for x, y, z in corners)
-    return Mesh(name, vertices, _BOX_FACES, tuple(uv), tuple(surfaces), seen_by_camera=seen_by_camera)
+    return Mesh(name, vertices, tuple(faces), tuple(uv), tuple(s for s in surfaces if s is not None))
 
 
-def block(name: str, center: Point3, size: Point3, surface: str, *, seen_by_camera: bool = True) -> Mesh:
+def block(name: str, center: Point3, size: Point3, surface: str) -> Mesh:
     """A box along the axes of its frame."""
     half = 0.5 * np.asarray(size)
     signs = np.array(
         [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]
     )
-    return box(name, np.asarray(center) + signs * half, (surface,) * 6, seen_by_camera=seen_by_camera)
+    return box(name, np.asarray(center) + signs * half, (surface,) * 6)
 
 
-def wheel(
-    name: str, center: Point3, radius_m: float, width_m: float, surface: str, *, seen_by_camera: bool = True
-) -> Mesh:
+def wheel(name: str, center: Point3, radius_m: float, width_m: float, surface: str) -> Mesh:
     """A closed cylinder of 48 sides about its frame's y axis."""
     sides = 48
     angle = 2 * np.pi * np.arange(sides) / sides
@@ -103,5 +104,4 @@ def wheel(
         tuple(faces),
         tuple(uv),
         (surface,) * len(faces),
-        seen_by_camera=seen_by_camera,
     )

@@ -18,6 +18,8 @@ class Request:
     images_dir: str
     numbers: tuple[int, ...]
     threads: int
+    scratch_dir: str
+    """For Blender's own files; whoever of the two is left removes it."""
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 import contextlib
 import hashlib
+import os
 import queue
 import subprocess
 import sys
@@ -73,14 +74,15 @@ def render_job(
         if number in whole and on_frame is not None:
             on_frame(number)
     if missing:
-        request = Request(str(job_path), str(images_dir), missing, threads)
         pixels = job.camera.width_px * job.camera.height_px
         patience = _SILENCE_S + _SILENCE_PER_SAMPLE_S * pixels * job.sampling.samples
-        for frame in _blender_frames(request, patience):
-            ledger.add(frame)
-            whole[frame.number] = frame
-            if on_frame is not None:
-                on_frame(frame.number)
+        with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as scratch:
+            request = Request(str(job_path), str(images_dir), missing, threads, scratch)
+            for frame in _blender_frames(request, patience):
+                ledger.add(frame)
+                whole[frame.number] = frame
+                if on_frame is not None:
+                    on_frame(frame.number)
     return FrameSet(tuple(whole[number] for number in wanted), rendered=len(missing))
 
 
@@ -88,7 +90,8 @@ def _blender_frames(request: Request, patience_s: float) -> Iterator[FrameFile]:
     """Finished frames of a child process as they come; the child never outlives the iteration."""
     with tempfile.TemporaryFile() as log:
         command = [sys.executable, "-X", "faulthandler", "-m", "blender_scenes.bpy_side"]
-        child = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log)
+        environment = {**os.environ, "TMPDIR": request.scratch_dir}
+        child = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log, env=environment)
         try:
             yield from _converse(child, request, patience_s, log)
         finally:

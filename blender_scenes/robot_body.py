@@ -1,10 +1,14 @@
-"""The robot's own body as simple shapes in R; it throws shadows and is mirrored but is never seen by its camera."""
+"""The robot's own body as simple shapes in R: it throws shadows and is mirrored, but its camera never sees it."""
+
+from collections.abc import Iterator
 
 from blender_scenes.description import Mesh
 from blender_scenes.geometry import block, wheel
 from blender_scenes.materials.fittings import bare_metal, moulded
 from blender_scenes.shading import Surface
-from configs.schema.robot import RobotConfig
+from configs.schema.robot import Chassis, Drive, RobotConfig, TofMounts
+
+_THINNEST_M = 0.002
 
 
 def robot_surfaces() -> tuple[Surface, ...]:
@@ -18,46 +22,46 @@ def robot_surfaces() -> tuple[Surface, ...]:
 
 
 def robot_body(robot: RobotConfig) -> tuple[Mesh, ...]:
-    """Base plate, wheels, caster, battery, sensor boards, mast and camera, at the places of the configuration."""
-    chassis, drive, camera = robot.chassis, robot.drive, robot.camera
-    radius, plate_z = 0.5 * drive.wheel_diameter_m, chassis.base_height_m
-    camera_z = plate_z + camera.height_above_base_m
-    inner_width = max(0.02, min(chassis.width_m, drive.track_m - drive.wheel_width_m - 0.006))
-    meshes = [
-        _block("plate", (0, 0, plate_z - 0.002), (chassis.length_m, inner_width, 0.004), "robot_plate"),
-        _block("motors", (0, 0, radius), (0.025, inner_width, 0.022), "robot_steel"),
-        _block("battery", (-0.25 * chassis.length_m, 0, plate_z + 0.012), (0.075, 0.04, 0.022), "robot_battery"),
-        _block(
-            "mast",
-            (camera.x_m - 0.012, camera.y_m, 0.5 * (plate_z + camera_z)),
-            (0.006, 0.02, camera_z - plate_z),
-            "robot_plate",
-        ),
-        _block("camera", (camera.x_m - 0.005, camera.y_m, camera_z), (0.012, 0.03, 0.026), "robot_board"),
-    ]
+    """Base plate, drive, battery, sensor boards, mast and camera, at the places of the configuration."""
+    parts = [*_chassis(robot.chassis, robot.drive), *_wheels(robot.drive), *_sensors(robot)]
+    return tuple(parts)
+
+
+def _chassis(chassis: Chassis, drive: Drive) -> Iterator[Mesh]:
+    top = chassis.base_height_m
+    between_wheels = max(0.02, min(chassis.width_m, drive.track_m - drive.wheel_width_m - 0.006))
+    yield block("robot_plate", (0.0, 0.0, top - 0.002), (chassis.length_m, between_wheels, 0.004), "robot_plate")
+    motors_z = 0.5 * drive.wheel_diameter_m
+    yield block("robot_motors", (0.0, 0.0, motors_z), (0.025, between_wheels, 0.022), "robot_steel")
+    battery = (-0.25 * chassis.length_m, 0.0, top + 0.011)
+    yield block("robot_battery", battery, (0.4 * chassis.length_m, 0.04, 0.022), "robot_battery")
+
+
+def _wheels(drive: Drive) -> Iterator[Mesh]:
+    radius = 0.5 * drive.wheel_diameter_m
     for name, side in (("left", 0.5), ("right", -0.5)):
         center = (0.0, side * drive.track_m, radius)
-        meshes.append(_wheel(f"wheel_{name}", center, radius, drive.wheel_width_m, "robot_rubber"))
-        hub = (0.0, side * drive.track_m, radius)
-        meshes.append(_wheel(f"hub_{name}", hub, 0.7 * radius, drive.wheel_width_m + 0.001, "robot_battery"))
+        yield wheel(f"robot_tyre_{name}", center, radius, drive.wheel_width_m, "robot_rubber")
+        yield wheel(f"robot_hub_{name}", center, 0.7 * radius, drive.wheel_width_m + 0.001, "robot_battery")
     caster = (drive.caster_x_m, 0.0, drive.caster_radius_m)
-    meshes.append(_wheel("caster", caster, drive.caster_radius_m, 0.012, "robot_steel"))
-    line = robot.line_sensor
+    yield wheel("robot_caster", caster, drive.caster_radius_m, 0.012, "robot_steel")
+
+
+def _sensors(robot: RobotConfig) -> Iterator[Mesh]:
+    line, camera, top = robot.line_sensor, robot.camera, robot.chassis.base_height_m
     row = (line.channels - 1) * line.pitch_m + 0.008
-    meshes.append(_block("line_sensor", (line.x_m, 0, line.height_m + 0.003), (0.02, row, 0.004), "robot_board"))
-    bracket = (line.x_m - 0.008, 0, 0.5 * (line.height_m + plate_z))
-    meshes.append(_block("bracket", bracket, (0.003, 0.03, plate_z - line.height_m), "robot_plate"))
-    for name in ("front", "left", "right"):
+    yield block("robot_line_sensor", (line.x_m, 0.0, line.height_m + 0.002), (0.02, row, 0.004), "robot_board")
+    yield _post("robot_bracket", line.x_m - 0.008, 0.0, (line.height_m, top))
+    camera_z = top + camera.height_above_base_m
+    yield _post("robot_mast", camera.x_m - 0.012, camera.y_m, (top, camera_z))
+    yield block("robot_camera", (camera.x_m - 0.005, camera.y_m, camera_z), (0.012, 0.03, 0.026), "robot_board")
+    for name in TofMounts.model_fields:
         mount = getattr(robot.tof.mounts, name)
-        meshes.append(
-            _block(f"tof_{name}", (mount.x_m - 0.003, mount.y_m, mount.z_m), (0.004, 0.018, 0.012), "robot_board")
-        )
-    return tuple(meshes)
+        at = (mount.x_m - 0.003, mount.y_m, mount.z_m)
+        yield block(f"robot_tof_{name}", at, (0.004, 0.018, 0.012), "robot_board")
 
 
-def _block(name: str, center: tuple[float, float, float], size: tuple[float, float, float], surface: str) -> Mesh:
-    return block(f"robot_{name}", center, size, surface, seen_by_camera=False)
-
-
-def _wheel(name: str, center: tuple[float, float, float], radius: float, length: float, surface: str) -> Mesh:
-    return wheel(f"robot_{name}", center, radius, length, surface, seen_by_camera=False)
+def _post(name: str, x_m: float, y_m: float, heights_m: tuple[float, float]) -> Mesh:
+    """An upright between two heights, in whichever order they come."""
+    size = max(_THINNEST_M, abs(heights_m[1] - heights_m[0]))
+    return block(name, (x_m, y_m, 0.5 * sum(heights_m)), (0.004, 0.02, size), "robot_plate")

@@ -77,7 +77,9 @@ def _boxes(arena: Arena, look: LookConfig, seed: int) -> list[Part]:
         ends = make(look, Patch(f"{name}_ends", (width, height), seed))
         sides = make(look, Patch(f"{name}_sides", (length, height), seed))
         lid = make(look, Patch(f"{name}_lid", (length, width), seed))
-        faces = {"back": ends, "right": sides, "front": ends, "left": sides, "bottom": lid, "top": lid}
-        mesh = geometry.box(name, geometry.box_corners(box), [faces[side].name for side in geometry.SIDES])
+        # No face lies on the floor: where two coincide, glass would turn black.
+        faces = {"back": ends, "right": sides, "front": ends, "left": sides, "bottom": None, "top": lid}
+        names = [face and face.name for face in (faces[side] for side in geometry.SIDES)]
+        mesh = geometry.box(name, geometry.box_corners(box), names)
         parts.append((mesh, (ends, sides, lid)))
     return parts

@@ -1,9 +1,9 @@
 """The Blender process: reads a request, renders its frames, puts each in place, and says so."""
 
 import os
+import shutil
 import signal
 import sys
-import tempfile
 import threading
 import time
 from pathlib import Path
@@ -20,7 +20,7 @@ def main() -> int:
     replies = os.fdopen(os.dup(1), "w", buffering=1)
     os.dup2(2, 1)  # whatever Blender prints goes to the log
     request = REQUEST.validate_json(sys.stdin.readline())
-    threading.Thread(target=_leave_with_the_renderer, daemon=True).start()
+    threading.Thread(target=_leave_with_the_renderer, args=(request.scratch_dir,), daemon=True).start()
     try:
         import bpy  # noqa: F401, PLC0415 - a missing system library is reported, not raised
     except ImportError as error:
@@ -41,19 +41,18 @@ def _render(request: Request, replies: TextIO) -> None:
     begin = time.perf_counter()
     job = RenderJob.from_json(Path(request.job_path).read_text())
     views = {view.number: view for view in job.frames}
-    with tempfile.TemporaryDirectory(prefix="symolo-light-") as scratch:
-        build.start()
-        build.build(job.scene, job.camera)
-        engine.configure(job, request.threads, Path(scratch))
-        metered = median_luminance(engine.metered_light(job))
-        _say(replies, Ready(time.perf_counter() - begin))
-        for number in request.numbers:
-            begin = time.perf_counter()
-            pixels = develop(engine.frame_light(job, views[number]), job.response, metered, number)
-            data = encode_jpeg(pixels, job.response.jpeg_quality)
-            path = Path(request.images_dir) / frame_name(number)
-            sha256 = put_in_place(data, path, job.camera.width_px, job.camera.height_px)
-            _say(replies, FrameDone(FrameFile(number, path.name, sha256, len(data), time.perf_counter() - begin)))
+    build.start()
+    build.build(job.scene, job.camera)
+    engine.configure(job, request.threads, Path(request.scratch_dir))
+    metered = median_luminance(engine.metered_light(job))
+    _say(replies, Ready(time.perf_counter() - begin))
+    for number in request.numbers:
+        begin = time.perf_counter()
+        pixels = develop(engine.frame_light(job, views[number]), job.response, metered, number)
+        data = encode_jpeg(pixels, job.response.jpeg_quality)
+        path = Path(request.images_dir) / frame_name(number)
+        sha256 = put_in_place(data, path, job.camera.width_px, job.camera.height_px)
+        _say(replies, FrameDone(FrameFile(number, path.name, sha256, len(data), time.perf_counter() - begin)))
 
 
 def _say(replies: TextIO, message: Message) -> None:
@@ -61,9 +60,10 @@ def _say(replies: TextIO, message: Message) -> None:
     replies.flush()
 
 
-def _leave_with_the_renderer() -> None:
+def _leave_with_the_renderer(scratch_dir: str) -> None:
     """Ends this process when the renderer is gone, even killed: its end of the pipe closes with it."""
     sys.stdin.read()
+    shutil.rmtree(scratch_dir, ignore_errors=True)
     os._exit(1)
 
 

@@ -25,7 +25,8 @@ def build(scene: Scene, camera: Intrinsics) -> None:
         _mesh(mesh, materials)
     robot = _place(ROBOT, None)
     for mesh in scene.robot:
-        _mesh(mesh, materials).parent = robot
+        part = _mesh(mesh, materials)
+        part.parent, part.visible_camera = robot, False
     for panel in scene.panels:
         _panel(panel)
     if scene.sun is not None:
@@ -49,12 +50,9 @@ def _mesh(mesh: Mesh, materials: dict[str, bpy.types.Material]) -> bpy.types.Obj
     for name in slots:
         data.materials.append(materials[name])
     data.polygons.foreach_set("material_index", [slots.index(name) for name in mesh.face_surface])
-    data.polygons.foreach_set("use_smooth", [mesh.smooth] * len(mesh.faces))
     if data.validate():
         raise ValueError(f"mesh {mesh.name} is not valid geometry")
-    made = _place(mesh.name, data)
-    made.visible_camera = mesh.seen_by_camera
-    return made
+    return _place(mesh.name, data)
 
 
 def _axes(right: tuple, up: tuple, center: tuple) -> Matrix:

@@ -41,8 +41,6 @@ def worn_gloss(roughness: float, by: Texture, depth: float) -> Texture:
     (`fabs(roughness^2) > 0.075`), and the border would show in the picture.
     """
     low = roughness - 0.5 * depth
-    if roughness >= _SEAM:
-        low = max(low, _SEAM + 0.006)
-    else:
-        low = max(min(low, _SEAM - 0.006 - depth), 0.0)
+    highest_below = max(_SEAM - 0.006 - depth, 0.0)
+    low = max(low, _SEAM + 0.006) if roughness >= _SEAM else max(min(low, highest_below), 0.0)
     return low + depth * by

@@ -1,0 +1,89 @@
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+
+from blender_scenes.camera_response import CameraResponse, develop, encode_jpeg, median_luminance
+from blender_scenes.colour import light_rgb
+from configs.schema.look import CameraLook
+
+PLAIN = CameraLook(
+    contrast=1, saturation=1, vignetting=0, shot_noise=0, read_noise=0, brightness=0.18, white_balance_adaption=1
+)
+GREY = np.full((48, 64, 3), 3.0, np.float32)
+
+
+def _response(look: CameraLook = PLAIN, light=(1.0, 1.0, 1.0), seed: int = 1) -> CameraResponse:
+    return CameraResponse.from_look(look, light, seed, jpeg_quality=92)
+
+
+def test_the_median_becomes_middle_grey_whatever_the_light():
+    for light in (0.01, 3.0, 500.0):
+        pixels = develop(light * GREY, _response(), median_luminance(light * GREY), 1)
+        assert np.all(pixels == 118)  # 255 (1.055 * 0.18^(1/2.4) - 0.055), IEC 61966-2-1
+
+
+def test_one_exposure_for_the_run_keeps_the_difference_between_frames_and_full_adaption_removes_it():
+    fixed = _response(PLAIN.model_copy(update={"exposure_adaption": 0.0}))
+    own = _response(PLAIN.model_copy(update={"exposure_adaption": 1.0}))
+    assert develop(0.5 * GREY, fixed, 3.0, 1).mean() < develop(GREY, fixed, 3.0, 1).mean() - 20
+    assert np.array_equal(develop(0.5 * GREY, own, 3.0, 1), develop(GREY, own, 3.0, 1))
+
+
+def test_the_balanced_light_is_neutral():
+    light = light_rgb(3200)
+    lit = GREY * np.array(light, np.float32)
+    pixels = develop(lit, _response(light=light), median_luminance(lit), 1)
+    assert np.ptp(pixels[0, 0].astype(int)) <= 1
+    unbalanced = PLAIN.model_copy(update={"white_balance_adaption": 0.0, "white_balance_K": 6504.0})
+    warm = develop(lit, _response(unbalanced, light), median_luminance(lit), 1)[0, 0].astype(int)
+    assert warm[0] > warm[1] > warm[2]
+
+
+def test_brighter_light_never_makes_a_darker_pixel_and_never_overflows():
+    ramp = np.repeat(np.geomspace(1e-3, 1e3, 256, dtype=np.float32)[None, :, None], 3, axis=2)
+    values = develop(ramp, _response(CameraLook(vignetting=0, shot_noise=0, read_noise=0)), 1.0, 1)[0, :, 1]
+    assert np.all(np.diff(values.astype(int)) >= 0)
+    assert values[0] < 30
+    assert values[-1] == 255
+
+
+def test_vignetting_takes_its_share_in_the_corner_and_nothing_in_the_middle():
+    look = PLAIN.model_copy(update={"vignetting": 0.4, "exposure_adaption": 0.0})
+    plain = develop(np.full((481, 641, 3), 0.1, np.float32), _response(), 0.1, 1)
+    shaded = develop(np.full((481, 641, 3), 0.1, np.float32), _response(look), 0.1, 1)
+    linear = (((shaded / 255) + 0.055) / 1.055) ** 2.4
+    assert shaded[240, 320, 1] == plain[240, 320, 1]
+    assert linear[0, 0, 1] == pytest.approx(0.6 * 0.18, rel=0.02)
+
+
+def test_noise_belongs_to_the_frame_and_grows_with_the_root_of_the_light():
+    look = PLAIN.model_copy(update={"shot_noise": 0.05})
+    light = np.full((240, 320, 3), 1.0, np.float32)
+    light[:, 160:] = 4.0
+    one, again, other = (develop(light, _response(look), 2.0, number).astype(int) for number in (1, 1, 2))
+    assert np.array_equal(one, again)
+    assert not np.array_equal(one, other)
+    linear = ((one / 255 + 0.055) / 1.055) ** 2.4
+    dark, bright = linear[:, :150, 1], linear[:, 170:, 1]
+    assert dark.std() == pytest.approx(0.05 * np.sqrt(dark.mean()), rel=0.1)
+    assert bright.std() / dark.std() == pytest.approx(2.0, rel=0.1)
+
+
+def test_a_black_picture_is_an_error_that_says_the_cure():
+    with pytest.raises(ValueError, match="lamp or a sky"):
+        median_luminance(np.zeros((4, 4, 3), np.float32))
+
+
+def test_the_jpeg_holds_the_picture():
+    rng = np.random.default_rng(0)
+    picture = cv2.resize(rng.integers(0, 255, (3, 4, 3), np.uint8), (64, 48), interpolation=cv2.INTER_CUBIC)
+    back = cv2.imdecode(np.frombuffer(encode_jpeg(picture, 98), np.uint8), cv2.IMREAD_COLOR)
+    assert np.abs(cv2.cvtColor(back, cv2.COLOR_BGR2RGB).astype(int) - picture).mean() < 2
+
+
+def test_the_seed_decides_the_noise():
+    look = PLAIN.model_copy(update={"shot_noise": 0.05})
+    response = _response(look)
+    assert not np.array_equal(develop(GREY, response, 3.0, 1), develop(GREY, replace(response, seed=2), 3.0, 1))

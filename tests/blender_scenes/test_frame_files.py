@@ -1,0 +1,62 @@
+import cv2
+import numpy as np
+import pytest
+
+from blender_scenes import frame_files
+from blender_scenes.camera_response import encode_jpeg
+from blender_scenes.frame_files import FrameFile, Ledger, frame_name, put_in_place
+
+JPEG = encode_jpeg(np.full((12, 16, 3), 90, np.uint8), 92)
+
+
+def _made(images, number=1) -> FrameFile:
+    images.mkdir(exist_ok=True)
+    sha256 = put_in_place(JPEG, images / frame_name(number), 16, 12)
+    return FrameFile(number, frame_name(number), sha256, len(JPEG), 0.1)
+
+
+def test_a_picture_is_put_in_place_whole_and_leaves_nothing_beside_it(tmp_path):
+    _made(tmp_path / "images")
+    assert [p.name for p in (tmp_path / "images").iterdir()] == ["000001.jpg"]
+    assert cv2.imread(str(tmp_path / "images" / "000001.jpg")).shape == (12, 16, 3)
+
+
+def test_a_disk_that_loses_bytes_is_noticed_and_the_place_stays_empty(tmp_path, monkeypatch):
+    monkeypatch.setattr(frame_files.os, "fsync", lambda fd: frame_files.os.ftruncate(fd, 100))
+    with pytest.raises(OSError, match="100 of"):
+        put_in_place(JPEG, tmp_path / "000001.jpg", 16, 12)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_picture_of_another_size_is_refused(tmp_path):
+    with pytest.raises(OSError, match="not the one written"):
+        put_in_place(JPEG, tmp_path / "000001.jpg", 32, 24)
+
+
+def test_recorded_pictures_are_known_again(tmp_path):
+    ledger = Ledger(tmp_path / "images", "job")
+    frame = _made(tmp_path / "images")
+    assert ledger.whole_frames() == {}
+    ledger.add(frame)
+    assert Ledger(tmp_path / "images", "job").whole_frames() == {1: frame}
+
+
+@pytest.mark.parametrize("damage", ["shorter", "one bit", "missing", "another job", "record cut"])
+def test_a_damaged_picture_does_not_count(tmp_path, damage):
+    images = tmp_path / "images"
+    ledger = Ledger(images, "job")
+    ledger.add(_made(images))
+    ledger.add(_made(images, 2))
+    path = images / "000002.jpg"
+    if damage == "shorter":
+        path.write_bytes(JPEG[:-1])
+    elif damage == "one bit":
+        path.write_bytes(JPEG[:200] + bytes([JPEG[200] ^ 1]) + JPEG[201:])
+    elif damage == "missing":
+        path.unlink()
+    elif damage == "record cut":
+        record = tmp_path / "images.jsonl"
+        record.write_bytes(record.read_bytes()[:-5])
+    expected = set() if damage == "another job" else {1}
+    job = "other" if damage == "another job" else "job"
+    assert set(Ledger(images, job).whole_frames()) == expected

@@ -1,0 +1,86 @@
+import numpy as np
+import pytest
+
+from blender_scenes.colour import LUMINANCE, light_rgb, paint_rgb
+from blender_scenes.description import Panel
+from blender_scenes.lighting import LIGHTS
+from blender_scenes.lighting.illuminance import on_the_floor
+from blender_scenes.rooms import ROOMS
+from configs.schema.look import LampsLook, LookConfig, Paint, SkyLook, SunLook, WindowLook
+
+LOOK = LookConfig(name="plain")
+
+
+def _room(look=LOOK):
+    return ROOMS["plain"](look, (-1.0, -1.0), (1.0, 1.0))
+
+
+def test_daylight_of_6504_kelvin_is_the_white_of_srgb():
+    assert light_rgb(6504) == pytest.approx((1.0, 1.0, 1.0), abs=0.01)  # IEC 61966-2-1: D65
+
+
+def test_standard_illuminant_a_has_its_tabulated_chromaticity():
+    r, g, b = light_rgb(2856)
+    to_xyz = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+    X, Y, Z = to_xyz @ [r, g, b]
+    assert pytest.approx((0.4476, 0.4074), abs=0.003) == (X / (X + Y + Z), Y / (X + Y + Z))  # CIE 15, table T.3
+
+
+def test_the_locus_has_no_step_where_its_formulas_meet():
+    for kelvin in (2222.0, 7000.0):  # at 4000 K daylight is a little greener than a black body
+        assert light_rgb(kelvin - 0.5) == pytest.approx(light_rgb(kelvin + 0.5), abs=0.03)
+
+
+def test_a_paint_returns_its_reflectance():
+    for hue in (0.0, 40.0, 120.0, 215.0):
+        rgb = np.array(paint_rgb(Paint(reflectance=0.3, hue_deg=hue, saturation=0.4)))
+        assert rgb @ LUMINANCE == pytest.approx(0.3)
+
+
+def test_a_lamp_spreads_its_flux_over_the_hemisphere():
+    look = LookConfig(name="one", lamps=LampsLook(rows=1, columns=1, flux_klm=3.0, color_temperature_K=6504))
+    (panel,) = LIGHTS["ceiling_lamps"](look, _room(look)).panels
+    flux = np.pi * panel.width_m * panel.height_m * np.array(panel.radiance) @ LUMINANCE  # Lambertian
+    assert flux == pytest.approx(3.0)
+    assert np.cross(panel.right, panel.up) == pytest.approx([0, 0, -1])
+
+
+def test_illuminance_below_a_small_lamp_by_the_inverse_square():
+    lamp = Panel("lamp", (0.0, 0.0, 2.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.1, 0.1, (5.0, 4.0, 3.0))
+    assert on_the_floor([lamp], (0.0, 0.0, 0.0)) == pytest.approx(np.array([5.0, 4.0, 3.0]) * 0.01 / 4.0)
+    aside = on_the_floor([lamp], (2.0, 0.0, 0.0))  # cos^4 of 45 degrees is a quarter
+    assert aside == pytest.approx(np.array([5.0, 4.0, 3.0]) * 0.01 / 4.0 / 4.0)
+
+
+def test_a_lamp_lights_nothing_behind_it():
+    lamp = Panel("lamp", (0.0, 0.0, 2.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), 0.1, 0.1, (1.0, 1.0, 1.0))
+    assert on_the_floor([lamp], (0.0, 0.0, 0.0)) == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("side", ["east", "north", "west", "south"])
+def test_the_window_shines_into_the_room_and_the_sun_comes_in_through_it(side):
+    look = LookConfig(name="w", window=WindowLook(side=side), sun=SunLook(azimuth_from_window_deg=0, elevation_deg=30))
+    room = _room(look)
+    (panel,) = LIGHTS["daylight"](look, room).panels
+    inward = np.cross(panel.right, panel.up)
+    assert inward == pytest.approx(room.window.inward)
+    assert inward @ np.array(panel.center) < 0
+    (sun,) = LIGHTS["sun"](look, room).suns
+    assert np.linalg.norm(sun.towards) == pytest.approx(1)
+    assert sun.towards[2] == pytest.approx(0.5)
+    assert inward @ np.array(sun.towards) == pytest.approx(-np.cos(np.radians(30)))
+
+
+def test_a_light_without_power_is_left_out():
+    dark = LookConfig(
+        name="dark", sun=SunLook(illuminance_klx=0), lamps=LampsLook(flux_klm=0), sky=SkyLook(luminance_kcd_m2=0)
+    )
+    lights = [light(dark, _room(dark)) for light in LIGHTS.values()]
+    assert not any(light.panels or light.suns for light in lights)
+    assert sum(len(light.skies) for light in lights) == 1
+
+
+def test_the_sky_has_the_luminance_that_the_look_gives_it():
+    look = LookConfig(name="s", sky=SkyLook(panorama="forest", luminance_kcd_m2=2.5))
+    (sky,) = LIGHTS["daylight"](look, _room(look)).skies
+    assert sky.gain * (np.array([1.0518, 1.1792, 1.3717]) @ LUMINANCE) == pytest.approx(2.5)

@@ -1,0 +1,100 @@
+"""The line in the picture lies where the line sensor reads it.
+
+The arena's own edges are projected through the camera model and compared with the decoded JPEG. What is left, 0.2 to
+0.3 px, is mostly the shade beside a tape 0.13 mm thick; with surfaces that shine by themselves it is 0.02 to 0.1 px.
+"""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from blender_scenes.camera import project
+from blender_scenes.job import FramePose, RenderJob, build_job
+from blender_scenes.renderer import render_job
+from configs.schema.look import CameraLook, FloorLook, LookConfig, TapeLook
+from configs.schema.scenario import Render
+
+POSES = [(0.55, -0.60, 90), (0.545, -0.15, 92), (0.49, 0.68, 133), (-0.55, -0.90, -70), (0.30, -1.04, 15)]
+"""x [m], y [m], yaw [deg] on the dataset arena: straights, an obstacle ahead, both arcs, a line end."""
+
+LOOK = LookConfig(
+    name="plain",
+    floor=FloorLook(material="concrete", dirt=0),
+    tape=TapeLook(wear=0),
+    camera=CameraLook(contrast=1, vignetting=0, shot_noise=0, read_noise=0),
+)
+_REACH_PX = 6
+
+
+def _linear(picture: np.ndarray) -> np.ndarray:
+    """Grey value, the sRGB transfer undone (IEC 61966-2-1)."""
+    s = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY).astype(np.float64) / 255
+    return np.where(s <= 0.04045, s / 12.92, ((s + 0.055) / 1.055) ** 2.4)
+
+
+def _edge_points(arena, side: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points (N, 3) every 5 mm along one edge of the line, and as many 4 mm further out."""
+    half, on, out = 0.5 * arena.line.width_m, [], []
+    for piece in arena.line.pieces:
+        s = np.arange(0.006, piece.length_m - 0.006, 0.005)
+        on.append(piece.at(s, side * half))
+        out.append(piece.at(s, side * (half + 0.004)))
+    flat = [np.concatenate(points) for points in (on, out)]
+    return tuple(np.column_stack([p, np.zeros(len(p))]) for p in flat)
+
+
+def _offset(profile: np.ndarray) -> float:
+    """Where a step from dark to bright lies, by the area under it: samples from the profile's middle."""
+    dark, bright = profile[:5].mean(), profile[-5:].mean()
+    step = (profile - dark) / (bright - dark)
+    return 0.5 * (len(profile) - 1) - step.sum() + 0.5
+
+
+@pytest.fixture(scope="module")
+def frames(tmp_path_factory, arena, robot) -> tuple[RenderJob, Path]:
+    poses = [FramePose(i + 1, 0.2 * i, x, y, float(np.radians(yaw))) for i, (x, y, yaw) in enumerate(POSES)]
+    job = build_job(arena, robot, LOOK, Render(width_px=640, height_px=480, samples=1), poses, seed=3)
+    folder = tmp_path_factory.mktemp("line")
+    (folder / "job.json").write_text(job.to_json())
+    render_job(folder / "job.json", folder / "images", threads=2)
+    return job, folder / "images"
+
+
+def _errors(job: RenderJob, images: Path, arena, index: int) -> np.ndarray:
+    """Signed distances [px] of the picture's edges from the projected ones, outwards positive."""
+    view = job.frames[index]
+    picture = _linear(cv2.imread(str(images / f"{view.number:06d}.jpg")))
+    X_WC = np.array(view.X_WC)
+    errors = []
+    for side in (1, -1):
+        on, out = _edge_points(arena, side)
+        (pixel, depth), (further, _) = project(job.camera, X_WC, on), project(job.camera, X_WC, out)
+        outward = further - pixel
+        length = np.linalg.norm(outward, axis=1)
+        seen = (depth > 0) & np.all((pixel > 10) & (pixel < np.array([629, 469])), axis=1)
+        seen &= length > 4.5  # the tape is then at least 17 px wide and the profile stays on it
+        for i in np.flatnonzero(seen):
+            if _is_hidden(arena, X_WC[:3, 3], on[i]):
+                continue
+            at = pixel[i] + outward[i] / length[i] * np.arange(-_REACH_PX, _REACH_PX + 0.01, 0.5)[:, None]
+            u, v = at.astype(np.float32).T
+            profile = cv2.remap(picture, u[:, None], v[:, None], cv2.INTER_LINEAR)[:, 0]
+            errors.append(0.5 * _offset(profile))
+    return np.array(errors)
+
+
+def _is_hidden(arena, eye: np.ndarray, point: np.ndarray) -> bool:
+    """Whether a box stands near the sight line or casts its contact shadow there."""
+    steps = eye[:2] + np.linspace(0.0, 1.0, 40)[:, None] * (point[:2] - eye[:2])
+    outlines = [box.footprint().astype(np.float32) for box in arena.boxes]
+    away = [cv2.pointPolygonTest(o, (float(x), float(y)), measureDist=True) for o in outlines for x, y in steps]
+    return max(away) > -0.02
+
+
+@pytest.mark.parametrize("index", range(len(POSES)))
+def test_the_line_in_the_picture_lies_where_the_sensor_reads_it(frames, arena, index):
+    errors = _errors(*frames, arena, index)
+    assert len(errors) >= 40
+    assert np.abs(errors).mean() < 0.4

@@ -1,0 +1,161 @@
+"""The Blender process as a whole, with small pictures."""
+
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from blender_scenes import renderer
+from blender_scenes.job import FramePose, RenderJob, build_job
+from blender_scenes.renderer import RenderError, render_job
+from configs.errors import EnvironmentLacking
+from configs.schema.look import LookConfig
+from configs.schema.scenario import Render
+
+FRAMES = [FramePose(number=i, t_s=0.2 * i, x_m=0.55, y_m=-0.6 + 0.1 * i, yaw_rad=np.pi / 2) for i in (1, 2, 3)]
+SMALL = Render(width_px=80, height_px=60, samples=2)
+
+
+@pytest.fixture(scope="module")
+def job(arena, robot) -> RenderJob:
+    return build_job(arena, robot, LookConfig(name="plain"), SMALL, FRAMES, seed=5)
+
+
+def _written(job: RenderJob, folder: Path) -> Path:
+    folder.mkdir(exist_ok=True)
+    (folder / "job.json").write_text(job.to_json())
+    return folder / "job.json"
+
+
+@pytest.fixture(scope="module")
+def rendered(job, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("rendered")
+    heard = []
+    frames = render_job(_written(job, folder), folder / "images", threads=1, on_frame=heard.append)
+    return folder, frames, heard
+
+
+def test_every_frame_is_there_heard_of_and_a_picture(rendered):
+    folder, frames, heard = rendered
+    assert heard == [1, 2, 3]
+    assert [f.number for f in frames.frames] == [1, 2, 3]
+    assert frames.rendered == 3
+    pictures = [cv2.imread(str(folder / "images" / f.file)) for f in frames.frames]
+    for picture in pictures:
+        assert picture.shape == (60, 80, 3)
+        assert 60 < picture.mean() < 190
+        assert picture.std() > 8
+    assert not np.array_equal(pictures[0], pictures[1])
+
+
+def test_the_same_pixels_on_two_threads_in_another_order_and_in_blocks(rendered, job, tmp_path):
+    path = _written(job, tmp_path)
+    last = render_job(path, tmp_path / "images", threads=2, numbers=[3])
+    rest = render_job(path, tmp_path / "images", threads=2, numbers=[2, 1])
+    expected = {f.number: f.sha256 for f in rendered[1].frames}
+    assert {f.number: f.sha256 for f in (*last.frames, *rest.frames)} == expected
+
+
+def test_a_truncated_frame_is_rendered_again_and_the_others_are_left_alone(rendered):
+    folder, before, _ = rendered
+    broken, whole = folder / "images" / "000002.jpg", folder / "images" / "000003.jpg"
+    data, untouched = broken.read_bytes(), whole.stat().st_mtime_ns
+    broken.write_bytes(data[: len(data) // 2])
+    after = render_job(folder / "job.json", folder / "images", threads=1)
+    assert after.rendered == 1
+    assert broken.read_bytes() == data
+    assert whole.stat().st_mtime_ns == untouched
+    assert [f.sha256 for f in after.frames] == [f.sha256 for f in before.frames]
+
+
+def test_a_changed_job_is_rendered_anew(job, rendered):
+    folder, before, _ = rendered
+    brighter = replace(job, response=replace(job.response, brightness=2 * job.response.brightness))
+    other = folder / "other"
+    (_written(brighter, other)).replace(folder / "other.json")
+    after = render_job(folder / "other.json", folder / "images", threads=2, numbers=[1])
+    assert after.rendered == 1
+    assert after.frames[0].sha256 != before.frames[0].sha256
+
+
+def test_a_frame_that_the_job_has_not_is_refused_before_any_work(job, tmp_path):
+    with pytest.raises(ValueError, match="no frame 9"):
+        render_job(_written(job, tmp_path), tmp_path / "images", numbers=[1, 9])
+    assert not (tmp_path / "images").exists()
+
+
+def test_a_failure_inside_blender_comes_with_the_end_of_its_log(job, tmp_path):
+    lost = replace(job, scene=replace(job.scene, sky=replace(job.scene.sky, panorama="nowhere")))
+    with pytest.raises(RenderError, match=r"nowhere\.exr[\s\S]*last lines of its log"):
+        render_job(_written(lost, tmp_path), tmp_path / "images")
+
+
+def _pretend_bpy(folder: Path, monkeypatch, program: str) -> None:
+    (folder / "bpy.py").write_text(program)
+    monkeypatch.setenv("PYTHONPATH", str(folder))
+
+
+def test_a_missing_system_library_names_the_line_that_installs_it(job, tmp_path, monkeypatch):
+    missing = "libXrender.so.1: cannot open shared object file: No such file or directory"
+    _pretend_bpy(tmp_path, monkeypatch, f"raise ImportError({missing!r})")
+    with pytest.raises(EnvironmentLacking, match=r"libXrender\.so\.1.*apt-get install -y .*libxrender1"):
+        render_job(_written(job, tmp_path), tmp_path / "images")
+
+
+def test_a_killed_child_is_an_error_not_a_wait(job, tmp_path, monkeypatch):
+    _pretend_bpy(tmp_path, monkeypatch, "import os, signal\nos.kill(os.getpid(), signal.SIGKILL)")
+    with pytest.raises(RenderError, match="status -9"):
+        render_job(_written(job, tmp_path), tmp_path / "images")
+
+
+def test_a_child_that_says_nothing_is_given_up(job, tmp_path, monkeypatch):
+    _pretend_bpy(tmp_path, monkeypatch, "import time\ntime.sleep(60)")
+    monkeypatch.setattr(renderer, "_SILENCE_S", 0.2)
+    with pytest.raises(RenderError, match="said nothing for"):
+        render_job(_written(job, tmp_path), tmp_path / "images")
+
+
+def test_no_child_outlives_a_killed_renderer(job, tmp_path, monkeypatch):
+    note = tmp_path / "pid"
+    program = f"import os, time\nopen({str(note)!r}, 'w').write(str(os.getpid()))\ntime.sleep(60)"
+    _pretend_bpy(tmp_path, monkeypatch, program)
+    call = "import sys; from pathlib import Path; from blender_scenes.renderer import render_job\n"
+    call += f"render_job(Path({str(_written(job, tmp_path))!r}), Path({str(tmp_path / 'images')!r}))"
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    parent = subprocess.Popen([sys.executable, "-c", call])
+    _wait_for(lambda: note.exists() and note.read_text())
+    parent.send_signal(signal.SIGKILL)
+    parent.wait()
+    child = int(note.read_text())
+    _wait_for(lambda: not _runs(child))
+    assert list(tmp_path.glob("symolo-*")) == []
+
+
+def _runs(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def _wait_for(condition) -> None:
+    for _ in range(200):
+        if condition():
+            return
+        time.sleep(0.1)
+    raise AssertionError("waited 20 s in vain")
+
+
+def test_nothing_of_a_child_is_left_in_the_temporary_folder(job, tmp_path, monkeypatch):
+    scratch = tmp_path / "scratch"
+    scratch.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(scratch))
+    render_job(_written(job, tmp_path), tmp_path / "images", numbers=[1])
+    assert list(scratch.iterdir()) == []
