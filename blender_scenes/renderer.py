@@ -20,8 +20,8 @@ from blender_scenes.job import RenderJob
 from blender_scenes.protocol import MESSAGE, REQUEST, Failed, Finished, FrameDone, Message, Request
 from configs.errors import EnvironmentLacking
 
-SYSTEM_PACKAGES = "libgl1 libsm6 libx11-6 libxext6 libxfixes3 libxi6 libxkbcommon0 libxrender1 libxt6"
-"""Debian packages of the shared libraries that bpy loads."""
+SYSTEM_PACKAGES = "libgl1 libsm6 libx11-6 libxext6 libxfixes3 libxi6 libxkbcommon0 libxrender1"
+"""Debian packages of the shared libraries that bpy loads: what its `DT_NEEDED` entries name, followed through."""
 
 _LOG_LINES = 15
 _SILENCE_S = 300.0
