@@ -1,3 +1,10 @@
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -5,6 +12,7 @@ from blender_scenes.colour import LUMINANCE, light_rgb, paint_rgb
 from blender_scenes.description import Panel
 from blender_scenes.lighting import LIGHTS
 from blender_scenes.lighting.illuminance import on_the_floor
+from blender_scenes.lighting.panoramas import CEILING, MEAN_COLOR
 from blender_scenes.rooms import ROOMS
 from configs.schema.look import LampsLook, LookConfig, Paint, SkyLook, SunLook, WindowLook
 
@@ -84,3 +92,25 @@ def test_the_sky_has_the_luminance_that_the_look_gives_it():
     look = LookConfig(name="s", sky=SkyLook(panorama="forest", luminance_kcd_m2=2.5))
     (sky,) = LIGHTS["daylight"](look, _room(look)).skies
     assert sky.gain * (np.array([1.0518, 1.1792, 1.3717]) @ LUMINANCE) == pytest.approx(2.5)
+
+
+def test_the_table_of_panoramas_holds_what_the_files_hold():
+    """Read by OpenCV, which must be told before it is loaded that it may read OpenEXR."""
+    spec = importlib.util.find_spec("bpy")
+    assert spec is not None
+    (folder,) = Path(spec.submodule_search_locations[0]).glob("*/datafiles/studiolights/world")
+    program = f"""
+import cv2, json, numpy as np
+means = {{}}
+for name in {list(MEAN_COLOR)}:
+    picture = cv2.imread(f"{folder}/{{name}}.exr", cv2.IMREAD_UNCHANGED)[..., 2::-1].astype(float)
+    above = np.minimum(picture, {CEILING})[: len(picture) // 2]
+    elevation = np.pi * (0.5 - (np.arange(len(above)) + 0.5) / len(picture))
+    means[name] = np.average(above.mean(axis=1), axis=0, weights=np.cos(elevation)).tolist()
+print(json.dumps(means))
+"""
+    environment = {**os.environ, "OPENCV_IO_ENABLE_OPENEXR": "1"}
+    call = [sys.executable, "-c", program]
+    done = subprocess.run(call, capture_output=True, text=True, check=True, env=environment)
+    for name, mean in json.loads(done.stdout).items():
+        assert MEAN_COLOR[name] == pytest.approx(mean, rel=0.002), name
