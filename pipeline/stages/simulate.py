@@ -5,7 +5,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from configs.schema.scenario import RunSpec
 from configs.streams import stream
@@ -46,13 +45,13 @@ class _Rows:
     """What is recorded at each control tick, by series name; columns of one row are stacked at the end."""
 
     units: dict[str, str] = field(default_factory=dict)
-    values: dict[str, list[NDArray[np.float64] | NDArray[np.int64]]] = field(default_factory=dict)
+    values: dict[str, list[np.ndarray]] = field(default_factory=dict)
 
     def add(self, name: str, unit: str, value: object) -> None:
         self.units[name] = unit
         self.values.setdefault(name, []).append(np.asarray(value))
 
-    def stacked(self, name: str) -> NDArray[np.float64] | NDArray[np.int64]:
+    def stacked(self, name: str) -> np.ndarray:
         return np.stack(self.values[name])
 
 
