@@ -17,21 +17,27 @@ class TwoMass:
 
 
 @dataclass(frozen=True)
-class SideLoads:
-    """What acts on each side, and its inertia."""
+class Load:
+    """What acts on a mass, and its inertia."""
 
-    drive_N_m: Array
-    """On the motor side, at rest."""
-    motor_damping_N_m_s_rad: Array
-    load_damping_N_m_s_rad: Array
-    motor_friction_N_m: Array
-    load_friction_N_m: Array
-    motor_inertia_kg_m2: Array
-    load_inertia_kg_m2: Array
+    torque_N_m: Array
+    """At rest."""
+    damping_N_m_s_rad: Array
+    friction_N_m: Array
+    inertia_kg_m2: Array
 
+    def moved(self, speed_rad_s: Array, duration_s: float) -> Array:
+        """Speed after a short step, damping taken at its end; friction stops a mass and never turns it round."""
+        heavier = self.inertia_kg_m2 + duration_s * self.damping_N_m_s_rad
+        free: Array = (self.inertia_kg_m2 * speed_rad_s + duration_s * self.torque_N_m) / heavier
+        grip: Array = duration_s * self.friction_N_m / heavier
+        return np.copysign(np.maximum(np.abs(free) - grip, 0.0), free)
 
-def slowed(speed: Array, torque: Array, damping: Array, friction: Array, inertia: Array, duration_s: float) -> Array:
-    """Speed after a short step, damping taken at its end; friction stops a mass and never turns it round."""
-    free = (speed + duration_s * torque / inertia) / (1.0 + duration_s * damping / inertia)
-    grip = duration_s * friction / inertia / (1.0 + duration_s * damping / inertia)
-    return np.sign(free) * np.maximum(np.abs(free) - grip, 0.0)
+    def __add__(self, other: "Load") -> "Load":
+        """Both as one mass."""
+        return Load(
+            self.torque_N_m + other.torque_N_m,
+            self.damping_N_m_s_rad + other.damping_N_m_s_rad,
+            self.friction_N_m + other.friction_N_m,
+            self.inertia_kg_m2 + other.inertia_kg_m2,
+        )

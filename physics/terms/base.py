@@ -35,7 +35,7 @@ class Slot(StrEnum):
     FRICTION = "friction"
     """friction torque against the motion [N m], `Motion` -> the same."""
     GEARBOX = "gearbox"
-    """`TwoMass`, `SideLoads`, duration [s] -> `TwoMass`."""
+    """`TwoMass`, `Load` of motor side and load side, duration [s] -> `TwoMass`."""
     GEOMETRY = "geometry"
     """WheelGeometry -> WheelGeometry."""
     GROUND = "ground"

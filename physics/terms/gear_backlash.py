@@ -4,42 +4,23 @@ import numpy as np
 
 from configs.schema.terms.motor import GearBacklash
 from physics.terms.base import Slot, Term
-from physics.two_mass import SideLoads, TwoMass, slowed
+from physics.two_mass import Load, TwoMass
 
 
-def played(values: GearBacklash, state: TwoMass, loads: SideLoads, duration_s: float) -> TwoMass:
-    """One short step (0.1 ms is fine). Sides that touch move as one while they push each other; contact is inelastic."""
+def played(values: GearBacklash, state: TwoMass, motor: Load, load: Load, duration_s: float) -> TwoMass:
+    """One short step (0.1 ms is fine). Sides move as one while they push each other; contact is inelastic."""
     half = 0.5 * values.gap_rad
-    inertia = loads.motor_inertia_kg_m2 + loads.load_inertia_kg_m2
-    motor = slowed(
-        state.motor_rad_s,
-        loads.drive_N_m,
-        loads.motor_damping_N_m_s_rad,
-        loads.motor_friction_N_m,
-        loads.motor_inertia_kg_m2,
-        duration_s,
+    motor_rad_s, load_rad_s = motor.moved(state.motor_rad_s, duration_s), load.moved(state.load_rad_s, duration_s)
+    slack_rad = state.slack_rad + duration_s * (motor_rad_s - load_rad_s)
+    pushing = (np.abs(slack_rad) >= half) & ((motor_rad_s - load_rad_s) * np.sign(slack_rad) >= 0.0)
+    both = motor + load
+    momentum = motor.inertia_kg_m2 * state.motor_rad_s + load.inertia_kg_m2 * state.load_rad_s
+    together = both.moved(momentum / both.inertia_kg_m2, duration_s)
+    return TwoMass(
+        np.where(pushing, together, motor_rad_s),
+        np.where(pushing, together, load_rad_s),
+        np.clip(slack_rad, -half, half),
     )
-    load = slowed(
-        state.load_rad_s,
-        np.zeros_like(state.load_rad_s),
-        loads.load_damping_N_m_s_rad,
-        loads.load_friction_N_m,
-        loads.load_inertia_kg_m2,
-        duration_s,
-    )
-    slack = state.slack_rad + duration_s * (motor - load)
-    end = np.clip(slack, -half, half)
-    pushing = (np.abs(slack) >= half) & ((motor - load) * np.sign(slack) >= 0.0)
-    before = state.motor_rad_s * loads.motor_inertia_kg_m2 + state.load_rad_s * loads.load_inertia_kg_m2
-    together = slowed(
-        before / inertia,
-        loads.drive_N_m,
-        loads.motor_damping_N_m_s_rad + loads.load_damping_N_m_s_rad,
-        loads.motor_friction_N_m + loads.load_friction_N_m,
-        inertia,
-        duration_s,
-    )
-    return TwoMass(np.where(pushing, together, motor), np.where(pushing, together, load), end)
 
 
 TERM = Term(

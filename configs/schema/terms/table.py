@@ -22,7 +22,7 @@ def _absent() -> None:
 
 
 class Terms(Section):
-    """Motor and its bench, range sensor, drive. The order in a file means nothing: `physics.terms` has the one that acts."""
+    """Motor and its bench, range sensor, drive. Order means nothing here; `physics.terms` has the one that acts."""
 
     winding_resistance_scale: motor.WindingResistanceScale | None = Field(default_factory=_absent)
     torque_constant_scale: motor.TorqueConstantScale | None = Field(default_factory=_absent)
