@@ -23,7 +23,7 @@ SENSORS: dict[str, Callable[[RobotConfig, Arena, int, np.random.Generator], Sens
 def fit_out(
     robot: RobotConfig, arena: Arena, physics_hz: int, rng_of: Callable[[str], np.random.Generator]
 ) -> dict[str, Sensor]:
-    """Build every sensor, and a pose log where a term speaks of one; `rng_of` gives the random stream for a sensor's name."""
+    """Build every sensor, each with the random stream of its name, and a pose log where a term speaks of one."""
     sensors = {name: build(robot, arena, physics_hz, rng_of(name)) for name, build in SENSORS.items()}
     if logs_pose(robot.terms):
         sensors["pose_log"] = PoseLog(robot.terms, physics_hz)

@@ -8,7 +8,7 @@ from physics.terms.base import Slot, Term
 
 
 def dropped(values: BridgeVoltageDrop, emf_V: Array) -> Array:
-    return np.sign(emf_V) * np.maximum(np.abs(emf_V) - values.drop_V, 0.0)
+    return np.copysign(np.maximum(np.abs(emf_V) - values.drop_V, 0.0), emf_V)
 
 
 TERM = Term(
