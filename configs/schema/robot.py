@@ -45,7 +45,7 @@ class Motor(Section):
     coulomb_friction_N_m: float = Field(ge=0, le=10)
     rotor_inertia_kg_m2: float = Field(ge=0, le=1)
     """Rotor and gearbox, reflected to the wheel shaft."""
-    motor_side_inertia_fraction: float = Field(default=0.9, ge=0, le=1)
+    motor_side_inertia_fraction: float = Field(default=0.9, ge=0.01, le=0.99)
     """Share of that inertia before the gearbox's play; matters with backlash alone."""
     motor_side_friction_fraction: float = Field(default=0.5, ge=0, le=1)
     """Likewise, of all friction."""
