@@ -55,6 +55,7 @@ class BodyOnWheels:
         v, w = twist[..., 0], twist[..., 1]
         across = w * self.caster_x_m
         grip = self.caster_force_N / (np.hypot(v, across) + CREEP_M_S)
-        forward = self.moment_kg_m * w**2 - grip * v
-        turning = -self.moment_kg_m * v * w - grip * across * self.caster_x_m
-        return np.stack([forward, turning], axis=-1) @ self.to_twist
+        forces = np.empty_like(twist)
+        forces[..., 0] = self.moment_kg_m * w**2 - grip * v
+        forces[..., 1] = -self.moment_kg_m * v * w - grip * across * self.caster_x_m
+        return forces @ self.to_twist

@@ -72,6 +72,8 @@ class Driveline:
 
     def extra_torque_N_m(self, voltage_V: Array, speed_rad_s: Array) -> Array:
         """By terms, on top of that of the bare winding at this voltage and speed."""
+        if not (self._bridge or self._supply or self._limit):
+            return np.zeros_like(speed_rad_s)
         bare_A = (voltage_V - self.torque_constant_N_m_A * speed_rad_s) / self.resistance_ohm
         return self.torque_constant_N_m_A * (self.current_A(voltage_V, speed_rad_s) - bare_A)
 
@@ -80,9 +82,12 @@ class Driveline:
         return self.torque_constant_N_m_A * voltage_V / self.resistance_ohm
 
     def friction_N_m(self, torque_N_m: Array, speed_rad_s: Array, time_s: float | Array) -> Array:
-        """Dry friction against the motion, or against the torque on a wheel at rest, up to which it holds."""
+        """Dry friction against the motion, or against the torque on a wheel at rest, up to which it holds.
+
+        Of the motors alone, to be broadcast, where no term makes it differ in time.
+        """
         if not self._friction:
-            return np.broadcast_to(self.coulomb_N_m, speed_rad_s.shape)
+            return self.coulomb_N_m
         direction = np.sign(np.where(speed_rad_s == 0.0, torque_N_m, speed_rad_s))
         motion = Motion(direction, speed_rad_s, time_s)
         return through(self._friction, np.broadcast_to(self.coulomb_N_m, speed_rad_s.shape), motion)

@@ -63,19 +63,20 @@ class KinematicTwin:
         commands = np.clip(voltages_V, -self._limit_V, self._limit_V)
         late = np.zeros((min(self._delay_steps, steps), lanes, 2))
         commands = np.concatenate([late, commands[: steps - len(late)]])
-        pose, speed, current = (np.zeros((steps + 1, lanes, width)) for width in (3, 2, 2))
-        counted = np.zeros((steps + 1, lanes, 2))
-        pose[0] = starts
-        held, acceleration = np.zeros((lanes, 2)), np.zeros((lanes, 2))
+        speed, voltage, turned = (np.zeros((steps + 1, lanes, 2)) for _ in range(3))
+        held = acceleration = np.zeros((lanes, 2))
         for k in range(steps):
-            held, voltage = self._driveline.voltage_V(held, commands[k], k * self._step_s, self._step_s)
-            speed[k + 1], turned = self._wheels(voltage, speed[k], acceleration, k * self._step_s)
+            held, voltage[k + 1] = self._driveline.voltage_V(held, commands[k], k * self._step_s, self._step_s)
+            speed[k + 1], turned[k + 1] = self._wheels(voltage[k + 1], speed[k], acceleration, k * self._step_s)
             acceleration = (speed[k + 1] - speed[k]) / self._step_s
-            current[k + 1] = self._driveline.current_A(voltage, speed[k + 1])
-            counted[k + 1] = counted[k] + through(self._counting, turned, self._step_s)
-            pose[k + 1] = self._moved(pose[k], turned)
-        counts = np.floor(counted * self._counts_per_rad + 0.5).astype(np.int64)
-        return TwinRun(np.arange(steps + 1) * self._step_s, pose, speed, current, counts)
+        counted = np.cumsum(through(self._counting, turned, self._step_s), axis=0)
+        return TwinRun(
+            t_s=np.arange(steps + 1) * self._step_s,
+            pose=self._path(starts, turned),
+            wheel_speed_rad_s=speed,
+            current_A=self._driveline.current_A(voltage, speed),
+            counts=np.floor(counted * self._counts_per_rad + 0.5).astype(np.int64),
+        )
 
     def _wheels(self, voltage_V: Array, speed: Array, acceleration: Array, time_s: float) -> tuple[Array, Array]:
         """Speeds after a step, and angles turned. What one wheel asks of the other is that of the step before."""
@@ -85,15 +86,18 @@ class KinematicTwin:
         torque = torque + self._body.load_N_m(speed) - acceleration @ self._coupling
         return HeldDrive(torque, driveline.damping_N_m_s_rad, friction, self._inertia).step(speed, self._step_s)
 
-    def _moved(self, pose: Array, turned_rad: Array) -> Array:
-        """Along the arc of the wheels' travel, with the share of its turn that slip leaves."""
-        path = turned_rad @ self._body.to_twist.T
-        forward_m, turn_rad = path[:, 0], path[:, 1]
-        share = through(self._ground, np.ones(len(pose)), forward_m / self._step_s, turn_rad / self._step_s)
-        turn_rad = share * turn_rad
+    def _path(self, starts: Array, turned_rad: Array) -> Array:
+        """Poses along the arcs of the wheels' travel, with the share of each turn that slip leaves."""
+        travel = turned_rad @ self._body.to_twist.T
+        forward_m, turn_rad = travel[..., 0], travel[..., 1]
+        ones = np.ones_like(turn_rad)
+        turn_rad = turn_rad * through(self._ground, ones, forward_m / self._step_s, turn_rad / self._step_s)
+        yaw_rad = starts[:, 2] + np.cumsum(turn_rad, axis=0)
         chord_m = forward_m * np.sinc(turn_rad / (2.0 * pi))
-        direction = pose[:, 2] + 0.5 * turn_rad
-        return pose + np.stack([chord_m * np.cos(direction), chord_m * np.sin(direction), turn_rad], axis=-1)
+        direction = yaw_rad - 0.5 * turn_rad
+        x_m = starts[:, 0] + np.cumsum(chord_m * np.cos(direction), axis=0)
+        y_m = starts[:, 1] + np.cumsum(chord_m * np.sin(direction), axis=0)
+        return np.stack([x_m, y_m, yaw_rad], axis=-1)
 
 
 class ReplayedWorld:

@@ -24,6 +24,8 @@ class HeldDrive:
         moving = speed_rad_s != 0.0
         final = (self.torque_N_m - np.copysign(self.friction_N_m, speed_rad_s)) / self.damping_N_m_s_rad
         comes_to_rest = moving & (final * speed_rad_s < 0.0)
+        if moving.all() and not comes_to_rest.any():
+            return _relaxed(speed_rad_s, final, np.full_like(final, duration_s), time_constant)
         ratio = np.divide(speed_rad_s, final, out=np.zeros_like(speed_rad_s), where=comes_to_rest)
         stops_after = np.where(comes_to_rest, time_constant * np.log1p(-ratio), np.inf)
         first_s = np.where(moving, np.minimum(stops_after, duration_s), 0.0)
