@@ -28,8 +28,8 @@ from sensors.terms import (
 )
 
 SENSOR_TERMS: tuple[Term, ...] = (
-    current_sensor_offset.TERM,
     current_sensor_gain.TERM,
+    current_sensor_offset.TERM,
     speed_scale.TERM,
     speed_filter_lag.TERM,
     speed_time_offset.TERM,
@@ -52,5 +52,5 @@ SENSOR_TERMS: tuple[Term, ...] = (
     marker_offset.TERM,
     pose_time_offset.TERM,
 )
-"""In the order of the signal chain, in which they act whatever the order in a file: what scales a range comes before
+"""In the order of the signal chain, in which they act whatever the order in a file: what scales a reading comes before
 what adds to it, and saturation last."""
