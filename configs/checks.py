@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from typing import get_args
 
 from configs.distributions import Choice
-from configs.errors import InputError
+from configs.errors import InputError, nearest
 from configs.faults import Fault
 from configs.footprints import Point, Rectangle, obstacle_footprint, overlap, wall_footprint
-from configs.schema.arena import ArcPiece, ArenaConfig, StraightPiece
+from configs.schema.arena import ArcPiece, ArenaConfig, StraightPiece, SurfaceName
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Route, Scenario
 from configs.tree import FieldPath, Node, dotted
@@ -55,6 +56,7 @@ def _scenario_faults(scenario: Scenario, routes: Iterable[int]) -> Iterator[Faul
     yield from _route_name_faults(scenario.routes)
     yield from _arena_faults(scenario.arena)
     yield from _robot_faults(scenario.robot)
+    yield from _engine_faults(scenario.robot)
     yield from _period_faults(scenario.rates, scenario.robot)
     for index in routes:
         yield from _start_faults(scenario.arena, scenario.robot, scenario.routes[index], ("routes", index, "start"))
@@ -138,12 +140,31 @@ def _robot_faults(robot: RobotConfig) -> Iterator[Fault]:
     yield from _body_faults(robot)
     yield from _range_faults(robot)
     yield from _stall_faults(robot)
+    yield from _material_faults(robot)
     corner = robot.controller.corner
     if corner.front_below_m >= corner.front_clear_m:
         path: FieldPath = ("robot", "controller", "corner")
         allowed = f"less than front_clear_m, which is {corner.front_clear_m}"
         against = (*path, "front_clear_m")
         yield Fault((*path, "front_below_m"), got=corner.front_below_m, allowed=allowed, against=against)
+
+
+def _engine_faults(robot: RobotConfig) -> Iterator[Fault]:
+    backlash = robot.terms.gear_backlash
+    if backlash is not None and backlash.gap_rad > 0:
+        path: FieldPath = ("robot", "terms", "gear_backlash", "gap_rad")
+        problem = "PyBullet's wheel is one mass, without play"
+        cure = "leave the term out; it acts on the motor bench alone"
+        yield Fault(path, problem, got=backlash.gap_rad, allowed="0", cure=cure)
+
+
+def _material_faults(robot: RobotConfig) -> Iterator[Fault]:
+    bias = robot.terms.material_bias
+    names = get_args(SurfaceName)
+    if bias is not None and bias.material not in names:
+        path: FieldPath = ("robot", "terms", "material_bias", "material")
+        allowed, close = f"one of {', '.join(names)}", nearest(bias.material, names)
+        yield Fault(path, "no such surface", got=bias.material, allowed=allowed, nearest=close)
 
 
 def _range_faults(robot: RobotConfig) -> Iterator[Fault]:

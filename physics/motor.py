@@ -4,6 +4,7 @@ Driving torque is linear in voltage and speed; Coulomb friction opposes motion, 
 and never drives it. A constant voltage therefore has a closed form, which `step` follows through stops and starts.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import copysign, exp, log
 
@@ -73,6 +74,17 @@ class MotorModel:
         final = (stall - copysign(self.coulomb_N_m, stall)) / self.damping_N_m_s_rad
         speed, further = _relax(speed, final, left, time_constant)
         return speed, angle + further
+
+
+@dataclass(frozen=True)
+class Motors:
+    """The motors of a robot, or twice the same one on a bench."""
+
+    right: MotorModel
+    left: MotorModel
+
+    def each(self, change: Callable[[MotorModel], MotorModel]) -> "Motors":
+        return Motors(change(self.right), change(self.left))
 
 
 def _relax(start: float, final: float, duration_s: float, time_constant_s: float) -> tuple[float, float]:

@@ -12,6 +12,8 @@ from configs.schema.arena import SurfaceName
 class RangeSurface:
     mean_at_100_mm_mm: float
     sd_at_100_mm_mm: float
+    reflectance: float
+    """At the sensor's 940 nm. Not in the paper: usual values of such surfaces."""
 
     @property
     def offset_m(self) -> float:
@@ -19,14 +21,14 @@ class RangeSurface:
 
 
 SURFACES: dict[SurfaceName, RangeSurface] = {
-    "white_board": RangeSurface(100.25, 0.84),
-    "light_grey_board": RangeSurface(100.21, 0.82),
-    "dark_grey_board": RangeSurface(101.24, 0.79),
-    "black_board": RangeSurface(95.63, 0.80),
-    "metal": RangeSurface(89.06, 1.28),
-    "wood": RangeSurface(99.88, 1.42),
-    "glass": RangeSurface(96.58, 1.77),
-    "paper": RangeSurface(101.42, 1.45),
-    "cardboard": RangeSurface(101.42, 1.45),  # the paper measured none; brown paper board is read as paper
-    "plastic": RangeSurface(99.7, 1.31),
+    "white_board": RangeSurface(100.25, 0.84, 0.85),
+    "light_grey_board": RangeSurface(100.21, 0.82, 0.5),
+    "dark_grey_board": RangeSurface(101.24, 0.79, 0.18),
+    "black_board": RangeSurface(95.63, 0.80, 0.05),
+    "metal": RangeSurface(89.06, 1.28, 0.7),
+    "wood": RangeSurface(99.88, 1.42, 0.45),
+    "glass": RangeSurface(96.58, 1.77, 0.1),
+    "paper": RangeSurface(101.42, 1.45, 0.85),
+    "cardboard": RangeSurface(101.42, 1.45, 0.55),  # the paper measured none; brown paper board is read as paper
+    "plastic": RangeSurface(99.7, 1.31, 0.6),
 }

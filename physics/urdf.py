@@ -7,6 +7,7 @@ one. The reflected rotor inertia is not in it: URDF has no word for it.
 
 from configs.schema.robot import RobotConfig
 from physics.motor import MotorModel
+from physics.robot_model import RobotModel
 
 RIGHT_WHEEL, LEFT_WHEEL, CASTER = "right_wheel", "left_wheel", "caster"
 CASTER_MASS_KG = 1e-3
@@ -16,16 +17,17 @@ CASTER_MASS_KG = 1e-3
 def robot_urdf(robot: RobotConfig) -> str:
     """URDF 1.0. The joints' damping is back-EMF and viscous friction; Coulomb friction is the engine's to add."""
     drive = robot.drive
-    radius = 0.5 * drive.wheel_diameter_m
-    half_track = 0.5 * drive.track_m
+    model = RobotModel.from_config(robot)
+    geometry, motors = model.geometry, model.motors
+    right, left, half_track = geometry.right_radius_m, geometry.left_radius_m, 0.5 * geometry.track_m
     lines = [
         '<?xml version="1.0"?>',
         f'<robot name="{robot.name}">',
         *_base(robot),
-        *_wheel(RIGHT_WHEEL, robot),
-        *_joint(RIGHT_WHEEL, "continuous", (0.0, -half_track, radius), MotorModel.from_config(robot.motor)),
-        *_wheel(LEFT_WHEEL, robot),
-        *_joint(LEFT_WHEEL, "continuous", (0.0, half_track, radius), MotorModel.from_config(robot.motor)),
+        *_wheel(RIGHT_WHEEL, robot, right),
+        *_joint(RIGHT_WHEEL, "continuous", (0.0, -half_track, right), motors.right),
+        *_wheel(LEFT_WHEEL, robot, left),
+        *_joint(LEFT_WHEEL, "continuous", (0.0, half_track, left), motors.left),
         *_caster(drive.caster_radius_m),
         *_joint(CASTER, "fixed", (drive.caster_x_m, 0.0, drive.caster_radius_m)),
         "</robot>",
@@ -48,10 +50,10 @@ def _base(robot: RobotConfig) -> list[str]:
     ]
 
 
-def _wheel(name: str, robot: RobotConfig) -> list[str]:
+def _wheel(name: str, robot: RobotConfig, radius: float) -> list[str]:
     """A disc that meets the floor as a sphere of the same radius: one contact, in the middle of the tread."""
     drive = robot.drive
-    radius, mass = 0.5 * drive.wheel_diameter_m, drive.wheel_mass_kg
+    mass = drive.wheel_mass_kg
     across = mass * (3.0 * radius**2 + drive.wheel_width_m**2) / 12.0
     spin = 0.5 * mass * radius**2
     return [

@@ -37,6 +37,11 @@ class Hits(Protocol):
 class World(Protocol):
     """What a sensor may look at."""
 
+    @property
+    def time_s(self) -> float:
+        """Since the start of the run, which is also when everything was switched on."""
+        ...
+
     def pose(self) -> tuple[float, float, float]:
         """X_WR: x [m], y [m], yaw [rad, unwrapped] of the middle of the axle."""
         ...

@@ -9,11 +9,12 @@ from physics.arena import Arena
 from sensors.base import Sensor
 from sensors.encoders import WheelEncoders
 from sensors.line_sensor import LineSensorModel
+from sensors.pose_log import PoseLog, logs_pose
 from sensors.tof import TofArray
 
 SENSORS: dict[str, Callable[[RobotConfig, Arena, int, np.random.Generator], Sensor]] = {
     "line": lambda robot, arena, physics_hz, rng: LineSensorModel(robot.line_sensor, arena, physics_hz, rng),
-    "tof": lambda robot, arena, physics_hz, rng: TofArray(robot.tof, arena, physics_hz, rng),
+    "tof": lambda robot, arena, physics_hz, rng: TofArray(robot.tof, arena, physics_hz, rng, robot.terms),
     "encoders": lambda robot, _arena, physics_hz, rng: WheelEncoders(robot.encoder, physics_hz, rng),
 }
 """Sensor by name; the name is also the last part of its random stream's path."""
@@ -22,5 +23,8 @@ SENSORS: dict[str, Callable[[RobotConfig, Arena, int, np.random.Generator], Sens
 def fit_out(
     robot: RobotConfig, arena: Arena, physics_hz: int, rng_of: Callable[[str], np.random.Generator]
 ) -> dict[str, Sensor]:
-    """Build every sensor; `rng_of` gives the random stream for a sensor's name."""
-    return {name: build(robot, arena, physics_hz, rng_of(name)) for name, build in SENSORS.items()}
+    """Build every sensor, each with the random stream of its name, and a pose log where a term speaks of one."""
+    sensors = {name: build(robot, arena, physics_hz, rng_of(name)) for name, build in SENSORS.items()}
+    if logs_pose(robot.terms):
+        sensors["pose_log"] = PoseLog(robot.terms, physics_hz)
+    return sensors

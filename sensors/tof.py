@@ -10,9 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from configs.schema.robot import TofMount, TofSensor
+from configs.schema.terms.table import Terms
 from physics.arena import Arena
+from physics.robot_model import through
 from physics.surfaces import SURFACES
+from physics.terms.base import Slot, effects
 from sensors.base import Array, Sampling, Sensor, World, quantise
+from sensors.range_view import RangeView
+from sensors.terms import SENSOR_TERMS
+
+NO_TERMS = Terms()
 
 NEAR_LIMIT_M = 0.18
 """Below it error and noise are constant (paper section 5.2.2)."""
@@ -32,8 +39,13 @@ class TofStatus(IntEnum):
 class TofArray(Sensor):
     """Front, left and right sensor, in this order everywhere."""
 
-    def __init__(self, config: TofSensor, arena: Arena, physics_hz: int, rng: np.random.Generator) -> None:
-        self.sampling = Sampling.from_seconds(config.period_s, config.delay_s, physics_hz)
+    def __init__(
+        self, config: TofSensor, arena: Arena, physics_hz: int, rng: np.random.Generator, terms: Terms = NO_TERMS
+    ) -> None:
+        delay_s = through(effects(SENSOR_TERMS, terms, Slot.RANGE_DELAY), config.delay_s)
+        self.sampling = Sampling.from_seconds(config.period_s, delay_s, physics_hz)
+        self._range_terms = effects(SENSOR_TERMS, terms, Slot.RANGE)
+        self._noise_terms = effects(SENSOR_TERMS, terms, Slot.RANGE_NOISE)
         self._config = config
         self._rng = rng
         angle, roll = ray_pattern(config.rays, np.radians(config.field_of_view_deg))
@@ -42,17 +54,26 @@ class TofArray(Sensor):
         self._head_on = float(np.sum(self._profile * np.cos(angle)) / np.sum(self._profile))
         mounts = (config.mounts.front, config.mounts.left, config.mounts.right)
         self._origins_R = np.concatenate([np.tile([m.x_m, m.y_m, m.z_m], (config.rays, 1)) for m in mounts])
-        self._directions_R = np.concatenate([ray_directions(m, angle, roll) for m in mounts])
+        askew = through(effects(SENSOR_TERMS, terms, Slot.RANGE_MOUNT), np.zeros(3))
+        self._directions_R = np.concatenate(
+            [ray_directions(m, angle, roll, extra) for m, extra in zip(mounts, askew, strict=True)]
+        )
+        axis = np.zeros(1)
+        self._axes_R = np.concatenate(
+            [ray_directions(m, axis, axis, extra) for m, extra in zip(mounts, askew, strict=True)]
+        )
         surfaces = [SURFACES[box.surface] for box in arena.boxes]
         # Index 0 is the floor, which the paper did not measure: no offset, the noise of Eq. 23.
         self._offset_m = np.array([0.0] + [s.offset_m for s in surfaces])
         self._sd_m = 1e-3 * np.array([NOISE_AT_NEAR_MM] + [s.sd_at_100_mm_mm for s in surfaces])
+        self._reflectance = np.array([arena.floor_reflectance] + [s.reflectance for s in surfaces])
+        self._materials = np.array(["floor"] + [box.surface for box in arena.boxes])
         self._last = np.full((3, 2), [config.no_target_m, TofStatus.NO_TARGET])
 
     def sample(self, world: World) -> Array:
         """Range [m] and `TofStatus`, (3, 2)."""
         config = self._config
-        hit, distance, cosine, surface = self._cast(world)
+        hit, distance, cosine, surface, normal = self._cast(world)
         weight = self._profile * cosine * hit
         returned = weight.sum(axis=1)
         signal = returned / (self._head_on * self._profile.sum())
@@ -60,10 +81,12 @@ class TofArray(Sensor):
         true_range = (share * distance).sum(axis=1) * self._head_on
         offset = (share * self._offset_m[surface]).sum(axis=1)
         sd = (share * self._sd_m[surface]).sum(axis=1) * noise_growth(true_range) * config.noise_scale
+        reading = true_range + offset + config.error_scale * log_error_m(true_range)
+        if self._range_terms or self._noise_terms:
+            view = self._view(world, true_range, share, surface, normal)
+            reading, sd = through(self._range_terms, reading, view), through(self._noise_terms, sd, view)
         noise = sd * self._rng.standard_normal(3)
-        reading = quantise(
-            true_range + offset + config.error_scale * log_error_m(true_range) + noise, config.quantisation_m
-        )
+        reading = quantise(reading + noise, config.quantisation_m)
         valid = (signal >= config.signal_threshold) & (reading >= config.min_range_m) & (reading <= config.max_range_m)
         fresh = np.stack(
             [np.where(valid, reading, config.no_target_m), np.where(valid, TofStatus.VALID, TofStatus.NO_TARGET)],
@@ -74,8 +97,31 @@ class TofArray(Sensor):
         self._last = np.where(lost[:, None], held, fresh)
         return self._last
 
-    def _cast(self, world: World) -> tuple[NDArray[np.bool_], Array, Array, NDArray[np.int64]]:
-        """Hit, slant distance [m], cosine of incidence and surface index of each ray, (3, rays) each."""
+    def _view(
+        self, world: World, distance_m: Array, share: Array, surface: NDArray[np.int64], normal: Array
+    ) -> RangeView:
+        """For the terms; material, reflectance and normal are means over the light that returns."""
+        _, _, yaw = world.pose()
+        c, s = np.cos(yaw), np.sin(yaw)
+        axes = self._axes_R @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+        mean_normal = np.einsum("ij,ijk->ik", share, normal)
+        length = np.maximum(np.linalg.norm(mean_normal, axis=1), 1e-12)
+        facing = np.clip(-np.einsum("ij,ij->i", axes, mean_normal) / length, -1.0, 1.0)
+        seen = self._materials[surface]
+        return RangeView(
+            distance_m=distance_m,
+            incidence_rad=np.arccos(facing),
+            # Where nothing returns there is no reading; any reflectance will do.
+            reflectance=np.where(share.sum(axis=1) > 0.0, (share * self._reflectance[surface]).sum(axis=1), 1.0),
+            material_share={name: (share * (seen == name)).sum(axis=1) for name in np.unique(self._materials)},
+            temperature_C=self._config.temperature_C,
+            reference_temperature_C=self._config.reference_temperature_C,
+            ambient_lux=self._config.ambient_lux,
+            time_s=world.time_s,
+        )
+
+    def _cast(self, world: World) -> tuple[NDArray[np.bool_], Array, Array, NDArray[np.int64], Array]:
+        """Hit, slant distance [m], cosine of incidence and surface index, (3, rays) each, and normal, (3, rays, 3)."""
         x, y, yaw = world.pose()
         c, s = np.cos(yaw), np.sin(yaw)
         R_RW = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
@@ -91,6 +137,7 @@ class TofArray(Sensor):
             (hits.fraction * reach).reshape(shape),
             cosine,
             np.maximum(hits.surface, 0).reshape(shape),
+            hits.normal.reshape((*shape, 3)),
         )
 
 
@@ -101,10 +148,10 @@ def ray_pattern(rays: int, field_of_view_rad: float) -> tuple[Array, Array]:
     return 0.5 * field_of_view_rad * np.sqrt(index / rays), golden_angle * index
 
 
-def ray_directions(mount: TofMount, angle: Array, roll: Array) -> Array:
+def ray_directions(mount: TofMount, angle: Array, roll: Array, extra_yaw_rad: float = 0.0) -> Array:
     """Unit directions in R, (rays, 3), of a cone whose axis is turned by the mount's yaw and pitch."""
     x, y, z = np.cos(angle), np.sin(angle) * np.cos(roll), np.sin(angle) * np.sin(roll)
-    pitch, yaw = np.radians(mount.pitch_up_deg), np.radians(mount.yaw_deg)
+    pitch, yaw = np.radians(mount.pitch_up_deg), np.radians(mount.yaw_deg) + extra_yaw_rad
     x, z = x * np.cos(pitch) - z * np.sin(pitch), x * np.sin(pitch) + z * np.cos(pitch)
     return np.stack([x * np.cos(yaw) - y * np.sin(yaw), x * np.sin(yaw) + y * np.cos(yaw), z], axis=1)
 

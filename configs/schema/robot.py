@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from configs.schema.base import Section, Slug
+from configs.schema.terms.table import Terms
 
 
 class Chassis(Section):
@@ -44,6 +45,10 @@ class Motor(Section):
     coulomb_friction_N_m: float = Field(ge=0, le=10)
     rotor_inertia_kg_m2: float = Field(ge=0, le=1)
     """Rotor and gearbox, reflected to the wheel shaft."""
+    motor_side_inertia_fraction: float = Field(default=0.9, ge=0.01, le=0.99)
+    """Share of that inertia before the gearbox's play; matters with backlash alone."""
+    motor_side_friction_fraction: float = Field(default=0.5, ge=0, le=1)
+    """Likewise, of all friction."""
 
 
 class Power(Section):
@@ -128,6 +133,12 @@ class TofSensor(Section):
     """Factor on Eq. 24 in the form 59.77 mm ln(x / 0.18 m)."""
     noise_scale: float = Field(ge=0, le=10)
     quantisation_m: float = Field(ge=0, le=0.1)
+    temperature_C: float = Field(default=25.0, ge=-40, le=125)
+    """Of the device; matters with a temperature drift alone."""
+    reference_temperature_C: float = Field(default=25.0, ge=-40, le=125)
+    """At which it was calibrated."""
+    ambient_lux: float = Field(default=500.0, ge=0, le=200_000)
+    """Light at the device; matters with a term of ambient noise alone."""
     dropout_probability: float = Field(ge=0, le=1)
 
 
@@ -213,3 +224,9 @@ class RobotConfig(Section):
     tof: TofSensor
     camera: Camera
     controller: Controller
+    terms: Terms = Terms()
+    """What is different in this robot from all that is said above; the robot itself does not know of it."""
+
+    def with_term(self, values: Section) -> "RobotConfig":
+        """This robot with one more effect, for example `SupplySag(source_resistance_ohm=0.4)`."""
+        return self.model_copy(update={"terms": self.terms.with_term(values)})

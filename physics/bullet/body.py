@@ -8,6 +8,8 @@ import pybullet
 
 from configs.schema.robot import RobotConfig
 from physics.bullet.world import BOXES, CHASSIS, FLOOR, TREADS
+from physics.motor import MotorModel
+from physics.robot_model import RobotModel
 from physics.urdf import CASTER, LEFT_WHEEL, RIGHT_WHEEL, robot_urdf
 
 MAX_JOINT_SPEED_RAD_S = 1000.0
@@ -29,9 +31,10 @@ def add_robot(client: int, robot: RobotConfig, start: tuple[float, float, float]
     pybullet.setCollisionFilterGroupMask(body, -1, CHASSIS, BOXES, physicsClientId=client)
     links = _links(client, body)
     wheels = [links[RIGHT_WHEEL], links[LEFT_WHEEL]]
-    for wheel in wheels:
+    motors = RobotModel.from_config(robot).motors
+    for wheel, motor in zip(wheels, (motors.right, motors.left), strict=True):
         _tread(client, body, wheel, robot.drive.wheel_friction)
-        _motor(client, body, wheel, robot)
+        _motor(client, body, wheel, motor)
     _tread(client, body, links[CASTER], robot.drive.caster_friction)
     return body, wheels
 
@@ -62,16 +65,16 @@ def _tread(client: int, body: int, link: int, friction: float) -> None:
     pybullet.setCollisionFilterGroupMask(body, link, TREADS, FLOOR, physicsClientId=client)
 
 
-def _motor(client: int, body: int, wheel: int, robot: RobotConfig) -> None:
+def _motor(client: int, body: int, wheel: int, motor: MotorModel) -> None:
     # URDF has no word for a reflected rotor, and no body could have so much inertia about one axis alone.
     across, spin, _ = pybullet.getDynamicsInfo(body, wheel, physicsClientId=client)[2]
-    inertia = [across, spin + robot.motor.rotor_inertia_kg_m2, across]
+    inertia = [across, spin + motor.inertia_kg_m2, across]
     pybullet.changeDynamics(body, wheel, localInertiaDiagonal=inertia, physicsClientId=client)
     pybullet.setJointMotorControl2(
         body,
         wheel,
         pybullet.VELOCITY_CONTROL,
         targetVelocity=0.0,
-        force=robot.motor.coulomb_friction_N_m,
+        force=motor.coulomb_N_m,
         physicsClientId=client,
     )

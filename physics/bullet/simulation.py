@@ -12,15 +12,17 @@ given back to the body.
 from math import atan2, floor, pi
 from typing import Self
 
+import numpy as np
 import pybullet
 
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates
 from physics.arena import Arena
 from physics.bullet.body import add_robot
+from physics.bullet.wheels_with_terms import WheelsWithTerms, needs_every_step
 from physics.bullet.world import add_arena, connect
-from physics.motor import MotorModel
 from physics.rays import Array, Hits, RayScene
+from physics.robot_model import RobotModel
 from physics.wheel_loop import WheelSpeedLoop, voltage_limit_V
 
 REACTION_PERIOD_S = 0.002
@@ -35,9 +37,11 @@ class BulletSimulation:
     def __init__(self, robot: RobotConfig, arena: Arena, start: tuple[float, float, float], rates: Rates) -> None:
         self._rates = rates
         self._steps = 0
-        self._motor = MotorModel.from_config(robot.motor)
+        model = RobotModel.from_config(robot)
+        self._motors = model.motors
+        self._terms = WheelsWithTerms(model, rates.physics_hz) if needs_every_step(model) else None
         self._limit_V = voltage_limit_V(robot.power)
-        self._rad_to_counts = robot.encoder.counts_per_revolution / (2.0 * pi)
+        self._rad_to_counts = model.counts_per_revolution / (2.0 * pi)
         self._loops = tuple(
             WheelSpeedLoop(robot.wheel_loop, robot.encoder, robot.power, rates.wheel_loop_hz) for _ in range(2)
         )
@@ -46,12 +50,12 @@ class BulletSimulation:
         self._torques = [0.0, 0.0]
         self._look_every = max(1, round(REACTION_PERIOD_S * rates.physics_hz))
         looks_hz = rates.physics_hz / self._look_every
-        self._reaction_gain = REACTION_SMOOTHING * robot.motor.rotor_inertia_kg_m2 * looks_hz
+        self._reaction_gain = REACTION_SMOOTHING * model.motors.right.inertia_kg_m2 * looks_hz
         self._reaction = [0.0, 0.0, 0.0]
         self._speed_sum = 0.0
         # Of the chassis' centre of mass, which is what PyBullet reports, to the middle of the axle.
         chassis = robot.chassis
-        axle_height = 0.5 * robot.drive.wheel_diameter_m
+        axle_height = 0.5 * (model.geometry.right_radius_m + model.geometry.left_radius_m)
         self._to_axle = (-chassis.center_of_mass_x_m, 0.0, axle_height - chassis.center_of_mass_z_m)
         self._box_names = tuple(box.name for box in arena.boxes)
         self._touched: set[int] = set()
@@ -100,7 +104,10 @@ class BulletSimulation:
             if since_update == 0:
                 self._update()
             count = min(per_update - since_update, end - self._steps)
-            self._step(count)
+            if self._terms is None:
+                self._step(count)
+            else:
+                self._step_with(self._terms, count)
             self._steps += count
 
     def _step(self, count: int) -> None:
@@ -120,6 +127,34 @@ class BulletSimulation:
             step(client)
         self._speed_sum = speed
 
+    def _step_with(self, terms: WheelsWithTerms, count: int) -> None:
+        """The same for a robot with terms that act at every step."""
+        client, robot, wheels, reaction = self._client, self._robot, self._wheels, self._reaction
+        for number in range(self._steps, self._steps + count):
+            right, left = self._wheel_states()
+            speeds = np.array((right[1], left[1]))
+            if number % self._look_every == 0:
+                speed = right[1] + left[1]
+                reaction[1] += self._reaction_gain * (speed - self._speed_sum) - REACTION_SMOOTHING * reaction[1]
+                self._speed_sum = speed
+            torques = terms.torques_N_m(number, np.array((right[0], left[0])), speeds)
+            friction = terms.friction_to_set()
+            if friction is not None:
+                pybullet.setJointMotorControlArray(
+                    robot,
+                    wheels,
+                    pybullet.VELOCITY_CONTROL,
+                    targetVelocities=(0.0, 0.0),
+                    forces=friction,
+                    physicsClientId=client,
+                )
+            pybullet.applyExternalTorque(robot, -1, reaction, pybullet.LINK_FRAME, client)
+            pybullet.setJointMotorControlArray(
+                robot, wheels, pybullet.TORQUE_CONTROL, forces=torques, physicsClientId=client
+            )
+            pybullet.stepSimulation(client)
+            terms.turn_back(client, robot, self._to_axle, speeds)
+
     def _update(self) -> None:
         """Once per wheel-loop period: the loop, the contacts, and the turns of the yaw."""
         self._watch()
@@ -132,7 +167,10 @@ class BulletSimulation:
         limit = self._limit_V
         right_V, left_V = min(max(right_V, -limit), limit), min(max(left_V, -limit), limit)
         self._voltages = (right_V, left_V)
-        self._torques[:] = (self._motor.stall_torque_N_m(right_V), self._motor.stall_torque_N_m(left_V))
+        if self._terms is not None:
+            self._terms.command(self._steps, self._voltages)
+        motors = self._motors
+        self._torques[:] = (motors.right.stall_torque_N_m(right_V), motors.left.stall_torque_N_m(left_V))
 
     def _watch(self) -> None:
         contacts = pybullet.getContactPoints(bodyA=self._robot, linkIndexA=-1, physicsClientId=self._client)
@@ -158,15 +196,18 @@ class BulletSimulation:
         r = pybullet.getMatrixFromQuaternion(turn)
         forward = velocity[0] * r[0] + velocity[1] * r[3] + velocity[2] * r[6]
         pitch_rate = spin[0] * r[1] + spin[1] * r[4] + spin[2] * r[7]
-        return forward + pitch_rate * self._to_axle[2], spin[2]
+        yaw_share = 1.0 if self._terms is None else self._terms.yaw_share
+        return forward + pitch_rate * self._to_axle[2], yaw_share * spin[2]
 
     def _wheel_states(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         return pybullet.getJointStates(self._robot, self._wheels, physicsClientId=self._client)
 
     def encoder_counts(self) -> tuple[int, int]:
         """Quadrature counts, right and left, since the start, which lies in the middle between two edges."""
-        right, left = self._wheel_states()
-        return floor(right[0] * self._rad_to_counts + 0.5), floor(left[0] * self._rad_to_counts + 0.5)
+        right, left = (state[0] for state in self._wheel_states())
+        if self._terms is not None:
+            right, left = right - float(self._terms.lost_rad[0]), left - float(self._terms.lost_rad[1])
+        return floor(right * self._rad_to_counts + 0.5), floor(left * self._rad_to_counts + 0.5)
 
     def wheel_speeds(self) -> tuple[float, float]:
         """True speeds, right and left [rad/s]."""
@@ -174,13 +215,16 @@ class BulletSimulation:
         return right[1], left[1]
 
     def voltages(self) -> tuple[float, float]:
-        """At the motors, right and left [V]."""
+        """As commanded to the driver, right and left [V]; at the motors where no term is in between."""
         return self._voltages
 
     def currents(self) -> tuple[float, float]:
         """Through the windings, right and left [A]."""
         right, left = self.wheel_speeds()
-        return self._motor.current_A(self._voltages[0], right), self._motor.current_A(self._voltages[1], left)
+        if self._terms is not None:
+            return self._terms.currents_A(np.array((right, left)))
+        motors = self._motors
+        return motors.right.current_A(self._voltages[0], right), motors.left.current_A(self._voltages[1], left)
 
     def cast(self, origins: Array, ends: Array) -> Hits:
         """Cast rays from `origins` to `ends`, (N, 3) each, in W, past the robot itself."""

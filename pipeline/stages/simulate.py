@@ -15,6 +15,7 @@ from physics.control.controller import RobotController
 from physics.lap import Lap
 from physics.trajectory import Recording, TimeSeries, Trajectory
 from sensors.fit_out import fit_out
+from sensors.instruments import read_current_A, read_speed_rad_s
 from sensors.odometry import Odometry
 from sensors.suite import Reading, SensorSuite
 
@@ -126,10 +127,12 @@ class _Run:
         rows.add("tof_status", "1", readings["tof"][:, 1].astype(np.int64))
         rows.add("line", "1", readings["line"])
         rows.add("encoder_counts", "1", readings["encoders"])
+        if "pose_log" in readings:
+            rows.add("pose_log", "m, m, rad", readings["pose_log"])
         rows.add("odometry", "m, m, rad", self._believed)
         rows.add("wheel_speed_rad_s", "rad/s", world.wheel_speeds())
         rows.add("voltage_V", "V", world.voltages())
-        rows.add("current_A", "A", world.currents())
+        rows.add("current_A", "A", read_current_A(self._spec.robot.terms, np.array(world.currents())))
         rows.add("command", "m/s, rad/s", (command.v_m_s, command.w_rad_s))
         image = 1 + tick // self._ticks_per_image if tick % self._ticks_per_image == 0 else 0
         rows.add("image", "1", image)
@@ -144,10 +147,13 @@ class _Run:
             np.asarray(rows.stacked("twist"), dtype=np.float64),
             np.asarray(rows.stacked("state"), dtype=np.int64),
         )
+        stacked = {name: rows.stacked(name) for name in rows.values}
+        speed = np.asarray(stacked["wheel_speed_rad_s"], dtype=np.float64)
+        stacked["wheel_speed_rad_s"] = read_speed_rad_s(self._spec.robot.terms, t_s, speed)
         in_trajectory = {"pose", "twist", "state"}
         series = [
-            TimeSeries(name, rows.units[name], t_s, rows.stacked(name))
-            for name in rows.values
+            TimeSeries(name, rows.units[name], t_s, values)
+            for name, values in stacked.items()
             if name not in in_trajectory
         ]
         return Recording(trajectory, tuple(series))

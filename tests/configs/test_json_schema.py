@@ -20,6 +20,7 @@ TYPES: dict[str, tuple[type, ...]] = {
     "boolean": (bool,),
     "number": (int, float),
     "integer": (int,),
+    "null": (type(None),),
 }
 
 

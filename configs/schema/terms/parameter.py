@@ -1,0 +1,36 @@
+"""What is known of a term's parameter, written once: unit, value without effect, start of a fit, and bounds."""
+
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import GetCoreSchemaHandler
+from pydantic_core import CoreSchema, core_schema
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """Stands in a field's annotation; the schema takes its bounds from here, and so do fit, contract and table."""
+
+    unit: str
+    null: float | None
+    """Value at which the effect is absent; None for a shape, such as a time constant, that by itself does nothing."""
+    start: float
+    """A plausible value with a visible effect, from which a fit starts."""
+    low: float
+    high: float
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:  # noqa: ANN401
+        """The bounds, for validation and JSON Schema alike."""
+        del source, handler
+        return core_schema.float_schema(ge=self.low, le=self.high, strict=True, allow_inf_nan=False)
+
+
+Scale = Annotated[float, Parameter("1", null=1.0, start=1.15, low=0.05, high=20.0)]
+"""True value over nominal value."""
+GeometryScale = Annotated[float, Parameter("1", null=1.0, start=1.05, low=0.5, high=2.0)]
+"""True over nominal, of a length or a count that cannot be far off."""
+Delay = Annotated[float, Parameter("s", null=0.0, start=0.04, low=0.0, high=0.5)]
+LagTime = Annotated[float, Parameter("s", null=0.0, start=0.03, low=0.0, high=2.0)]
+DriftTime = Annotated[float, Parameter("s", null=None, start=120.0, low=0.1, high=10_000.0)]
+Asymmetry = Annotated[float, Parameter("1", null=0.0, start=0.1, low=-0.9, high=0.9)]
+RangeShift = Annotated[float, Parameter("m", null=0.0, start=0.012, low=-0.2, high=0.2)]

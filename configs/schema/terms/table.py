@@ -1,0 +1,97 @@
+"""All effects of a robot by their canonical names: `robot.terms.<name>.<parameter>`.
+
+The parameters are written as schema sections, since the schema is the lowest layer and a section already is a config
+key, a randomisation axis and a refusal with bounds. `physics.terms` and `sensors.terms` give each section its slot,
+its cause and its function; nothing of a parameter is repeated there.
+
+A robot has at most one term of each name, and no key means no effect; `name: null` takes away one that was inherited.
+"""
+
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
+from typing import Any, get_args
+
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
+
+from configs.schema.base import Section
+from configs.schema.terms import drive, motor, range_bench
+
+
+def _absent() -> None:
+    """A default that JSON Schema does not show, so that no file is filled up with absent terms."""
+
+
+class Terms(Section):
+    """Motor and its bench, range sensor, drive. Order means nothing here; `physics.terms` has the one that acts."""
+
+    winding_resistance_scale: motor.WindingResistanceScale | None = Field(default_factory=_absent)
+    torque_constant_scale: motor.TorqueConstantScale | None = Field(default_factory=_absent)
+    torque_constant_mismatch: motor.TorqueConstantMismatch | None = Field(default_factory=_absent)
+    viscous_friction_scale: motor.ViscousFrictionScale | None = Field(default_factory=_absent)
+    coulomb_friction_scale: motor.CoulombFrictionScale | None = Field(default_factory=_absent)
+    rotor_inertia_scale: motor.RotorInertiaScale | None = Field(default_factory=_absent)
+    stribeck_friction: motor.StribeckFriction | None = Field(default_factory=_absent)
+    quadratic_drag: motor.QuadraticDrag | None = Field(default_factory=_absent)
+    friction_asymmetry: motor.FrictionAsymmetry | None = Field(default_factory=_absent)
+    friction_warmup: motor.FrictionWarmup | None = Field(default_factory=_absent)
+    bridge_voltage_drop: motor.BridgeVoltageDrop | None = Field(default_factory=_absent)
+    supply_sag: motor.SupplySag | None = Field(default_factory=_absent)
+    battery_decline: motor.BatteryDecline | None = Field(default_factory=_absent)
+    input_delay: motor.InputDelay | None = Field(default_factory=_absent)
+    actuator_lag: motor.ActuatorLag | None = Field(default_factory=_absent)
+    current_limit: motor.CurrentLimit | None = Field(default_factory=_absent)
+    gear_backlash: motor.GearBacklash | None = Field(default_factory=_absent)
+    current_sensor_offset: motor.CurrentSensorOffset | None = Field(default_factory=_absent)
+    current_sensor_gain: motor.CurrentSensorGain | None = Field(default_factory=_absent)
+    speed_scale: motor.SpeedScale | None = Field(default_factory=_absent)
+    speed_filter_lag: motor.SpeedFilterLag | None = Field(default_factory=_absent)
+    speed_time_offset: motor.SpeedTimeOffset | None = Field(default_factory=_absent)
+    range_offset: range_bench.RangeOffset | None = Field(default_factory=_absent)
+    range_scale: range_bench.RangeScale | None = Field(default_factory=_absent)
+    log_range_error: range_bench.LogRangeError | None = Field(default_factory=_absent)
+    temperature_drift: range_bench.TemperatureDrift | None = Field(default_factory=_absent)
+    material_bias: range_bench.MaterialBias | None = Field(default_factory=_absent)
+    incidence_bias: range_bench.IncidenceBias | None = Field(default_factory=_absent)
+    cover_crosstalk: range_bench.CoverCrosstalk | None = Field(default_factory=_absent)
+    near_field_error: range_bench.NearFieldError | None = Field(default_factory=_absent)
+    range_saturation: range_bench.RangeSaturation | None = Field(default_factory=_absent)
+    warmup_drift: range_bench.WarmupDrift | None = Field(default_factory=_absent)
+    noise_scale: range_bench.NoiseScale | None = Field(default_factory=_absent)
+    ambient_noise: range_bench.AmbientNoise | None = Field(default_factory=_absent)
+    wheel_radius_scale: drive.WheelRadiusScale | None = Field(default_factory=_absent)
+    wheel_radius_asymmetry: drive.WheelRadiusAsymmetry | None = Field(default_factory=_absent)
+    wheelbase_scale: drive.WheelbaseScale | None = Field(default_factory=_absent)
+    encoder_ticks_scale: drive.EncoderTicksScale | None = Field(default_factory=_absent)
+    encoder_missed_ticks: drive.EncoderMissedTicks | None = Field(default_factory=_absent)
+    turn_slip: drive.TurnSlip | None = Field(default_factory=_absent)
+    marker_offset: drive.MarkerOffset | None = Field(default_factory=_absent)
+    pose_time_offset: drive.PoseTimeOffset | None = Field(default_factory=_absent)
+    tof_range_offset: drive.TofRangeOffset | None = Field(default_factory=_absent)
+    tof_range_scale: drive.TofRangeScale | None = Field(default_factory=_absent)
+    tof_mount_yaw: drive.TofMountYaw | None = Field(default_factory=_absent)
+    tof_time_offset: drive.TofTimeOffset | None = Field(default_factory=_absent)
+
+    @model_serializer(mode="wrap")
+    def _present_alone(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return {name: value for name, value in handler(self).items() if value is not None}
+
+    def present(self) -> Iterator[tuple[str, Section]]:
+        """Name and parameters of each term that the robot has."""
+        for name in type(self).model_fields:
+            values = getattr(self, name)
+            if values is not None:
+                yield name, values
+
+    def with_term(self, values: Section) -> "Terms":
+        """These and one more, in place of one of the same name."""
+        return self.model_copy(update={TERM_NAMES[type(values)]: values})
+
+
+def _sections() -> Iterator[tuple[type[Section], str]]:
+    for name, field in Terms.model_fields.items():
+        section, _ = get_args(field.annotation)
+        yield section, name
+
+
+TERM_NAMES: Mapping[type[Section], str] = MappingProxyType(dict(_sections()))
+"""Canonical name of the effect that a section gives the parameters of."""

@@ -1,0 +1,17 @@
+"""What friction looks at."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Motion:
+    direction: Array
+    """Of the motion, or at rest of the torque that would set the wheel in motion: -1, 0 or +1."""
+    speed_rad_s: Array
+    time_s: float | Array
+    """Since the motor was first switched on."""

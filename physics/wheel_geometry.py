@@ -1,0 +1,18 @@
+"""What turns wheel speeds into the motion of the body."""
+
+from dataclasses import dataclass
+
+from configs.schema.robot import Drive
+
+
+@dataclass(frozen=True)
+class WheelGeometry:
+    right_radius_m: float
+    left_radius_m: float
+    track_m: float
+    """Between the two ground contact points (paper Eq. 2)."""
+
+    @classmethod
+    def from_config(cls, drive: Drive) -> "WheelGeometry":
+        radius_m = 0.5 * drive.wheel_diameter_m
+        return cls(radius_m, radius_m, drive.track_m)

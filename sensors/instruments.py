@@ -1,0 +1,32 @@
+"""What current sensor and tachometer of the motors say, from what is true; without terms the same to the bit."""
+
+import numpy as np
+
+from configs.schema.terms.table import Terms
+from physics.robot_model import through
+from physics.terms.base import Slot, effects
+from sensors.base import Array
+from sensors.terms import SENSOR_TERMS
+
+
+def read_current_A(terms: Terms, current_A: Array) -> Array:
+    """Of the same shape."""
+    return through(effects(SENSOR_TERMS, terms, Slot.CURRENT_READING), current_A)
+
+
+def read_speed_rad_s(terms: Terms, t_s: Array, speed_rad_s: Array) -> Array:
+    """Readings (N, ...) at the times (N,) of the true speeds, which the filter takes as held up to their time.
+
+    A reading from before the first row is the first row's.
+    """
+    reading = through(effects(SENSOR_TERMS, terms, Slot.SPEED_READING), speed_rad_s)
+    for low_pass in effects(SENSOR_TERMS, terms, Slot.SPEED_FILTER):
+        rows = [reading[0]]
+        for row, duration_s in zip(reading[1:], np.diff(t_s), strict=True):
+            rows.append(low_pass(rows[-1], row, float(duration_s)))
+        reading = np.stack(rows)
+    delay_s = through(effects(SENSOR_TERMS, terms, Slot.SPEED_DELAY), 0.0)
+    if delay_s == 0.0:
+        return reading
+    columns = [np.interp(t_s - delay_s, t_s, column) for column in reading.reshape(len(t_s), -1).T]
+    return np.stack(columns, axis=-1).reshape(reading.shape)

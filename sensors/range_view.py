@@ -1,0 +1,23 @@
+"""What a range reading may depend on beside the distance."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from sensors.base import Array
+
+
+@dataclass(frozen=True)
+class RangeView:
+    """One value per reading; in an array of sensors the last axis is front, left, right."""
+
+    distance_m: Array
+    incidence_rad: Array
+    """Between the sensor's axis and the normal of what it sees."""
+    reflectance: Array
+    material_share: Mapping[str, Array]
+    """By name of the material, the share of the returned light that comes from it."""
+    temperature_C: float | Array
+    reference_temperature_C: float
+    ambient_lux: float | Array
+    time_s: float | Array
+    """Since power-on."""

@@ -1,0 +1,23 @@
+"""A sensor that is turned in its mount."""
+
+import numpy as np
+
+from configs.schema.terms.drive import TofMountYaw
+from physics.terms.base import Slot, Term
+from sensors.base import Array
+
+
+def turned(values: TofMountYaw, yaw_rad: Array) -> Array:
+    return yaw_rad + np.where(values.sensor == SENSORS, values.angle_rad, 0.0)
+
+
+SENSORS = np.array(["front", "left", "right"])
+
+
+TERM = Term(
+    TofMountYaw,
+    Slot.RANGE_MOUNT,
+    cause="a board that is soldered or screwed down askew",
+    excitation="walls met at several angles",
+    apply=turned,
+)

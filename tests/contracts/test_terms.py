@@ -1,0 +1,205 @@
+"""What holds for every term, of physics and of sensors alike."""
+
+from itertools import product
+from pathlib import Path
+
+import pytest
+import yaml
+
+from configs.draw import draw_robot
+from configs.loader import load_section
+from configs.schema.robot import RobotConfig
+from configs.schema.terms.table import TERM_NAMES
+from physics.robot_model import RobotModel
+from physics.terms import PHYSICS_TERMS
+from physics.terms.base import Slot
+from sensors.terms import SENSOR_TERMS
+
+ROOT = Path(__file__).parents[2]
+TERMS = {term.name: term for term in (*PHYSICS_TERMS, *SENSOR_TERMS)}
+CANONICAL = {
+    "winding_resistance_scale": "scale",
+    "torque_constant_scale": "scale",
+    "torque_constant_mismatch": "mismatch",
+    "viscous_friction_scale": "scale",
+    "coulomb_friction_scale": "scale",
+    "rotor_inertia_scale": "scale",
+    "stribeck_friction": "extra_torque_N_m, stribeck_speed_rad_s",
+    "quadratic_drag": "coefficient_N_m_s2_rad2",
+    "friction_asymmetry": "asymmetry",
+    "friction_warmup": "amplitude, time_constant_s",
+    "bridge_voltage_drop": "drop_V",
+    "supply_sag": "source_resistance_ohm",
+    "battery_decline": "fraction_per_minute",
+    "input_delay": "delay_s",
+    "actuator_lag": "time_constant_s",
+    "current_limit": "limit_A",
+    "gear_backlash": "gap_rad",
+    "current_sensor_offset": "offset_A",
+    "current_sensor_gain": "gain",
+    "speed_scale": "scale",
+    "speed_filter_lag": "time_constant_s",
+    "speed_time_offset": "delay_s",
+    "range_offset": "offset_m",
+    "range_scale": "scale",
+    "log_range_error": "coefficient_m",
+    "temperature_drift": "coefficient_m_per_K",
+    "material_bias": "material, offset_m",
+    "incidence_bias": "coefficient",
+    "cover_crosstalk": "strength_per_m2",
+    "near_field_error": "amplitude_m, decay_length_m",
+    "range_saturation": "saturation_m",
+    "warmup_drift": "amplitude_m, time_constant_s",
+    "noise_scale": "scale",
+    "ambient_noise": "coefficient_per_klux",
+    "wheel_radius_scale": "scale",
+    "wheel_radius_asymmetry": "asymmetry",
+    "wheelbase_scale": "scale",
+    "encoder_ticks_scale": "scale",
+    "encoder_missed_ticks": "side, fraction, threshold_rad_s",
+    "turn_slip": "coefficient_s2_m",
+    "marker_offset": "offset_m",
+    "pose_time_offset": "delay_s",
+    "tof_range_offset": "sensor, offset_m",
+    "tof_range_scale": "scale",
+    "tof_mount_yaw": "sensor, angle_rad",
+    "tof_time_offset": "delay_s",
+}
+"""Names and parameters of the format that diagnosis and simulator share."""
+
+CHOICES = {"material": ("white_board",)}
+CASES = [
+    pytest.param(term, dict(zip(term.options, choice, strict=True)), id="-".join((term.name, *choice)))
+    for term in TERMS.values()
+    for choice in product(*(CHOICES.get(name, options) for name, options in term.options.items()))
+]
+UNITS = {"N m": "N_m", "rad/s": "rad_s", "N m s2/rad2": "N_m_s2_rad2", "V": "V", "ohm": "ohm", "1/min": "per_minute"}
+UNITS |= {"s": "s", "A": "A", "rad": "rad", "m": "m", "m/K": "m_per_K", "1/m2": "per_m2", "1/klux": "per_klux"}
+UNITS |= {"s2/m": "s2_m"}
+
+
+def test_the_terms_are_those_of_the_shared_format():
+    assert {name: ", ".join(term.parameters.model_fields) for name, term in TERMS.items()} == CANONICAL
+    assert set(TERM_NAMES.values()) == set(CANONICAL)
+    assert len(TERMS) == len(PHYSICS_TERMS) + len(SENSOR_TERMS) == 46
+
+
+@pytest.mark.parametrize("term", TERMS.values(), ids=lambda term: term.name)
+def test_a_term_has_a_file_of_its_name_a_cause_and_an_excitation(term):
+    assert term.apply.__module__.rsplit(".", 1)[1] == term.name
+    assert len(term.cause) > 10
+    assert len(term.excitation) > 10
+
+
+@pytest.mark.parametrize("term", TERMS.values(), ids=lambda term: term.name)
+def test_bounds_are_finite_and_hold_null_and_start(term):
+    assert term.numbers
+    for name, number in term.numbers.items():
+        assert -1e5 < number.low < number.start < number.high < 1e5
+        if number.null is not None:
+            assert number.low <= number.null <= number.high
+            assert number.null != number.start
+        if number.unit == "1":
+            assert not name.endswith(("_s", "_m", "_V", "_A", "_rad"))
+        else:
+            assert name.endswith(UNITS[number.unit])
+    assert any(number.null is not None for number in term.numbers.values())
+
+
+@pytest.mark.parametrize("term", TERMS.values(), ids=lambda term: term.name)
+def test_a_multiplicative_parameter_is_1_without_effect_and_any_other_0(term):
+    for name, number in term.numbers.items():
+        if number.null is not None and name not in {"limit_A", "saturation_m"}:
+            assert number.null == (1.0 if name in {"scale", "gain"} else 0.0)
+
+
+@pytest.mark.parametrize(("term", "choices"), CASES)
+def test_a_term_survives_dictionary_and_json(term, choices, excitable):
+    robot = excitable.with_term(term.start(choices))
+    plain = robot.model_dump()
+    assert plain["terms"] == {term.name: {**{n: p.start for n, p in term.numbers.items()}, **choices}}
+    assert RobotConfig.model_validate(plain) == robot
+    assert RobotConfig.model_validate_json(robot.model_dump_json()) == robot
+    assert RobotModel.from_config(excitable).with_term(term.start(choices)) == RobotModel.from_config(robot)
+
+
+def test_a_robot_without_terms_has_no_key_for_any(excitable):
+    assert excitable.model_dump()["terms"] == {}
+
+
+@pytest.mark.parametrize(("term", "choices"), CASES)
+def test_every_parameter_is_a_config_key_and_an_axis_of_randomisation(term, choices):
+    ends = {
+        name: sorted((number.start, 0.5 * (number.start + (number.high if number.null is None else number.null))))
+        for name, number in term.numbers.items()
+    }
+    settings = [f"robot.terms.{term.name}.{name}={choice}" for name, choice in choices.items()]
+    settings += [f"robot.terms.{term.name}.{name}={{uniform: {list(pair)}}}" for name, pair in ends.items()]
+    section = load_section("robot", "nominal", settings)
+    one, drawn = draw_robot(section, 1, "a", 1)
+    other, _ = draw_robot(section, 1, "a", 2)
+    assert set(drawn) == {f"robot.terms.{term.name}.{name}" for name in ends}
+    for name, (low, high) in ends.items():
+        assert low <= getattr(getattr(one.terms, term.name), name) <= high
+        assert getattr(getattr(one.terms, term.name), name) != getattr(getattr(other.terms, term.name), name)
+
+
+@pytest.mark.parametrize(("term", "choices"), CASES)
+class TestInTwinAndBench:
+    def test_the_null_value_is_bit_identical_to_no_term(self, term, choices, excitable, read_in_twin, bare_in_twin):
+        assert read_in_twin(excitable.with_term(term.null(choices))) == bare_in_twin
+
+    def test_the_start_value_changes_a_reading(self, term, choices, excitable, read_in_twin, bare_in_twin):
+        assert read_in_twin(excitable.with_term(term.start(choices))) != bare_in_twin
+
+
+@pytest.mark.parametrize(("term", "choices"), CASES)
+class TestInTheEngine:
+    def test_the_null_value_is_bit_identical_to_no_term(self, term, choices, excitable, read_in_engine, bare_in_engine):
+        assert read_in_engine(excitable.with_term(term.null(choices))) == bare_in_engine
+
+    def test_the_start_value_changes_a_reading(self, term, choices, excitable, read_in_engine, bare_in_engine):
+        robot = excitable.with_term(term.start(choices))
+        if term.slot is Slot.GEARBOX:
+            with pytest.raises(ValueError, match="cannot act in the engine"):
+                read_in_engine(robot)
+        else:
+            assert read_in_engine(robot) != bare_in_engine
+
+
+@pytest.fixture(scope="module")
+def bare_in_twin(excitable, read_in_twin):
+    return read_in_twin(excitable)
+
+
+@pytest.fixture(scope="module")
+def bare_in_engine(excitable, read_in_engine):
+    return read_in_engine(excitable)
+
+
+def test_the_order_in_a_file_does_not_matter(tmp_path, read_in_twin):
+    first = {name: next(iter(term.options.values()), ()) for name, term in TERMS.items()}
+    terms = {
+        name: term.start({key: CHOICES.get(key, first[name])[0] for key in term.options}).model_dump()
+        for name, term in TERMS.items()
+    }
+    found = []
+    for order in (list(terms), list(reversed(terms))):
+        path = tmp_path / "robot.yaml"
+        text = {"extends": "nominal", "name": "all", "description": "", "terms": {name: terms[name] for name in order}}
+        path.write_text(yaml.safe_dump(text, sort_keys=False))
+        robot = RobotConfig.model_validate(load_section("robot", str(path)).tree)
+        found.append((robot.model_dump_json(), read_in_twin(robot)))
+    assert found[0] == found[1]
+
+
+def test_every_term_is_a_row_of_the_documentation():
+    table = (ROOT / "docs" / "terms.md").read_text()
+    for term in TERMS.values():
+        rows = []
+        for name, number in term.numbers.items():
+            null = "-" if number.null is None else f"{number.null:g}"
+            rows.append(f"| {name} | {number.unit} | {null} | {number.start:g} | {number.low:g} ... {number.high:g} |")
+        rows.append(f"{term.cause}; seen in: {term.excitation}")
+        assert [row for row in rows if row not in table] == []
+        assert f"### {term.name}" in table

@@ -1,0 +1,192 @@
+"""Each sensor term against the definition of the shared format, worked out by hand."""
+
+import math
+
+import numpy as np
+import pytest
+
+from configs.schema.terms import drive, motor, range_bench
+from configs.schema.terms.table import Terms
+from sensors.instruments import read_current_A, read_speed_rad_s
+from sensors.pose_log import PoseLog
+from sensors.range_view import RangeView
+from sensors.terms import SENSOR_TERMS
+from sensors.tof import TofArray, TofStatus
+
+DISTANCE_M = np.array([0.05, 0.18, 0.6])
+VIEW = RangeView(
+    distance_m=DISTANCE_M,
+    incidence_rad=np.array([0.0, math.pi / 6, math.pi / 4]),
+    reflectance=np.array([0.85, 0.05, 0.5]),
+    material_share={"wood": np.array([1.0, 0.0, 0.25])},
+    temperature_C=35.0,
+    reference_temperature_C=25.0,
+    ambient_lux=3000.0,
+    time_s=60.0,
+)
+
+
+def applied(values, given):
+    """What the term of these parameters makes of a value in the view above."""
+    (term,) = (term for term in SENSOR_TERMS if term.parameters is type(values))
+    return term.apply(values, np.asarray(given), VIEW)
+
+
+@pytest.mark.parametrize(
+    ("values", "expected"),
+    [
+        (range_bench.RangeOffset(offset_m=0.01), [0.06, 0.19, 0.61]),
+        (range_bench.RangeScale(scale=1.1), [0.055, 0.198, 0.66]),
+        (range_bench.LogRangeError(coefficient_m=0.02), [0.05, 0.18, 0.6 + 0.02 * math.log(0.6 / 0.18)]),
+        (range_bench.TemperatureDrift(coefficient_m_per_K=1e-3), [0.06, 0.19, 0.61]),
+        (range_bench.MaterialBias(material="wood", offset_m=-0.008), [0.042, 0.18, 0.598]),
+        (range_bench.MaterialBias(material="glass", offset_m=-0.008), [0.05, 0.18, 0.6]),
+        (range_bench.IncidenceBias(coefficient=0.1), [0.05, 0.18 + 0.1 * 0.18 * 0.25, 0.6 + 0.1 * 0.6 * 0.5]),
+        (
+            range_bench.CoverCrosstalk(strength_per_m2=0.1),
+            [0.05 / (1 + 0.00025 / 0.85), 0.18 / (1 + 0.00324 / 0.05), 0.6 / (1 + 0.036 / 0.5)],
+        ),
+        (
+            range_bench.NearFieldError(amplitude_m=0.02, decay_length_m=0.1),
+            [0.05 + 0.02 * math.exp(-0.5), 0.18 + 0.02 * math.exp(-1.8), 0.6 + 0.02 * math.exp(-6.0)],
+        ),
+        (range_bench.RangeSaturation(saturation_m=0.5), [0.05, 0.18, 0.5]),
+        (
+            range_bench.WarmupDrift(amplitude_m=0.01, time_constant_s=120.0),
+            DISTANCE_M + 0.01 * math.exp(-0.5),
+        ),
+        (drive.TofRangeOffset(sensor="left", offset_m=0.01), [0.05, 0.19, 0.6]),
+        (drive.TofRangeScale(scale=0.9), [0.045, 0.162, 0.54]),
+        (range_bench.NoiseScale(scale=1.5), [0.075, 0.27, 0.9]),
+        (range_bench.AmbientNoise(coefficient_per_klux=1.0), 2.0 * DISTANCE_M),
+    ],
+    ids=lambda item: type(item).__name__,
+)
+def test_ranges_and_their_noise(values, expected):
+    np.testing.assert_allclose(applied(values, DISTANCE_M), expected, rtol=1e-12)
+
+
+class TestRangeSensorsInTheSimulation:
+    """Front sensor before a wall across the way; the box of the arena says what the wall is made of."""
+
+    @pytest.fixture
+    def read(self, robot, arena_of, plane_world):
+        def take(values, distance_m=0.5, surface="wood", at=(0.0, 0.0, 0.0), **settings):
+            config = robot.tof.model_copy(
+                update={"error_scale": 0.0, "noise_scale": 0.0, "quantisation_m": 0.0} | settings
+            )
+            tof = TofArray(
+                config, arena_of(surface), 1000, np.random.Generator(np.random.PCG64(0)), Terms().with_term(values)
+            )
+            world = plane_world(wall_x_m=robot.tof.mounts.front.x_m + distance_m, at=at)
+            world.time_s = 60.0
+            return tof.sample(world)[0]
+
+        return take
+
+    @pytest.fixture
+    def bare(self, read):
+        return read(range_bench.RangeOffset(offset_m=0.0))[0]
+
+    def test_an_offset(self, read, bare):
+        assert read(range_bench.RangeOffset(offset_m=0.012))[0] == pytest.approx(bare + 0.012)
+        assert read(drive.TofRangeOffset(sensor="front", offset_m=0.012))[0] == pytest.approx(bare + 0.012)
+        assert read(drive.TofRangeOffset(sensor="left", offset_m=0.012))[0] == bare
+
+    def test_a_material_is_that_of_the_wall(self, read, bare):
+        assert read(range_bench.MaterialBias(material="wood", offset_m=-0.02))[0] == pytest.approx(bare - 0.02)
+        assert read(range_bench.MaterialBias(material="glass", offset_m=-0.02))[0] == bare
+
+    def test_crosstalk_takes_the_reflectance_of_the_wall(self, read):
+        nothing, term = range_bench.CoverCrosstalk(strength_per_m2=0.0), range_bench.CoverCrosstalk(strength_per_m2=0.1)
+        for surface, reflectance in (("wood", 0.45), ("black_board", 0.05)):
+            expected = read(nothing, surface=surface)[0] / (1.0 + 0.1 * 0.25 / reflectance)
+            assert read(term, surface=surface)[0] == pytest.approx(expected, rel=1e-3)
+
+    def test_temperature_and_time_are_those_of_the_robot(self, read, bare):
+        term = range_bench.TemperatureDrift(coefficient_m_per_K=1e-3)
+        assert read(term, temperature_C=5.0, reference_temperature_C=20.0)[0] == pytest.approx(bare - 0.015)
+        term = range_bench.WarmupDrift(amplitude_m=0.01, time_constant_s=60.0)
+        assert read(term)[0] == pytest.approx(bare + 0.01 / math.e)
+
+    @pytest.mark.parametrize("tilt_deg", [0.0, 20.0])
+    def test_incidence_is_the_angle_of_the_axis_to_the_wall(self, read, tilt_deg):
+        tilt = math.radians(tilt_deg)
+        nothing, term = range_bench.IncidenceBias(coefficient=0.0), range_bench.IncidenceBias(coefficient=0.2)
+        at = (0.0, 0.0, tilt)
+        distance = read(nothing, at=at)[0]
+        expected = distance * (1.0 + 0.2 * math.sin(tilt) ** 2)
+        assert read(term, at=at)[0] == pytest.approx(expected, abs=2e-4)
+
+    def test_a_saturated_range_never_reaches_the_wall(self, read):
+        assert read(range_bench.RangeSaturation(saturation_m=0.3)) == pytest.approx([0.3, TofStatus.VALID])
+
+    def test_a_turned_sensor_is_a_turned_robot_to_its_reading(self, robot, read):
+        """About the mount: the same wall at the same distance from it, met at the same angle."""
+        angle, mount = 0.25, robot.tof.mounts.front.x_m
+        turned = read(drive.TofMountYaw(sensor="front", angle_rad=angle))[0]
+        nothing = drive.TofMountYaw(sensor="front", angle_rad=0.0)
+        same = read(nothing, at=(mount * (1.0 - math.cos(angle)), -mount * math.sin(angle), angle))[0]
+        assert turned == pytest.approx(same, rel=1e-9)
+        assert read(drive.TofMountYaw(sensor="left", angle_rad=angle))[0] == read(nothing)[0]
+
+    @pytest.mark.parametrize(
+        ("values", "factor"),
+        [
+            (range_bench.NoiseScale(scale=2.0), 2.0),
+            (range_bench.AmbientNoise(coefficient_per_klux=0.6), math.sqrt(1.0 + 0.6 * 5.0)),
+        ],
+    )
+    def test_noise(self, robot, arena_of, plane_world, values, factor):
+        config = robot.tof.model_copy(update={"quantisation_m": 0.0, "ambient_lux": 5000.0})
+        world = plane_world(wall_x_m=robot.tof.mounts.front.x_m + 0.5)
+        world.time_s = 0.0
+        deviations = []
+        for terms in (Terms(), Terms().with_term(values)):
+            tof = TofArray(config, arena_of(), 1000, np.random.Generator(np.random.PCG64(0)), terms)
+            deviations.append(np.std([tof.sample(world)[0, 0] for _ in range(50)]))
+        assert deviations[1] == pytest.approx(factor * deviations[0], rel=1e-9)
+
+    def test_a_late_log_adds_to_the_delay(self, robot, arena_of):
+        terms = Terms().with_term(drive.TofTimeOffset(delay_s=0.04))
+        config = robot.tof.model_copy(update={"delay_s": 0.01})
+        tof = TofArray(config, arena_of(), 1000, np.random.Generator(np.random.PCG64(0)), terms)
+        assert tof.sampling.delay_steps == 50
+
+
+class TestInstruments:
+    T_S = 0.005 * np.arange(1, 101)
+
+    def test_current_is_amplified_and_shifted(self):
+        terms = Terms().with_term(motor.CurrentSensorGain(gain=1.1))
+        np.testing.assert_allclose(read_current_A(terms, np.array([0.0, 2.0])), [0.0, 2.2])
+        terms = Terms().with_term(motor.CurrentSensorOffset(offset_A=0.03))
+        np.testing.assert_allclose(read_current_A(terms, np.array([0.0, 2.0])), [0.03, 2.03])
+
+    def test_speed_is_scaled(self):
+        terms = Terms().with_term(motor.SpeedScale(scale=0.9))
+        np.testing.assert_allclose(read_speed_rad_s(terms, self.T_S[:2], np.array([[5.0], [10.0]])), [[4.5], [9.0]])
+
+    def test_a_filtered_speed_answers_a_step_exponentially(self):
+        terms = Terms().with_term(motor.SpeedFilterLag(time_constant_s=0.05))
+        step = np.where(self.T_S > 0.0051, 10.0, 0.0)[:, None]
+        expected = 10.0 * (1.0 - np.exp(-(self.T_S - self.T_S[0]) / 0.05))
+        np.testing.assert_allclose(read_speed_rad_s(terms, self.T_S, step)[:, 0], expected, atol=1e-12)
+
+    def test_a_late_speed_is_that_of_before(self):
+        terms = Terms().with_term(motor.SpeedTimeOffset(delay_s=0.0325))
+        speed = np.stack([3.0 * self.T_S, -2.0 * self.T_S], axis=1)
+        found = read_speed_rad_s(terms, self.T_S, speed)
+        np.testing.assert_allclose(found[10:], speed[10:] - 0.0325 * np.array([3.0, -2.0]), atol=1e-12)
+
+
+class TestPoseLog:
+    @pytest.mark.parametrize("yaw", [0.0, 0.7, 2.0])
+    def test_the_marker_lies_ahead_of_the_axle(self, plane_world, yaw):
+        log = PoseLog(Terms().with_term(drive.MarkerOffset(offset_m=0.04)), 1000)
+        expected = (1.0 + 0.04 * math.cos(yaw), 2.0 + 0.04 * math.sin(yaw), yaw)
+        assert log.sample(plane_world(at=(1.0, 2.0, yaw))) == pytest.approx(expected)
+
+    def test_a_late_pose_is_that_of_exactly_so_long_ago(self):
+        log = PoseLog(Terms().with_term(drive.PoseTimeOffset(delay_s=0.047)), 1000)
+        assert [log.sampling.step_read_at(step) for step in (0, 30, 50, 100)] == [0, 0, 3, 53]
