@@ -11,7 +11,7 @@ class Lap:
     """Watches the true pose of one run."""
 
     start: Pose
-    away_m: float = 0.5
+    away_m: float = 0.4
     """The robot has been away once it was this far from the start."""
     half_width_m: float = 0.10
     """How far beside the start the finishing line reaches."""

@@ -1,0 +1,90 @@
+"""Driving a curve path, and from its end onto the line whatever the angle at which the two meet."""
+
+import math
+from enum import Enum, auto
+
+from configs.schema.robot import Avoidance, CurveAvoidance
+from physics.control.avoidance import PathFollower
+from physics.control.base import ControlInput, Pose, sign_of
+from physics.control.bends import CurveBook, CurvePass
+from physics.control.facing import ObstacleFacing
+
+FULL_SEARCH_RAD = math.radians(200.0)
+"""A line that was met and is not seen again within this turn is not there."""
+
+
+class _Phase(Enum):
+    FACE = auto()
+    PATH = auto()
+    CROSS = auto()
+    TURN = auto()
+    DONE = auto()
+
+
+class CurveFollower:
+    """Face the obstacle, path, straight on until the axle is over the line, then a turn on the spot into the line.
+
+    A robot that has passed an obstacle on its left meets the line from the left and goes on along it by turning left,
+    at whatever angle the path has brought it there.
+    """
+
+    def __init__(self, book: CurveBook, chosen: CurvePass, start: Pose, config: Avoidance) -> None:
+        if config.curves is None:
+            raise ValueError("a curve path without settings for curves")
+        self._config = config
+        self._curves: CurveAvoidance = config.curves
+        self._points = book.paths[chosen.variant, chosen.bend]
+        self._path = PathFollower(self._points, start, config.look_ahead_m)
+        self._turn = sign_of(chosen.side)
+        self._facing = ObstacleFacing(
+            config.curves.face, config.front_below_m, start, chosen.bend, sweep=not chosen.ahead
+        )
+        self._phase = _Phase.FACE
+        self._since: Pose = start
+        """Where the phase began."""
+
+    @property
+    def finished(self) -> bool:
+        return self._phase is _Phase.DONE
+
+    def step(self, seen: ControlInput, *, on_line: bool) -> tuple[float, float]:
+        """Forward speed [m/s] and yaw rate [rad/s] for this tick."""
+        odometry = seen.odometry
+        facing = self._facing.step(seen)
+        if (following := self._next_phase(odometry, on_line=on_line)) is not self._phase:
+            self._phase, self._since = following, odometry
+            if following is _Phase.PATH:
+                self._path = PathFollower(self._points, odometry, self._config.look_ahead_m)
+        match self._phase:
+            case _Phase.FACE:
+                return facing
+            case _Phase.PATH:
+                return self._drive_path(odometry)
+            case _Phase.CROSS:
+                return self._config.speed_m_s, 0.0
+            case _Phase.TURN | _Phase.DONE:
+                return 0.0, self._turn * self._curves.turn_rate_rad_s
+
+    def _drive_path(self, odometry: Pose) -> tuple[float, float]:
+        bearing, rate = self._path.bearing(odometry), self._curves.turn_rate_rad_s
+        if abs(bearing) > self._curves.turn_above_rad:
+            return 0.0, math.copysign(rate, bearing)
+        curvature = self._path.step(odometry, obstacle_beside=False)
+        speed = min(self._config.speed_m_s, rate / max(abs(curvature), 1e-6))
+        return speed, speed * curvature
+
+    def _next_phase(self, odometry: Pose, *, on_line: bool) -> _Phase:
+        travelled_m = math.hypot(odometry[0] - self._since[0], odometry[1] - self._since[1])
+        match self._phase:
+            case _Phase.FACE if self._facing.done:
+                return _Phase.PATH
+            case _Phase.PATH if self._path.on_the_way_back and on_line:
+                return _Phase.CROSS
+            case _Phase.PATH if self._path.finished:
+                return _Phase.DONE
+            case _Phase.CROSS if travelled_m >= self._curves.cross_m:
+                return _Phase.TURN
+            case _Phase.TURN if on_line or abs(odometry[2] - self._since[2]) > FULL_SEARCH_RAD:
+                return _Phase.DONE
+            case _:
+                return self._phase

@@ -1,0 +1,93 @@
+"""Turning until an obstacle stands straight ahead at a known distance, so that one stored path fits every encounter."""
+
+import math
+from enum import Enum, auto
+
+from configs.schema.robot import FaceObstacle
+from physics.control.base import ControlInput, Pose, Side, sign_of
+
+
+class _Phase(Enum):
+    BACK = auto()
+    TURN_OUT = auto()
+    SWEEP_IN = auto()
+    FACE = auto()
+    TRIM = auto()
+    DONE = auto()
+
+
+class ObstacleFacing:
+    """Back off, sweep the front sensor over the obstacle, turn to its middle, then drive to the distance asked for."""
+
+    def __init__(self, config: FaceObstacle, distance_m: float, start: Pose, bend: Side, *, sweep: bool) -> None:
+        """Start facing an obstacle.
+
+        Args:
+            config: Speeds and limits.
+            distance_m: Reading of the front sensor at which the obstacle is wanted.
+            start: The robot's pose by odometry.
+            bend: The side to which the line bends, on which the obstacle lies if it is not ahead.
+            sweep: Whether its direction is to be found; else it is ahead already.
+        """
+        self._config = config
+        self._distance_m = distance_m
+        self._inward = sign_of(bend)
+        self._phase = _Phase.BACK if sweep else _Phase.TRIM
+        self._since = start
+        self._seen_at: list[float] = []
+        self._heading = start[2]
+
+    @property
+    def done(self) -> bool:
+        return self._phase is _Phase.DONE
+
+    def step(self, seen: ControlInput) -> tuple[float, float]:
+        """Forward speed [m/s] and yaw rate [rad/s] for this tick; zero when done."""
+        if (following := self._next_phase(seen)) is not self._phase:
+            self._phase, self._since = following, seen.odometry
+        config = self._config
+        match self._phase:
+            case _Phase.BACK:
+                return -config.speed_m_s, 0.0
+            case _Phase.TURN_OUT:
+                return 0.0, -self._inward * config.turn_rate_rad_s
+            case _Phase.SWEEP_IN:
+                return 0.0, self._inward * config.turn_rate_rad_s
+            case _Phase.FACE:
+                return 0.0, math.copysign(config.turn_rate_rad_s, self._heading - seen.odometry[2])
+            case _Phase.TRIM:
+                return math.copysign(config.speed_m_s, seen.front_m - self._distance_m), 0.0
+            case _Phase.DONE:
+                return 0.0, 0.0
+
+    def _next_phase(self, seen: ControlInput) -> _Phase:
+        config, yaw = self._config, seen.odometry[2]
+        visible = seen.front_m < config.seen_below_m
+        travelled_m = math.hypot(seen.odometry[0] - self._since[0], seen.odometry[1] - self._since[1])
+        turned_rad = abs(yaw - self._since[2])
+        match self._phase:
+            case _Phase.BACK if travelled_m >= config.back_m:
+                return _Phase.TURN_OUT if visible else _Phase.SWEEP_IN
+            case _Phase.TURN_OUT if not visible or turned_rad > config.most_out_rad:
+                return _Phase.SWEEP_IN
+            case _Phase.SWEEP_IN:
+                return self._swept(yaw, turned_rad, visible=visible)
+            case _Phase.FACE if abs(yaw - self._heading) < 0.5 * config.tolerance_rad:
+                return _Phase.TRIM
+            case _Phase.FACE if turned_rad > config.most_in_rad:
+                return _Phase.TRIM
+            case _Phase.TRIM if abs(seen.front_m - self._distance_m) < config.tolerance_m:
+                return _Phase.DONE
+            case _Phase.TRIM if travelled_m > config.most_trim_m:
+                return _Phase.DONE
+            case _:
+                return self._phase
+
+    def _swept(self, yaw: float, turned_rad: float, *, visible: bool) -> _Phase:
+        if visible:
+            self._seen_at.append(yaw)
+        over = bool(self._seen_at) and not visible
+        if not over and turned_rad < self._config.most_in_rad:
+            return _Phase.SWEEP_IN
+        self._heading = 0.5 * (self._seen_at[0] + self._seen_at[-1]) if self._seen_at else self._since[2]
+        return _Phase.FACE
