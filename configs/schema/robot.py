@@ -176,8 +176,6 @@ class CurvePath(Section):
 
     points: Annotated[tuple[Point2, ...], FromList, Field(min_length=4, max_length=100)]
     """Control points; the first is the robot itself."""
-    line_from: float = Field(ge=0, le=1)
-    """Share of the path after which it is on its way back and the line counts."""
 
 
 class FaceObstacle(Section):
@@ -185,8 +183,9 @@ class FaceObstacle(Section):
 
     speed_m_s: float = Field(gt=0, le=2)
     turn_rate_rad_s: float = Field(gt=0, le=20)
+    back_below_m: float = Field(ge=0, le=2)
+    """Where the sensor that has seen the obstacle reads less, the robot backs off first, for room to turn."""
     back_m: float = Field(ge=0, le=0.5)
-    """How far it backs off first, for room to turn."""
     seen_below_m: float = Field(gt=0, le=2)
     """The front sensor looks at the obstacle where it reads less than this."""
     most_out_rad: float = Field(gt=0, le=3.2)
@@ -218,6 +217,8 @@ class CurveAvoidance(Section):
     """Of turns on the spot, and most that is turned at on the path; sharper bends of it are driven slower."""
     turn_above_rad: float = Field(gt=0, le=3.2)
     """The robot turns on the spot to a path that lies further off its heading than this."""
+    line_after_m: float = Field(gt=0, le=2)
+    """The line counts again once the robot has come so far without seeing it."""
     cross_m: float = Field(gt=0, le=0.5)
     """How far the robot drives on where it meets the line, before it turns into it."""
 

@@ -21,8 +21,8 @@ class CurvePass:
     variant: Variant
     bend: Side
     """To which the line bends."""
-    ahead: bool
-    """Whether it stands straight ahead; else its direction is yet to be found."""
+    near_m: float
+    """What the sensor that has seen it reads."""
 
 
 @dataclass(frozen=True)
@@ -81,10 +81,10 @@ def curve_pass(seen: ControlInput, bends: BendMemory, config: Avoidance) -> Curv
     if seen.front_m < config.front_below_m:
         freer: Side = "left" if seen.left_m >= seen.right_m else "right"
         side = bends.bend or freer
-        return CurvePass(side, "inner", side, ahead=bends.is_straight)
+        return CurvePass(side, "inner", side, seen.front_m)
     for side in ("left", "right"):
         if seen.side_m(side) < curves.side_below_m and bends.bend in {None, side}:
             if bends.is_straight:
-                return CurvePass(other(side), "outer", side, ahead=False)
-            return CurvePass(side, "inner", side, ahead=False)
+                return CurvePass(other(side), "outer", side, seen.side_m(side))
+            return CurvePass(side, "inner", side, seen.side_m(side))
     return None

@@ -37,9 +37,10 @@ class CurveFollower:
         self._path = PathFollower(self._points, start, config.look_ahead_m)
         self._turn = sign_of(chosen.side)
         self._facing = ObstacleFacing(
-            config.curves.face, config.front_below_m, start, chosen.bend, sweep=not chosen.ahead
+            config.curves.face, config.front_below_m, start, chosen.bend, chosen.near_m
         )
         self._phase = _Phase.FACE
+        self._line_seen_at: Pose = start
         self._since: Pose = start
         """Where the phase began."""
 
@@ -53,8 +54,11 @@ class CurveFollower:
         facing = self._facing.step(seen)
         if (following := self._next_phase(odometry, on_line=on_line)) is not self._phase:
             self._phase, self._since = following, odometry
+            self._line_seen_at = odometry
             if following is _Phase.PATH:
                 self._path = PathFollower(self._points, odometry, self._config.look_ahead_m)
+        if on_line:
+            self._line_seen_at = odometry
         match self._phase:
             case _Phase.FACE:
                 return facing
@@ -74,11 +78,11 @@ class CurveFollower:
         return speed, speed * curvature
 
     def _next_phase(self, odometry: Pose, *, on_line: bool) -> _Phase:
-        travelled_m = math.hypot(odometry[0] - self._since[0], odometry[1] - self._since[1])
+        travelled_m = _apart_m(odometry, self._since)
         match self._phase:
             case _Phase.FACE if self._facing.done:
                 return _Phase.PATH
-            case _Phase.PATH if self._path.on_the_way_back and on_line:
+            case _Phase.PATH if on_line and _apart_m(odometry, self._line_seen_at) > self._curves.line_after_m:
                 return _Phase.CROSS
             case _Phase.PATH if self._path.finished:
                 return _Phase.DONE
@@ -88,3 +92,7 @@ class CurveFollower:
                 return _Phase.DONE
             case _:
                 return self._phase
+
+
+def _apart_m(one: Pose, other: Pose) -> float:
+    return math.hypot(one[0] - other[0], one[1] - other[1])

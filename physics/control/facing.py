@@ -19,7 +19,7 @@ class _Phase(Enum):
 class ObstacleFacing:
     """Back off, sweep the front sensor over the obstacle, turn to its middle, then drive to the distance asked for."""
 
-    def __init__(self, config: FaceObstacle, distance_m: float, start: Pose, bend: Side, *, sweep: bool) -> None:
+    def __init__(self, config: FaceObstacle, distance_m: float, start: Pose, bend: Side, near_m: float) -> None:
         """Start facing an obstacle.
 
         Args:
@@ -27,12 +27,12 @@ class ObstacleFacing:
             distance_m: Reading of the front sensor at which the obstacle is wanted.
             start: The robot's pose by odometry.
             bend: The side to which the line bends, on which the obstacle lies if it is not ahead.
-            sweep: Whether its direction is to be found; else it is ahead already.
+            near_m: Reading of the sensor that has seen it; backs off where that is too near to turn.
         """
         self._config = config
         self._distance_m = distance_m
         self._inward = sign_of(bend)
-        self._phase = _Phase.BACK if sweep else _Phase.TRIM
+        self._phase = _Phase.BACK if near_m < config.back_below_m else _Phase.TURN_OUT
         self._since = start
         self._seen_at: list[float] = []
         self._heading = start[2]
@@ -67,7 +67,7 @@ class ObstacleFacing:
         turned_rad = abs(yaw - self._since[2])
         match self._phase:
             case _Phase.BACK if travelled_m >= config.back_m:
-                return _Phase.TURN_OUT if visible else _Phase.SWEEP_IN
+                return _Phase.TURN_OUT
             case _Phase.TURN_OUT if not visible or turned_rad > config.most_out_rad:
                 return _Phase.SWEEP_IN
             case _Phase.SWEEP_IN:

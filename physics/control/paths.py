@@ -63,4 +63,4 @@ def curve_path(config: CurvePath, count: int, bend: Side) -> AvoidancePath:
     drawn = np.stack([np.interp(even, travelled, fine[:, axis]) for axis in (0, 1)], axis=1)
     points = drawn * (1.0, sign_of(bend))
     points.flags.writeable = False
-    return AvoidancePath(points, float(even[1]), round(config.line_from * count))
+    return AvoidancePath(points, float(even[1]), count)
