@@ -192,6 +192,10 @@ class FaceObstacle(Section):
     """Most that it turns away from the inside of the bend to find the obstacle's outer edge."""
     most_in_rad: float = Field(gt=0, le=3.2)
     """Most that it turns towards the inside."""
+    edge_m: float = Field(gt=0, le=1)
+    """Readings within this of the nearest belong to the middle of the obstacle."""
+    face_gain_1_s: float = Field(gt=0, le=20)
+    """Yaw rate per angle off the obstacle's middle."""
     tolerance_rad: float = Field(gt=0, le=1)
     tolerance_m: float = Field(gt=0, le=0.1)
     most_trim_m: float = Field(gt=0, le=0.5)

@@ -34,7 +34,8 @@ class ObstacleFacing:
         self._inward = sign_of(bend)
         self._phase = _Phase.BACK if near_m < config.back_below_m else _Phase.TURN_OUT
         self._since = start
-        self._seen_at: list[float] = []
+        self._sweep: list[tuple[float, float]] = []
+        """Front reading [m] and yaw [rad] of every tick that saw the obstacle."""
         self._heading = start[2]
 
     @property
@@ -54,7 +55,8 @@ class ObstacleFacing:
             case _Phase.SWEEP_IN:
                 return 0.0, self._inward * config.turn_rate_rad_s
             case _Phase.FACE:
-                return 0.0, math.copysign(config.turn_rate_rad_s, self._heading - seen.odometry[2])
+                rate = config.face_gain_1_s * (self._heading - seen.odometry[2])
+                return 0.0, max(-config.turn_rate_rad_s, min(config.turn_rate_rad_s, rate))
             case _Phase.TRIM:
                 return math.copysign(config.speed_m_s, seen.front_m - self._distance_m), 0.0
             case _Phase.DONE:
@@ -71,8 +73,8 @@ class ObstacleFacing:
             case _Phase.TURN_OUT if not visible or turned_rad > config.most_out_rad:
                 return _Phase.SWEEP_IN
             case _Phase.SWEEP_IN:
-                return self._swept(yaw, turned_rad, visible=visible)
-            case _Phase.FACE if abs(yaw - self._heading) < 0.5 * config.tolerance_rad:
+                return self._swept(seen, turned_rad)
+            case _Phase.FACE if abs(yaw - self._heading) < config.tolerance_rad:
                 return _Phase.TRIM
             case _Phase.FACE if turned_rad > config.most_in_rad:
                 return _Phase.TRIM
@@ -83,11 +85,18 @@ class ObstacleFacing:
             case _:
                 return self._phase
 
-    def _swept(self, yaw: float, turned_rad: float, *, visible: bool) -> _Phase:
+    def _swept(self, seen: ControlInput, turned_rad: float) -> _Phase:
+        visible = seen.front_m < self._config.seen_below_m
         if visible:
-            self._seen_at.append(yaw)
-        over = bool(self._seen_at) and not visible
+            self._sweep.append((seen.front_m, seen.odometry[2]))
+        over = bool(self._sweep) and not visible
         if not over and turned_rad < self._config.most_in_rad:
             return _Phase.SWEEP_IN
-        self._heading = 0.5 * (self._seen_at[0] + self._seen_at[-1]) if self._seen_at else self._since[2]
+        if self._sweep:
+            # Near its edges the reading mixes with what lies behind; the middle is where it is nearest.
+            nearest_m = min(reading_m for reading_m, _ in self._sweep) + self._config.edge_m
+            middle = [yaw for reading_m, yaw in self._sweep if reading_m <= nearest_m]
+            self._heading = 0.5 * (middle[0] + middle[-1])
+        else:
+            self._heading = self._since[2]
         return _Phase.FACE
