@@ -144,7 +144,7 @@ class RobotController:
             self._last_line_error = error
         elif self._state is State.LINE:
             self.line_lost_count += 1
-        v_m_s, w_rad_s = self._drive(seen, on_line=error is not None)
+        v_m_s, w_rad_s = self._drive(seen, error)
         return Command(v_m_s, w_rad_s, self._state)
 
     def _curve_pass(self, seen: ControlInput) -> CurvePass | None:
@@ -167,7 +167,7 @@ class RobotController:
             self._follower = None
         self._state = state
 
-    def _drive(self, seen: ControlInput, *, on_line: bool) -> tuple[float, float]:
+    def _drive(self, seen: ControlInput, error: float | None) -> tuple[float, float]:
         """Forward speed [m/s] and yaw rate [rad/s]."""
         config = self._config
         match self._state:
@@ -186,11 +186,11 @@ class RobotController:
             case State.LOST_RIGHT_WALL:
                 return config.lost.speed_m_s, -config.lost.turn_rate_rad_s
             case State.AVOID_LEFT | State.AVOID_RIGHT:
-                return self._drive_path(seen, on_line=on_line)
+                return self._drive_path(seen, error)
 
-    def _drive_path(self, seen: ControlInput, *, on_line: bool) -> tuple[float, float]:
+    def _drive_path(self, seen: ControlInput, error: float | None) -> tuple[float, float]:
         if isinstance(self._follower, CurveFollower):
-            return self._follower.step(seen, on_line=on_line)
+            return self._follower.step(seen, error)
         if self._follower is None:
             raise RuntimeError("avoiding without a path")
         obstacle_side: Side = "right" if self._state is State.AVOID_LEFT else "left"

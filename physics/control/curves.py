@@ -12,6 +12,9 @@ from physics.control.facing import ObstacleFacing
 FULL_SEARCH_RAD = math.radians(200.0)
 """A line that was met and is not seen again within this turn is not there."""
 
+IN_THE_MIDDLE = 1.5
+"""The turn into the line ends when the line has come so near to the middle of the row [channels]."""
+
 
 class _Phase(Enum):
     FACE = auto()
@@ -48,16 +51,16 @@ class CurveFollower:
     def finished(self) -> bool:
         return self._phase is _Phase.DONE
 
-    def step(self, seen: ControlInput, *, on_line: bool) -> tuple[float, float]:
-        """Forward speed [m/s] and yaw rate [rad/s] for this tick."""
+    def step(self, seen: ControlInput, line_error: float | None) -> tuple[float, float]:
+        """Forward speed [m/s] and yaw rate [rad/s] for this tick; `line_error` is None where no channel is on the line."""
         odometry = seen.odometry
         facing = self._facing.step(seen)
-        if (following := self._next_phase(odometry, on_line=on_line)) is not self._phase:
+        if (following := self._next_phase(odometry, line_error)) is not self._phase:
             self._phase, self._since = following, odometry
             self._line_seen_at = odometry
             if following is _Phase.PATH:
                 self._path = PathFollower(self._points, odometry, self._config.look_ahead_m)
-        if on_line:
+        if line_error is not None:
             self._line_seen_at = odometry
         match self._phase:
             case _Phase.FACE:
@@ -77,7 +80,9 @@ class CurveFollower:
         speed = min(self._config.speed_m_s, rate / max(abs(curvature), 1e-6))
         return speed, speed * curvature
 
-    def _next_phase(self, odometry: Pose, *, on_line: bool) -> _Phase:
+    def _next_phase(self, odometry: Pose, line_error: float | None) -> _Phase:
+        on_line = line_error is not None
+        under_row = line_error is not None and self._turn * line_error < IN_THE_MIDDLE
         travelled_m = _apart_m(odometry, self._since)
         match self._phase:
             case _Phase.FACE if self._facing.done:
@@ -88,7 +93,7 @@ class CurveFollower:
                 return _Phase.DONE
             case _Phase.CROSS if travelled_m >= self._curves.cross_m:
                 return _Phase.TURN
-            case _Phase.TURN if on_line or abs(odometry[2] - self._since[2]) > FULL_SEARCH_RAD:
+            case _Phase.TURN if under_row or abs(odometry[2] - self._since[2]) > FULL_SEARCH_RAD:
                 return _Phase.DONE
             case _:
                 return self._phase
