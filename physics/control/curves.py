@@ -12,8 +12,8 @@ from physics.control.facing import ObstacleFacing
 FULL_SEARCH_RAD = math.radians(200.0)
 """A line that was met and is not seen again within this turn is not there."""
 
-IN_THE_MIDDLE = 1.5
-"""The turn into the line ends when the line has come so near to the middle of the row [channels]."""
+IN_THE_MIDDLE = 2.2
+"""The turn into the line ends when the line is so near to the middle of the row [channels]."""
 
 
 class _Phase(Enum):
@@ -52,7 +52,7 @@ class CurveFollower:
         return self._phase is _Phase.DONE
 
     def step(self, seen: ControlInput, line_error: float | None) -> tuple[float, float]:
-        """Forward speed [m/s] and yaw rate [rad/s] for this tick; `line_error` is None where no channel is on the line."""
+        """Forward speed [m/s] and yaw rate [rad/s] for this tick; `line_error` is None where no line is seen."""
         odometry = seen.odometry
         facing = self._facing.step(seen)
         if (following := self._next_phase(odometry, line_error)) is not self._phase:
@@ -82,7 +82,9 @@ class CurveFollower:
 
     def _next_phase(self, odometry: Pose, line_error: float | None) -> _Phase:
         on_line = line_error is not None
-        under_row = line_error is not None and self._turn * line_error < IN_THE_MIDDLE
+        in_the_middle = line_error is not None and abs(line_error) < IN_THE_MIDDLE
+        # A line still on the side that the robot heads for is not crossed yet, or bends back under the robot.
+        ahead = line_error is not None and self._turn * line_error <= -IN_THE_MIDDLE
         travelled_m = _apart_m(odometry, self._since)
         match self._phase:
             case _Phase.FACE if self._facing.done:
@@ -91,9 +93,9 @@ class CurveFollower:
                 return _Phase.CROSS
             case _Phase.PATH if self._path.finished:
                 return _Phase.DONE
-            case _Phase.CROSS if travelled_m >= self._curves.cross_m:
-                return _Phase.TURN
-            case _Phase.TURN if under_row or abs(odometry[2] - self._since[2]) > FULL_SEARCH_RAD:
+            case _Phase.CROSS if travelled_m >= self._curves.cross_m * (4.0 if ahead else 1.0):
+                return _Phase.DONE if in_the_middle else _Phase.TURN
+            case _Phase.TURN if in_the_middle or abs(odometry[2] - self._since[2]) > FULL_SEARCH_RAD:
                 return _Phase.DONE
             case _:
                 return self._phase
