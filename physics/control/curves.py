@@ -44,6 +44,8 @@ class CurveFollower:
         )
         self._phase = _Phase.FACE
         self._line_seen_at: Pose = start
+        self._met_error = 0.0
+        """Line error where the line was met."""
         self._since: Pose = start
         """Where the phase began."""
 
@@ -57,7 +59,7 @@ class CurveFollower:
         facing = self._facing.step(seen)
         if (following := self._next_phase(odometry, line_error)) is not self._phase:
             self._phase, self._since = following, odometry
-            self._line_seen_at = odometry
+            self._line_seen_at, self._met_error = odometry, line_error or 0.0
             if following is _Phase.PATH:
                 self._path = PathFollower(self._points, odometry, self._config.look_ahead_m)
         if line_error is not None:
@@ -94,7 +96,9 @@ class CurveFollower:
             case _Phase.PATH if self._path.finished:
                 return _Phase.DONE
             case _Phase.CROSS if travelled_m >= self._curves.cross_m * (4.0 if ahead else 1.0):
-                return _Phase.DONE if in_the_middle else _Phase.TURN
+                # Met at a small angle, the line comes in from ahead; one that moves out there lies across.
+                came_in = line_error is not None and self._turn * (line_error - self._met_error) > 0.0
+                return _Phase.DONE if in_the_middle and came_in else _Phase.TURN
             case _Phase.TURN if in_the_middle or abs(odometry[2] - self._since[2]) > FULL_SEARCH_RAD:
                 return _Phase.DONE
             case _:
