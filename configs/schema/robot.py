@@ -210,6 +210,8 @@ class CurveAvoidance(Section):
 
     side_below_m: float = Field(gt=0, le=2)
     """A side sensor sees an obstacle further along a bend nearer than this, where the front sensor cannot."""
+    both_below_m: float = Field(ge=0, le=2)
+    """On a straight, an obstacle between two beams shows in both: the front and a side sensor read less than this."""
     memory_m: float = Field(gt=0, le=10)
     """Length of the recent path over which the turn is judged."""
     straight_below_rad: float = Field(gt=0, le=3.2)
@@ -246,8 +248,13 @@ class Avoidance(Section):
 
 
 class Lost(Section):
+    """States 33 and 44: the wall is looked for on its side, at first nearly straight on, as for the far end of a gap."""
+
     speed_m_s: float = Field(ge=0, le=2)
     turn_rate_rad_s: float = Field(ge=0, le=20)
+    gap_m: float = Field(ge=0, le=5)
+    """How far the robot goes before it takes the wall for ended; a turn at once would run into the end left behind."""
+    gap_turn_rate_rad_s: float = Field(ge=0, le=20)
 
 
 class Controller(Section):

@@ -83,8 +83,13 @@ def curve_pass(seen: ControlInput, bends: BendMemory, config: Avoidance) -> Curv
         side = bends.bend or freer
         return CurvePass(side, "inner", side, seen.front_m)
     for side in ("left", "right"):
-        if seen.side_m(side) < curves.side_below_m and bends.bend in {None, side}:
-            if bends.is_straight:
-                return CurvePass(other(side), "outer", side, seen.side_m(side))
-            return CurvePass(side, "inner", side, seen.side_m(side))
+        if bends.bend not in {None, side}:
+            continue
+        side_m = seen.side_m(side)
+        if side_m < curves.side_below_m:
+            passed = other(side) if bends.is_straight else side
+            return CurvePass(passed, "outer" if bends.is_straight else "inner", side, side_m)
+        if bends.is_straight and max(side_m, seen.front_m) < curves.both_below_m:
+            # Between the beams it is nearer than either says.
+            return CurvePass(other(side), "outer", side, 0.0)
     return None

@@ -3,13 +3,14 @@
 `TRANSITIONS` is the whole table; the first row whose condition holds is taken, one per tick.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from configs.schema.robot import Controller
 from physics.control.avoidance import PathFollower
-from physics.control.base import Command, ControlInput, Side, State
+from physics.control.base import Command, ControlInput, Pose, Side, State
 from physics.control.bends import BendMemory, CurveBook, CurvePass, curve_pass
 from physics.control.curves import CurveFollower
 from physics.control.following import MAX_ERROR, follow, line_error, wall_error
@@ -123,6 +124,7 @@ class RobotController:
         self._state = State.LINE
         self._return_state = State.LINE
         self._follower: PathFollower | CurveFollower | None = None
+        self._entered_at: Pose = (0.0, 0.0, 0.0)
         self._last_line_error = 0.0
         self.line_lost_count = 0
         """Ticks in the line state without any channel on the line."""
@@ -166,6 +168,7 @@ class RobotController:
         else:
             self._follower = None
         self._state = state
+        self._entered_at = seen.odometry
 
     def _drive(self, seen: ControlInput, error: float | None) -> tuple[float, float]:
         """Forward speed [m/s] and yaw rate [rad/s]."""
@@ -182,11 +185,17 @@ class RobotController:
             case State.TURN_RIGHT:
                 return 0.0, -config.corner.turn_rate_rad_s
             case State.LOST_LEFT_WALL:
-                return config.lost.speed_m_s, config.lost.turn_rate_rad_s
+                return config.lost.speed_m_s, self._search_rate(seen)
             case State.LOST_RIGHT_WALL:
-                return config.lost.speed_m_s, -config.lost.turn_rate_rad_s
+                return config.lost.speed_m_s, -self._search_rate(seen)
             case State.AVOID_LEFT | State.AVOID_RIGHT:
                 return self._drive_path(seen, error)
+
+    def _search_rate(self, seen: ControlInput) -> float:
+        """Yaw rate towards the side of a lost wall [rad/s]."""
+        lost = self._config.lost
+        gone_m = math.hypot(seen.odometry[0] - self._entered_at[0], seen.odometry[1] - self._entered_at[1])
+        return lost.gap_turn_rate_rad_s if gone_m < lost.gap_m else lost.turn_rate_rad_s
 
     def _drive_path(self, seen: ControlInput, error: float | None) -> tuple[float, float]:
         if isinstance(self._follower, CurveFollower):
