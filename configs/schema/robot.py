@@ -248,7 +248,7 @@ class Avoidance(Section):
 
 
 class Lost(Section):
-    """States 33 and 44: the wall is looked for on its side, at first nearly straight on, as for the far end of a gap."""
+    """States 33 and 44: a lost wall is looked for on its side, at first nearly straight on, as beyond a gap."""
 
     speed_m_s: float = Field(ge=0, le=2)
     turn_rate_rad_s: float = Field(ge=0, le=20)

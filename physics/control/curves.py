@@ -39,9 +39,7 @@ class CurveFollower:
         self._points = book.paths[chosen.variant, chosen.bend]
         self._path = PathFollower(self._points, start, config.look_ahead_m)
         self._turn = sign_of(chosen.side)
-        self._facing = ObstacleFacing(
-            config.curves.face, config.front_below_m, start, chosen.bend, chosen.near_m
-        )
+        self._facing = ObstacleFacing(config.curves.face, config.front_below_m, start, chosen.bend, chosen.near_m)
         self._phase = _Phase.FACE
         self._line_seen_at: Pose = start
         self._met_error = 0.0
