@@ -210,6 +210,8 @@ class CurveAvoidance(Section):
 
     side_below_m: float = Field(gt=0, le=2)
     """A side sensor sees an obstacle further along a bend nearer than this, where the front sensor cannot."""
+    ahead_below_m: float = Field(gt=0, le=2)
+    """On a straight, something ahead nearer than this is an obstacle; partly in the beam it reads too far."""
     both_below_m: float = Field(ge=0, le=2)
     """On a straight, an obstacle between two beams shows in both: the front and a side sensor read less than this."""
     memory_m: float = Field(gt=0, le=10)

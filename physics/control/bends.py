@@ -78,7 +78,7 @@ def curve_pass(seen: ControlInput, bends: BendMemory, config: Avoidance) -> Curv
     curves = config.curves
     if curves is None:
         return None
-    if seen.front_m < config.front_below_m:
+    if seen.front_m < (curves.ahead_below_m if bends.is_straight else config.front_below_m):
         freer: Side = "left" if seen.left_m >= seen.right_m else "right"
         side = bends.bend or freer
         return CurvePass(side, "inner", side, seen.front_m)
