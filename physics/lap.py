@@ -11,22 +11,25 @@ class Lap:
     """Watches the true pose of one run."""
 
     start: Pose
-    away_m: float = 0.5
-    """The robot has been away once it was this far from the start."""
+    away_m: float = 1.0
+    """The robot has been away once it has driven so far, whatever the size of the arena."""
     half_width_m: float = 0.10
     """How far beside the start the finishing line reaches."""
     window_m: float = 0.35
     """How far beyond the finishing line the lap may still be closed, for a robot that crosses it beside the track."""
     max_turn_rad: float = math.radians(45.0)
     closed: bool = False
-    _been_away: bool = False
+    _driven_m: float = 0.0
+    _last: Pose | None = None
 
     def update(self, pose: Pose, *, on_track: bool) -> None:
         """Take the pose of one tick; the lap closes only where the robot follows its track again."""
         dx, dy = pose[0] - self.start[0], pose[1] - self.start[1]
-        self._been_away |= math.hypot(dx, dy) > self.away_m
+        if self._last is not None:
+            self._driven_m += math.hypot(pose[0] - self._last[0], pose[1] - self._last[1])
+        self._last = pose
         c, s = math.cos(self.start[2]), math.sin(self.start[2])
         along_m, beside_m = c * dx + s * dy, c * dy - s * dx
         turn_rad = math.remainder(pose[2] - self.start[2], 2 * math.pi)
         at_the_line = 0 <= along_m < self.window_m and abs(beside_m) < self.half_width_m
-        self.closed |= self._been_away and on_track and at_the_line and abs(turn_rad) < self.max_turn_rad
+        self.closed |= self._driven_m > self.away_m and on_track and at_the_line and abs(turn_rad) < self.max_turn_rad

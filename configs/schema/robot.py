@@ -1,10 +1,10 @@
 """The robot: body, drive, sensors and controller. R is the frame at the middle of the axle, x forward, y left."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
-from configs.schema.base import Section, Slug
+from configs.schema.base import FromList, Point2, Section, Slug
 from configs.schema.terms.table import Terms
 
 
@@ -182,6 +182,66 @@ class Corner(Section):
     front_clear_m: float = Field(gt=0, le=2)
 
 
+class CurvePath(Section):
+    """A spline in the frame of the robot where avoidance began, x forward, y left, drawn for a bend to the left."""
+
+    points: Annotated[tuple[Point2, ...], FromList, Field(min_length=4, max_length=100)]
+    """Control points; the first is the robot itself."""
+
+
+class FaceObstacle(Section):
+    """How the robot turns to an obstacle on a bend, so that a stored path fits wherever it met it."""
+
+    speed_m_s: float = Field(gt=0, le=2)
+    turn_rate_rad_s: float = Field(gt=0, le=20)
+    back_below_m: float = Field(ge=0, le=2)
+    """Where the sensor that has seen the obstacle reads less, the robot backs off first, for room to turn."""
+    back_m: float = Field(ge=0, le=0.5)
+    seen_below_m: float = Field(gt=0, le=2)
+    """The front sensor looks at the obstacle where it reads less than this."""
+    most_out_rad: float = Field(gt=0, le=3.2)
+    """Most that it turns away from the inside of the bend to find the obstacle's outer edge."""
+    most_in_rad: float = Field(gt=0, le=3.2)
+    """Most that it turns towards the inside."""
+    edge_m: float = Field(gt=0, le=1)
+    """Readings within this of the nearest belong to the middle of the obstacle."""
+    face_gain_1_s: float = Field(gt=0, le=20)
+    """Yaw rate per angle off the obstacle's middle."""
+    tolerance_rad: float = Field(gt=0, le=1)
+    tolerance_m: float = Field(gt=0, le=0.1)
+    most_trim_m: float = Field(gt=0, le=0.5)
+    """Most that it drives to bring the obstacle to the distance that the paths begin at."""
+
+
+class CurveAvoidance(Section):
+    """Paths for obstacles on a bend (paper section 4.3, Fig. 7b and 7c), mirrored for a bend to the right.
+
+    They begin where the obstacle stands straight ahead at `avoidance.front_below_m`.
+    """
+
+    side_below_m: float = Field(gt=0, le=2)
+    """A side sensor sees an obstacle further along a bend nearer than this, where the front sensor cannot."""
+    ahead_below_m: float = Field(gt=0, le=2)
+    """On a straight, something ahead nearer than this is an obstacle; partly in the beam it reads too far."""
+    both_below_m: float = Field(ge=0, le=2)
+    """On a straight, an obstacle between two beams shows in both: the front and a side sensor read less than this."""
+    memory_m: float = Field(gt=0, le=10)
+    """Length of the recent path over which the turn is judged."""
+    straight_below_rad: float = Field(gt=0, le=3.2)
+    """A recent path that turned by less is straight."""
+    face: FaceObstacle
+    inner: CurvePath
+    outer: CurvePath
+    turn_rate_rad_s: float = Field(gt=0, le=20)
+    """Of turns on the spot, and most that is turned at on the path; sharper bends of it are driven slower."""
+    turn_above_rad: float = Field(gt=0, le=3.2)
+    """The robot turns on the spot to a path that lies further off its heading than this."""
+    line_after_m: float = Field(gt=0, le=2)
+    """The line counts again once the robot has come so far without seeing it."""
+    cross_m: float = Field(gt=0, le=0.5)
+    """How far the robot drives on where it meets the line, before it turns into it."""
+
+
 class Avoidance(Section):
     """A pre-computed path beside the obstacle: out, along, back (paper section 4.3, Fig. 7a)."""
 
@@ -196,11 +256,18 @@ class Avoidance(Section):
     look_ahead_m: float = Field(gt=0, le=0.5)
     behind_beyond_m: float = Field(gt=0, le=2)
     """The obstacle is behind once the side sensor that faced it reads more than this."""
+    curves: CurveAvoidance | None = None
+    """With these, obstacles on a line are passed by the curve paths; without, by the straight one."""
 
 
 class Lost(Section):
+    """States 33 and 44: a lost wall is looked for on its side, at first nearly straight on, as beyond a gap."""
+
     speed_m_s: float = Field(ge=0, le=2)
     turn_rate_rad_s: float = Field(ge=0, le=20)
+    gap_m: float = Field(ge=0, le=5)
+    """How far the robot goes before it takes the wall for ended; a turn at once would run into the end left behind."""
+    gap_turn_rate_rad_s: float = Field(ge=0, le=20)
 
 
 class Controller(Section):

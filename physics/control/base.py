@@ -20,6 +20,17 @@ class State(IntEnum):
 
 
 Side = Literal["left", "right"]
+Pose = tuple[float, float, float]
+"""x [m], y [m], yaw [rad]."""
+
+
+def other(side: Side) -> Side:
+    return "right" if side == "left" else "left"
+
+
+def sign_of(side: Side) -> float:
+    """+1 left, -1 right: the direction in which y and yaw grow."""
+    return 1.0 if side == "left" else -1.0
 
 
 @dataclass(frozen=True)
@@ -32,8 +43,8 @@ class ControlInput:
     left_m: float
     right_m: float
     """Ranges; the no-target value where there is none."""
-    odometry: tuple[float, float, float]
-    """x [m], y [m], yaw [rad] by the wheels, in the frame of the start."""
+    odometry: Pose
+    """By the wheels, in the frame of the start."""
 
     def side_m(self, side: Side) -> float:
         return self.left_m if side == "left" else self.right_m

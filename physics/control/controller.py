@@ -3,14 +3,18 @@
 `TRANSITIONS` is the whole table; the first row whose condition holds is taken, one per tick.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from configs.schema.robot import Controller
-from physics.control.avoidance import AvoidancePath, PathFollower, straight_path
-from physics.control.base import Command, ControlInput, Side, State
-from physics.control.following import follow, line_error, wall_error
+from physics.control.avoidance import PathFollower
+from physics.control.base import Command, ControlInput, Pose, Side, State
+from physics.control.bends import BendMemory, CurveBook, CurvePass, curve_pass
+from physics.control.curves import CurveFollower
+from physics.control.following import MAX_ERROR, follow, line_error, wall_error
+from physics.control.paths import AvoidancePath, straight_path
 
 
 @dataclass(frozen=True)
@@ -20,8 +24,10 @@ class View:
     seen: ControlInput
     config: Controller
     line_error: float | None
-    follower: PathFollower | None
+    follower: PathFollower | CurveFollower | None
     return_state: State
+    curve: CurvePass | None
+    """The curve path for the obstacle that is in the way now; None without one, or without curve paths."""
 
     def on_line(self) -> bool:
         return self.line_error is not None
@@ -36,6 +42,9 @@ class View:
         avoid = self.config.avoidance
         return self.seen.front_m < avoid.front_below_m and self.seen.side_m(free_side) >= avoid.free_side_beyond_m
 
+    def curve_beside(self, side: Side) -> bool:
+        return self.curve is not None and self.curve.side == side
+
     def corner_ahead(self) -> bool:
         return self.seen.front_m < self.config.corner.front_below_m
 
@@ -43,7 +52,7 @@ class View:
         return self.seen.front_m > self.config.corner.front_clear_m and self.wall_found(wall_side)
 
     def line_met_on_the_way_back(self) -> bool:
-        on_the_way_back = self.follower is not None and self.follower.on_the_way_back
+        on_the_way_back = isinstance(self.follower, PathFollower) and self.follower.on_the_way_back
         return on_the_way_back and self.return_state is State.LINE and self.on_line()
 
     def avoided(self, into: State) -> bool:
@@ -70,6 +79,9 @@ _LINE = _from(State.LINE)
 _AVOIDING = _from(State.AVOID_LEFT, State.AVOID_RIGHT)
 
 TRANSITIONS: tuple[Transition, ...] = (
+    # On a line that bends, with paths for bends.
+    Transition(_LINE, lambda v: v.curve_beside("left"), State.AVOID_LEFT),
+    Transition(_LINE, lambda v: v.curve_beside("right"), State.AVOID_RIGHT),
     # An obstacle is passed on the side that is free; on a line the left is tried first.
     Transition(_LINE | _RIGHT, lambda v: v.obstacle_ahead("left"), State.AVOID_LEFT),
     Transition(_LINE | _LEFT, lambda v: v.obstacle_ahead("right"), State.AVOID_RIGHT),
@@ -106,9 +118,13 @@ class RobotController:
             State.AVOID_LEFT: straight_path(config.avoidance, "left"),
             State.AVOID_RIGHT: straight_path(config.avoidance, "right"),
         }
+        curves = config.avoidance.curves
+        self._curves = CurveBook.from_config(curves, config.avoidance.points) if curves else None
+        self._bends = BendMemory(curves.memory_m, curves.straight_below_rad) if curves else None
         self._state = State.LINE
         self._return_state = State.LINE
-        self._follower: PathFollower | None = None
+        self._follower: PathFollower | CurveFollower | None = None
+        self._entered_at: Pose = (0.0, 0.0, 0.0)
         self._last_line_error = 0.0
         self.line_lost_count = 0
         """Ticks in the line state without any channel on the line."""
@@ -120,27 +136,41 @@ class RobotController:
     def step(self, seen: ControlInput) -> Command:
         """Choose the state for this tick, then drive by it."""
         error = line_error(seen.line, self._line_threshold)
-        view = View(seen, self._config, error, self._follower, self._return_state)
+        curve = self._curve_pass(seen)
+        view = View(seen, self._config, error, self._follower, self._return_state, curve)
         for row in TRANSITIONS:
             if self._state in row.states and row.when(view):
-                self._enter(row.to, seen)
+                self._enter(row.to, seen, curve)
                 break
         if error is not None:
             self._last_line_error = error
         elif self._state is State.LINE:
             self.line_lost_count += 1
-        v_m_s, w_rad_s = self._drive(seen)
+        v_m_s, w_rad_s = self._drive(seen, error)
         return Command(v_m_s, w_rad_s, self._state)
 
-    def _enter(self, state: State, seen: ControlInput) -> None:
-        if state in self._paths:
+    def _curve_pass(self, seen: ControlInput) -> CurvePass | None:
+        if self._bends is None or self._state is not State.LINE:
+            return None
+        self._bends.update(seen.odometry)
+        return curve_pass(seen, self._bends, self._config.avoidance)
+
+    def _enter(self, state: State, seen: ControlInput, curve: CurvePass | None) -> None:
+        if isinstance(self._follower, CurveFollower):
+            # Where the path ends without a line, the line is on the side of the obstacle.
+            self._last_line_error = -MAX_ERROR if self._state is State.AVOID_LEFT else MAX_ERROR
+        if self._curves is not None and curve is not None:
+            self._return_state = self._state
+            self._follower = CurveFollower(self._curves, curve, seen.odometry, self._config.avoidance)
+        elif state in self._paths:
             self._return_state = self._state
             self._follower = PathFollower(self._paths[state], seen.odometry, self._config.avoidance.look_ahead_m)
         else:
             self._follower = None
         self._state = state
+        self._entered_at = seen.odometry
 
-    def _drive(self, seen: ControlInput) -> tuple[float, float]:
+    def _drive(self, seen: ControlInput, error: float | None) -> tuple[float, float]:
         """Forward speed [m/s] and yaw rate [rad/s]."""
         config = self._config
         match self._state:
@@ -155,13 +185,21 @@ class RobotController:
             case State.TURN_RIGHT:
                 return 0.0, -config.corner.turn_rate_rad_s
             case State.LOST_LEFT_WALL:
-                return config.lost.speed_m_s, config.lost.turn_rate_rad_s
+                return config.lost.speed_m_s, self._search_rate(seen)
             case State.LOST_RIGHT_WALL:
-                return config.lost.speed_m_s, -config.lost.turn_rate_rad_s
+                return config.lost.speed_m_s, -self._search_rate(seen)
             case State.AVOID_LEFT | State.AVOID_RIGHT:
-                return self._drive_path(seen)
+                return self._drive_path(seen, error)
 
-    def _drive_path(self, seen: ControlInput) -> tuple[float, float]:
+    def _search_rate(self, seen: ControlInput) -> float:
+        """Yaw rate towards the side of a lost wall [rad/s]."""
+        lost = self._config.lost
+        gone_m = math.hypot(seen.odometry[0] - self._entered_at[0], seen.odometry[1] - self._entered_at[1])
+        return lost.gap_turn_rate_rad_s if gone_m < lost.gap_m else lost.turn_rate_rad_s
+
+    def _drive_path(self, seen: ControlInput, error: float | None) -> tuple[float, float]:
+        if isinstance(self._follower, CurveFollower):
+            return self._follower.step(seen, error)
         if self._follower is None:
             raise RuntimeError("avoiding without a path")
         obstacle_side: Side = "right" if self._state is State.AVOID_LEFT else "left"

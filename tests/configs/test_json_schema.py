@@ -14,13 +14,13 @@ from configs.yaml_reader import read_yaml
 SCHEMA = scenario_json_schema()
 SHIPPED = Path(configs.__file__).parent
 TYPES: dict[str, tuple[type, ...]] = {
+    "null": (type(None),),
     "object": (dict,),
     "array": (list,),
     "string": (str,),
     "boolean": (bool,),
     "number": (int, float),
     "integer": (int,),
-    "null": (type(None),),
 }
 
 

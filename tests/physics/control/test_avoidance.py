@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from physics.control.avoidance import PathFollower, straight_path
+from physics.control.avoidance import PathFollower
+from physics.control.paths import straight_path
 
 
 @pytest.fixture(scope="module")

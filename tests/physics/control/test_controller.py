@@ -119,6 +119,14 @@ def test_a_lost_wall_is_looked_for_on_its_side_and_found_again(following, side, 
     assert controller.step(seen(**{side: 0.30})).state is {"left": State.LEFT_WALL, "right": State.RIGHT_WALL}[side]
 
 
+def test_a_lost_wall_may_go_on_beyond_a_gap_before_the_robot_turns_round_its_end(following, robot):
+    controller, lost = following("right"), robot.controller.lost
+    rates = {}
+    for x in (0.0, 0.20, lost.gap_m + 0.01):
+        rates[x] = controller.step(seen(right=0.36, at=(x, 0.0, 0.0))).w_rad_s
+    assert list(rates.values()) == [-lost.gap_turn_rate_rad_s, -lost.gap_turn_rate_rad_s, -lost.turn_rate_rad_s]
+
+
 def drive_past(controller, front_first, **beside):
     """Let the robot run its avoidance path ideally; returns the states it was in."""
     x = y = yaw = 0.0

@@ -1,0 +1,95 @@
+"""Which curve path goes round an obstacle on a bending line, told from the ranges and the recent path by odometry."""
+
+import math
+from collections import deque
+from dataclasses import dataclass, field
+from typing import Literal
+
+from configs.schema.robot import Avoidance, CurveAvoidance
+from physics.control.base import ControlInput, Pose, Side, other
+from physics.control.paths import AvoidancePath, curve_path
+
+Variant = Literal["inner", "outer"]
+
+
+@dataclass(frozen=True)
+class CurvePass:
+    """How an obstacle is to be passed."""
+
+    side: Side
+    """Of the obstacle on which the robot passes."""
+    variant: Variant
+    bend: Side
+    """To which the line bends."""
+    near_m: float
+    """What the sensor that has seen it reads."""
+
+
+@dataclass(frozen=True)
+class CurveBook:
+    """The pre-computed curve paths."""
+
+    paths: dict[tuple[Variant, Side], AvoidancePath]
+
+    @classmethod
+    def from_config(cls, config: CurveAvoidance, count: int) -> "CurveBook":
+        paths: dict[tuple[Variant, Side], AvoidancePath] = {}
+        for bend in ("left", "right"):
+            paths["inner", bend] = curve_path(config.inner, count, bend)
+            paths["outer", bend] = curve_path(config.outer, count, bend)
+        return cls(paths)
+
+
+@dataclass
+class BendMemory:
+    """How the path has turned lately, and to which side it last bent."""
+
+    length_m: float
+    straight_below_rad: float
+    bend: Side | None = None
+    """The side of the last bend; None before the first."""
+    turned_rad: float = 0.0
+    """Over the last `length_m` of the path."""
+    _travelled_m: float = 0.0
+    _recent: deque[tuple[float, Pose]] = field(default_factory=deque)
+
+    @property
+    def is_straight(self) -> bool:
+        return abs(self.turned_rad) < self.straight_below_rad
+
+    def update(self, odometry: Pose) -> None:
+        if self._recent:
+            x, y, _ = self._recent[-1][1]
+            self._travelled_m += math.hypot(odometry[0] - x, odometry[1] - y)
+        self._recent.append((self._travelled_m, odometry))
+        while self._travelled_m - self._recent[0][0] > self.length_m:
+            self._recent.popleft()
+        self.turned_rad = odometry[2] - self._recent[0][1][2]
+        if not self.is_straight:
+            self.bend = "left" if self.turned_rad > 0 else "right"
+
+
+def curve_pass(seen: ControlInput, bends: BendMemory, config: Avoidance) -> CurvePass | None:
+    """The way past the obstacle that is in the way now, or None where none is.
+
+    One straight ahead or at the end of the present bend is passed on the inside, where a tight line leaves most room;
+    one beside a robot that has gone straight stands on the bend to come and is passed on the outside.
+    """
+    curves = config.curves
+    if curves is None:
+        return None
+    if seen.front_m < (curves.ahead_below_m if bends.is_straight else config.front_below_m):
+        freer: Side = "left" if seen.left_m >= seen.right_m else "right"
+        side = bends.bend or freer
+        return CurvePass(side, "inner", side, seen.front_m)
+    for side in ("left", "right"):
+        if bends.bend not in {None, side}:
+            continue
+        side_m = seen.side_m(side)
+        if side_m < curves.side_below_m:
+            passed = other(side) if bends.is_straight else side
+            return CurvePass(passed, "outer" if bends.is_straight else "inner", side, side_m)
+        if bends.is_straight and max(side_m, seen.front_m) < curves.both_below_m:
+            # Between the beams it is nearer than either says.
+            return CurvePass(other(side), "outer", side, 0.0)
+    return None

@@ -1,0 +1,107 @@
+"""Driving a curve path, and from its end onto the line whatever the angle at which the two meet."""
+
+import math
+from enum import Enum, auto
+
+from configs.schema.robot import Avoidance, CurveAvoidance
+from physics.control.avoidance import PathFollower
+from physics.control.base import ControlInput, Pose, sign_of
+from physics.control.bends import CurveBook, CurvePass
+from physics.control.facing import ObstacleFacing
+
+FULL_SEARCH_RAD = math.radians(200.0)
+"""A line that was met and is not seen again within this turn is not there."""
+
+IN_THE_MIDDLE = 2.2
+"""The turn into the line ends when the line is so near to the middle of the row [channels]."""
+
+
+class _Phase(Enum):
+    FACE = auto()
+    PATH = auto()
+    CROSS = auto()
+    TURN = auto()
+    DONE = auto()
+
+
+class CurveFollower:
+    """Face the obstacle, path, straight on until the axle is over the line, then a turn on the spot into the line.
+
+    A robot that has passed an obstacle on its left meets the line from the left and goes on along it by turning left,
+    at whatever angle the path has brought it there.
+    """
+
+    def __init__(self, book: CurveBook, chosen: CurvePass, start: Pose, config: Avoidance) -> None:
+        if config.curves is None:
+            raise ValueError("a curve path without settings for curves")
+        self._config = config
+        self._curves: CurveAvoidance = config.curves
+        self._points = book.paths[chosen.variant, chosen.bend]
+        self._path = PathFollower(self._points, start, config.look_ahead_m)
+        self._turn = sign_of(chosen.side)
+        self._facing = ObstacleFacing(config.curves.face, config.front_below_m, start, chosen.bend, chosen.near_m)
+        self._phase = _Phase.FACE
+        self._line_seen_at: Pose = start
+        self._met_error = 0.0
+        """Line error where the line was met."""
+        self._since: Pose = start
+        """Where the phase began."""
+
+    @property
+    def finished(self) -> bool:
+        return self._phase is _Phase.DONE
+
+    def step(self, seen: ControlInput, line_error: float | None) -> tuple[float, float]:
+        """Forward speed [m/s] and yaw rate [rad/s] for this tick; `line_error` is None where no line is seen."""
+        odometry = seen.odometry
+        facing = self._facing.step(seen)
+        if (following := self._next_phase(odometry, line_error)) is not self._phase:
+            self._phase, self._since = following, odometry
+            self._line_seen_at, self._met_error = odometry, line_error or 0.0
+            if following is _Phase.PATH:
+                self._path = PathFollower(self._points, odometry, self._config.look_ahead_m)
+        if line_error is not None:
+            self._line_seen_at = odometry
+        match self._phase:
+            case _Phase.FACE:
+                return facing
+            case _Phase.PATH:
+                return self._drive_path(odometry)
+            case _Phase.CROSS:
+                return self._config.speed_m_s, 0.0
+            case _Phase.TURN | _Phase.DONE:
+                return 0.0, self._turn * self._curves.turn_rate_rad_s
+
+    def _drive_path(self, odometry: Pose) -> tuple[float, float]:
+        bearing, rate = self._path.bearing(odometry), self._curves.turn_rate_rad_s
+        if abs(bearing) > self._curves.turn_above_rad:
+            return 0.0, math.copysign(rate, bearing)
+        curvature = self._path.step(odometry, obstacle_beside=False)
+        speed = min(self._config.speed_m_s, rate / max(abs(curvature), 1e-6))
+        return speed, speed * curvature
+
+    def _next_phase(self, odometry: Pose, line_error: float | None) -> _Phase:
+        on_line = line_error is not None
+        in_the_middle = line_error is not None and abs(line_error) < IN_THE_MIDDLE
+        # A line still on the side that the robot heads for is not crossed yet, or bends back under the robot.
+        ahead = line_error is not None and self._turn * line_error <= -IN_THE_MIDDLE
+        travelled_m = _apart_m(odometry, self._since)
+        match self._phase:
+            case _Phase.FACE if self._facing.done:
+                return _Phase.PATH
+            case _Phase.PATH if on_line and _apart_m(odometry, self._line_seen_at) > self._curves.line_after_m:
+                return _Phase.CROSS
+            case _Phase.PATH if self._path.finished:
+                return _Phase.DONE
+            case _Phase.CROSS if travelled_m >= self._curves.cross_m * (4.0 if ahead else 1.0):
+                # Met at a small angle, the line comes in from ahead; one that moves out there lies across.
+                came_in = line_error is not None and self._turn * (line_error - self._met_error) > 0.0
+                return _Phase.DONE if in_the_middle and came_in else _Phase.TURN
+            case _Phase.TURN if in_the_middle or abs(odometry[2] - self._since[2]) > FULL_SEARCH_RAD:
+                return _Phase.DONE
+            case _:
+                return self._phase
+
+
+def _apart_m(one: Pose, other: Pose) -> float:
+    return math.hypot(one[0] - other[0], one[1] - other[1])

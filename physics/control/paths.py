@@ -1,0 +1,66 @@
+"""Pre-computed paths beside an obstacle: evenly spaced points of a spline (paper section 4.3, Fig. 7)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
+
+from configs.schema.robot import Avoidance, CurvePath
+from physics.control.base import Side, sign_of
+
+Array = NDArray[np.float64]
+
+FINE = 8
+"""How many times finer a spline is evaluated than it is stored."""
+
+
+@dataclass(frozen=True)
+class AvoidancePath:
+    """A path in the frame of the robot where avoidance began: x forward, y left."""
+
+    points: Array
+    """(N, 2) [m], evenly spaced along the path."""
+    spacing_m: float
+    back_begins: int
+    """Index of the first point of the way back."""
+
+    @property
+    def length_m(self) -> float:
+        return self.spacing_m * (len(self.points) - 1)
+
+
+def straight_path(config: Avoidance, side: Side) -> AvoidancePath:
+    """Out to the side, along the obstacle, back to the line or wall; mirrored for the right-hand side (Fig. 7a)."""
+    x_out = config.out_length_m
+    x_back = x_out + config.along_length_m
+    x_end = x_back + config.back_length_m
+    # Flat at every knot, so that the path leaves, passes and meets the line in the direction of travel.
+    spline = CubicHermiteSpline([0.0, x_out, x_back, x_end], [0.0, config.side_m, config.side_m, 0.0], np.zeros(4))
+    x_fine = np.linspace(0.0, x_end, FINE * config.points)
+    y_fine = spline(x_fine)
+    travelled = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x_fine), np.diff(y_fine)))])
+    even = np.linspace(0.0, travelled[-1], config.points)
+    x = np.interp(even, travelled, x_fine)
+    points = np.stack([x, sign_of(side) * spline(x)], axis=1)
+    points.flags.writeable = False
+    return AvoidancePath(points, float(even[1]), int(np.searchsorted(x, x_back)))
+
+
+def curve_path(config: CurvePath, count: int, bend: Side) -> AvoidancePath:
+    """A path through control points (Fig. 7b, 7c), drawn for a bend to the left and mirrored for one to the right.
+
+    Args:
+        config: The control points and where the way back begins.
+        count: How many points the path is stored in.
+        bend: The side to which the line bends.
+    """
+    knots = np.array(config.points)
+    chord = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(knots, axis=0).T))])
+    fine = CubicSpline(chord, knots)(np.linspace(0.0, chord[-1], FINE * count))
+    travelled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(fine, axis=0).T))])
+    even = np.linspace(0.0, travelled[-1], count)
+    drawn = np.stack([np.interp(even, travelled, fine[:, axis]) for axis in (0, 1)], axis=1)
+    points = drawn * (1.0, sign_of(bend))
+    points.flags.writeable = False
+    return AvoidancePath(points, float(even[1]), count)
