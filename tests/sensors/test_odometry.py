@@ -48,6 +48,7 @@ def test_the_nominal_robot_has_a_resolution_of_53_micrometres(robot):
 
 
 def test_a_failed_encoder_reading_keeps_the_counts_before(robot, plane_world):
-    config = robot.encoder.model_copy(update={"dropout_probability": 1.0})
-    encoders = WheelEncoders(config, 1000, np.random.default_rng(0))
-    assert encoders.sample(plane_world(counts=(7, 9))).tolist() == [0, 0]
+    encoders = WheelEncoders(robot.encoder, 1000, np.random.default_rng(0))
+    assert encoders.sample(plane_world(counts=(3, 4))).tolist() == [3, 4]
+    encoders._dropout_probability = 1.0
+    assert encoders.sample(plane_world(counts=(7, 9))).tolist() == [3, 4]

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from sensors.tof import TofArray, TofStatus, log_error_m, noise_growth, ray_directions, ray_pattern
+from sensors.tof import TofArray, TofStatus, log_error_m, noise_sd_m, ray_directions, ray_pattern
 
 FRONT = 0
 NO_TARGET_M = 2.0
@@ -52,10 +52,22 @@ def test_readings_at_100_mm_are_those_of_tables_3_and_4(robot, arena_of, plane_w
     assert readings_mm.std() == pytest.approx(sd_mm, rel=0.05)
 
 
-def test_noise_grows_as_equation_23_in_the_distance_beyond_180_mm():
-    assert noise_growth(np.array([0.05, 0.1, 0.18])) == pytest.approx(1.0)
+def test_noise_of_a_surface_with_the_equations_own_deviation_is_equation_23():
     by_hand_mm = 1.15 * 0.5**3 + 2.51 * 0.5**2 + 4.88 * 0.5 + 1.40
-    assert 1.41 * noise_growth(np.array([0.68]))[0] == pytest.approx(by_hand_mm)
+    sd_mm = 1e3 * noise_sd_m(np.full(4, 0.00141), np.array([0.05, 0.1, 0.18, 0.68]))
+    assert sd_mm == pytest.approx([1.41, 1.41, 1.41, by_hand_mm])
+
+
+@pytest.mark.parametrize(("surface", "own_mm"), [("white_board", 0.84), ("glass", 1.77)])
+def test_readings_at_600_mm_scatter_as_equation_23_and_the_surface_add_up(
+    robot, arena_of, plane_world, surface, own_mm
+):
+    tof = sensors(robot, arena_of(surface), quantisation_m=0.0)
+    world = wall_ahead(plane_world, robot, 0.6)
+    readings_mm = 1e3 * np.array([tof.sample(world)[FRONT, 0] for _ in range(2000)])
+    eq_23_mm = 1.15 * 0.42**3 + 2.51 * 0.42**2 + 4.88 * 0.42 + 1.40
+    assert readings_mm.std() == pytest.approx(math.sqrt(own_mm**2 + eq_23_mm**2 - 1.41**2), rel=0.05)
+    assert readings_mm.std() == pytest.approx(eq_23_mm, rel=0.10)
 
 
 def test_the_error_is_equation_24_with_its_zero_at_180_mm():
@@ -88,9 +100,11 @@ def test_side_sensors_look_45_degrees_to_their_side(robot, arena_of, plane_world
 
 
 def test_a_lost_update_keeps_the_value_before_and_says_so(robot, arena_of, plane_world):
-    tof = sensors(robot, arena_of(), dropout_probability=1.0)
-    reading, status = tof.sample(wall_ahead(plane_world, robot, 0.1))[FRONT]
-    assert (reading, status) == (NO_TARGET_M, TofStatus.HELD)
+    tof = sensors(robot, arena_of(), noise_scale=0.0)
+    good = tof.sample(wall_ahead(plane_world, robot, 0.1))[FRONT, 0]
+    tof._config = tof._config.model_copy(update={"dropout_probability": 1.0})
+    reading, status = tof.sample(wall_ahead(plane_world, robot, 0.3))[FRONT]
+    assert (reading, status) == (good, TofStatus.HELD)
 
 
 def test_90_rays_fill_a_cone_of_25_degrees_about_the_axis(robot):
