@@ -134,6 +134,7 @@ class _Run:
         rows.add("voltage_V", "V", world.voltages())
         rows.add("current_A", "A", read_current_A(self._spec.robot.terms, np.array(world.currents())))
         rows.add("command", "m/s, rad/s", (command.v_m_s, command.w_rad_s))
+        rows.add("line_lost", "1", self._controller.line_lost_count)
         image = 1 + tick // self._ticks_per_image if tick % self._ticks_per_image == 0 else 0
         rows.add("image", "1", image)
 
