@@ -231,7 +231,7 @@ class BulletSimulation:
         return self._rays.cast(origins, ends)
 
     def touching(self) -> tuple[str, ...]:
-        """Names of walls and obstacles that the robot touches now or touched at an update of the wheel loop since the last call."""
+        """Names of walls and obstacles touched now, or at an update of the wheel loop since the last call."""
         self._watch()
         names = tuple(self._box_names[index] for index in sorted(self._touched))
         self._touched.clear()
