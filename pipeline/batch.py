@@ -10,6 +10,7 @@ from configs.loader import LoadedScenario, load_scenario
 from configs.schema.scenario import RunSpec
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Rows
+from pipeline.output import check_disk, check_out
 from pipeline.plan import Plan
 from pipeline.progress import Report
 from pipeline.stages.assemble import assemble
@@ -21,7 +22,7 @@ from pipeline.stages.simulate_runs import (
     simulation_key,
 )
 from pipeline.workers import cores
-from pipeline.workspace import Workspace, check_disk, check_out
+from pipeline.workspace import Workspace
 
 
 @dataclass(frozen=True)

@@ -5,14 +5,13 @@ import fcntl
 import hashlib
 import os
 import shutil
-import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from configs.errors import EnvironmentLacking, InputError
+from configs.errors import InputError
 from pipeline.files import canonical_json, hashes_of, holds, replace_folder, write_file
 
 DONE = "done.json"
@@ -92,52 +91,17 @@ class Workspace:
         (self.out / STAGES).mkdir(parents=True, exist_ok=True)
         descriptor = os.open(self.out / STAGES, os.O_RDONLY | os.O_DIRECTORY)
         try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            self._lock(descriptor)
             yield
+        finally:
+            os.close(descriptor)
+
+    def _lock(self, descriptor: int) -> None:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise InputError(
                 "another symolo command is working in this folder",
                 where=f"--out {self.out}",
                 cure="wait for it, or name another folder",
             ) from None
-        finally:
-            os.close(descriptor)
-
-
-def check_out(out: Path) -> None:
-    """Refuse a folder that cannot or should not be written to, before any work starts.
-
-    Raises:
-        InputError: It is a file, foreign and not empty, or not writable.
-    """
-    where = f"--out {out}"
-    if out.exists() and not out.is_dir():
-        raise InputError("is a file, not a folder", where=where, cure="name a folder that is new or empty")
-    if out.is_dir() and not (out / STAGES).is_dir() and any(out.iterdir()):
-        raise InputError("holds files that symolo did not make", where=where, cure="name a folder that is new or empty")
-    nearest = _nearest_existing(out)
-    if not nearest.is_dir():
-        raise InputError(f"lies below the file {nearest}", where=where, cure="name a folder that is new or empty")
-    try:
-        tempfile.TemporaryFile(dir=nearest).close()
-    except OSError as error:
-        what = f"cannot be written: {nearest}: {error.strerror}"
-        raise InputError(what, where=where, cure="name another folder") from None
-
-
-def check_disk(out: Path, needed_bytes: int) -> None:
-    """Raise EnvironmentLacking when there is no room for `needed_bytes` where `out` is or will be."""
-    free = shutil.disk_usage(_nearest_existing(out)).free
-    there = sum(path.stat().st_size for path in out.rglob("*") if path.is_file())
-    if free + there < needed_bytes:
-        raise EnvironmentLacking(
-            f"--out {out}: about {needed_bytes / 1e6:.0f} MB are needed and {free / 1e6:.0f} MB are free; "
-            "free some space, name a folder on another disk, or lower render.width_px and render.height_px"
-        )
-
-
-def _nearest_existing(path: Path) -> Path:
-    path = path.absolute()
-    while not path.exists():
-        path = path.parent
-    return path
