@@ -185,6 +185,11 @@ def test_two_commands_do_not_work_in_one_folder(dataset, copy_of, symolo, tiny):
     assert "another symolo command" in ended.err
 
 
+def test_an_error_of_the_work_itself_is_not_taken_for_another_command(tmp_path):
+    with pytest.raises(BlockingIOError), Workspace(tmp_path).locked():
+        raise BlockingIOError
+
+
 def _wait_for(condition, timeout_s=60.0):
     end = time.monotonic() + timeout_s
     while not condition():
