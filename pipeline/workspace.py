@@ -12,7 +12,7 @@ from pathlib import Path
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from configs.errors import InputError
-from pipeline.files import canonical_json, hashes_of, holds, replace_folder, write_file
+from pipeline.files import canonical_json, hashes_of, holds, remove_leftovers, replace_folder, write_file
 
 DONE = "done.json"
 STAGES = ".stages"
@@ -92,9 +92,16 @@ class Workspace:
         descriptor = os.open(self.out / STAGES, os.O_RDONLY | os.O_DIRECTORY)
         try:
             self._lock(descriptor)
+            self._sweep()
             yield
         finally:
             os.close(descriptor)
+
+    def _sweep(self) -> None:
+        """Free the released part of what a killed command left; no stage looks there for its own leftovers."""
+        routes = [path for path in self.out.iterdir() if path.is_dir() and not path.name.startswith(".")]
+        for folder in (self.out, *routes):
+            remove_leftovers(folder)
 
     def _lock(self, descriptor: int) -> None:
         try:

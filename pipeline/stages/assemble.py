@@ -114,10 +114,10 @@ def _take_back(workspace: Workspace, good: set[str]) -> None:
         if run not in good:
             _remove_files(workspace.out, (MANIFEST,))
             remove_folder(workspace.out / run)
-            remove_folder(marker.parent)
             route = (workspace.out / run).parent
             if route.is_dir() and not any(route.iterdir()):
                 route.rmdir()
+            remove_folder(marker.parent)  # last: while it is there, a rerun takes up what was interrupted
 
 
 def _remove_files(folder: Path, names: Sequence[str]) -> None:
