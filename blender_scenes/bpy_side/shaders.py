@@ -23,12 +23,8 @@ _OPERATIONS = {
     "add": "ADD",
     "subtract": "SUBTRACT",
     "multiply": "MULTIPLY",
-    "minimum": "MINIMUM",
     "maximum": "MAXIMUM",
-    "power": "POWER",
     "sine": "SINE",
-    "absolute": "ABSOLUTE",
-    "fraction": "FRACT",
 }
 _CELLS = {"distance": ("F1", "Distance"), "edge": ("DISTANCE_TO_EDGE", "Distance"), "random": ("F1", "Color")}
 
@@ -188,8 +184,6 @@ def material(surface: Surface) -> bpy.types.Material:
         "Metallic": surface.metallic,
         "IOR": surface.refractive_index,
         "Transmission Weight": surface.transmission,
-        "Coat Weight": surface.coat,
-        "Coat Roughness": surface.coat_roughness,
     }
     shader = graph.node("ShaderNodeBsdfPrincipled")
     for name, value in values.items():
