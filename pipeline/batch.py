@@ -22,7 +22,7 @@ from pipeline.stages.simulate_runs import (
     simulation_key,
 )
 from pipeline.workers import cores
-from pipeline.workspace import Workspace
+from pipeline.workspace import Kind, Workspace
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Batch:
         """
         loaded = load_scenario(scenario, overrides)
         specs = tuple(draw_all(loaded))
-        check_out(out)
+        check_out(out, Kind.DATASET)
         check_disk(out, Plan.of(specs, cores()).bytes_needed)
         return cls(loaded, specs, Workspace(out.absolute()), workers or cores())
 

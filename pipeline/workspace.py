@@ -1,6 +1,7 @@
 """The output folder: whether it may be used, where each stage of each run lies in it, and what is done."""
 
 import contextlib
+import enum
 import fcntl
 import hashlib
 import os
@@ -16,12 +17,22 @@ from pipeline.files import canonical_json, hashes_of, holds, remove_leftovers, r
 
 DONE = "done.json"
 STAGES = ".stages"
+KIND = "kind"
+"""File in `.stages` with the kind of folder this is."""
 PARTIAL = ".tmp"
 
 
 def input_key(stage: str, **inputs: object) -> str:
     """SHA-256 over everything that a stage's result depends on; an equal key means nothing to redo."""
     return hashlib.sha256(canonical_json({"stage": stage, **inputs})).hexdigest()
+
+
+class Kind(enum.StrEnum):
+    """What an output folder holds; a command for one kind does not write into the other."""
+
+    DATASET = "dataset"
+    PICTURES = "pictures"
+    """Output of `symolo rerender`."""
 
 
 class Done(BaseModel):
@@ -75,6 +86,7 @@ class Workspace:
     """`out` with its released runs, and the hidden `.stages` that a rerun continues from."""
 
     out: Path
+    kind: Kind = Kind.DATASET
 
     def simulate(self, run_key: str) -> StageFolder:
         return StageFolder(self.out / STAGES / "simulate" / run_key)
@@ -92,6 +104,8 @@ class Workspace:
         descriptor = os.open(self.out / STAGES, os.O_RDONLY | os.O_DIRECTORY)
         try:
             self._lock(descriptor)
+            if not (self.out / STAGES / KIND).exists():
+                write_file(self.out / STAGES / KIND, f"{self.kind}\n".encode())
             self._sweep()
             yield
         finally:

@@ -115,12 +115,13 @@ def rerender(
     from pipeline.progress import report_here
     from pipeline.rerender import Request, prepare, render_source
     from pipeline.workers import cores
-    from pipeline.workspace import Workspace
+    from pipeline.workspace import Kind, Workspace
 
     request = Request(look, arena, robot, camera_hz, seed, tuple(settings or ()))
     found, appearance = prepare(source, request)
-    check_out(out)
-    failures = render_source(found, appearance, Workspace(out.absolute()), workers or cores(), report_here())
+    check_out(out, Kind.PICTURES)
+    workspace = Workspace(out.absolute(), Kind.PICTURES)
+    failures = render_source(found, appearance, workspace, workers or cores(), report_here())
     return _conclude(failures, 1, "rerender", out)
 
 

@@ -221,6 +221,27 @@ def test_a_folder_that_is_removed_takes_along_what_a_killed_removal_left(tmp_pat
     assert not any(tmp_path.iterdir())
 
 
+def test_a_release_without_its_stages_is_made_again(dataset, copy_of, symolo, tiny, release_of):
+    """A run that the scenario no longer holds goes, although no stage knows of it."""
+    out = copy_of(dataset)
+    metadata = json.loads((out / "metadata.json").read_text())
+    metadata["runs"].append({**metadata["runs"][0], "run": "CW/test_2"})
+    (out / "metadata.json").write_text(json.dumps(metadata))
+    shutil.copytree(out / "CW/test_1", out / "CW/test_2")
+    assert symolo("release", "smoke", "--out", out, *tiny).code == 0
+    assert release_of(out) == release_of(dataset)
+
+
+def test_a_run_named_outside_the_dataset_is_left_alone(dataset, copy_of, tmp_path, symolo, tiny):
+    out = copy_of(dataset)
+    (tmp_path / "test_1").mkdir()
+    metadata = json.loads((out / "metadata.json").read_text())
+    metadata["runs"].append({**metadata["runs"][0], "run": "../test_1"})
+    (out / "metadata.json").write_text(json.dumps(metadata))
+    assert symolo("release", "smoke", "--out", out, *tiny).code == 0
+    assert (tmp_path / "test_1").is_dir()
+
+
 def test_an_error_of_the_work_itself_is_not_taken_for_another_command(tmp_path):
     with pytest.raises(BlockingIOError), Workspace(tmp_path).locked():
         raise BlockingIOError
