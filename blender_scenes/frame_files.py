@@ -42,7 +42,7 @@ def put_in_place(data: bytes, path: Path, width_px: int, height_px: int) -> str:
     Raises:
         OSError: The disk did not keep what was written, or the picture does not decode to its size.
     """
-    beside = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    beside = path.with_name(f".{path.name}.tmp")  # after a kill, the next try writes over it
     try:
         with beside.open("wb") as file:
             file.write(data)

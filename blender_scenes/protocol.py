@@ -45,10 +45,10 @@ class Finished:
 
 @dataclass(frozen=True)
 class Failed:
-    """The child gives up; `lacking` where the machine lacks something that an installation mends."""
+    """The child gives up; `lacking` is what the machine has too little of, nothing where that is not the cause."""
 
     message: str
-    lacking: bool
+    lacking: Literal["", "libraries", "space"]
     kind: Literal["failed"] = "failed"
 
 

@@ -18,6 +18,7 @@ from pydantic import ValidationError
 from blender_scenes.frame_files import FrameFile, Ledger
 from blender_scenes.job import RenderJob
 from blender_scenes.protocol import MESSAGE, REQUEST, Failed, Finished, FrameDone, Message, Request
+from blender_scenes.surroundings import without_blender_settings
 from configs.errors import EnvironmentLacking
 
 SYSTEM_PACKAGES = "libgl1 libsm6 libx11-6 libxext6 libxfixes3 libxi6 libxkbcommon0 libxrender1"
@@ -56,7 +57,7 @@ def render_job(
     `<folder>.jsonl`; a frame that is there and whole is not rendered again. `on_frame` hears of every frame in place.
 
     Raises:
-        EnvironmentLacking: bpy cannot be loaded.
+        EnvironmentLacking: bpy cannot be loaded, or the disk is full.
         RenderError: The Blender process failed.
         ValueError: The job is damaged or has no such frame.
     """
@@ -90,7 +91,7 @@ def _blender_frames(request: Request, patience_s: float) -> Iterator[FrameFile]:
     """Finished frames of a child process as they come; the child never outlives the iteration."""
     with tempfile.TemporaryFile() as log:
         command = [sys.executable, "-X", "faulthandler", "-m", "blender_scenes.bpy_side"]
-        environment = {**os.environ, "TMPDIR": request.scratch_dir}
+        environment = {**without_blender_settings(os.environ), "TMPDIR": request.scratch_dir}
         child = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log, env=environment)
         try:
             yield from _converse(child, request, patience_s, log)
@@ -123,7 +124,9 @@ def _converse(
         if isinstance(message, FrameDone):
             yield message.frame
         elif isinstance(message, Failed):
-            if message.lacking:
+            if message.lacking == "space":
+                raise EnvironmentLacking(f"{message.message}; free some space and run the command again")
+            if message.lacking == "libraries":
                 raise EnvironmentLacking(f"{message.message}: run `apt-get install -y {SYSTEM_PACKAGES}`")
             raise RenderError(f"{message.message}{_tail(log)}")
         elif isinstance(message, Finished):

@@ -100,10 +100,10 @@ class Tiles(Expression):
 
 @dataclass(frozen=True)
 class Arithmetic(Expression):
-    operation: Literal["add", "subtract", "multiply", "minimum", "maximum", "power", "sine", "absolute", "fraction"]
+    operation: Literal["add", "subtract", "multiply", "maximum", "sine"]
     a: "Texture"
     b: "Texture" = Number(0.0)
-    """Not used by sine, absolute and fraction."""
+    """Not used by sine."""
     kind: Literal["arithmetic"] = "arithmetic"
 
 
@@ -140,7 +140,7 @@ def as_texture(value: "Expression | float") -> "Texture":
 
 @dataclass(frozen=True)
 class Surface:
-    """A physically based surface: one layer of dielectric or metal, optionally transparent or with a clear coat."""
+    """A physically based surface: a dielectric, a metal, or clear all through."""
 
     name: str
     base_color: Texture
@@ -151,5 +151,3 @@ class Surface:
     metallic: float = 0.0
     refractive_index: float = 1.45
     transmission: float = 0.0
-    coat: float = 0.0
-    coat_roughness: float = 0.1

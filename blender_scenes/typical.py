@@ -63,10 +63,6 @@ _OPERATIONS = {
     "add": lambda a, b: a + b,
     "subtract": lambda a, b: a - b,
     "multiply": lambda a, b: a * b,
-    "minimum": min,
     "maximum": max,
-    "power": lambda a, b: a**b,
     "sine": lambda a, _: math.sin(a),
-    "absolute": lambda a, _: abs(a),
-    "fraction": lambda a, _: a - math.floor(a),
 }

@@ -10,6 +10,7 @@ from configs.loader import LoadedScenario, load_scenario
 from configs.schema.scenario import RunSpec
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Rows
+from pipeline.output import check_disk, check_out
 from pipeline.plan import Plan
 from pipeline.progress import Report
 from pipeline.stages.assemble import assemble
@@ -21,7 +22,7 @@ from pipeline.stages.simulate_runs import (
     simulation_key,
 )
 from pipeline.workers import cores
-from pipeline.workspace import Workspace, check_disk, check_out
+from pipeline.workspace import Kind, Workspace
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class Batch:
         """
         loaded = load_scenario(scenario, overrides)
         specs = tuple(draw_all(loaded))
-        check_out(out)
+        check_out(out, Kind.DATASET)
         check_disk(out, Plan.of(specs, cores()).bytes_needed)
         return cls(loaded, specs, Workspace(out.absolute()), workers or cores())
 

@@ -5,10 +5,13 @@ import errno
 import hashlib
 import json
 import os
+import re
 import shutil
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
+LEFT_FILE = re.compile(r"\..+\.[0-9]+\.tmp")
+LEFT_FOLDER = re.compile(r"\..+\.dropped")
 DISK_FULL = frozenset({errno.ENOSPC, errno.EDQUOT})
 
 
@@ -69,9 +72,20 @@ def replace_folder(new: Path, path: Path) -> None:
 
 def remove_folder(path: Path) -> None:
     """Remove a folder; it is renamed first, so that no half-removed folder is ever seen under its name."""
-    if not path.exists():
-        return
     dropped = path.with_name(f".{path.name}.dropped")
+    # Also when the folder itself is gone: a removal killed half-way left it under this name.
     shutil.rmtree(dropped, ignore_errors=True)
-    path.rename(dropped)
-    shutil.rmtree(dropped)
+    if path.exists():
+        path.rename(dropped)
+        shutil.rmtree(dropped)
+
+
+def remove_leftovers(folder: Path) -> None:
+    """Remove what a killed `write_file` or `remove_folder` left directly in a folder that nobody else writes to."""
+    for path in list(folder.iterdir()):
+        if path.is_symlink():
+            continue
+        if path.is_file() and LEFT_FILE.fullmatch(path.name):
+            path.unlink()
+        elif path.is_dir() and LEFT_FOLDER.fullmatch(path.name):
+            shutil.rmtree(path)

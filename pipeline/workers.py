@@ -20,6 +20,7 @@ from typing import IO
 
 from pydantic import ValidationError
 
+from blender_scenes.surroundings import without_blender_settings
 from configs.errors import EnvironmentLacking, InputError
 from pipeline.units import EVENTS, Failed, Finished, Progress, RenderUnit, SimulateUnit
 
@@ -127,7 +128,8 @@ class _Slots:
                     stdout=subprocess.PIPE,
                     stderr=log,
                     start_new_session=True,
-                    env={**os.environ, "PYTHONSAFEPATH": "1"},  # a folder `configs` where the user stands is not ours
+                    # Safe path, for a folder `configs` where the user stands is not ours.
+                    env={**without_blender_settings(os.environ), "PYTHONSAFEPATH": "1"},
                 )
                 self.running.add(child.pid)
             with child:

@@ -1,28 +1,38 @@
 """The output folder: whether it may be used, where each stage of each run lies in it, and what is done."""
 
 import contextlib
+import enum
 import fcntl
 import hashlib
 import os
 import shutil
-import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from configs.errors import EnvironmentLacking, InputError
-from pipeline.files import canonical_json, hashes_of, holds, replace_folder, write_file
+from configs.errors import InputError
+from pipeline.files import canonical_json, hashes_of, holds, remove_leftovers, replace_folder, write_file
 
 DONE = "done.json"
 STAGES = ".stages"
+KIND = "kind"
+"""File in `.stages` with the kind of folder this is."""
 PARTIAL = ".tmp"
 
 
 def input_key(stage: str, **inputs: object) -> str:
     """SHA-256 over everything that a stage's result depends on; an equal key means nothing to redo."""
     return hashlib.sha256(canonical_json({"stage": stage, **inputs})).hexdigest()
+
+
+class Kind(enum.StrEnum):
+    """What an output folder holds; a command for one kind does not write into the other."""
+
+    DATASET = "dataset"
+    PICTURES = "pictures"
+    """Output of `symolo rerender`."""
 
 
 class Done(BaseModel):
@@ -76,6 +86,7 @@ class Workspace:
     """`out` with its released runs, and the hidden `.stages` that a rerun continues from."""
 
     out: Path
+    kind: Kind = Kind.DATASET
 
     def simulate(self, run_key: str) -> StageFolder:
         return StageFolder(self.out / STAGES / "simulate" / run_key)
@@ -92,52 +103,26 @@ class Workspace:
         (self.out / STAGES).mkdir(parents=True, exist_ok=True)
         descriptor = os.open(self.out / STAGES, os.O_RDONLY | os.O_DIRECTORY)
         try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            self._lock(descriptor)
+            if not (self.out / STAGES / KIND).exists():
+                write_file(self.out / STAGES / KIND, f"{self.kind}\n".encode())
+            self._sweep()
             yield
+        finally:
+            os.close(descriptor)
+
+    def _sweep(self) -> None:
+        """Free the released part of what a killed command left; no stage looks there for its own leftovers."""
+        routes = [path for path in self.out.iterdir() if path.is_dir() and not path.name.startswith(".")]
+        for folder in (self.out, *routes):
+            remove_leftovers(folder)
+
+    def _lock(self, descriptor: int) -> None:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise InputError(
                 "another symolo command is working in this folder",
                 where=f"--out {self.out}",
                 cure="wait for it, or name another folder",
             ) from None
-        finally:
-            os.close(descriptor)
-
-
-def check_out(out: Path) -> None:
-    """Refuse a folder that cannot or should not be written to, before any work starts.
-
-    Raises:
-        InputError: It is a file, foreign and not empty, or not writable.
-    """
-    where = f"--out {out}"
-    if out.exists() and not out.is_dir():
-        raise InputError("is a file, not a folder", where=where, cure="name a folder that is new or empty")
-    if out.is_dir() and not (out / STAGES).is_dir() and any(out.iterdir()):
-        raise InputError("holds files that symolo did not make", where=where, cure="name a folder that is new or empty")
-    nearest = _nearest_existing(out)
-    if not nearest.is_dir():
-        raise InputError(f"lies below the file {nearest}", where=where, cure="name a folder that is new or empty")
-    try:
-        tempfile.TemporaryFile(dir=nearest).close()
-    except OSError as error:
-        what = f"cannot be written: {nearest}: {error.strerror}"
-        raise InputError(what, where=where, cure="name another folder") from None
-
-
-def check_disk(out: Path, needed_bytes: int) -> None:
-    """Raise EnvironmentLacking when there is no room for `needed_bytes` where `out` is or will be."""
-    free = shutil.disk_usage(_nearest_existing(out)).free
-    there = sum(path.stat().st_size for path in out.rglob("*") if path.is_file())
-    if free + there < needed_bytes:
-        raise EnvironmentLacking(
-            f"--out {out}: about {needed_bytes / 1e6:.0f} MB are needed and {free / 1e6:.0f} MB are free; "
-            "free some space, name a folder on another disk, or lower render.width_px and render.height_px"
-        )
-
-
-def _nearest_existing(path: Path) -> Path:
-    path = path.absolute()
-    while not path.exists():
-        path = path.parent
-    return path

@@ -13,6 +13,7 @@ from blender_scenes.camera_response import develop, encode_jpeg, median_luminanc
 from blender_scenes.frame_files import FrameFile, frame_name, put_in_place
 from blender_scenes.job import RenderJob
 from blender_scenes.protocol import MESSAGE, REQUEST, Failed, Finished, FrameDone, Message, Ready, Request
+from blender_scenes.surroundings import DISK_FULL
 
 
 def main() -> int:
@@ -24,12 +25,13 @@ def main() -> int:
     try:
         import bpy  # noqa: F401, PLC0415 - a missing system library is reported, not raised
     except ImportError as error:
-        _say(replies, Failed(str(error), lacking=True))
+        _say(replies, Failed(str(error), lacking="libraries"))
         return 1
     try:
         _render(request, replies)
     except (OSError, ValueError, RuntimeError) as error:
-        _say(replies, Failed(str(error), lacking=False))
+        full = isinstance(error, OSError) and error.errno in DISK_FULL
+        _say(replies, Failed(str(error), lacking="space" if full else ""))
         raise
     _say(replies, Finished())
     return 0

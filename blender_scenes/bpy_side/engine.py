@@ -11,12 +11,16 @@ from blender_scenes.camera import pose_X_WR
 from blender_scenes.description import FrameView
 from blender_scenes.exr import read_exr
 from blender_scenes.job import RenderJob, Sampling
+from blender_scenes.surroundings import require_room
 from configs.streams import stream
 
 _SCRATCH = "light.exr"
 _METERED_VIEWS = 5
 _METERED_WIDTH_PX = 64
 _METERING_SAMPLES = 8
+_EXR_PIXEL_BYTES = 12
+_EXR_EXTRA_BYTES = 2**17
+"""More than header, table of lines and their heads take."""
 
 
 def configure(job: RenderJob, threads: int, scratch: Path) -> None:
@@ -36,6 +40,8 @@ def configure(job: RenderJob, threads: int, scratch: Path) -> None:
     image = render.image_settings
     image.file_format, image.color_mode, image.color_depth, image.exr_codec = "OPEN_EXR", "RGB", "32", "NONE"
     image.color_management = "FOLLOW_SCENE"
+    scene.display_settings.display_device = "sRGB"
+    scene.view_settings.view_transform, scene.view_settings.look = "Raw", "None"  # OpenEXR is written linear anyway
     scene.view_settings.exposure, scene.view_settings.gamma = 0.0, 1.0
     _cycles(scene.cycles, job.sampling)
 
@@ -113,7 +119,9 @@ def _light(view: FrameView, size: tuple[int, int], *, seed: int, samples: int, d
     """(H, W, 3) linear light that the camera receives in a view.
 
     Raises:
-        ValueError: Blender left no whole picture, as it does on a full disk.
+        OSError: The disk is full.
+        ValueError: Blender left no whole picture.
+        RuntimeError: Blender reports an error.
     """
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = size
@@ -124,8 +132,12 @@ def _light(view: FrameView, size: tuple[int, int], *, seed: int, samples: int, d
     bpy.data.objects[CAMERA].matrix_world = Matrix(X_WC.tolist())
     scratch = Path(scene.render.filepath)
     scratch.unlink(missing_ok=True)
-    bpy.ops.render.render(write_still=True)
-    if not scratch.exists():
-        raise ValueError(f"Blender wrote no picture for frame {view.number}")
-    channels = read_exr(scratch.read_bytes())
+    try:
+        bpy.ops.render.render(write_still=True)
+        channels = read_exr(scratch.read_bytes() if scratch.exists() else b"")
+    except (RuntimeError, ValueError):
+        # Blender does not say why it wrote half a picture; a full disk is told here.
+        scratch.unlink(missing_ok=True)
+        require_room(scratch.parent, size[0] * size[1] * _EXR_PIXEL_BYTES + _EXR_EXTRA_BYTES)
+        raise
     return np.stack([channels[name] for name in "RGB"], axis=-1).astype(np.float32)

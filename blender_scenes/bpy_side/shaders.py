@@ -23,12 +23,8 @@ _OPERATIONS = {
     "add": "ADD",
     "subtract": "SUBTRACT",
     "multiply": "MULTIPLY",
-    "minimum": "MINIMUM",
     "maximum": "MAXIMUM",
-    "power": "POWER",
     "sine": "SINE",
-    "absolute": "ABSOLUTE",
-    "fraction": "FRACT",
 }
 _CELLS = {"distance": ("F1", "Distance"), "edge": ("DISTANCE_TO_EDGE", "Distance"), "random": ("F1", "Color")}
 
@@ -100,7 +96,12 @@ class ShaderGraph:
         at = self._surface_coordinates()
         if turn_rad:
             at = self.node("ShaderNodeMapping", Vector=at, Rotation=(0.0, 0.0, -turn_rad)).outputs[0]
-        return self.node("ShaderNodeMapping", Vector=at, Location=(*offset, 0.0), Scale=(*per_m, 1.0)).outputs[0]
+        # Cheaper than a mapping node, which works out a rotation for every sample.
+        moved = self._tree.nodes.new("ShaderNodeVectorMath")
+        moved.operation = "MULTIPLY_ADD"
+        for socket, value in zip(moved.inputs, (at, (*per_m, 1.0), (*offset, 0.0)), strict=False):
+            self.feed(socket, value)
+        return moved.outputs[0]
 
     def _noise(self, e: Noise) -> bpy.types.NodeSocket:
         node = self.node("ShaderNodeTexNoise")
@@ -183,8 +184,6 @@ def material(surface: Surface) -> bpy.types.Material:
         "Metallic": surface.metallic,
         "IOR": surface.refractive_index,
         "Transmission Weight": surface.transmission,
-        "Coat Weight": surface.coat,
-        "Coat Roughness": surface.coat_roughness,
     }
     shader = graph.node("ShaderNodeBsdfPrincipled")
     for name, value in values.items():

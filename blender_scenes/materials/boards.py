@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from blender_scenes.colour import paint_color
 from blender_scenes.materials.base import Patch
-from blender_scenes.materials.patterns import streaks
+from blender_scenes.materials.patterns import streaks, worn_gloss
 from blender_scenes.shading import Color, Coordinate, Mix, Noise, Step, Surface, Tiles
 from configs.schema.look import LookConfig, Paint
 
@@ -13,7 +13,7 @@ def board(reflectance: float) -> Callable[[LookConfig, Patch], Surface]:
     """The material of boards painted to `reflectance`."""
 
     def painted(look: LookConfig, patch: Patch) -> Surface:
-        """Roller texture, boards that meet every half metre or so, scuffs and grime along the floor."""
+        """Boards that meet every half metre or so, scuffs and grime along the floor."""
         own = look.boards
         paint = Paint(reflectance=reflectance, hue_deg=own.tint_hue_deg, saturation=own.tint_saturation)
         cloud = Noise((5.0, 5.0), patch.offset("clouds"), octaves=3)
@@ -27,7 +27,6 @@ def board(reflectance: float) -> Callable[[LookConfig, Patch], Surface]:
         first = own.length_m * patch.draw("first board")
         seam = Tiles((own.length_m, 10.0), 0.0012, 0.0, (first, 5.0), "joint", softness=0.5)
         base = Mix(0.7 * seam, base, Color((0.08, 0.07, 0.06)))
-        roller = Noise((420.0, 420.0), patch.offset("roller"), octaves=2)
-        return Surface(patch.name, base, roughness=own.roughness + 0.1 * cloud, height_m=0.00003 * roller)
+        return Surface(patch.name, base, roughness=worn_gloss(own.roughness, cloud, 0.1))
 
     return painted

@@ -16,5 +16,5 @@ def dirtied(surface: Surface, patch: Patch, amount: float) -> Surface:
     crumbs = specks(patch, "crumbs", size_m=0.0016, share=0.12 * amount)
     base = Mix(0.12 * amount * film, surface.base_color, Color((0.30, 0.28, 0.25)))
     base = Mix(0.35 * scuffs, base, Color((0.06, 0.055, 0.05)))
-    base = Mix(0.8 * crumbs, base, Color((0.12, 0.10, 0.08)))
+    base = Mix(0.6 * crumbs, base, Color((0.12, 0.10, 0.08)))
     return replace(surface, base_color=base)

@@ -23,6 +23,6 @@ def parquet(look: FloorLook, patch: Patch) -> Surface:
         patch.name,
         Mix(gap, wood, paint_color(own.paint, times=0.12)),
         roughness=worn_gloss(own.roughness, fibres, 0.15),
-        height_m=0.00002 * rings - 0.0003 * gap,
+        height_m=-0.0003 * gap,
         refractive_index=1.5,
     )

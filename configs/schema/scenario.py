@@ -52,8 +52,10 @@ class Rates(Section):
 class Render(Section):
     width_px: Annotated[int, PLANNED] = Field(default=640, ge=16, le=8192)
     height_px: Annotated[int, PLANNED] = Field(default=480, ge=16, le=8192)
-    samples: int = Field(default=8, ge=1, le=65_536)
+    samples: int = Field(default=2, ge=1, le=65_536)
+    """Light paths per pixel; each costs about 0.9 s at 640 x 480 on two cores. Denoised, 2 are hard to tell from 16."""
     denoise: bool = True
+    """Off only for many samples, or to measure noise."""
     jpeg_quality: int = Field(default=92, ge=1, le=100)
 
 

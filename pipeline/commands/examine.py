@@ -5,12 +5,17 @@ from typing import Annotated
 
 import typer
 
+from pipeline.commands.options import checked_input, checked_new_file
+
 FAULTS = 4
 LACKING = 5
 
 
 def verify(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Dataset: the folder that holds metadata.json.")],
+    folder: Annotated[
+        Path,
+        typer.Argument(metavar="DIR", callback=checked_input, help="Dataset: the folder that holds metadata.json."),
+    ],
 ) -> int:
     """Check a dataset: structure, columns, units and ranges, rates, images, positions, checksums.
 
@@ -29,8 +34,13 @@ def verify(
 
 
 def contact_sheet(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Dataset, run folder, or output of rerender.")],
-    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="Picture to write, .jpg or .png.")],
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", callback=checked_input, help="Dataset, run folder, or output of rerender.")
+    ],
+    out: Annotated[
+        Path,
+        typer.Option("--out", metavar="FILE", callback=checked_new_file, help="Picture to write, .jpg or .png."),
+    ],
     per_run: Annotated[int, typer.Option(min=1, max=100, help="Images of each run, spread evenly.")] = 6,
     width_px: Annotated[int, typer.Option(min=16, max=4096, help="Width of each image.")] = 240,
 ) -> None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipeline.commands.options import Out, Scenario, Settings, Workers
+from pipeline.commands.options import Out, Scenario, Settings, Workers, checked_input
 
 if TYPE_CHECKING:
     from pipeline.dataset.metadata import FailedRun
@@ -85,7 +85,10 @@ def _make(command: str, scenario: str, out: Path, settings: Sequence[str] | None
 
 def rerender(
     source: Annotated[
-        Path, typer.Argument(metavar="RUN", help="Run folder of a dataset or of .stages, or a data.csv.")
+        Path,
+        typer.Argument(
+            metavar="RUN", callback=checked_input, help="Run folder of a dataset or of .stages, or a data.csv."
+        ),
     ],
     *,
     look: Annotated[str, typer.Option(metavar="NAME", help="Name of a shipped look, or a YAML file.")],
@@ -108,15 +111,17 @@ def rerender(
 
     A data.csv alone: symolo rerender elsewhere/data.csv --look classroom --camera-hz 5 --out pictures
     """
+    from pipeline.output import check_out
     from pipeline.progress import report_here
     from pipeline.rerender import Request, prepare, render_source
     from pipeline.workers import cores
-    from pipeline.workspace import Workspace, check_out
+    from pipeline.workspace import Kind, Workspace
 
     request = Request(look, arena, robot, camera_hz, seed, tuple(settings or ()))
     found, appearance = prepare(source, request)
-    check_out(out)
-    failures = render_source(found, appearance, Workspace(out.absolute()), workers or cores(), report_here())
+    check_out(out, Kind.PICTURES)
+    workspace = Workspace(out.absolute(), Kind.PICTURES)
+    failures = render_source(found, appearance, workspace, workers or cores(), report_here())
     return _conclude(failures, 1, "rerender", out)
 
 

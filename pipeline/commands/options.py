@@ -5,9 +5,35 @@ from typing import Annotated
 
 import typer
 
+from pipeline.paths import BELOW_CHARS, check_new_path, check_path
+
+
+def checked_input(path: Path) -> Path:
+    """A file or folder to read."""
+    check_path(path, "argument")
+    return path
+
+
+def checked_new_file(path: Path) -> Path:
+    """A file to write."""
+    check_new_path(path, "--out")
+    return path
+
+
+def _checked_new_folder(path: Path) -> Path:
+    check_new_path(path, "--out", BELOW_CHARS)
+    return path
+
+
 Scenario = Annotated[str, typer.Argument(metavar="SCENARIO", help="Name of a shipped scenario, or a YAML file.")]
 Out = Annotated[
-    Path, typer.Option("--out", metavar="DIR", help="Output folder: new, empty, or one that symolo made before.")
+    Path,
+    typer.Option(
+        "--out",
+        metavar="DIR",
+        callback=_checked_new_folder,
+        help="Output folder: new, empty, or one that symolo made before.",
+    ),
 ]
 Settings = Annotated[
     list[str] | None,

@@ -5,12 +5,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
 from blender_scenes.camera import pose_X_RC, pose_X_WR
 from configs.schema.scenario import RunSpec
 from pipeline.dataset.description import DESCRIPTION, markdown
 from pipeline.dataset.manifest import MANIFEST, manifest
-from pipeline.dataset.metadata import METADATA, FailedRun, RunRecord, describe
+from pipeline.dataset.metadata import METADATA, FailedRun, Metadata, RunRecord, describe
 from pipeline.dataset.rows import Rows
 from pipeline.dataset.side import CAMERA, TOF, WHEELS, image_positions, tof_csv, wheels_csv
 from pipeline.files import hashes_of, holds, remove_folder, replace_folder, sha256_of, write_file
@@ -108,16 +109,33 @@ def camera_table(spec: RunSpec, rows: Rows) -> np.ndarray:
 
 def _take_back(workspace: Workspace, good: set[str]) -> None:
     """Remove released runs that the scenario no longer holds, or that failed since."""
+    for run in sorted(_released(workspace) - good):
+        _remove_files(workspace.out, (MANIFEST,))
+        remove_folder(workspace.out / run)
+        route = (workspace.out / run).parent
+        if route.is_dir() and not any(route.iterdir()):
+            route.rmdir()
+        remove_folder(workspace.assemble(run).path)  # last: while it is there, a rerun takes up what was interrupted
+
+
+def _released(workspace: Workspace) -> set[str]:
+    """Runs released before, by the stages or, where those were deleted, by metadata.json."""
     root = workspace.out / STAGES / "assemble"
-    for marker in sorted(root.glob("*/*/done.json")):
-        run = marker.parent.relative_to(root).as_posix()
-        if run not in good:
-            _remove_files(workspace.out, (MANIFEST,))
-            remove_folder(workspace.out / run)
-            remove_folder(marker.parent)
-            route = (workspace.out / run).parent
-            if route.is_dir() and not any(route.iterdir()):
-                route.rmdir()
+    marked = {marker.parent.relative_to(root).as_posix() for marker in root.glob("*/*/done.json")}
+    metadata = read_metadata(workspace.out)
+    if metadata is None:
+        return marked
+    # Only folders in their place: a name in the file may lead anywhere.
+    there = {path.relative_to(workspace.out).as_posix() for path in workspace.out.glob("*/test_*") if path.is_dir()}
+    return marked | there & {record.run for record in metadata.runs}
+
+
+def read_metadata(out: Path) -> Metadata | None:
+    """What metadata.json says; None where there is none or none of ours."""
+    try:
+        return Metadata.model_validate_json((out / METADATA).read_bytes())
+    except (OSError, ValidationError):
+        return None
 
 
 def _remove_files(folder: Path, names: Sequence[str]) -> None:

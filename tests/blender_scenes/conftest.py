@@ -1,12 +1,20 @@
-"""The shipped arena and robot, read without the loader, which is not what these tests are about."""
+"""The shipped arena and robot, read without the loader, and the linear light of any scene out of Cycles."""
 
+import subprocess
+import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 
 import configs
+from blender_scenes.camera_response import CameraResponse
+from blender_scenes.description import FrameView, Intrinsics, Scene
+from blender_scenes.job import FORMAT, RenderJob, Sampling
 from configs.schema.arena import ArenaConfig
+from configs.schema.look import CameraLook
 from configs.schema.robot import RobotConfig
 from physics.arena import Arena
 
@@ -23,3 +31,41 @@ def arena() -> Arena:
 def robot() -> RobotConfig:
     text = (_SHIPPED / "robots" / "nominal.yaml").read_text()
     return RobotConfig.model_validate(yaml.safe_load(text))
+
+
+_PROGRAM = """
+import os, sys, tempfile
+from pathlib import Path
+import numpy as np
+out = os.fdopen(os.dup(1), "wb")
+os.dup2(2, 1)
+from blender_scenes.bpy_side import build, engine
+from blender_scenes.job import RenderJob
+job = RenderJob.from_json(sys.stdin.read())
+build.start()
+build.build(job.scene, job.camera)
+with tempfile.TemporaryDirectory() as scratch:
+    engine.configure(job, 1, Path(scratch))
+    out.write(np.stack([engine.frame_light(job, view) for view in job.frames]).tobytes())
+"""
+
+
+@pytest.fixture(scope="session")
+def light_of() -> Callable[[Scene, Sequence[FrameView], int, float], np.ndarray]:
+    """Linear light (N, P, P, 3) of N views of a scene, P pixels wide and high, before any camera response."""
+
+    def traced(scene: Scene, views: Sequence[FrameView], pixels: int, focal_px: float) -> np.ndarray:
+        middle = 0.5 * (pixels - 1)
+        job = RenderJob(
+            format=FORMAT,
+            scene=scene,
+            camera=Intrinsics(pixels, pixels, focal_px, focal_px, middle, middle),
+            frames=tuple(views),
+            sampling=Sampling(seed=1, samples=64, denoise=False),
+            response=CameraResponse.from_look(CameraLook(), (1.0, 1.0, 1.0), 1, 92),
+        )
+        call = [sys.executable, "-c", _PROGRAM]
+        done = subprocess.run(call, input=job.to_json().encode(), capture_output=True, check=True)
+        return np.frombuffer(done.stdout, np.float32).reshape(len(views), pixels, pixels, 3)
+
+    return traced

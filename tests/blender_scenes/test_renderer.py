@@ -109,6 +109,25 @@ def test_a_missing_system_library_names_the_line_that_installs_it(job, tmp_path,
         render_job(_written(job, tmp_path), tmp_path / "images")
 
 
+def test_a_full_disk_is_the_machines_fault_and_asks_for_space(job, tmp_path, monkeypatch):
+    full = "def __getattr__(name):\n    raise OSError(28, 'No space left on device')\n"
+    _pretend_bpy(tmp_path, monkeypatch, full)
+    (tmp_path / "mathutils.py").write_text("Matrix = Vector = None")
+    with pytest.raises(EnvironmentLacking, match=r"No space left on device.*free some space"):
+        render_job(_written(job, tmp_path), tmp_path / "images")
+
+
+def test_settings_of_the_users_blender_do_not_reach_ours(job, tmp_path, monkeypatch):
+    note = tmp_path / "seen"
+    monkeypatch.setenv("OCIO", "/nowhere/config.ocio")
+    monkeypatch.setenv("CYCLES_CPU_NO_AVX2", "1")
+    _pretend_bpy(tmp_path, monkeypatch, f"import os\nopen({str(note)!r}, 'w').write(' '.join(os.environ))\nos._exit(1)")
+    with pytest.raises(RenderError, match="status 1"):
+        render_job(_written(job, tmp_path), tmp_path / "images")
+    assert "PATH" in note.read_text().split()
+    assert not {"OCIO", "CYCLES_CPU_NO_AVX2"} & set(note.read_text().split())
+
+
 def test_a_killed_child_is_an_error_not_a_wait(job, tmp_path, monkeypatch):
     _pretend_bpy(tmp_path, monkeypatch, "import os, signal\nos.kill(os.getpid(), signal.SIGKILL)")
     with pytest.raises(RenderError, match="status -9"):

@@ -12,6 +12,7 @@ from pathlib import Path
 import cv2
 import pytest
 
+from pipeline.files import remove_folder
 from pipeline.workspace import Workspace
 
 ARENA_WITH_A_SILL = """
@@ -183,6 +184,67 @@ def test_two_commands_do_not_work_in_one_folder(dataset, copy_of, symolo, tiny):
         ended = symolo("release", "smoke", "--out", out, *tiny)
     assert ended.code == 2
     assert "another symolo command" in ended.err
+
+
+@pytest.mark.parametrize("taken_back", [False, True])
+def test_a_kill_while_an_old_run_is_removed_leaves_nothing_behind(
+    dataset, copy_of, symolo, tiny, release_of, monkeypatch, taken_back
+):
+    """The run is renamed already; what a kill in the middle of writing a file leaves is there as well."""
+    out = copy_of(dataset, stages=True)
+    if taken_back:
+        (out / "CW/test_2").mkdir()
+        (out / "CW/test_2/data.csv").write_text("of a scenario with more runs")
+        shutil.copytree(out / ".stages/assemble/CW/test_1", out / ".stages/assemble/CW/test_2")
+    else:
+        (out / "CW/test_1/data.csv").write_text("damaged")
+    rmtree = shutil.rmtree
+
+    def killed(path, **options):
+        if path == out / f"CW/.test_{1 + taken_back}.dropped" and path.exists():
+            raise KeyboardInterrupt
+        rmtree(path, **options)
+
+    monkeypatch.setattr(shutil, "rmtree", killed)
+    assert symolo("release", "smoke", "--out", out, *tiny).code == 130
+    monkeypatch.undo()
+    assert any(out.glob("CW/.*.dropped")), "it was interrupted in the middle"
+    (out / ".metadata.json.123.tmp").write_text("{")
+    assert symolo("release", "smoke", "--out", out, *tiny).code == 0
+    assert release_of(out) == release_of(dataset)
+    assert {p.name for p in (out / "CW").iterdir()} == {"test_1"}
+
+
+def test_a_folder_that_is_removed_takes_along_what_a_killed_removal_left(tmp_path):
+    (tmp_path / ".run.dropped").mkdir()
+    remove_folder(tmp_path / "run")
+    assert not any(tmp_path.iterdir())
+
+
+def test_a_release_without_its_stages_is_made_again(dataset, copy_of, symolo, tiny, release_of):
+    """A run that the scenario no longer holds goes, although no stage knows of it."""
+    out = copy_of(dataset)
+    metadata = json.loads((out / "metadata.json").read_text())
+    metadata["runs"].append({**metadata["runs"][0], "run": "CW/test_2"})
+    (out / "metadata.json").write_text(json.dumps(metadata))
+    shutil.copytree(out / "CW/test_1", out / "CW/test_2")
+    assert symolo("release", "smoke", "--out", out, *tiny).code == 0
+    assert release_of(out) == release_of(dataset)
+
+
+def test_a_run_named_outside_the_dataset_is_left_alone(dataset, copy_of, tmp_path, symolo, tiny):
+    out = copy_of(dataset)
+    (tmp_path / "test_1").mkdir()
+    metadata = json.loads((out / "metadata.json").read_text())
+    metadata["runs"].append({**metadata["runs"][0], "run": "../test_1"})
+    (out / "metadata.json").write_text(json.dumps(metadata))
+    assert symolo("release", "smoke", "--out", out, *tiny).code == 0
+    assert (tmp_path / "test_1").is_dir()
+
+
+def test_an_error_of_the_work_itself_is_not_taken_for_another_command(tmp_path):
+    with pytest.raises(BlockingIOError), Workspace(tmp_path).locked():
+        raise BlockingIOError
 
 
 def _wait_for(condition, timeout_s=60.0):

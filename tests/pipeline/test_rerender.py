@@ -6,6 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
+from pipeline.workspace import Kind, Workspace
+
 OUTPUT = {"data.csv", "image_positions.txt", "images", "job.json", "frames.json"}
 
 
@@ -82,3 +84,22 @@ def test_a_damaged_trajectory_is_one_clear_line(dataset, copy_of, tmp_path, symo
     assert (ended.code, ended.err.count("\n")) == (2, 1)
     assert "trajectory.npz: cannot be read" in ended.err
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("stages", [True, False])
+def test_a_dataset_is_no_place_for_pictures(dataset, copy_of, symolo, stages):
+    out = copy_of(dataset, stages=stages)
+    before = {path: path.stat().st_mtime_ns for path in out.rglob("*")}
+    ended = symolo("rerender", dataset / "CW/test_1", "--look", "lab", "--out", out)
+    assert (ended.code, ended.err.count("\n")) == (2, 1)
+    assert "holds what symolo release made" in ended.err
+    assert {path: path.stat().st_mtime_ns for path in out.rglob("*")} == before
+
+
+def test_pictures_are_no_place_for_a_dataset(tmp_path, symolo, tiny):
+    out = tmp_path / "pictures"
+    with Workspace(out, Kind.PICTURES).locked():
+        pass
+    ended = symolo("release", "smoke", "--out", out, *tiny)
+    assert (ended.code, ended.err.count("\n")) == (2, 1)
+    assert "holds what symolo rerender made" in ended.err

@@ -1,0 +1,31 @@
+"""What the machine may do to the Blender process: variables that change its pixels, and a disk that is full."""
+
+import errno
+import os
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+DISK_FULL = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
+"""EFBIG too: a limit on the size of files stops a picture as a full disk does."""
+
+_SETTINGS = ("OCIO", "BLENDER_", "CYCLES_", "OIDN_", "OPENIMAGEIO_", "EMBREE_")
+"""Beginnings of the variables from which Blender and its libraries take colour transforms, start-up files, devices."""
+
+
+def without_blender_settings(environment: Mapping[str, str]) -> dict[str, str]:
+    """The environment less all that would make one scenario look different on two machines."""
+    return {name: value for name, value in environment.items() if not name.startswith(_SETTINGS)}
+
+
+def require_room(folder: Path, size: int) -> None:
+    """Find out whether a file of so many bytes fits, for Blender tells no cause when it writes half a picture.
+
+    Raises:
+        OSError: It does not; the number says why.
+    """
+    with tempfile.TemporaryFile(dir=folder, buffering=0) as probe:
+        left = size
+        while left > 0:
+            left -= probe.write(b"\1" * min(left, 2**20))
+        os.fsync(probe.fileno())

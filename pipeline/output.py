@@ -1,0 +1,68 @@
+"""Whether an output folder may be used; asked before any work starts."""
+
+import shutil
+import tempfile
+from pathlib import Path
+
+from configs.errors import EnvironmentLacking, InputError
+from pipeline.dataset.manifest import MANIFEST
+from pipeline.paths import nearest_existing
+from pipeline.stages.assemble import read_metadata
+from pipeline.workspace import KIND, STAGES, Kind
+
+NEW_OR_EMPTY = "name a folder that is new or empty"
+
+
+MADE_BY = {Kind.DATASET: "release", Kind.PICTURES: "rerender"}
+
+
+def check_out(out: Path, kind: Kind) -> None:
+    """Refuse a folder that cannot or should not be written to, before any work starts.
+
+    Raises:
+        InputError: It is a file, foreign and not empty, of another kind, or not writable.
+    """
+    where = f"--out {out}"
+    if out.exists() and not out.is_dir():
+        raise InputError("is a file, not a folder", where=where, cure=NEW_OR_EMPTY)
+    if out.is_dir():
+        _check_kind(out, kind, where)
+    nearest = nearest_existing(out)
+    if not nearest.is_dir():
+        raise InputError(f"lies below the file {nearest}", where=where, cure=NEW_OR_EMPTY)
+    try:
+        tempfile.TemporaryFile(dir=nearest).close()
+    except OSError as error:
+        what = f"cannot be written: {nearest}: {error.strerror}"
+        raise InputError(what, where=where, cure="name another folder") from None
+
+
+def _check_kind(out: Path, kind: Kind, where: str) -> None:
+    there = kind_of(out)
+    if there is None and not (out / STAGES).is_dir() and any(out.iterdir()):
+        raise InputError("holds files that symolo did not make", where=where, cure=NEW_OR_EMPTY)
+    if there is not None and there != kind:
+        raise InputError(f"holds what symolo {MADE_BY[there]} made", where=where, cure=NEW_OR_EMPTY)
+
+
+def kind_of(out: Path) -> Kind | None:
+    """What a folder of ours holds; None where nothing tells.
+
+    Without `.stages` a dataset is known by its metadata and manifest, so that `.stages` may be deleted.
+    """
+    try:
+        return Kind((out / STAGES / KIND).read_text(encoding="ascii").strip())
+    except (OSError, ValueError):
+        released = (out / MANIFEST).is_file() and read_metadata(out) is not None
+        return Kind.DATASET if released or (out / STAGES / "simulate").is_dir() else None
+
+
+def check_disk(out: Path, needed_bytes: int) -> None:
+    """Raise EnvironmentLacking when there is no room for `needed_bytes` where `out` is or will be."""
+    free = shutil.disk_usage(nearest_existing(out)).free
+    there = sum(path.stat().st_size for path in out.rglob("*") if path.is_file())
+    if free + there < needed_bytes:
+        raise EnvironmentLacking(
+            f"--out {out}: about {needed_bytes / 1e6:.0f} MB are needed and {free / 1e6:.0f} MB are free; "
+            "free some space, name a folder on another disk, or lower render.width_px and render.height_px"
+        )
