@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -121,6 +122,16 @@ def test_a_foreign_table_is_read_strictly(text, where, what, tmp_path):
         read_rows(path)
     assert f"{path}{where}: " in str(caught.value)
     assert what in str(caught.value)
+
+
+def test_pandas_reads_the_same_numbers_and_keeps_whole_numbers_whole(tmp_path):
+    path = tmp_path / "data.csv"
+    path.write_text(table(row(), row(t=50, img=2)))
+    rows = read_rows(path)
+    path.write_bytes(rows.to_csv())
+    frame = pd.read_csv(path)
+    assert [name for name in frame if frame[name].dtype == np.int64] == ["t", "state", "img"]
+    np.testing.assert_array_equal(frame.to_numpy(), rows.table())
 
 
 def test_windows_line_ends_a_byte_order_mark_and_a_missing_last_line_end_are_no_fault(tmp_path):
