@@ -11,7 +11,10 @@ from configs.loader import load_scenario
 from pipeline.dataset.checks import check_run
 from pipeline.dataset.metadata import FailedRun, RunRecord, made_with
 from pipeline.dataset.rows import Rows
+from pipeline.progress import LineReport
 from pipeline.stages import simulate_runs
+from pipeline.units import SimulateUnit
+from pipeline.workers import UnitFailure
 
 
 @dataclass(frozen=True)
@@ -84,3 +87,12 @@ def test_scipy_is_among_the_versions_and_another_one_simulates_anew(monkeypatch)
 )
 def test_a_problem_is_one_line_without_this_machines_folders(text, problem):
     assert FailedRun.of("CW/test_1", "render", text).problem == problem
+
+
+def test_the_log_of_a_failed_run_goes_to_the_error_output_alone(monkeypatch, capsys, tmp_path):
+    unit = SimulateUnit(name="CW/test_1", spec="", folder=tmp_path, key="")
+    text = f"cannot open {tmp_path}/x.urdf; the last lines of its log:\n  a traceback"
+    monkeypatch.setattr(simulate_runs, "run_units", lambda *_: [UnitFailure(unit, text)])
+    (failed,) = simulate_runs._do([unit], 1, LineReport())
+    assert failed.problem == "cannot open x.urdf"
+    assert text in capsys.readouterr().err
