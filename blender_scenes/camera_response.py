@@ -16,6 +16,10 @@ from configs.streams import stream
 
 Image = NDArray[np.float32]
 
+_BURNT_SHARE = 0.04
+_KNEE = 0.6
+"""Where the tone curve leaves that of sRGB to keep some drawing in the highlights."""
+
 
 @dataclass(frozen=True)
 class CameraResponse:
@@ -71,11 +75,17 @@ def median_luminance(light: Image) -> float:
 
 
 def develop(light: Image, response: CameraResponse, metered: float, number: int) -> NDArray[np.uint8]:
-    """(H, W, 3) 8-bit RGB of linear light (H, W, 3), exposed by its own median and that `metered` over the run."""
+    """(H, W, 3) 8-bit RGB of linear light (H, W, 3).
+
+    Exposed by the frame's own median and that `metered` over the run, but never so long that more than a small share of
+    the frame is beyond white.
+    """
     height, width, _ = light.shape
     share = response.exposure_adaption
     median = metered ** (1 - share) * median_luminance(light) ** share
-    exposed = light * (np.asarray(response.white_balance, np.float32) * np.float32(response.brightness / median))
+    highlights = float(np.quantile(light @ LUMINANCE.astype(np.float32), 1 - _BURNT_SHARE))
+    gain = min(response.brightness / median, 1.0 / highlights)
+    exposed = light * (np.asarray(response.white_balance, np.float32) * np.float32(gain))
     exposed = exposed * _vignette(width, height, response.vignetting)[..., None]
     exposed = np.maximum(exposed + _noise(exposed, response, number), 0)
     grey = (exposed @ LUMINANCE.astype(np.float32))[..., None]
@@ -108,9 +118,8 @@ def _noise(exposed: Image, response: CameraResponse, number: int) -> Image:
 
 
 def _tone(linear: Image, contrast: float) -> Image:
-    """SRGB transfer (IEC 61966-2-1) with a soft shoulder above 0.7, then contrast about middle grey."""
+    """SRGB transfer (IEC 61966-2-1) with a soft shoulder, then contrast about middle grey."""
     scaled = 0.18 * (linear / 0.18) ** np.float32(contrast)
-    knee = np.float32(0.7)
-    over = np.maximum(scaled - knee, 0)
-    rolled = np.where(scaled > knee, knee + (1 - knee) * (1 - np.exp(-over / (1 - knee))), scaled)
+    over = np.maximum(scaled - np.float32(_KNEE), 0)
+    rolled = np.where(over > 0, 1 - (1 - _KNEE) * np.exp(-over / (1 - _KNEE)), scaled)
     return np.where(rolled <= 0.0031308, 12.92 * rolled, 1.055 * np.power(np.maximum(rolled, 1e-9), 1 / 2.4) - 0.055)

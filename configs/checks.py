@@ -9,10 +9,15 @@ from configs.errors import InputError, nearest
 from configs.faults import Fault
 from configs.footprints import Point, Rectangle, obstacle_footprint, overlap, wall_footprint
 from configs.schema.arena import ArcPiece, ArenaConfig, StraightPiece, SurfaceName
+from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Route, Scenario
 from configs.tree import FieldPath, Node, dotted
 from configs.validation import Placed
+
+LINTEL_M = 0.1
+"""Least height of wall between a window and the ceiling; a window that is too high for it is made lower."""
+LEAST_WINDOW_M = 0.2
 
 
 def check_scenario(scenario: Scenario, root: Node) -> None:
@@ -47,6 +52,10 @@ def check_robot(robot: RobotConfig, root: Node) -> None:
     _refuse(_robot_faults(robot), root)
 
 
+def check_look(look: LookConfig, root: Node) -> None:
+    _refuse(_look_faults(look), root)
+
+
 def _refuse(faults: Iterable[Fault], root: Node, note: str = "") -> None:
     for fault in faults:
         raise fault.error(root, note)
@@ -57,6 +66,7 @@ def _scenario_faults(scenario: Scenario, routes: Iterable[int]) -> Iterator[Faul
     yield from _arena_faults(scenario.arena)
     yield from _robot_faults(scenario.robot)
     yield from _engine_faults(scenario.robot)
+    yield from _look_faults(scenario.look)
     yield from _period_faults(scenario.rates, scenario.robot)
     for index in routes:
         yield from _start_faults(scenario.arena, scenario.robot, scenario.routes[index], ("routes", index, "start"))
@@ -214,6 +224,19 @@ def _body_faults(robot: RobotConfig) -> Iterator[Fault]:
         allowed = f"between the axle at 0 and the caster at {drive.caster_x_m}, or the robot tips over"
         got, against = chassis.center_of_mass_x_m, (*drive_path, "caster_x_m")
         yield Fault((*chassis_path, "center_of_mass_x_m"), got=got, allowed=allowed, against=against)
+
+
+def _look_faults(look: LookConfig) -> Iterator[Fault]:
+    highest = look.room.height_m - LINTEL_M - LEAST_WINDOW_M
+    if look.window.sill_m > highest + 1e-9:
+        problem = "there is no room for the window below the ceiling"
+        allowed = f"at most {highest:.6g}, room.height_m less {LEAST_WINDOW_M} of window and {LINTEL_M} of wall"
+        against: FieldPath = ("look", "room", "height_m")
+        yield Fault(("look", "window", "sill_m"), problem, look.window.sill_m, allowed, against=against)
+    lamps = look.lamps.rows * look.lamps.flux_klm
+    if not (lamps or look.sun.illuminance_klx or look.sky.luminance_kcd_m2):
+        allowed = "a value above 0 for lamps.rows and lamps.flux_klm, sun.illuminance_klx or sky.luminance_kcd_m2"
+        yield Fault(("look", "lamps"), "there is no light on", allowed=allowed)
 
 
 def _start_faults(arena: ArenaConfig, robot: RobotConfig, route: Route, path: FieldPath) -> Iterator[Fault]:

@@ -8,7 +8,7 @@ from configs.loader import ArenaAlone, LoadedScenario, LoadedSection, LookAlone,
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
-from configs.schema.scenario import RunSpec, Scenario
+from configs.schema.scenario import Render, RunSpec, Scenario
 from configs.streams import stream
 from configs.tree import FieldPath, Scalar, dotted
 from configs.validation import Placed, validated
@@ -82,6 +82,16 @@ def draw_look(section: LoadedSection, seed: int, *key: str | int) -> tuple[LookC
     """
     values = _draws(section.placed, seed, key)
     return validated(section.root, LookAlone, values).look, _by_name(values)
+
+
+def draw_render(loaded: LoadedScenario, seed: int, *key: str | int) -> Render:
+    """The picture settings of a scenario alone.
+
+    With the scenario's seed and `(route, run)` as key, the values are those of the run itself.
+    """
+    values: dict[FieldPath, Scalar] = {path: item.ends()[0] for path, item in loaded.placed.items()}
+    values |= _draws({path: item for path, item in loaded.placed.items() if path[0] == "render"}, seed, key)
+    return validated(loaded.root, Scenario, values).render
 
 
 def _draws(placed: Mapping[FieldPath, Placed], seed: int, key: tuple[str | int, ...]) -> dict[FieldPath, Scalar]:

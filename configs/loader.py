@@ -6,7 +6,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from configs.checks import check_arena, check_kinds, check_robot, check_scenario
+from configs.checks import check_arena, check_kinds, check_look, check_robot, check_scenario
 from configs.overrides import apply_override
 from configs.references import Reader, locate
 from configs.schema.arena import ArenaConfig
@@ -138,6 +138,8 @@ def load_section(kind: str, name_or_path: str, overrides: Sequence[str] = ()) ->
             check_arena(alone.arena, root)
         elif isinstance(alone, RobotAlone):
             check_robot(alone.robot, root)
+        elif isinstance(alone, LookAlone):
+            check_look(alone.look, root)
     return LoadedSection(kind, root, placed, tuple(reader.sources))
 
 

@@ -17,6 +17,8 @@ from pipeline.workspace import STAGES
 Pixels = NDArray[np.uint8]
 
 LABEL_PX = 18
+LONGEST_SIDE_PX = 65_500
+"""JPEG_MAX_DIMENSION of libjpeg's jmorecfg.h; OpenCV would print a line of its own."""
 LABEL_FITS_PX = 140
 """Width that a label such as `CCW/test_10 123 s33` takes at full size."""
 FONT = cv2.FONT_HERSHEY_SIMPLEX
@@ -34,7 +36,7 @@ def contact_sheet(root: Path, per_run: int, width_px: int) -> Pixels:
     """A row for each run below `root`, `per_run` images in it, each `width_px` wide, (H, W, 3) BGR.
 
     Raises:
-        InputError: There is no run with images below `root`, or an image cannot be decoded.
+        InputError: There is no run with images below `root`, an image cannot be decoded, or the sheet is too large.
     """
     folders = sorted(
         path.parent
@@ -45,10 +47,25 @@ def contact_sheet(root: Path, per_run: int, width_px: int) -> Pixels:
         raise InputError(
             "holds no data.csv with images beside it", where=str(root), cure="name a dataset or a run folder"
         )
-    rows = [_row(_spread(folder, root, per_run), width_px) for folder in folders]
+    shown = [_spread(folder, root, per_run) for folder in folders]
+    _check_side("wide", max(map(len, shown)) * width_px, "--per-run or --width-px")
+    rows: list[Pixels] = []
+    for images in shown:
+        rows.append(_row(images, width_px))
+        _check_side("high", sum(row.shape[0] for row in rows), "--width-px, or name a single run")
     widest = max(row.shape[1] for row in rows)
     padded = [np.pad(row, ((0, 0), (0, widest - row.shape[1]), (0, 0))) for row in rows]
     return np.concatenate(padded)
+
+
+def _check_side(which: str, length_px: int, smaller: str) -> None:
+    if length_px > LONGEST_SIDE_PX:
+        raise InputError(
+            f"the sheet would be too {which}",
+            got=f"{length_px} px",
+            allowed=f"up to {LONGEST_SIDE_PX} px",
+            cure=f"choose a smaller {smaller}",
+        )
 
 
 def save(sheet: Pixels, path: Path) -> None:
@@ -62,6 +79,10 @@ def save(sheet: Pixels, path: Path) -> None:
 def _spread(folder: Path, root: Path, count: int) -> list[Shown]:
     rows: Rows = read_rows(folder / "data.csv")
     at = np.flatnonzero(rows.image)
+    if not len(at):
+        raise InputError(
+            "img is 0 in every row, though there are images", where=str(folder / "data.csv"), cure="run `symolo verify`"
+        )
     chosen = at[np.unique(np.linspace(0, len(at) - 1, min(count, len(at))).round().astype(int))]
     run = folder.relative_to(root).as_posix()
     return [

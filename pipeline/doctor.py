@@ -129,7 +129,8 @@ def _blender() -> Iterator[Check]:
         yield Check("Blender", ok=False, found=error or "does not start", cure=_apt_line())
         return
     yield Check("Blender", ok=True, found=f"{facts['version']} starts")
-    yield Check("graphics card", ok=True, found=facts.get("devices", "") or "none; pictures are rendered on the CPU")
+    found = facts.get("devices", "") or "none"
+    yield Check("graphics card", ok=True, found=f"{found}; not used yet, pictures are rendered on the CPU")
 
 
 def _pybullet() -> Check:

@@ -1,5 +1,6 @@
 """Pictures for a trajectory that is there already, ours or a SyMoLo data.csv from elsewhere; simulates nothing."""
 
+import hashlib
 from dataclasses import dataclass, replace
 from pathlib import Path
 from zipfile import BadZipFile
@@ -8,7 +9,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from blender_scenes.frame_files import frame_name
-from configs.draw import draw_arena, draw_look, draw_robot, draw_run
+from configs.draw import draw_arena, draw_look, draw_render, draw_robot
 from configs.errors import InputError
 from configs.loader import load_scenario, load_section
 from configs.schema.arena import ArenaConfig
@@ -17,12 +18,12 @@ from configs.schema.scenario import Render, RunSpec
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Ints, Rows, read_rows
 from pipeline.dataset.side import image_positions
-from pipeline.files import remove_folder, replace_folder, write_file
+from pipeline.files import hashes_of, holds, replace_folder, sync_folder, write_file
 from pipeline.progress import Report
 from pipeline.stages.assemble import DATA, POSITIONS, SIDE
 from pipeline.stages.render import FRAMES, IMAGES, JOB, Appearance, RenderTask, picture_seed, render_runs
 from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
-from pipeline.workspace import PARTIAL, STAGES, Workspace
+from pipeline.workspace import Workspace, input_key, mark_done
 
 CARRIER = "symolo"
 """The scenario whose reader checks `--set render...`, and whose picture settings a foreign trajectory gets."""
@@ -145,7 +146,7 @@ def _appearance(spec: RunSpec | None, request: Request) -> Appearance:
         arena=_arena(spec, request, seed, route, run),
         robot=_robot(spec, request, seed, route, run),
         look=look,
-        render=_render(spec, request),
+        render=_render(spec, request, seed, route, run),
         seed=picture_seed(seed, route, run),
     )
 
@@ -171,23 +172,39 @@ def _refuse_overrides(request: Request, section: str) -> None:
         )
 
 
-def _render(spec: RunSpec | None, request: Request) -> Render:
+def _render(spec: RunSpec | None, request: Request, seed: int, route: str, run: int) -> Render:
     own = spec.render.model_dump(mode="json") if spec else {}
     settings = [f"render.{name}={str(value).lower()}" for name, value in own.items()]
-    loaded = load_scenario(CARRIER, [*settings, *request.of("render")])
-    return draw_run(loaded, loaded.routes[0].name, 1).render
+    return draw_render(load_scenario(CARRIER, [*settings, *request.of("render")]), seed, route, run)
 
 
 def _publish(task: RenderTask, source: Source, workspace: Workspace) -> None:
-    out = workspace.out
-    partial = out / STAGES / (IMAGES + PARTIAL)
-    remove_folder(partial)
-    partial.mkdir()
+    """Fill the folder; frames.json, the list of the pictures, goes first and comes last: with it the set is whole."""
+    out, marker = workspace.out, workspace.assemble("rerender")
+    key = input_key("pictures", render=task.key, data=hashlib.sha256(source.data).hexdigest())
+    done = marker.done()
+    if done is not None and done.key == key and holds(out, done.files):
+        return
+    partial = marker.start()
+    _fill(task, source, partial)
+    hashes = hashes_of(partial)
+    (out / FRAMES).unlink(missing_ok=True)
+    sync_folder(out)
+    replace_folder(partial / IMAGES, out / IMAGES)
+    for name in (DATA, POSITIONS, JOB, FRAMES):
+        (partial / name).replace(out / name)
+    sync_folder(out)
+    marker.path.mkdir(exist_ok=True)
+    mark_done(marker.path, key, hashes)
+    partial.rmdir()
+
+
+def _fill(task: RenderTask, source: Source, folder: Path) -> None:
+    (folder / IMAGES).mkdir()
     for frame in task.frames:
         name = frame_name(frame.number)
-        write_file(partial / name, (task.images / name).read_bytes())
-    replace_folder(partial, out / IMAGES)
-    write_file(out / DATA, source.data)
-    write_file(out / POSITIONS, image_positions(source.rows))
+        write_file(folder / IMAGES / name, (task.images / name).read_bytes())
+    write_file(folder / DATA, source.data)
+    write_file(folder / POSITIONS, image_positions(source.rows))
     for name in (JOB, FRAMES):
-        write_file(out / name, (task.folder.path / name).read_bytes())
+        write_file(folder / name, (task.folder.path / name).read_bytes())

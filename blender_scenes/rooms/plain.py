@@ -8,6 +8,7 @@ from blender_scenes.description import Mesh, Point2
 from blender_scenes.geometry import box, rectangle
 from blender_scenes.materials.fittings import painted
 from blender_scenes.rooms.base import Opening, Room
+from configs.checks import LINTEL_M
 from configs.schema.look import LookConfig, Paint, RoomLook
 
 WALL_DEPTH_M = 0.25
@@ -48,7 +49,7 @@ def _frame(side: str, low: Point2, high: Point2) -> tuple[np.ndarray, np.ndarray
 def _opening(look: LookConfig, low: Point2, high: Point2) -> Opening:
     foot, right, outward, length = _frame(look.window.side, low, high)
     width = min(look.window.width_m, length - 0.2)
-    height = min(look.window.height_m, look.room.height_m - look.window.sill_m - 0.1)
+    height = min(look.window.height_m, look.room.height_m - look.window.sill_m - LINTEL_M)
     center = foot + np.array([0, 0, look.window.sill_m + 0.5 * height])
     return Opening(
         center=tuple(center.tolist()),

@@ -135,6 +135,7 @@ class WindowLook(Section):
     side: Literal["east", "north", "west", "south"] = "east"
     width_m: float = Field(default=2.4, ge=0.2, le=20)
     height_m: float = Field(default=1.5, ge=0.2, le=8)
+    """Less where the ceiling is too low for it."""
     sill_m: float = Field(default=0.9, ge=0.0, le=3)
     panes: int = Field(default=3, ge=1, le=20)
     """Side by side, with a bar between two of them."""

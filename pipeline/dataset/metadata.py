@@ -1,6 +1,7 @@
 """metadata.json: what it takes to understand the data and to make it again; the same bytes for the same data."""
 
 import platform
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -8,25 +9,30 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from configs.schema.scenario import Rates, RunSpec, StartPose
-from pipeline.dataset.rows import COLUMNS, Rows
+from physics.control.base import State
+from pipeline.dataset.rows import COLUMNS, HEADER, Rows
 from pipeline.dataset.side import CAMERA, TOF, WHEELS
 from pipeline.files import canonical_json
 from pipeline.versions import versions
 
 METADATA = "metadata.json"
+LOG_TAIL = "; the last lines of its log:"
+"""Where the renderer's errors turn from what happened to what was printed."""
+_FOLDERS = re.compile(r"""(?<=["'])/(?:[^/"'\n]+/)*(?=[^\s/"'])|(?<![\w.)"'])/(?:[^\s/"']+/)*(?=[^\s/"'])""")
 FORMAT_VERSION = 1
 
-STATES = {
-    0: "line following",
-    1: "wall following, wall on the right",
-    2: "wall following, wall on the left",
-    3: "turn left",
-    4: "turn right",
-    5: "obstacle avoidance by the left",
-    6: "obstacle avoidance by the right",
-    33: "lost the wall on the left, turns towards it",
-    44: "lost the wall on the right, turns towards it",
+_MEANINGS = {
+    State.LINE: "line following",
+    State.RIGHT_WALL: "wall following, wall on the right",
+    State.LEFT_WALL: "wall following, wall on the left",
+    State.TURN_LEFT: "turn left",
+    State.TURN_RIGHT: "turn right",
+    State.AVOID_LEFT: "obstacle avoidance by the left",
+    State.AVOID_RIGHT: "obstacle avoidance by the right",
+    State.LOST_LEFT_WALL: "lost the wall on the left, turns towards it",
+    State.LOST_RIGHT_WALL: "lost the wall on the right, turns towards it",
 }
+STATES = {state.value: _MEANINGS[state] for state in State}
 FRAMES = {
     "W": "world: x and y on the floor, z up; theta counter-clockwise from +x",
     "R": "robot: middle of the axle on the floor, x forward, y left, z up",
@@ -58,13 +64,15 @@ class RunRecord(Record):
     tof_min_range_m: float
     tof_max_range_m: float
     tof_no_target_m: float
-    drawn: dict[str, float | int | str]
+    drawn: dict[str, float | int | str | bool]
     """Every value drawn for this run by its field path."""
 
     @classmethod
     def of(cls, spec: RunSpec, rows: Rows, lap_time_s: float | None) -> "RunRecord":
         changes = np.flatnonzero(np.diff(rows.state)) + 1
         steps = np.linalg.norm(np.diff(rows.pose[:, :2], axis=0), axis=1)
+        # Limits may be drawn; data.csv holds them to the digits of its columns, and `verify` compares with these.
+        range_decimals = COLUMNS[HEADER.index("d_f")].decimals
         return cls(
             run=spec.key,
             seed=spec.seed,
@@ -78,9 +86,9 @@ class RunRecord(Record):
             distance_m=round(float(steps.sum()), 4),
             lap_time_s=lap_time_s,
             state_order=[int(rows.state[i]) for i in (0, *changes)],
-            tof_min_range_m=spec.robot.tof.min_range_m,
-            tof_max_range_m=spec.robot.tof.max_range_m,
-            tof_no_target_m=spec.robot.tof.no_target_m,
+            tof_min_range_m=round(spec.robot.tof.min_range_m, range_decimals),
+            tof_max_range_m=round(spec.robot.tof.max_range_m, range_decimals),
+            tof_no_target_m=round(spec.robot.tof.no_target_m, range_decimals),
             drawn=dict(spec.drawn),
         )
 
@@ -91,6 +99,13 @@ class FailedRun(Record):
     run: str
     stage: str
     problem: str
+    """One line; the dataset is the same bytes wherever it was made."""
+
+    @classmethod
+    def of(cls, run: str, stage: str, text: str) -> "FailedRun":
+        """From the text of an error, which may end with a log and name folders of this machine."""
+        first = text.partition(LOG_TAIL)[0].strip().partition("\n")[0]
+        return cls(run=run, stage=stage, problem=_FOLDERS.sub("", first))
 
 
 class ColumnRecord(Record):
@@ -124,7 +139,7 @@ class Metadata(Record):
 
 
 def made_with() -> dict[str, str]:
-    packages = versions("symolo", "pybullet", "bpy", "numpy", "opencv-python-headless")
+    packages = versions("symolo", "pybullet", "bpy", "numpy", "scipy", "opencv-python-headless")
     return {"python": platform.python_version(), **packages}
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from configs.errors import InputError, nearest
+from physics.control.base import State
 from physics.trajectory import Recording
 
 Floats = NDArray[np.float64]
@@ -17,7 +18,9 @@ Ints = NDArray[np.int64]
 Numbers = NDArray[np.float64 | np.int64]
 
 MAX_BYTES = 512 * 2**20
-STATES = (0, 1, 2, 3, 4, 5, 6, 33, 44)
+STATES = tuple(state.value for state in State)
+_LARGEST = 2**53
+"""Up to here a float holds every whole number, and no square of a reading overflows."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +36,7 @@ COLUMNS = (
     Column("t", "ms", "time since the first row", 0),
     Column("x", "m", "position of the middle of the axle in the world frame W", 6),
     Column("y", "m", "position of the middle of the axle in the world frame W", 6),
-    Column("theta", "rad", "heading from +x of W, counter-clockwise, in (-pi, pi]", 6),
+    Column("theta", "rad", "heading from +x of W, counter-clockwise, from -3.141592 to 3.141593", 6),
     Column("state", "-", "state of the controller, see below", 0),
     Column("v", "m/s", "forward speed", 6),
     Column("w", "rad/s", "yaw rate, counter-clockwise positive", 6),
@@ -73,7 +76,7 @@ class Rows:
     def from_recording(cls, recording: Recording) -> "Rows":
         trajectory = recording.trajectory
         pose = trajectory.pose.copy()
-        pose[:, 2] = wrapped(pose[:, 2])
+        pose[:, 2] = heading(pose[:, 2], COLUMNS[HEADER.index("theta")].decimals)
         sensors = [recording[name].values for name in ("tof_m", "line", "image")]
         columns = (np.rint(trajectory.t_s * 1000), pose, trajectory.state, trajectory.twist, *sensors)
         table = np.column_stack(columns).astype(np.float64)
@@ -106,6 +109,13 @@ class Rows:
 def wrapped(yaw_rad: Floats) -> Floats:
     """The same directions in (-pi, pi]."""
     return -((-yaw_rad + math.pi) % (2 * math.pi) - math.pi)
+
+
+def heading(yaw_rad: Floats, decimals: int) -> Floats:
+    """The same directions to so many decimals; half a turn is positive, also where only rounding makes it one."""
+    half_turn = round(math.pi, decimals)
+    rounded = np.array([round(yaw, decimals) for yaw in wrapped(yaw_rad).tolist()])
+    return np.where(rounded <= -half_turn, half_turn, rounded)
 
 
 def csv_bytes(header: Sequence[str], decimals: Sequence[int], table: Numbers, separator: str = ",") -> bytes:
@@ -206,6 +216,8 @@ def _row(cells: list[str], header: Sequence[str]) -> tuple[list[float], str]:
             return [], f"column {name}: {cell.strip()[:40]!r} is not a finite number"
         if name in {"state", "img"} and not value.is_integer():
             return [], f"column {name}: {cell.strip()[:40]!r} is not an integer"
+        if abs(value) > _LARGEST:
+            return [], f"column {name}: {cell.strip()[:40]!r} is beyond {_LARGEST}"
         values.append(value)
     return values, ""
 

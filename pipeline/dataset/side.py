@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from physics.trajectory import Recording
-from pipeline.dataset.rows import Floats, Numbers, Rows, csv_bytes, wrapped
+from pipeline.dataset.rows import Floats, Numbers, Rows, csv_bytes, heading
 from sensors.tof import TofStatus
 
 
@@ -81,8 +81,8 @@ def image_positions(rows: Rows) -> bytes:
 def wheels_csv(recording: Recording) -> bytes:
     odometry = recording["odometry"].values.astype(np.float64)
     columns = [recording[name].values for name in DRIVE_SERIES]
-    heading = wrapped(odometry[:, 2])
-    return WHEELS.to_csv(np.column_stack((_t_ms(recording), *columns, odometry[:, :2], heading)))
+    theta = heading(odometry[:, 2], WHEELS.columns[-1].decimals)
+    return WHEELS.to_csv(np.column_stack((_t_ms(recording), *columns, odometry[:, :2], theta)))
 
 
 def tof_csv(recording: Recording) -> bytes:

@@ -103,7 +103,9 @@ def render_runs(tasks: Sequence[RenderTask], workers: int, report: Report) -> li
     for task in pending:
         if task.run not in failed:
             _finish(task)
-    return [FailedRun(run=failure.unit.name, stage="render", problem=failure.text) for failure in failures]
+    for failure in failures:
+        report.say(f"render: {failure.unit.name}: {failure.text}")  # with its log, which the dataset does not hold
+    return [FailedRun.of(failure.unit.name, "render", failure.text) for failure in failures]
 
 
 def blocks(tasks: Sequence[RenderTask], workers: int) -> list[RenderUnit]:

@@ -41,7 +41,8 @@ def simulation_inputs(spec: RunSpec) -> dict:
 
 
 def simulation_key(spec: RunSpec) -> str:
-    return input_key("simulate", run=simulation_inputs(spec), versions=versions("symolo", "pybullet", "numpy"))
+    programs = versions("symolo", "pybullet", "numpy", "scipy")
+    return input_key("simulate", run=simulation_inputs(spec), versions=programs)
 
 
 def simulate_runs(workspace: Workspace, specs: Sequence[RunSpec], workers: int, report: Report) -> list[FailedRun]:
@@ -74,7 +75,9 @@ def _do(units: Sequence[SimulateUnit], workers: int, report: Report) -> list[Fai
                 stage.update(unit.name, 1.0)
 
         failures = run_units(units, workers, on_event)
-    return [FailedRun(run=failure.unit.name, stage="simulate", problem=failure.text) for failure in failures]
+    for failure in failures:
+        report.say(f"simulate: {failure.unit.name}: {failure.text}")
+    return [FailedRun.of(failure.unit.name, "simulate", failure.text) for failure in failures]
 
 
 def simulate_into(spec_json: str, path: Path, key: str, progress: Callable[[float], None]) -> None:

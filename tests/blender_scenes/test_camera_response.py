@@ -71,6 +71,14 @@ def test_noise_belongs_to_the_frame_and_grows_with_the_root_of_the_light():
     assert bright.std() / dark.std() == pytest.approx(2.0, rel=0.1)
 
 
+def test_a_bright_patch_shortens_the_exposure_until_little_of_it_burns():
+    light = np.full((60, 80, 3), 0.1, np.float32)
+    light[:, 60:] = 20.0
+    plain, patched = develop(light[:, :60], _response(), 0.1, 1), develop(light, _response(), 0.1, 1)
+    assert patched[:, :60].max() < plain.min()
+    assert np.mean(patched >= 250) < 0.05
+
+
 def test_a_black_picture_is_an_error_that_says_the_cure():
     with pytest.raises(ValueError, match="lamp or a sky"):
         median_luminance(np.zeros((4, 4, 3), np.float32))

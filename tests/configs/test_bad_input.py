@@ -237,6 +237,19 @@ CASES = {
         "routes.0.start",
         "start inside wall A1",
     ),
+    "window above the ceiling": look(
+        "room: {height_m: 2}\n  window: {sill_m: 3} #!",
+        "look.window.sill_m",
+        "no room for the window below the ceiling: got 3.0, allowed: at most 1.7, room.height_m",
+    ),
+    "window that may be drawn into the ceiling": look(
+        "window:\n    sill_m: {uniform: [1, 2.5]} #!", "look.window.sill_m", "got 2.5, allowed: at most 2.3"
+    ),
+    "no light at all": look(
+        "sun: {illuminance_klx: 0}\n  sky: {luminance_kcd_m2: 0}\n  lamps: {rows: 0} #!",
+        "look.lamps",
+        "there is no light on",
+    ),
     "two routes of one folder": Bad("name: CCW", "name: cw #!\n   ", "routes.1.name", "the same name as routes.0"),
     # References
     "unknown shipped name": Bad("arena: symolo", "arena: symlo #!", "arena", "did you mean symolo"),

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import cv2
+import numpy as np
 import pytest
 
 from pipeline.units import SimulateUnit
@@ -93,6 +94,18 @@ BAD = {
     "contact sheet of too long a name": (["contact-sheet", LONG, "--out", "OUT.jpg"], "too long"),
     "contact sheet in too long a name": (["contact-sheet", "HERE", "--out", f"{LONG}.jpg"], "too long"),
     "contact sheet at a link to nothing": (["contact-sheet", "HERE", "--out", "HERE/dangling.jpg"], "is a link"),
+    "contact sheet without image numbers": (
+        ["contact-sheet", "HERE/unnumbered", "--out", "OUT.jpg"],
+        "unnumbered/data.csv: img is 0",
+    ),
+    "contact sheet too wide": (
+        ["contact-sheet", "HERE/tall", "--out", "OUT.jpg", "--per-run", "20", "--width-px", "4096"],
+        "too wide: got '81920 px'",
+    ),
+    "contact sheet too high": (
+        ["contact-sheet", "HERE/tall", "--out", "OUT.jpg", "--per-run", "1", "--width-px", "400"],
+        "too high: got '80018 px'",
+    ),
     "contact sheet as a text": (["contact-sheet", "HERE", "--out", "OUT.txt"], ".jpg or .png"),
 }
 
@@ -106,6 +119,12 @@ def here(tmp_path, monkeypatch):
     (folder / "no_images.csv").write_text(DATA_CSV.format(img=0) + "\n")
     (folder / "bad.yaml").write_text("name: [\n")
     (folder / "extra.yaml").write_text("extends: smoke\nname: extra\ncolour: blue\n")
+    for name in ("unnumbered", "tall"):
+        (folder / name / "images").mkdir(parents=True)
+    (folder / "unnumbered/data.csv").write_text(DATA_CSV.format(img=0) + "\n")
+    rows = [f"{50 * i},0.55,-0.2,-1.57,0,0.2,0,2,2,2,1,1,1,0,0,1,1,1,{i + 1}" for i in range(20)]
+    (folder / "tall/data.csv").write_text("\n".join([DATA_CSV.partition("\n")[0], *rows]) + "\n")
+    cv2.imwrite(str(folder / "tall/images/000001.jpg"), np.zeros((3200, 16, 3), np.uint8))
     for name, target in (("dangling", "nowhere"), ("dangling.jpg", "nowhere"), ("loop", "loop")):
         (folder / name).symlink_to(target)
     return tmp_path

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
+from pipeline.rerender import Request, prepare
 from pipeline.workspace import Kind, Workspace
 
 OUTPUT = {"data.csv", "image_positions.txt", "images", "job.json", "frames.json"}
@@ -103,3 +104,47 @@ def test_pictures_are_no_place_for_a_dataset(tmp_path, symolo, tiny):
     ended = symolo("release", "smoke", "--out", out, *tiny)
     assert (ended.code, ended.err.count("\n")) == (2, 1)
     assert "holds what symolo rerender made" in ended.err
+
+
+def test_an_interrupted_change_of_the_pictures_is_not_taken_for_finished(
+    dataset, tmp_path, symolo, release_of, monkeypatch
+):
+    """frames.json, the list of the pictures, comes last; the old one goes before the first picture does."""
+    out, straight = tmp_path / "out", tmp_path / "straight"
+    run = dataset / "CW/test_1"
+    assert symolo("rerender", run, "--look", "classroom", "--out", out).code == 0
+    assert symolo("rerender", run, "--look", "lab", "--out", straight).code == 0
+
+    def killed(_new, _path):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("pipeline.rerender.replace_folder", killed)
+    assert symolo("rerender", run, "--look", "lab", "--out", out).code == 130
+    monkeypatch.undo()
+    assert not (out / "frames.json").exists()
+    assert symolo("rerender", run, "--look", "lab", "--out", out).code == 0
+    assert release_of(out) == release_of(straight)
+
+
+def test_finished_pictures_are_left_alone_and_damaged_ones_put_back(dataset, tmp_path, symolo, release_of):
+    out = tmp_path / "out"
+    arguments = ("rerender", dataset / "CW/test_1", "--look", "classroom", "--out", out)
+    assert symolo(*arguments).code == 0
+    times = {path: path.stat().st_mtime_ns for path in out.rglob("*")}
+    assert symolo(*arguments).code == 0
+    assert {path: path.stat().st_mtime_ns for path in out.rglob("*")} == times
+    before = release_of(out)
+    (out / "images/000002.jpg").write_bytes(b"damaged")
+    assert symolo(*arguments).code == 0
+    assert release_of(out) == before
+
+
+def test_render_settings_are_drawn_with_the_key_of_the_request(dataset):
+    """As a look's values are: others for another run or another seed, the same ones for the same."""
+
+    def samples(run, **options):
+        request = Request("lab", overrides=("render.samples={uniform: [1, 4096]}",), **options)
+        return prepare(dataset / run, request)[1].render.samples
+
+    assert samples("CW/test_1") == samples("CW/test_1")
+    assert len({samples("CW/test_1"), samples("CCW/test_1"), samples("CW/test_1", seed=7)}) == 3

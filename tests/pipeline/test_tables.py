@@ -1,15 +1,20 @@
 """data.csv as text: fixed digits, and strict reading."""
 
 import math
+from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from configs.errors import InputError
+from physics.control.base import State
+from pipeline.dataset import metadata
 from pipeline.dataset.manifest import manifest, read_manifest
-from pipeline.dataset.rows import HEADER, Rows, csv_bytes, parse_table, read_rows, wrapped
+from pipeline.dataset.rows import HEADER, STATES, Rows, csv_bytes, heading, parse_table, read_rows, wrapped
 from pipeline.rerender import image_numbers
 
 NUMBERS = st.floats(-1e6, 1e6)
@@ -30,13 +35,46 @@ def test_what_was_written_is_read_to_the_last_digit(rows):
 
 @given(st.floats(-50, 50))
 def test_wrapped_headings_point_the_same_way(yaw):
-    (heading,) = wrapped(np.array([yaw]))
-    assert -math.pi < heading <= math.pi
-    assert math.cos(heading - yaw) == pytest.approx(1, abs=1e-9)
+    (turned,) = wrapped(np.array([yaw]))
+    assert -math.pi < turned <= math.pi
+    assert math.cos(turned - yaw) == pytest.approx(1, abs=1e-9)
 
 
 def test_half_a_turn_is_plus_pi():
     np.testing.assert_array_equal(wrapped(np.array([math.pi, -math.pi])), [math.pi, math.pi])
+
+
+def test_a_heading_just_above_minus_pi_is_written_as_plus_pi():
+    """-3.1415926 would be written as -3.141593, which is below -pi."""
+    angles = np.array([-math.pi + 1e-7, -math.pi + 4e-7, math.pi, 3.0, -math.pi - 2e-7])
+    np.testing.assert_array_equal(heading(angles, 6), [3.141593, -3.141592, 3.141593, 3.0, 3.141592])
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """What the rows take from a recording."""
+
+    trajectory: SimpleNamespace
+    values: dict
+
+    def __getitem__(self, name):
+        return SimpleNamespace(values=self.values[name])
+
+
+def test_headings_in_the_rows_are_those_of_the_description():
+    trajectory = SimpleNamespace(
+        t_s=np.array([0.0, 0.05]),
+        pose=np.array([[0, 0, -math.pi + 1e-7], [0, 0, -math.pi + 1e-6]]),
+        state=np.zeros(2, dtype=np.int64),
+        twist=np.zeros((2, 2)),
+    )
+    values = {"tof_m": np.ones((2, 3)), "line": np.ones((2, 8)), "image": np.array([1, 0])}
+    np.testing.assert_array_equal(Rows.from_recording(Recorded(trajectory, values)).pose[:, 2], [3.141593, -3.141592])
+
+
+def test_every_state_of_the_controller_is_known_to_the_tables_and_has_a_meaning():
+    assert set(STATES) == set(metadata.STATES) == set(State)
+    assert all(metadata.STATES.values())
 
 
 def row(**cells):
@@ -72,6 +110,9 @@ def table(*rows, header=HEADER_LINE):
         (table(row(), row(t=50, img=1)), ":3", "1 does not count up from 1"),
         (table(row(img=-1)), ":2", "-1 does not count up from 0"),
         (table(row(img="1.5")), ":2", "'1.5' is not an integer"),
+        (table(row(img="1e300")), ":2", "column img: '1e300' is beyond"),
+        (table(row(), row(t="1e300")), ":3", "column t: '1e300' is beyond"),
+        (table(row(state="-1e19")), ":2", "column state: '-1e19' is beyond"),
     ],
 )
 def test_a_foreign_table_is_read_strictly(text, where, what, tmp_path):
@@ -81,6 +122,16 @@ def test_a_foreign_table_is_read_strictly(text, where, what, tmp_path):
         read_rows(path)
     assert f"{path}{where}: " in str(caught.value)
     assert what in str(caught.value)
+
+
+def test_pandas_reads_the_same_numbers_and_keeps_whole_numbers_whole(tmp_path):
+    path = tmp_path / "data.csv"
+    path.write_text(table(row(), row(t=50, img=2)))
+    rows = read_rows(path)
+    path.write_bytes(rows.to_csv())
+    frame = pd.read_csv(path)
+    assert [name for name in frame if frame[name].dtype == np.int64] == ["t", "state", "img"]
+    np.testing.assert_array_equal(frame.to_numpy(), rows.table())
 
 
 def test_windows_line_ends_a_byte_order_mark_and_a_missing_last_line_end_are_no_fault(tmp_path):

@@ -1,0 +1,98 @@
+"""What metadata.json says of a run: limits as in the table, values in their own types, nothing of this machine."""
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from configs.draw import draw_run
+from configs.loader import load_scenario
+from pipeline.dataset.checks import check_run
+from pipeline.dataset.metadata import FailedRun, RunRecord, made_with
+from pipeline.dataset.rows import Rows
+from pipeline.progress import LineReport
+from pipeline.stages import simulate_runs
+from pipeline.units import SimulateUnit
+from pipeline.workers import UnitFailure
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """What the rows take from a recording."""
+
+    trajectory: SimpleNamespace
+    values: dict
+
+    def __getitem__(self, name):
+        return SimpleNamespace(values=self.values[name])
+
+
+def standing_rows(spec, tof_m):
+    trajectory = SimpleNamespace(
+        t_s=np.array([0.0, 0.05]),
+        pose=np.tile([spec.start.x_m, spec.start.y_m, 0.0], (2, 1)),
+        state=np.zeros(2, dtype=np.int64),
+        twist=np.zeros((2, 2)),
+    )
+    values = {"tof_m": np.array(tof_m), "line": np.ones((2, 8)), "image": np.array([1, 0])}
+    return Rows.from_recording(Recorded(trajectory, values))
+
+
+def test_limits_with_more_digits_than_the_table_do_not_make_its_readings_faults(tmp_path):
+    limits = ["min_range_m=0.04567891", "max_range_m=1.23456789", "no_target_m=2.345678"]
+    spec = draw_run(load_scenario("smoke", [f"robot.tof.{limit}" for limit in limits]), "CW", 1)
+    tof = spec.robot.tof
+    rows = standing_rows(spec, [[tof.no_target_m, tof.min_range_m, tof.max_range_m], [1, 1, 1]])
+    record = RunRecord.of(spec, rows, None)
+    (tmp_path / spec.key).mkdir(parents=True)
+    (tmp_path / spec.key / "data.csv").write_bytes(rows.to_csv())
+    found = [finding.what for finding in check_run(tmp_path, record) if finding.file.endswith("data.csv")]
+    assert found == []
+
+
+def test_a_drawn_truth_stays_one():
+    spec = draw_run(load_scenario("smoke", ["render.denoise={choice: [true]}"]), "CW", 1)
+    record = RunRecord.of(spec, standing_rows(spec, np.ones((2, 3))), None)
+    assert record.drawn["render.denoise"] is True
+    assert RunRecord.model_validate_json(record.model_dump_json()).drawn["render.denoise"] is True
+
+
+def test_scipy_is_among_the_versions_and_another_one_simulates_anew(monkeypatch):
+    assert made_with()["scipy"][0].isdigit()
+    spec = draw_run(load_scenario("smoke", []), "CW", 1)
+    before = simulate_runs.simulation_key(spec)
+    real = simulate_runs.versions
+    monkeypatch.setattr(
+        simulate_runs, "versions", lambda *names: {**real(*names), **dict.fromkeys({"scipy"} & {*names}, "0")}
+    )
+    assert simulate_runs.simulation_key(spec) != before
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("collision with wall A1 at 1.25 s", "collision with wall A1 at 1.25 s"),
+        ("faster than 3 m/s and/or 30 rad/s", "faster than 3 m/s and/or 30 rad/s"),
+        (
+            "cannot open '/data/me/a b/x.exr'; the last lines of its log:\n  /usr/lib/x\n  Traceback",
+            "cannot open 'x.exr'",
+        ),
+        ("[Errno 13] denied: /srv/data/job.json, twice\nTraceback", "[Errno 13] denied: job.json, twice"),
+        (
+            'ended by exit code 1; its last line: File "/srv/x y/z.py", line 3',
+            'ended by exit code 1; its last line: File "z.py", line 3',
+        ),
+    ],
+)
+def test_a_problem_is_one_line_without_this_machines_folders(text, problem):
+    assert FailedRun.of("CW/test_1", "render", text).problem == problem
+
+
+def test_the_log_of_a_failed_run_goes_to_the_error_output_alone(monkeypatch, capsys, tmp_path):
+    unit = SimulateUnit(name="CW/test_1", spec="", folder=tmp_path, key="")
+    text = f"cannot open {tmp_path}/x.urdf; the last lines of its log:\n  a traceback"
+    monkeypatch.setattr(simulate_runs, "run_units", lambda *_: [UnitFailure(unit, text)])
+    (failed,) = simulate_runs._do([unit], 1, LineReport())
+    assert failed.problem == "cannot open x.urdf"
+    assert text in capsys.readouterr().err
