@@ -17,6 +17,7 @@ from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Rows
 from pipeline.files import canonical_json, remove_folder, sha256_of, write_file
 from pipeline.progress import Report
+from pipeline.stages.simulate_runs import failed_runs
 from pipeline.units import Finished, Progress, RenderUnit
 from pipeline.versions import versions
 from pipeline.workers import AnyEvent, AnyUnit, cores, run_units
@@ -103,9 +104,7 @@ def render_runs(tasks: Sequence[RenderTask], workers: int, report: Report) -> li
     for task in pending:
         if task.run not in failed:
             _finish(task)
-    for failure in failures:
-        report.say(f"render: {failure.unit.name}: {failure.text}")  # with its log, which the dataset does not hold
-    return [FailedRun.of(failure.unit.name, "render", failure.text) for failure in failures]
+    return failed_runs("render", failures, report)
 
 
 def blocks(tasks: Sequence[RenderTask], workers: int) -> list[RenderUnit]:

@@ -13,7 +13,7 @@ from pipeline.files import canonical_json, write_file
 from pipeline.progress import Report
 from pipeline.units import Finished, Progress, SimulateUnit
 from pipeline.versions import versions
-from pipeline.workers import AnyEvent, AnyUnit, run_units
+from pipeline.workers import AnyEvent, AnyUnit, UnitFailure, run_units
 from pipeline.workspace import StageFolder, Workspace, input_key, mark_done
 
 SPEC, TRAJECTORY, OUTCOME = "spec.json", "trajectory.npz", "outcome.json"
@@ -75,9 +75,16 @@ def _do(units: Sequence[SimulateUnit], workers: int, report: Report) -> list[Fai
                 stage.update(unit.name, 1.0)
 
         failures = run_units(units, workers, on_event)
-    for failure in failures:
-        report.say(f"simulate: {failure.unit.name}: {failure.text}")
-    return [FailedRun.of(failure.unit.name, "simulate", failure.text) for failure in failures]
+    return failed_runs("simulate", failures, report)
+
+
+def failed_runs(stage: str, failures: Sequence[UnitFailure], report: Report) -> list[FailedRun]:
+    """What the dataset holds of the failures; what it may not hold, such as a log, is said here."""
+    failed = [FailedRun.of(failure.unit.name, stage, failure.text) for failure in failures]
+    for run, failure in zip(failed, failures, strict=True):
+        if failure.text != run.problem:  # else the command's own last lines say it
+            report.say(f"{stage}: {run.run}: {failure.text}")
+    return failed
 
 
 def simulate_into(spec_json: str, path: Path, key: str, progress: Callable[[float], None]) -> None:
