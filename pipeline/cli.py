@@ -1,7 +1,11 @@
 """The command `symolo`: commands, exit codes, and errors as one clear line."""
 
+import signal
+import threading
 import traceback
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from types import FrameType
 from typing import Annotated
 
 import typer
@@ -63,6 +67,11 @@ def _options(
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
+    with _interrupts_noted() as interrupted:
+        return _run(arguments, interrupted)
+
+
+def _run(arguments: Sequence[str] | None, interrupted: threading.Event) -> int:
     try:
         code = command_line()(arguments, standalone_mode=False)
     except typer.TyperException as error:
@@ -82,8 +91,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return _fail(5, f"{error}; free some space and run the command again")
         return _bug()
     except Exception:  # noqa: BLE001 - the last line of defence gives a bug its exit code
-        return _bug()
+        return _interrupted() if interrupted.is_set() else _bug()
     return _interrupted() if code == 130 else int(code or 0)
+
+
+@contextmanager
+def _interrupts_noted() -> Iterator[threading.Event]:
+    """Set the event at a SIGINT, for a library may make another error of a KeyboardInterrupt in its midst."""
+    noted = threading.Event()
+
+    def note(number: int, frame: FrameType | None) -> None:
+        noted.set()
+        signal.default_int_handler(number, frame)
+
+    before = signal.getsignal(signal.SIGINT)
+    if before is signal.default_int_handler:  # and not ignored, as in a background job
+        signal.signal(signal.SIGINT, note)
+    try:
+        yield noted
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _fail(code: int, text: str) -> int:

@@ -81,7 +81,8 @@ def run_units(
     finally:
         slots.stop()
         for thread in threads:
-            thread.join()
+            if thread.is_alive():  # an interrupt may come before all of them are started
+                thread.join()
     if bugs:
         raise WorkerError("\n".join(bugs))
     return failures

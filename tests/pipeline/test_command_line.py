@@ -3,8 +3,11 @@
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
+import threading
+import time
 from pathlib import Path
 
 import cv2
@@ -164,6 +167,39 @@ def test_a_bug_in_a_worker_is_told_with_its_traceback_and_the_others_are_done(tm
         run_units(units, 1, lambda unit, event: ended.append((unit.name, event.kind)))
     assert ended == [("A/test_1", "failed"), ("A/test_2", "failed")]
     assert str(caught.value).count("ValidationError") == 2
+
+
+def test_an_interrupt_between_the_starts_of_the_workers_is_an_interrupt(tmp_path, monkeypatch):
+    units = [SimulateUnit(name=f"A/test_{i}", spec="{}", folder=tmp_path / str(i), key="k") for i in (1, 2)]
+    start = threading.Thread.start
+    started = []
+
+    def interrupted_at_the_second(thread):
+        if started:
+            raise KeyboardInterrupt
+        started.append(thread)
+        start(thread)
+
+    monkeypatch.setattr(threading.Thread, "start", interrupted_at_the_second)
+    with pytest.raises(KeyboardInterrupt):
+        run_units(units, 2, lambda *_: None)
+    assert not started[0].is_alive()
+
+
+def test_an_interrupt_that_a_library_makes_an_error_of_is_an_interrupt(symolo, monkeypatch):
+    """As pydantic does with one that falls into a serializer."""
+
+    def interrupted(*_):
+        try:
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(1.0)
+        except KeyboardInterrupt as error:
+            raise ValueError(error) from error
+
+    monkeypatch.setattr("configs.loader.load_scenario", interrupted)
+    ended = symolo("plan", "smoke")
+    assert ended.code == 130
+    assert "Traceback" not in ended.err
 
 
 def test_plan_of_the_full_release_counts_what_will_be_made(symolo):
