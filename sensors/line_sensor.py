@@ -1,5 +1,7 @@
 """QTR-8A reflectance row: eight channels that see the floor through a blurred spot."""
 
+from math import cos, sin
+
 import numpy as np
 from scipy.special import ndtr
 
@@ -28,7 +30,7 @@ class LineSensorModel(Sensor):
     def sample(self, world: World) -> Array:
         """Readings (8,) after gain, offset, noise and the ADC."""
         x, y, yaw = world.pose()
-        c, s = np.cos(yaw), np.sin(yaw)
+        c, s = cos(yaw), sin(yaw)
         points = self._channels_R @ np.array([[c, s], [-s, c]]) + (x, y)
         ink = tape_share(self._arena.line, points, self._spot_sd_m)
         reflectance = self._arena.floor_reflectance + ink * (
@@ -58,9 +60,9 @@ def tape_share(line: Line, points: Array, spot_sd_m: float) -> Array:
         return line.covers(points).astype(float)
     share = np.zeros(len(points))
     half = 0.5 * line.width_m
-    (x, y), (wide_x, wide_y) = points.mean(axis=0).tolist(), np.ptp(points, axis=0).tolist()
-    # Beyond eight standard deviations a double holds nothing of the spot.
-    reach = wide_x + wide_y + half + 8.0 * spot_sd_m
+    (x, y), (to_x, to_y) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
+    # From one corner of all points, and beyond eight standard deviations a double holds nothing of the spot.
+    reach = to_x - x + to_y - y + half + 8.0 * spot_sd_m
     for piece in line.pieces:
         if piece.at_least_away_m(x, y) > reach:
             continue

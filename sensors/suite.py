@@ -1,7 +1,6 @@
 """All sensors of one robot, sampled at their own times while the world advances from one control tick to the next."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -21,14 +20,6 @@ class SteppedWorld(World, Protocol):
     def advance(self, steps: int) -> None: ...
 
 
-@dataclass(frozen=True)
-class _Pending:
-    """The sample that a future tick will read."""
-
-    step: int
-    name: str
-
-
 class SensorSuite:
     """Runs the world to each control tick and hands over what every sensor has delivered by then."""
 
@@ -36,6 +27,8 @@ class SensorSuite:
         self._sensors = dict(sensors)
         self._tick_steps = tick_steps
         self._next_tick = dict.fromkeys(self._sensors, 0)
+        self._next_step = dict.fromkeys(self._sensors, 0)
+        """Of the sample that the next tick reads, by sensor; the first samples are at the start."""
         self._samples: dict[str, dict[int, Reading]] = {name: {} for name in self._sensors}
 
     def read_at_tick(self, world: SteppedWorld, tick: int) -> dict[str, Reading]:
@@ -44,25 +37,18 @@ class SensorSuite:
         Ticks are asked for in order, each once.
         """
         target = tick * self._tick_steps
-        while (pending := self._first_pending()).step <= target:
-            world.advance(pending.step - world.steps)
-            self._sample(pending, world)
+        while self._next_step[first := min(self._next_step, key=self._next_step.__getitem__)] <= target:
+            world.advance(self._next_step[first] - world.steps)
+            self._sample(first, world)
         world.advance(target - world.steps)
         return {name: self._deliver(name, target) for name in self._sensors}
 
-    def _first_pending(self) -> _Pending:
-        return min(
-            (_Pending(self._sample_step(name, tick), name) for name, tick in self._next_tick.items()),
-            key=lambda pending: pending.step,
-        )
-
-    def _sample_step(self, name: str, tick: int) -> int:
-        return self._sensors[name].sampling.step_read_at(tick * self._tick_steps)
-
-    def _sample(self, pending: _Pending, world: World) -> None:
-        self._samples[pending.name][pending.step] = self._sensors[pending.name].sample(world)
-        while self._sample_step(pending.name, self._next_tick[pending.name]) <= pending.step:
-            self._next_tick[pending.name] += 1
+    def _sample(self, name: str, world: World) -> None:
+        sensor, step = self._sensors[name], self._next_step[name]
+        self._samples[name][step] = sensor.sample(world)
+        while self._next_step[name] <= step:
+            self._next_tick[name] += 1
+            self._next_step[name] = sensor.sampling.step_read_at(self._next_tick[name] * self._tick_steps)
 
     def _deliver(self, name: str, step: int) -> Reading:
         wanted = self._sensors[name].sampling.step_read_at(step)

@@ -5,6 +5,7 @@ of its incidence (Lambert); rays that meet nothing return nothing. Where too lit
 """
 
 from enum import IntEnum
+from math import cos, sin
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,10 @@ class TofStatus(IntEnum):
     NO_TARGET = 1
     HELD = 2
     """This update was lost; the value is the one before."""
+
+
+VALID, NO_TARGET, HELD = map(float, TofStatus)
+"""As they stand in a reading; numpy takes ten times as long with an enum's members."""
 
 
 class TofArray(Sensor):
@@ -88,13 +93,12 @@ class TofArray(Sensor):
         noise = sd * self._rng.standard_normal(3)
         reading = quantise(reading + noise, config.quantisation_m)
         valid = (signal >= config.signal_threshold) & (reading >= config.min_range_m) & (reading <= config.max_range_m)
-        fresh = np.stack(
-            [np.where(valid, reading, config.no_target_m), np.where(valid, TofStatus.VALID, TofStatus.NO_TARGET)],
-            axis=1,
-        )
+        fresh = np.empty((3, 2))
+        fresh[:, 0] = np.where(valid, reading, config.no_target_m)
+        fresh[:, 1] = np.where(valid, VALID, NO_TARGET)
         lost = self._rng.random(3) < config.dropout_probability
-        held = np.stack([self._last[:, 0], np.full(3, float(TofStatus.HELD))], axis=1)
-        self._last = np.where(lost[:, None], held, fresh)
+        fresh[lost, 0], fresh[lost, 1] = self._last[lost, 0], HELD
+        self._last = fresh
         return self._last
 
     def _view(
@@ -123,7 +127,7 @@ class TofArray(Sensor):
     def _cast(self, world: World) -> tuple[NDArray[np.bool_], Array, Array, NDArray[np.int64], Array]:
         """Hit, slant distance [m], cosine of incidence and surface index, (3, rays) each, and normal, (3, rays, 3)."""
         x, y, yaw = world.pose()
-        c, s = np.cos(yaw), np.sin(yaw)
+        c, s = cos(yaw), sin(yaw)
         R_RW = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
         origins = self._origins_R @ R_RW + (x, y, 0.0)
         directions = self._directions_R @ R_RW

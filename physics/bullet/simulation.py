@@ -59,6 +59,7 @@ class BulletSimulation:
         self._to_axle = (-chassis.center_of_mass_x_m, 0.0, axle_height - chassis.center_of_mass_z_m)
         self._box_names = tuple(box.name for box in arena.boxes)
         self._touched: set[int] = set()
+        self._seen_at = self._joints_at = -1
         self._rays = RayScene(arena)
         self._client = connect(rates.physics_hz)
         self._surface_of_body = add_arena(self._client, arena)
@@ -131,7 +132,7 @@ class BulletSimulation:
         """The same for a robot with terms that act at every step."""
         client, robot, wheels, reaction = self._client, self._robot, self._wheels, self._reaction
         for number in range(self._steps, self._steps + count):
-            right, left = self._wheel_states()
+            right, left = pybullet.getJointStates(robot, wheels, client)
             speeds = np.array((right[1], left[1]))
             if number % self._look_every == 0:
                 speed = right[1] + left[1]
@@ -180,6 +181,11 @@ class BulletSimulation:
 
     def pose(self) -> tuple[float, float, float]:
         """X_WR: x [m], y [m], yaw [rad] of the middle of the axle; yaw counts whole turns."""
+        if self._seen_at != self._steps:
+            self._seen_at, self._pose = self._steps, self._look()
+        return self._pose
+
+    def _look(self) -> tuple[float, float, float]:
         position, turn = pybullet.getBasePositionAndOrientation(self._robot, physicsClientId=self._client)
         r = pybullet.getMatrixFromQuaternion(turn)
         a, b, c = self._to_axle
@@ -200,7 +206,11 @@ class BulletSimulation:
         return forward + pitch_rate * self._to_axle[2], yaw_share * spin[2]
 
     def _wheel_states(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        return pybullet.getJointStates(self._robot, self._wheels, physicsClientId=self._client)
+        """Of both wheels: angle [rad], speed [rad/s], and what the engine gives besides."""
+        if self._joints_at != self._steps:
+            self._joints_at = self._steps
+            self._joints = pybullet.getJointStates(self._robot, self._wheels, self._client)
+        return self._joints
 
     def encoder_counts(self) -> tuple[int, int]:
         """Quadrature counts, right and left, since the start, which lies in the middle between two edges."""
