@@ -1,7 +1,8 @@
 """Wall time of a whole lap with all sensors and the controller against bare `stepSimulation` on the same world.
 
 Both run in turns in one process on one core, for the same number of steps; the ratio is the median over neighbouring
-pairs, which a machine that is busy with something else disturbs least.
+pairs, which a machine that is busy with something else disturbs least. The cost of each sensor is taken in laps of its
+own, for the clocks cost something too.
 
     python benchmarks/simulation_speed.py [--scenario symolo] [--route CW] [--repeats 7]
 """
@@ -9,19 +10,26 @@ pairs, which a machine that is busy with something else disturbs least.
 import argparse
 import os
 import time
+from collections.abc import Callable
 from math import copysign, radians
 from statistics import median
+from unittest.mock import patch
 
+import numpy as np
 import pybullet
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
+from configs.schema.robot import RobotConfig
 from configs.schema.scenario import RunSpec
 from physics.arena import Arena
 from physics.bullet.body import add_robot
 from physics.bullet.world import add_arena, connect
 from physics.motor import MotorModel
 from pipeline.stages.simulate import simulate
+from sensors.base import Sensor, World
+from sensors.fit_out import fit_out
+from sensors.suite import Reading
 
 WHEEL_SPEED_RAD_S = 4.0
 
@@ -35,10 +43,13 @@ def main() -> None:
     os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
     spec = draw_run(load_scenario(arguments.scenario), arguments.route, 1)
     laps, bares, steps = [], [], 0
+    shares: dict[str, list[float]] = {}
     for _ in range(arguments.repeats):
         seconds, steps = time_lap(spec)
         laps.append(seconds)
         bares.append(time_bare(spec, steps))
+        for name, share in time_sensors(spec).items():
+            shares.setdefault(name, []).append(share)
     simulated_s = steps / spec.rates.physics_hz
     print(
         f"{arguments.scenario} {arguments.route}: {simulated_s:.2f} s in {steps} steps, medians of {arguments.repeats}"
@@ -46,8 +57,11 @@ def main() -> None:
     for name, seconds in (("whole lap, all sensors", median(laps)), ("bare stepSimulation", median(bares))):
         per_step_us, times_real = 1e6 * seconds / steps, simulated_s / seconds
         print(f"{name:24s} {seconds:7.3f} s {per_step_us:7.1f} us/step {times_real:7.1f} x real time")
+    print(f"{60.0 / median(laps):.1f} laps and {60e-6 * steps / median(laps):.2f} million steps a minute on one core")
     ratios = [lap / bare for lap, bare in zip(laps, bares, strict=True)]
     print(f"ratio {median(ratios):.2f}, of neighbouring pairs {min(ratios):.2f} to {max(ratios):.2f}")
+    for name, share in shares.items():
+        print(f"{name:24s} {100.0 * median(share):5.1f} % of a lap")
 
 
 def time_lap(spec: RunSpec) -> tuple[float, int]:
@@ -58,6 +72,32 @@ def time_lap(spec: RunSpec) -> tuple[float, int]:
     if outcome.problems:
         raise SystemExit(f"the run failed: {'; '.join(outcome.problems)}")
     return elapsed, round(float(outcome.recording.trajectory.t_s[-1]) * spec.rates.physics_hz)
+
+
+def time_sensors(spec: RunSpec) -> dict[str, float]:
+    """Share of a lap's time that each sensor's samples take, by name."""
+    spent: dict[str, float] = {}
+
+    def timed(name: str, sample: Callable[[World], Reading]) -> Callable[[World], Reading]:
+        def sample_timed(world: World) -> Reading:
+            begin = time.perf_counter()
+            reading = sample(world)
+            spent[name] = spent.get(name, 0.0) + time.perf_counter() - begin
+            return reading
+
+        return sample_timed
+
+    def fit_out_timed(
+        robot: RobotConfig, arena: Arena, physics_hz: int, rng_of: Callable[[str], np.random.Generator]
+    ) -> dict[str, Sensor]:
+        sensors = fit_out(robot, arena, physics_hz, rng_of)
+        for name, sensor in sensors.items():
+            sensor.sample = timed(name, sensor.sample)  # type: ignore[method-assign]
+        return sensors
+
+    with patch("pipeline.stages.simulate.fit_out", fit_out_timed):
+        seconds, _ = time_lap(spec)
+    return {name: own / seconds for name, own in spent.items()}
 
 
 def time_bare(spec: RunSpec, steps: int) -> float:
