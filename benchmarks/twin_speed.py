@@ -37,13 +37,13 @@ def main() -> None:
     twin_s: dict[tuple[float, int], list[float]] = {case: [] for case in cases}
     apart: dict[tuple[float, int], str] = {}
     for _ in range(arguments.repeats):
-        poses, seconds = drive(robot, ENGINE_HZ)
+        poses, seconds = drive(robot, PROFILE, ENGINE_HZ)
         engine_s.append(seconds)
         for step_s, trials in cases:
             run, seconds = time_twin(robot, step_s, trials)
             twin_s[step_s, trials].append(seconds)
             apart[step_s, trials] = told(run.pose[:: round(1 / ROWS_HZ / step_s), 0] - poses)
-    simulated_s, per_trial_s = PROFILE[-1][0], median(engine_s)
+    simulated_s, per_trial_s = PROFILE.rows[-1][0], median(engine_s)
     print(f"{arguments.robot}: {simulated_s:g} s, medians of {arguments.repeats}")
     print(f"PyBullet at 1 ms: {per_trial_s:.3f} s, {simulated_s / per_trial_s:.0f} x real time")
     print("twin: step [ms]  trials  per trial [ms]  x real time  x PyBullet  greatest distance from PyBullet")
@@ -57,7 +57,7 @@ def main() -> None:
 
 def time_twin(robot: RobotConfig, step_s: float, trials: int) -> tuple[TwinRun, float]:
     """The run and its wall time [s]."""
-    rows = [[pair] * round((end - begin) / step_s) for (begin, *pair), (end, *_) in pairwise(PROFILE)]
+    rows = [[pair] * round((end - begin) / step_s) for (begin, *pair), (end, *_) in pairwise(PROFILE.rows)]
     voltages = np.array([pair for part in rows for pair in part])[:, None]
     model = RobotModel.from_config(robot)
     begin = time.perf_counter()
