@@ -39,7 +39,14 @@ class TwinRun:
 
 
 class KinematicTwin:
+    """Open-loop drives of one robot.
+
+    Raises:
+        InputError: The robot has play in its gears.
+    """
+
     def __init__(self, model: RobotModel, step_s: float = 0.005) -> None:
+        model.require_rigid_gears("the twin")
         self._step_s = step_s
         self._limit_V = voltage_limit_V(model.config.power)
         self._driveline = Driveline.of_robot(model)

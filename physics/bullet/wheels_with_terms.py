@@ -23,9 +23,7 @@ REST_RAD_S = 1e-4
 
 class WheelsWithTerms:
     def __init__(self, model: RobotModel, physics_hz: int) -> None:
-        backlash = model.config.terms.gear_backlash
-        if backlash is not None and backlash.gap_rad > 0.0:
-            raise ValueError("gear_backlash cannot act in the engine, whose wheel is one mass")
+        model.require_rigid_gears("PyBullet")
         self._driveline = Driveline.of_robot(model)
         self._period_s = 1.0 / physics_hz
         self._delay_steps = round(model.input_delay_s * physics_hz)

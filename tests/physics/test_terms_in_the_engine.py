@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from configs.errors import InputError
 from configs.schema.terms import drive, motor
 
 TICKS = 3840
@@ -144,7 +145,7 @@ class TestMotorsOffLoad:
         assert behind == pytest.approx(m.rotor_inertia_kg_m2 / damping, rel=0.03)
 
     def test_backlash_is_refused(self, simulate_with):
-        with pytest.raises(ValueError, match="one mass"):
+        with pytest.raises(InputError, match="one mass"):
             simulate_with(motor.GearBacklash(gap_rad=0.02))
 
 
