@@ -58,8 +58,8 @@ def step_responses(
     substeps = max(1, round(row_s / shaft.substep_s))
     duration = row_s / substeps
     begin = np.zeros((voltage_V.shape[1], 1)) if begin_s is None else begin_s[:, None]
-    delay = round(model.input_delay_s / duration)
     commands = np.repeat(voltage_V, substeps, axis=0)[..., None]
+    delay = min(round(model.input_delay_s / duration), len(commands))
     commands = np.concatenate([np.zeros_like(commands[:delay]), commands[: len(commands) - delay]])
     held = rest = np.zeros_like(commands[0])
     state = TwoMass(rest, rest, rest)

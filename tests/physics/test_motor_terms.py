@@ -147,6 +147,13 @@ class TestStepResponses:
         _, speed = responses(motor, self.STEP, terms.InputDelay(delay_s=0.012))
         np.testing.assert_allclose(speed, self.run_up(self.T_S - 0.012), rtol=1e-9, atol=1e-12)
 
+    @pytest.mark.parametrize("rows", [3, 5, 8])
+    def test_a_trial_that_ends_before_its_first_command_acts_stays_at_rest(self, motor, rows):
+        current, speed = responses(motor, (4.0,) * rows, terms.InputDelay(delay_s=0.040))
+        assert not current.any()
+        assert not speed.any()
+        assert len(speed) == rows
+
     def test_an_actuator_lag_makes_it_second_order(self, motor):
         """Without dry friction, 1 - (a exp(-t/a) - b exp(-t/b)) / (a - b) of the final speed."""
         slippery = motor.model_copy(update={"motor": motor.motor.model_copy(update={"coulomb_friction_N_m": 0.0})})
