@@ -60,7 +60,7 @@ class WheelsWithTerms:
         if np.array_equal(self._wanted_friction_N_m, self._friction_N_m):
             return None
         self._friction_N_m = self._wanted_friction_N_m
-        return np.maximum(self._friction_N_m, 0.0).tolist()
+        return self._friction_N_m.tolist()
 
     def _count(self, angles_rad: Array) -> None:
         if self._counting and self._angles is not None:
