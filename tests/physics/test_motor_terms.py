@@ -115,6 +115,9 @@ class TestSteadyStates:
         found = steady(motor, terms.BatteryDecline(fraction_per_minute=0.05), 4.0, time_s=120.0)
         assert found == linear(4.0 * 0.9)
 
+    def test_an_empty_battery_gives_nothing(self, motor):
+        assert steady(motor, terms.BatteryDecline(fraction_per_minute=1.0), 4.0, time_s=90.0) == (0.0, 0.0)
+
     def test_a_current_limit_below_what_friction_needs_stalls_the_motor(self, motor):
         assert steady(motor, terms.CurrentLimit(limit_A=0.06), 4.0) == (0.06, 0.0)
 
