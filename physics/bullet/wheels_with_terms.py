@@ -107,5 +107,6 @@ def _turn_about_axle(client: int, body: int, to_axle: tuple[float, float, float]
 def needs_every_step(model: RobotModel) -> bool:
     """Whether a term of this robot acts at every step, or all are in numbers that the engine is given once."""
     slots = (Slot.ACTUATOR, Slot.BATTERY, Slot.BRIDGE, Slot.SUPPLY, Slot.CURRENT_LIMIT, Slot.FRICTION)
+    # The gearbox cannot act at all: it is here so that play in it is refused.
     slots += (Slot.COMMAND_DELAY, Slot.COUNTING, Slot.GROUND, Slot.GEARBOX)
     return any(model.effects(slot) for slot in slots)

@@ -78,8 +78,7 @@ class TestRangeSensorsInTheSimulation:
             tof = TofArray(
                 config, arena_of(surface), 1000, np.random.Generator(np.random.PCG64(0)), Terms().with_term(values)
             )
-            world = plane_world(wall_x_m=robot.tof.mounts.front.x_m + distance_m, at=at)
-            world.time_s = 60.0
+            world = plane_world(wall_x_m=robot.tof.mounts.front.x_m + distance_m, at=at, time_s=60.0)
             return tof.sample(world)[0]
 
         return take
@@ -140,7 +139,6 @@ class TestRangeSensorsInTheSimulation:
     def test_noise(self, robot, arena_of, plane_world, values, factor):
         config = robot.tof.model_copy(update={"quantisation_m": 0.0, "ambient_lux": 5000.0})
         world = plane_world(wall_x_m=robot.tof.mounts.front.x_m + 0.5)
-        world.time_s = 0.0
         deviations = []
         for terms in (Terms(), Terms().with_term(values)):
             tof = TofArray(config, arena_of(), 1000, np.random.Generator(np.random.PCG64(0)), terms)
