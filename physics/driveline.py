@@ -5,12 +5,12 @@ current is linear in the speed, and whoever integrates treats that part exactly;
 torque, which is zero to the bit where they have no effect.
 """
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from physics.bridge import Bridge
 from physics.motion import Motion
 from physics.motor import MotorModel
 from physics.robot_model import RobotModel, through
@@ -47,12 +47,6 @@ class Driveline:
         """One motor alone."""
         return cls(model, (model.motors.right,))
 
-    @property
-    def changes_in_time(self) -> bool:
-        """Whether torque or friction depend on more than voltage and a speed that enters linearly."""
-        in_time: tuple[tuple[Callable[..., Any], ...], ...] = (self._actuator, self._battery, self._friction)
-        return any((*in_time, self._bridge, self._supply, self._limit))
-
     def voltage_V(
         self, held_V: Array, command_V: Array, time_s: float | Array, duration_s: float
     ) -> tuple[Array, Array]:
@@ -64,11 +58,15 @@ class Driveline:
 
     def current_A(self, voltage_V: Array, speed_rad_s: Array) -> Array:
         """Through the windings, at the voltage that the bridge would give from a full supply."""
-        emf_V = through(self._bridge, voltage_V - self.torque_constant_N_m_A * speed_rad_s)
-        current_A = emf_V / self.resistance_ohm
+        emf_V = voltage_V - self.torque_constant_N_m_A * speed_rad_s
+        bridge = Bridge(self.supply_V, voltage_V / self.supply_V, self.resistance_ohm, self._driving_V)
+        current_A = bridge.current_A(emf_V)
         for sag in self._supply:
-            current_A = sag(emf_V, self.resistance_ohm, voltage_V / self.supply_V)
+            current_A = sag(emf_V, bridge)
         return through(self._limit, current_A)
+
+    def _driving_V(self, emf_V: Array) -> Array:
+        return through(self._bridge, emf_V)
 
     def extra_torque_N_m(self, voltage_V: Array, speed_rad_s: Array) -> Array:
         """By terms, on top of that of the bare winding at this voltage and speed."""

@@ -39,7 +39,14 @@ class TwinRun:
 
 
 class KinematicTwin:
+    """Open-loop drives of one robot.
+
+    Raises:
+        InputError: The robot has play in its gears.
+    """
+
     def __init__(self, model: RobotModel, step_s: float = 0.005) -> None:
+        model.require_rigid_gears("the twin")
         self._step_s = step_s
         self._limit_V = voltage_limit_V(model.config.power)
         self._driveline = Driveline.of_robot(model)
@@ -120,7 +127,15 @@ class ReplayedWorld:
         return self._steps / self._physics_hz
 
     def advance(self, steps: int) -> None:
+        """Go on by so many steps of the sensors.
+
+        Raises:
+            ValueError: Beyond the end of the run, where nothing is known.
+        """
         self._steps += steps
+        end_s = float(self._run.t_s[-1])
+        if self.time_s > end_s + 1e-9:
+            raise ValueError(f"asked for {self.time_s:g} s of a run that ends at {end_s:g} s; drive it for longer")
 
     def pose(self) -> tuple[float, float, float]:
         poses = self._run.pose[:, self._trial]

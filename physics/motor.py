@@ -43,10 +43,6 @@ class MotorModel:
     def current_A(self, voltage_V: float, speed_rad_s: float) -> float:
         return (voltage_V - self.torque_constant_N_m_A * speed_rad_s) / self.resistance_ohm
 
-    def torque_N_m(self, voltage_V: float, speed_rad_s: float) -> float:
-        """Electrical torque less viscous friction; Coulomb friction is not in it."""
-        return self.stall_torque_N_m(voltage_V) - self.damping_N_m_s_rad * speed_rad_s
-
     def steady_state(self, voltage_V: float) -> tuple[float, float]:
         """Current [A] and speed [rad/s] off load: stuck below breakaway, Eq. 20 without its derivative above."""
         stall = self.stall_torque_N_m(voltage_V)

@@ -58,8 +58,8 @@ def step_responses(
     substeps = max(1, round(row_s / shaft.substep_s))
     duration = row_s / substeps
     begin = np.zeros((voltage_V.shape[1], 1)) if begin_s is None else begin_s[:, None]
-    delay = round(model.input_delay_s / duration)
     commands = np.repeat(voltage_V, substeps, axis=0)[..., None]
+    delay = min(round(model.input_delay_s / duration), len(commands))
     commands = np.concatenate([np.zeros_like(commands[:delay]), commands[: len(commands) - delay]])
     held = rest = np.zeros_like(commands[0])
     state = TwoMass(rest, rest, rest)
@@ -81,10 +81,8 @@ class _Shaft:
     def __init__(self, model: RobotModel) -> None:
         self.driveline = Driveline.of_bench(model)
         self._config = model.config.motor
-        backlash = model.config.terms.gear_backlash
-        has_play = backlash is not None and backlash.gap_rad > 0.0
-        self._play = model.effects(Slot.GEARBOX) if has_play else ()
-        self.substep_s = PLAY_SUBSTEP_S if has_play else SUBSTEP_S
+        self._play = model.effects(Slot.GEARBOX) if model.has_play else ()
+        self.substep_s = PLAY_SUBSTEP_S if model.has_play else SUBSTEP_S
 
     def moved(self, voltage: Array, state: TwoMass, time_s: Array, duration_s: float) -> TwoMass:
         driveline, speed = self.driveline, state.motor_rad_s

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import reduce
 from typing import Any, TypeVar
 
+from configs.errors import InputError
 from configs.schema.base import Section
 from configs.schema.robot import RobotConfig
 from physics.motor import MotorModel, Motors
@@ -53,3 +54,22 @@ class RobotModel:
     def effects(self, slot: Slot) -> tuple[Callable[..., Any], ...]:
         """What the robot's terms do in a slot, in order."""
         return effects(PHYSICS_TERMS, self.config.terms, slot)
+
+    @property
+    def has_play(self) -> bool:
+        """Whether motor side and load side of the gears can move against each other."""
+        backlash = self.config.terms.gear_backlash
+        return backlash is not None and backlash.gap_rad > 0.0
+
+    def require_rigid_gears(self, place: str) -> None:
+        """Refuse play in the gears where a wheel is one mass, so that it is never left out in silence.
+
+        Raises:
+            InputError: The robot has `gear_backlash` with a gap.
+        """
+        if self.has_play:
+            raise InputError(
+                f"robot.terms.gear_backlash.gap_rad: no play in {place}, whose wheel is one mass",
+                allowed="0",
+                cure="leave the term out; it acts on the motor bench alone",
+            )

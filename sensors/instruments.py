@@ -17,8 +17,11 @@ def read_current_A(terms: Terms, current_A: Array) -> Array:
 def read_speed_rad_s(terms: Terms, t_s: Array, speed_rad_s: Array) -> Array:
     """Readings (N, ...) at the times (N,) of the true speeds, which the filter takes as held up to their time.
 
-    A reading from before the first row is the first row's.
+    Wheels stand still up to time 0. A log may begin later, as that of the motor bench does by one row.
     """
+    if t_s[0] > 0.0:
+        at_rest = np.zeros_like(speed_rad_s[:1])
+        return read_speed_rad_s(terms, np.append(0.0, t_s), np.concatenate([at_rest, speed_rad_s]))[1:]
     reading = through(effects(SENSOR_TERMS, terms, Slot.SPEED_READING), speed_rad_s)
     for low_pass in effects(SENSOR_TERMS, terms, Slot.SPEED_FILTER):
         rows = [reading[0]]

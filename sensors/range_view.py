@@ -3,12 +3,17 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from sensors.base import Array
+
+RANGE_SENSORS = np.array(["front", "left", "right"])
+"""In the order of every array of ranges."""
 
 
 @dataclass(frozen=True)
 class RangeView:
-    """One value per reading; in an array of sensors the last axis is front, left, right."""
+    """One value per reading; in an array of sensors they are along the last axis."""
 
     distance_m: Array
     incidence_rad: Array

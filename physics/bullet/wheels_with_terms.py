@@ -23,9 +23,7 @@ REST_RAD_S = 1e-4
 
 class WheelsWithTerms:
     def __init__(self, model: RobotModel, physics_hz: int) -> None:
-        backlash = model.config.terms.gear_backlash
-        if backlash is not None and backlash.gap_rad > 0.0:
-            raise ValueError("gear_backlash cannot act in the engine, whose wheel is one mass")
+        model.require_rigid_gears("PyBullet")
         self._driveline = Driveline.of_robot(model)
         self._period_s = 1.0 / physics_hz
         self._delay_steps = round(model.input_delay_s * physics_hz)
@@ -62,7 +60,7 @@ class WheelsWithTerms:
         if np.array_equal(self._wanted_friction_N_m, self._friction_N_m):
             return None
         self._friction_N_m = self._wanted_friction_N_m
-        return np.maximum(self._friction_N_m, 0.0).tolist()
+        return self._friction_N_m.tolist()
 
     def _count(self, angles_rad: Array) -> None:
         if self._counting and self._angles is not None:
@@ -109,5 +107,6 @@ def _turn_about_axle(client: int, body: int, to_axle: tuple[float, float, float]
 def needs_every_step(model: RobotModel) -> bool:
     """Whether a term of this robot acts at every step, or all are in numbers that the engine is given once."""
     slots = (Slot.ACTUATOR, Slot.BATTERY, Slot.BRIDGE, Slot.SUPPLY, Slot.CURRENT_LIMIT, Slot.FRICTION)
+    # The gearbox cannot act at all: it is here so that play in it is refused.
     slots += (Slot.COMMAND_DELAY, Slot.COUNTING, Slot.GROUND, Slot.GEARBOX)
     return any(model.effects(slot) for slot in slots)

@@ -36,8 +36,8 @@ class CurveFollower:
             raise ValueError("a curve path without settings for curves")
         self._config = config
         self._curves: CurveAvoidance = config.curves
-        self._points = book.paths[chosen.variant, chosen.bend]
-        self._path = PathFollower(self._points, start, config.look_ahead_m)
+        self._path = book.paths[chosen.variant, chosen.bend]
+        self._follower = PathFollower(self._path, start, config.look_ahead_m)
         self._turn = sign_of(chosen.side)
         self._facing = ObstacleFacing(config.curves.face, config.front_below_m, start, chosen.bend, chosen.near_m)
         self._phase = _Phase.FACE
@@ -59,7 +59,7 @@ class CurveFollower:
             self._phase, self._since = following, odometry
             self._line_seen_at, self._met_error = odometry, line_error or 0.0
             if following is _Phase.PATH:
-                self._path = PathFollower(self._points, odometry, self._config.look_ahead_m)
+                self._follower = PathFollower(self._path, odometry, self._config.look_ahead_m)
         if line_error is not None:
             self._line_seen_at = odometry
         match self._phase:
@@ -73,10 +73,10 @@ class CurveFollower:
                 return 0.0, self._turn * self._curves.turn_rate_rad_s
 
     def _drive_path(self, odometry: Pose) -> tuple[float, float]:
-        bearing, rate = self._path.bearing(odometry), self._curves.turn_rate_rad_s
+        bearing, rate = self._follower.bearing(odometry), self._curves.turn_rate_rad_s
         if abs(bearing) > self._curves.turn_above_rad:
             return 0.0, math.copysign(rate, bearing)
-        curvature = self._path.step(odometry, obstacle_beside=False)
+        curvature = self._follower.step(odometry, obstacle_beside=False)
         speed = min(self._config.speed_m_s, rate / max(abs(curvature), 1e-6))
         return speed, speed * curvature
 
@@ -91,7 +91,7 @@ class CurveFollower:
                 return _Phase.PATH
             case _Phase.PATH if on_line and _apart_m(odometry, self._line_seen_at) > self._curves.line_after_m:
                 return _Phase.CROSS
-            case _Phase.PATH if self._path.finished:
+            case _Phase.PATH if self._follower.finished:
                 return _Phase.DONE
             case _Phase.CROSS if travelled_m >= self._curves.cross_m * (4.0 if ahead else 1.0):
                 # Met at a small angle, the line comes in from ahead; one that moves out there lies across.

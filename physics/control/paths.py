@@ -23,11 +23,7 @@ class AvoidancePath:
     """(N, 2) [m], evenly spaced along the path."""
     spacing_m: float
     back_begins: int
-    """Index of the first point of the way back."""
-
-    @property
-    def length_m(self) -> float:
-        return self.spacing_m * (len(self.points) - 1)
+    """Index of the first point of the way back; the number of points where there is none."""
 
 
 def straight_path(config: Avoidance, side: Side) -> AvoidancePath:
@@ -51,7 +47,7 @@ def curve_path(config: CurvePath, count: int, bend: Side) -> AvoidancePath:
     """A path through control points (Fig. 7b, 7c), drawn for a bend to the left and mirrored for one to the right.
 
     Args:
-        config: The control points and where the way back begins.
+        config: The control points.
         count: How many points the path is stored in.
         bend: The side to which the line bends.
     """

@@ -29,7 +29,7 @@ class Slot(StrEnum):
     BRIDGE = "bridge"
     """voltage that drives the current, u - K w [V] -> the same."""
     SUPPLY = "supply"
-    """that voltage [V], winding resistance [ohm], duty (with its sign) -> current [A]."""
+    """u - K w [V] before the bridge's own loss, `Bridge` -> current [A]."""
     CURRENT_LIMIT = "current limit"
     """current [A] -> current [A]."""
     FRICTION = "friction"

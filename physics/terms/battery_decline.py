@@ -1,12 +1,15 @@
 """A battery that runs down."""
 
+import numpy as np
+
 from configs.schema.terms.motor import BatteryDecline
 from physics.motion import Array
 from physics.terms.base import Slot, Term
 
 
 def declined(values: BatteryDecline, voltage_V: Array, time_s: float | Array) -> Array:
-    return voltage_V * (1.0 - values.fraction_per_minute * time_s / 60.0)
+    """GAP_FORMAT's straight line, until nothing is left."""
+    return voltage_V * np.maximum(1.0 - values.fraction_per_minute * time_s / 60.0, 0.0)
 
 
 TERM = Term(

@@ -6,6 +6,7 @@ from configs.schema.terms.drive import EncoderMissedTicks
 from physics.motion import Array
 from physics.terms.base import Slot, Term
 
+SIDES = np.array(["right", "left"])
 EDGE_RAD_S = 0.3
 """Softness of the threshold: the loss is half at it, and logistic in the speed with this width."""
 
@@ -16,9 +17,6 @@ def counted(values: EncoderMissedTicks, turned_rad: Array, duration_s: float) ->
     lost = values.fraction / (1.0 + np.exp(-beyond))
     kept = np.where(values.side == SIDES, 1.0 - lost, 1.0)
     return turned_rad * kept
-
-
-SIDES = np.array(["right", "left"])
 
 
 TERM = Term(

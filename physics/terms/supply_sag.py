@@ -3,32 +3,38 @@
 import numpy as np
 
 from configs.schema.terms.motor import SupplySag
+from physics.bridge import Bridge
 from physics.motion import Array
 from physics.terms.base import Slot, Term
 
+NEWTON_STEPS = 5
+"""The loss is convex in itself and straight between the kinks where a current begins, ends or turns: two of each of two
+motors. From zero loss Newton's method passes each at most once, and between two it is exact."""
+LEAST_SLOPE = 1e-9
 
-def sagged_current_A(values: SupplySag, emf_V: Array, resistance_ohm: Array, duty: Array) -> Array:
+
+def sagged_current_A(values: SupplySag, emf_V: Array, bridge: Bridge) -> Array:
     """Current of each motor [A], the motors of one supply along the last axis.
 
-    The supply loses r (sum of |duty| |I|), and each motor its share by duty; with the signs of the currents known the
-    loss is linear in itself. One motor alone follows GAP_FORMAT's formula, also while it feeds back.
+    The supply loses r (sum of |duty| |I|), all that it has at most, and each motor its share of that by duty. One motor
+    alone follows GAP_FORMAT's formula, also while it feeds back.
     """
-    source = values.source_resistance_ohm
-    alone = emf_V / resistance_ohm
-    share = duty * source / resistance_ohm
+    source, duty, resistance_ohm = values.source_resistance_ohm, bridge.duty, bridge.resistance_ohm
     if emf_V.shape[-1] == 1:
-        return (emf_V - duty * (source * duty * alone / (1.0 + duty * share))) / resistance_ohm
-    current = alone
-    for _ in range(SIGN_TRIALS):
-        sign = np.sign(current)
-        load_A = np.sum(np.abs(duty) * sign * alone, axis=-1, keepdims=True)
-        load_A = load_A / (1.0 + np.sum(np.abs(duty) * sign * share, axis=-1, keepdims=True))
-        current = (emf_V - duty * (source * load_A)) / resistance_ohm
-    return current
-
-
-SIGN_TRIALS = 3
-"""The loss turns a motor's current round only where that is small; two motors have settled by then."""
+        return bridge.driving_V(emf_V) / (resistance_ohm + source * duty**2)
+    draws_V = source * np.abs(duty)
+    eases = draws_V * duty / resistance_ohm
+    lost_V = np.zeros((*emf_V.shape[:-1], 1))
+    sign = np.full(emf_V.shape, np.nan)
+    for _ in range(NEWTON_STEPS):
+        current = bridge.current_A(emf_V - duty * lost_V)
+        before, sign = sign, np.sign(current)
+        if np.array_equal(sign, before):
+            return current
+        off_V = (draws_V * np.abs(current)).sum(axis=-1, keepdims=True) - lost_V
+        slope = 1.0 + (eases * sign).sum(axis=-1, keepdims=True)
+        lost_V = np.minimum(lost_V + off_V / np.maximum(slope, LEAST_SLOPE), bridge.supply_V)
+    return bridge.current_A(emf_V - duty * lost_V)
 
 
 TERM = Term(

@@ -5,13 +5,11 @@ import numpy as np
 from configs.schema.terms.drive import TofMountYaw
 from physics.terms.base import Slot, Term
 from sensors.base import Array
+from sensors.range_view import RANGE_SENSORS
 
 
 def turned(values: TofMountYaw, yaw_rad: Array) -> Array:
-    return yaw_rad + np.where(values.sensor == SENSORS, values.angle_rad, 0.0)
-
-
-SENSORS = np.array(["front", "left", "right"])
+    return yaw_rad + np.where(values.sensor == RANGE_SENSORS, values.angle_rad, 0.0)
 
 
 TERM = Term(

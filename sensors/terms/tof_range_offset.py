@@ -5,14 +5,11 @@ import numpy as np
 from configs.schema.terms.drive import TofRangeOffset
 from physics.terms.base import Slot, Term
 from sensors.base import Array
-from sensors.range_view import RangeView
+from sensors.range_view import RANGE_SENSORS, RangeView
 
 
 def shifted(values: TofRangeOffset, reading_m: Array, _view: RangeView) -> Array:
-    return reading_m + np.where(values.sensor == SENSORS, values.offset_m, 0.0)
-
-
-SENSORS = np.array(["front", "left", "right"])
+    return reading_m + np.where(values.sensor == RANGE_SENSORS, values.offset_m, 0.0)
 
 
 TERM = Term(

@@ -69,13 +69,21 @@ def read_in_twin(walled: Arena) -> Callable[[RobotConfig], list[bytes]]:
         model = RobotModel.from_config(robot)
         run = KinematicTwin(model, 0.01).drive(np.tile(VOLTAGES, (60, 1, 1)), np.zeros((1, 3)))
         found = _sensed(robot, walled, ReplayedWorld(run, 0, walled, PHYSICS_HZ))
+        return [*found, run.current_A.tobytes(), run.pose.tobytes()]
+
+    return read
+
+
+@pytest.fixture(scope="session")
+def read_on_bench() -> Callable[[RobotConfig], list[bytes]]:
+    def read(robot: RobotConfig) -> list[bytes]:
+        model = RobotModel.from_config(robot)
         reversal = np.repeat([3.0, -3.0], 10)[:, None]
         current, speed = step_responses(model, reversal, 0.005)
-        steady = steady_states(model, np.array([-2.0, 0.3, 4.0]), np.array([1.0, 2.0, 3.0]))
+        steady_current, steady_speed = steady_states(model, np.array([-2.0, 0.3, 4.0]), np.array([1.0, 2.0, 3.0]))
         t_s = 0.005 * np.arange(1, 21)
-        for amperes in (current, steady[0]):
-            found.append(read_current_A(robot.terms, amperes).tobytes())
-        found.append(read_speed_rad_s(robot.terms, t_s, speed).tobytes())
-        return [*found, steady[1].tobytes(), run.current_A.tobytes(), run.pose.tobytes()]
+        found = [read_current_A(robot.terms, amperes) for amperes in (current, steady_current)]
+        found += [read_speed_rad_s(robot.terms, t_s, speed), steady_speed]
+        return [reading.tobytes() for reading in found]
 
     return read

@@ -7,8 +7,10 @@ import pytest
 import yaml
 
 from configs.draw import draw_robot
+from configs.errors import InputError
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
+from configs.schema.terms.motor import GearBacklash
 from configs.schema.terms.table import TERM_NAMES
 from physics.robot_model import RobotModel
 from physics.terms import PHYSICS_TERMS
@@ -146,11 +148,24 @@ def test_every_parameter_is_a_config_key_and_an_axis_of_randomisation(term, choi
 
 @pytest.mark.parametrize(("term", "choices"), CASES)
 class TestInTwinAndBench:
-    def test_the_null_value_is_bit_identical_to_no_term(self, term, choices, excitable, read_in_twin, bare_in_twin):
-        assert read_in_twin(excitable.with_term(term.null(choices))) == bare_in_twin
+    def test_the_null_value_is_bit_identical_to_no_term(
+        self, term, choices, excitable, read_in_twin, bare_in_twin, read_on_bench, bare_on_bench
+    ):
+        robot = excitable.with_term(term.null(choices))
+        assert read_in_twin(robot) == bare_in_twin
+        assert read_on_bench(robot) == bare_on_bench
 
-    def test_the_start_value_changes_a_reading(self, term, choices, excitable, read_in_twin, bare_in_twin):
-        assert read_in_twin(excitable.with_term(term.start(choices))) != bare_in_twin
+    def test_the_start_value_changes_a_reading(
+        self, term, choices, excitable, read_in_twin, bare_in_twin, read_on_bench, bare_on_bench
+    ):
+        robot = excitable.with_term(term.start(choices))
+        changed_on_bench = read_on_bench(robot) != bare_on_bench
+        if term.slot is Slot.GEARBOX:
+            assert changed_on_bench
+            with pytest.raises(InputError, match=r"gap_rad: .*the twin.* motor bench alone"):
+                read_in_twin(robot)
+        else:
+            assert changed_on_bench or read_in_twin(robot) != bare_in_twin
 
 
 @pytest.mark.parametrize(("term", "choices"), CASES)
@@ -161,7 +176,7 @@ class TestInTheEngine:
     def test_the_start_value_changes_a_reading(self, term, choices, excitable, read_in_engine, bare_in_engine):
         robot = excitable.with_term(term.start(choices))
         if term.slot is Slot.GEARBOX:
-            with pytest.raises(ValueError, match="cannot act in the engine"):
+            with pytest.raises(InputError, match=r"gap_rad: .*PyBullet.* motor bench alone"):
                 read_in_engine(robot)
         else:
             assert read_in_engine(robot) != bare_in_engine
@@ -173,11 +188,16 @@ def bare_in_twin(excitable, read_in_twin):
 
 
 @pytest.fixture(scope="module")
+def bare_on_bench(excitable, read_on_bench):
+    return read_on_bench(excitable)
+
+
+@pytest.fixture(scope="module")
 def bare_in_engine(excitable, read_in_engine):
     return read_in_engine(excitable)
 
 
-def test_the_order_in_a_file_does_not_matter(tmp_path, read_in_twin):
+def test_the_order_in_a_file_does_not_matter(tmp_path, read_in_twin, read_on_bench):
     first = {name: next(iter(term.options.values()), ()) for name, term in TERMS.items()}
     terms = {
         name: term.start({key: CHOICES.get(key, first[name])[0] for key in term.options}).model_dump()
@@ -189,7 +209,8 @@ def test_the_order_in_a_file_does_not_matter(tmp_path, read_in_twin):
         text = {"extends": "nominal", "name": "all", "description": "", "terms": {name: terms[name] for name in order}}
         path.write_text(yaml.safe_dump(text, sort_keys=False))
         robot = RobotConfig.model_validate(load_section("robot", str(path)).tree)
-        found.append((robot.model_dump_json(), read_in_twin(robot)))
+        rigid = robot.with_term(GearBacklash(gap_rad=0.0))
+        found.append((robot.model_dump_json(), read_on_bench(robot), read_in_twin(rigid)))
     assert found[0] == found[1]
 
 

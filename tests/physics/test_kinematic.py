@@ -140,6 +140,14 @@ class TestClosedForms:
         np.testing.assert_array_equal(runs[0].pose, runs[1].pose)
 
 
+def test_a_replay_ends_where_its_run_ends(robot, open_floor):
+    run = KinematicTwin(RobotModel.from_config(robot)).drive(np.full((20, 1, 2), 2.0), np.zeros((1, 3)))
+    world = ReplayedWorld(run, 0, open_floor, 1000)
+    world.advance(100)
+    with pytest.raises(ValueError, match=r"0\.101 s.*ends at 0\.1 s"):
+        world.advance(1)
+
+
 def test_trials_do_not_touch_each_other(robot):
     for term in WORN:
         robot = robot.with_term(term)

@@ -36,8 +36,7 @@ def test_steady_state_satisfies_both_equations_of_eq_21():
         assert 0.31 * current - 0.0027 * speed - math.copysign(0.0174, voltage) == pytest.approx(0.0, abs=1e-12)
 
 
-def test_torque_is_electrical_less_viscous():
-    assert MOTOR.torque_N_m(3.0, 4.0) == pytest.approx(0.31 * (3.0 - 0.31 * 4.0) / 2.85 - 0.0027 * 4.0)
+def test_current_is_that_of_voltage_less_back_emf_through_the_winding():
     assert MOTOR.current_A(3.0, 4.0) == pytest.approx((3.0 - 0.31 * 4.0) / 2.85)
 
 

@@ -115,6 +115,9 @@ class TestSteadyStates:
         found = steady(motor, terms.BatteryDecline(fraction_per_minute=0.05), 4.0, time_s=120.0)
         assert found == linear(4.0 * 0.9)
 
+    def test_an_empty_battery_gives_nothing(self, motor):
+        assert steady(motor, terms.BatteryDecline(fraction_per_minute=1.0), 4.0, time_s=90.0) == (0.0, 0.0)
+
     def test_a_current_limit_below_what_friction_needs_stalls_the_motor(self, motor):
         assert steady(motor, terms.CurrentLimit(limit_A=0.06), 4.0) == (0.06, 0.0)
 
@@ -128,6 +131,23 @@ class TestSupplyOfTwoMotors:
             duty = u / SUPPLY_V
             at_bridge = SUPPLY_V - 0.8 * np.sum(np.abs(duty) * np.abs(current))
             np.testing.assert_allclose(duty * at_bridge - K * w, R * current, atol=1e-12)
+
+    @pytest.mark.parametrize("left_V", [2.6, 2.9, 3.2, 2.0])
+    def test_the_bridge_takes_its_drop_off_what_the_sagging_supply_leaves(self, motor, left_V):
+        """At 8.5 rad/s the left motor drives, is blocked by the drop, or feeds back."""
+        several = (terms.SupplySag(source_resistance_ohm=0.8), terms.BridgeVoltageDrop(drop_V=0.3))
+        line = Driveline.of_robot(RobotModel.from_config(motor.with_term(several[0]).with_term(several[1])))
+        u, w = np.array([[5.0, left_V]]), np.array([[2.0, 8.5]])
+        current = line.current_A(u, w)
+        duty = u / SUPPLY_V
+        e = duty * (SUPPLY_V - 0.8 * np.sum(np.abs(duty) * np.abs(current))) - K * w
+        np.testing.assert_allclose(R * current, np.sign(e) * np.maximum(np.abs(e) - 0.3, 0.0), atol=1e-12)
+
+    def test_a_supply_asked_for_too_much_gives_no_less_than_no_voltage(self, motor):
+        """Both motors plugged at full speed into 5 ohm: all that is left is their own voltage over the windings."""
+        line = Driveline.of_robot(RobotModel.from_config(motor.with_term(terms.SupplySag(source_resistance_ohm=5.0))))
+        w = np.array([[-18.0, -18.0]])
+        np.testing.assert_allclose(line.current_A(np.array([[6.0, 6.0]]), w), -K * w / R, rtol=1e-12)
 
 
 class TestStepResponses:
@@ -146,6 +166,13 @@ class TestStepResponses:
     def test_a_delay_shifts_the_response(self, motor):
         _, speed = responses(motor, self.STEP, terms.InputDelay(delay_s=0.012))
         np.testing.assert_allclose(speed, self.run_up(self.T_S - 0.012), rtol=1e-9, atol=1e-12)
+
+    @pytest.mark.parametrize("rows", [3, 5, 8])
+    def test_a_trial_that_ends_before_its_first_command_acts_stays_at_rest(self, motor, rows):
+        current, speed = responses(motor, (4.0,) * rows, terms.InputDelay(delay_s=0.040))
+        assert not current.any()
+        assert not speed.any()
+        assert len(speed) == rows
 
     def test_an_actuator_lag_makes_it_second_order(self, motor):
         """Without dry friction, 1 - (a exp(-t/a) - b exp(-t/b)) / (a - b) of the final speed."""

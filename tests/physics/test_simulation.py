@@ -4,33 +4,7 @@ import numpy as np
 import pybullet
 import pytest
 
-from configs.schema.scenario import Rates
-from physics.bullet.simulation import BulletSimulation
 from physics.motor import MotorModel
-
-ORIGIN = (0.0, 0.0, 0.0)
-
-
-@pytest.fixture
-def simulate(robot, open_floor):
-    """Make simulations of the nominal robot on an empty floor, and close them after the test."""
-    made = []
-
-    def make(arena=open_floor, start=ORIGIN, rates=None, robot=robot):
-        made.append(BulletSimulation(robot, arena, start, rates or Rates()))
-        return made[-1]
-
-    yield make
-    for simulation in made:
-        simulation.close()
-
-
-def lift(simulation):
-    """Take the robot off the floor and gravity off the robot: wheels without load."""
-    pybullet.setGravity(0, 0, 0, physicsClientId=simulation._client)
-    pybullet.resetBasePositionAndOrientation(
-        simulation._robot, [0, 0, 1], [0, 0, 0, 1], physicsClientId=simulation._client
-    )
 
 
 def wheel_angles(simulation):
@@ -78,8 +52,7 @@ class TestBody:
 class TestMotorInTheEngine:
     @pytest.mark.parametrize("voltage", [-5.0, 0.5, 2.0, 6.0])
     def test_wheels_off_load_settle_where_eq_20_says(self, simulate, robot, voltage):
-        simulation = simulate()
-        lift(simulation)
+        simulation = simulate(lifted=True)
         simulation.set_voltages(voltage, voltage)
         simulation.advance(1500)
         current, speed = MotorModel.from_config(robot.motor).steady_state(voltage)
@@ -88,8 +61,7 @@ class TestMotorInTheEngine:
 
     def test_the_run_up_follows_eq_20(self, simulate, robot):
         heavy = robot.model_copy(update={"chassis": robot.chassis.model_copy(update={"mass_kg": 20.0})})
-        simulation = simulate(robot=heavy)
-        lift(simulation)
+        simulation = simulate(robot=heavy, lifted=True)
         # One wheel each way, so that the body stays put and the wheel's own inertia is all there is.
         simulation.set_voltages(3.0, -3.0)
         motor = MotorModel.from_config(robot.motor)
@@ -114,8 +86,7 @@ class TestMotorInTheEngine:
     def test_a_lifted_wheel_moves_just_above_breakaway(self, simulate, robot):
         motor = robot.motor
         breakaway = motor.coulomb_friction_N_m * motor.winding_resistance_ohm / motor.torque_constant_N_m_A
-        simulation = simulate()
-        lift(simulation)
+        simulation = simulate(lifted=True)
         simulation.set_voltages(1.01 * breakaway, -1.01 * breakaway)
         simulation.advance(2000)
         right, left = simulation.wheel_speeds()

@@ -3,39 +3,25 @@
 import math
 
 import numpy as np
-import pybullet
 import pytest
 
-from configs.schema.scenario import Rates
+from configs.errors import InputError
 from configs.schema.terms import drive, motor
-from physics.bullet.simulation import BulletSimulation
 
 TICKS = 3840
 
 
 @pytest.fixture
-def simulate(robot, open_floor):
-    """Make simulations of the nominal robot with terms on an empty floor, and close them after the test."""
-    made = []
+def simulate_with(simulate, robot):
+    """Make simulations of the nominal robot with terms on an empty floor."""
 
-    def make(*several, start=(0.0, 0.0, 0.0)):
+    def make(*several, lifted=False):
         changed = robot
         for term in several:
             changed = changed.with_term(term)
-        made.append(BulletSimulation(changed, open_floor, start, Rates()))
-        return made[-1]
+        return simulate(robot=changed, lifted=lifted)
 
-    yield make
-    for simulation in made:
-        simulation.close()
-
-
-def lift(simulation):
-    """Take the robot off the floor and gravity off the robot: wheels without load."""
-    pybullet.setGravity(0, 0, 0, physicsClientId=simulation._client)
-    pybullet.resetBasePositionAndOrientation(
-        simulation._robot, [0, 0, 1], [0, 0, 0, 1], physicsClientId=simulation._client
-    )
+    return make
 
 
 def travelled(simulation):
@@ -45,10 +31,9 @@ def travelled(simulation):
 
 class TestMotorsOffLoad:
     @pytest.fixture
-    def settled(self, simulate):
+    def settled(self, simulate_with):
         def settle(voltage, *several):
-            simulation = simulate(*several)
-            lift(simulation)
+            simulation = simulate_with(*several, lifted=True)
             simulation.set_voltages(voltage, voltage)
             simulation.advance(1500)
             return simulation.currents()[0], simulation.wheel_speeds()[0]
@@ -96,9 +81,8 @@ class TestMotorsOffLoad:
         friction += 1e-4 * speed**2 + m.viscous_friction_N_m_s_rad * abs(speed)
         assert m.torque_constant_N_m_A * abs(current) == pytest.approx(friction, rel=1e-4)
 
-    def test_a_declining_battery_slows_the_wheels(self, simulate, robot):
-        simulation = simulate(motor.BatteryDecline(fraction_per_minute=1.0))
-        lift(simulation)
+    def test_a_declining_battery_slows_the_wheels(self, simulate_with, robot):
+        simulation = simulate_with(motor.BatteryDecline(fraction_per_minute=1.0), lifted=True)
         simulation.set_voltages(4.0, 4.0)
         simulation.advance(12_000)
         m = robot.motor
@@ -109,9 +93,8 @@ class TestMotorsOffLoad:
         expected = (k * 4.0 * (1.0 - (12.0 - late_s) / 60.0) / r - m.coulomb_friction_N_m) / damping
         assert simulation.wheel_speeds()[0] == pytest.approx(expected, rel=1e-3)
 
-    def test_a_current_limit_holds_in_a_reversal(self, simulate):
-        simulation = simulate(motor.CurrentLimit(limit_A=0.7))
-        lift(simulation)
+    def test_a_current_limit_holds_in_a_reversal(self, simulate_with):
+        simulation = simulate_with(motor.CurrentLimit(limit_A=0.7), lifted=True)
         found = []
         for voltage in (5.0, -5.0):
             simulation.set_voltages(voltage, -voltage)
@@ -121,18 +104,19 @@ class TestMotorsOffLoad:
         assert np.abs(found).max() == pytest.approx(0.7)
         assert np.min(found) == -np.max(found)
 
-    def test_breakaway_is_at_both_torques(self, simulate, robot):
+    def test_breakaway_is_at_both_torques(self, simulate_with, robot):
         m = robot.motor
         breakaway = (m.coulomb_friction_N_m + 0.01) * m.winding_resistance_ohm / m.torque_constant_N_m_A
         for share, moves in ((0.98, False), (1.02, True)):
-            simulation = simulate(motor.StribeckFriction(extra_torque_N_m=0.01, stribeck_speed_rad_s=0.2))
-            lift(simulation)
+            simulation = simulate_with(
+                motor.StribeckFriction(extra_torque_N_m=0.01, stribeck_speed_rad_s=0.2), lifted=True
+            )
             simulation.set_voltages(share * breakaway, -share * breakaway)
             simulation.advance(1000)
             assert (abs(travelled(simulation)[0]) > 0.01) == moves
 
-    def test_a_command_acts_after_its_delay(self, simulate):
-        late, prompt = simulate(motor.InputDelay(delay_s=0.037)), simulate()
+    def test_a_command_acts_after_its_delay(self, simulate_with):
+        late, prompt = simulate_with(motor.InputDelay(delay_s=0.037)), simulate_with()
         for simulation in (late, prompt):
             simulation.set_voltages(3.0, 3.0)
         late.advance(37)
@@ -141,19 +125,18 @@ class TestMotorsOffLoad:
         prompt.advance(100)
         np.testing.assert_allclose(travelled(late), travelled(prompt), rtol=1e-3)
 
-    def test_a_lagging_actuator_moves_the_wheels_late_by_its_time_constant(self, simulate):
-        lagging, prompt = simulate(motor.ActuatorLag(time_constant_s=0.05)), simulate()
+    def test_a_lagging_actuator_moves_the_wheels_late_by_its_time_constant(self, simulate_with):
+        lagging = simulate_with(motor.ActuatorLag(time_constant_s=0.05), lifted=True)
+        prompt = simulate_with(lifted=True)
         for simulation in (lagging, prompt):
-            lift(simulation)
             simulation.set_voltages(3.0, -3.0)
             simulation.advance(1000)
         behind = (travelled(prompt) - travelled(lagging)) / prompt.wheel_speeds()
         assert behind == pytest.approx(0.05, abs=0.003)
 
-    def test_inertia_stretches_the_run_up(self, simulate, robot):
-        heavy, nominal = simulate(motor.RotorInertiaScale(scale=2.0)), simulate()
+    def test_inertia_stretches_the_run_up(self, simulate_with, robot):
+        heavy, nominal = simulate_with(motor.RotorInertiaScale(scale=2.0), lifted=True), simulate_with(lifted=True)
         for simulation in (heavy, nominal):
-            lift(simulation)
             simulation.set_voltages(3.0, -3.0)
             simulation.advance(1000)
         m = robot.motor
@@ -161,21 +144,21 @@ class TestMotorsOffLoad:
         behind = (travelled(nominal)[0] - travelled(heavy)[0]) / nominal.wheel_speeds()[0]
         assert behind == pytest.approx(m.rotor_inertia_kg_m2 / damping, rel=0.03)
 
-    def test_backlash_is_refused(self, simulate):
-        with pytest.raises(ValueError, match="one mass"):
-            simulate(motor.GearBacklash(gap_rad=0.02))
+    def test_backlash_is_refused(self, simulate_with):
+        with pytest.raises(InputError, match="one mass"):
+            simulate_with(motor.GearBacklash(gap_rad=0.02))
 
 
 class TestDriving:
-    def test_larger_wheels_go_further_than_odometry_believes(self, simulate, robot):
-        simulation = simulate(drive.WheelRadiusScale(scale=1.04))
+    def test_larger_wheels_go_further_than_odometry_believes(self, simulate_with, robot):
+        simulation = simulate_with(drive.WheelRadiusScale(scale=1.04))
         simulation.set_voltages(2.0, 2.0)
         simulation.advance(3000)
         believed = np.mean(simulation.encoder_counts()) / TICKS * math.pi * robot.drive.wheel_diameter_m
         assert simulation.pose()[0] == pytest.approx(1.04 * believed, rel=1e-3)
 
-    def test_unlike_wheels_turn_the_robot_by_the_difference_of_their_travel(self, simulate, robot):
-        simulation = simulate(drive.WheelRadiusAsymmetry(asymmetry=0.04))
+    def test_unlike_wheels_turn_the_robot_by_the_difference_of_their_travel(self, simulate_with, robot):
+        simulation = simulate_with(drive.WheelRadiusAsymmetry(asymmetry=0.04))
         simulation.set_voltages(2.0, 2.0)
         simulation.advance(3000)
         right, left = travelled(simulation) * 0.5 * robot.drive.wheel_diameter_m
@@ -183,16 +166,16 @@ class TestDriving:
         assert simulation.pose()[2] == pytest.approx(expected, rel=5e-3)
         assert simulation.pose()[2] < -0.1
 
-    def test_a_wider_wheelbase_turns_less(self, simulate, robot):
-        simulation = simulate(drive.WheelbaseScale(scale=1.1))
+    def test_a_wider_wheelbase_turns_less(self, simulate_with, robot):
+        simulation = simulate_with(drive.WheelbaseScale(scale=1.1))
         simulation.set_voltages(1.5, -1.5)
         simulation.advance(3000)
         right, left = travelled(simulation) * 0.5 * robot.drive.wheel_diameter_m
         assert simulation.pose()[2] == pytest.approx((right - left) / (1.1 * robot.drive.track_m), rel=2e-3)
 
     @pytest.mark.parametrize("voltages", [(3.0, 2.0), (1.6, 2.6)])
-    def test_slip_takes_its_share_of_a_turn(self, simulate, robot, voltages):
-        simulation = simulate(drive.TurnSlip(coefficient_s2_m=0.8))
+    def test_slip_takes_its_share_of_a_turn(self, simulate_with, robot, voltages):
+        simulation = simulate_with(drive.TurnSlip(coefficient_s2_m=0.8))
         simulation.set_voltages(*voltages)
         simulation.advance(1000)
         begin_yaw, begin = simulation.pose()[2], travelled(simulation)
@@ -203,9 +186,9 @@ class TestDriving:
         assert turned == pytest.approx(2.0 * w / (1.0 + 0.8 * abs(v * w)), rel=5e-3)
         assert simulation.twist() == pytest.approx((v, turned / 2.0), rel=5e-3)
 
-    def test_slip_leaves_the_path_smooth(self, simulate):
+    def test_slip_leaves_the_path_smooth(self, simulate_with):
         """The pose moves along its own heading: forward speed times time is the length of the way."""
-        simulation = simulate(drive.TurnSlip(coefficient_s2_m=2.0))
+        simulation = simulate_with(drive.TurnSlip(coefficient_s2_m=2.0))
         simulation.set_voltages(3.0, 2.0)
         simulation.advance(1000)
         for _ in range(20):
@@ -216,17 +199,17 @@ class TestDriving:
             assert math.remainder(heading - 0.5 * (yaw + to_yaw), 2 * math.pi) == pytest.approx(0.0, abs=2e-3)
             assert math.hypot(to_x - x, to_y - y) == pytest.approx(0.01 * simulation.twist()[0], rel=5e-3)
 
-    def test_encoders_have_their_true_counts(self, simulate):
-        simulation = simulate(drive.EncoderTicksScale(scale=1.1))
+    def test_encoders_have_their_true_counts(self, simulate_with):
+        simulation = simulate_with(drive.EncoderTicksScale(scale=1.1))
         simulation.set_voltages(2.0, 2.0)
         simulation.advance(2000)
         expected = travelled(simulation) / (2.0 * math.pi) * 1.1 * TICKS
         np.testing.assert_allclose(simulation.encoder_counts(), expected, atol=0.51)
 
-    def test_one_encoder_loses_its_fraction_above_the_threshold(self, simulate):
+    def test_one_encoder_loses_its_fraction_above_the_threshold(self, simulate_with):
         """Far above it all of the fraction is lost, far below nothing, on the other side nothing ever."""
         for voltage, lost in ((3.0, 0.2), (0.35, 0.0)):
-            simulation = simulate(drive.EncoderMissedTicks(side="left", fraction=0.2, threshold_rad_s=4.0))
+            simulation = simulate_with(drive.EncoderMissedTicks(side="left", fraction=0.2, threshold_rad_s=4.0))
             simulation.set_voltages(voltage, voltage)
             simulation.advance(1000)
             begin, turned = np.array(simulation.encoder_counts()), travelled(simulation)

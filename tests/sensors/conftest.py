@@ -1,6 +1,6 @@
 """Worlds whose ray casts have a closed form."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -25,6 +25,7 @@ class PlaneWorld:
     at: tuple[float, float, float] = (0.0, 0.0, 0.0)
     floor: bool = False
     counts: tuple[int, int] = (0, 0)
+    time_s: float = 0.0
 
     def pose(self):
         return self.at
@@ -64,6 +65,6 @@ def arena_of():
     def build(surface="white_board", width_m=0.015):
         line = Line((Straight((-5.0, 0.0), (5.0, 0.0)),), width_m, reflectance=0.0)
         box = Box("wall", "wall", (0.0, 0.0, 0.075), (0.02, 1.0, 0.15), 0.0, surface)
-        return replace(Arena("test", 4.0, 1.0, line, (box,)))
+        return Arena("test", 4.0, 1.0, line, (box,))
 
     return build

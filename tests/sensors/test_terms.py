@@ -78,8 +78,7 @@ class TestRangeSensorsInTheSimulation:
             tof = TofArray(
                 config, arena_of(surface), 1000, np.random.Generator(np.random.PCG64(0)), Terms().with_term(values)
             )
-            world = plane_world(wall_x_m=robot.tof.mounts.front.x_m + distance_m, at=at)
-            world.time_s = 60.0
+            world = plane_world(wall_x_m=robot.tof.mounts.front.x_m + distance_m, at=at, time_s=60.0)
             return tof.sample(world)[0]
 
         return take
@@ -140,7 +139,6 @@ class TestRangeSensorsInTheSimulation:
     def test_noise(self, robot, arena_of, plane_world, values, factor):
         config = robot.tof.model_copy(update={"quantisation_m": 0.0, "ambient_lux": 5000.0})
         world = plane_world(wall_x_m=robot.tof.mounts.front.x_m + 0.5)
-        world.time_s = 0.0
         deviations = []
         for terms in (Terms(), Terms().with_term(values)):
             tof = TofArray(config, arena_of(), 1000, np.random.Generator(np.random.PCG64(0)), terms)
@@ -168,16 +166,25 @@ class TestInstruments:
         np.testing.assert_allclose(read_speed_rad_s(terms, self.T_S[:2], np.array([[5.0], [10.0]])), [[4.5], [9.0]])
 
     def test_a_filtered_speed_answers_a_step_exponentially(self):
+        """Of a wheel at rest until the start at 0, one row before the first reading."""
         terms = Terms().with_term(motor.SpeedFilterLag(time_constant_s=0.05))
-        step = np.where(self.T_S > 0.0051, 10.0, 0.0)[:, None]
-        expected = 10.0 * (1.0 - np.exp(-(self.T_S - self.T_S[0]) / 0.05))
-        np.testing.assert_allclose(read_speed_rad_s(terms, self.T_S, step)[:, 0], expected, atol=1e-12)
+        found = read_speed_rad_s(terms, self.T_S, np.full((100, 1), 10.0))[:, 0]
+        np.testing.assert_allclose(found, 10.0 * (1.0 - np.exp(-self.T_S / 0.05)), atol=1e-12)
 
     def test_a_late_speed_is_that_of_before(self):
         terms = Terms().with_term(motor.SpeedTimeOffset(delay_s=0.0325))
         speed = np.stack([3.0 * self.T_S, -2.0 * self.T_S], axis=1)
-        found = read_speed_rad_s(terms, self.T_S, speed)
-        np.testing.assert_allclose(found[10:], speed[10:] - 0.0325 * np.array([3.0, -2.0]), atol=1e-12)
+        expected = np.maximum(self.T_S - 0.0325, 0.0)[:, None] * np.array([3.0, -2.0])
+        np.testing.assert_allclose(read_speed_rad_s(terms, self.T_S, speed), expected, atol=1e-12)
+
+    @pytest.mark.parametrize("term", [motor.SpeedFilterLag(time_constant_s=0.05), motor.SpeedTimeOffset(delay_s=0.02)])
+    def test_readings_from_the_start_on_are_those_with_the_row_at_rest_left_out(self, term):
+        terms = Terms().with_term(term)
+        speed = 10.0 * (1.0 - np.exp(-self.T_S / 0.03))[:, None]
+        t_s, with_rest = np.concatenate([[0.0], self.T_S]), np.concatenate([[[0.0]], speed])
+        np.testing.assert_array_equal(
+            read_speed_rad_s(terms, t_s, with_rest)[1:], read_speed_rad_s(terms, self.T_S, speed)
+        )
 
 
 class TestPoseLog:

@@ -71,7 +71,7 @@ class SupplySag(Section):
 
 class BatteryDecline(Section):
     fraction_per_minute: Annotated[float, Parameter("1/min", null=0.0, start=0.03, low=0.0, high=1.0)]
-    """u_true = u (1 - fraction * time / 60 s)."""
+    """u_true = u (1 - fraction * time / 60 s), and 0 once nothing is left."""
 
 
 class InputDelay(Section):
