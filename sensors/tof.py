@@ -51,6 +51,7 @@ class TofArray(Sensor):
         self.sampling = Sampling.from_seconds(config.period_s, delay_s, physics_hz)
         self._range_terms = effects(SENSOR_TERMS, terms, Slot.RANGE)
         self._noise_terms = effects(SENSOR_TERMS, terms, Slot.RANGE_NOISE)
+        self._limits = effects(SENSOR_TERMS, terms, Slot.RANGE_LIMIT)
         self._config = config
         self._rng = rng
         angle, roll = ray_pattern(config.rays, np.radians(config.field_of_view_deg))
@@ -91,7 +92,7 @@ class TofArray(Sensor):
             view = self._view(world, true_range, share, surface, normal)
             reading, sd = through(self._range_terms, reading, view), through(self._noise_terms, sd, view)
         noise = sd * self._rng.standard_normal(3)
-        reading = quantise(reading + noise, config.quantisation_m)
+        reading = through(self._limits, quantise(reading + noise, config.quantisation_m))
         valid = (signal >= config.signal_threshold) & (reading >= config.min_range_m) & (reading <= config.max_range_m)
         fresh = np.empty((3, 2))
         fresh[:, 0] = np.where(valid, reading, config.no_target_m)

@@ -62,6 +62,8 @@ class Slot(StrEnum):
     """reading [m], `RangeView` -> reading [m]."""
     RANGE_NOISE = "range noise"
     """standard deviation [m], `RangeView` -> standard deviation [m]."""
+    RANGE_LIMIT = "range limit"
+    """reading [m] with its noise, rounded -> reading [m]."""
     RANGE_DELAY = "range delay"
     """delay [s] -> delay [s]."""
 

@@ -5,16 +5,15 @@ import numpy as np
 from configs.schema.terms.range_bench import RangeSaturation
 from physics.terms.base import Slot, Term
 from sensors.base import Array
-from sensors.range_view import RangeView
 
 
-def saturated(values: RangeSaturation, reading_m: Array, _view: RangeView) -> Array:
+def saturated(values: RangeSaturation, reading_m: Array) -> Array:
     return np.minimum(reading_m, values.saturation_m)
 
 
 TERM = Term(
     RangeSaturation,
-    Slot.RANGE,
+    Slot.RANGE_LIMIT,
     cause="timing budget or range profile of the device",
     excitation="targets far away",
     apply=saturated,

@@ -50,7 +50,6 @@ def applied(values, given):
             range_bench.NearFieldError(amplitude_m=0.02, decay_length_m=0.1),
             [0.05 + 0.02 * math.exp(-0.5), 0.18 + 0.02 * math.exp(-1.8), 0.6 + 0.02 * math.exp(-6.0)],
         ),
-        (range_bench.RangeSaturation(saturation_m=0.5), [0.05, 0.18, 0.5]),
         (
             range_bench.WarmupDrift(amplitude_m=0.01, time_constant_s=120.0),
             DISTANCE_M + 0.01 * math.exp(-0.5),
@@ -117,8 +116,12 @@ class TestRangeSensorsInTheSimulation:
         expected = distance * (1.0 + 0.2 * math.sin(tilt) ** 2)
         assert read(term, at=at)[0] == pytest.approx(expected, abs=2e-4)
 
-    def test_a_saturated_range_never_reaches_the_wall(self, read):
-        assert read(range_bench.RangeSaturation(saturation_m=0.3)) == pytest.approx([0.3, TofStatus.VALID])
+    def test_a_saturated_range_is_flat_through_its_noise(self, read):
+        """reading <= saturation: of the reading as it is given, or the plateau would not be exactly flat."""
+        saturated = read(range_bench.RangeSaturation(saturation_m=0.3), noise_scale=10.0, quantisation_m=0.001)
+        assert saturated == pytest.approx([0.3, TofStatus.VALID], abs=0.0)
+        far, near = (range_bench.RangeSaturation(saturation_m=limit_m) for limit_m in (9.0, 0.6))
+        assert read(far, noise_scale=1.0)[0] == read(near, noise_scale=1.0)[0] < 0.6
 
     def test_a_turned_sensor_is_a_turned_robot_to_its_reading(self, robot, read):
         """About the mount: the same wall at the same distance from it, met at the same angle."""
