@@ -30,12 +30,15 @@ def png(figure: Figure) -> bytes:
     return buffer.getvalue()
 
 
-def finished(axes: Axes, title: str, x: str, y: str, *, beside: bool = False) -> None:
+def finished(axes: Axes, title: str, x: str, y: str, *, beside: bool = False, legend: bool = True) -> None:
     """Title, axis labels with units, a faint grid, and a legend in the panel or below its title."""
     axes.set_title(title, fontsize="medium", pad=22 if beside else None)
     axes.set(xlabel=x, ylabel=y)
     axes.grid(alpha=0.3)
+    if not legend:
+        return
     if beside:
-        axes.legend(fontsize="x-small", ncols=5, loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False)
+        place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0)}
+        axes.legend(fontsize="x-small", ncols=9, frameon=False, columnspacing=1.0, handletextpad=0.4, **place)
     else:
         axes.legend(fontsize="small")

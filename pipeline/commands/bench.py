@@ -33,11 +33,27 @@ def motor(out: Out, robot: Robot = "nominal", seed: Seed = 1) -> None:
 
         result = motor_bench(bench.robot)
         bench.write("motor", result, motor_picture(result))
-    for line in summary(result):
-        typer.echo(line)
+    for text in summary(result):
+        typer.echo(text)
 
 
-COMMANDS = (motor,)
+def line(out: Out, robot: Robot = "nominal", seed: Seed = 1) -> None:
+    """Line sensor: across the tape at two heights, spread of the channels, converter, threshold.
+
+    Writes line.json and line.png. Example: symolo bench line --out bench
+    """
+    from diagnosis.benches.line import check_line, line_bench, summary
+
+    with _bench(out, robot, seed, check_line) as bench:
+        from diagnosis.benches.line_plot import line_picture
+
+        result = line_bench(bench.robot, seed)
+        bench.write("line", result, line_picture(result))
+    for text in summary(result):
+        typer.echo(text)
+
+
+COMMANDS = (motor, line)
 """In the order of `symolo bench --help`."""
 
 
