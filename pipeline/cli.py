@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from configs.errors import EnvironmentLacking, InputError, RunFailed
-from pipeline.commands import examine, make
+from pipeline.commands import bench, examine, make
 from pipeline.files import DISK_FULL
 
 EPILOG = """Exit codes: 0 done; 1 a bug; 2 bad input or usage, nothing written; 3 a run failed, the others are finished;
@@ -45,6 +45,10 @@ def command_line() -> typer.Typer:
         app.command(rich_help_panel="Make data")(command)
     for command in (examine.verify, examine.contact_sheet, examine.doctor, examine.schema):
         app.command(rich_help_panel="Look at data, machine and format")(command)
+    benches = typer.Typer(no_args_is_help=True)
+    for command in bench.COMMANDS:
+        benches.command()(command)
+    app.add_typer(benches, name="bench", help=bench.HELP, rich_help_panel="Look at the robot's parts")
     return app
 
 

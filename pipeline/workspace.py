@@ -33,6 +33,8 @@ class Kind(enum.StrEnum):
     DATASET = "dataset"
     PICTURES = "pictures"
     """Output of `symolo rerender`."""
+    BENCH = "bench"
+    """Output of `symolo bench`."""
 
 
 class Done(BaseModel):

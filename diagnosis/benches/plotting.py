@@ -1,0 +1,44 @@
+"""What the pictures of all benches share: colours that colour-blind readers tell apart, and the way to a PNG.
+
+Figures are made without pyplot, which keeps state of its own and looks for a display.
+"""
+
+import io
+
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+# Okabe and Ito, "Color Universal Design" (2008); a grey print tells lines apart by their dashes and markers.
+BLACK = "#000000"
+ORANGE = "#E69F00"
+SKY = "#56B4E9"
+GREEN = "#009E73"
+BLUE = "#0072B2"
+VERMILION = "#D55E00"
+PURPLE = "#CC79A7"
+GREY = "#777777"
+
+RESOLUTION_DPI = 130
+
+
+def png(figure: Figure) -> bytes:
+    """The figure as PNG, the same bytes for the same figure."""
+    FigureCanvasAgg(figure)
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=RESOLUTION_DPI)
+    return buffer.getvalue()
+
+
+def finished(axes: Axes, title: str, x: str, y: str, *, beside: bool = False, legend: bool = True) -> None:
+    """Title, axis labels with units, a faint grid, and a legend in the panel or below its title."""
+    axes.set_title(title, fontsize="medium", pad=22 if beside else None)
+    axes.set(xlabel=x, ylabel=y)
+    axes.grid(alpha=0.3)
+    if not legend:
+        return
+    if beside:
+        place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0)}
+        axes.legend(fontsize="x-small", ncols=9, frameon=False, columnspacing=1.0, handletextpad=0.4, **place)
+    else:
+        axes.legend(fontsize="small")

@@ -1,0 +1,96 @@
+"""Commands that put a part of the robot on a bench: what the simulation makes of it, beside what is known."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from pipeline.commands.options import Out
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+    from configs.schema.robot import RobotConfig
+
+HELP = "Put a part of the robot on a bench: what the simulation makes of it, beside what is known, as JSON and plot."
+
+Robot = Annotated[str, typer.Option("--robot", metavar="NAME", help="Name of a shipped robot, or a YAML file.")]
+Seed = Annotated[int, typer.Option("--seed", min=0, max=2**63 - 1, metavar="N", help="Seed of all that is drawn.")]
+
+
+def motor(out: Out, robot: Robot = "nominal", seed: Seed = 1) -> None:
+    """Motor and gearbox: Table 1 and its fits, steady states, steps, stiction, energy.
+
+    Writes motor.json and motor.png. Example: symolo bench motor --out bench
+    """
+    from diagnosis.benches.motor import check_motor, motor_bench, summary
+
+    with _bench(out, robot, seed, check_motor) as bench:
+        from diagnosis.benches.motor_plot import motor_picture
+
+        result = motor_bench(bench.robot)
+        bench.write("motor", result, motor_picture(result))
+    for text in summary(result):
+        typer.echo(text)
+
+
+def line(out: Out, robot: Robot = "nominal", seed: Seed = 1) -> None:
+    """Line sensor: across the tape at two heights, spread of the channels, converter, threshold.
+
+    Writes line.json and line.png. Example: symolo bench line --out bench
+    """
+    from diagnosis.benches.line import check_line, line_bench, summary
+
+    with _bench(out, robot, seed, check_line) as bench:
+        from diagnosis.benches.line_plot import line_picture
+
+        result = line_bench(bench.robot, seed)
+        bench.write("line", result, line_picture(result))
+    for text in summary(result):
+        typer.echo(text)
+
+
+COMMANDS = (motor, line)
+"""In the order of `symolo bench --help`."""
+
+
+@dataclass(frozen=True)
+class _Bench:
+    """A robot on the bench, and the folder that takes what comes out."""
+
+    robot: "RobotConfig"
+    out: Path
+    seed: int
+
+    def write(self, name: str, result: "DataclassInstance", picture: bytes) -> None:
+        """Put `name`.png and `name`.json in place; the result is a dataclass of numbers, texts, tuples and its like."""
+        from dataclasses import asdict
+
+        from pipeline.files import canonical_json, write_file
+
+        robot = self.robot.model_dump(mode="json", exclude_none=True)
+        text = canonical_json({"bench": name, "seed": self.seed, "robot": robot, "result": asdict(result)})
+        write_file(self.out / f"{name}.png", picture)
+        write_file(self.out / f"{name}.json", text)
+        typer.echo(f"{self.out / name}.json, {self.out / name}.png")
+
+
+@contextmanager
+def _bench(
+    out: Path, robot: str, seed: int, check: "Callable[[RobotConfig], None] | None" = None
+) -> "Iterator[_Bench]":
+    """The robot, drawn and checked, and the folder held; what is wrong with either is said before any work starts."""
+    from configs.draw import draw_robot
+    from configs.loader import load_section
+    from pipeline.output import check_out
+    from pipeline.workspace import Kind, Workspace
+
+    config, _ = draw_robot(load_section("robot", robot), seed, "bench")
+    if check is not None:
+        check(config)
+    check_out(out, Kind.BENCH)
+    with Workspace(out.absolute(), Kind.BENCH).locked():
+        yield _Bench(config, out, seed)
