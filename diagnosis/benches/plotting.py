@@ -5,6 +5,7 @@ Figures are made without pyplot, which keeps state of its own and looks for a di
 
 import io
 
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
@@ -27,3 +28,14 @@ def png(figure: Figure) -> bytes:
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=RESOLUTION_DPI)
     return buffer.getvalue()
+
+
+def finished(axes: Axes, title: str, x: str, y: str, *, beside: bool = False) -> None:
+    """Title, axis labels with units, a faint grid, and a legend in the panel or below its title."""
+    axes.set_title(title, fontsize="medium", pad=22 if beside else None)
+    axes.set(xlabel=x, ylabel=y)
+    axes.grid(alpha=0.3)
+    if beside:
+        axes.legend(fontsize="x-small", ncols=5, loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False)
+    else:
+        axes.legend(fontsize="small")

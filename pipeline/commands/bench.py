@@ -1,6 +1,6 @@
 """Commands that put a part of the robot on a bench: what the simulation makes of it, beside what is known."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,9 +30,9 @@ def motor(out: Out, robot: Robot = "nominal", seed: Seed = 1) -> None:
 
     Writes motor.json and motor.png. Example: symolo bench motor --out bench
     """
-    from diagnosis.benches.motor import motor_bench, summary
+    from diagnosis.benches.motor import check_motor, motor_bench, summary
 
-    with _bench(out, robot, seed) as bench:
+    with _bench(out, robot, seed, check_motor) as bench:
         from diagnosis.benches.motor_plot import motor_picture
 
         result = motor_bench(bench.robot)
@@ -105,14 +105,18 @@ class _Bench:
 
 
 @contextmanager
-def _bench(out: Path, robot: str, seed: int) -> "Iterator[_Bench]":
-    """The robot, drawn, and the folder held; whatever is wrong with either is said before any work starts."""
+def _bench(
+    out: Path, robot: str, seed: int, check: "Callable[[RobotConfig], None] | None" = None
+) -> "Iterator[_Bench]":
+    """The robot, drawn and checked, and the folder held; what is wrong with either is said before any work starts."""
     from configs.draw import draw_robot
     from configs.loader import load_section
     from pipeline.output import check_out
     from pipeline.workspace import Kind, Workspace
 
     config, _ = draw_robot(load_section("robot", robot), seed, "bench")
+    if check is not None:
+        check(config)
     check_out(out, Kind.BENCH)
     with Workspace(out.absolute(), Kind.BENCH).locked():
         yield _Bench(config, out, seed)
