@@ -56,7 +56,7 @@ def tof(
 ) -> None:
     """Range sensor: the paper's experiments 1 to 5, and real scans and records beside the model.
 
-    Writes tof.json and tof.png, and of real files tof_measured.json and tof_measured.png. About two minutes.
+    Writes tof.json and tof.png, and of real files tof_measured.json and tof_measured.png. Takes about two minutes.
 
     Example: symolo bench tof --out bench
     """

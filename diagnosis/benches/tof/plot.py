@@ -168,10 +168,10 @@ def _tilts(axes: Axes, curves: list[TiltCurve]) -> None:
             markerfacecolor="none",
             label=f"at {curve.distance_mm:.0f} mm",
         )
-        label = "paper at 0°: near the distance" if number == 0 else None
+        label = "paper at 0°" if number == 0 else None
         axes.plot(0.0, curve.distance_mm, "o", color=BLACK, markersize=9, markerfacecolor="none", label=label)
-    axes.set(title="4  Tilt to the sides", xlabel="angle [°]", ylabel="mean reading [mm]", ylim=(0.0, 480.0))
-    axes.legend(loc="upper center", ncols=3)
+    axes.set(title="4  Tilt to the sides", xlabel="angle [°]", ylabel="mean reading [mm]", ylim=(0.0, 620.0))
+    axes.legend(loc="upper left", ncols=2)
 
 
 def _spots(axes: Axes, bench: TofBench) -> None:
