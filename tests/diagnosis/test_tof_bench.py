@@ -153,7 +153,7 @@ def scan_of_a_ball(bench, power):
 def test_the_planted_law_of_light_and_roughly_the_ball_are_found_again(bench):
     edge = compare_edge(bench, scan_of_a_ball(bench, 2.0))
     found = edge.falling_fit
-    # Ninety rays fall off the rim one by one: the sum of squares has steps, and its minimum is found to some millimetres.
+    # Rays fall off the rim one by one: the sum of squares has steps, and its minimum is found to some millimetres.
     assert (found.x_mm, found.y_mm) == pytest.approx((72.0, 64.0), abs=1.5)
     assert (found.nearest_mm, found.radius_mm) == pytest.approx((160.0, 30.0), abs=6.0)
     assert found.inner_rms_mm < 0.6 * edge.sensor_fit.inner_rms_mm
