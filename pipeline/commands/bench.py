@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipeline.commands.options import Out
+from pipeline.commands.options import Out, checked_input
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -19,6 +19,10 @@ HELP = "Put a part of the robot on a bench: what the simulation makes of it, bes
 
 Robot = Annotated[str, typer.Option("--robot", metavar="NAME", help="Name of a shipped robot, or a YAML file.")]
 Seed = Annotated[int, typer.Option("--seed", min=0, max=2**63 - 1, metavar="N", help="Seed of all that is drawn.")]
+
+
+def _checked(path: Path | None) -> Path | None:
+    return None if path is None else checked_input(path)
 
 
 def motor(out: Out, robot: Robot = "nominal", seed: Seed = 1) -> None:
@@ -53,7 +57,45 @@ def line(out: Out, robot: Robot = "nominal", seed: Seed = 1) -> None:
         typer.echo(text)
 
 
-COMMANDS = (motor, line)
+def tof(
+    out: Out,
+    robot: Robot = "nominal",
+    seed: Seed = 1,
+    scan: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", callback=_checked, help="Folder of real scans over an edge, columns x, y, lidar."),
+    ] = None,
+    static: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", callback=_checked, help="Folder of long real records of a sensor at rest."),
+    ] = None,
+) -> None:
+    """Range sensor: the paper's experiments 1 to 5, and real scans and records beside the model.
+
+    Writes tof.json and tof.png, and of real files tof_measured.json and tof_measured.png. Takes about two minutes.
+
+    Example: symolo bench tof --out bench
+    """
+    from diagnosis.benches.tof.experiments import summary, tof_bench
+    from diagnosis.benches.tof.measured import compare, read_measured
+
+    measured = read_measured(scan, static)
+    with _bench(out, robot, seed) as bench:
+        from diagnosis.benches.tof.measured_plot import measured_picture
+        from diagnosis.benches.tof.plot import tof_picture
+
+        result = tof_bench(bench.robot, bench.seed)
+        bench.write("tof", result, tof_picture(result))
+        lines = summary(result)
+        if measured.scans or measured.static:
+            found = compare(bench.robot, bench.seed, measured)
+            bench.write("tof_measured", found, measured_picture(found))
+            lines += [f"real    {finding}" for finding in found.findings]
+    for text in lines:
+        typer.echo(text)
+
+
+COMMANDS = (motor, line, tof)
 """In the order of `symolo bench --help`."""
 
 

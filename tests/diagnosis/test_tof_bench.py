@@ -1,0 +1,249 @@
+"""The range sensor on its bench: against the paper, closed forms and independent sums, with few readings."""
+
+import math
+
+import numpy as np
+import pytest
+
+from configs.draw import draw_robot
+from configs.errors import InputError
+from configs.loader import load_section
+from diagnosis.benches.tof import field_of_view, step, surfaces, tilt
+from diagnosis.benches.tof.after_move import after_move, modelled
+from diagnosis.benches.tof.allan import allan_deviation, lengths_for
+from diagnosis.benches.tof.cone import Cone
+from diagnosis.benches.tof.edge import compare_edge
+from diagnosis.benches.tof.paper import HALF_ANGLE_DEG, TABLE_4
+from diagnosis.benches.tof.scan_record import ScanRecord, read_scan
+from diagnosis.benches.tof.sphere import BallScene
+from diagnosis.benches.tof.stand import HEIGHT_M, Bench, Stand, bench_arena, board, closed_form, reading_mm, target
+from diagnosis.benches.tof.static_record import Record, compare_static, read_record
+from physics.bullet.ray_oracle import EngineRays
+
+
+@pytest.fixture(scope="module")
+def bench():
+    robot, _ = draw_robot(load_section("robot", "nominal", ("robot.tof.error_scale=0",)), 1, "test")
+    return Bench.of(robot, seed=1)
+
+
+def rng(seed):
+    return np.random.Generator(np.random.PCG64(seed))
+
+
+def test_allan_deviation_of_white_noise_falls_with_the_root_of_the_length():
+    lengths = (1, 4, 16, 64)
+    found = allan_deviation(2.0 * rng(1).standard_normal(200_000), lengths)
+    assert found == pytest.approx(2.0 / np.sqrt(lengths), rel=0.05)
+
+
+def test_allan_deviation_of_a_random_walk_rises_with_the_root_of_a_third_of_the_length():
+    lengths = (32, 128)
+    found = allan_deviation(np.cumsum(0.5 * rng(2).standard_normal(400_000)), lengths)
+    assert found == pytest.approx(0.5 * np.sqrt(np.array(lengths) / 3.0), rel=0.08)
+
+
+def test_allan_deviation_of_a_steady_drift_is_its_rate_times_the_length_over_the_root_of_two():
+    assert allan_deviation(0.01 * np.arange(1000.0), (1, 10)) == pytest.approx([0.01 / 2**0.5, 0.1 / 2**0.5])
+
+
+def test_lengths_go_from_one_reading_to_a_sixth_of_the_record():
+    assert lengths_for(600)[0] == 1
+    assert 60 < lengths_for(600)[-1] <= 100
+
+
+def test_a_row_of_table_4_comes_out(bench):
+    counts = surfaces.Counts(at_hundred=600, per_distance=3)
+    row = surfaces._at_hundred(bench, "test", "metal", TABLE_4["metal"], counts)
+    assert row.readings == 600
+    assert row.mean_mm == pytest.approx(89.06, abs=3 * 1.28 / math.sqrt(600))
+    # Rounding to whole millimetres adds a twelfth of a square millimetre.
+    assert row.sd_mm == pytest.approx(math.sqrt(1.28**2 + 1.0 / 12.0), rel=0.1)
+
+
+def test_the_step_is_as_wide_as_even_light_makes_it(bench):
+    """Of a disc of even light the half-plane behind t R takes 1/2 - (t sqrt(1 - t^2) + asin t) / pi: 10 % at 0.687."""
+    even = Bench(bench.tof.model_copy(update={"beam_sigma_deg": 90.0, "rays": 300}), bench.terms, 1)
+    scan = step._scan(even, 300.0)
+    footprint_mm = 2.0 * 300.0 * math.tan(math.radians(12.5))
+    assert scan.footprint_mm == pytest.approx(footprint_mm)
+    # The side of the box, which shows past the edge, and the slant of the rays add a little to the plane disc.
+    assert scan.width_10_90_mm / footprint_mm == pytest.approx(0.687, abs=0.03)
+    # White board reads 0.25 mm long (Table 3).
+    assert (scan.before_mm, scan.after_mm) == pytest.approx((300.25, 406.25), abs=0.01)
+    assert scan.middle_mm == pytest.approx(0.0, abs=0.5)
+
+
+def test_a_step_that_is_too_narrow_is_reported_as_missed(bench):
+    width, *_ = step.checks_of((step._scan(bench, 100.0), step._scan(bench, 200.0)))
+    assert not width.holds
+    assert width.line().startswith("MISSED")
+
+
+def test_a_tilted_board_reads_the_weighted_mean_over_the_cone(bench):
+    """Summed over a fine grid of the cone: a ray at angle a, roll b meets the board at d / cosine of its incidence."""
+    sensor, tilt_rad = bench.without_noise().sensor(target(0.2), "test"), math.radians(25.0)
+    a, b = np.meshgrid((np.arange(400) + 0.5) / 400 * math.radians(HALF_ANGLE_DEG), np.arange(400) / 400 * 2 * np.pi)
+    cosine = np.cos(tilt_rad) * np.cos(a) - np.sin(tilt_rad) * np.sin(a) * np.cos(b)
+    beam = np.sin(a) * np.exp(-0.5 * (a / math.radians(7.0)) ** 2)
+    calibrated = (beam * np.cos(a)).sum() / beam.sum()
+    expected_mm = 200.0 * calibrated * beam.sum() / (beam * cosine).sum()
+    found_mm = reading_mm(sensor, Stand(closed_form(target(0.2)), yaw_deg=25.0))
+    assert found_mm - 0.25 == pytest.approx(expected_mm, abs=0.3)
+
+
+def test_tilt_up_and_to_the_side_read_alike(bench):
+    rays, still = closed_form(target(0.2)), bench.without_noise()
+    aside = reading_mm(still.sensor(target(0.2), "test"), Stand(rays, yaw_deg=17.0))
+    up = reading_mm(still.sensor(target(0.2), "test", pitch_up_deg=17.0), Stand(rays))
+    assert up == pytest.approx(aside, abs=0.2)
+
+
+def test_the_tilt_check_sees_a_curve_that_leans(bench):
+    curve = tilt._curve(bench, "sideways", 100.0, 9)
+    assert tilt.checks_of((curve,))[0].holds
+    leaning = tilt.TiltCurve(**{**curve.__dict__, "largest_asymmetry_se": 9.0})
+    assert not tilt.checks_of((leaning,))[0].holds
+
+
+def test_the_spot_is_the_cone_of_25_degrees(bench):
+    spot = field_of_view._spot(bench, 150.0)
+    assert spot.paper_mm == pytest.approx(66.5, abs=0.05)
+    assert spot.diameter_mm == pytest.approx(66.5, rel=0.01)
+    assert len(spot.y_mm) == 90
+
+
+def test_readings_on_the_engines_own_rays_are_the_same(bench):
+    arena = target(0.2)
+    sensor = bench.without_noise().sensor(arena, "test")
+    with EngineRays(arena) as engine:
+        theirs = reading_mm(sensor, Stand(engine, yaw_deg=10.0))
+    assert theirs == pytest.approx(reading_mm(sensor, Stand(closed_form(arena), yaw_deg=10.0)), abs=0.01)
+
+
+def test_rays_meet_a_ball_where_geometry_says():
+    scene = BallScene(nearest_m=0.2, radius_m=0.03, board_m=1.0)
+    origins = np.array([[0.0, 0.0, HEIGHT_M], [0.0, 0.018, HEIGHT_M], [0.0, 0.04, HEIGHT_M]])
+    hits = scene.cast(origins, origins + np.array([2.0, 0.0, 0.0]))
+    # At 18 mm off the middle of a ball of 30 mm the surface lies 24 mm before its centre.
+    assert 2.0 * hits.fraction == pytest.approx([0.2, 0.206, 1.0])
+    assert hits.surface.tolist() == [1, 1, 2]
+    assert hits.normal[1] == pytest.approx([-0.8, 0.6, 0.0])
+
+
+def test_the_what_if_without_falling_light_is_the_sensors_own_mean(bench):
+    scene = BallScene(nearest_m=0.15, radius_m=0.037, board_m=0.97)
+    cone = Cone.of(bench.tof)
+    sensor = bench.without_noise().sensor(bench_arena(board("ball", 0.1, 1.0), board("board", 1.0, 1.0)), "test")
+    for y_m in (0.0, 0.02, 0.04, 0.06):
+        found_mm = 1e3 * cone.ranges_m(scene, np.array([[0.0, y_m, HEIGHT_M]]), 0.0)[0]
+        assert reading_mm(sensor, Stand(scene, y_m=y_m)) - 0.25 == pytest.approx(found_mm, abs=1e-6)
+
+
+def scan_of_a_ball(bench, power):
+    """A planted ball of 30 mm at 160 mm, over a grid of 8 mm, five readings of which the first is the place before."""
+    places = np.array([(x, y) for x in np.arange(0.0, 145.0, 8.0) for y in np.arange(0.0, 145.0, 8.0)])
+    scene = BallScene(0.16, 0.03, 0.9, 0.072, HEIGHT_M + 0.064)
+    origins = np.stack([np.zeros(len(places)), 1e-3 * places[:, 0], HEIGHT_M + 1e-3 * places[:, 1]], axis=1)
+    settled = 1e3 * Cone.of(bench.tof).ranges_m(scene, origins, power)
+    old = np.concatenate([settled[:1], settled[:-1]])
+    return ScanRecord(places[:, 0], places[:, 1], np.stack([old, settled, settled, settled, settled], axis=1))
+
+
+def test_the_planted_law_of_light_and_roughly_the_ball_are_found_again(bench):
+    edge = compare_edge(bench, scan_of_a_ball(bench, 2.0))
+    found = edge.falling_fit
+    # Rays fall off the rim one by one: the sum of squares has steps, and its minimum is found to some millimetres.
+    assert (found.x_mm, found.y_mm) == pytest.approx((72.0, 64.0), abs=1.5)
+    assert (found.nearest_mm, found.radius_mm) == pytest.approx((160.0, 30.0), abs=6.0)
+    assert found.inner_rms_mm < 0.6 * edge.sensor_fit.inner_rms_mm
+
+
+def test_a_scan_without_an_edge_has_none(bench):
+    flat = np.full((400, 5), 500.0)
+    grid = np.indices((20, 20)).reshape(2, -1).astype(float)
+    assert compare_edge(bench, ScanRecord(grid[0], grid[1], flat)) is None
+    assert after_move(ScanRecord(grid[0], grid[1], flat), 0.033, 0.0) is None
+
+
+def test_a_first_reading_of_the_place_before_is_seen_as_such(bench):
+    moved = after_move(scan_of_a_ball(bench, 2.0), 0.033, 0.0)
+    assert moved.share_of_way == pytest.approx((0.0, 1.0, 1.0, 1.0, 1.0))
+    assert moved.at_old_place[0] == 1.0
+    assert moved.at_new_place[1] == 1.0
+
+
+def test_a_value_held_for_a_period_is_of_the_old_place_as_long_as_the_period_says():
+    # Polled every half period, the first poll at once: never, half of the time, always of the new place.
+    assert modelled(0.2, 0.0, 0.1, 3) == pytest.approx((0.0, 0.5, 1.0), abs=0.01)
+    # A delay of a whole period puts it off by as much.
+    assert modelled(0.2, 0.2, 0.1, 5) == pytest.approx((0.0, 0.0, 0.0, 0.5, 1.0), abs=0.01)
+
+
+def test_planted_drift_shows_in_a_record_at_rest(bench, monkeypatch):
+    monkeypatch.setattr("diagnosis.benches.tof.static_record.MODEL_READINGS", 60)
+    noise = rng(3)
+    white = 2.0 * noise.standard_normal(60_000)
+    still = compare_static(bench, "still", Record(50.0, 1200.0, 100.0 + white))
+    assert still.drifts_from_s is None
+    assert still.white_sd_mm == pytest.approx(2.0, rel=0.02)
+    walk = np.cumsum(0.02 * noise.standard_normal(60_000))
+    drifting = compare_static(bench, "walk", Record(50.0, 1200.0, 100.0 + white + walk))
+    # Both deviations are equal where 2 / sqrt(n) = 0.02 sqrt(n / 3), at 173 readings.
+    assert drifting.drifts_from_s == pytest.approx(173 / 50.0, rel=0.5)
+    assert drifting.lowest_at_s == pytest.approx(173 / 50.0, rel=0.8)
+
+
+HEADER = "x,y,intensity,ultra,lidar\n"
+
+
+def write(path, text):
+    path.write_text(text)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ("x,y,lidr\n0,0,1\n", "row 1: column lidar is missing"),
+        (HEADER + "0,0,1,2,300\n0,0,1,2,far\n", "row 3: column lidar: got 'far'"),
+        (HEADER + "0,0,1,2,300\n0,0,1,2,nan\n", "row 3: column lidar: got 'nan'"),
+        (HEADER + "0,0,1,2,8190\n", "row 2: column lidar: got 8190"),
+        (HEADER + "0,,1,2,300\n", "row 2: column y: got ''"),
+        (HEADER + "0,0,1,2,300\n0,0,300\n", "row 3: 3 columns"),
+        (HEADER + "0,0,1,2,300\n", "has 1 points"),
+        (HEADER + "".join(f"{i},0,1,2,300\n" * (2 if i == 7 else 3) for i in range(30)), "row 23: column lidar"),
+    ],
+)
+def test_a_bad_scan_is_refused_with_file_row_and_column(tmp_path, text, place):
+    path = write(tmp_path / "scan.csv", text)
+    with pytest.raises(InputError) as caught:
+        read_scan(path)
+    assert str(path) in str(caught.value)
+    assert place in str(caught.value)
+
+
+RECORD = "Fs,50.00\nLogging time,20\nd\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ("Fs,50.00\n", "has 1 rows"),
+        ("Hz,50\nLogging time,20\nd\n" + "70\n" * 1000, "row 1: column 1: got 'Hz'"),
+        ("Fs,0\nLogging time,20\nd\n" + "70\n" * 1000, "row 1: column 2: got 0"),
+        (RECORD + "70\n" * 999 + "70;1\n", "row 1003: column d: got '70;1'"),
+    ],
+)
+def test_a_bad_record_is_refused_with_file_row_and_column(tmp_path, text, place):
+    path = write(tmp_path / "static.csv", text)
+    with pytest.raises(InputError) as caught:
+        read_record(path)
+    assert str(path) in str(caught.value)
+    assert place in str(caught.value)
+
+
+def test_a_good_record_is_read_whole(tmp_path):
+    record = read_record(write(tmp_path / "static.csv", RECORD + "70.0\n71\n" * 500))
+    assert (record.rate_hz, record.logging_s, len(record.readings_mm)) == (50.0, 20.0, 1000)
+    assert record.readings_mm.mean() == 70.5
