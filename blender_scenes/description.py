@@ -1,10 +1,14 @@
 """The scene as data: meshes, surfaces, lights, sky and camera, free of any renderer.
 
 Units are metres and radians. Light is photometric in thousands (kilolux, kilocandela per square metre), so that a
-radiance of 1 is 1000 cd/m2; exposure makes pixels of it. Everything stands in W but the robot's parts, which do in R.
+radiance of 1 is 1000 cd/m2; exposure makes pixels of it. Everything stands in W but the robot's parts, which do in R,
+and the moving obstacles, each of which does in a frame of its own, its origin on the floor below its middle.
 """
 
 from dataclasses import dataclass
+from typing import Annotated
+
+from pydantic import Field
 
 from blender_scenes.shading import RGB, Surface
 
@@ -13,6 +17,13 @@ Point2 = tuple[float, float]
 Row4 = tuple[float, float, float, float]
 Matrix4 = tuple[Row4, Row4, Row4, Row4]
 """(4, 4) homogeneous transform, row by row."""
+PlanarPose = tuple[float, float, float]
+"""x [m], y [m], yaw [rad] in W, of a frame on the floor."""
+
+
+def _nothing_moves(items: tuple[object, ...]) -> bool:
+    """Such a job is the same bytes, and so the same pictures, as one that knows of no moving obstacles."""
+    return not items
 
 
 @dataclass(frozen=True)
@@ -80,6 +91,8 @@ class Scene:
     panels: tuple[Panel, ...]
     sun: Sun | None
     sky: Sky
+    moving: Annotated[tuple[Mesh, ...], Field(exclude_if=_nothing_moves)] = ()
+    """Each in its own frame; a view says where that is."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +113,9 @@ class FrameView:
 
     number: int
     t_s: float
-    robot_pose: tuple[float, float, float]
-    """x [m], y [m], yaw [rad] of R in W."""
+    robot_pose: PlanarPose
+    """Of R."""
     X_WC: Matrix4
     """Pose of the optical frame (x right, y down, z forward) in W."""
+    moving: Annotated[tuple[PlanarPose, ...], Field(exclude_if=_nothing_moves)] = ()
+    """Of the scene's moving meshes, in their order."""

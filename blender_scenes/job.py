@@ -3,11 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from pydantic import TypeAdapter
 
 from blender_scenes.camera import Array, intrinsics, pose_X_RC, pose_X_WR
 from blender_scenes.camera_response import CameraResponse
-from blender_scenes.description import FrameView, Intrinsics, Matrix4, Scene
+from blender_scenes.description import FrameView, Intrinsics, Matrix4, PlanarPose, Scene
 from blender_scenes.lighting.illuminance import on_the_floor
 from blender_scenes.scene import arena_bounds, describe
 from configs.schema.look import LookConfig
@@ -25,6 +26,7 @@ class FramePose:
     number: int
     """Image number, from 1."""
     t_s: float
+    """Since the start of the run; moving obstacles are where they are then."""
     x_m: float
     y_m: float
     yaw_rad: float
@@ -83,11 +85,13 @@ def build_job(  # noqa: PLR0917 - a run's pictures depend on all of these
     (x0, y0), (x1, y1) = arena_bounds(arena)
     light = on_the_floor(scene.panels, (0.5 * (x0 + x1), 0.5 * (y0 + y1), 0.0))
     X_RC = pose_X_RC(robot.camera, robot.chassis.base_height_m)
+    moving = [box.poses_at(np.array([frame.t_s for frame in frames])) for box in arena.moving]
     views = []
-    for frame in frames:
+    for i, frame in enumerate(frames):
         X_WC = pose_X_WR(frame.x_m, frame.y_m, frame.yaw_rad) @ X_RC
         pose = frame.x_m, frame.y_m, frame.yaw_rad
-        views.append(FrameView(frame.number, frame.t_s, pose, _rows(X_WC)))
+        moved = tuple(_planar(poses[i]) for poses in moving)
+        views.append(FrameView(frame.number, frame.t_s, pose, _rows(X_WC), moved))
     return RenderJob(
         format=FORMAT,
         scene=scene,
@@ -96,6 +100,10 @@ def build_job(  # noqa: PLR0917 - a run's pictures depend on all of these
         sampling=Sampling(seed=seed, samples=render.samples, denoise=render.denoise),
         response=CameraResponse.from_look(look.camera, light, seed, render.jpeg_quality),
     )
+
+
+def _planar(pose: Array) -> PlanarPose:
+    return float(pose[0]), float(pose[1]), float(pose[2])
 
 
 def _rows(matrix: Array) -> Matrix4:

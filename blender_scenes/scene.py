@@ -1,6 +1,7 @@
 """The scene of a run: arena, room, light and robot put together from configuration and seed."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from blender_scenes.rooms.base import Room
 from blender_scenes.shading import Surface
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
-from physics.arena import Arena
+from physics.arena import Arena, Box
 
 
 def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> Scene:
@@ -25,8 +26,9 @@ def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> S
     low, high = arena_bounds(arena)
     room = ROOMS["plain"](look, low, high)
     parts = [_floor(look, room, seed), *_line(arena, look, seed)]
-    parts += _boxes(arena, look, seed)
-    surfaces = [s for _, own in parts for s in own] + list(room.surfaces) + list(robot_surfaces())
+    parts += [_box(box, look, seed) for box in arena.boxes if box.motion is None]
+    moving = [_box(_in_its_frame(box), look, seed) for box in arena.moving]
+    surfaces = [s for _, own in parts + moving for s in own] + list(room.surfaces) + list(robot_surfaces())
     lights = [light(look, room) for light in LIGHTS.values()]
     suns = [sun for light in lights for sun in light.suns]
     (sky,) = [sky for light in lights for sky in light.skies]
@@ -37,15 +39,24 @@ def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> S
         panels=tuple(panel for light in lights for panel in light.panels),
         sun=suns[0] if suns else None,
         sky=sky,
+        moving=tuple(mesh for mesh, _ in moving),
     )
 
 
 def arena_bounds(arena: Arena) -> tuple[Point2, Point2]:
-    """Corners of the rectangle that holds line and boxes; a square metre about the origin for an empty arena."""
-    points = [np.concatenate(edges) for edges in arena.line.edges()] + [box.footprint() for box in arena.boxes]
+    """Corners of the rectangle that holds line and boxes, on all of their way; a square metre for an empty arena."""
+    points = [np.concatenate(edges) for edges in arena.line.edges()]
+    points += [_reach(box) if box.motion else box.footprint() for box in arena.boxes]
     everything = np.concatenate(points) if points else np.array([[-0.5, -0.5], [0.5, 0.5]])
     low, high = everything.min(axis=0), everything.max(axis=0)
     return (float(low[0]), float(low[1])), (float(high[0]), float(high[1]))
+
+
+def _reach(box: Box) -> np.ndarray:
+    """Points (N, 2) whose bounds hold a box on all of its way."""
+    poses = np.array(box.motion.poses if box.motion else ())
+    half = 0.5 * math.hypot(*box.size[:2])
+    return np.concatenate([poses[:, :2] - half, poses[:, :2] + half])
 
 
 Part = tuple[Mesh, tuple[Surface, ...]]
@@ -69,17 +80,17 @@ def _line(arena: Arena, look: LookConfig, seed: int) -> list[Part]:
     return [(mesh, (surface,)) for mesh, surface in zip(meshes, surfaces, strict=True)]
 
 
-def _boxes(arena: Arena, look: LookConfig, seed: int) -> list[Part]:
-    parts = []
-    for box in arena.boxes:
-        name = f"{box.kind}_{box.name}"
-        make, (length, width, height) = SURFACES[box.surface], box.size
-        ends = make(look, Patch(f"{name}_ends", (width, height), seed))
-        sides = make(look, Patch(f"{name}_sides", (length, height), seed))
-        lid = make(look, Patch(f"{name}_lid", (length, width), seed))
-        # No face lies on the floor: where two coincide, glass would turn black.
-        faces = {"back": ends, "right": sides, "front": ends, "left": sides, "bottom": None, "top": lid}
-        names = [face and face.name for face in (faces[side] for side in geometry.SIDES)]
-        mesh = geometry.box(name, geometry.box_corners(box), names)
-        parts.append((mesh, (ends, sides, lid)))
-    return parts
+def _box(box: Box, look: LookConfig, seed: int) -> Part:
+    name = f"{box.kind}_{box.name}"
+    make, (length, width, height) = SURFACES[box.surface], box.size
+    ends = make(look, Patch(f"{name}_ends", (width, height), seed))
+    sides = make(look, Patch(f"{name}_sides", (length, height), seed))
+    lid = make(look, Patch(f"{name}_lid", (length, width), seed))
+    # No face lies on the floor: where two coincide, glass would turn black.
+    faces = {"back": ends, "right": sides, "front": ends, "left": sides, "bottom": None, "top": lid}
+    names = [face and face.name for face in (faces[side] for side in geometry.SIDES)]
+    return geometry.box(name, geometry.box_corners(box), names), (ends, sides, lid)
+
+
+def _in_its_frame(box: Box) -> Box:
+    return replace(box, center=(0.0, 0.0, box.center[2]), yaw_rad=0.0)

@@ -8,6 +8,7 @@ from configs.distributions import Choice
 from configs.errors import InputError, nearest
 from configs.faults import Fault
 from configs.footprints import Point, Rectangle, obstacle_footprint, overlap, wall_footprint
+from configs.motion_checks import motion_faults
 from configs.schema.arena import ArcPiece, ArenaConfig, StraightPiece, SurfaceName
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
@@ -109,6 +110,7 @@ def _arena_faults(arena: ArenaConfig) -> Iterator[Fault]:
         if math.dist(wall.start, wall.end) < 1e-3:
             yield Fault(("arena", "walls", index), "a wall of no length", got=wall.end, allowed="an end off its start")
     yield from _outside_faults(arena)
+    yield from motion_faults(arena)
 
 
 def _piece_faults(piece: StraightPiece | ArcPiece, width_m: float, path: FieldPath) -> Iterator[Fault]:

@@ -3,7 +3,7 @@
 Everything is in the world frame W: x and y on the floor, z up, metres and radians.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import hypot
 from typing import Literal
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from configs.footprints import Rectangle, obstacle_footprint, wall_footprint
 from configs.schema.arena import ArcPiece, ArenaConfig, Obstacle, StraightPiece, SurfaceName, Wall
+from physics.obstacle_motion import ObstacleMotion
 
 Array = NDArray[np.float64]
 Kind = Literal["wall", "obstacle"]
@@ -129,10 +130,18 @@ class Box:
     """Along its own x, y, z [m]."""
     yaw_rad: float
     surface: SurfaceName
+    motion: ObstacleMotion | None = None
+    """None where it stands still; else `center` and `yaw_rad` are those at t = 0."""
 
     def footprint(self) -> Array:
-        """Corners (4, 2) counter-clockwise."""
+        """Corners (4, 2) counter-clockwise, at t = 0."""
         return np.array(Rectangle(self.center[:2], self.size[:2], self.yaw_rad).corners())
+
+    def poses_at(self, t_s: Array) -> Array:
+        """(N, 3), x [m], y [m], yaw [rad] of its middle at the times (N,) [s] since the start of the run."""
+        if self.motion is not None:
+            return self.motion.poses_at(t_s)
+        return np.tile([*self.center[:2], self.yaw_rad], (len(t_s), 1))
 
 
 @dataclass(frozen=True)
@@ -153,6 +162,11 @@ class Arena:
             boxes=tuple(_wall(w) for w in config.walls) + tuple(_obstacle(o) for o in config.obstacles),
         )
 
+    @property
+    def moving(self) -> tuple[Box, ...]:
+        """The boxes on a timed path, in their order."""
+        return tuple(box for box in self.boxes if box.motion is not None)
+
 
 def _piece(config: StraightPiece | ArcPiece) -> Straight | Arc:
     if isinstance(config, StraightPiece):
@@ -165,7 +179,8 @@ def _wall(wall: Wall) -> Box:
 
 
 def _obstacle(obstacle: Obstacle) -> Box:
-    return _box(obstacle.name, "obstacle", obstacle_footprint(obstacle), obstacle.size[2], obstacle.surface)
+    box = _box(obstacle.name, "obstacle", obstacle_footprint(obstacle), obstacle.size[2], obstacle.surface)
+    return replace(box, motion=ObstacleMotion.from_config(obstacle))
 
 
 def _box(name: str, kind: Kind, footprint: Rectangle, height_m: float, surface: SurfaceName) -> Box:

@@ -143,7 +143,7 @@ class ReplayedWorld:
         return x, y, yaw
 
     def cast(self, origins: Array, ends: Array) -> Hits:
-        return self._rays.cast(origins, ends)
+        return self._rays.cast(origins, ends, self.time_s)
 
     def encoder_counts(self) -> tuple[int, int]:
         row = int(np.searchsorted(self._run.t_s, self.time_s + 1e-9, side="right")) - 1

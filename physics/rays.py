@@ -30,19 +30,42 @@ class Hits:
 
 
 class RayScene:
+    """The boxes as they stand at one time; those that move are put in place when another time is asked for."""
+
     def __init__(self, arena: Arena) -> None:
-        yaw = np.array([box.yaw_rad for box in arena.boxes])
+        self._moving = [(index, box) for index, box in enumerate(arena.boxes) if box.motion is not None]
+        self._yaw = np.array([box.yaw_rad for box in arena.boxes])
+        self._middle = np.array([box.center for box in arena.boxes]).reshape(-1, 3)
+        self._half_size = 0.5 * np.array([box.size for box in arena.boxes]).reshape(-1, 3).T[..., None]
+        self._time_s = 0.0
+        self._orient()
+
+    def _orient(self) -> None:
+        yaw = self._yaw
         c, s, zero, one = np.cos(yaw), np.sin(yaw), np.zeros_like(yaw), np.ones_like(yaw)
         # (3, B, 3): the x, y and z axes of all boxes, in W.
         axes = ([c, s, zero], [-s, c, zero], [zero, zero, one])
         self._axes = np.stack([np.stack(axis, axis=-1) for axis in axes])
-        center = np.array([box.center for box in arena.boxes]).reshape(-1, 3)
         self._to_boxes = self._axes.reshape(-1, 3)
-        self._center = np.einsum("abk,bk->ab", self._axes, center)[..., None]
-        self._half_size = 0.5 * np.array([box.size for box in arena.boxes]).reshape(-1, 3).T[..., None]
+        self._center = np.einsum("abk,bk->ab", self._axes, self._middle)[..., None]
 
-    def cast(self, origins: Array, ends: Array) -> Hits:
-        """Cast rays from `origins` to `ends`, (N, 3) each, in W. A ray that starts inside a box does not meet it."""
+    def _move(self, time_s: float) -> None:
+        for index, box in self._moving:
+            x, y, self._yaw[index] = box.poses_at(np.array([time_s]))[0]
+            self._middle[index, :2] = x, y
+        self._time_s = time_s
+        self._orient()
+
+    def cast(self, origins: Array, ends: Array, time_s: float = 0.0) -> Hits:
+        """Cast rays from `origins` to `ends`, (N, 3) each, in W. A ray that starts inside a box does not meet it.
+
+        Args:
+            origins: Where the rays begin.
+            ends: How far they reach.
+            time_s: Since the start of the run; moving obstacles are where they are then.
+        """
+        if self._moving and time_s != self._time_s:
+            self._move(time_s)
         directions = ends - origins
         shape = (*self._axes.shape[:2], len(origins))
         along = (self._to_boxes @ directions.T).reshape(shape)

@@ -19,7 +19,10 @@ def start() -> None:
 
 
 def build(scene: Scene, camera: Intrinsics) -> None:
-    """Fills an empty Blender file; the robot hangs on an empty called `R`, the camera is called `C`."""
+    """Fills an empty Blender file; the robot hangs on an empty called `R`, the camera is called `C`.
+
+    Moving obstacles are objects of their meshes' names, to be placed for each view.
+    """
     materials = {surface.name: material(surface) for surface in scene.surfaces}
     for mesh in scene.meshes:
         _mesh(mesh, materials)
@@ -27,6 +30,8 @@ def build(scene: Scene, camera: Intrinsics) -> None:
     for mesh in scene.robot:
         part = _mesh(mesh, materials)
         part.parent, part.visible_camera = robot, False
+    for mesh in scene.moving:
+        _mesh(mesh, materials)
     for panel in scene.panels:
         _panel(panel)
     if scene.sun is not None:

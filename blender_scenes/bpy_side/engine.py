@@ -97,7 +97,7 @@ def frame_light(job: RenderJob, view: FrameView) -> np.ndarray:
     size = job.camera.width_px, job.camera.height_px
     sampling = job.sampling
     seed = _noise_seed(sampling.seed, "frame", view.number)
-    return _light(view, size, seed=seed, samples=sampling.samples, denoise=sampling.denoise)
+    return _light(job, view, size, seed=seed, samples=sampling.samples, denoise=sampling.denoise)
 
 
 def metered_light(job: RenderJob) -> np.ndarray:
@@ -107,7 +107,8 @@ def metered_light(job: RenderJob) -> np.ndarray:
     seen = []
     for view in (job.frames[i] for i in chosen):
         seed = _noise_seed(job.sampling.seed, "metering", view.number)
-        seen.append(_light(view, (_METERED_WIDTH_PX, height), seed=seed, samples=_METERING_SAMPLES, denoise=False))
+        size = _METERED_WIDTH_PX, height
+        seen.append(_light(job, view, size, seed=seed, samples=_METERING_SAMPLES, denoise=False))
     return np.concatenate(seen)
 
 
@@ -115,7 +116,9 @@ def _noise_seed(seed: int, *path: str | int) -> int:
     return int(stream(seed, "path tracing", *path).integers(2**31))
 
 
-def _light(view: FrameView, size: tuple[int, int], *, seed: int, samples: int, denoise: bool) -> np.ndarray:
+def _light(
+    job: RenderJob, view: FrameView, size: tuple[int, int], *, seed: int, samples: int, denoise: bool
+) -> np.ndarray:
     """(H, W, 3) linear light that the camera receives in a view.
 
     Raises:
@@ -126,7 +129,9 @@ def _light(view: FrameView, size: tuple[int, int], *, seed: int, samples: int, d
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = size
     scene.cycles.seed, scene.cycles.samples, scene.cycles.use_denoising = seed, samples, denoise
-    bpy.data.objects[ROBOT].matrix_world = Matrix(pose_X_WR(*view.robot_pose).tolist())
+    moving = zip((mesh.name for mesh in job.scene.moving), view.moving, strict=True)
+    for name, pose in ((ROBOT, view.robot_pose), *moving):
+        bpy.data.objects[name].matrix_world = Matrix(pose_X_WR(*pose).tolist())
     # Blender's camera looks along its own -z with y up: the optical frame turned half a turn about x.
     X_WC = np.array(view.X_WC) @ np.diag([1.0, -1.0, -1.0, 1.0])
     bpy.data.objects[CAMERA].matrix_world = Matrix(X_WC.tolist())

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from configs.schema.base import FromList, Point2, Section, Size3, Slug
+from configs.schema.base import FromList, Point2, Section, Size3, Slug, absent
 
 SurfaceName = Literal[
     "white_board",
@@ -62,12 +62,32 @@ class Wall(Section):
     surface: SurfaceName = "white_board"
 
 
+class Waypoint(Section):
+    """Where an obstacle is at one time, told from its place at t = 0, so that a drawn place moves the whole path."""
+
+    t_s: float = Field(gt=0, le=36_000)
+    """Since the start of the run."""
+    offset: Point2 = (0.0, 0.0)
+    turn_deg: float = Field(default=0.0, ge=-36_000, le=36_000)
+    """Counter-clockwise; 360 is a whole turn on the way there."""
+
+
+class Motion(Section):
+    """A timed path, at constant speed from each waypoint to the next; the first leg begins at t = 0 with offset 0."""
+
+    waypoints: Annotated[tuple[Waypoint, ...], FromList, Field(min_length=1)]
+    repeat: Literal["once", "loop", "back_and_forth"] = "once"
+    """After the last waypoint: stay there, begin anew (a closed path), or return the same way and so on."""
+
+
 class Obstacle(Section):
     name: Slug
     center: Point2
     size: Size3 = (0.08, 0.08, 0.12)
     yaw_deg: float = Field(default=0.0, ge=-360, le=360)
     surface: SurfaceName = "cardboard"
+    motion: Motion | None = Field(default_factory=absent, exclude_if=lambda motion: motion is None)
+    """Without it the obstacle stands still; with it `center` and `yaw_deg` are where it is at t = 0."""
 
 
 class ArenaConfig(Section):

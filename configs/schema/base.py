@@ -36,6 +36,10 @@ def disagreement(field: str, got: float, allowed: str) -> PydanticCustomError:
     return PydanticCustomError(FIELDS_DISAGREE, "{field}: got {got}, allowed: {allowed}", context)
 
 
+def absent() -> None:
+    """A default that JSON Schema does not show, so that no file is filled up with what it leaves out."""
+
+
 PLANNED = Fixed("the plan needs it before anything is drawn")
 
 # A list of a file becomes a tuple; its items stay strict.

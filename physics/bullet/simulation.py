@@ -19,6 +19,7 @@ from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates
 from physics.arena import Arena
 from physics.bullet.body import add_robot
+from physics.bullet.moving_boxes import MovingBoxes
 from physics.bullet.wheels_with_terms import WheelsWithTerms, needs_every_step
 from physics.bullet.world import add_arena, connect
 from physics.rays import Array, Hits, RayScene
@@ -63,6 +64,7 @@ class BulletSimulation:
         self._rays = RayScene(arena)
         self._client = connect(rates.physics_hz)
         self._surface_of_body = add_arena(self._client, arena)
+        self._movers = MovingBoxes.of(self._client, arena, self._surface_of_body, rates.physics_hz)
         self._robot, self._wheels = add_robot(self._client, robot, start)
         self._yaw = start[2]
 
@@ -105,6 +107,9 @@ class BulletSimulation:
             if since_update == 0:
                 self._update()
             count = min(per_update - since_update, end - self._steps)
+            if self._movers is not None:
+                self._movers.place(self._steps)
+                count = 1
             if self._terms is None:
                 self._step(count)
             else:
@@ -238,7 +243,7 @@ class BulletSimulation:
 
     def cast(self, origins: Array, ends: Array) -> Hits:
         """Cast rays from `origins` to `ends`, (N, 3) each, in W, past the robot itself."""
-        return self._rays.cast(origins, ends)
+        return self._rays.cast(origins, ends, self.time_s)
 
     def touching(self) -> tuple[str, ...]:
         """Names of walls and obstacles touched now, or at an update of the wheel loop since the last call."""

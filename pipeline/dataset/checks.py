@@ -6,9 +6,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from pydantic import ValidationError
 
 from blender_scenes.frame_files import frame_name
+from configs.schema.arena import ArenaConfig
+from physics.arena import Arena
 from pipeline.dataset.metadata import RunRecord
+from pipeline.dataset.obstacles import obstacle_table, off_the_path
 from pipeline.dataset.rows import HEADER, Floats, Rows, parse_table, semantic_faults
 from pipeline.dataset.side import CAMERA, POSITIONS_HEADER, TOF, WHEELS
 
@@ -47,7 +51,7 @@ def check_run(root: Path, record: RunRecord) -> Iterator[Finding]:
     yield from _rows_checks(data, rows, record)
     yield from _images(run / "images", f"{record.run}/images", rows, record)
     yield from _positions(run / "image_positions.txt", f"{record.run}/image_positions.txt", rows)
-    yield from _side(run / "side", f"{record.run}/side", rows)
+    yield from _side(run / "side", f"{record.run}/side", rows, record)
 
 
 def _rows_checks(name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:
@@ -148,16 +152,43 @@ def _positions(path: Path, name: str, rows: Rows) -> Iterator[Finding]:
     )
 
 
-def _side(folder: Path, name: str, rows: Rows) -> Iterator[Finding]:
+def _side(folder: Path, name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:
     for side, times in ((WHEELS, rows.t_ms), (TOF, rows.t_ms), (CAMERA, rows.t_ms[rows.image > 0])):
         table, faults = _table(folder / side.file, side.header)
         yield from _limited(f"{name}/{side.file}", faults)
         if len(table) and not np.array_equal(table[:, side.header.index("t")], times):
             yield Finding(f"{name}/{side.file}", "column t is not that of data.csv")
     try:
-        json.loads((folder / "spec.json").read_bytes())
+        spec = json.loads((folder / "spec.json").read_bytes())
     except (OSError, ValueError) as error:
         yield Finding(f"{name}/spec.json", f"cannot be read: {error}")
+        return
+    yield from _obstacles(folder, name, spec, rows, record)
+
+
+def _obstacles(folder: Path, name: str, spec: object, rows: Rows, record: RunRecord) -> Iterator[Finding]:
+    """The poses of moving obstacles against the paths of spec.json."""
+    section = spec.get("arena") if isinstance(spec, dict) else None
+    try:
+        config = ArenaConfig.model_validate_json(json.dumps(section))
+    except ValidationError as error:
+        first = error.errors()[0]
+        yield Finding(f"{name}/spec.json", f"{'.'.join(map(str, ('arena', *first['loc'])))}: {first['msg']}")
+        return
+    arena = Arena.from_config(config.model_copy(update={"walls": ()}))  # of which a damaged file may make anything
+    side = obstacle_table(arena)
+    if side is None:
+        return
+    file = f"{name}/{side.file}"
+    table, faults = _table(folder / side.file, side.header)
+    yield from _limited(file, faults)
+    if not len(table):
+        return
+    if not np.array_equal(table[:, 0], rows.t_ms):
+        yield Finding(file, "column t is not that of data.csv")
+        return
+    for obstacle, wrong in off_the_path(arena, table, rows, record.rates.control_hz):
+        yield from _limited(file, [f"line {i + 2}: {obstacle} is not where its path in spec.json leads" for i in wrong])
 
 
 def _table(path: Path, header: Sequence[str], separator: str = ",") -> tuple[Floats, list[str]]:

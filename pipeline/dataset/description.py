@@ -4,16 +4,16 @@ import html
 from collections.abc import Iterable, Sequence
 
 from configs.errors import one_line
+from configs.schema.arena import Obstacle
 from configs.schema.scenario import RunSpec
-from pipeline.dataset.metadata import Metadata
-from pipeline.dataset.side import CAMERA, TOF, WHEELS
+from pipeline.dataset.metadata import Metadata, side_tables
 
 DESCRIPTION = "README.md"
 
 
 def markdown(metadata: Metadata, example: RunSpec) -> bytes:
     """The description; dimensions of robot and arena are those of the run `example`."""
-    parts = [_head(metadata), _layout(metadata), _columns(metadata), _side_tables(metadata)]
+    parts = [_head(metadata), _layout(metadata), _columns(metadata), _side_tables(metadata, example)]
     parts += [_frames(metadata), _robot(example), _arena(example), _runs(metadata), _failed(metadata), _checks()]
     return ("\n\n".join(part for part in parts if part) + "\n").encode()
 
@@ -55,9 +55,9 @@ def _columns(metadata: Metadata) -> str:
     )
 
 
-def _side_tables(metadata: Metadata) -> str:
+def _side_tables(metadata: Metadata, example: RunSpec) -> str:
     rows = []
-    for table in (WHEELS, TOF, CAMERA):
+    for table in side_tables(example):
         columns = metadata.columns[f"side/{table.file}"]
         rows.append((table.file, table.meaning, ", ".join(f"{c.name} [{c.unit}]" for c in columns)))
     rows.append(("spec.json", "every number that the run was made from, arena and robot included", "JSON"))
@@ -100,8 +100,7 @@ def _arena(spec: RunSpec) -> str:
         for w in arena.walls
     ]
     rows += [
-        (o.name, "obstacle", _point(o.center), " x ".join(f"{s:g}" for s in o.size) + " m", o.surface)
-        for o in arena.obstacles
+        (o.name, "obstacle", _place(o), " x ".join(f"{s:g}" for s in o.size) + " m", o.surface) for o in arena.obstacles
     ]
     return (
         f"## Arena\n\n{_safe(arena.name)}: {_safe(arena.description)} Line {arena.line.width_m:g} m wide in"
@@ -150,6 +149,11 @@ def _table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 def _point(point: tuple[float, float]) -> str:
     return f"({point[0]:g}, {point[1]:g})"
+
+
+def _place(obstacle: Obstacle) -> str:
+    moves = " at t = 0, moves: side/obstacles.csv" if obstacle.motion else ""
+    return _point(obstacle.center) + moves
 
 
 def _safe(text: str) -> str:

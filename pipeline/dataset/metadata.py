@@ -9,9 +9,11 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from configs.schema.scenario import Rates, RunSpec, StartPose
+from physics.arena import Arena
 from physics.control.base import State
+from pipeline.dataset.obstacles import obstacle_table
 from pipeline.dataset.rows import COLUMNS, HEADER, Rows
-from pipeline.dataset.side import CAMERA, TOF, WHEELS
+from pipeline.dataset.side import CAMERA, TOF, WHEELS, SideTable
 from pipeline.files import canonical_json
 from pipeline.versions import versions
 
@@ -138,6 +140,12 @@ class Metadata(Record):
         return canonical_json(self.model_dump(mode="json"))
 
 
+def side_tables(spec: RunSpec) -> tuple[SideTable, ...]:
+    """The tables that every run of the scenario has; which obstacles move is not drawn."""
+    obstacles = obstacle_table(Arena.from_config(spec.arena))
+    return (WHEELS, TOF, CAMERA, obstacles) if obstacles else (WHEELS, TOF, CAMERA)
+
+
 def made_with() -> dict[str, str]:
     packages = versions("symolo", "pybullet", "bpy", "numpy", "scipy", "opencv-python-headless")
     return {"python": platform.python_version(), **packages}
@@ -148,7 +156,7 @@ def describe(
 ) -> Metadata:
     """Metadata of a dataset; `tree` is the scenario as loaded, before anything is drawn."""
     columns = {"data.csv": [ColumnRecord(name=c.name, unit=c.unit, meaning=c.meaning) for c in COLUMNS]}
-    for table in (WHEELS, TOF, CAMERA):
+    for table in side_tables(specs[0]):
         columns[f"side/{table.file}"] = [ColumnRecord(name=c.name, unit=c.unit) for c in table.columns]
     return Metadata(
         name=specs[0].scenario,

@@ -9,9 +9,11 @@ from pydantic import ValidationError
 
 from blender_scenes.camera import pose_X_RC, pose_X_WR
 from configs.schema.scenario import RunSpec
+from physics.arena import Arena
 from pipeline.dataset.description import DESCRIPTION, markdown
 from pipeline.dataset.manifest import MANIFEST, manifest
 from pipeline.dataset.metadata import METADATA, FailedRun, Metadata, RunRecord, describe
+from pipeline.dataset.obstacles import obstacle_table, obstacles_csv
 from pipeline.dataset.rows import Rows
 from pipeline.dataset.side import CAMERA, TOF, WHEELS, image_positions, tof_csv, wheels_csv
 from pipeline.files import hashes_of, holds, remove_folder, replace_folder, sha256_of, write_file
@@ -92,6 +94,9 @@ def _fill(workspace: Workspace, spec: RunSpec, folder: Path) -> None:
     write_file(folder / SIDE / WHEELS.file, wheels_csv(recording))
     write_file(folder / SIDE / TOF.file, tof_csv(recording))
     write_file(folder / SIDE / CAMERA.file, CAMERA.to_csv(camera_table(spec, rows)))
+    arena = Arena.from_config(spec.arena)
+    if (obstacles := obstacle_table(arena)) is not None:
+        write_file(folder / SIDE / obstacles.file, obstacles_csv(obstacles, arena, recording))
     write_file(folder / SIDE / SPEC, spec_text(spec))
     for image in sorted((workspace.render(spec.key).path / IMAGES).glob("*.jpg")):
         write_file(folder / IMAGES / image.name, image.read_bytes())

@@ -14,6 +14,7 @@ from physics.control.base import Command, ControlInput, State
 from physics.control.controller import RobotController
 from physics.lap import Lap
 from physics.trajectory import Recording, TimeSeries, Trajectory
+from pipeline.dataset.obstacles import obstacle_series
 from sensors.fit_out import fit_out
 from sensors.instruments import read_current_A, read_speed_rad_s
 from sensors.odometry import Odometry
@@ -60,6 +61,7 @@ class _Run:
     def __init__(self, spec: RunSpec, arena: Arena, start: tuple[float, float, float], world: BulletSimulation) -> None:
         self._spec = spec
         self._world = world
+        self._arena = arena
         robot, rates = spec.robot, spec.rates
         self._tick_steps = rates.physics_hz // rates.control_hz
         self._ticks_per_image = rates.control_hz // rates.camera_hz
@@ -157,4 +159,4 @@ class _Run:
             for name, values in stacked.items()
             if name not in in_trajectory
         ]
-        return Recording(trajectory, tuple(series))
+        return Recording(trajectory, (*series, *obstacle_series(self._arena, t_s)))

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from configs.footprints import Rectangle, overlap, wall_footprint
+from configs.footprints import Rectangle, outlines_overlap, overlap, swept, wall_footprint
 from configs.schema.arena import Wall
 
 
@@ -41,3 +41,19 @@ def test_a_corner_meets_a_side_where_half_the_diagonal_reaches():
 
 def test_a_rectangle_inside_another_meets_it():
     assert overlap(rectangle((0, 0), (2, 2), 10), rectangle((0.1, 0), (0.1, 0.1), 50))
+
+
+def test_the_way_of_a_square_along_a_diagonal_is_a_hexagon():
+    """From (0, 0) to (3, 3): the corners of the band that a unit square sweeps, and nothing beside it."""
+    (outline,) = swept(rectangle((0, 0), (1, 1), 0), rectangle((3, 3), (1, 1), 0))
+    expected = [(-0.5, -0.5), (0.5, -0.5), (3.5, 2.5), (3.5, 3.5), (2.5, 3.5), (-0.5, 0.5)]
+    np.testing.assert_allclose(outline, expected, atol=1e-12)
+    beside = rectangle((2.0, 0.9), (0.08, 0.08), 0)  # its nearest corner is (1.96, 0.94), and the band is y > x - 1
+    assert not outlines_overlap(outline, beside.corners())
+    assert outlines_overlap(outline, rectangle((1.9, 1.0), (0.08, 0.08), 0).corners())
+
+
+def test_the_way_of_a_turning_square_reaches_as_far_as_its_corner():
+    outlines = swept(rectangle((0, 0), (1, 1), 0), rectangle((0, 0), (1, 1), 90))
+    reach = max(x for outline in outlines for x, _ in outline)
+    assert reach == pytest.approx(math.sqrt(0.5))

@@ -1,0 +1,101 @@
+"""What is wrong with the paths of moving obstacles: times, speeds, and what stands in the way."""
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+
+from configs.faults import Fault
+from configs.footprints import (
+    Rectangle,
+    obstacle_footprint,
+    outlines_overlap,
+    stations,
+    swept,
+    wall_footprint,
+)
+from configs.schema.arena import ArenaConfig, Obstacle
+from configs.tree import FieldPath
+
+FASTEST_M_S = 2.0
+"""Ten times the robot's own speed, and 2 mm a step at 1000 Hz."""
+FASTEST_DEG_S = 360.0
+
+
+def motion_faults(arena: ArenaConfig) -> Iterator[Fault]:
+    """Every fault of the arena's paths. Two obstacles that both move are not held against each other."""
+    for index, obstacle in enumerate(arena.obstacles):
+        if obstacle.motion is None:
+            continue
+        path: FieldPath = ("arena", "obstacles", index, "motion")
+        timing = list(_time_faults(obstacle, path))
+        yield from timing
+        if timing:
+            continue  # speeds need times in order
+        yield from _speed_faults(obstacle, path)
+        yield from _closing_faults(obstacle, path)
+        yield from _floor_faults(obstacle, path, arena.floor.half_extent_m)
+        yield from _way_faults(obstacle, path, arena)
+
+
+def _waypoint(path: FieldPath, index: int) -> FieldPath:
+    return (*path, "waypoints", index)
+
+
+def _time_faults(obstacle: Obstacle, path: FieldPath) -> Iterator[Fault]:
+    times = [time_s for time_s, _ in stations(obstacle)][1:]
+    for index, (before, after) in enumerate(pairwise(times)):
+        if after <= before:
+            at, against = (*_waypoint(path, index + 1), "t_s"), (*_waypoint(path, index), "t_s")
+            yield Fault(at, "times must increase", after, f"more than {before:g}, the time before it", against=against)
+
+
+def _speed_faults(obstacle: Obstacle, path: FieldPath) -> Iterator[Fault]:
+    for index, ((t0, a), (t1, b)) in enumerate(pairwise(stations(obstacle))):
+        metres, degrees = math.dist(a.center, b.center), math.degrees(abs(b.yaw_rad - a.yaw_rad))
+        for field, way, fastest, unit in (
+            ("offset", metres, FASTEST_M_S, "m"),
+            ("turn_deg", degrees, FASTEST_DEG_S, "deg"),
+        ):
+            if way > fastest * (t1 - t0) * (1 + 1e-9):
+                cure = f"give the {way:.3g} {unit} at least {way / fastest:.3g} s"
+                allowed = f"at most {fastest:g} {unit}/s"
+                got = f"{way / (t1 - t0):.3g} {unit}/s"
+                yield Fault((*_waypoint(path, index), field), "too fast", got, allowed, cure=cure)
+
+
+def _closing_faults(obstacle: Obstacle, path: FieldPath) -> Iterator[Fault]:
+    if obstacle.motion is None or obstacle.motion.repeat != "loop":
+        return
+    last = obstacle.motion.waypoints[-1]
+    turn_deg = math.remainder(last.turn_deg, 360.0)
+    if math.hypot(*last.offset) > 1e-9 or abs(turn_deg) > 1e-9:
+        at = _waypoint(path, len(obstacle.motion.waypoints) - 1)
+        allowed = "offset [0, 0] and whole turns in the last waypoint, or the obstacle would jump back to its start"
+        got = [*last.offset, last.turn_deg]
+        yield Fault(at, "the loop is not closed", got, allowed, cure="or take repeat: back_and_forth")
+
+
+def _floor_faults(obstacle: Obstacle, path: FieldPath, limit_m: float) -> Iterator[Fault]:
+    for index, (_, place) in enumerate(stations(obstacle)[1:]):
+        if max(map(abs, place.center)) > limit_m:
+            allowed = f"places on the floor, within {limit_m} m of the origin along x and y"
+            cure = "move it or enlarge arena.floor.half_extent_m"
+            at = (*_waypoint(path, index), "offset")
+            yield Fault(at, "leads beyond the edge of the floor", place.center, allowed, cure=cure)
+
+
+def _way_faults(obstacle: Obstacle, path: FieldPath, arena: ArenaConfig) -> Iterator[Fault]:
+    walls = [(f"wall {w.name}", wall_footprint(w)) for w in arena.walls if math.dist(w.start, w.end) > 0]
+    others = [o for o in arena.obstacles if o.motion is None]
+    standing = walls + [(f"obstacle {o.name}", obstacle_footprint(o)) for o in others]
+    for index, ((_, a), (_, b)) in enumerate(pairwise(stations(obstacle))):
+        outlines = swept(a, b)
+        for name, body in standing:
+            if _meets(body, outlines):
+                problem = f"the way there leads through {name}"
+                cure = "lead the path around it or move what stands there"
+                yield Fault(_waypoint(path, index), problem, b.center, cure=cure)
+
+
+def _meets(body: Rectangle, outlines: list[tuple[tuple[float, float], ...]]) -> bool:
+    return any(outlines_overlap(body.corners(), outline) for outline in outlines)

@@ -1,0 +1,129 @@
+"""Moving obstacles from the scenario to the release: laps, tables, pictures, what verify and rerender make of them."""
+
+import itertools
+import json
+
+import numpy as np
+import pytest
+
+from configs.draw import draw_run
+from configs.footprints import Rectangle, overlap
+from configs.loader import load_scenario
+from physics.arena import Arena
+from pipeline.cli import main
+from pipeline.stages.simulate import simulate
+from pipeline.verify import verify
+
+ONE_RUN = "--set=routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}}]"
+SHORT = ["--set=stop.lap=false", ONE_RUN]
+TABLE = "CW/test_1/side/obstacles.csv"
+
+
+def release(out, tiny, workers):
+    assert main(["release", "moving", "--out", str(out), *tiny, *SHORT, "--workers", str(workers)]) == 0
+    return out
+
+
+@pytest.fixture(scope="module")
+def moving(tmp_path_factory, tiny):
+    """A second of one run, made by one worker; read only."""
+    return release(tmp_path_factory.mktemp("moving") / "data", tiny, 1)
+
+
+@pytest.mark.parametrize(
+    ("route", "states"), [("CW", [0, 1, 5, 1, 2, 4, 2, 0, 5, 0]), ("CCW", [0, 5, 0, 1, 3, 1, 2, 6, 2, 0])]
+)
+def test_the_shipped_lap_goes_past_both_obstacles_and_sees_them(route, states):
+    spec = draw_run(load_scenario("moving"), route, 1)
+    outcome = simulate(spec)
+    assert outcome.problems == ()
+    trajectory = outcome.recording.trajectory
+    assert [state for state, _ in itertools.groupby(trajectory.state.tolist())] == states
+    arena = Arena.from_config(spec.arena)
+    chassis = spec.robot.chassis
+    for box in arena.moving:
+        series = outcome.recording[f"obstacle_{box.name}"]
+        assert series.unit == "m, m, rad"
+        for robot, (x, y, yaw) in zip(trajectory.pose, series.values, strict=True):
+            body = Rectangle(tuple(robot[:2]), (chassis.length_m, chassis.width_m), robot[2])
+            assert not overlap(body, Rectangle((x, y), box.size[:2], yaw))
+    still = spec.arena.model_copy(update={"obstacles": spec.arena.obstacles[:2]})
+    without = simulate(spec.model_copy(update={"arena": still})).recording["tof_m"].values
+    rows = min(len(without), len(trajectory.t_s))
+    shorter = outcome.recording["tof_m"].values[:rows] < without[:rows] - 0.1
+    assert np.all(shorter.sum(axis=0) > 10)  # half a second in each of the three sensors
+
+
+def test_a_box_that_drives_into_the_robot_ends_the_run_by_its_name():
+    ram = "{name: Ram, center: [1.0, -0.5], motion: {waypoints: [{t_s: 2, offset: [-0.5, 0.0]}]}}"
+    outcome = simulate(draw_run(load_scenario("smoke", [f"arena.obstacles=[{ram}]"]), "CW", 1))
+    (problem,) = outcome.problems
+    assert problem.startswith("touched Ram at ")
+
+
+def test_the_table_follows_the_path_at_every_row(moving):
+    header, *rows = (line.split(",") for line in (moving / TABLE).read_text().splitlines())
+    assert header == ["t", *(f"{name}_{field}" for name in ("Crosser", "Patrol") for field in ("x", "y", "theta"))]
+    table = np.array(rows, dtype=float)
+    t_s = np.arange(21) / 20
+    np.testing.assert_array_equal(table[:, 0], 1000 * t_s)
+    # By configs/arenas/moving.yaml: 0.75 m and a quarter turn in 1.5 s; half a second's rest, then 0.75 m in 4 s.
+    crosser = np.stack([0.95 - 0.5 * t_s, np.full(21, -0.75), 0.5 * np.pi * t_s / 1.5], axis=1)
+    patrol = np.stack([0.35 - 0.1875 * np.maximum(t_s - 0.5, 0.0), np.full(21, -1.38), np.zeros(21)], axis=1)
+    np.testing.assert_allclose(table[:, 1:], np.hstack([crosser, patrol]), atol=5.1e-7)
+    columns = json.loads((moving / "metadata.json").read_text())["columns"]["side/obstacles.csv"]
+    assert [column["name"] for column in columns] == header
+    description = (moving / "README.md").read_text()
+    assert "obstacles.csv" in description
+    assert "(0.95, -0.75) at t = 0, moves" in description
+
+
+def test_a_dataset_in_which_nothing_moves_has_no_such_table(dataset):
+    assert not (dataset / TABLE).exists()
+    assert "side/obstacles.csv" not in json.loads((dataset / "metadata.json").read_text())["columns"]
+
+
+def test_the_number_of_workers_changes_no_byte(moving, tmp_path, tiny, release_of):
+    assert release_of(release(tmp_path / "two", tiny, 2)) == release_of(moving)
+
+
+def test_rerender_puts_the_obstacles_where_they_were(moving, tmp_path, symolo):
+    run, out = moving / "CW/test_1", tmp_path / "again"
+    assert symolo("rerender", run, "--look", "classroom", "--out", out).code == 0
+    for number in range(1, 7):
+        name = f"images/{number:06d}.jpg"
+        assert (out / name).read_bytes() == (run / name).read_bytes(), name
+    frames = json.loads((out / "job.json").read_text())["frames"]
+    np.testing.assert_allclose([frame["moving"][0][0] for frame in frames], 0.95 - 0.5 * 0.2 * np.arange(6))
+
+
+DAMAGE = {
+    "a place off the path": (lambda text: text.replace("0.850000", "0.851000", 1), "Crosser is not where its path"),
+    "another header": (lambda text: text.replace("Patrol_x", "Patrol_z"), "'Patrol_z' is not known"),
+    "another time": (lambda text: text.replace("\n50,", "\n51,"), "column t is not that of data.csv"),
+}
+
+
+def test_verify_finds_no_fault_in_it(moving):
+    assert list(verify(moving)) == []
+
+
+@pytest.mark.parametrize("kind", DAMAGE)
+def test_verify_finds_damage_of_the_table(kind, moving, copy_of, sign):
+    change, telling = DAMAGE[kind]
+    root = copy_of(moving)
+    text = (root / TABLE).read_text()
+    assert change(text) != text
+    (root / TABLE).write_text(change(text))
+    sign(root)
+    found = [str(finding) for finding in verify(root)]
+    assert len(found) == 1
+    assert found[0].startswith(TABLE)
+    assert telling in found[0]
+
+
+def test_verify_misses_the_table(moving, copy_of, sign):
+    root = copy_of(moving)
+    (root / TABLE).unlink()
+    sign(root)
+    assert [str(finding) for finding in verify(root)] == [f"{TABLE}: cannot be read: No such file or directory"]
