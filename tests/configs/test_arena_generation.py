@@ -1,4 +1,4 @@
-"""Random arenas: closed and smooth by closed form, with the room that is asked for by brute force, drawn by seed alone."""
+"""Random arenas: closed and smooth by closed form, with room by brute force, drawn by seed alone."""
 
 import json
 import math
