@@ -121,8 +121,8 @@ def _generator_faults(arena: ArenaConfig) -> Iterator[Fault]:
     for path, count in placed:
         if arena.generate is not None and count:
             cure = f"write {dotted(path)}: [], or generate: null"
-            allowed = "an empty list beside arena.generate, which draws it"
-            yield Fault(path, got=f"{count} of them", allowed=allowed, against=("arena", "generate"), cure=cure)
+            problem = f"{count} of them beside arena.generate, which draws them"
+            yield Fault(path, problem, allowed="an empty list", against=("arena", "generate"), cure=cure)
 
 
 def _piece_faults(piece: StraightPiece | ArcPiece, width_m: float, path: FieldPath) -> Iterator[Fault]:

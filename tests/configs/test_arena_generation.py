@@ -210,7 +210,7 @@ def test_a_floor_too_small_is_told():
 
 
 def test_a_recipe_and_a_line_of_its_own_do_not_go_together():
-    with pytest.raises(InputError, match=re.escape("arena.walls: got 4 of them, allowed: an empty list beside")):
+    with pytest.raises(InputError, match=re.escape("arena.walls: 4 of them beside arena.generate")):
         load_scenario("classroom", ["arena.generate={corners: 4}", "arena.line.pieces=[]", "arena.obstacles=[]"])
 
 
