@@ -111,6 +111,20 @@ def _arena_faults(arena: ArenaConfig) -> Iterator[Fault]:
             yield Fault(("arena", "walls", index), "a wall of no length", got=wall.end, allowed="an end off its start")
     yield from _outside_faults(arena)
     yield from motion_faults(arena)
+    yield from _generator_faults(arena)
+
+
+def _generator_faults(arena: ArenaConfig) -> Iterator[Fault]:
+    placed: tuple[tuple[FieldPath, int], ...] = (
+        (("arena", "line", "pieces"), len(arena.line.pieces)),
+        (("arena", "walls"), len(arena.walls)),
+        (("arena", "obstacles"), len(arena.obstacles)),
+    )
+    for path, count in placed:
+        if arena.generate is not None and count:
+            cure = f"write {dotted(path)}: [], or generate: null"
+            problem = f"{count} of them beside arena.generate, which draws them"
+            yield Fault(path, problem, allowed="an empty list", against=("arena", "generate"), cure=cure)
 
 
 def _piece_faults(piece: StraightPiece | ArcPiece, width_m: float, path: FieldPath) -> Iterator[Fault]:

@@ -1,17 +1,25 @@
 """Draw first, build later: the only step that sees distributions. What it returns holds numbers alone."""
 
+import math
 from collections.abc import Mapping
 
+import numpy as np
+
+from configs.arena_generation.generate import NoArenaError, generate_arena
 from configs.checks import check_run
 from configs.errors import InputError, nearest
+from configs.faults import Fault
 from configs.loader import ArenaAlone, LoadedScenario, LoadedSection, LookAlone, RobotAlone
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
-from configs.schema.scenario import Render, RunSpec, Scenario
+from configs.schema.scenario import Render, RunSpec, Scenario, StartPose
 from configs.streams import stream
-from configs.tree import FieldPath, Scalar, dotted
+from configs.tree import FieldPath, Node, Scalar, dotted
 from configs.validation import Placed, validated
+
+GENERATE = "arena.generate"
+"""Key of the stream that a generated arena is drawn from."""
 
 
 def draw_run(loaded: LoadedScenario, route: str, run: int) -> RunSpec:
@@ -41,6 +49,11 @@ def draw_run(loaded: LoadedScenario, route: str, run: int) -> RunSpec:
             values[path] = drawn[dotted(own)] = item.draw(stream(loaded.seed, route, run, dotted(own)))
     scenario = validated(loaded.root, Scenario, values)
     chosen = scenario.routes[names.index(route)]
+    if scenario.arena.generate is not None:
+        about = _drawn_about(loaded, start, values).routes[names.index(route)].start
+        rng = stream(loaded.seed, route, run, GENERATE)
+        arena = _generated(scenario.arena, about, rng, loaded.root, f"drawn for {route} run {run}")
+        scenario = scenario.model_copy(update={"arena": arena})
     check_run(scenario, loaded.root, names.index(route), run)
     return RunSpec(
         scenario=scenario.name,
@@ -64,9 +77,11 @@ def draw_all(loaded: LoadedScenario) -> list[RunSpec]:
 
 
 def draw_arena(section: LoadedSection, seed: int, *key: str | int) -> tuple[ArenaConfig, dict[str, Scalar]]:
-    """An arena alone, with its drawn values by path."""
+    """An arena alone, with its drawn values by path; a generated line passes the origin along +x."""
     values = _draws(section.placed, seed, key)
-    return validated(section.root, ArenaAlone, values).arena, _by_name(values)
+    arena = validated(section.root, ArenaAlone, values).arena
+    arena = _generated(arena, StartPose(x_m=0.0, y_m=0.0, yaw_deg=0.0), stream(seed, *key, GENERATE), section.root)
+    return arena, _by_name(values)
 
 
 def draw_robot(section: LoadedSection, seed: int, *key: str | int) -> tuple[RobotConfig, dict[str, Scalar]]:
@@ -92,6 +107,29 @@ def draw_render(loaded: LoadedScenario, seed: int, *key: str | int) -> Render:
     values: dict[FieldPath, Scalar] = {path: item.ends()[0] for path, item in loaded.placed.items()}
     values |= _draws({path: item for path, item in loaded.placed.items() if path[0] == "render"}, seed, key)
     return validated(loaded.root, Scenario, values).render
+
+
+def _drawn_about(loaded: LoadedScenario, start: FieldPath, values: Mapping[FieldPath, Scalar]) -> Scenario:
+    """The scenario with the start in the middle of what its numbers are drawn from.
+
+    A generated line lies there, so that the start drawn for the run is as far off it as its distribution says.
+    """
+    middle: dict[FieldPath, Scalar] = {}
+    for path, item in loaded.placed.items():
+        low, *_, high = (*item.ends(), item.ends()[-1])
+        if path[:3] == start and not item.has_options and isinstance(low, float) and isinstance(high, float):
+            middle[path] = 0.5 * (low + high)
+    return validated(loaded.root, Scenario, {**values, **middle})
+
+
+def _generated(
+    arena: ArenaConfig, start: StartPose, rng: np.random.Generator, root: Node, note: str = ""
+) -> ArenaConfig:
+    try:
+        return generate_arena(arena, (start.x_m, start.y_m, math.radians(start.yaw_deg)), rng)
+    except NoArenaError as error:
+        cure = "ask for fewer corners or obstacles, a larger radius_m or smaller bends"
+        raise Fault(("arena", "generate"), str(error), cure=cure).error(root, note) from None
 
 
 def _draws(placed: Mapping[FieldPath, Placed], seed: int, key: tuple[str | int, ...]) -> dict[FieldPath, Scalar]:

@@ -25,6 +25,11 @@ class Placed:
     is_integer: bool
     is_number: bool
 
+    @property
+    def has_options(self) -> bool:
+        """Whether it takes one of a few values, with nothing in between."""
+        return isinstance(self.distribution, Choice)
+
     def draw(self, rng: np.random.Generator) -> Scalar:
         if self.is_integer and not isinstance(self.distribution, Choice):
             return self.distribution.draw_integer(rng)

@@ -4,21 +4,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from configs.schema.arena_generator import ArenaGenerator
 from configs.schema.base import FromList, Point2, Section, Size3, Slug, absent
-
-SurfaceName = Literal[
-    "white_board",
-    "light_grey_board",
-    "dark_grey_board",
-    "black_board",
-    "metal",
-    "wood",
-    "glass",
-    "paper",
-    "cardboard",
-    "plastic",
-]
-"""What a wall or obstacle is made of; decides its range reading and its look alike (`physics.surfaces`)."""
+from configs.schema.surface import SurfaceName
 
 
 class StraightPiece(Section):
@@ -97,3 +85,5 @@ class ArenaConfig(Section):
     line: Line
     walls: Annotated[tuple[Wall, ...], FromList] = ()
     obstacles: Annotated[tuple[Obstacle, ...], FromList] = ()
+    generate: ArenaGenerator | None = Field(default_factory=absent, exclude=True)
+    """Draws line, walls and obstacles for each run. No specification holds it: what was drawn stands there instead."""

@@ -1,0 +1,87 @@
+"""Room about a line, as geometry: distances, what a range sensor can see, and crossings of the line with itself.
+
+Sensors stand where robot `nominal` has them. The robot's own settings are not asked, so that a robot drawn at random
+leaves the arena as it was; `ArenaGenerator.clearance` is where to make room for another.
+"""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+
+from configs.arena_generation.track import Array, Pose
+from configs.footprints import Rectangle
+
+FRONT_SENSOR: Pose = (0.085, 0.0, 0.0)
+"""x [m], y [m], yaw [rad] in R."""
+LEFT_SENSOR: Pose = (0.075, 0.03, math.radians(45))
+RIGHT_SENSOR: Pose = (0.075, -0.03, math.radians(-45))
+HALF_FIELD_RAD = math.radians(12.5)
+"""Of view of a range sensor."""
+HEADING_RAD = math.radians(10)
+"""Most that a robot on the line heads off its tangent."""
+OUTLINE_SPACING_M = 0.01
+
+
+def distance_to(rectangle: Rectangle, points: Array) -> Array:
+    """From points (N, 2) to a rectangle [m], (N,); 0 inside."""
+    local = in_frame_of((*rectangle.center, rectangle.yaw_rad), points)
+    beyond = np.maximum(np.abs(local) - 0.5 * np.array(rectangle.size), 0.0)
+    return np.hypot(beyond[:, 0], beyond[:, 1])
+
+
+def in_frame_of(frame: Pose, points: Array) -> Array:
+    """Points (N, 2) of W in a frame that stands at a pose of W."""
+    x, y, yaw = frame
+    c, s = math.cos(yaw), math.sin(yaw)
+    return (points - (x, y)) @ np.array([[c, -s], [s, c]])
+
+
+def outline_of(rectangle: Rectangle) -> Array:
+    """Points (N, 2) around a rectangle, its corners among them."""
+    corners = np.array(rectangle.corners())
+    parts = []
+    for begin, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        count = max(1, math.ceil(math.dist(begin, end) / OUTLINE_SPACING_M))
+        parts.append(begin + np.arange(count)[:, None] / count * (end - begin))
+    return np.concatenate(parts)
+
+
+def seen_m(poses: Array, sensor: Pose, half_angle_rad: float, points: Array) -> Array:
+    """Distance to the nearest of points (M, 2) within a sensor's cone, at each robot pose (N, 3); inf where none is."""
+    if not len(points):
+        return np.full(len(poses), np.inf)
+    distance, bearing = _polar(poses, sensor, points)
+    return np.where(np.abs(bearing) <= half_angle_rad, distance, np.inf).min(axis=1)
+
+
+def blocked_m(pose: Array, sensor: Pose, half_angle_rad: float, points: Array) -> float:
+    """Distance within which something stands in every direction of a sensor's cone at one robot pose; inf for a gap."""
+    distance, bearing = _polar(pose[None], sensor, points)
+    sectors = np.linspace(-half_angle_rad, half_angle_rad, 9)
+    nearest = [distance[(bearing >= low) & (bearing < high)].min(initial=np.inf) for low, high in pairwise(sectors)]
+    return float(max(nearest))
+
+
+def _polar(poses: Array, sensor: Pose, points: Array) -> tuple[Array, Array]:
+    """Distance [m] and direction off a sensor's axis [rad], (N, M) each, of points (M, 2) from robot poses (N, 3)."""
+    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    x = poses[:, 0] + c * sensor[0] - s * sensor[1]
+    y = poses[:, 1] + s * sensor[0] + c * sensor[1]
+    dx, dy = points[:, 0] - x[:, None], points[:, 1] - y[:, None]
+    bearing = np.arctan2(dy, dx) - (poses[:, 2] + sensor[2])[:, None]
+    return np.hypot(dx, dy), (bearing + np.pi) % (2 * np.pi) - np.pi
+
+
+def comes_near_itself(points: Array, spacing_m: float, least_m: float) -> bool:
+    """Whether a closed line (N, 2), sampled evenly, comes within `least_m` of itself.
+
+    Points nearer along the line than a half circle of that width do not count; on bends of at least half of it as
+    radius, all further ones are further apart.
+    """
+    count = len(points)
+    at = points[:, 0] + 1j * points[:, 1]
+    apart = np.abs(at[:, None] - at[None])
+    steps = np.abs(np.arange(count)[:, None] - np.arange(count)[None])
+    along_m = spacing_m * np.minimum(steps, count - steps)
+    return bool((apart[along_m > 0.5 * np.pi * least_m + spacing_m] < least_m).any())

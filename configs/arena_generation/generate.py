@@ -1,0 +1,72 @@
+"""A whole arena at random: attempts are drawn and looked at until one has room everywhere."""
+
+import math
+from collections import Counter
+
+import numpy as np
+
+from configs.arena_generation.boxes import add_decoy, add_obstacle
+from configs.arena_generation.enclosure import draw_walls
+from configs.arena_generation.outline import draw_outline
+from configs.arena_generation.rejection import Rejected
+from configs.arena_generation.site import SPACING_M, Site
+from configs.arena_generation.track import Pose
+from configs.schema.arena import ArenaConfig
+from configs.schema.arena_generator import ArenaGenerator
+
+ATTEMPTS = 200
+"""Ranges that let one attempt in twenty come out fail once in 28,000 arenas."""
+
+
+class NoArenaError(Exception):
+    """None of the attempts had room everywhere; the text says how many there were and what stood against most."""
+
+
+def generate_arena(config: ArenaConfig, start: Pose, rng: np.random.Generator) -> ArenaConfig:
+    """The arena with line, walls and obstacles in place of its recipe.
+
+    Args:
+        config: An arena with `generate`; floor, tape and name are taken over.
+        start: Pose that the line passes straight on.
+        rng: Everything is drawn from it.
+
+    Raises:
+        NoArenaError: The recipe leaves too little room.
+    """
+    if config.generate is None:
+        return config
+    reasons: Counter[str] = Counter()
+    for _ in range(ATTEMPTS):
+        try:
+            site = _attempt(config.generate, config.floor.half_extent_m, start, rng)
+        except Rejected as rejected:
+            reasons[str(rejected)] += 1
+            continue
+        return config.model_copy(
+            update={
+                "generate": None,
+                "line": config.line.model_copy(update={"pieces": site.track.pieces()}),
+                "walls": site.walls,
+                "obstacles": (*site.obstacles, *site.decoys),
+            }
+        )
+    reason, count = reasons.most_common(1)[0]
+    raise NoArenaError(f"no arena came out in {ATTEMPTS} attempts, in {count} of them because {reason}")
+
+
+def _attempt(recipe: ArenaGenerator, half_extent_m: float, start: Pose, rng: np.random.Generator) -> Site:
+    track = draw_outline(recipe, start, rng)
+    line = track.poses(np.linspace(0.0, track.length_m, math.ceil(track.length_m / SPACING_M)))[:, :2]
+    walls = draw_walls(recipe, line, rng)
+    corners = [wall.start for wall in walls]
+    reach_m = recipe.clearance.beside_m if not walls else 0.0
+    if np.abs(np.concatenate([line, *(np.array([corner]) for corner in corners)])).max() + reach_m > half_extent_m:
+        raise Rejected("it reaches beyond the floor")
+    site = Site(track, walls, recipe.clearance)
+    for _ in range(recipe.most_obstacles):
+        add_obstacle(site, recipe, rng)
+    if len(site.obstacles) < recipe.least_obstacles:
+        raise Rejected("there is no room to pass so many obstacles")
+    for _ in range(recipe.most_decoys):
+        add_decoy(site, recipe, rng)
+    return site

@@ -1,0 +1,70 @@
+"""The closed line: a random polygon with rounded corners, laid so that it passes the start straight on."""
+
+import math
+
+import numpy as np
+
+from configs.arena_generation.rejection import Rejected
+from configs.arena_generation.track import Array, Pose, Segment, Track
+from configs.schema.arena_generator import ArenaGenerator
+
+START_BEHIND_M, START_AHEAD_M = 0.20, 0.45
+"""Straight line about the start: the robot stands on the first, and the lap is closed on the second (`physics.lap`)."""
+LEAST_TURN_RAD = math.radians(5.0)
+"""A flatter corner is hardly one."""
+MOST_OF_AN_EDGE = 0.45
+"""Share of an edge that the bend at one of its ends may take, so that a straight remains between two."""
+
+
+def draw_outline(recipe: ArenaGenerator, start: Pose, rng: np.random.Generator) -> Track:
+    """A closed track that begins on its first straight, behind the start.
+
+    Raises:
+        Rejected: The bends do not fit between the corners, or no straight is long enough for the start.
+    """
+    track = rounded(_polygon(recipe, rng), recipe, rng)
+    straights = [i for i, segment in enumerate(track.segments) if segment.curvature_1_m == 0]
+    long = [i for i in straights if track.segments[i].length_m >= START_BEHIND_M + START_AHEAD_M]
+    if not long:
+        raise Rejected("no straight is long enough for the start")
+    first = long[int(rng.integers(len(long)))]
+    behind_m = rng.uniform(START_BEHIND_M, track.segments[first].length_m - START_AHEAD_M)
+    x, y, yaw = start
+    begin = (x - behind_m * math.cos(yaw), y - behind_m * math.sin(yaw), yaw)
+    laid = Track(begin, track.segments[first:] + track.segments[:first], behind_m)
+    return laid.mirrored() if recipe.clockwise else laid
+
+
+def _polygon(recipe: ArenaGenerator, rng: np.random.Generator) -> Array:
+    """Corners (N, 2), counter-clockwise as seen from the middle."""
+    count, uneven = recipe.corners, recipe.irregularity
+    angle = 2 * np.pi * (np.arange(count) + 0.5 * uneven * rng.uniform(-1, 1, count)) / count
+    distance = recipe.radius_m * (1 + uneven * rng.uniform(-1, 1, count))
+    stretch = math.sqrt(recipe.elongation)
+    turned = rng.uniform(0, 2 * np.pi)
+    return distance[:, None] * np.stack([stretch * np.cos(angle + turned), np.sin(angle + turned) / stretch], axis=1)
+
+
+def rounded(corners: Array, recipe: ArenaGenerator, rng: np.random.Generator) -> Track:
+    """The track along a polygon (N, 2) with an arc in each corner; it begins with the straight from the first on.
+
+    An arc of radius r takes r tan(turn / 2) of either edge at its corner.
+    """
+    edges = np.roll(corners, -1, axis=0) - corners
+    length, yaw = np.hypot(edges[:, 0], edges[:, 1]), np.arctan2(edges[:, 1], edges[:, 0])
+    turn = (yaw - np.roll(yaw, 1) + np.pi) % (2 * np.pi) - np.pi
+    if np.abs(turn).min() < LEAST_TURN_RAD:
+        raise Rejected("a corner is hardly one")
+    per_radius = np.tan(0.5 * np.abs(turn))
+    most = MOST_OF_AN_EDGE * np.minimum(length, np.roll(length, 1)) / per_radius
+    if most.min() < recipe.least_bend_radius_m:
+        raise Rejected("the bends do not fit between the corners")
+    radius = rng.uniform(recipe.least_bend_radius_m, np.minimum(most, recipe.most_bend_radius_m))
+    taken = radius * per_radius
+    segments: list[Segment] = []
+    for here, there in zip(range(len(corners)), np.roll(range(len(corners)), -1), strict=True):
+        segments.append(Segment(float(length[here] - taken[here] - taken[there]), 0.0))
+        curvature = math.copysign(1 / radius[there], turn[there])
+        segments.append(Segment(float(radius[there] * abs(turn[there])), curvature))
+    x, y = corners[0] + taken[0] * np.array([np.cos(yaw[0]), np.sin(yaw[0])])
+    return Track((float(x), float(y), float(yaw[0])), tuple(segments))

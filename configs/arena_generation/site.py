@@ -1,0 +1,148 @@
+"""An arena under way: what stands there, and whether one more box leaves the room that the robot needs."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from configs.arena_generation import clearance as room
+from configs.arena_generation.outline import START_AHEAD_M, START_BEHIND_M
+from configs.arena_generation.rejection import Rejected
+from configs.arena_generation.track import Array, Track
+from configs.footprints import Rectangle, obstacle_footprint, overlap, wall_footprint
+from configs.schema.arena import Obstacle, Wall
+from configs.schema.arena_generator import Clearance
+
+SPACING_M = 0.02
+"""Between two poses of the line at which room is looked for."""
+NOTICED_M = (0.32, 0.28, 0.24)
+"""From an obstacle's face back to the axle: where the robot may be while it decides on which side to pass."""
+
+STRAIGHT_RAD = 1e-9
+"""A line that turns by less has not turned."""
+
+Side = Literal["left", "right"]
+
+
+@dataclass(frozen=True)
+class Passing:
+    """How one obstacle is passed."""
+
+    side: Side
+    lane: Rectangle
+    """Floor that the robot may take."""
+    noticing: Array
+    """Poses (N, 3) of the robot while it decides."""
+
+
+class Site:
+    """Line and walls of an arena with the boxes that stand there so far."""
+
+    def __init__(self, track: Track, walls: tuple[Wall, ...], limits: Clearance) -> None:
+        """Look whether line and walls alone leave room.
+
+        Raises:
+            Rejected: They do not.
+        """
+        self.track, self.walls = track, walls
+        self.obstacles: list[Obstacle] = []
+        self.decoys: list[Obstacle] = []
+        self._limits = limits
+        self._passings: list[Passing] = []
+        count = round(track.length_m / SPACING_M)
+        self._s = np.arange(count) * (track.length_m / count)
+        self._poses = track.poses(self._s)
+        if room.comes_near_itself(self._poses[:, :2], float(self._s[1]), limits.stretches_m):
+            raise Rejected("the line comes too near itself")
+        if any(self._in_the_way(wall_footprint(wall), self._poses) for wall in walls):
+            raise Rejected("a wall is too near the line")
+
+    def put_obstacle(self, box: Obstacle, at_m: float) -> bool:
+        """Place a box that is to be passed, its middle so far along the line, if the robot has room to pass it."""
+        limits, rectangle = self._limits, obstacle_footprint(box)
+        begin_m, end_m = at_m - limits.before_m, at_m + limits.after_m
+        if begin_m < self.track.start_m + START_AHEAD_M and end_m > self.track.start_m - START_BEHIND_M:
+            return False
+        if np.ptp(self.track.poses(np.array([begin_m, at_m, end_m]))[:, 2]) > STRAIGHT_RAD:
+            return False
+        elsewhere = self._poses[(self._s < begin_m) | (self._s > end_m)]
+        if self._meets_others(rectangle) or self._in_the_way(rectangle, elsewhere):
+            return False
+        passing = self._passing(box, at_m)
+        if passing is None or (room.distance_to(passing.lane, elsewhere[:, :2]) == 0).any():
+            return False
+        if any(overlap(passing.lane, other) for other in self._rectangles()):
+            return False
+        self.obstacles.append(box)
+        self._passings.append(passing)
+        return True
+
+    def put_decoy(self, box: Obstacle) -> bool:
+        """Place a box that is in nobody's way, if it is in nobody's way."""
+        rectangle = obstacle_footprint(box)
+        if self._meets_others(rectangle) or self._in_the_way(rectangle, self._poses) or not self._within(rectangle):
+            return False
+        self.decoys.append(box)
+        return True
+
+    def _rectangles(self) -> list[Rectangle]:
+        boxes = [obstacle_footprint(box) for box in (*self.obstacles, *self.decoys)]
+        return [wall_footprint(wall) for wall in self.walls] + boxes
+
+    def _in_the_way(self, rectangle: Rectangle, poses: Array) -> bool:
+        """Whether a robot on the line would touch it, or take it for an obstacle, at any of the poses (N, 3)."""
+        away = room.distance_to(rectangle, poses[:, :2])
+        near = poses[away < self._limits.ahead_m + room.FRONT_SENSOR[0]]
+        if away.min() < self._limits.beside_m:
+            return True
+        half_angle = room.HALF_FIELD_RAD + room.HEADING_RAD
+        ahead = room.seen_m(near, room.FRONT_SENSOR, half_angle, room.outline_of(rectangle))
+        return bool((ahead < self._limits.ahead_m).any())
+
+    def _meets_others(self, rectangle: Rectangle) -> bool:
+        """Whether it stands in something, or where the robot passes an obstacle or looks for the side to pass it on."""
+        if any(overlap(rectangle, other) for other in self._rectangles()):
+            return True
+        points = room.outline_of(rectangle)
+        return any(
+            overlap(rectangle, passing.lane) or self._seen_on(passing.side, passing.noticing, points)
+            for passing in self._passings
+        )
+
+    def _seen_on(self, side: Side, poses: Array, points: Array) -> bool:
+        """Whether the sensor on a side would see any of the points (M, 2) too near to pass there."""
+        sensor = room.LEFT_SENSOR if side == "left" else room.RIGHT_SENSOR
+        half_angle = room.HALF_FIELD_RAD + 0.5 * room.HEADING_RAD
+        return bool(room.seen_m(poses, sensor, half_angle, points).min() < self._limits.free_side_m)
+
+    def _passing(self, box: Obstacle, at_m: float) -> Passing | None:
+        """On the left where that is free, on the right where the left is surely blocked, else not at all."""
+        half_m = 0.5 * max(box.size[:2])
+        noticing = self.track.poses(at_m - half_m - np.array(NOTICED_M))
+        points = np.concatenate([room.outline_of(rectangle) for rectangle in self._rectangles()] or [np.empty((0, 2))])
+        frame = self.track.poses(np.array([at_m]))[0]
+        if not self._seen_on("left", noticing, points):
+            return Passing("left", self._lane(frame, 1.0), noticing)
+        blocked = [room.blocked_m(pose, room.LEFT_SENSOR, room.HALF_FIELD_RAD, points) for pose in noticing]
+        if max(blocked) < self._limits.blocked_side_m and not self._seen_on("right", noticing, points):
+            return Passing("right", self._lane(frame, -1.0), noticing)
+        return None
+
+    def _lane(self, frame: NDArray[np.float64], sign: float) -> Rectangle:
+        """Floor taken by a passing: along x of the obstacle's frame on the line, and y times the sign."""
+        limits = self._limits
+        x, y, yaw = frame.tolist()
+        along = 0.5 * (limits.after_m - limits.before_m)
+        aside = sign * 0.5 * (limits.passing_m - limits.other_side_m)
+        c, s = np.cos(yaw), np.sin(yaw)
+        center = (float(x + c * along - s * aside), float(y + s * along + c * aside))
+        return Rectangle(center, (limits.after_m + limits.before_m, limits.passing_m + limits.other_side_m), yaw)
+
+    def _within(self, rectangle: Rectangle) -> bool:
+        """Whether it stands within the walls: to the left of each, as they go round counter-clockwise."""
+        for wall in self.walls:
+            (x0, y0), (x1, y1) = wall.start, wall.end
+            if any((x1 - x0) * (y - y0) - (y1 - y0) * (x - x0) < 0 for x, y in rectangle.corners()):
+                return False
+        return True

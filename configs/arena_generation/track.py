@@ -1,0 +1,95 @@
+"""A line told by its lengths and curvatures, from which both its poses and its pieces follow."""
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from configs.schema.arena import ArcPiece, LinePiece, StraightPiece
+
+Array = NDArray[np.float64]
+Pose = tuple[float, float, float]
+"""x [m], y [m], yaw [rad] in W."""
+
+
+@dataclass(frozen=True)
+class Segment:
+    length_m: float
+    curvature_1_m: float
+    """Positive to the left, 0 of a straight."""
+
+    def along(self, begin: Pose, s: Array) -> Array:
+        """Poses (N, 3) at distances s (N,) from its beginning."""
+        x, y, yaw = begin
+        turned = self.curvature_1_m * s
+        # The chord after an arc: sinc is 1 for a straight, without a division by its curvature.
+        chord = s * np.sinc(0.5 * turned / np.pi)
+        heading = yaw + 0.5 * turned
+        return np.stack([x + chord * np.cos(heading), y + chord * np.sin(heading), yaw + turned], axis=1)
+
+
+@dataclass(frozen=True)
+class Track:
+    """Segments end to end, so that the tangent is continuous whatever they are."""
+
+    begin: Pose
+    segments: tuple[Segment, ...]
+    start_m: float = 0.0
+    """How far along it the robot starts."""
+
+    @property
+    def length_m(self) -> float:
+        return sum(segment.length_m for segment in self.segments)
+
+    @cached_property
+    def begins(self) -> list[Pose]:
+        """Where each segment begins, and at last where the track ends."""
+        poses = [self.begin]
+        for segment in self.segments:
+            x, y, yaw = segment.along(poses[-1], np.array([segment.length_m]))[0]
+            poses.append((float(x), float(y), float(yaw)))
+        return poses
+
+    @cached_property
+    def offsets(self) -> Array:
+        """Distance along the track at which each segment begins, and its length at last, (segments + 1,)."""
+        return np.concatenate([[0.0], np.cumsum([segment.length_m for segment in self.segments])])
+
+    def poses(self, s: Array) -> Array:
+        """Poses (N, 3) at distances s (N,) along the track, within its length."""
+        offsets, begins = self.offsets, self.begins
+        which = np.clip(np.searchsorted(offsets, s, side="right") - 1, 0, len(self.segments) - 1)
+        poses = np.empty((len(s), 3))
+        for index in np.unique(which):
+            here = which == index
+            poses[here] = self.segments[index].along(begins[index], s[here] - offsets[index])
+        return poses
+
+    def mirrored(self) -> "Track":
+        """The same line with left and right exchanged, from the same beginning."""
+        return replace(self, segments=tuple(Segment(s.length_m, -s.curvature_1_m) for s in self.segments))
+
+    def pieces(self) -> tuple[LinePiece, ...]:
+        """As the schema has them, in the direction of travel."""
+        begins = self.begins
+        return tuple(
+            _piece(segment, begin, end) for segment, (begin, end) in zip(self.segments, pairwise(begins), strict=True)
+        )
+
+
+def _piece(segment: Segment, begin: Pose, end: Pose) -> LinePiece:
+    if segment.curvature_1_m == 0:
+        return StraightPiece(kind="straight", start=begin[:2], end=end[:2])
+    x, y, yaw = begin
+    to_left_m = 1 / segment.curvature_1_m
+    start_deg = math.degrees(math.remainder(yaw - math.copysign(math.pi / 2, to_left_m), 2 * math.pi))
+    return ArcPiece(
+        kind="arc",
+        center=(x - to_left_m * math.sin(yaw), y + to_left_m * math.cos(yaw)),
+        radius_m=abs(to_left_m),
+        start_deg=start_deg,
+        end_deg=start_deg + math.degrees(segment.curvature_1_m * segment.length_m),
+    )

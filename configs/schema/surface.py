@@ -1,0 +1,17 @@
+"""What walls and boxes are made of."""
+
+from typing import Literal
+
+SurfaceName = Literal[
+    "white_board",
+    "light_grey_board",
+    "dark_grey_board",
+    "black_board",
+    "metal",
+    "wood",
+    "glass",
+    "paper",
+    "cardboard",
+    "plastic",
+]
+"""What a wall or obstacle is made of; decides its range reading and its look alike (`physics.surfaces`)."""

@@ -1,0 +1,277 @@
+"""Random arenas: closed and smooth by closed form, with room by brute force, drawn by seed alone."""
+
+import json
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from configs.arena_generation.generate import generate_arena
+from configs.arena_generation.outline import rounded
+from configs.arena_generation.site import Site
+from configs.arena_generation.track import Segment, Track
+from configs.draw import draw_arena, draw_run
+from configs.errors import InputError
+from configs.footprints import obstacle_footprint, wall_footprint
+from configs.loader import load_scenario, load_section
+from configs.schema.arena import ArenaConfig, Line, Obstacle, StraightPiece, Wall
+from configs.schema.arena_generator import ArenaGenerator, Clearance
+from configs.streams import stream
+from physics.arena import Arena
+
+SEEDS = range(200)
+ROBOT_HALF_DIAGONAL_M = math.hypot(0.09, 0.085)
+
+
+@pytest.fixture(scope="module")
+def recipe():
+    return load_section("arena", "random")
+
+
+@pytest.fixture(scope="module")
+def arenas(recipe):
+    return [draw_arena(recipe, seed, "Lap", 1)[0] for seed in SEEDS]
+
+
+def sampled(arena, spacing_m=0.01):
+    """Points (N, 2) and headings (N,) along the line, by the arena's own pieces."""
+    points, yaws = [], []
+    for piece in Arena.from_config(arena).line.pieces:
+        s = np.linspace(0.0, piece.length_m, max(2, round(piece.length_m / spacing_m)), endpoint=False)
+        ahead = piece.at(s + 1e-6) - piece.at(s)
+        points.append(piece.at(s))
+        yaws.append(np.arctan2(ahead[:, 1], ahead[:, 0]))
+    return np.concatenate(points), np.concatenate(yaws)
+
+
+def edge_points(rectangle, spacing_m=0.03):
+    corners = np.array(rectangle.corners())
+    sides = zip(corners, np.roll(corners, -1, axis=0), strict=True)
+    return np.concatenate([np.linspace(a, b, 2 + int(math.dist(a, b) / spacing_m)) for a, b in sides])
+
+
+def test_every_line_is_closed_and_turns_once_without_a_corner(arenas):
+    for arena in arenas:
+        ends, turned = [], 0.0
+        for piece in arena.line.pieces:
+            if isinstance(piece, StraightPiece):
+                along = np.subtract(piece.end, piece.start)
+                yaw = math.atan2(along[1], along[0])
+                ends.append((piece.start, yaw, piece.end, yaw))
+                continue
+            start, end = math.radians(piece.start_deg), math.radians(piece.end_deg)
+            sign = math.copysign(1.0, end - start)
+            turned += end - start
+            on = [
+                np.add(piece.center, (piece.radius_m * math.cos(a), piece.radius_m * math.sin(a))) for a in (start, end)
+            ]
+            ends.append((on[0], start + sign * math.pi / 2, on[1], end + sign * math.pi / 2))
+        for (_, _, end, end_yaw), (begin, begin_yaw, _, _) in zip(ends, ends[1:] + ends[:1], strict=True):
+            assert end == pytest.approx(begin, abs=1e-9)
+            assert math.remainder(end_yaw - begin_yaw, 2 * math.pi) == pytest.approx(0, abs=1e-9)
+        assert abs(turned) == pytest.approx(2 * math.pi)
+
+
+def test_both_directions_and_several_shapes_occur(arenas):
+    turned = [
+        sum(p.end_deg - p.start_deg for p in arena.line.pieces if not isinstance(p, StraightPiece)) for arena in arenas
+    ]
+    assert min(sum(t > 0 for t in turned), sum(t < 0 for t in turned)) > 60
+    assert {len(arena.line.pieces) for arena in arenas} == {6, 8, 10, 12}
+    assert {len(arena.walls) for arena in arenas} == {4, 5, 6, 7}
+    counts = [sum(o.name.startswith("Obstacle") for o in arena.obstacles) for arena in arenas]
+    assert set(counts) == {1, 2, 3}
+    assert any(o.name.startswith("Decoy") for arena in arenas for o in arena.obstacles)
+
+
+def test_the_line_passes_the_origin_straight_on(arenas):
+    for arena in arenas:
+        first = arena.line.pieces[0]
+        assert isinstance(first, StraightPiece)
+        assert first.start[1] == pytest.approx(0, abs=1e-12)
+        assert first.end[1] == pytest.approx(0, abs=1e-12)
+        assert first.start[0] <= -0.2 + 1e-9
+        assert first.end[0] >= 0.45 - 1e-9
+
+
+def test_nothing_but_obstacles_stands_in_reach_of_the_robot_or_ahead_of_it(arenas):
+    """Every point of a wall and decoy from every place on the line, one by one."""
+    limits = Clearance()
+    for arena in arenas:
+        points, yaws = sampled(arena, 0.04)
+        decoys = [obstacle_footprint(o) for o in arena.obstacles if o.name.startswith("Decoy")]
+        solid = np.concatenate([edge_points(r) for r in [wall_footprint(w) for w in arena.walls] + decoys])
+        assert np.hypot(*(solid[:, None] - points[None]).T).min() > limits.beside_m - 0.005
+        sensor = points + 0.085 * np.stack([np.cos(yaws), np.sin(yaws)], axis=1)
+        dx, dy = (solid[:, None] - sensor[None]).transpose(2, 0, 1)
+        off_axis = np.abs(np.angle(np.exp(1j * (np.arctan2(dy, dx) - yaws))))
+        assert np.hypot(dx, dy)[off_axis < math.radians(20)].min() > limits.ahead_m - 0.02
+
+
+def test_no_two_stretches_of_line_come_near_each_other(arenas):
+    limit_m = Clearance().stretches_m
+    for arena in arenas:
+        points, _ = sampled(arena, 0.04)
+        along = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+        apart_along = np.abs(along[:, None] - along)
+        apart_along = np.minimum(apart_along, along[-1] - apart_along)
+        apart = np.hypot(*(points[:, None] - points[None]).T)
+        assert apart[apart_along > 0.5].min() > limit_m - 0.04
+
+
+def test_every_obstacle_has_floor_to_pass_it_on_one_side(arenas):
+    """The stored path with the robot's half diagonal around it meets neither wall nor box."""
+    x = np.linspace(0, 0.68, 69)
+    share = np.select([x < 0.26, x < 0.42], [x / 0.26, 1.0], (0.68 - x) / 0.26)
+    aside = 0.19 * (3 * share**2 - 2 * share**3)
+    for arena in arenas:
+        points, yaws = sampled(arena, 0.01)
+        for obstacle in [o for o in arena.obstacles if o.name.startswith("Obstacle")]:
+            nearest = int(np.argmin(np.hypot(*(points - obstacle.center).T)))
+            others = [obstacle_footprint(o) for o in arena.obstacles if o is not obstacle]
+            others += [wall_footprint(w) for w in arena.walls]
+            solid = np.concatenate([edge_points(rectangle) for rectangle in others])
+            along = np.array([np.cos(yaws[nearest]), np.sin(yaws[nearest])])
+            left = np.array([-along[1], along[0]])
+            begin_m = -0.285 - 0.5 * max(obstacle.size[:2])
+            rooms = []
+            for side in (1.0, -1.0):
+                path = points[nearest] + np.outer(x + begin_m, along) + side * np.outer(aside, left)
+                rooms.append(np.hypot(*(solid[:, None] - path[None]).T).min())
+            assert max(rooms) > ROBOT_HALF_DIAGONAL_M
+
+
+def test_the_same_seed_gives_the_same_arena_and_another_field_does_not_change_it():
+    plain = draw_run(load_scenario("random_arenas"), "Lap", 1)
+    again = draw_run(load_scenario("random_arenas"), "Lap", 1)
+    assert plain.model_dump_json() == again.model_dump_json()
+    settings = ("robot.chassis.mass_kg={uniform: [0.8, 1.0]}", "routes.0.start.x_m={uniform: [-0.02, 0.02]}")
+    other = draw_run(load_scenario("random_arenas", settings), "Lap", 1)
+    assert other.start.x_m != plain.start.x_m
+    assert other.arena == plain.arena
+    assert draw_run(load_scenario("random_arenas"), "Lap", 2).arena != plain.arena
+
+
+def test_the_specification_holds_the_arena_and_no_recipe():
+    spec = draw_run(load_scenario("random_arenas"), "Lap", 3)
+    stored = json.loads(spec.model_dump_json())["arena"]
+    assert "generate" not in stored
+    assert len(stored["line"]["pieces"]) >= 6
+    assert spec.drawn["arena.generate.corners"] * 2 == len(stored["line"]["pieces"])
+    assert ArenaConfig.model_validate_json(json.dumps(stored)) == spec.arena
+
+
+@pytest.mark.parametrize("yaw_deg", [0, 90, -135])
+def test_the_line_lies_where_the_route_starts_whatever_the_scenario(yaw_deg):
+    start = f"{{x_m: {{normal: [1.0, 0.01]}}, y_m: -0.5, yaw_deg: {yaw_deg}}}"
+    loaded = load_scenario("random_arenas", [f"routes=[{{name: A, start: {start}}}]"])
+    first = draw_run(loaded, "A", 1).arena.line.pieces[0]
+    assert isinstance(first, StraightPiece)
+    along = np.subtract(first.end, first.start)
+    assert math.atan2(along[1], along[0]) == pytest.approx(math.radians(yaw_deg))
+    to_start = np.subtract((1.0, -0.5), first.start)
+    assert along[0] * to_start[1] - along[1] * to_start[0] == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [
+        ("most_bend_radius_m=0.1", r"arena\.generate\.least_bend_radius_m: got 0\.22, allowed: at most most_bend"),
+        ("least_obstacle_m=0.5", r"arena\.generate\.least_obstacle_m: got 0\.5, allowed: at most most_obstacle_m"),
+        ("least_obstacles=4", r"arena\.generate\.least_obstacles: got 4, allowed: at most most_obstacles, which is 1"),
+        ("walls=2", r"arena\.generate\.walls: got 2, allowed: 0 or 3 and more"),
+        ("corners=2", r"arena\.generate\.corners: got 2, allowed: whole number >= 3"),
+        ("corners={uniform: [5, 3]}", r"arena\.generate\.corners"),
+        ("clearance.stretches_m=1.0", r"least_bend_radius_m: got 0\.22, allowed: at least half of clearance"),
+        ("cornes=4", r"arena\.generate\.cornes: unknown key.*did you mean corners"),
+        ("surfaces=[woood]", r"surfaces.*did you mean wood"),
+        ("surfaces=[]", r"arena\.generate\.surfaces"),
+    ],
+)
+def test_ranges_that_make_no_sense_are_refused(setting, message):
+    with pytest.raises(InputError, match=message) as refusal:
+        load_scenario("random_arenas", [f"arena.generate.{setting}"])
+    assert len(str(refusal.value).splitlines()) == 1
+
+
+def test_ranges_that_admit_no_arena_are_refused_with_the_reason():
+    loaded = load_scenario("random_arenas", ["arena.generate.radius_m=0.3", "arena.generate.corners=12"])
+    message = r"arena\.generate: no arena came out in 200 attempts, in \d+ of them because .*drawn for Lap run 1"
+    with pytest.raises(InputError, match=message):
+        draw_run(loaded, "Lap", 1)
+
+
+def test_a_floor_too_small_is_told():
+    loaded = load_scenario("random_arenas", ["arena.floor.half_extent_m=0.6"])
+    with pytest.raises(InputError, match="because it reaches beyond the floor"):
+        draw_run(loaded, "Lap", 1)
+
+
+def test_a_recipe_and_a_line_of_its_own_do_not_go_together():
+    with pytest.raises(InputError, match=re.escape("arena.walls: 4 of them beside arena.generate")):
+        load_scenario("classroom", ["arena.generate={corners: 4}", "arena.line.pieces=[]", "arena.obstacles=[]"])
+
+
+def test_an_arena_without_a_recipe_is_left_alone():
+    arena = ArenaConfig(name="plain", line=Line())
+    assert generate_arena(arena, (0.0, 0.0, 0.0), stream(1, "x")) is arena
+
+
+def test_an_arc_in_a_right_angle_takes_its_radius_of_either_edge():
+    """tan 45 degrees is 1: a square of 2 m with bends of 0.3 m has straights of 1.4 m and quarter circles."""
+    square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
+    track = rounded(square, ArenaGenerator(least_bend_radius_m=0.3, most_bend_radius_m=0.3), stream(1, "x"))
+    assert track.begin == pytest.approx((0.3, 0.0, 0.0))
+    assert [s.length_m for s in track.segments] == pytest.approx([1.4, 0.15 * math.pi] * 4)
+    assert track.begins[-1] == pytest.approx((0.3, 0.0, 2 * math.pi))
+
+
+def test_poses_along_an_arc_lie_on_its_circle():
+    track = Track((1.0, 2.0, 0.5), (Segment(0.4, 0.0), Segment(1.0, -2.0)))
+    pose = track.poses(np.array([0.4 + 0.25 * math.pi]))[0]
+    # A quarter circle of 0.5 m to the right: half a metre on and half a metre to the right.
+    c, s = math.cos(0.5), math.sin(0.5)
+    assert pose == pytest.approx((1.0 + 0.9 * c + 0.5 * s, 2.0 + 0.9 * s - 0.5 * c, 0.5 - math.pi / 2))
+
+
+STADIUM = Track((-1.0, 0.0, 0.0), tuple(Segment(2.0, 0.0) if i % 2 == 0 else Segment(math.pi, 1.0) for i in range(4)))
+CUBE = Obstacle(name="Cube", center=(0.2, 0.0), size=(0.08, 0.08, 0.12))
+
+
+def stadium(*walls):
+    return Site(replace(STADIUM, start_m=4.0 + math.pi), walls, Clearance())
+
+
+@pytest.mark.parametrize(
+    ("center", "free"),
+    [
+        ((0.3, 0.25), False),  # on the way past the obstacle
+        ((0.25, 0.40), False),  # where the left sensor looks before the robot turns out
+        ((0.6, 0.45), True),
+        ((0.3, -0.30), True),
+    ],
+)
+def test_an_obstacle_on_a_long_straight_is_passed_on_the_left(center, free):
+    site = stadium()
+    assert site.put_obstacle(CUBE, 1.2)
+    assert site.put_decoy(Obstacle(name="Decoy", center=center, size=(0.05, 0.05, 0.12))) is free
+
+
+def test_an_obstacle_beside_a_wall_on_the_left_is_passed_on_the_right():
+    wall = Wall(name="Near", start=(1.2, 0.205), end=(-1.2, 0.205))
+    assert stadium(wall).put_obstacle(CUBE, 1.2)
+    right_side_too = Wall(name="Right", start=(-1.2, -0.30), end=(1.2, -0.30))
+    assert not stadium(wall, right_side_too).put_obstacle(CUBE, 1.2)
+
+
+@pytest.mark.parametrize("at_m", [0.4, 1.5])
+def test_an_obstacle_too_near_a_bend_is_not_put(at_m):
+    """Of 2 m of straight line, 0.50 m are kept before it and 0.62 m behind."""
+    cube = CUBE.model_copy(update={"center": (at_m - 1.0, 0.0)})
+    assert not stadium().put_obstacle(cube, at_m)
+
+
+def test_an_obstacle_at_the_start_is_not_put():
+    assert not Site(replace(STADIUM, start_m=1.0), (), Clearance()).put_obstacle(CUBE, 1.2)

@@ -1,0 +1,23 @@
+"""Laps in arenas drawn at random; `benchmarks/random_arenas.py` drives many more."""
+
+import pytest
+
+from configs.draw import draw_run
+from configs.footprints import Rectangle, overlap
+from configs.loader import load_scenario
+from physics.arena import Arena
+from physics.control.base import State
+from pipeline.stages.simulate import simulate
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_random_arena_is_lapped_without_touching_anything(seed):
+    spec = draw_run(load_scenario("random_arenas", [f"seed={seed}"]), "Lap", 1)
+    outcome = simulate(spec)
+    assert outcome.problems == ()
+    trajectory = outcome.recording.trajectory
+    assert State.AVOID_LEFT in trajectory.state or State.AVOID_RIGHT in trajectory.state
+    boxes = [Rectangle(b.center[:2], b.size[:2], b.yaw_rad) for b in Arena.from_config(spec.arena).boxes]
+    for x, y, yaw in trajectory.pose:
+        body = Rectangle((x, y), (spec.robot.chassis.length_m, spec.robot.chassis.width_m), yaw)
+        assert not any(overlap(body, box) for box in boxes)
