@@ -128,7 +128,7 @@ def _generated(
     try:
         return generate_arena(arena, (start.x_m, start.y_m, math.radians(start.yaw_deg)), rng)
     except NoArenaError as error:
-        cure = "ask for fewer corners or obstacles, a larger radius_m or smaller bends"
+        cure = "ask for fewer corners or obstacles, smaller bends, another radius_m or a larger floor"
         raise Fault(("arena", "generate"), str(error), cure=cure).error(root, note) from None
 
 

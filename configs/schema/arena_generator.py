@@ -51,8 +51,8 @@ class ArenaGenerator(Section):
     """Length over width."""
     clockwise: bool = False
     """Which way round the robot goes."""
-    least_bend_radius_m: float = Field(default=0.22, ge=0.05, le=10)
-    most_bend_radius_m: float = Field(default=0.60, ge=0.05, le=10)
+    least_bend_radius_m: float = Field(default=0.22, ge=0.05, le=5)
+    most_bend_radius_m: float = Field(default=0.60, ge=0.05, le=5)
     walls: int = Field(default=4, ge=0, le=12)
     """Sides of the enclosure; 4 make a rectangle, 0 leave it out."""
     least_wall_clearance_m: float = Field(default=0.35, ge=0.02, le=10)
@@ -95,4 +95,7 @@ class ArenaGenerator(Section):
         if self.least_bend_radius_m < 0.5 * self.clearance.stretches_m:
             allowed = f"at least half of clearance.stretches_m, which is {self.clearance.stretches_m}"
             raise disagreement("least_bend_radius_m", self.least_bend_radius_m, allowed)
+        if self.most_decoy_distance_m < self.clearance.beside_m:
+            allowed = f"at least clearance.beside_m, which is {self.clearance.beside_m}"
+            raise disagreement("most_decoy_distance_m", self.most_decoy_distance_m, allowed)
         return self

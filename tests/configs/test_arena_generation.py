@@ -106,8 +106,10 @@ def test_nothing_but_obstacles_stands_in_reach_of_the_robot_or_ahead_of_it(arena
         assert np.hypot(*(solid[:, None] - points[None]).T).min() > limits.beside_m - 0.005
         sensor = points + 0.085 * np.stack([np.cos(yaws), np.sin(yaws)], axis=1)
         dx, dy = (solid[:, None] - sensor[None]).transpose(2, 0, 1)
-        off_axis = np.abs(np.angle(np.exp(1j * (np.arctan2(dy, dx) - yaws))))
-        assert np.hypot(dx, dy)[off_axis < math.radians(20)].min() > limits.ahead_m - 0.02
+        solid_at, line_at = np.nonzero(np.hypot(dx, dy) <= limits.ahead_m - 0.02)
+        bearing = np.arctan2(dy[solid_at, line_at], dx[solid_at, line_at])
+        off_axis = np.abs(np.angle(np.exp(1j * (bearing - yaws[line_at]))))
+        assert off_axis.min(initial=np.inf) >= math.radians(20)
 
 
 def test_no_two_stretches_of_line_come_near_each_other(arenas):
@@ -185,6 +187,8 @@ def test_the_line_lies_where_the_route_starts_whatever_the_scenario(yaw_deg):
         ("corners=2", r"arena\.generate\.corners: got 2, allowed: whole number >= 3"),
         ("corners={uniform: [5, 3]}", r"arena\.generate\.corners"),
         ("clearance.stretches_m=1.0", r"least_bend_radius_m: got 0\.22, allowed: at least half of clearance"),
+        ("most_decoy_distance_m=0.1", r"most_decoy_distance_m: got 0\.1, allowed: at least clearance\.beside_m"),
+        ("most_bend_radius_m=5.1", r"arena\.generate\.most_bend_radius_m: got 5\.1, allowed: number .*<= 5"),
         ("cornes=4", r"arena\.generate\.cornes: unknown key.*did you mean corners"),
         ("surfaces=[woood]", r"surfaces.*did you mean wood"),
         ("surfaces=[]", r"arena\.generate\.surfaces"),
@@ -207,6 +211,28 @@ def test_a_floor_too_small_is_told():
     loaded = load_scenario("random_arenas", ["arena.floor.half_extent_m=0.6"])
     with pytest.raises(InputError, match="because it reaches beyond the floor"):
         draw_run(loaded, "Lap", 1)
+
+
+@pytest.mark.parametrize(
+    ("half_extent_m", "settings"),
+    [
+        (4.0, ["walls=3"]),  # two sides of a triangle may meet very far away
+        (2.2, ["walls=0", "most_decoys=20"]),
+        (2.4, ["walls=0", "irregularity=0.9", "corners=6", "least_obstacles=0"]),  # bends that lean outwards
+    ],
+)
+def test_all_that_is_drawn_stands_on_the_floor_or_another_attempt_is_made(half_extent_m, settings):
+    loaded = load_scenario(
+        "random_arenas",
+        [f"arena.floor.half_extent_m={half_extent_m}", *(f"arena.generate.{setting}" for setting in settings)],
+    )
+    for run in range(1, 13):
+        spec = draw_run(loaded, "Lap", run)
+        arena = Arena.from_config(spec.arena)
+        tape = np.concatenate([edge for edges in arena.line.edges() for edge in edges])
+        boxes = [obstacle_footprint(obstacle).corners() for obstacle in spec.arena.obstacles]
+        faces = [(wall.start, wall.end) for wall in spec.arena.walls]
+        assert np.abs(np.concatenate([tape, *boxes, *faces])).max() < half_extent_m
 
 
 def test_a_recipe_and_a_line_of_its_own_do_not_go_together():
@@ -237,11 +263,12 @@ def test_poses_along_an_arc_lie_on_its_circle():
 
 
 STADIUM = Track((-1.0, 0.0, 0.0), tuple(Segment(2.0, 0.0) if i % 2 == 0 else Segment(math.pi, 1.0) for i in range(4)))
+FLOOR_M = 4.0
 CUBE = Obstacle(name="Cube", center=(0.2, 0.0), size=(0.08, 0.08, 0.12))
 
 
 def stadium(*walls):
-    return Site(replace(STADIUM, start_m=4.0 + math.pi), walls, Clearance())
+    return Site(replace(STADIUM, start_m=4.0 + math.pi), walls, FLOOR_M, Clearance())
 
 
 @pytest.mark.parametrize(
@@ -274,4 +301,4 @@ def test_an_obstacle_too_near_a_bend_is_not_put(at_m):
 
 
 def test_an_obstacle_at_the_start_is_not_put():
-    assert not Site(replace(STADIUM, start_m=1.0), (), Clearance()).put_obstacle(CUBE, 1.2)
+    assert not Site(replace(STADIUM, start_m=1.0), (), FLOOR_M, Clearance()).put_obstacle(CUBE, 1.2)
