@@ -1,5 +1,6 @@
 """Random arenas: closed and smooth by closed form, with room by brute force, drawn by seed alone."""
 
+import contextlib
 import json
 import math
 import re
@@ -8,11 +9,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from configs.arena_generation import clearance
 from configs.arena_generation.generate import generate_arena
-from configs.arena_generation.outline import rounded
-from configs.arena_generation.site import Site
+from configs.arena_generation.outline import START_AHEAD_M, START_BEHIND_M, draw_outline, rounded
+from configs.arena_generation.rejection import Rejected
+from configs.arena_generation.site import NOTICED_M, Site
 from configs.arena_generation.track import Segment, Track
-from configs.draw import draw_arena, draw_run
+from configs.draw import draw_arena, draw_robot, draw_run
 from configs.errors import InputError
 from configs.footprints import obstacle_footprint, wall_footprint
 from configs.loader import load_scenario, load_section
@@ -20,6 +23,7 @@ from configs.schema.arena import ArenaConfig, Line, Obstacle, StraightPiece, Wal
 from configs.schema.arena_generator import ArenaGenerator, Clearance
 from configs.streams import stream
 from physics.arena import Arena
+from physics.lap import Lap
 
 SEEDS = range(200)
 ROBOT_HALF_DIAGONAL_M = math.hypot(0.09, 0.085)
@@ -28,6 +32,11 @@ ROBOT_HALF_DIAGONAL_M = math.hypot(0.09, 0.085)
 @pytest.fixture(scope="module")
 def recipe():
     return load_section("arena", "random")
+
+
+@pytest.fixture(scope="module")
+def nominal():
+    return draw_robot(load_section("robot", "nominal"), 1)[0]
 
 
 @pytest.fixture(scope="module")
@@ -84,6 +93,17 @@ def test_both_directions_and_several_shapes_occur(arenas):
     counts = [sum(o.name.startswith("Obstacle") for o in arena.obstacles) for arena in arenas]
     assert set(counts) == {1, 2, 3}
     assert any(o.name.startswith("Decoy") for arena in arenas for o in arena.obstacles)
+
+
+@pytest.mark.parametrize("clockwise", [False, True])
+def test_the_robot_goes_round_as_it_is_told(clockwise):
+    """Also round a triangle whose corners are all seen from its middle within half a turn."""
+    recipe, rng = ArenaGenerator(clockwise=clockwise, corners=3, radius_m=20, irregularity=0.9), stream(1, "outlines")
+    for _ in range(1000):
+        with contextlib.suppress(Rejected):
+            track = draw_outline(recipe, (0.0, 0.0, 0.0), rng)
+            turned = track.begins[-1][2] - track.begin[2]
+            assert turned == pytest.approx(-2 * math.pi if clockwise else 2 * math.pi)
 
 
 def test_the_line_passes_the_origin_straight_on(arenas):
@@ -260,6 +280,37 @@ def test_poses_along_an_arc_lie_on_its_circle():
     # A quarter circle of 0.5 m to the right: half a metre on and half a metre to the right.
     c, s = math.cos(0.5), math.sin(0.5)
     assert pose == pytest.approx((1.0 + 0.9 * c + 0.5 * s, 2.0 + 0.9 * s - 0.5 * c, 0.5 - math.pi / 2))
+
+
+def test_sensors_stand_where_robot_nominal_has_them(nominal):
+    mounts = nominal.tof.mounts
+    for there, mount in (
+        (clearance.FRONT_SENSOR, mounts.front),
+        (clearance.LEFT_SENSOR, mounts.left),
+        (clearance.RIGHT_SENSOR, mounts.right),
+    ):
+        assert there == (mount.x_m, mount.y_m, math.radians(mount.yaw_deg))
+    assert math.radians(0.5 * nominal.tof.field_of_view_deg) == clearance.HALF_FIELD_RAD
+
+
+def test_the_room_that_is_kept_is_more_than_robot_nominal_takes(nominal):
+    limits, chassis, avoidance = Clearance(), nominal.chassis, nominal.controller.avoidance
+    assert limits.stretches_m > 3 * (nominal.line_sensor.channels - 1) * nominal.line_sensor.pitch_m
+    assert limits.beside_m > math.hypot(0.5 * chassis.length_m, 0.5 * chassis.width_m)
+    assert limits.ahead_m > avoidance.front_below_m
+    assert limits.passing_m > avoidance.side_m + math.hypot(0.5 * chassis.length_m, 0.5 * chassis.width_m)
+    assert limits.other_side_m > 0.5 * math.hypot(chassis.length_m, chassis.width_m)
+    assert limits.blocked_side_m < avoidance.free_side_beyond_m < limits.free_side_m
+    noticed_m = avoidance.front_below_m + nominal.tof.mounts.front.x_m
+    assert min(NOTICED_M) < noticed_m < max(NOTICED_M)
+    before_m = noticed_m + 0.5 * ArenaGenerator().most_obstacle_m
+    assert limits.before_m > before_m
+    assert limits.after_m > avoidance.out_length_m + avoidance.along_length_m + avoidance.back_length_m - before_m
+
+
+def test_the_straight_line_about_the_start_holds_the_robot_and_the_window_of_the_lap(nominal):
+    assert 0.5 * nominal.chassis.length_m < START_BEHIND_M
+    assert Lap((0.0, 0.0, 0.0)).window_m < START_AHEAD_M
 
 
 STADIUM = Track((-1.0, 0.0, 0.0), tuple(Segment(2.0, 0.0) if i % 2 == 0 else Segment(math.pi, 1.0) for i in range(4)))
