@@ -313,6 +313,14 @@ def test_the_straight_line_about_the_start_holds_the_robot_and_the_window_of_the
     assert Lap((0.0, 0.0, 0.0)).window_m < START_AHEAD_M
 
 
+@pytest.mark.parametrize(("least_m", "near"), [(0.15, False), (0.195, False), (0.205, True), (0.25, True)])
+def test_a_line_comes_as_near_itself_as_two_straights_are_apart(least_m, near):
+    """Half circles of 0.1 m join straights of 1 m; they are 0.2 m apart."""
+    narrow = Track((0.0, 0.0, 0.0), (Segment(1.0, 0.0), Segment(0.1 * math.pi, 10.0)) * 2)
+    points = narrow.poses(np.linspace(0.0, narrow.length_m, 260, endpoint=False))[:, :2]
+    assert clearance.comes_near_itself(points, narrow.length_m / 260, least_m) is near
+
+
 STADIUM = Track((-1.0, 0.0, 0.0), tuple(Segment(2.0, 0.0) if i % 2 == 0 else Segment(math.pi, 1.0) for i in range(4)))
 FLOOR_M = 4.0
 CUBE = Obstacle(name="Cube", center=(0.2, 0.0), size=(0.08, 0.08, 0.12))
