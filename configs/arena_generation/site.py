@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from configs.arena_generation import clearance as room
 from configs.arena_generation.outline import START_AHEAD_M, START_BEHIND_M
 from configs.arena_generation.rejection import Rejected
-from configs.arena_generation.track import Array, Track
+from configs.arena_generation.track import Array, Pose, Track
 from configs.footprints import Rectangle, obstacle_footprint, overlap, wall_footprint
 from configs.schema.arena import Obstacle, Wall
 from configs.schema.arena_generator import Clearance
@@ -66,6 +66,9 @@ class Site:
         if begin_m < self.track.start_m + START_AHEAD_M and end_m > self.track.start_m - START_BEHIND_M:
             return False
         if np.ptp(self.track.poses(np.array([begin_m, at_m, end_m]))[:, 2]) > STRAIGHT_RAD:
+            return False
+        frame: Pose = tuple(self.track.poses(np.array([at_m]))[0].tolist())
+        if np.abs(room.in_frame_of(frame, np.array(rectangle.corners()))[:, 1]).max() > limits.obstacle_reach_m:
             return False
         elsewhere = self._poses[(self._s < begin_m) | (self._s > end_m)]
         if self._meets_others(rectangle) or self._in_the_way(rectangle, elsewhere):

@@ -24,6 +24,8 @@ class Clearance(Section):
     """Straight line before an obstacle's middle: 0.33 m from which it is passed, and some to come in straight."""
     after_m: float = Field(default=0.62, ge=0.02, le=5)
     """Straight line behind an obstacle's middle: the rest of the path, and some to settle on the line."""
+    obstacle_reach_m: float = Field(default=0.10, ge=0.005, le=5)
+    """From the line to the outermost of an obstacle: the path's 0.19 m less half the robot's width."""
     passing_m: float = Field(default=0.35, ge=0.02, le=5)
     """On the side where an obstacle is passed: the path's 0.19 m, the robot's half diagonal, and 35 mm to spare."""
     other_side_m: float = Field(default=0.20, ge=0.02, le=5)

@@ -300,6 +300,7 @@ def test_the_room_that_is_kept_is_more_than_robot_nominal_takes(nominal):
     assert limits.ahead_m > avoidance.front_below_m
     assert limits.passing_m > avoidance.side_m + math.hypot(0.5 * chassis.length_m, 0.5 * chassis.width_m)
     assert limits.other_side_m > 0.5 * math.hypot(chassis.length_m, chassis.width_m)
+    assert limits.obstacle_reach_m < avoidance.side_m - 0.5 * chassis.width_m
     assert limits.blocked_side_m < avoidance.free_side_beyond_m < limits.free_side_m
     noticed_m = avoidance.front_below_m + nominal.tof.mounts.front.x_m
     assert min(NOTICED_M) < noticed_m < max(NOTICED_M)
@@ -357,6 +358,15 @@ def test_an_obstacle_too_near_a_bend_is_not_put(at_m):
     """Of 2 m of straight line, 0.50 m are kept before it and 0.62 m behind."""
     cube = CUBE.model_copy(update={"center": (at_m - 1.0, 0.0)})
     assert not stadium().put_obstacle(cube, at_m)
+
+
+@pytest.mark.parametrize(
+    ("width_m", "turned_deg", "put"), [(0.19, 0, True), (0.21, 0, False), (0.13, 45, True), (0.15, 45, False)]
+)
+def test_an_obstacle_that_reaches_into_the_path_past_it_is_not_put(width_m, turned_deg, put):
+    """0.10 m to either side is free of the path; 0.19 m wide it reaches 0.095 m, 0.15 m square and turned 0.106 m."""
+    wide = CUBE.model_copy(update={"size": (width_m, width_m, 0.12), "yaw_deg": turned_deg})
+    assert stadium().put_obstacle(wide, 1.2) is put
 
 
 def test_an_obstacle_at_the_start_is_not_put():
