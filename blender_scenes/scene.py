@@ -19,6 +19,7 @@ from blender_scenes.shading import Surface
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from physics.arena import Arena, Box
+from physics.obstacle_motion import ObstacleMotion
 
 
 def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> Scene:
@@ -46,17 +47,16 @@ def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> S
 def arena_bounds(arena: Arena) -> tuple[Point2, Point2]:
     """Corners of the rectangle that holds line and boxes, on all of their way; a square metre for an empty arena."""
     points = [np.concatenate(edges) for edges in arena.line.edges()]
-    points += [_reach(box) if box.motion else box.footprint() for box in arena.boxes]
+    points += [box.footprint() if box.motion is None else _reach(box, box.motion) for box in arena.boxes]
     everything = np.concatenate(points) if points else np.array([[-0.5, -0.5], [0.5, 0.5]])
     low, high = everything.min(axis=0), everything.max(axis=0)
     return (float(low[0]), float(low[1])), (float(high[0]), float(high[1]))
 
 
-def _reach(box: Box) -> np.ndarray:
-    """Points (N, 2) whose bounds hold a box on all of its way."""
-    poses = np.array(box.motion.poses if box.motion else ())
-    half = 0.5 * math.hypot(*box.size[:2])
-    return np.concatenate([poses[:, :2] - half, poses[:, :2] + half])
+def _reach(box: Box, motion: ObstacleMotion) -> np.ndarray:
+    """Points (N, 2) whose bounds hold a box on all of its way, however it is turned."""
+    places, half = np.array(motion.poses)[:, :2], 0.5 * math.hypot(*box.size[:2])
+    return np.concatenate([places - half, places + half])
 
 
 Part = tuple[Mesh, tuple[Surface, ...]]

@@ -150,8 +150,7 @@ def _outside_faults(arena: ArenaConfig) -> Iterator[Fault]:
         if isinstance(piece, StraightPiece):
             points += [((*path, "start"), piece.start), ((*path, "end"), piece.end)]
         else:
-            reach = [abs(at) + piece.radius_m for at in piece.center]
-            points.append((path, (reach[0], reach[1])))
+            points += [(path, point) for point in _outermost(piece)]
     for index, wall in enumerate(arena.walls):
         points += [(("arena", "walls", index, "start"), wall.start), (("arena", "walls", index, "end"), wall.end)]
     points += [(("arena", "obstacles", i, "center"), obstacle.center) for i, obstacle in enumerate(arena.obstacles)]
@@ -160,6 +159,15 @@ def _outside_faults(arena: ArenaConfig) -> Iterator[Fault]:
             allowed = f"points on the floor, within {limit} m of the origin along x and y"
             cure = "move it or enlarge arena.floor.half_extent_m"
             yield Fault(path, "beyond the edge of the floor", got=point, allowed=allowed, cure=cure)
+
+
+def _outermost(arc: ArcPiece) -> list[Point]:
+    """Points of an arc among which are those furthest along x and y: its ends, and where it heads along an axis."""
+    low, high = sorted((arc.start_deg, arc.end_deg))
+    quarters = range(math.ceil(low / 90), math.floor(high / 90) + 1)
+    directions = [math.radians(deg) for deg in (low, high, *(90 * quarter for quarter in quarters))]
+    (x, y), r = arc.center, arc.radius_m
+    return [(x + r * math.cos(direction), y + r * math.sin(direction)) for direction in directions]
 
 
 def _robot_faults(robot: RobotConfig) -> Iterator[Fault]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from configs.arena_generation.generate import NoArenaError, generate_arena
+from configs.arena_generation.track import Pose
 from configs.checks import check_run
 from configs.errors import InputError, nearest
 from configs.faults import Fault
@@ -13,7 +14,7 @@ from configs.loader import ArenaAlone, LoadedScenario, LoadedSection, LookAlone,
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
-from configs.schema.scenario import Render, RunSpec, Scenario, StartPose
+from configs.schema.scenario import Render, RunSpec, Scenario
 from configs.streams import stream
 from configs.tree import FieldPath, Node, Scalar, dotted
 from configs.validation import Placed, validated
@@ -50,7 +51,8 @@ def draw_run(loaded: LoadedScenario, route: str, run: int) -> RunSpec:
     scenario = validated(loaded.root, Scenario, values)
     chosen = scenario.routes[names.index(route)]
     if scenario.arena.generate is not None:
-        about = _drawn_about(loaded, start, values).routes[names.index(route)].start
+        middle = _drawn_about(loaded, start, values).routes[names.index(route)].start
+        about = (middle.x_m, middle.y_m, math.radians(middle.yaw_deg))
         rng = stream(loaded.seed, route, run, GENERATE)
         arena = _generated(scenario.arena, about, rng, loaded.root, f"drawn for {route} run {run}")
         scenario = scenario.model_copy(update={"arena": arena})
@@ -76,12 +78,13 @@ def draw_all(loaded: LoadedScenario) -> list[RunSpec]:
     return [draw_run(loaded, route.name, run) for route in loaded.routes for run in range(1, route.runs + 1)]
 
 
-def draw_arena(section: LoadedSection, seed: int, *key: str | int) -> tuple[ArenaConfig, dict[str, Scalar]]:
-    """An arena alone, with its drawn values by path; a generated line passes the origin along +x."""
+def draw_arena(
+    section: LoadedSection, seed: int, *key: str | int, start: Pose = (0.0, 0.0, 0.0)
+) -> tuple[ArenaConfig, dict[str, Scalar]]:
+    """An arena alone, with its drawn values by path; a generated line passes the start straight on."""
     values = _draws(section.placed, seed, key)
     arena = validated(section.root, ArenaAlone, values).arena
-    arena = _generated(arena, StartPose(x_m=0.0, y_m=0.0, yaw_deg=0.0), stream(seed, *key, GENERATE), section.root)
-    return arena, _by_name(values)
+    return _generated(arena, start, stream(seed, *key, GENERATE), section.root), _by_name(values)
 
 
 def draw_robot(section: LoadedSection, seed: int, *key: str | int) -> tuple[RobotConfig, dict[str, Scalar]]:
@@ -122,13 +125,11 @@ def _drawn_about(loaded: LoadedScenario, start: FieldPath, values: Mapping[Field
     return validated(loaded.root, Scenario, {**values, **middle})
 
 
-def _generated(
-    arena: ArenaConfig, start: StartPose, rng: np.random.Generator, root: Node, note: str = ""
-) -> ArenaConfig:
+def _generated(arena: ArenaConfig, start: Pose, rng: np.random.Generator, root: Node, note: str = "") -> ArenaConfig:
     try:
-        return generate_arena(arena, (start.x_m, start.y_m, math.radians(start.yaw_deg)), rng)
+        return generate_arena(arena, start, rng)
     except NoArenaError as error:
-        cure = "ask for fewer corners or obstacles, a larger radius_m or smaller bends"
+        cure = "ask for fewer corners or obstacles, smaller bends, another radius_m or a larger floor"
         raise Fault(("arena", "generate"), str(error), cure=cure).error(root, note) from None
 
 

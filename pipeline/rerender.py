@@ -82,7 +82,7 @@ def prepare(source: Path, request: Request) -> tuple[Source, Appearance]:
                 "--set", got=text, allowed="fields of " + ", ".join(SECTIONS), cure="simulate anew for others"
             )
     found = _timed(read_source(source), request.camera_hz)
-    return found, _appearance(found.spec, request)
+    return found, _appearance(found, request)
 
 
 def read_source(path: Path) -> Source:
@@ -138,12 +138,13 @@ def image_numbers(t_ms: Ints, camera_hz: float) -> Ints:
     return np.where(first, np.cumsum(first), 0)
 
 
-def _appearance(spec: RunSpec | None, request: Request) -> Appearance:
+def _appearance(source: Source, request: Request) -> Appearance:
+    spec = source.spec
     route, run = (spec.route, spec.run) if spec else ("foreign", 1)
     seed = request.seed if request.seed is not None else spec.seed if spec else 1
     look, _ = draw_look(load_section("look", request.look, request.of("look")), seed, route, run)
     return Appearance(
-        arena=_arena(spec, request, seed, route, run),
+        arena=_arena(source, request, seed, route, run),
         robot=_robot(spec, request, seed, route, run),
         look=look,
         render=_render(spec, request, seed, route, run),
@@ -151,11 +152,13 @@ def _appearance(spec: RunSpec | None, request: Request) -> Appearance:
     )
 
 
-def _arena(spec: RunSpec | None, request: Request, seed: int, route: str, run: int) -> ArenaConfig:
-    if spec and not request.arena:
+def _arena(source: Source, request: Request, seed: int, route: str, run: int) -> ArenaConfig:
+    if source.spec and not request.arena:
         _refuse_overrides(request, "arena")
-        return spec.arena
-    return draw_arena(load_section("arena", request.arena or "symolo", request.of("arena")), seed, route, run)[0]
+        return source.spec.arena
+    section = load_section("arena", request.arena or "symolo", request.of("arena"))
+    x_m, y_m, yaw_rad = source.rows.pose[0].tolist()
+    return draw_arena(section, seed, route, run, start=(x_m, y_m, yaw_rad))[0]
 
 
 def _robot(spec: RunSpec | None, request: Request, seed: int, route: str, run: int) -> RobotConfig:

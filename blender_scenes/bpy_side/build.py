@@ -21,7 +21,7 @@ def start() -> None:
 def build(scene: Scene, camera: Intrinsics) -> None:
     """Fills an empty Blender file; the robot hangs on an empty called `R`, the camera is called `C`.
 
-    Moving obstacles are objects of their meshes' names, to be placed for each view.
+    Moving obstacles are called as `moving_name` says, to be placed for each view.
     """
     materials = {surface.name: material(surface) for surface in scene.surfaces}
     for mesh in scene.meshes:
@@ -30,14 +30,19 @@ def build(scene: Scene, camera: Intrinsics) -> None:
     for mesh in scene.robot:
         part = _mesh(mesh, materials)
         part.parent, part.visible_camera = robot, False
-    for mesh in scene.moving:
-        _mesh(mesh, materials)
+    for number, mesh in enumerate(scene.moving):
+        _mesh(mesh, materials).name = moving_name(number)
     for panel in scene.panels:
         _panel(panel)
     if scene.sun is not None:
         _sun(scene.sun)
     _sky(scene.sky)
     _camera(camera)
+
+
+def moving_name(number: int) -> str:
+    """Of the scene's moving mesh with this number, from 0; its own may exceed the 63 bytes that Blender keeps."""
+    return f"moving_{number}"
 
 
 def _place(name: str, data: bpy.types.ID | None) -> bpy.types.Object:

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from blender_scenes.bpy_side.build import CAMERA, ROBOT
+from blender_scenes.bpy_side.build import CAMERA, ROBOT, moving_name
 from blender_scenes.camera import pose_X_WR
 from blender_scenes.description import FrameView
 from blender_scenes.exr import read_exr
@@ -97,7 +97,7 @@ def frame_light(job: RenderJob, view: FrameView) -> np.ndarray:
     size = job.camera.width_px, job.camera.height_px
     sampling = job.sampling
     seed = _noise_seed(sampling.seed, "frame", view.number)
-    return _light(job, view, size, seed=seed, samples=sampling.samples, denoise=sampling.denoise)
+    return _light(view, size, seed=seed, samples=sampling.samples, denoise=sampling.denoise)
 
 
 def metered_light(job: RenderJob) -> np.ndarray:
@@ -108,7 +108,7 @@ def metered_light(job: RenderJob) -> np.ndarray:
     for view in (job.frames[i] for i in chosen):
         seed = _noise_seed(job.sampling.seed, "metering", view.number)
         size = _METERED_WIDTH_PX, height
-        seen.append(_light(job, view, size, seed=seed, samples=_METERING_SAMPLES, denoise=False))
+        seen.append(_light(view, size, seed=seed, samples=_METERING_SAMPLES, denoise=False))
     return np.concatenate(seen)
 
 
@@ -116,9 +116,7 @@ def _noise_seed(seed: int, *path: str | int) -> int:
     return int(stream(seed, "path tracing", *path).integers(2**31))
 
 
-def _light(
-    job: RenderJob, view: FrameView, size: tuple[int, int], *, seed: int, samples: int, denoise: bool
-) -> np.ndarray:
+def _light(view: FrameView, size: tuple[int, int], *, seed: int, samples: int, denoise: bool) -> np.ndarray:
     """(H, W, 3) linear light that the camera receives in a view.
 
     Raises:
@@ -129,7 +127,7 @@ def _light(
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = size
     scene.cycles.seed, scene.cycles.samples, scene.cycles.use_denoising = seed, samples, denoise
-    moving = zip((mesh.name for mesh in job.scene.moving), view.moving, strict=True)
+    moving = ((moving_name(number), pose) for number, pose in enumerate(view.moving))
     for name, pose in ((ROBOT, view.robot_pose), *moving):
         bpy.data.objects[name].matrix_world = Matrix(pose_X_WR(*pose).tolist())
     # Blender's camera looks along its own -z with y up: the optical frame turned half a turn about x.

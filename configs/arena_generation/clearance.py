@@ -79,9 +79,9 @@ def comes_near_itself(points: Array, spacing_m: float, least_m: float) -> bool:
     Points nearer along the line than a half circle of that width do not count; on bends of at least half of it as
     radius, all further ones are further apart.
     """
-    count = len(points)
-    at = points[:, 0] + 1j * points[:, 1]
-    apart = np.abs(at[:, None] - at[None])
-    steps = np.abs(np.arange(count)[:, None] - np.arange(count)[None])
-    along_m = spacing_m * np.minimum(steps, count - steps)
-    return bool((apart[along_m > 0.5 * np.pi * least_m + spacing_m] < least_m).any())
+    nearest = math.floor(0.5 * math.pi * least_m / spacing_m + 1) + 1
+    # One distance along the line after the other: all pairs at once of a long line are more than memory holds.
+    return any(
+        np.hypot(*(points - np.roll(points, steps, axis=0)).T).min() < least_m
+        for steps in range(nearest, len(points) // 2 + 1)
+    )

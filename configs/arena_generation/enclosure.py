@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from configs.arena_generation.rejection import Rejected
+from configs.arena_generation.rejection import BEYOND_THE_FLOOR, Rejected
 from configs.arena_generation.track import Array
 from configs.schema.arena import Wall
 from configs.schema.arena_generator import ArenaGenerator
+from configs.schema.surface import SurfaceName
 
 LEAST_WALL_M = 0.20
 """A shorter side is left to another attempt."""
@@ -13,11 +14,11 @@ UNEVEN = 0.25
 """Share of the even angle between two sides by which each may be turned; a rectangle stays one."""
 
 
-def draw_walls(recipe: ArenaGenerator, line: Array, rng: np.random.Generator) -> tuple[Wall, ...]:
+def draw_walls(recipe: ArenaGenerator, line: Array, half_extent_m: float, rng: np.random.Generator) -> tuple[Wall, ...]:
     """Walls counter-clockwise around the points (N, 2) of the line, their faces inwards.
 
     Raises:
-        Rejected: A side comes out too short, or lies wholly outside the others.
+        Rejected: A side comes out too short, lies wholly outside the others, or ends beyond the floor.
     """
     count = recipe.walls
     if count == 0:
@@ -33,13 +34,16 @@ def draw_walls(recipe: ArenaGenerator, line: Array, rng: np.random.Generator) ->
     along = np.stack([-outwards[:, 1], outwards[:, 0]], axis=1)
     if (sides * along).sum(axis=1).min() < LEAST_WALL_M:
         raise Rejected("a wall comes out too short")
+    surfaces: list[SurfaceName] = [recipe.surfaces[int(rng.integers(len(recipe.surfaces)))] for _ in range(count)]
+    if np.abs(corners).max() > half_extent_m:
+        raise Rejected(BEYOND_THE_FLOOR)
     return tuple(
         Wall(
             name=f"Wall_{i + 1}",
             start=_point(corners[i]),
             end=_point(corners[(i + 1) % count]),
             height_m=recipe.wall_height_m,
-            surface=recipe.surfaces[int(rng.integers(len(recipe.surfaces)))],
+            surface=surfaces[i],
         )
         for i in range(count)
     )

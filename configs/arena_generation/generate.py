@@ -8,7 +8,7 @@ import numpy as np
 from configs.arena_generation.boxes import add_decoy, add_obstacle
 from configs.arena_generation.enclosure import draw_walls
 from configs.arena_generation.outline import draw_outline
-from configs.arena_generation.rejection import Rejected
+from configs.arena_generation.rejection import BEYOND_THE_FLOOR, Rejected
 from configs.arena_generation.site import SPACING_M, Site
 from configs.arena_generation.track import Pose
 from configs.schema.arena import ArenaConfig
@@ -57,12 +57,10 @@ def generate_arena(config: ArenaConfig, start: Pose, rng: np.random.Generator) -
 def _attempt(recipe: ArenaGenerator, half_extent_m: float, start: Pose, rng: np.random.Generator) -> Site:
     track = draw_outline(recipe, start, rng)
     line = track.poses(np.linspace(0.0, track.length_m, math.ceil(track.length_m / SPACING_M)))[:, :2]
-    walls = draw_walls(recipe, line, rng)
-    corners = [wall.start for wall in walls]
-    reach_m = recipe.clearance.beside_m if not walls else 0.0
-    if np.abs(np.concatenate([line, *(np.array([corner]) for corner in corners)])).max() + reach_m > half_extent_m:
-        raise Rejected("it reaches beyond the floor")
-    site = Site(track, walls, recipe.clearance)
+    walls = draw_walls(recipe, line, half_extent_m, rng)
+    if not walls and np.abs(line).max() + recipe.clearance.beside_m > half_extent_m:
+        raise Rejected(BEYOND_THE_FLOOR)
+    site = Site(track, walls, half_extent_m, recipe.clearance)
     for _ in range(recipe.most_obstacles):
         add_obstacle(site, recipe, rng)
     if len(site.obstacles) < recipe.least_obstacles:

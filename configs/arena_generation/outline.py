@@ -32,11 +32,13 @@ def draw_outline(recipe: ArenaGenerator, start: Pose, rng: np.random.Generator) 
     x, y, yaw = start
     begin = (x - behind_m * math.cos(yaw), y - behind_m * math.sin(yaw), yaw)
     laid = Track(begin, track.segments[first:] + track.segments[:first], behind_m)
-    return laid.mirrored() if recipe.clockwise else laid
+    # Not every polygon goes round counter-clockwise: all corners of a triangle may lie to one side of its middle.
+    clockwise = sum(segment.length_m * segment.curvature_1_m for segment in laid.segments) < 0
+    return laid if clockwise == recipe.clockwise else laid.mirrored()
 
 
 def _polygon(recipe: ArenaGenerator, rng: np.random.Generator) -> Array:
-    """Corners (N, 2), counter-clockwise as seen from the middle."""
+    """Corners (N, 2), counter-clockwise as seen from the middle, which may lie outside."""
     count, uneven = recipe.corners, recipe.irregularity
     angle = 2 * np.pi * (np.arange(count) + 0.5 * uneven * rng.uniform(-1, 1, count)) / count
     distance = recipe.radius_m * (1 + uneven * rng.uniform(-1, 1, count))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from configs.arena_generation import clearance as room
 from configs.arena_generation.outline import START_AHEAD_M, START_BEHIND_M
 from configs.arena_generation.rejection import Rejected
-from configs.arena_generation.track import Array, Track
+from configs.arena_generation.track import Array, Pose, Track
 from configs.footprints import Rectangle, obstacle_footprint, overlap, wall_footprint
 from configs.schema.arena import Obstacle, Wall
 from configs.schema.arena_generator import Clearance
@@ -39,8 +39,8 @@ class Passing:
 class Site:
     """Line and walls of an arena with the boxes that stand there so far."""
 
-    def __init__(self, track: Track, walls: tuple[Wall, ...], limits: Clearance) -> None:
-        """Look whether line and walls alone leave room.
+    def __init__(self, track: Track, walls: tuple[Wall, ...], half_extent_m: float, limits: Clearance) -> None:
+        """Look whether line and walls alone leave room, on a floor that holds them.
 
         Raises:
             Rejected: They do not.
@@ -48,6 +48,7 @@ class Site:
         self.track, self.walls = track, walls
         self.obstacles: list[Obstacle] = []
         self.decoys: list[Obstacle] = []
+        self._half_extent_m = half_extent_m
         self._limits = limits
         self._passings: list[Passing] = []
         count = round(track.length_m / SPACING_M)
@@ -65,6 +66,9 @@ class Site:
         if begin_m < self.track.start_m + START_AHEAD_M and end_m > self.track.start_m - START_BEHIND_M:
             return False
         if np.ptp(self.track.poses(np.array([begin_m, at_m, end_m]))[:, 2]) > STRAIGHT_RAD:
+            return False
+        frame: Pose = tuple(self.track.poses(np.array([at_m]))[0].tolist())
+        if np.abs(room.in_frame_of(frame, np.array(rectangle.corners()))[:, 1]).max() > limits.obstacle_reach_m:
             return False
         elsewhere = self._poses[(self._s < begin_m) | (self._s > end_m)]
         if self._meets_others(rectangle) or self._in_the_way(rectangle, elsewhere):
@@ -140,7 +144,9 @@ class Site:
         return Rectangle(center, (limits.after_m + limits.before_m, limits.passing_m + limits.other_side_m), yaw)
 
     def _within(self, rectangle: Rectangle) -> bool:
-        """Whether it stands within the walls: to the left of each, as they go round counter-clockwise."""
+        """Whether it stands on the floor and within the walls: to the left of each, as they go round."""
+        if np.abs(rectangle.corners()).max() > self._half_extent_m:
+            return False
         for wall in self.walls:
             (x0, y0), (x1, y1) = wall.start, wall.end
             if any((x1 - x0) * (y - y0) - (y1 - y0) * (x - x0) < 0 for x, y in rectangle.corners()):

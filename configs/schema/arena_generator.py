@@ -24,6 +24,8 @@ class Clearance(Section):
     """Straight line before an obstacle's middle: 0.33 m from which it is passed, and some to come in straight."""
     after_m: float = Field(default=0.62, ge=0.02, le=5)
     """Straight line behind an obstacle's middle: the rest of the path, and some to settle on the line."""
+    obstacle_reach_m: float = Field(default=0.10, ge=0.005, le=5)
+    """From the line to the outermost of an obstacle: the path's 0.19 m less half the robot's width."""
     passing_m: float = Field(default=0.35, ge=0.02, le=5)
     """On the side where an obstacle is passed: the path's 0.19 m, the robot's half diagonal, and 35 mm to spare."""
     other_side_m: float = Field(default=0.20, ge=0.02, le=5)
@@ -51,8 +53,8 @@ class ArenaGenerator(Section):
     """Length over width."""
     clockwise: bool = False
     """Which way round the robot goes."""
-    least_bend_radius_m: float = Field(default=0.22, ge=0.05, le=10)
-    most_bend_radius_m: float = Field(default=0.60, ge=0.05, le=10)
+    least_bend_radius_m: float = Field(default=0.22, ge=0.05, le=5)
+    most_bend_radius_m: float = Field(default=0.60, ge=0.05, le=5)
     walls: int = Field(default=4, ge=0, le=12)
     """Sides of the enclosure; 4 make a rectangle, 0 leave it out."""
     least_wall_clearance_m: float = Field(default=0.35, ge=0.02, le=10)
@@ -95,4 +97,7 @@ class ArenaGenerator(Section):
         if self.least_bend_radius_m < 0.5 * self.clearance.stretches_m:
             allowed = f"at least half of clearance.stretches_m, which is {self.clearance.stretches_m}"
             raise disagreement("least_bend_radius_m", self.least_bend_radius_m, allowed)
+        if self.most_decoy_distance_m < self.clearance.beside_m:
+            allowed = f"at least clearance.beside_m, which is {self.clearance.beside_m}"
+            raise disagreement("most_decoy_distance_m", self.most_decoy_distance_m, allowed)
         return self

@@ -88,7 +88,8 @@ class RunSpec(Section):
     robot: RobotConfig
     look: LookConfig
     drawn: dict[str, float | int | str | bool]
-    """By field path within this specification, for example `look.sun.elevation_deg`."""
+    """By field path within this specification, for example `look.sun.elevation_deg`; those of a generated arena by
+    their path within its recipe, which the specification no longer has."""
 
     @property
     def key(self) -> str:

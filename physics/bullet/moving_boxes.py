@@ -5,23 +5,24 @@ the overlap only: a box of 0.3 m/s that meets a free one of 1 kg sinks 3.8 mm in
 0.1 mm. Bodies of no mass obey this; those in maximal coordinates do not.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import cos, sin
 
 import numpy as np
 import pybullet
 
-from physics.arena import Arena, Box
+from physics.arena import Arena
+from physics.obstacle_motion import ObstacleMotion
 
 _BLOCK_STEPS = 500
 """Poses are worked out for so many steps at once."""
 
 
 class MovingBoxes:
-    def __init__(self, client: int, boxes: Mapping[int, Box], physics_hz: int) -> None:
-        """Take over the bodies with these ids."""
+    def __init__(self, client: int, paths: Sequence[tuple[int, float, ObstacleMotion]], physics_hz: int) -> None:
+        """Take over bodies, each by its id, the height of its middle [m] and its path."""
         self._client = client
-        self._boxes = dict(boxes)
+        self._paths = tuple(paths)
         self._physics_hz = physics_hz
         self._block: list[list[tuple[int, list[float], list[float], list[float], list[float]]]] = []
         self._first = 0
@@ -29,9 +30,9 @@ class MovingBoxes:
     @classmethod
     def of(cls, client: int, arena: Arena, surface_of_body: Mapping[int, int], physics_hz: int) -> "MovingBoxes | None":
         """None for an arena in which nothing moves, which so costs nothing."""
-        found = {body: arena.boxes[surface - 1] for body, surface in surface_of_body.items() if surface > 0}
-        moving = {body: box for body, box in found.items() if box.motion is not None}
-        return cls(client, moving, physics_hz) if moving else None
+        found = [(body, arena.boxes[surface - 1]) for body, surface in surface_of_body.items() if surface > 0]
+        paths = [(body, box.center[2], box.motion) for body, box in found if box.motion is not None]
+        return cls(client, paths, physics_hz) if paths else None
 
     def place(self, step: int) -> None:
         """Put every box where it is when this step begins, with the velocity that it has then."""
@@ -45,10 +46,8 @@ class MovingBoxes:
         t_s = np.arange(first, first + _BLOCK_STEPS) / self._physics_hz
         self._first = first
         self._block = [[] for _ in t_s]
-        for body, box in self._boxes.items():
-            if box.motion is None:
-                continue
-            poses, rates = box.motion.poses_at(t_s).tolist(), box.motion.rates_at(t_s).tolist()
+        for body, height_m, motion in self._paths:
+            poses, rates = motion.poses_at(t_s).tolist(), motion.rates_at(t_s).tolist()
             for row, (x, y, yaw), (vx, vy, spin) in zip(self._block, poses, rates, strict=True):
                 turn = [0.0, 0.0, sin(0.5 * yaw), cos(0.5 * yaw)]
-                row.append((body, [x, y, box.center[2]], turn, [vx, vy, 0.0], [0.0, 0.0, spin]))
+                row.append((body, [x, y, height_m], turn, [vx, vy, 0.0], [0.0, 0.0, spin]))

@@ -14,7 +14,8 @@ DESCRIPTION = "README.md"
 def markdown(metadata: Metadata, example: RunSpec) -> bytes:
     """The description; dimensions of robot and arena are those of the run `example`."""
     parts = [_head(metadata), _layout(metadata), _columns(metadata), _side_tables(metadata, example)]
-    parts += [_frames(metadata), _robot(example), _arena(example), _runs(metadata), _failed(metadata), _checks()]
+    parts += [_frames(metadata), _robot(example), _arena(metadata, example)]
+    parts += [_runs(metadata), _failed(metadata), _checks()]
     return ("\n\n".join(part for part in parts if part) + "\n").encode()
 
 
@@ -93,8 +94,13 @@ def _robot(spec: RunSpec) -> str:
     )
 
 
-def _arena(spec: RunSpec) -> str:
+def _arena(metadata: Metadata, spec: RunSpec) -> str:
     arena = spec.arena
+    if metadata.scenario.get("arena", {}).get("generate"):
+        whose = f"Each run has an arena of its own, in its side/spec.json; this one is of {spec.key}."
+        pieces_at = "side/spec.json"
+    else:
+        whose, pieces_at = f"Values are those of {spec.key} where they are drawn per run.", "metadata.json"
     rows = [
         (w.name, "wall", f"{_point(w.start)} - {_point(w.end)}", f"height {w.height_m:g} m", w.surface)
         for w in arena.walls
@@ -103,8 +109,9 @@ def _arena(spec: RunSpec) -> str:
         (o.name, "obstacle", _place(o), " x ".join(f"{s:g}" for s in o.size) + " m", o.surface) for o in arena.obstacles
     ]
     return (
-        f"## Arena\n\n{_safe(arena.name)}: {_safe(arena.description)} Line {arena.line.width_m:g} m wide in"
-        f" {len(arena.line.pieces)} pieces (metadata.json). Positions in W [m].\n\n"
+        f"## Arena\n\n{_safe(arena.name)}: {_safe(arena.description.rstrip('.'))}. {whose}"
+        f" Line {arena.line.width_m:g} m wide in {len(arena.line.pieces)} pieces ({pieces_at})."
+        " Positions in W [m].\n\n"
         f"{_table(('name', 'kind', 'position', 'size', 'surface'), rows)}"
     )
 

@@ -1,5 +1,6 @@
 """Random arenas: closed and smooth by closed form, with room by brute force, drawn by seed alone."""
 
+import contextlib
 import json
 import math
 import re
@@ -8,11 +9,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from configs.arena_generation import clearance
 from configs.arena_generation.generate import generate_arena
-from configs.arena_generation.outline import rounded
-from configs.arena_generation.site import Site
+from configs.arena_generation.outline import START_AHEAD_M, START_BEHIND_M, draw_outline, rounded
+from configs.arena_generation.rejection import Rejected
+from configs.arena_generation.site import NOTICED_M, Site
 from configs.arena_generation.track import Segment, Track
-from configs.draw import draw_arena, draw_run
+from configs.draw import draw_arena, draw_robot, draw_run
 from configs.errors import InputError
 from configs.footprints import obstacle_footprint, wall_footprint
 from configs.loader import load_scenario, load_section
@@ -20,6 +23,7 @@ from configs.schema.arena import ArenaConfig, Line, Obstacle, StraightPiece, Wal
 from configs.schema.arena_generator import ArenaGenerator, Clearance
 from configs.streams import stream
 from physics.arena import Arena
+from physics.lap import Lap
 
 SEEDS = range(200)
 ROBOT_HALF_DIAGONAL_M = math.hypot(0.09, 0.085)
@@ -28,6 +32,11 @@ ROBOT_HALF_DIAGONAL_M = math.hypot(0.09, 0.085)
 @pytest.fixture(scope="module")
 def recipe():
     return load_section("arena", "random")
+
+
+@pytest.fixture(scope="module")
+def nominal():
+    return draw_robot(load_section("robot", "nominal"), 1)[0]
 
 
 @pytest.fixture(scope="module")
@@ -86,6 +95,17 @@ def test_both_directions_and_several_shapes_occur(arenas):
     assert any(o.name.startswith("Decoy") for arena in arenas for o in arena.obstacles)
 
 
+@pytest.mark.parametrize("clockwise", [False, True])
+def test_the_robot_goes_round_as_it_is_told(clockwise):
+    """Also round a triangle whose corners are all seen from its middle within half a turn."""
+    recipe, rng = ArenaGenerator(clockwise=clockwise, corners=3, radius_m=20, irregularity=0.9), stream(1, "outlines")
+    for _ in range(1000):
+        with contextlib.suppress(Rejected):
+            track = draw_outline(recipe, (0.0, 0.0, 0.0), rng)
+            turned = track.begins[-1][2] - track.begin[2]
+            assert turned == pytest.approx(-2 * math.pi if clockwise else 2 * math.pi)
+
+
 def test_the_line_passes_the_origin_straight_on(arenas):
     for arena in arenas:
         first = arena.line.pieces[0]
@@ -106,8 +126,10 @@ def test_nothing_but_obstacles_stands_in_reach_of_the_robot_or_ahead_of_it(arena
         assert np.hypot(*(solid[:, None] - points[None]).T).min() > limits.beside_m - 0.005
         sensor = points + 0.085 * np.stack([np.cos(yaws), np.sin(yaws)], axis=1)
         dx, dy = (solid[:, None] - sensor[None]).transpose(2, 0, 1)
-        off_axis = np.abs(np.angle(np.exp(1j * (np.arctan2(dy, dx) - yaws))))
-        assert np.hypot(dx, dy)[off_axis < math.radians(20)].min() > limits.ahead_m - 0.02
+        solid_at, line_at = np.nonzero(np.hypot(dx, dy) <= limits.ahead_m - 0.02)
+        bearing = np.arctan2(dy[solid_at, line_at], dx[solid_at, line_at])
+        off_axis = np.abs(np.angle(np.exp(1j * (bearing - yaws[line_at]))))
+        assert off_axis.min(initial=np.inf) >= math.radians(20)
 
 
 def test_no_two_stretches_of_line_come_near_each_other(arenas):
@@ -185,6 +207,8 @@ def test_the_line_lies_where_the_route_starts_whatever_the_scenario(yaw_deg):
         ("corners=2", r"arena\.generate\.corners: got 2, allowed: whole number >= 3"),
         ("corners={uniform: [5, 3]}", r"arena\.generate\.corners"),
         ("clearance.stretches_m=1.0", r"least_bend_radius_m: got 0\.22, allowed: at least half of clearance"),
+        ("most_decoy_distance_m=0.1", r"most_decoy_distance_m: got 0\.1, allowed: at least clearance\.beside_m"),
+        ("most_bend_radius_m=5.1", r"arena\.generate\.most_bend_radius_m: got 5\.1, allowed: number .*<= 5"),
         ("cornes=4", r"arena\.generate\.cornes: unknown key.*did you mean corners"),
         ("surfaces=[woood]", r"surfaces.*did you mean wood"),
         ("surfaces=[]", r"arena\.generate\.surfaces"),
@@ -207,6 +231,28 @@ def test_a_floor_too_small_is_told():
     loaded = load_scenario("random_arenas", ["arena.floor.half_extent_m=0.6"])
     with pytest.raises(InputError, match="because it reaches beyond the floor"):
         draw_run(loaded, "Lap", 1)
+
+
+@pytest.mark.parametrize(
+    ("half_extent_m", "settings"),
+    [
+        (4.0, ["walls=3"]),  # two sides of a triangle may meet very far away
+        (2.2, ["walls=0", "most_decoys=20"]),
+        (2.4, ["walls=0", "irregularity=0.9", "corners=6", "least_obstacles=0"]),  # bends that lean outwards
+    ],
+)
+def test_all_that_is_drawn_stands_on_the_floor_or_another_attempt_is_made(half_extent_m, settings):
+    loaded = load_scenario(
+        "random_arenas",
+        [f"arena.floor.half_extent_m={half_extent_m}", *(f"arena.generate.{setting}" for setting in settings)],
+    )
+    for run in range(1, 13):
+        spec = draw_run(loaded, "Lap", run)
+        arena = Arena.from_config(spec.arena)
+        tape = np.concatenate([edge for edges in arena.line.edges() for edge in edges])
+        boxes = [obstacle_footprint(obstacle).corners() for obstacle in spec.arena.obstacles]
+        faces = [(wall.start, wall.end) for wall in spec.arena.walls]
+        assert np.abs(np.concatenate([tape, *boxes, *faces])).max() < half_extent_m
 
 
 def test_a_recipe_and_a_line_of_its_own_do_not_go_together():
@@ -236,12 +282,53 @@ def test_poses_along_an_arc_lie_on_its_circle():
     assert pose == pytest.approx((1.0 + 0.9 * c + 0.5 * s, 2.0 + 0.9 * s - 0.5 * c, 0.5 - math.pi / 2))
 
 
+def test_sensors_stand_where_robot_nominal_has_them(nominal):
+    mounts = nominal.tof.mounts
+    for there, mount in (
+        (clearance.FRONT_SENSOR, mounts.front),
+        (clearance.LEFT_SENSOR, mounts.left),
+        (clearance.RIGHT_SENSOR, mounts.right),
+    ):
+        assert there == (mount.x_m, mount.y_m, math.radians(mount.yaw_deg))
+    assert math.radians(0.5 * nominal.tof.field_of_view_deg) == clearance.HALF_FIELD_RAD
+
+
+def test_the_room_that_is_kept_is_more_than_robot_nominal_takes(nominal):
+    limits, chassis, avoidance = Clearance(), nominal.chassis, nominal.controller.avoidance
+    assert limits.stretches_m > 3 * (nominal.line_sensor.channels - 1) * nominal.line_sensor.pitch_m
+    assert limits.beside_m > math.hypot(0.5 * chassis.length_m, 0.5 * chassis.width_m)
+    assert limits.ahead_m > avoidance.front_below_m
+    assert limits.passing_m > avoidance.side_m + math.hypot(0.5 * chassis.length_m, 0.5 * chassis.width_m)
+    assert limits.other_side_m > 0.5 * math.hypot(chassis.length_m, chassis.width_m)
+    assert limits.obstacle_reach_m < avoidance.side_m - 0.5 * chassis.width_m
+    assert limits.blocked_side_m < avoidance.free_side_beyond_m < limits.free_side_m
+    noticed_m = avoidance.front_below_m + nominal.tof.mounts.front.x_m
+    assert min(NOTICED_M) < noticed_m < max(NOTICED_M)
+    before_m = noticed_m + 0.5 * ArenaGenerator().most_obstacle_m
+    assert limits.before_m > before_m
+    assert limits.after_m > avoidance.out_length_m + avoidance.along_length_m + avoidance.back_length_m - before_m
+
+
+def test_the_straight_line_about_the_start_holds_the_robot_and_the_window_of_the_lap(nominal):
+    assert 0.5 * nominal.chassis.length_m < START_BEHIND_M
+    assert Lap((0.0, 0.0, 0.0)).window_m < START_AHEAD_M
+
+
+@pytest.mark.parametrize(("least_m", "near"), [(0.15, False), (0.195, False), (0.205, True), (0.25, True)])
+def test_a_line_comes_as_near_itself_as_two_straights_are_apart(least_m, near):
+    """Half circles of 0.1 m join straights of 1 m; they are 0.2 m apart."""
+    narrow = Track((0.0, 0.0, 0.0), (Segment(1.0, 0.0), Segment(0.1 * math.pi, 10.0)) * 2)
+    points = narrow.poses(np.linspace(0.0, narrow.length_m, 260, endpoint=False))[:, :2]
+    assert clearance.comes_near_itself(points, narrow.length_m / 260, least_m) is near
+
+
 STADIUM = Track((-1.0, 0.0, 0.0), tuple(Segment(2.0, 0.0) if i % 2 == 0 else Segment(math.pi, 1.0) for i in range(4)))
+FLOOR_M = 4.0
 CUBE = Obstacle(name="Cube", center=(0.2, 0.0), size=(0.08, 0.08, 0.12))
 
 
 def stadium(*walls):
-    return Site(replace(STADIUM, start_m=4.0 + math.pi), walls, Clearance())
+    return Site(replace(STADIUM, start_m=4.0 + math.pi), walls, FLOOR_M, Clearance())
 
 
 @pytest.mark.parametrize(
@@ -273,5 +360,14 @@ def test_an_obstacle_too_near_a_bend_is_not_put(at_m):
     assert not stadium().put_obstacle(cube, at_m)
 
 
+@pytest.mark.parametrize(
+    ("width_m", "turned_deg", "put"), [(0.19, 0, True), (0.21, 0, False), (0.13, 45, True), (0.15, 45, False)]
+)
+def test_an_obstacle_that_reaches_into_the_path_past_it_is_not_put(width_m, turned_deg, put):
+    """0.10 m to either side is free of the path; 0.19 m wide it reaches 0.095 m, 0.15 m square and turned 0.106 m."""
+    wide = CUBE.model_copy(update={"size": (width_m, width_m, 0.12), "yaw_deg": turned_deg})
+    assert stadium().put_obstacle(wide, 1.2) is put
+
+
 def test_an_obstacle_at_the_start_is_not_put():
-    assert not Site(replace(STADIUM, start_m=1.0), (), Clearance()).put_obstacle(CUBE, 1.2)
+    assert not Site(replace(STADIUM, start_m=1.0), (), FLOOR_M, Clearance()).put_obstacle(CUBE, 1.2)

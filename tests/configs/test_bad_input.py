@@ -224,6 +224,9 @@ CASES = {
     "arc beyond the floor": piece(
         "{kind: arc, center: [3.5, 0], radius_m: 1, start_deg: 0, end_deg: 90}", "", "beyond the edge of the floor"
     ),
+    "arc beyond the floor at neither of its ends": piece(
+        "{kind: arc, center: [3.5, 0], radius_m: 1, start_deg: -80, end_deg: 80}", "", "got [4.5, 0.0]"
+    ),
     "start beyond the floor": Bad("{x_m: 0.55", "{x_m: 3.95 #!\n   ", "routes.0.start", "beyond the edge of the floor"),
     "start inside an obstacle": Bad(
         "start: {x_m: 0.55, y_m: -0.20, yaw_deg: -90}",

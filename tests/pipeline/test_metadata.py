@@ -6,10 +6,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from configs.draw import draw_run
+from configs.draw import draw_all, draw_run
 from configs.loader import load_scenario
 from pipeline.dataset.checks import check_run
-from pipeline.dataset.metadata import FailedRun, RunRecord, made_with
+from pipeline.dataset.description import markdown
+from pipeline.dataset.metadata import FailedRun, RunRecord, describe, made_with
 from pipeline.dataset.rows import Rows
 from pipeline.progress import LineReport
 from pipeline.stages import simulate_runs
@@ -49,6 +50,21 @@ def test_limits_with_more_digits_than_the_table_do_not_make_its_readings_faults(
     (tmp_path / spec.key / "data.csv").write_bytes(rows.to_csv())
     found = [finding.what for finding in check_run(tmp_path, record) if finding.file.endswith("data.csv")]
     assert found == []
+
+
+def described(scenario):
+    loaded = load_scenario(scenario)
+    specs = draw_all(loaded)
+    records = [RunRecord.of(spec, standing_rows(spec, np.ones((2, 3))), None) for spec in specs]
+    return markdown(describe(loaded.tree, specs, records, []), specs[0]).decode()
+
+
+def test_a_description_says_whose_arena_it_shows():
+    drawn, written = described("random_arenas"), described("smoke")
+    assert "Each run has an arena of its own, in its side/spec.json; this one is of Lap/test_1." in drawn
+    assert "arena of its own" not in written
+    assert "pieces (metadata.json)" not in drawn
+    assert "pieces (metadata.json)" in written
 
 
 def test_a_drawn_truth_stays_one():

@@ -40,6 +40,18 @@ def test_the_same_look_gives_the_same_pictures_and_another_one_others(dataset, t
     assert (other / "data.csv").read_bytes() == (run / "data.csv").read_bytes()
 
 
+@pytest.mark.parametrize("name", ["CW/test_1", "CCW/test_1/data.csv"])
+def test_an_arena_drawn_at_random_has_its_line_where_the_trajectory_begins(dataset, name):
+    _, appearance = prepare(dataset / name, Request("lab", arena="random"))
+    first = appearance.arena.line.pieces[0]
+    yaw_deg = -90 if name.startswith("CW/") else 90
+    along = np.subtract(first.end, first.start)
+    assert np.degrees(np.arctan2(along[1], along[0])) == pytest.approx(yaw_deg, abs=1.0)
+    start = np.genfromtxt(dataset / "/".join(name.split("/")[:2]) / "data.csv", delimiter=",", names=True)[0]
+    to_start = np.subtract((start["x"], start["y"]), first.start)
+    assert along[0] * to_start[1] - along[1] * to_start[0] == pytest.approx(0, abs=1e-6)
+
+
 def test_packages_of_the_same_name_where_the_user_stands_are_not_ours(dataset, tmp_path, symolo, tiny, monkeypatch):
     """A folder `configs` is nothing unusual; no child process may take it for the program's."""
     here = tmp_path / "a folder of the user"
