@@ -6,9 +6,11 @@ from dataclasses import dataclass
 @dataclass(frozen=True)
 class Check:
     what: str
-    holds: bool
+    holds: bool | None
+    """None where too little was measured to say."""
     found: str
     wanted: str
 
     def line(self) -> str:
-        return f"{'holds ' if self.holds else 'MISSED'}  {self.what}: {self.found} (wanted: {self.wanted})"
+        verdict = "open  " if self.holds is None else "holds " if self.holds else "MISSED"
+        return f"{verdict}  {self.what}: {self.found} (wanted: {self.wanted})"
