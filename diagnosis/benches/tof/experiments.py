@@ -19,6 +19,9 @@ READINGS_ELSEWHERE = 60
 
 @dataclass(frozen=True)
 class TofBench:
+    robot: str
+    error_scale: float
+    """What the robot takes of Eq. 24."""
     tones: surfaces.Surfaces
     materials: surfaces.Surfaces
     step: tuple[step.StepScan, ...]
@@ -79,7 +82,9 @@ def tof_bench(robot: RobotConfig, seed: int, readings: int) -> TofBench:
         *field_of_view.checks_of(spots),
         *engine_check.checks_of(engine),
     )
-    return TofBench(tones, materials, steps, tilts, spots, engine, checks, _notes(bench, steps))
+    return TofBench(
+        robot.name, bench.tof.error_scale, tones, materials, steps, tilts, spots, engine, checks, _notes(bench, steps)
+    )
 
 
 def summary(bench: TofBench) -> list[str]:

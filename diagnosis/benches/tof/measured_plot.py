@@ -14,6 +14,7 @@ from diagnosis.benches.tof.static_record import StaticComparison
 
 ACROSS = 3
 BAND = "#DDDDDD"
+LONGEST_NAME = 60
 
 
 def measured_picture(found: MeasuredComparison) -> bytes:
@@ -21,9 +22,9 @@ def measured_picture(found: MeasuredComparison) -> bytes:
     panels: list[Callable[[Axes], None]] = []
     for scan in found.scans:
         if scan.edge is not None:
-            panels.append(lambda axes, edge=scan.edge: _edge(axes, edge))
+            panels.append(lambda axes, name=scan.file, edge=scan.edge: _edge(axes, name, edge))
         if scan.after_move is not None:
-            panels.append(lambda axes, moved=scan.after_move: _after_move(axes, moved))
+            panels.append(lambda axes, name=scan.file, moved=scan.after_move: _after_move(axes, name, moved))
     panels += [lambda axes, record=record: _allan(axes, record) for record in found.static]
     rows = max(1, -(-len(panels) // ACROSS))
     across = min(ACROSS, max(1, len(panels)))
@@ -36,7 +37,13 @@ def measured_picture(found: MeasuredComparison) -> bytes:
     return png(figure)
 
 
-def _edge(axes: Axes, edge: EdgeComparison) -> None:
+def _title(what: str, file: str) -> str:
+    """A file's name may be long and is shown as it is: a dollar sign would begin a formula."""
+    shown = file if len(file) <= LONGEST_NAME else file[: LONGEST_NAME - 3] + "..."
+    return f"{what}\n{shown}".replace("$", r"\$")
+
+
+def _edge(axes: Axes, name: str, edge: EdgeComparison) -> None:
     real, model, falling = edge.measured, edge.model, edge.falling
     axes.plot(real.radius_mm, real.reading_mm, "o", color=BLACK, markersize=5, label="measured")
     axes.plot(model.radius_mm, model.reading_mm, color=VERMILION, linewidth=2, label="model")
@@ -44,7 +51,7 @@ def _edge(axes: Axes, edge: EdgeComparison) -> None:
     axes.plot(falling.radius_mm, falling.reading_mm, "--", color=BLUE, linewidth=2, label=label)
     axes.axvline(edge.falling_fit.radius_mm, color=GREY, linestyle=":", linewidth=2, label="edge of the ball, fitted")
     axes.set(
-        title="Mixed ranges at the edge of a ball",
+        title=_title("Mixed ranges at the edge of a ball", name),
         xlabel="distance from the ball's centre, across [mm]",
         ylabel="median reading [mm]",
         ylim=(0.0, 1.45 * edge.board_mm),
@@ -52,7 +59,7 @@ def _edge(axes: Axes, edge: EdgeComparison) -> None:
     axes.legend(loc="upper left")
 
 
-def _after_move(axes: Axes, moved: AfterMove) -> None:
+def _after_move(axes: Axes, name: str, moved: AfterMove) -> None:
     number = np.arange(1, len(moved.share_of_way) + 1)
     axes.bar(number, moved.share_of_way, 0.6, color=BAND, edgecolor=BLACK, label="measured")
     axes.plot(
@@ -62,7 +69,7 @@ def _after_move(axes: Axes, moved: AfterMove) -> None:
         number, moved.model, "+--", color=VERMILION, markersize=10, markeredgewidth=2, label="model as configured"
     )
     axes.set(
-        title=f"After a move ({moved.moves} moves)",
+        title=_title(f"After a move ({moved.moves} moves)", name),
         xlabel="number of the reading at the new place",
         ylabel="share of the way from the old to the new range",
         ylim=(-0.05, 1.5),
@@ -79,7 +86,7 @@ def _allan(axes: Axes, record: StaticComparison) -> None:
     white = record.white_sd_mm / np.sqrt(averaged * record.rate_hz)
     axes.loglog(averaged, white, ":", color=BLUE, linewidth=2, label="white noise of the measured size")
     axes.set(
-        title=f"Standing still at {record.mean_mm:.0f} mm",
+        title=_title(f"Standing still at {record.mean_mm:.0f} mm", record.file),
         xlabel="averaged over [s]",
         ylabel="Allan deviation [mm]",
     )

@@ -20,17 +20,19 @@ BAND = "#DDDDDD"
 
 
 def tof_picture(bench: TofBench) -> bytes:
-    """PNG, three by three."""
+    """PNG, three by three; what the paper prints is black, for "paper" is a material too."""
     figure = Figure(figsize=(17, 14.5), layout="constrained")
+    figure.suptitle(f"Range bench: robot {bench.robot}")
     axes = figure.subplots(3, 3)
     _means_at_hundred(axes[0, 0], bench)
     _deviations_at_hundred(axes[0, 1], bench)
-    _errors(axes[0, 2], bench.tones, "1  Tones: mean less distance", equation_24=True)
+    _errors(axes[0, 2], bench.tones, "1  Tones: mean less distance")
+    _equation_24(axes[0, 2], bench.error_scale)
     _deviations(axes[1, 0], bench.tones)
-    _errors(axes[1, 1], bench.materials, "2  Materials: mean less distance", equation_24=False)
+    _errors(axes[1, 1], bench.materials, "2  Materials: mean less distance")
     _steps(axes[1, 2], bench)
     _widths(axes[2, 0], bench)
-    _tilts(axes[2, 1], [curve for curve in bench.tilt if curve.axis == "sideways"])
+    _tilts(axes[2, 1], bench.tilt)
     _spots(axes[2, 2], bench)
     for panel in axes.flat:
         panel.grid(color=BAND, linewidth=0.6)
@@ -49,9 +51,9 @@ def _means_at_hundred(axes: Axes, bench: TofBench) -> None:
     names, table = _rows(bench)
     places = np.arange(len(names))
     axes.errorbar(
-        places, table[:, 2], yerr=0.5, fmt="none", ecolor=GREY, elinewidth=9, alpha=0.45, label="paper ± 0.5 mm"
+        places, table[:, 2], yerr=0.5, fmt="none", ecolor=GREY, elinewidth=9, alpha=0.45, label="printed ± 0.5 mm"
     )
-    axes.plot(places, table[:, 2], "o", color=BLACK, markersize=8, markerfacecolor="none", label="paper (Tables 3, 4)")
+    axes.plot(places, table[:, 2], "o", color=BLACK, markersize=8, markerfacecolor="none", label="printed, Tables 3, 4")
     axes.plot(places, table[:, 0], "x", color=VERMILION, markersize=8, markeredgewidth=2, label="simulated")
     axes.set(title="1, 2  Mean at 100 mm", ylabel="mean reading [mm]")
     _name_surfaces(axes, names)
@@ -61,8 +63,8 @@ def _means_at_hundred(axes: Axes, bench: TofBench) -> None:
 def _deviations_at_hundred(axes: Axes, bench: TofBench) -> None:
     names, table = _rows(bench)
     places = np.arange(len(names))
-    axes.bar(places, 0.3 * table[:, 3], 0.5, bottom=0.85 * table[:, 3], color=BAND, label="paper ± 15 %")
-    axes.plot(places, table[:, 3], "o", color=BLACK, markersize=8, markerfacecolor="none", label="paper (Tables 3, 4)")
+    axes.bar(places, 0.3 * table[:, 3], 0.5, bottom=0.85 * table[:, 3], color=BAND, label="printed ± 15 %")
+    axes.plot(places, table[:, 3], "o", color=BLACK, markersize=8, markerfacecolor="none", label="printed, Tables 3, 4")
     axes.plot(places, table[:, 1], "x", color=VERMILION, markersize=8, markeredgewidth=2, label="simulated")
     axes.set(title="1, 2  Deviation at 100 mm", ylabel="standard deviation [mm]", ylim=(0.0, 2.3))
     _name_surfaces(axes, names)
@@ -77,12 +79,12 @@ def _values(column: tuple[float | None, ...]) -> Array:
     return np.array([np.nan if value is None else value for value in column])
 
 
-def _errors(axes: Axes, surfaces: Surfaces, title: str, *, equation_24: bool) -> None:
+def _errors(axes: Axes, surfaces: Surfaces, title: str) -> None:
     for number, curve in enumerate(surfaces.curves):
         off = _values(curve.mean_mm) - curve.distance_mm
         axes.plot(curve.distance_mm, off, color=COLOURS[number], linestyle=DASHES[number], label=_name(curve))
     for number, row in enumerate(surfaces.table):
-        label = "paper at 100 mm" if number == 0 else None
+        label = "printed, at 100 mm" if number == 0 else None
         axes.plot(
             100.0,
             row.paper_mean_mm - 100.0,
@@ -93,12 +95,15 @@ def _errors(axes: Axes, surfaces: Surfaces, title: str, *, equation_24: bool) ->
             label=label,
             zorder=3,
         )
-    if equation_24:
-        distance = np.linspace(40.0, 1200.0, 200)
-        axes.plot(
-            distance, 1e3 * log_error_m(1e-3 * distance), color=GREY, linewidth=3, alpha=0.6, label="paper Eq. 24"
-        )
     axes.set(title=title, xlabel="distance [mm]", ylabel="mean reading less distance [mm]")
+    axes.legend(loc="upper left")
+
+
+def _equation_24(axes: Axes, scale: float) -> None:
+    distance = np.linspace(40.0, 1200.0, 200)
+    label = f"Eq. 24 in full; the robot takes {scale:g} of it"
+    axes.plot(distance, 1e3 * log_error_m(1e-3 * distance), color=GREY, linewidth=3, alpha=0.6, label=label)
+    axes.set_ylim(top=1.45 * axes.get_ylim()[1])
     axes.legend(loc="upper left")
 
 
@@ -119,7 +124,7 @@ def _deviations(axes: Axes, tones: Surfaces) -> None:
         )
     distance = np.linspace(40.0, 1200.0, 200)
     equation = 1e3 * noise_sd_m(np.full_like(distance, 1.41e-3), 1e-3 * distance)
-    axes.plot(distance, equation, color=GREY, linewidth=3, alpha=0.7, label="paper Eq. 23, in x - 0.18 m")
+    axes.plot(distance, equation, color=GREY, linewidth=3, alpha=0.7, label="Eq. 23, in x - 0.18 m")
     axes.set(title="1  Tones: deviation", xlabel="distance [mm]", ylabel="standard deviation [mm]")
     axes.set_ylim(bottom=0.0)
     axes.legend(loc="upper left")
@@ -155,8 +160,9 @@ def _widths(axes: Axes, bench: TofBench) -> None:
     axes.legend(loc="upper left")
 
 
-def _tilts(axes: Axes, curves: list[TiltCurve]) -> None:
-    for number, curve in enumerate(curves):
+def _tilts(axes: Axes, curves: tuple[TiltCurve, ...]) -> None:
+    aside, up = ([curve for curve in curves if curve.axis == axis] for axis in ("sideways", "up_and_down"))
+    for number, curve in enumerate(aside):
         colour = COLOURS[number]
         axes.plot(curve.angle_deg, curve.noiseless_mm, color=colour, linestyle=DASHES[number])
         axes.plot(
@@ -168,9 +174,18 @@ def _tilts(axes: Axes, curves: list[TiltCurve]) -> None:
             markerfacecolor="none",
             label=f"at {curve.distance_mm:.0f} mm",
         )
-        label = "paper at 0°" if number == 0 else None
-        axes.plot(0.0, curve.distance_mm, "o", color=BLACK, markersize=9, markerfacecolor="none", label=label)
-    axes.set(title="4  Tilt to the sides", xlabel="angle [°]", ylabel="mean reading [mm]", ylim=(0.0, 620.0))
+    for number, curve in enumerate(up):
+        label = "up and down" if number == 0 else None
+        axes.plot(curve.angle_deg, curve.mean_mm, "+", color=GREY, markersize=7, label=label)
+    distance = [curve.distance_mm for curve in aside]
+    level = [0.0] * len(distance)
+    axes.plot(level, distance, "o", color=BLACK, markersize=9, markerfacecolor="none", label="distance, at 0°")
+    axes.set(
+        title="4  Tilt: means to the sides, lines without noise",
+        xlabel="angle [°]",
+        ylabel="mean reading [mm]",
+        ylim=(0.0, 620.0),
+    )
     axes.legend(loc="upper left", ncols=2)
 
 
