@@ -7,8 +7,8 @@ import numpy as np
 from configs.errors import InputError
 from configs.schema.arena import SurfaceName
 from configs.schema.robot import RobotConfig
-from diagnosis.benches.check import Check
 from diagnosis.benches.tof import engine_check, field_of_view, step, surfaces, tilt
+from diagnosis.benches.tof.check import Check
 from diagnosis.benches.tof.paper import DISTANCES_MM, STEP_HEIGHT_MM, TABLE_3, TABLE_4
 from diagnosis.benches.tof.stand import Bench, Stand, closed_form, seen_mm, target
 from sensors.tof import log_error_m

@@ -13,7 +13,7 @@ from diagnosis.benches.tof.tilt import TiltCurve
 from sensors.base import Array
 from sensors.tof import log_error_m, noise_sd_m
 
-COLOURS = (BLACK, BLUE, VERMILION, GREEN, PURPLE, ORANGE)
+COLORS = (BLACK, BLUE, VERMILION, GREEN, PURPLE, ORANGE)
 DASHES = ("-", "--", "-.", ":", (0, (6, 1.5, 1, 1.5, 1, 1.5)), (0, (1, 1)))
 MARKS = ("o", "s", "^", "v", "D", "P")
 BAND = "#DDDDDD"
@@ -82,14 +82,14 @@ def _values(column: tuple[float | None, ...]) -> Array:
 def _errors(axes: Axes, surfaces: Surfaces, title: str) -> None:
     for number, curve in enumerate(surfaces.curves):
         off = _values(curve.mean_mm) - curve.distance_mm
-        axes.plot(curve.distance_mm, off, color=COLOURS[number], linestyle=DASHES[number], label=_name(curve))
+        axes.plot(curve.distance_mm, off, color=COLORS[number], linestyle=DASHES[number], label=_name(curve))
     for number, row in enumerate(surfaces.table):
         label = "printed, at 100 mm" if number == 0 else None
         axes.plot(
             100.0,
             row.paper_mean_mm - 100.0,
             MARKS[number],
-            color=COLOURS[number],
+            color=COLORS[number],
             markeredgecolor=BLACK,
             markersize=7,
             label=label,
@@ -117,7 +117,7 @@ def _deviations(axes: Axes, tones: Surfaces) -> None:
             curve.distance_mm,
             _values(curve.sd_mm),
             MARKS[number],
-            color=COLOURS[number],
+            color=COLORS[number],
             markersize=4,
             markerfacecolor="none",
             label=_name(curve),
@@ -134,9 +134,9 @@ def _steps(axes: Axes, bench: TofBench) -> None:
     for number, scan in enumerate(bench.step):
         position = np.array(scan.position_mm) - EDGE_MM
         readings = _values(scan.reading_mm)
-        axes.plot(position, readings, ".", color=COLOURS[number], markersize=2, alpha=0.5)
+        axes.plot(position, readings, ".", color=COLORS[number], markersize=2, alpha=0.5)
         label = f"at {scan.distance_mm:.0f} mm"
-        axes.plot(position, scan.noiseless_mm, color=COLOURS[number], linestyle=DASHES[number], label=label)
+        axes.plot(position, scan.noiseless_mm, color=COLORS[number], linestyle=DASHES[number], label=label)
         half = 0.5 * scan.footprint_mm
         axes.plot([-half, half], [scan.before_mm, scan.after_mm], "k|", markersize=10, markeredgewidth=2)
     axes.plot([], [], "k|", markersize=10, markeredgewidth=2, label="paper: edges of 2 d tan 12.5°")
@@ -163,13 +163,13 @@ def _widths(axes: Axes, bench: TofBench) -> None:
 def _tilts(axes: Axes, curves: tuple[TiltCurve, ...]) -> None:
     aside, up = ([curve for curve in curves if curve.axis == axis] for axis in ("sideways", "up_and_down"))
     for number, curve in enumerate(aside):
-        colour = COLOURS[number]
-        axes.plot(curve.angle_deg, curve.noiseless_mm, color=colour, linestyle=DASHES[number])
+        color = COLORS[number]
+        axes.plot(curve.angle_deg, curve.noiseless_mm, color=color, linestyle=DASHES[number])
         axes.plot(
             curve.angle_deg,
             curve.mean_mm,
             MARKS[number],
-            color=colour,
+            color=color,
             markersize=4,
             markerfacecolor="none",
             label=f"at {curve.distance_mm:.0f} mm",

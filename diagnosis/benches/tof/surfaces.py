@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from configs.schema.arena import SurfaceName
-from diagnosis.benches.check import Check
+from diagnosis.benches.tof.check import Check
 from diagnosis.benches.tof.paper import MEAN_WITHIN_MM, SD_WITHIN, TABLE_3, TABLE_4, Printed
 from diagnosis.benches.tof.stand import Bench, Stand, closed_form, grid, target, valid_mm
 from sensors.base import Array

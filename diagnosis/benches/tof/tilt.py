@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from diagnosis.benches.check import Check
+from diagnosis.benches.tof.check import Check
 from diagnosis.benches.tof.paper import DISTANCES_MM
 from diagnosis.benches.tof.stand import Bench, Stand, closed_form, grid, seen_mm, target
 
