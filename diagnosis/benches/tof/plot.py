@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from diagnosis.benches.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, png
+from diagnosis.benches.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, PURPLE, SKY, VERMILION, finished, png
 from diagnosis.benches.tof.experiments import TofBench
 from diagnosis.benches.tof.paper import footprint_mm
 from diagnosis.benches.tof.step import EDGE_MM
@@ -16,7 +16,6 @@ from sensors.tof import log_error_m, noise_sd_m
 COLORS = (BLACK, BLUE, VERMILION, GREEN, PURPLE, ORANGE)
 DASHES = ("-", "--", "-.", ":", (0, (6, 1.5, 1, 1.5, 1, 1.5)), (0, (1, 1)))
 MARKS = ("o", "s", "^", "v", "D", "P")
-BAND = "#DDDDDD"
 
 
 def tof_picture(bench: TofBench) -> bytes:
@@ -34,9 +33,6 @@ def tof_picture(bench: TofBench) -> bytes:
     _widths(axes[2, 0], bench)
     _tilts(axes[2, 1], bench.tilt)
     _spots(axes[2, 2], bench)
-    for panel in axes.flat:
-        panel.grid(color=BAND, linewidth=0.6)
-        panel.set_axisbelow(True)
     return png(figure)
 
 
@@ -55,20 +51,19 @@ def _means_at_hundred(axes: Axes, bench: TofBench) -> None:
     )
     axes.plot(places, table[:, 2], "o", color=BLACK, markersize=8, markerfacecolor="none", label="printed, Tables 3, 4")
     axes.plot(places, table[:, 0], "x", color=VERMILION, markersize=8, markeredgewidth=2, label="simulated")
-    axes.set(title="1, 2  Mean at 100 mm", ylabel="mean reading [mm]")
     _name_surfaces(axes, names)
-    axes.legend(loc="lower right")
+    finished(axes, "1, 2  Mean at 100 mm", "", "mean reading [mm]", loc="lower right")
 
 
 def _deviations_at_hundred(axes: Axes, bench: TofBench) -> None:
     names, table = _rows(bench)
     places = np.arange(len(names))
-    axes.bar(places, 0.3 * table[:, 3], 0.5, bottom=0.85 * table[:, 3], color=BAND, label="printed ± 15 %")
+    axes.bar(places, 0.3 * table[:, 3], 0.5, bottom=0.85 * table[:, 3], color=PALE, label="printed ± 15 %")
     axes.plot(places, table[:, 3], "o", color=BLACK, markersize=8, markerfacecolor="none", label="printed, Tables 3, 4")
     axes.plot(places, table[:, 1], "x", color=VERMILION, markersize=8, markeredgewidth=2, label="simulated")
-    axes.set(title="1, 2  Deviation at 100 mm", ylabel="standard deviation [mm]", ylim=(0.0, 2.3))
+    axes.set_ylim(0.0, 1.3 * table[:, 3].max())
     _name_surfaces(axes, names)
-    axes.legend(loc="upper left")
+    finished(axes, "1, 2  Deviation at 100 mm", "", "standard deviation [mm]", loc="upper left")
 
 
 def _name_surfaces(axes: Axes, names: list[str]) -> None:
@@ -95,8 +90,7 @@ def _errors(axes: Axes, surfaces: Surfaces, title: str) -> None:
             label=label,
             zorder=3,
         )
-    axes.set(title=title, xlabel="distance [mm]", ylabel="mean reading less distance [mm]")
-    axes.legend(loc="upper left")
+    finished(axes, title, "distance [mm]", "mean reading less distance [mm]", loc="upper left")
 
 
 def _equation_24(axes: Axes, scale: float) -> None:
@@ -104,7 +98,7 @@ def _equation_24(axes: Axes, scale: float) -> None:
     label = f"Eq. 24 in full; the robot takes {scale:g} of it"
     axes.plot(distance, 1e3 * log_error_m(1e-3 * distance), color=GREY, linewidth=3, alpha=0.6, label=label)
     axes.set_ylim(top=1.45 * axes.get_ylim()[1])
-    axes.legend(loc="upper left")
+    axes.legend(fontsize="small", loc="upper left")
 
 
 def _name(curve: OverDistance) -> str:
@@ -125,9 +119,8 @@ def _deviations(axes: Axes, tones: Surfaces) -> None:
     distance = np.linspace(40.0, 1200.0, 200)
     equation = 1e3 * noise_sd_m(np.full_like(distance, 1.41e-3), 1e-3 * distance)
     axes.plot(distance, equation, color=GREY, linewidth=3, alpha=0.7, label="Eq. 23, in x - 0.18 m")
-    axes.set(title="1  Tones: deviation", xlabel="distance [mm]", ylabel="standard deviation [mm]")
     axes.set_ylim(bottom=0.0)
-    axes.legend(loc="upper left")
+    finished(axes, "1  Tones: deviation", "distance [mm]", "standard deviation [mm]", loc="upper left")
 
 
 def _steps(axes: Axes, bench: TofBench) -> None:
@@ -140,14 +133,14 @@ def _steps(axes: Axes, bench: TofBench) -> None:
         half = 0.5 * scan.footprint_mm
         axes.plot([-half, half], [scan.before_mm, scan.after_mm], "k|", markersize=10, markeredgewidth=2)
     axes.plot([], [], "k|", markersize=10, markeredgewidth=2, label="paper: edges of 2 d tan 12.5°")
-    axes.set(title="3  Step of 106 mm", xlabel="position from the edge [mm]", ylabel="reading [mm]", ylim=(0.0, 640.0))
-    axes.legend(loc="upper left", ncols=2)
+    axes.set_ylim(0.0, 640.0)
+    finished(axes, "3  Step of 106 mm", "position from the edge [mm]", "reading [mm]", loc="upper left", ncols=2)
 
 
 def _widths(axes: Axes, bench: TofBench) -> None:
     distance = np.array([scan.distance_mm for scan in bench.step])
     footprint = np.array([footprint_mm(value) for value in distance])
-    axes.fill_between(distance, 0.9 * footprint, 1.1 * footprint, color=BAND, label="± 10 %")
+    axes.fill_between(distance, 0.9 * footprint, 1.1 * footprint, color=PALE, label="± 10 %")
     axes.plot(distance, footprint, "o", color=BLACK, markersize=8, markerfacecolor="none", label="paper: 2 d tan 12.5°")
     axes.plot(
         distance, 0.687 * footprint, color=SKY, linestyle=":", linewidth=2.5, label="10-90 % of a disc of even light"
@@ -156,8 +149,7 @@ def _widths(axes: Axes, bench: TofBench) -> None:
     nearly = [scan.width_1_99_mm for scan in bench.step]
     axes.plot(distance, narrow, "x-", color=VERMILION, markeredgewidth=2, label="simulated, 10-90 %")
     axes.plot(distance, nearly, "+--", color=BLUE, markersize=9, markeredgewidth=2, label="simulated, 1-99 %")
-    axes.set(title="3  Width of the step", xlabel="distance to the box [mm]", ylabel="width [mm]")
-    axes.legend(loc="upper left")
+    finished(axes, "3  Width of the step", "distance to the box [mm]", "width [mm]", loc="upper left")
 
 
 def _tilts(axes: Axes, curves: tuple[TiltCurve, ...]) -> None:
@@ -180,13 +172,9 @@ def _tilts(axes: Axes, curves: tuple[TiltCurve, ...]) -> None:
     distance = [curve.distance_mm for curve in aside]
     level = [0.0] * len(distance)
     axes.plot(level, distance, "o", color=BLACK, markersize=9, markerfacecolor="none", label="distance, at 0°")
-    axes.set(
-        title="4  Tilt: means to the sides, lines without noise",
-        xlabel="angle [°]",
-        ylabel="mean reading [mm]",
-        ylim=(0.0, 620.0),
-    )
-    axes.legend(loc="upper left", ncols=2)
+    axes.set_ylim(0.0, 620.0)
+    title = "4  Tilt: means to the sides, lines without noise"
+    finished(axes, title, "angle [°]", "mean reading [mm]", loc="upper left", ncols=2)
 
 
 def _spots(axes: Axes, bench: TofBench) -> None:
@@ -195,6 +183,5 @@ def _spots(axes: Axes, bench: TofBench) -> None:
     ours = [spot.diameter_mm for spot in bench.field_of_view]
     axes.plot(distance, paper, "o", color=BLACK, markersize=8, markerfacecolor="none", label="paper: 2 d tan 12.5°")
     axes.plot(distance, ours, "x-", color=VERMILION, markeredgewidth=2, label="simulated, outermost ray")
-    axes.set(title="5  Field of view", xlabel="distance [mm]", ylabel="diameter [mm]")
     axes.set_ylim(bottom=0.0)
-    axes.legend(loc="upper left")
+    finished(axes, "5  Field of view", "distance [mm]", "diameter [mm]", loc="upper left")
