@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtri
 
 from configs.schema.robot import LineSensor
-from diagnosis.benches.line_rig import Tape, readings, sensor, without_faults
+from diagnosis.benches.line_rig import Tape, readings, sensor, spot_diameter_m, without_faults
 from sensors.line_sensor import channel_weights
 
 Array = NDArray[np.float64]
@@ -51,7 +51,7 @@ def crossings(config: LineSensor, tape: Tape, seed: int) -> tuple[Crossing, ...]
 
 def _crossing(config: LineSensor, height_m: float, tape: Tape, seed: int) -> Crossing:
     at_height = config.model_copy(update={"height_m": height_m})
-    diameter_m = config.spot_diameter_at_floor_m + config.spot_growth * height_m
+    diameter_m = spot_diameter_m(config, height_m)
     channel_y_m = channel_weights(config.channels) * config.pitch_m
     reach_m = float(channel_y_m.max()) + tape.width_m + diameter_m
     fine, coarse = np.linspace(-reach_m, reach_m, FINE_POINTS), np.linspace(-reach_m, reach_m, COARSE_POINTS)

@@ -60,6 +60,11 @@ def readings(model: LineSensorModel, y_m: Array) -> Array:
     return np.array([model.sample(Standing(y)) for y in y_m.tolist()])
 
 
+def spot_diameter_m(config: LineSensor, height_m: float) -> float:
+    """Of one channel's spot on the floor, an evenly lit disc; its standard deviation across is a quarter of it."""
+    return config.spot_diameter_at_floor_m + config.spot_growth * height_m
+
+
 def without_faults(config: LineSensor, **changes: float) -> LineSensor:
     """The same sensor with equal channels, no noise, no failed reading and the finest converter."""
     quiet = {"gain_sd": 0.0, "offset_sd": 0.0, "noise_sd": 0.0, "dropout_probability": 0.0, "adc_bits": 16}

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from configs.schema.robot import LineSensor
-from diagnosis.benches.line_rig import Tape, readings, sensor, without_faults
+from diagnosis.benches.line_rig import Tape, readings, sensor, spot_diameter_m, without_faults
 from physics.control.following import line_error
 
 POINTS = 961
@@ -52,7 +52,7 @@ def threshold_bench(config: LineSensor, tape: Tape) -> Threshold:
     quiet = without_faults(config, adc_bits=config.adc_bits)
     offset = np.linspace(-REACH_PITCHES, REACH_PITCHES, POINTS) * config.pitch_m
     rows = readings(sensor(quiet, tape, 0), offset)
-    spot_sd_m = 0.25 * (config.spot_diameter_at_floor_m + config.spot_growth * config.height_m)
+    spot_sd_m = 0.25 * spot_diameter_m(config, config.height_m)
     share = (tape.floor_reflectance - config.threshold) / (tape.floor_reflectance - tape.reflectance)
     inside_m = spot_sd_m * float(ndtri(share))
     return Threshold(

@@ -1,6 +1,7 @@
 """The picture of the motor bench: steady states with residuals (the paper's Fig. 10), steps, stiction, energy."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -13,6 +14,15 @@ from diagnosis.benches.motor_stiction import StictionBench
 from diagnosis.benches.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, SKY, VERMILION, finished, png
 
 STEP_STYLES = ((SKY, ":"), (GREEN, "-."), (VERMILION, "--"), (BLUE, "-"))
+
+
+@dataclass(frozen=True)
+class _Style:
+    color: str
+    dashes: str
+    marker: str
+    width: float
+    """Of the line [points]."""
 
 
 def motor_picture(bench: MotorBench) -> bytes:
@@ -32,38 +42,41 @@ def motor_picture(bench: MotorBench) -> bytes:
 
 
 def _speeds(over: Axes, under: Axes, steady: SteadyBench) -> None:
-    for found, color, dashes, _ in _shown(steady):
-        over.plot(found.curve.voltage_V, found.curve.speed_rad_s, dashes, color=color, label=found.name)
+    for found, style in _shown(steady):
+        curve = found.curve
+        over.plot(curve.voltage_V, curve.speed_rad_s, style.dashes, color=style.color, lw=style.width, label=found.name)
     over.plot(steady.voltage_V, steady.measured_speed_rad_s, "o", color=BLACK, ms=4, label="measured (Table 1)")
     finished(over, "Steady state: speed (paper Fig. 10)", "voltage [V]", "speed [rad/s]")
-    for found, color, dashes, marker in _shown(steady):
-        _residuals(under, steady, found.speed_residual_rad_s.by_row, (found.name, color, marker + dashes))
-    finished(under, "model less measured", "voltage [V]", "speed [rad/s]")
+    for found, style in _shown(steady):
+        _residuals(under, steady, found.speed_residual_rad_s.by_row, style)
+    finished(under, "model less measured", "voltage [V]", "speed [rad/s]", legend=False)
 
 
 def _currents(over: Axes, under: Axes, steady: SteadyBench) -> None:
-    for found, color, dashes, _ in _shown(steady):
-        over.plot(found.curve.voltage_V, _milli(found.curve.current_A), dashes, color=color, label=found.name)
+    for found, style in _shown(steady):
+        curve, current = found.curve, _milli(found.curve.current_A)
+        over.plot(curve.voltage_V, current, style.dashes, color=style.color, lw=style.width, label=found.name)
     over.plot(steady.voltage_V, _milli(steady.measured_current_A), "o", color=BLACK, ms=4, label="measured (Table 1)")
     finished(over, "Steady state: current (paper Fig. 10)", "voltage [V]", "current [mA]")
-    for found, color, dashes, marker in _shown(steady):
-        _residuals(under, steady, _milli(found.current_residual_A.by_row), (found.name, color, marker + dashes))
-    finished(under, "model less measured", "voltage [V]", "current [mA]")
+    for found, style in _shown(steady):
+        _residuals(under, steady, _milli(found.current_residual_A.by_row), style)
+    finished(under, "model less measured", "voltage [V]", "current [mA]", legend=False)
 
 
-def _shown(steady: SteadyBench) -> tuple[tuple[Candidate, str, str, str], ...]:
-    """With colour, dashes and marker; where the robot is nominal, its motor is the literal fit."""
+def _shown(steady: SteadyBench) -> tuple[tuple[Candidate, _Style], ...]:
+    """The literal fit lies wide and pale below the rest, for a nominal robot's motor is just that."""
     return (
-        (steady.robot, BLUE, "-", "o"),
-        (steady.printed_variant, VERMILION, "--", "s"),
-        (steady.table_2, GREEN, ":", "^"),
+        (steady.literal_fit, _Style(ORANGE, "-", "o", 3.5)),
+        (steady.robot, _Style(BLUE, "-", "o", 1.5)),
+        (steady.printed_variant, _Style(VERMILION, "--", "s", 1.5)),
+        (steady.table_2, _Style(GREEN, ":", "^", 1.5)),
     )
 
 
-def _residuals(axes: Axes, steady: SteadyBench, by_row: Sequence[float], style: tuple[str, str, str]) -> None:
-    name, color, line = style
+def _residuals(axes: Axes, steady: SteadyBench, by_row: Sequence[float], style: _Style) -> None:
     axes.axhline(0.0, color=GREY, lw=0.8)
-    axes.plot(steady.voltage_V, by_row, line, color=color, ms=3, lw=1, label=name)
+    line, size = style.marker + style.dashes, 2.0 * style.width
+    axes.plot(steady.voltage_V, by_row, line, color=style.color, ms=size, lw=0.7 * style.width)
 
 
 def _steps(speed: Axes, current: Axes, steps: StepBench) -> None:
@@ -92,6 +105,25 @@ def _stiction(axes: Axes, stiction: StictionBench) -> None:
         label = "closed form R Tq / K" if sign > 0 else None
         axes.axvline(sign * 1e3 * stiction.breakaway_closed_form_V, color=GREY, ls="--", lw=1, label=label)
     finished(axes, "Stiction: slow ramp of voltage, dashed: closed form", "voltage [mV]", "speed [rad/s]")
+    if stiction.breakaway_V is not None and stiction.stops_V is not None:
+        _close_up(axes, stiction, 1e3 * stiction.breakaway_V, 1e3 * stiction.stops_V)
+
+
+def _close_up(axes: Axes, stiction: StictionBench, breaks_mV: float, stops_mV: float) -> None:
+    """Where the wheel breaks away and where it stops, which lie close to each other."""
+    inset = axes.inset_axes((0.6, 0.1, 0.37, 0.3))
+    inset.plot(_milli(stiction.voltage_V), stiction.speed_rad_s, color=BLUE)
+    inset.plot(breaks_mV, 0.0, "^", color=VERMILION, ms=8)
+    inset.plot(stops_mV, 0.0, "v", color=ORANGE, ms=8)
+    for closed_V in (stiction.breakaway_closed_form_V, stiction.stops_closed_form_V):
+        inset.axvline(1e3 * closed_V, color=GREY, ls="--", lw=1)
+    margin = max(2.0, abs(breaks_mV - stops_mV))
+    inset.set_xlim(min(stops_mV, breaks_mV) - margin, max(stops_mV, breaks_mV) + margin)
+    highest = max(abs(speed) for speed in stiction.speed_rad_s)
+    inset.set_ylim(-0.03 * highest, 0.08 * highest)
+    inset.tick_params(labelsize="x-small")
+    inset.set_title("close-up", fontsize="small", backgroundcolor="white", pad=6)
+    inset.grid(alpha=0.3)
 
 
 def _energy(axes: Axes, energy: EnergyBench) -> None:

@@ -6,6 +6,7 @@ from math import log
 import numpy as np
 from numpy.typing import NDArray
 
+from diagnosis.benches.crossing import first_reached
 from physics.motor import MotorModel
 from physics.motor_bench import steady_states, step_responses
 from physics.robot_model import RobotModel
@@ -85,11 +86,7 @@ def _response(voltage_V: float, time: Array, current: Array, speed: Array, settl
 
 
 def _first_time(time: Array, speed: Array, level: float) -> float | None:
-    """When the speed first reaches a level, straight between two rows; None for a level of 0 or out of reach."""
-    reached = np.flatnonzero(speed >= level)
-    if level == 0.0 or not len(reached):
+    """When the speed, which is 0 at time 0, first reaches a level; None for a level of 0 or out of reach."""
+    if level == 0.0 or speed.max() < level:
         return None
-    k = int(reached[0])
-    before_s, before = (float(time[k - 1]), float(speed[k - 1])) if k else (0.0, 0.0)
-    share = (level - before) / (float(speed[k]) - before)
-    return before_s + share * (float(time[k]) - before_s)
+    return first_reached(np.append(0.0, time), np.append(0.0, speed), level)

@@ -4,10 +4,14 @@ Figures are made without pyplot, which keeps state of its own and looks for a di
 """
 
 import io
+from typing import TYPE_CHECKING
 
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+
+if TYPE_CHECKING:
+    from matplotlib.typing import LegendLocType
 
 # Okabe and Ito, "Color Universal Design" (2008); a grey print tells lines apart by their dashes and markers.
 BLACK = "#000000"
@@ -18,6 +22,7 @@ BLUE = "#0072B2"
 VERMILION = "#D55E00"
 PURPLE = "#CC79A7"
 GREY = "#777777"
+PALE = "#DDDDDD"
 
 RESOLUTION_DPI = 130
 
@@ -30,15 +35,26 @@ def png(figure: Figure) -> bytes:
     return buffer.getvalue()
 
 
-def finished(axes: Axes, title: str, x: str, y: str, *, beside: bool = False, legend: bool = True) -> None:
-    """Title, axis labels with units, a faint grid, and a legend in the panel or below its title."""
+def finished(
+    axes: Axes,
+    title: str,
+    x: str,
+    y: str,
+    *,
+    legend: bool = True,
+    beside: bool = False,
+    loc: "LegendLocType" = "best",
+    ncols: int = 1,
+) -> None:
+    """Title, axis labels with units, a faint grid, and a legend in the panel or `beside` it, below its title."""
     axes.set_title(title, fontsize="medium", pad=22 if beside else None)
     axes.set(xlabel=x, ylabel=y)
     axes.grid(alpha=0.3)
+    axes.set_axisbelow(True)
     if not legend:
         return
     if beside:
         place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0)}
         axes.legend(fontsize="x-small", ncols=9, frameon=False, columnspacing=1.0, handletextpad=0.4, **place)
     else:
-        axes.legend(fontsize="small")
+        axes.legend(fontsize="small", loc=loc, ncols=ncols)

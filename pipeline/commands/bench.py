@@ -61,6 +61,7 @@ def tof(
     out: Out,
     robot: Robot = "nominal",
     seed: Seed = 1,
+    *,
     scan: Annotated[
         Path | None,
         typer.Option(metavar="DIR", callback=_checked, help="Folder of real scans over an edge, columns x, y, lidar."),
@@ -69,6 +70,15 @@ def tof(
         Path | None,
         typer.Option(metavar="DIR", callback=_checked, help="Folder of long real records of a sensor at rest."),
     ] = None,
+    readings: Annotated[
+        int,
+        typer.Option(
+            min=10,
+            max=1_000_000,
+            metavar="N",
+            help="Of each surface at 100 mm. Tables 3 and 4 stay open with fewer than 5000.",
+        ),
+    ] = 5001,
 ) -> None:
     """Range sensor: the paper's experiments 1 to 5, and real scans and records beside the model.
 
@@ -76,15 +86,15 @@ def tof(
 
     Example: symolo bench tof --out bench
     """
-    from diagnosis.benches.tof.experiments import summary, tof_bench
+    from diagnosis.benches.tof.experiments import check_tof, summary, tof_bench
     from diagnosis.benches.tof.measured import compare, read_measured
 
     measured = read_measured(scan, static)
-    with _bench(out, robot, seed) as bench:
+    with _bench(out, robot, seed, check_tof) as bench:
         from diagnosis.benches.tof.measured_plot import measured_picture
         from diagnosis.benches.tof.plot import tof_picture
 
-        result = tof_bench(bench.robot, bench.seed)
+        result = tof_bench(bench.robot, bench.seed, readings)
         bench.write("tof", result, tof_picture(result))
         lines = summary(result)
         if measured.scans or measured.static:
@@ -121,9 +131,7 @@ class _Bench:
 
 
 @contextmanager
-def _bench(
-    out: Path, robot: str, seed: int, check: "Callable[[RobotConfig], None] | None" = None
-) -> "Iterator[_Bench]":
+def _bench(out: Path, robot: str, seed: int, check: "Callable[[RobotConfig], None]") -> "Iterator[_Bench]":
     """The robot, drawn and checked, and the folder held; what is wrong with either is said before any work starts."""
     from configs.draw import draw_robot
     from configs.loader import load_section
@@ -131,8 +139,7 @@ def _bench(
     from pipeline.workspace import Kind, Workspace
 
     config, _ = draw_robot(load_section("robot", robot), seed, "bench")
-    if check is not None:
-        check(config)
+    check(config)
     check_out(out, Kind.BENCH)
     with Workspace(out.absolute(), Kind.BENCH).locked():
         yield _Bench(config, out, seed)

@@ -1,8 +1,7 @@
 import numpy as np
-import pybullet
 import pytest
 
-from physics.bullet.world import add_arena, connect
+from physics.bullet.ray_oracle import BATCH, EngineRays
 from physics.rays import RayScene
 
 
@@ -54,14 +53,12 @@ def test_the_normal_turns_with_the_box(arena):
 
 def test_hits_agree_with_the_engine_own_ray_test(arena):
     origins, ends = random_rays(4000, seed=1)
-    client = connect(1000)
-    surface_of_body = add_arena(client, arena)
-    rays = pybullet.rayTestBatch(origins, ends, physicsClientId=client)
-    pybullet.disconnect(client)
+    with EngineRays(arena) as engine:
+        theirs = engine.cast(origins, ends)
     hits = RayScene(arena).cast(origins, ends)
     assert set(np.unique(hits.surface)) >= {-1, 0, 1, 2, 3}
-    same = hits.surface == [surface_of_body.get(ray[0], -1) for ray in rays]
-    error_mm = (1500.0 * (hits.fraction - [ray[2] for ray in rays]))[same]
+    same = hits.surface == theirs.surface
+    error_mm = (1500.0 * (hits.fraction - theirs.fraction))[same]
     # What the engine's stepwise ray test is good for: it rounds the edges of boxes.
     assert same.mean() > 0.998
     assert np.abs(error_mm).max() < 5.0
@@ -80,3 +77,14 @@ def test_every_hit_lies_on_the_surface_it_names(arena):
         share = np.abs((points[met] - box.center) @ R_WB) / (0.5 * np.array(box.size))
         assert np.allclose(share.max(axis=1), 1.0, atol=1e-9)
         assert np.all(((ends - origins)[met] * hits.normal[met]).sum(axis=1) < 0.0)
+
+
+def test_the_engine_casts_more_rays_than_it_takes_at_a_time(one_block):
+    origins = np.tile([0.0, 0.0, 0.05], (BATCH + 1, 1))
+    ends = np.tile([1.0, 0.0, 0.05], (BATCH + 1, 1))
+    ends[-1] = (0.0, 1.0, 0.05)
+    with EngineRays(one_block) as engine:
+        hits = engine.cast(origins, ends)
+    assert hits.fraction[:-1] == pytest.approx(0.3, abs=1e-4)
+    assert (hits.fraction[-1], hits.surface[-1], hits.normal[-1].tolist()) == (1.0, -1, [0, 0, 0])
+    assert hits.normal[0] == pytest.approx([-1.0, 0.0, 0.0], abs=1e-3)

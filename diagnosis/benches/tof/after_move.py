@@ -38,11 +38,11 @@ class AfterMove:
 
 
 def after_move(scan: ScanRecord, period_s: float, delay_s: float) -> AfterMove | None:
-    """None where no move changes the range."""
+    """None where no move changes the range, or none leaves it: of the latter the spacing of the readings is read."""
     readings = scan.reading_mm
     old, new = scan.settled_mm[:-1], scan.settled_mm[1:]
     jumps = np.abs(new - old) > JUMP_MM
-    if not jumps.any():
+    if not jumps.any() or jumps.all():
         return None
     way = (new - old)[jumps, None]
     gone = (readings[1:] - old[:, None])[jumps]

@@ -11,7 +11,7 @@ LARGEST_RANGE_MM = 8189.0
 
 
 def lines_of(path: Path) -> list[str]:
-    """The lines of a text file.
+    """The lines of a text file, without the mark that some tables begin with.
 
     Raises:
         InputError: Too large, out of reach, or no text.
@@ -19,7 +19,7 @@ def lines_of(path: Path) -> list[str]:
     try:
         if path.stat().st_size > LARGEST_BYTES:
             raise InputError("is too large", where=str(path), allowed=f"{LARGEST_BYTES / 1e6:.0f} MB")
-        return path.read_text(encoding="utf-8").splitlines()
+        return path.read_text(encoding="utf-8-sig").splitlines()
     except UnicodeDecodeError:
         raise InputError("is no UTF-8 text", where=str(path)) from None
     except OSError as error:

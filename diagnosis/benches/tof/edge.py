@@ -11,7 +11,7 @@ from diagnosis.benches.tof.paper import footprint_mm
 from diagnosis.benches.tof.scan_record import ScanRecord
 from diagnosis.benches.tof.sphere import BALL, BOARD, BallScene
 from diagnosis.benches.tof.stand import HEIGHT_M, Bench, Stand, bench_arena, board, reading_mm
-from diagnosis.benches.tof.step import crossings
+from diagnosis.benches.tof.step import where_gone
 from sensors.base import Array
 
 INNER_MM = 30.0
@@ -164,7 +164,7 @@ def _profile(name: str, half: _Half, fit: BallFit, reading: Array) -> EdgeProfil
     rings = [number for number in np.unique(ring) if (ring == number).sum() >= 3]
     radius = RING_MM * np.array(rings, dtype=float)
     median = np.array([np.median(reading[ring == number]) for number in rings])
-    start, middle, end = crossings(radius, median, (0.1, 0.5, 0.9))
+    start, middle, end = where_gone(radius, median, (0.1, 0.5, 0.9))
     return EdgeProfile(name, tuple(radius.tolist()), tuple(median.tolist()), end - start, middle)
 
 

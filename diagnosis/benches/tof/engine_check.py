@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.benches.check import Check
+from diagnosis.benches.tof.check import Check
 from diagnosis.benches.tof.paper import DISTANCES_MM
 from diagnosis.benches.tof.recorder import Recorder
 from diagnosis.benches.tof.stand import Bench, Stand, closed_form, grid, reading_mm, target

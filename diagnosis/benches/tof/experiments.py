@@ -4,18 +4,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from configs.errors import InputError
+from configs.schema.arena import SurfaceName
 from configs.schema.robot import RobotConfig
-from diagnosis.benches.check import Check
 from diagnosis.benches.tof import engine_check, field_of_view, step, surfaces, tilt
-from diagnosis.benches.tof.stand import Bench
+from diagnosis.benches.tof.check import Check
+from diagnosis.benches.tof.paper import DISTANCES_MM, STEP_HEIGHT_MM, TABLE_3, TABLE_4
+from diagnosis.benches.tof.stand import Bench, Stand, closed_form, seen_mm, target
 from sensors.tof import log_error_m
 
-READINGS = surfaces.Counts(at_hundred=5001, per_distance=60)
-READINGS_PER_ANGLE = 60
+READINGS_ELSEWHERE = 60
+"""Of each surface at every other distance, and at each angle of tilt."""
 
 
 @dataclass(frozen=True)
 class TofBench:
+    robot: str
+    error_scale: float
+    """What the robot takes of Eq. 24."""
     tones: surfaces.Surfaces
     materials: surfaces.Surfaces
     step: tuple[step.StepScan, ...]
@@ -27,13 +33,45 @@ class TofBench:
     """What has no limit to be held to."""
 
 
-def tof_bench(robot: RobotConfig, seed: int) -> TofBench:
-    """Run experiments 1 to 5 with the robot's sensor and all terms that act on it."""
+def check_tof(robot: RobotConfig) -> None:
+    """Refuse a sensor that does not see the bench's boards.
+
+    Raises:
+        InputError: It loses every reading, or sees no board at a distance or an angle that the experiments need.
+    """
+    if robot.tof.dropout_probability == 1.0:
+        raise InputError("robot.tof.dropout_probability", got=1.0, allowed="below 1 for a sensor on a bench")
+    still = Bench.of(robot, seed=0).without_noise()
+    for surface in (*TABLE_3, *TABLE_4):
+        _see(still, 100.0, surface, 0.0)
+    for distance_mm in DISTANCES_MM:
+        _see(still, distance_mm, "white_board", tilt.ANGLES_DEG[-1])
+        _see(still, distance_mm + STEP_HEIGHT_MM, "white_board", 0.0)
+
+
+def _see(bench: Bench, distance_mm: float, surface: SurfaceName, yaw_deg: float) -> None:
+    arena = target(1e-3 * distance_mm, surface)
+    seen_mm(bench.sensor(arena, "check"), Stand(closed_form(arena), yaw_deg=yaw_deg), distance_mm)
+
+
+def tof_bench(robot: RobotConfig, seed: int, readings: int) -> TofBench:
+    """Run experiments 1 to 5 with the robot's sensor and all terms that act on it.
+
+    Args:
+        robot: One that `check_tof` lets pass.
+        seed: Of the noise.
+        readings: Of each surface at 100 mm; no more than so many are taken anywhere else.
+
+    Raises:
+        InputError: Hardly a reading of a board is valid.
+    """
     bench = Bench.of(robot, seed)
-    tones = surfaces.tones(bench, READINGS)
-    materials = surfaces.materials(bench, READINGS)
+    elsewhere = min(readings, READINGS_ELSEWHERE)
+    counts = surfaces.Counts(at_hundred=readings, per_distance=elsewhere)
+    tones = surfaces.tones(bench, counts)
+    materials = surfaces.materials(bench, counts)
     steps = step.step_scans(bench)
-    tilts = tilt.tilt_curves(bench, READINGS_PER_ANGLE)
+    tilts = tilt.tilt_curves(bench, elsewhere)
     spots = field_of_view.spots(bench)
     engine = engine_check.engine_checks(bench)
     checks = (
@@ -44,7 +82,9 @@ def tof_bench(robot: RobotConfig, seed: int) -> TofBench:
         *field_of_view.checks_of(spots),
         *engine_check.checks_of(engine),
     )
-    return TofBench(tones, materials, steps, tilts, spots, engine, checks, _notes(bench, steps))
+    return TofBench(
+        robot.name, bench.tof.error_scale, tones, materials, steps, tilts, spots, engine, checks, _notes(bench, steps)
+    )
 
 
 def summary(bench: TofBench) -> list[str]:

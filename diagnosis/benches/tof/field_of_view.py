@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.benches.check import Check
+from diagnosis.benches.tof.check import Check
 from diagnosis.benches.tof.paper import FIELD_OF_VIEW_MM, footprint_mm
 from diagnosis.benches.tof.recorder import Recorder
 from diagnosis.benches.tof.stand import HEIGHT_M, Bench, Stand, closed_form, target

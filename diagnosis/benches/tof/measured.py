@@ -12,6 +12,11 @@ from diagnosis.benches.tof.scan_record import ScanRecord, read_scan
 from diagnosis.benches.tof.stand import Bench
 from diagnosis.benches.tof.static_record import Record, StaticComparison, compare_static, findings, read_record
 
+CLEARLY = 0.8
+"""Of the residual of one law of light, below which the other explains a scan better."""
+SHARE_WITHIN = 0.15
+"""Of the way, within which a held value explains the readings after a move."""
+
 
 @dataclass(frozen=True)
 class ScanComparison:
@@ -19,7 +24,7 @@ class ScanComparison:
     points: int
     readings_per_point: int
     after_move: AfterMove | None
-    """None where no move changes the range."""
+    """None where no move changes the range, or none leaves it."""
     edge: EdgeComparison | None
     """None where nothing near stands before something far."""
 
@@ -81,6 +86,12 @@ def _findings(bench: Bench, scan: ScanComparison) -> list[str]:
 def _edge_findings(edge: EdgeComparison) -> list[str]:
     plain, falling = edge.sensor_fit, edge.falling_fit
     real, model, would_be = edge.measured, edge.model, edge.falling
+    outshine = (
+        ". NOT IN THE MODEL: near things outshine far ones in the cone. It weighs a ray by beam and incidence alone, "
+        "so that its ranges at edges are too long and near things look too small"
+    )
+    better = falling.inner_rms_mm < CLEARLY * plain.inner_rms_mm
+    lacking = outshine if better else ": falling light explains the scan no better"
     middle = (
         f"a ball before a board at {edge.board_mm:.0f} mm: the middle of the ball fits the model's mean with "
         f"{plain.inner_rms_mm:.1f} mm rms and a radius of {plain.radius_mm:.0f} mm, and one in which light falls with "
@@ -91,8 +102,7 @@ def _edge_findings(edge: EdgeComparison) -> list[str]:
         f"{real.width_10_90_mm:.0f} mm about {real.middle_mm:.0f} mm from its centre; the model takes "
         f"{model.width_10_90_mm:.0f} mm about {model.middle_mm:.0f} mm, with falling light it would take "
         f"{would_be.width_10_90_mm:.0f} mm about {would_be.middle_mm:.0f} mm (the footprint at the rim is "
-        f"{edge.rim_footprint_mm:.0f} mm). NOT IN THE MODEL: near things outshine far ones in the cone. It weighs a "
-        "ray by beam and incidence alone, so that its ranges at edges are too long and near things look too small"
+        f"{edge.rim_footprint_mm:.0f} mm){lacking}"
     )
     return [middle, rim]
 
@@ -101,16 +111,17 @@ def _move_findings(bench: Bench, moved: AfterMove) -> list[str]:
     def row(shares: Sequence[float]) -> str:
         return " ".join(f"{share:.2f}" for share in shares)
 
-    second = moved.at_old_place[min(1, len(moved.at_old_place) - 1)]
+    off = max(abs(a - b) for a, b in zip(moved.share_of_way, moved.model_at_device_period, strict=True))
+    explains = "a held value explains it" if off <= SHARE_WITHIN else "which explains it not"
     held = (
         f"after {moved.moves} moves, reading by reading, the real range has gone {row(moved.share_of_way)} of its way "
         f"to the new place: the first reading is of the old one in {100 * moved.at_old_place[0]:.0f} %, the second in "
-        f"{100 * second:.0f} %. Read as often (every {moved.poll_s:.2f} s), the model with the {DEVICE_PERIOD_S:g} s "
-        f"of the device's profile goes {row(moved.model_at_device_period)}: a held value explains it. As configured "
-        f"({bench.tof.period_s:g} s, delay {bench.tof.delay_s:g} s) the model goes {row(moved.model)}"
+        f"{100 * moved.at_old_place[1]:.0f} %. Read as often (every {moved.poll_s:.2f} s), the model with the "
+        f"{DEVICE_PERIOD_S:g} s of the device's profile goes {row(moved.model_at_device_period)}: {explains}. As "
+        f"configured ({bench.tof.period_s:g} s, delay {bench.tof.delay_s:g} s) the model goes {row(moved.model)}"
     )
     instant = (
         "NOT IN THE MODEL: its value is the scene at one instant, where the device gathers light for its whole period; "
-        "this scan, which stands still at each point, shows hardly a difference"
+        "a scan that stands still at each point cannot show by how much that differs"
     )
     return [held, instant]

@@ -24,6 +24,8 @@ from sensors.tof import TofArray, TofStatus
 HEIGHT_M = 1.0
 TARGET_HEIGHT_M = 2.0
 TARGET_HALF_WIDTH_M = 2.0
+FEWEST_VALID = 3
+"""Readings of a scene, below which they have hardly a mean and no deviation."""
 PHYSICS_HZ = 1000
 """Of no effect: the stand asks for samples itself."""
 
@@ -98,10 +100,26 @@ class Bench:
         return Bench(self.tof.model_copy(update=still), self.terms, self.seed)
 
     def readings_mm(self, sensor: TofArray, stand: Stand, count: int) -> Array:
-        """At least so many readings of a scene [mm], less those without a target."""
+        """The valid ones of at least so many readings of a scene [mm].
+
+        Raises:
+            InputError: Hardly any is valid.
+        """
+        found = valid_mm(self.samples(sensor, stand, count))
+        if len(found) < FEWEST_VALID:
+            what = f"of {count} readings of a board the robot's range sensor gives {len(found)}"
+            raise InputError(what, where="robot.tof", allowed=f"at least {FEWEST_VALID}", cure="take more readings")
+        return found
+
+    def samples(self, sensor: TofArray, stand: Stand, count: int) -> Array:
+        """Range [m] and `TofStatus` of at least so many readings of a scene, (N, 2)."""
         at_once = 1 if self.terms.tof_range_offset or self.terms.tof_mount_yaw else 3  # terms of one sensor of three
-        samples = np.concatenate([sensor.sample(stand)[:at_once] for _ in range(-(-count // at_once))])
-        return 1e3 * samples[samples[:, 1] == TofStatus.VALID, 0]
+        return np.concatenate([sensor.sample(stand)[:at_once] for _ in range(-(-count // at_once))])
+
+
+def valid_mm(samples: Array) -> Array:
+    """Of samples (N, 2), the ranges [mm] with a target that are no repetition."""
+    return 1e3 * samples[samples[:, 1] == TofStatus.VALID, 0]
 
 
 def seen_mm(sensor: TofArray, stand: Stand, distance_mm: float) -> float:

@@ -144,16 +144,21 @@ def correlation(readings: Array) -> float:
 def findings(found: StaticComparison) -> list[str]:
     """What the record shows and the model has not, in words."""
     late = "never" if found.drifts_from_s is None else f"from {found.drifts_from_s:.2g} s on"
+    ratio = found.white_sd_mm / found.model_sd_mm if found.model_sd_mm > 0.0 else None
+    scale = "" if ratio is None else f" ({ratio:.2f} times the robot's noise_scale would match)"
+    wanders = (
+        ". NOT IN THE MODEL: its noise is white, nothing in it wanders (temperature_drift and warmup_drift follow a "
+        "temperature or one exponential)"
+    )
+    lacking = "" if found.drifts_from_s is None else wanders
     noise = (
-        f"{found.file}: noise of a reading {found.white_sd_mm:.2f} mm, the model's {found.model_sd_mm:.2f} mm (a "
-        f"noise_scale of {found.white_sd_mm / found.model_sd_mm:.2f} would match); next readings correlate by "
-        f"{found.next_reading_correlation:.2f}"
+        f"{found.file}: noise of a reading {found.white_sd_mm:.2f} mm, the model's {found.model_sd_mm:.2f} mm{scale}; "
+        f"next readings correlate by {found.next_reading_correlation:.2f}"
     )
     drift = (
         f"{found.file}: averaging falls short of the root law of white noise {late}; the deviation is lowest, "
         f"{found.lowest_deviation_mm:.2f} mm, at {found.lowest_at_s:.2g} s. Means of a minute go from "
-        f"{found.lowest_minute_mm:.2f} to {found.highest_minute_mm:.2f} mm. NOT IN THE MODEL: its noise is white, "
-        "nothing in it wanders (temperature_drift and warmup_drift follow a temperature or one exponential)"
+        f"{found.lowest_minute_mm:.2f} to {found.highest_minute_mm:.2f} mm{lacking}"
     )
     if abs(found.header_logging_s / found.spanned_s - 1.0) <= 0.01:
         return [noise, drift]

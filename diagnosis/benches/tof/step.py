@@ -5,7 +5,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from diagnosis.benches.check import Check
+from diagnosis.benches.crossing import first_reached
+from diagnosis.benches.tof.check import Check
 from diagnosis.benches.tof.paper import DISTANCES_MM, STEP_HEIGHT_MM, footprint_mm
 from diagnosis.benches.tof.stand import (
     TARGET_HALF_WIDTH_M,
@@ -67,7 +68,7 @@ def _scan(bench: Bench, distance_mm: float) -> StepScan:
     places = [Stand(rays, y_m=1e-3 * (position - EDGE_MM)) for position in positions.tolist()]
     readings = [reading_mm(shipped, place) for place in places]
     noiseless = np.array([seen_mm(still, place, distance_mm + STEP_HEIGHT_MM) for place in places])
-    low, start, middle, end, high = crossings(positions, noiseless, (0.01, 0.1, 0.5, 0.9, 0.99))
+    low, start, middle, end, high = where_gone(positions, noiseless, (0.01, 0.1, 0.5, 0.9, 0.99))
     return StepScan(
         distance_mm=distance_mm,
         position_mm=tuple(positions.tolist()),
@@ -82,15 +83,10 @@ def _scan(bench: Bench, distance_mm: float) -> StepScan:
     )
 
 
-def crossings(position: Array, reading: Array, shares: tuple[float, ...]) -> tuple[float, ...]:
-    """Where a reading first has gone each share of the way from its first to its last value, between two positions."""
+def where_gone(position: Array, reading: Array, shares: tuple[float, ...]) -> tuple[float, ...]:
+    """Where a reading first has gone each share of the way from its first to its last value, in units of `position`."""
     way = (reading - reading[0]) / (reading[-1] - reading[0])
-    found = []
-    for share in shares:
-        after = int(np.argmax(way >= share))
-        part = (share - way[after - 1]) / (way[after] - way[after - 1])
-        found.append(float(position[after - 1] + part * (position[after] - position[after - 1])))
-    return tuple(found)
+    return tuple(first_reached(position, way, share) for share in shares)
 
 
 def checks_of(scans: tuple[StepScan, ...]) -> list[Check]:

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from diagnosis.benches.check import Check
+from diagnosis.benches.tof.check import Check
 from diagnosis.benches.tof.paper import DISTANCES_MM
 from diagnosis.benches.tof.stand import Bench, Stand, closed_form, grid, seen_mm, target
 
@@ -16,6 +16,8 @@ ANGLES_DEG = tuple(grid(-25.0, 25.0, 2.0).tolist())
 """As in the paper; 0 is not among them."""
 NOISE_SDS = 4.0
 """How many standard errors two means may be apart: 156 pairs, of which none in a hundred benches by chance."""
+SMALLEST_SD_MM = 0.01
+"""Taken for that of a sensor without noise, whose standard errors would be 0."""
 
 Axis = Literal["sideways", "up_and_down"]
 
@@ -59,6 +61,7 @@ def _curve(bench: Bench, axis: Axis, distance_mm: float, count: int) -> TiltCurv
         stand, pitch_deg = placed(angle_deg)
         return seen_mm(still.sensor(arena, "tilt", axis, pitch_up_deg=pitch_deg), stand, distance_mm)
 
+    exact = np.array([noiseless(angle) for angle in ANGLES_DEG])
     means, sds, fewest = [], [], count
     for angle_deg in ANGLES_DEG:
         stand, pitch_deg = placed(angle_deg)
@@ -67,7 +70,7 @@ def _curve(bench: Bench, axis: Axis, distance_mm: float, count: int) -> TiltCurv
         means.append(float(found.mean()))
         sds.append(float(found.std(ddof=1)))
         fewest = min(fewest, len(found))
-    mean, sd, exact = np.array(means), np.array(sds), np.array([noiseless(angle) for angle in ANGLES_DEG])
+    mean, sd = np.array(means), np.maximum(sds, SMALLEST_SD_MM)
     apart = np.abs(mean - mean[::-1])
     return TiltCurve(
         axis=axis,

@@ -1,0 +1,14 @@
+import numpy as np
+import pytest
+
+from diagnosis.benches.crossing import first_reached
+
+
+def test_a_level_is_reached_on_the_straight_between_two_points():
+    x, y = np.array([0.0, 1.0, 3.0, 4.0]), np.array([0.0, 0.2, 0.8, 1.0])
+    assert first_reached(x, y, 0.5) == pytest.approx(2.0)
+    assert first_reached(x, y, 0.2) == pytest.approx(1.0)
+
+
+def test_of_several_the_first_one_counts():
+    assert first_reached(np.arange(4.0), np.array([0.0, 1.0, 0.0, 1.0]), 0.25) == pytest.approx(0.25)
