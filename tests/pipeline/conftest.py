@@ -44,10 +44,11 @@ class CommandLine:
 
     @staticmethod
     def start(*arguments: object, **options: object) -> subprocess.Popen[str]:
-        command = [sys.executable, "-P", "-c", "import sys; from pipeline.cli import main; sys.exit(main())"]
-        return subprocess.Popen(
-            [*command, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options
-        )
+        """As from a terminal: what a shell starts in the background, such as these tests, may ignore SIGINT."""
+        program = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+        program += "from pipeline.cli import main; sys.exit(main())"
+        command = [sys.executable, "-P", "-c", program, *map(str, arguments)]
+        return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
 
 
 @pytest.fixture

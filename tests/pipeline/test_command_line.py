@@ -197,7 +197,9 @@ def test_an_interrupt_that_a_library_makes_an_error_of_is_an_interrupt(symolo, m
             raise ValueError(error) from error
 
     monkeypatch.setattr("configs.loader.load_scenario", interrupted)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
     ended = symolo("plan", "smoke")
+    signal.signal(signal.SIGINT, before)
     assert ended.code == 130
     assert "Traceback" not in ended.err
 
