@@ -13,6 +13,8 @@ from hypothesis import strategies as st
 from physics.motor import MotorModel
 from physics.motor_arrays import HeldDrive
 
+ROUNDING_J = 1e-15
+"""The angle of a short run to rest is a small difference of numbers the size of speed times time constant."""
 # The product of a speed and a friction far below any of a machine is no double any more.
 SPEEDS = st.floats(-40, -1e-9) | st.just(0.0) | st.floats(1e-9, 40)
 MOTORS = st.builds(
@@ -49,6 +51,8 @@ def array_step(motor, voltage, speed, duration):
 
 @pytest.mark.parametrize("step", [scalar_step, array_step])
 @given(motor=MOTORS, start=SPEEDS, programme=PROGRAMMES)
+@example(motor=MotorModel(4.0, 1.0, 0.0, 0.0625, 0.0625), start=0.0, programme=[(0.0, 0.5), (2.3e-157, 0.25)])
+@example(motor=MotorModel(4.0, 1.0, 0.0, 0.0625, 0.0625), start=1.0000000000000003e-09, programme=[(0.0, 0.5)])
 @example(motor=NOMINAL, start=0.0, programme=[(6.0, 0.2), (-6.0, 0.2), (0.1, 0.5), (-0.1, 0.5)])
 def test_friction_and_winding_never_create_energy(step, motor, start, programme):
     speed, kinetic_J = start, 0.5 * motor.inertia_kg_m2 * start**2
@@ -62,7 +66,7 @@ def test_friction_and_winding_never_create_energy(step, motor, start, programme)
         )
         before_J, kinetic_J = kinetic_J, 0.5 * motor.inertia_kg_m2 * speed**2
         scale_J = before_J + kinetic_J + least_heat_J + abs(voltage * charge_C)
-        assert kinetic_J - before_J + least_heat_J <= voltage * charge_C + 1e-9 * scale_J
+        assert kinetic_J - before_J + least_heat_J <= voltage * charge_C + 1e-9 * scale_J + ROUNDING_J
 
 
 @pytest.mark.parametrize("step", [scalar_step, array_step])
