@@ -90,12 +90,12 @@ def _run(arguments: Sequence[str] | None, interrupted: threading.Event) -> int:
         return _interrupted()
     except SystemExit:
         return 0  # typer's answer to a reader of our output that has gone, as in `symolo schema | head`
-    except OSError as error:
-        if error.errno in DISK_FULL:
+    except Exception as error:  # noqa: BLE001 - the last line of defence gives a bug its exit code
+        if interrupted.is_set():
+            return _interrupted()
+        if isinstance(error, OSError) and error.errno in DISK_FULL:
             return _fail(5, f"{error}; free some space and run the command again")
         return _bug()
-    except Exception:  # noqa: BLE001 - the last line of defence gives a bug its exit code
-        return _interrupted() if interrupted.is_set() else _bug()
     return _interrupted() if code == 130 else int(code or 0)
 
 

@@ -186,7 +186,8 @@ def test_an_interrupt_between_the_starts_of_the_workers_is_an_interrupt(tmp_path
     assert not started[0].is_alive()
 
 
-def test_an_interrupt_that_a_library_makes_an_error_of_is_an_interrupt(symolo, monkeypatch):
+@pytest.mark.parametrize("error_made", [ValueError, OSError])
+def test_an_interrupt_that_a_library_makes_an_error_of_is_an_interrupt(symolo, monkeypatch, error_made):
     """As pydantic does with one that falls into a serializer."""
 
     def interrupted(*_):
@@ -194,7 +195,7 @@ def test_an_interrupt_that_a_library_makes_an_error_of_is_an_interrupt(symolo, m
             os.kill(os.getpid(), signal.SIGINT)
             time.sleep(1.0)
         except KeyboardInterrupt as error:
-            raise ValueError(error) from error
+            raise error_made(error) from error
 
     monkeypatch.setattr("configs.loader.load_scenario", interrupted)
     before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
