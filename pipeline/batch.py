@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from configs.draw import draw_all
 from configs.errors import InputError
 from configs.loader import LoadedScenario, load_scenario
 from configs.schema.scenario import RunSpec
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Rows
+from pipeline.drawing import draw_reported
 from pipeline.output import check_disk, check_out
 from pipeline.plan import Plan
 from pipeline.progress import Report
@@ -35,7 +35,7 @@ class Batch:
     workers: int
 
     @classmethod
-    def open(cls, scenario: str, overrides: Sequence[str], out: Path, workers: int | None) -> "Batch":
+    def open(cls, scenario: str, overrides: Sequence[str], out: Path, workers: int | None, report: Report) -> "Batch":
         """Load and draw the scenario and see that there is room for it.
 
         Raises:
@@ -43,7 +43,7 @@ class Batch:
             EnvironmentLacking: The disk is too full.
         """
         loaded = load_scenario(scenario, overrides)
-        specs = tuple(draw_all(loaded))
+        specs = draw_reported(loaded, report)
         check_out(out, Kind.DATASET)
         check_disk(out, Plan.of(specs, cores()).bytes_needed)
         return cls(loaded, specs, Workspace(out.absolute()), workers or cores())
