@@ -117,8 +117,10 @@ class KinematicTwin:
         for k, stall in enumerate(driveline.stall_torque_N_m(voltage_V)):
             torque = stall + driveline.extra_torque_N_m(voltage_V[k], speed)
             friction = driveline.friction_N_m(torque, speed, k * self._step_s)
-            load = np.stack(body.load_N_m(speed[:, 0], speed[:, 1]), axis=1)
-            torque = torque + load - acceleration @ self._coupling
+            torque = torque - acceleration @ self._coupling
+            load_right, load_left = body.load_N_m(speed[:, 0], speed[:, 1])
+            torque[:, 0] += load_right
+            torque[:, 1] += load_left
             held = HeldDrive(torque, driveline.damping_N_m_s_rad, friction, self._inertia)
             speeds[k], turned[k] = held.step(speed, self._step_s)
             acceleration = (speeds[k] - speed) / self._step_s
