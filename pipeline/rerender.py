@@ -206,7 +206,7 @@ def _fill(task: RenderTask, source: Source, folder: Path) -> None:
     (folder / IMAGES).mkdir()
     for frame in task.frames:
         name = frame_name(frame.number)
-        write_file(folder / IMAGES / name, (task.images / name).read_bytes())
+        write_file(folder / IMAGES / name, (task.files / name).read_bytes())
     write_file(folder / DATA, source.data)
     write_file(folder / POSITIONS, image_positions(source.rows))
     for name in (JOB, FRAMES):
