@@ -10,12 +10,11 @@ from blender_scenes.annotations.record import Record
 from blender_scenes.job import FramePose, RenderJob
 from blender_scenes.protocol import Work
 from physics.arena import Arena
+from pipeline.dataset.annotation_checks import ANNOTATIONS
 from pipeline.files import hashes_of, write_file
 from pipeline.stages.render import IMAGES, INPUTS, Appearance, RenderTask
 from pipeline.versions import versions
 from pipeline.workspace import DONE, StageFolder, input_key, mark_done
-
-ANNOTATIONS = "annotations"
 
 
 @dataclass(frozen=True)
@@ -53,8 +52,10 @@ class AnnotationTask:
         mark_done(self.folder.path, self.key, hashes_of(self.folder.path, skip=left_out))
 
 
-def released(folder: StageFolder) -> dict[str, Path]:
-    """The files of a run's annotations that are released, by their names; their records are in the document."""
-    root = folder.path / ANNOTATIONS
-    paths = (path for path in root.rglob("*") if path.is_file() and path.parent.name != RECORDS_DIR)
-    return {path.relative_to(root).as_posix(): path for path in sorted(paths)}
+def copy_released(annotated: StageFolder, run: Path) -> None:
+    """Put the files of a run's annotations that are released below the run's folder; records are in the document."""
+    root = annotated.path / ANNOTATIONS
+    for path in sorted(path for path in root.rglob("*") if path.is_file() and path.parent.name != RECORDS_DIR):
+        copy = run / ANNOTATIONS / path.relative_to(root)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        write_file(copy, path.read_bytes())

@@ -18,7 +18,7 @@ from pipeline.dataset.rows import Rows
 from pipeline.dataset.side import CAMERA, TOF, WHEELS, image_positions, tof_csv, wheels_csv
 from pipeline.files import hashes_of, holds, remove_folder, replace_folder, sha256_of, write_file
 from pipeline.progress import Report
-from pipeline.stages.annotate import ANNOTATIONS, released
+from pipeline.stages.annotate import copy_released
 from pipeline.stages.render import IMAGES
 from pipeline.stages.simulate_runs import SPEC, read_outcome, read_recording, spec_text
 from pipeline.versions import versions
@@ -104,9 +104,7 @@ def _fill(workspace: Workspace, spec: RunSpec, folder: Path) -> None:
     for image in sorted((workspace.render(spec.key).path / IMAGES).glob("*.jpg")):
         write_file(folder / IMAGES / image.name, image.read_bytes())
     if spec.render.annotations:
-        for name, path in released(workspace.annotate(spec.key)).items():
-            (folder / ANNOTATIONS / name).parent.mkdir(parents=True, exist_ok=True)
-            write_file(folder / ANNOTATIONS / name, path.read_bytes())
+        copy_released(workspace.annotate(spec.key), folder)
 
 
 def camera_table(spec: RunSpec, rows: Rows) -> np.ndarray:
