@@ -3,6 +3,8 @@
 import json
 import re
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import cv2
@@ -74,6 +76,19 @@ def test_a_second_release_touches_nothing_and_one_without_takes_them_back(
     assert release_of(out) == release_of(annotated)
     assert symolo("release", "smoke", "--out", out, *tiny).code == 0
     assert release_of(out) == release_of(dataset)
+
+
+def test_the_example_of_the_page_reads_them(annotated):
+    """On the counter-clockwise route, whose first image sees an obstacle."""
+    page = (Path(__file__).parents[2] / "docs/annotations.md").read_text()
+    (program,) = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    program += "print('floor', float(np.abs(p_W[read('semantic') == categories['floor'], 2]).max()), line.any())\n"
+    call = [sys.executable, "-c", program]
+    done = subprocess.run(call, cwd=annotated / "CCW/test_1", capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert re.search(r"^O2 \[\d+, \d+, \d+, \d+\] (0\.\d|1\.0)", done.stdout, re.MULTILINE)
+    height_m, has_line = re.search(r"^floor (\S+) (\S+)$", done.stdout, re.MULTILINE).groups()
+    assert (float(height_m) < 1e-3, has_line) == (True, "True")
 
 
 def replaced(name, pixels):
