@@ -18,7 +18,7 @@ RENDER_SAMPLE_S = 8.5e-6
 """Per pixel and sample on one core."""
 BYTES_PER_PIXEL = 0.2
 """Of a JPEG of quality 92."""
-ANNOTATION_PIXEL_S = 2.5e-6
+ANNOTATION_PIXEL_S = 1.5e-6
 """Per pixel on one core, all annotations together."""
 ANNOTATION_BYTES_PER_PIXEL = 0.6
 """Likewise; the flow alone takes nine tenths of it."""

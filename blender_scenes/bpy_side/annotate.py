@@ -12,6 +12,7 @@ from blender_scenes.annotations.png import encode_png
 from blender_scenes.annotations.record import record
 from blender_scenes.annotations.seen import Passes, Seen
 from blender_scenes.bpy_side import build, engine
+from blender_scenes.bpy_side.shaders import ShaderGraph
 from blender_scenes.description import FrameView
 from blender_scenes.frame_files import FrameFile, put_data_in_place, put_in_place
 
@@ -29,6 +30,17 @@ def start(job: AnnotationJob, threads: int, scratch: Path) -> None:
     scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
     layer.use_pass_object_index = layer.use_pass_position = layer.use_pass_normal = True
     layer.use_pass_z = False
+    layer.material_override = _black()
+
+
+def _black() -> bpy.types.Material:
+    """A surface that neither shines nor scatters: half the time of one that does, although there is no light."""
+    made = bpy.data.materials.new("black")
+    made.use_nodes = True
+    graph = ShaderGraph(made.node_tree)
+    shader = graph.node("ShaderNodeEmission", Strength=0.0)
+    graph.node("ShaderNodeOutputMaterial", Surface=shader.outputs[0])
+    return made
 
 
 def annotate(job: AnnotationJob, view: FrameView, folder: Path) -> Iterator[FrameFile]:

@@ -1,16 +1,19 @@
 """Boxes, key points and encodings by closed forms, on passes written by hand; no Blender."""
 
 from dataclasses import replace
+from typing import get_args
 
 import numpy as np
 import pytest
 
+from blender_scenes.annotations import PICTURES
 from blender_scenes.annotations.boxes_2d import box_2d, rectangle
 from blender_scenes.annotations.boxes_3d import box_3d
 from blender_scenes.annotations.depth import depth
+from blender_scenes.annotations.document import ENCODINGS
 from blender_scenes.annotations.flow import flow
 from blender_scenes.annotations.instances import instances
-from blender_scenes.annotations.job import build_annotation_job
+from blender_scenes.annotations.job import RECORDS, build_annotation_job
 from blender_scenes.annotations.normals import normals
 from blender_scenes.annotations.record import Record, record
 from blender_scenes.annotations.seen import Passes, Seen
@@ -19,6 +22,7 @@ from blender_scenes.annotations.silhouette import silhouette
 from blender_scenes.camera import matrix_K, pose_X_WR
 from blender_scenes.description import FrameView, Intrinsics
 from blender_scenes.geometry import block
+from configs.schema.scenario import AnnotationName
 
 WIDTH, HEIGHT, FOCAL = 80, 60, 50.0
 CAMERA = Intrinsics(WIDTH, HEIGHT, FOCAL, FOCAL, 39.5, 29.5)
@@ -207,3 +211,9 @@ def test_a_frame_has_a_file_for_each_picture_and_one_for_all_records(job):
     assert both.files(1) == ("depth/000001.png", "flow/000001.png", "records/000001.json")
     assert both.files(2) == ("depth/000002.png", "records/000002.json")
     assert replace(job, kinds=("semantic",)).files(2) == ("semantic/000002.png",)
+
+
+def test_every_annotation_has_a_member_and_an_encoding():
+    names = set(get_args(AnnotationName))
+    assert set(PICTURES) == names - set(RECORDS)
+    assert set(ENCODINGS) == names
