@@ -36,8 +36,8 @@ def key_points(seen: Seen) -> tuple[Sighting, ...]:
     pixels, depth = project(job.camera, X_WC, points_W)
     size = job.camera.width_px, job.camera.height_px
     within = np.flatnonzero((depth > 0) & np.all((pixels >= -0.5) & (pixels < np.array(size) - 0.5), axis=1))
-    covered = hidden(X_WC[:3, 3], points_W[within], _screens(seen))
     points_C = (points_W - X_WC[:3, 3]) @ X_WC[:3, :3]
+    covered = hidden(points_C[within], (_screens_W(seen) - X_WC[:3, 3]) @ X_WC[:3, :3])
     return tuple(
         Sighting(
             image_id=seen.view.number,
@@ -50,7 +50,7 @@ def key_points(seen: Seen) -> tuple[Sighting, ...]:
     )
 
 
-def _screens(seen: Seen) -> Array:
+def _screens_W(seen: Seen) -> Array:
     """(T, 3, 3), triangles in W of all that hides something: floor and line lie flat, the robot is not seen."""
     scene, instances = seen.job.scene, seen.job.instances
     categories = [instances.known[instance - 1].category for instance in instances.of_mesh[1 : len(scene.meshes) + 1]]

@@ -18,25 +18,34 @@ def triangles(mesh: Mesh) -> Array:
     return np.array(mesh.vertices)[np.array(fans, dtype=int).reshape(-1, 3)]
 
 
-def hidden(eye: Array, points: Array, screens: Array) -> NDArray[np.bool_]:
-    """(N,), whether one of the triangles (T, 3, 3) stands between the eye (3,) and each of the points (N, 3).
+def hidden(points: Array, screens: Array) -> NDArray[np.bool_]:
+    """(N,), whether one of the triangles (T, 3, 3) stands between the camera and each of the points (N, 3), all in C.
 
-    The ray test of Moeller and Trumbore (Fast, minimum storage ray/triangle intersection, 1997), for both sides.
+    The points lie before the camera. The ray test of Moeller and Trumbore (Fast, minimum storage ray/triangle
+    intersection, 1997), for both sides.
     """
-    block = max(1, _AT_A_TIME // max(1, len(screens)))
-    parts = [_hidden(eye, points[first : first + block], screens) for first in range(0, len(points), block)]
-    return np.concatenate([np.empty(0, dtype=bool), *parts])
+    if not len(points):
+        return np.empty(0, dtype=bool)
+    near = _reached(points, screens)
+    block = max(1, _AT_A_TIME // max(1, len(near)))
+    return np.concatenate([_hidden(points[first : first + block], near) for first in range(0, len(points), block)])
 
 
-def _hidden(eye: Array, points: Array, screens: Array) -> NDArray[np.bool_]:
-    rays = (points - eye)[:, None, :]
+def _reached(points: Array, screens: Array) -> Array:
+    """Those of the triangles that reach into the pyramid around all points; no other can hide one."""
+    slopes = points[:, :2] / points[:, 2:]
+    along, depth = screens[..., :2], screens[..., 2:]
+    beside = np.all(along < slopes.min(axis=0) * depth, axis=1) | np.all(along > slopes.max(axis=0) * depth, axis=1)
+    return screens[~(beside.any(axis=1) | np.all(depth[..., 0] <= 0, axis=1))]
+
+
+def _hidden(points: Array, screens: Array) -> NDArray[np.bool_]:
     edge1, edge2 = screens[:, 1] - screens[:, 0], screens[:, 2] - screens[:, 0]
-    from_corner = eye - screens[:, 0]
-    across = np.cross(rays, edge2)
+    across = np.cross(points[:, None, :], edge2)
     volume = np.einsum("tk,ntk->nt", edge1, across)
-    turned = np.cross(from_corner, edge1)
+    turned = np.cross(edge1, screens[:, 0])
     with np.errstate(divide="ignore", invalid="ignore"):  # a ray within a triangle's plane is not stopped by it
-        u = np.einsum("tk,ntk->nt", from_corner, across) / volume
-        v = np.einsum("nok,tk->nt", rays, turned) / volume
+        u = -np.einsum("tk,ntk->nt", screens[:, 0], across) / volume
+        v = points @ turned.T / volume
         share = np.einsum("tk,tk->t", edge2, turned) / volume
         return np.any((u >= 0) & (v >= 0) & (u + v <= 1) & (share > 0) & (share < 1 - _MARGIN), axis=1)

@@ -170,12 +170,20 @@ def test_normals_are_told_in_the_cameras_frame(job):
 
 
 def test_a_cube_hides_what_lies_behind_it_and_its_own_back_but_not_its_front():
-    screens = triangles(block("cube", (1.0, 0.0, 0.0), (0.2, 0.2, 0.2), "any"))
+    """A camera that looks along z at a cube of 0.2 m, 1 m away; the last point lies beside it, seen past its edge."""
+    screens = triangles(block("cube", (0.0, 0.0, 1.0), (0.2, 0.2, 0.2), "any"))
     assert screens.shape == (12, 3, 3)
-    points = np.array([(2, 0, 0), (2, 0.25, 0), (0.5, 0, 0), (0.9, 0.1, 0.1), (1.1, 0.1, 0.1), (-1, 0, 0)], float)
-    assert hidden(np.zeros(3), points, screens).tolist() == [True, False, False, False, True, False]
-    assert hidden(np.zeros(3), np.empty((0, 3)), screens).tolist() == []
-    assert hidden(np.zeros(3), points, np.empty((0, 3, 3))).tolist() == [False] * 6
+    points = np.array([(0, 0, 2), (0.25, 0, 2), (0, 0, 0.5), (0.1, 0.1, 0.9), (0.1, 0.1, 1.1), (0, 0.101, 0.9)], float)
+    assert hidden(points, screens).tolist() == [True, False, False, False, True, False]
+    assert hidden(np.empty((0, 3)), screens).tolist() == []
+    assert hidden(points, np.empty((0, 3, 3))).tolist() == [False] * 6
+    turned_away = screens * (1, 1, -1)
+    assert hidden(points, turned_away).tolist() == [False] * 6
+
+
+def test_a_wall_that_begins_behind_the_camera_hides_what_is_beyond_it():
+    screens = np.array([[(-1.0, -5, -3), (-1, 5, -3), (-1, 0, 40)]])
+    assert hidden(np.array([(-2.0, 0, 3), (-0.9, 0, 3), (2, 0, 3)]), screens).tolist() == [True, False, False]
 
 
 def test_a_scene_of_another_arena_is_refused(small, render_job):
