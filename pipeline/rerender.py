@@ -15,11 +15,13 @@ from configs.loader import load_scenario, load_section
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec
+from pipeline.dataset.annotation_checks import ANNOTATIONS
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Ints, Rows, read_rows
 from pipeline.dataset.side import image_positions
-from pipeline.files import hashes_of, holds, replace_folder, sync_folder, write_file
+from pipeline.files import hashes_of, holds, remove_folder, replace_folder, sync_folder, write_file
 from pipeline.progress import Report
+from pipeline.stages.annotate import AnnotationTask, copy_released
 from pipeline.stages.assemble import DATA, POSITIONS, SIDE
 from pipeline.stages.render import FRAMES, IMAGES, JOB, Appearance, RenderTask, picture_seed, render_runs
 from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
@@ -65,8 +67,12 @@ def render_source(
     with workspace.locked():
         task = RenderTask.of("rerender", appearance, source.rows, workspace.render("rerender"))
         failures = render_runs([task], workers, report)
+        annotations = None
+        if appearance.render.annotations and not failures:
+            annotations = AnnotationTask.of(task, appearance, workspace.annotate("rerender"))
+            failures = render_runs([annotations], workers, report, "annotate")
         if not failures:
-            _publish(task, source, workspace)
+            _publish(task, annotations, source, workspace)
     return failures
 
 
@@ -181,19 +187,23 @@ def _render(spec: RunSpec | None, request: Request, seed: int, route: str, run: 
     return draw_render(load_scenario(CARRIER, [*settings, *request.of("render")]), seed, route, run)
 
 
-def _publish(task: RenderTask, source: Source, workspace: Workspace) -> None:
+def _publish(task: RenderTask, annotations: AnnotationTask | None, source: Source, workspace: Workspace) -> None:
     """Fill the folder; frames.json, the list of the pictures, goes first and comes last: with it the set is whole."""
     out, marker = workspace.out, workspace.assemble("rerender")
-    key = input_key("pictures", render=task.key, data=hashlib.sha256(source.data).hexdigest())
+    annotated = annotations.key if annotations else ""
+    key = input_key("pictures", render=task.key, annotate=annotated, data=hashlib.sha256(source.data).hexdigest())
     done = marker.done()
     if done is not None and done.key == key and holds(out, done.files):
         return
     partial = marker.start()
-    _fill(task, source, partial)
+    _fill(task, annotations, source, partial)
     hashes = hashes_of(partial)
     (out / FRAMES).unlink(missing_ok=True)
     sync_folder(out)
     replace_folder(partial / IMAGES, out / IMAGES)
+    remove_folder(out / ANNOTATIONS)
+    if annotations:
+        replace_folder(partial / ANNOTATIONS, out / ANNOTATIONS)
     for name in (DATA, POSITIONS, JOB, FRAMES):
         (partial / name).replace(out / name)
     sync_folder(out)
@@ -202,11 +212,13 @@ def _publish(task: RenderTask, source: Source, workspace: Workspace) -> None:
     partial.rmdir()
 
 
-def _fill(task: RenderTask, source: Source, folder: Path) -> None:
+def _fill(task: RenderTask, annotations: AnnotationTask | None, source: Source, folder: Path) -> None:
     (folder / IMAGES).mkdir()
     for frame in task.frames:
         name = frame_name(frame.number)
-        write_file(folder / IMAGES / name, (task.images / name).read_bytes())
+        write_file(folder / IMAGES / name, (task.files / name).read_bytes())
+    if annotations:
+        copy_released(annotations.folder, folder)
     write_file(folder / DATA, source.data)
     write_file(folder / POSITIONS, image_positions(source.rows))
     for name in (JOB, FRAMES):

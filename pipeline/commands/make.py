@@ -39,7 +39,7 @@ def simulate(scenario: Scenario, out: Out, settings: Settings = None, workers: W
 
 
 def render(scenario: Scenario, out: Out, settings: Settings = None, workers: Workers = None) -> int:
-    """Second stage: render the images of every simulated run in Blender.
+    """Second stage: render the images of every simulated run in Blender, and annotate them where asked for.
 
     Example: symolo render smoke --out data
     """
