@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from blender_scenes import geometry, line_mesh
-from blender_scenes.bevel import bevelled_box
+from blender_scenes.bevel import BEVEL_M, bevelled_box
 from blender_scenes.description import Mesh, Point2, Scene
 from blender_scenes.lighting import LIGHTS
 from blender_scenes.materials import FLOORS, SURFACES
@@ -22,6 +22,9 @@ from configs.schema.look import LinePaintLook, LookConfig, TapeLook
 from configs.schema.robot import RobotConfig
 from physics.arena import Arena, Box, Line
 from physics.obstacle_motion import ObstacleMotion
+
+_GLASS_BEVEL_M = 0.0001
+"""Of polished edges; through a wider one the path tracer would see black, where light goes to and fro inside."""
 
 
 def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> Scene:
@@ -73,14 +76,17 @@ def _floor(look: LookConfig, room: Room, seed: int) -> Part:
 
 
 def _line(arena: Arena, look: LookConfig, seed: int) -> list[Part]:
-    return _painted(arena.line, look.line_paint, seed) if look.line == "paint" else _taped(arena.line, look.tape, seed)
+    if look.line == "paint":
+        return _painted(arena.line, look.line_paint, seed)
+    bed_m = look.floor.carpet.loop_m if look.floor.material == "carpet" else 0.0
+    return _taped(arena.line, look.tape, bed_m, seed)
 
 
-def _taped(line: Line, own: TapeLook, seed: int) -> list[Part]:
+def _taped(line: Line, own: TapeLook, bed_m: float, seed: int) -> list[Part]:
     surfaces = []
     for i, piece in enumerate(line.pieces):
         size = line_mesh.taped_length_m(piece, own.gap_m), line.width_m
-        surfaces.append(tape(own, Patch(f"tape_{i}", size, seed), piece.curvature_per_m))
+        surfaces.append(tape(own, Patch(f"tape_{i}", size, seed), piece.curvature_per_m, bed_m))
     meshes = line_mesh.tapes(
         line,
         [surface.name for surface in surfaces],
@@ -106,7 +112,8 @@ def _box(box: Box, look: LookConfig, seed: int) -> Part:
     lid = make(look, Patch(f"{name}_lid", (length, width), seed))
     # No face lies on the floor: where two coincide, glass would turn black.
     around = (ends.name, sides.name, ends.name, sides.name)
-    return bevelled_box(name, geometry.box_corners(box), around, lid.name), (ends, sides, lid)
+    bevel_m = _GLASS_BEVEL_M if box.surface == "glass" else BEVEL_M
+    return bevelled_box(name, geometry.box_corners(box), around, lid.name, bevel_m), (ends, sides, lid)
 
 
 def _in_its_frame(box: Box) -> Box:

@@ -28,4 +28,4 @@ def _rubber(patch: Patch, amount: float) -> Texture:
     """Heels that turned on the spot, and soles and chair legs that slid."""
     turned = arcs(patch, "heels", radius_m=0.03, width_m=0.007, share=0.5 * amount, apart_m=0.14)
     slid = arcs(patch, "slides", radius_m=0.12, width_m=0.01, share=0.6 * amount, apart_m=0.4)
-    return either(0.6 * turned, 0.45 * slid)
+    return either(0.75 * turned, 0.5 * slid)

@@ -10,10 +10,11 @@ _SHARPEST_BEND_PER_M = 5.0
 """From this curvature on a tape folds all along its inner edge."""
 
 
-def tape(look: TapeLook, patch: Patch, bend_per_m: float = 0.0) -> Surface:
+def tape(look: TapeLook, patch: Patch, bend_per_m: float = 0.0, bed_m: float = 0.0) -> Surface:
     """Matt or glossy film, its own tone per piece, with scuffs, dust, polished spots, dirty ends and folds in bends.
 
-    `bend_per_m` is the piece's curvature, positive to the left.
+    `bend_per_m` is the piece's curvature, positive to the left; `bed_m` the size of a carpet's loops, which press
+    through from beneath, 0 on a hard floor.
     """
     length, width = patch.size_m
     tone = 0.85 + 0.3 * patch.draw("tone")
@@ -33,11 +34,14 @@ def tape(look: TapeLook, patch: Patch, bend_per_m: float = 0.0) -> Surface:
     base = Mix(0.5 * look.wear * gum, base, Color((0.33, 0.31, 0.28)))
     crepe = Noise((700.0, 160.0), patch.offset("crepe"), octaves=2)
     waves = Noise((30.0, 14.0), patch.offset("waves"), octaves=2)
+    height = 0.00012 * waves + (0.00003 * look.roughness) * crepe + _folds(look, patch, bend_per_m, fine=waves)
+    if bed_m:
+        height = height + 0.5 * bed_m * Noise((0.4 / bed_m, 0.4 / bed_m), patch.offset("bed"), octaves=2)
     return Surface(
         patch.name,
         base,
         roughness=worn_gloss(min(look.roughness + 0.05, 1.0), 1 - worn, 0.16 * look.wear),
-        height_m=0.00012 * waves + (0.00003 * look.roughness) * crepe + _folds(look, patch, bend_per_m, fine=waves),
+        height_m=height,
         refractive_index=1.42,
     )
 

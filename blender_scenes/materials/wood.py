@@ -11,8 +11,8 @@ from configs.schema.look import LookConfig
 def wood(look: LookConfig, patch: Patch) -> Surface:
     """Growth rings along u, close and dark where the year ended, fibres, a varnish left matt."""
     own = look.wood
-    stem = Noise((0.7, 7.0), patch.offset("stem"), octaves=2, gain=0.3)
-    rings = Step(Arithmetic("sine", (22 * math.tau) * stem), -0.6, 1.0)
+    stem = Noise((0.8, 11.0), patch.offset("stem"), octaves=2, gain=0.3)
+    rings = Step(Arithmetic("sine", (24 * math.tau) * stem), -0.6, 1.0)
     clouds = Noise((2.0, 30.0), patch.offset("clouds"), octaves=3)
     fibres = Noise((30.0, 900.0), patch.offset("fibres"), octaves=2)
     base = Mix(
