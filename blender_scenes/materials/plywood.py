@@ -48,8 +48,8 @@ def _veneer(patch: Patch, paint: Paint, variation: float, sheet: Texture) -> tup
     fibres = Noise((18.0, 850.0), patch.offset("fibres"), octaves=2, gain=0.6, shift=30 * sheet)
     clouds = Noise((1.6, 9.0), patch.offset("clouds"), octaves=3, shift=30 * sheet)
     contour = Arithmetic("sine", (34 * math.tau) * hills)
-    late = Step(contour, 0.45, 1.0)  # latewood: narrow, dark, sharp on one side
-    tone = 0.5 + 0.3 * (sheet - 0.5) + 0.9 * (clouds - 0.5) + 0.5 * (fibres - 0.5) - 0.3 * (late - 0.15)
+    late = Step(contour, 0.7, 1.0)  # latewood: narrow, dark, sharp on one side
+    tone = 0.5 + 0.3 * (sheet - 0.5) + 0.9 * (clouds - 0.5) + 0.5 * (fibres - 0.5) - 0.3 * (late - 0.1)
     face = Mix(tone, paint_color(paint, times=1 - 2 * variation), paint_color(paint, times=1 + 2 * variation))
     pores = Step(fibres, 0.64, 0.78)
     face = Mix(0.3 * pores, face, paint_color(paint, times=0.5))
