@@ -20,7 +20,7 @@ LOOK = LookConfig(name="plain")
 
 
 def _room(look=LOOK):
-    return ROOMS["plain"](look, (-1.0, -1.0), (1.0, 1.0))
+    return ROOMS["plain"](look, (-1.0, -1.0), (1.0, 1.0), 1)
 
 
 def test_daylight_of_6504_kelvin_is_the_white_of_srgb():

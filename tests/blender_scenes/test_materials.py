@@ -15,7 +15,8 @@ from blender_scenes.scene import describe
 from blender_scenes.shading import Color, Mix, Noise, Number, Step, Surface, Tiles
 from blender_scenes.typical import typical_color
 from configs.schema.arena import ArenaConfig, Line, SurfaceName, Wall
-from configs.schema.look import FloorName, LookConfig, PanoramaName
+from configs.schema.lighting import PanoramaName
+from configs.schema.look import FloorName, LookConfig
 from physics import surfaces
 from physics.arena import Arena
 
