@@ -45,8 +45,7 @@ def stood(mesh: Mesh, pose: PlanarPose) -> Mesh:
 def posed(mesh: Mesh, axes: Array, at: Point3) -> Mesh:
     """The mesh turned so that its axes are the columns of (3, 3) `axes`, its origin at `at`."""
     vertices = np.array(mesh.vertices) @ axes.T + at
-    points = tuple((float(x), float(y), float(z)) for x, y, z in vertices)
-    return Mesh(mesh.name, points, mesh.faces, mesh.uv_m, mesh.face_surface)
+    return Mesh(mesh.name, _points(vertices), mesh.faces, mesh.uv_m, mesh.face_surface)
 
 
 def loft(name: str, rings: Sequence[Array], surface: str, *, closed: bool = True) -> Mesh:
@@ -57,19 +56,23 @@ def loft(name: str, rings: Sequence[Array], surface: str, *, closed: bool = True
     sides, levels = len(rings[0]), len(rings)
     points = np.concatenate(rings)
     around, along = _lengths(rings)
-    faces, uv = [], []
+    faces: list[tuple[int, ...]] = []
+    uv: list[tuple[Point2, ...]] = []
     for level in range(levels - 1):
+        low, high, v0, v1 = level * sides, (level + 1) * sides, along[level], along[level + 1]
         for i in range(sides):
-            j, low, high = (i + 1) % sides, level * sides, (level + 1) * sides
+            j, u0, u1 = (i + 1) % sides, around[i], around[i + 1]
             faces.append((low + i, low + j, high + j, high + i))
-            (u0, u1), (v0, v1) = (around[i], around[i + 1]), (along[level], along[level + 1])
             uv.append(((u0, v0), (u1, v0), (u1, v1), (u0, v1)))
     for level, way in ((0, -1), (levels - 1, 1)) if closed else ():
         numbers = tuple(range(level * sides, (level + 1) * sides))[::way]
         faces.append(numbers)
         uv.append(_flat(points[list(numbers)]))
-    vertices = tuple((float(x), float(y), float(z)) for x, y, z in points)
-    return Mesh(name, vertices, tuple(faces), tuple(uv), (surface,) * len(faces))
+    return Mesh(name, _points(points), tuple(faces), tuple(uv), (surface,) * len(faces))
+
+
+def _points(rows: Array) -> tuple[Point3, ...]:
+    return tuple((x, y, z) for x, y, z in rows.tolist())
 
 
 def lathe(name: str, profile: Sequence[Point2], surface: str, *, sides: int = 20, closed: bool = True) -> Mesh:
@@ -136,4 +139,4 @@ def _flat(points: Array) -> tuple[Point2, ...]:
     one = points[1] - points[0]
     one /= np.linalg.norm(one)
     plane = (points - points[0]) @ np.stack([one, np.cross(normal, one)], axis=1)
-    return tuple((float(u), float(v)) for u, v in plane)
+    return tuple((u, v) for u, v in plane.tolist())

@@ -14,8 +14,10 @@ from blender_scenes.rooms.base import Room
 from blender_scenes.shading import RGB
 from configs.schema.look import LookConfig
 
-_BRIGHTEST = 3.0
-"""Most that a piece of sky shines to its mean, away from the sun; an overcast one has 9/7 (CIE S 011)."""
+_BRIGHTEST = 2.0
+"""Most of its mean that a piece of sky shines with in mirrors; the overcast sky of CIE S 011 has 9/7 at its zenith.
+
+Panoramas hold up to eleven times: sunlit clouds and house fronts, whose image in a waxed floor burns out."""
 
 
 def daylight(look: LookConfig, room: Room) -> Lights:

@@ -1,4 +1,4 @@
-"""Lamps on the tables: a small warm bulb in a hood, turned towards the arena."""
+"""Lamps on the tables: a small warm bulb in a hood, turned towards the middle of the room."""
 
 import math
 
@@ -23,7 +23,7 @@ _BULB_DEPTH_M = 0.06
 """Behind the plane of the rim."""
 _FROM_EDGE_M = 0.12
 _REACH_M = 0.14
-"""Of the arm towards the arena."""
+"""Of the arm towards the middle."""
 
 
 def desk_lamps(look: LookConfig, room: Room) -> Lights:

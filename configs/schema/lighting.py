@@ -70,4 +70,4 @@ class DeskLampsLook(Section):
     height_m: float = Field(default=0.4, ge=0.2, le=0.8)
     """Of the head above the table."""
     tilt_deg: float = Field(default=45.0, ge=0, le=75)
-    """Of the head's axis from straight down, towards the arena."""
+    """Of the head's axis from straight down, towards the middle of the room."""

@@ -68,4 +68,4 @@ class WindowLook(Section):
     curtain_transmittance: float = Field(default=0.4, ge=0.02, le=0.9)
     """Share of the light that a sheer curtain lets through."""
     slat_tilt_deg: float = Field(default=25.0, ge=-60, le=60)
-    """Of the blinds; positive where the inner edge is lower, as against a high sun."""
+    """Of the blinds; positive where the outer edges are the higher ones, which lets a high sun in."""

@@ -24,14 +24,14 @@ def bag(name: str, own: Bag) -> Piece:
     """A full body, a pocket in front, a handle, and two straps that trail behind it."""
     width, depth, height = own.size_m
     parts = [
-        cushion("body", (0, 0, 0.495 * height), own.size_m, f"{name}_cloth"),
+        cushion("body", (0, 0, 0.5 * height), own.size_m, f"{name}_cloth"),
         cushion("pocket", (0, -0.42 * depth, 0.3 * height), (0.8 * width, 0.5 * depth, 0.5 * height), f"{name}_pocket"),
         pipe("handle", _arch(0.0, 0.04, 0.95 * height, 0.05), 0.008, f"{name}_pocket"),
     ]
     for side in (-0.25 * width, 0.25 * width):
         hang = np.linspace(0.0, 1.0, 8)
         y = 0.46 * depth + 0.09 * np.sin(np.pi * hang) + 0.03 * hang
-        z = 0.85 * height * (1 - hang) + _STRAP_M
+        z = 0.85 * height * (1 - hang) + 1.4 * _STRAP_M  # its last ring leans
         path = [(side, float(a), float(b)) for a, b in zip(y, z, strict=True)]
         parts.append(pipe("strap", path, _STRAP_M, f"{name}_pocket"))
     return Piece(

@@ -7,6 +7,7 @@ the wall's face as y = 0 and comes into the room towards -y.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
@@ -24,14 +25,14 @@ class Piece:
     top_m: float | None = None
     """Height of a top that things may stand on."""
 
-    @property
+    @cached_property
     def size_m(self) -> tuple[float, float]:
         """Extent along x and y of the ground that it takes, its origin in the middle."""
         vertices = np.abs(np.array(self.mesh.vertices)[:, :2])
         width, depth = 2 * vertices.max(axis=0)
         return float(width), float(depth)
 
-    @property
+    @cached_property
     def height_m(self) -> tuple[float, float]:
         """Lowest and highest point."""
         heights = [vertex[2] for vertex in self.mesh.vertices]

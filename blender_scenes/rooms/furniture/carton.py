@@ -31,15 +31,12 @@ def carton(name: str, own: Carton) -> Piece:
     for sign in (-1, 1):
         at = (sign * 0.5 * length, 0, height - 0.5 * own.tape_drop_m)
         parts.append(block("tape", at, (0.0006, _TAPE_M, own.tape_drop_m), f"{name}_tape"))
+    surfaces = [painted(f"{name}_board", own.board, 0.9), moulded(f"{name}_tape", (0.32, 0.19, 0.08), 0.25)]
     if own.label_m > 0:
         at = (0.2 * length, -0.5 * width, 0.5 * height)
         parts.append(block("label", at, (own.label_m, 0.0006, 0.7 * own.label_m), f"{name}_label"))
-    surfaces = (
-        painted(f"{name}_board", own.board, 0.9),
-        moulded(f"{name}_tape", (0.32, 0.19, 0.08), 0.25),
-        moulded(f"{name}_label", (0.75, 0.75, 0.73), 0.6),
-    )
-    return Piece(joined(name, parts), surfaces)
+        surfaces.append(moulded(f"{name}_label", (0.75, 0.75, 0.73), 0.6))
+    return Piece(joined(name, parts), tuple(surfaces))
 
 
 def drawn_carton(name: str, rng: np.random.Generator) -> Piece:

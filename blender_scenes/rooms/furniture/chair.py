@@ -37,10 +37,11 @@ def chair(name: str, own: Chair) -> Piece:
     for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1)):
         sign = np.array([sx, sy])
         head, foot = sign * inner, sign * (inner + own.splay_m)
-        ankle = foot + (head - foot) * _FOOT_M / seat
-        low, high = (float(foot[0]), float(foot[1]), 0.0), (float(ankle[0]), float(ankle[1]), _FOOT_M)
-        parts.append(rod("foot", (low, high), (1.25 * radius, 1.25 * radius), f"{name}_feet"))
-        parts.append(rod("leg", (high, (float(head[0]), float(head[1]), seat)), (radius, radius), f"{name}_frame"))
+        fx, fy = float(foot[0]), float(foot[1])
+        shoe = 1.25 * radius
+        parts.append(rod("foot", ((fx, fy, 0.0), (fx, fy, _FOOT_M)), (shoe, shoe), f"{name}_feet"))
+        head_at = float(head[0]), float(head[1]), seat
+        parts.append(rod("leg", ((fx, fy, 0.5 * _FOOT_M), head_at), (radius, radius), f"{name}_frame"))
     x, y = float(inner[0]), float(inner[1])
     for side in (-x, x):
         parts.append(
