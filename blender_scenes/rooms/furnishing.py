@@ -57,7 +57,7 @@ def _fixtures(
         found.append((hang_at(piece, faces[look.window.side], 0.0), piece.size_m[1]))
     if own.door:
         rng = stream(seed, "room", "door")
-        elsewhere = {side: face for side, face in faces.items() if side != look.window.side}
+        elsewhere: dict[Side, WallFace] = {side: face for side, face in faces.items() if side != look.window.side}
         found.append((hang(drawn_door("door", rng), elsewhere, rng), 2 * _DOORWAY_M))
     for standing, depth in found:
         if standing is not None:

@@ -31,21 +31,27 @@ def _seen_below(light_of, panels=(), sun=None, gains=((1.0, 1.0, 1.0),)) -> np.n
     return np.squeeze(light_of(scene, views, 5, 200.0).mean(axis=(1, 2)))
 
 
-def test_a_lamp_lights_the_floor_as_the_inverse_square_says(light_of):
-    lamp = Panel("lamp", (0.0, 0.0, 2.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.1, 0.2, (8.0, 4.0, 2.0))
-    illuminance = np.array(lamp.radiance) * 0.1 * 0.2 / 2.0**2
-    assert _seen_below(light_of, [lamp]) == pytest.approx(0.5 / np.pi * illuminance, rel=0.02)
+LAMP = Panel("lamp", (0.0, 0.0, 2.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.1, 0.2, (8.0, 4.0, 2.0))
+GAIN = (0.5, 0.75, 1.25)
+
+
+@pytest.fixture(scope="module")
+def below_a_lamp(light_of) -> np.ndarray:
+    return _seen_below(light_of, [LAMP], gains=((1.0, 1.0, 1.0), GAIN))
+
+
+def test_a_lamp_lights_the_floor_as_the_inverse_square_says(below_a_lamp):
+    illuminance = np.array(LAMP.radiance) * 0.1 * 0.2 / 2.0**2
+    assert below_a_lamp[0] == pytest.approx(0.5 / np.pi * illuminance, rel=0.02)
+
+
+def test_the_gain_of_a_frame_is_that_of_all_its_light(below_a_lamp):
+    assert below_a_lamp[1] == pytest.approx(below_a_lamp[0] * GAIN)
 
 
 def test_the_sun_lights_the_floor_by_the_sine_of_its_elevation(light_of):
     sun = Sun((0.0, np.cos(np.radians(30)), 0.5), (2.0, 1.0, 0.5), np.radians(0.5))
     assert _seen_below(light_of, sun=sun) == pytest.approx(0.5 / np.pi * 0.5 * np.array([2.0, 1.0, 0.5]), rel=0.02)
-
-
-def test_the_gain_of_a_frame_is_that_of_all_its_light(light_of):
-    lamp = Panel("lamp", (0.0, 0.0, 2.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.1, 0.2, (8.0, 4.0, 2.0))
-    plain, dimmed = _seen_below(light_of, [lamp], gains=((1.0, 1.0, 1.0), (0.5, 0.75, 1.25)))
-    assert dimmed == pytest.approx(plain * [0.5, 0.75, 1.25])
 
 
 @pytest.mark.parametrize(("look", "draw"), [(name, 1) for name in shipped_names("look")])
