@@ -254,7 +254,8 @@ CASES = {
         "there is no light on",
     ),
     "a desk lamp and no table for it": look(
-        "sun: {illuminance_klx: 0}\n  sky: {luminance_kcd_m2: 0}\n  desk_lamps: {count: 1}\n  lamps: {rows: 0} #!",
+        "sun: {illuminance_klx: 0}\n  sky: {luminance_kcd_m2: 0}\n  desk_lamps: {count: 1}\n"
+        "  room: {furniture: {tables: 0}}\n  lamps: {rows: 0} #!",
         "look.lamps",
         "there is no light on",
     ),
