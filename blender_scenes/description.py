@@ -26,6 +26,10 @@ def _nothing_moves(items: tuple[object, ...]) -> bool:
     return not items
 
 
+def _as_it_is(gain: RGB) -> bool:
+    return gain == (1.0, 1.0, 1.0)
+
+
 @dataclass(frozen=True)
 class Mesh:
     name: str
@@ -54,6 +58,8 @@ class Panel:
     radiance: RGB
     mirrored: bool = True
     """False where something else is seen in its place."""
+    on_mains: bool = False
+    """Whether it flickers with the alternating current."""
 
 
 @dataclass(frozen=True)
@@ -120,3 +126,5 @@ class FrameView:
     """Pose of the optical frame (x right, y down, z forward) in W."""
     moving: Annotated[tuple[PlanarPose, ...], Field(exclude_if=_nothing_moves)] = ()
     """Of the scene's moving meshes, in their order."""
+    light_gain: Annotated[RGB, Field(exclude_if=_as_it_is)] = (1.0, 1.0, 1.0)
+    """All light of this frame to its mean over time, where lamps flicker."""

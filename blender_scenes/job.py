@@ -9,6 +9,7 @@ from pydantic import TypeAdapter
 from blender_scenes.camera import Array, intrinsics, pose_X_RC, pose_X_WR
 from blender_scenes.camera_response import CameraResponse
 from blender_scenes.description import FrameView, Intrinsics, Matrix4, PlanarPose, Scene
+from blender_scenes.lighting.flicker import frame_gains
 from blender_scenes.lighting.illuminance import on_the_floor
 from blender_scenes.scene import arena_bounds, describe
 from configs.schema.look import LookConfig
@@ -83,7 +84,10 @@ def build_job(  # noqa: PLR0917 - a run's pictures depend on all of these
     """The rendering of a run; the same arguments give the same job."""
     scene = describe(arena, robot, look, seed)
     (x0, y0), (x1, y1) = arena_bounds(arena)
-    light = on_the_floor(scene.panels, (0.5 * (x0 + x1), 0.5 * (y0 + y1), 0.0))
+    middle = 0.5 * (x0 + x1), 0.5 * (y0 + y1), 0.0
+    light = on_the_floor(scene.panels, middle)
+    mains = on_the_floor([panel for panel in scene.panels if panel.on_mains], middle)
+    gains = frame_gains(look.lamps.flicker, np.array([frame.t_s for frame in frames]), mains, light, seed)
     X_RC = pose_X_RC(robot.camera, robot.chassis.base_height_m)
     moving = [box.poses_at(np.array([frame.t_s for frame in frames])) for box in arena.moving]
     views = []
@@ -91,7 +95,7 @@ def build_job(  # noqa: PLR0917 - a run's pictures depend on all of these
         X_WC = pose_X_WR(frame.x_m, frame.y_m, frame.yaw_rad) @ X_RC
         pose = frame.x_m, frame.y_m, frame.yaw_rad
         moved = tuple(_planar(poses[i]) for poses in moving)
-        views.append(FrameView(frame.number, frame.t_s, pose, _rows(X_WC), moved))
+        views.append(FrameView(frame.number, frame.t_s, pose, _rows(X_WC), moved, gains[i]))
     return RenderJob(
         format=FORMAT,
         scene=scene,

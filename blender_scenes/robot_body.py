@@ -59,6 +59,7 @@ def _sensors(robot: RobotConfig) -> Iterator[Mesh]:
         mount = getattr(robot.tof.mounts, name)
         at = (mount.x_m - 0.003, mount.y_m, mount.z_m)
         yield block(f"robot_tof_{name}", at, (0.004, 0.018, 0.012), "robot_board")
+        yield _post(f"robot_tof_post_{name}", mount.x_m - 0.007, mount.y_m, (top, mount.z_m))
 
 
 def _post(name: str, x_m: float, y_m: float, heights_m: tuple[float, float]) -> Mesh:

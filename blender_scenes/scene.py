@@ -30,17 +30,18 @@ _GLASS_BEVEL_M = 0.0001
 def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> Scene:
     """The scene that the run's camera sees; the same arguments give the same scene."""
     low, high = arena_bounds(arena)
-    room = ROOMS["plain"](look, low, high)
+    room = ROOMS["plain"](look, low, high, seed)
     parts = [_floor(look, room, seed), *_line(arena, look, seed)]
     parts += [_box(box, look, seed) for box in arena.boxes if box.motion is None]
     moving = [_box(_in_its_frame(box), look, seed) for box in arena.moving]
-    surfaces = [s for _, own in parts + moving for s in own] + list(room.surfaces) + list(robot_surfaces())
     lights = [light(look, room) for light in LIGHTS.values()]
+    surfaces = [s for _, own in parts + moving for s in own] + list(room.surfaces) + list(robot_surfaces())
+    surfaces += [surface for light in lights for surface in light.surfaces]
     suns = [sun for light in lights for sun in light.suns]
     (sky,) = [sky for light in lights for sky in light.skies]
     return Scene(
         surfaces=tuple(surfaces),
-        meshes=tuple(mesh for mesh, _ in parts) + room.meshes,
+        meshes=(*(mesh for mesh, _ in parts), *room.meshes, *(mesh for light in lights for mesh in light.meshes)),
         robot=robot_body(robot),
         panels=tuple(panel for light in lights for panel in light.panels),
         sun=suns[0] if suns else None,

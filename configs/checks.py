@@ -258,8 +258,10 @@ def _look_faults(look: LookConfig) -> Iterator[Fault]:
         against: FieldPath = ("look", "room", "height_m")
         yield Fault(("look", "window", "sill_m"), problem, look.window.sill_m, allowed, against=against)
     lamps = look.lamps.rows * look.lamps.flux_klm
+    lamps += min(look.desk_lamps.count, look.room.furniture.tables) * look.desk_lamps.flux_klm
     if not (lamps or look.sun.illuminance_klx or look.sky.luminance_kcd_m2):
-        allowed = "a value above 0 for lamps.rows and lamps.flux_klm, sun.illuminance_klx or sky.luminance_kcd_m2"
+        allowed = "a value above 0 for lamps.rows and lamps.flux_klm, sun.illuminance_klx or sky.luminance_kcd_m2, "
+        allowed += "or a desk lamp and a table for it"
         yield Fault(("look", "lamps"), "there is no light on", allowed=allowed)
 
 

@@ -97,7 +97,8 @@ def frame_light(job: RenderJob, view: FrameView) -> np.ndarray:
     size = job.camera.width_px, job.camera.height_px
     sampling = job.sampling
     seed = _noise_seed(sampling.seed, "frame", view.number)
-    return _light(view, size, seed=seed, samples=sampling.samples, denoise=sampling.denoise)
+    light = _light(view, size, seed=seed, samples=sampling.samples, denoise=sampling.denoise)
+    return light * np.array(view.light_gain, np.float32)
 
 
 def metered_light(job: RenderJob) -> np.ndarray:

@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from blender_scenes.description import Panel, Sky, Sun
+from blender_scenes.description import Mesh, Panel, Sky, Sun
+from blender_scenes.shading import Surface
 
 
 @dataclass(frozen=True)
@@ -10,3 +11,6 @@ class Lights:
     panels: tuple[Panel, ...] = ()
     suns: tuple[Sun, ...] = ()
     skies: tuple[Sky, ...] = ()
+    meshes: tuple[Mesh, ...] = ()
+    """Bodies of lamps, curtains and blinds."""
+    surfaces: tuple[Surface, ...] = ()

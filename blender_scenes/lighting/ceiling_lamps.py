@@ -1,12 +1,21 @@
-"""Flat lamps below the ceiling, in a grid over the room."""
+"""Ceiling lamps in a grid over the room: flat panels, tubes on battens, bulbs in shades."""
 
 import math
 
 from blender_scenes.colour import light_rgb, scaled
-from blender_scenes.description import Panel
+from blender_scenes.description import Mesh, Panel, Point3
+from blender_scenes.geometry import block
 from blender_scenes.lighting.base import Lights
+from blender_scenes.materials.fittings import moulded
 from blender_scenes.rooms.base import Room
+from blender_scenes.shading import RGB
+from blender_scenes.solids import joined, lathe, moved, rod
 from configs.schema.look import LookConfig
+
+_LOWEST_M = 1.8
+_BATTEN_M = 0.05
+_SHADE_M = 0.2
+"""Height of a shade."""
 
 
 def ceiling_lamps(look: LookConfig, room: Room) -> Lights:
@@ -14,16 +23,51 @@ def ceiling_lamps(look: LookConfig, room: Room) -> Lights:
     own = look.lamps
     if own.flux_klm == 0:
         return Lights()
-    luminance = own.flux_klm / (math.pi * own.length_m * own.width_m)
-    radiance = scaled(light_rgb(own.color_temperature_K), luminance)
+    length = own.width_m if own.housing == "shade" else own.length_m
+    luminance = own.flux_klm / (math.pi * length * own.width_m)
+    radiance: RGB = scaled(light_rgb(own.color_temperature_K), luminance)
+    z = max(room.height_m - own.drop_m, min(_LOWEST_M, room.height_m - 0.06))
     (x0, y0), (x1, y1) = room.low, room.high
-    panels = []
+    panels, meshes = [], []
     for row in range(own.rows):
         for column in range(own.columns):
             x = x0 + (x1 - x0) * (column + 0.5) / own.columns
             y = y0 + (y1 - y0) * (row + 0.5) / own.rows
-            center = (x, y, room.height_m - 0.06)
-            panels.append(
-                Panel(f"lamp_{row}_{column}", center, (1, 0, 0), (0, -1, 0), own.length_m, own.width_m, radiance)
-            )
-    return Lights(panels=tuple(panels))
+            name, center = f"lamp_{row}_{column}", (x, y, z)
+            panels.append(Panel(name, center, (1, 0, 0), (0, -1, 0), length, own.width_m, radiance, on_mains=True))
+            if own.housing != "none":
+                body = _batten if own.housing == "batten" else _shade
+                meshes.append(body(name, center, (length, own.width_m), room.height_m))
+    surfaces = (moulded("lamp_housing", (0.72, 0.72, 0.7), 0.4),) if meshes else ()
+    return Lights(panels=tuple(panels), meshes=tuple(meshes), surfaces=surfaces)
+
+
+def _batten(name: str, lamp: Point3, size_m: tuple[float, float], ceiling_m: float) -> Mesh:
+    """Sheet metal above the tube, on two rods where it does not lie against the ceiling."""
+    x, y, z = lamp
+    body = (size_m[0] + 0.04, size_m[1] + 0.05, _BATTEN_M)
+    parts = [block("batten", (x, y, z + 0.01 + 0.5 * _BATTEN_M), body, "lamp_housing")]
+    if ceiling_m - z > 0.1:
+        for side in (-0.35 * size_m[0], 0.35 * size_m[0]):
+            ends = (x + side, y, z + _BATTEN_M), (x + side, y, ceiling_m)
+            parts.append(rod("rod", ends, (0.004, 0.004), "lamp_housing", sides=6))
+    return joined(name, parts)
+
+
+def _shade(name: str, lamp: Point3, size_m: tuple[float, float], ceiling_m: float) -> Mesh:
+    """A cone open to below around the upper end of which the bulb sits, and the cable that it hangs on."""
+    x, y, z = lamp
+    neck = 0.75 * size_m[0]
+    rim = neck + 0.7 * _SHADE_M
+    cone = moved(hood(neck, rim, _SHADE_M), (x, y, z - 0.6 * _SHADE_M))
+    top = z + 0.4 * _SHADE_M
+    cable = rod("cable", ((x, y, top), (x, y, max(ceiling_m, top + 0.01))), (0.004, 0.004), "lamp_housing", sides=6)
+    return joined(name, [cone, cable])
+
+
+def hood(neck_m: float, rim_m: float, height_m: float, surface: str = "lamp_housing") -> Mesh:
+    """A shade of sheet metal, its open rim in the plane z = 0."""
+    thin = 0.002
+    outside = [(rim_m, 0.0), (neck_m, height_m), (0.001, height_m)]
+    inside = [(0.001, height_m - thin), (neck_m - thin, height_m - thin), (rim_m - thin, 0.0), (rim_m, 0.0)]
+    return lathe("hood", [*outside, *inside], surface, closed=False)

@@ -4,36 +4,65 @@ import math
 
 import numpy as np
 
-from blender_scenes.colour import LUMINANCE
+from blender_scenes.colour import LUMINANCE, light_rgb
 from blender_scenes.description import Panel, Sky
 from blender_scenes.lighting.base import Lights
-from blender_scenes.lighting.panoramas import CEILING, MEAN_COLOR
+from blender_scenes.lighting.panoramas import MEAN_COLOR
+from blender_scenes.lighting.sun import towards_sun
+from blender_scenes.lighting.window_covering import CURTAIN_M, curtain
 from blender_scenes.rooms.base import Room
+from blender_scenes.shading import RGB
 from configs.schema.look import LookConfig
+
+_BRIGHTEST = 2.0
+"""Most of its mean that a piece of sky shines with in mirrors; the overcast sky of CIE S 011 has 9/7 at its zenith.
+
+Panoramas hold up to eleven times: sunlit clouds and house fronts, whose image in a waxed floor burns out."""
 
 
 def daylight(look: LookConfig, room: Room) -> Lights:
-    """The panorama scaled to the look's mean luminance; a panel of its mean colour shines from each window.
+    """The panorama scaled to the look's mean luminance; a panel of its mean colour shines from the window.
 
-    About half of what a window sees is sky, the rest houses and ground of a third of its luminance.
+    Behind a sheer curtain the panel is the curtain itself, which passes on the sun's light too and is seen in mirrors.
     """
     own = look.sky
     mean = np.array(MEAN_COLOR[own.panorama])
-    gain = own.luminance_kcd_m2 / float(mean @ LUMINANCE)
-    sky = Sky(own.panorama, math.radians(own.yaw_deg), gain, CEILING, own.saturation)
-    if own.luminance_kcd_m2 == 0:
-        return Lights(skies=(sky,))
     grey = float(mean @ LUMINANCE)
-    r, g, b = (0.65 * gain * (grey + own.saturation * (mean - grey))).tolist()
+    gain = own.luminance_kcd_m2 / grey
+    skies = (Sky(own.panorama, math.radians(own.yaw_deg), gain, _BRIGHTEST * grey, own.saturation),)
+    sheer = look.window.covering == "sheer"
+    radiance = _seen_in_the_window(gain * (grey + own.saturation * (mean - grey)))
+    if sheer:
+        radiance = look.window.curtain_transmittance * (radiance + _sun_on_the_window(look, room) / math.pi)
+    if not radiance.any():
+        return Lights(skies=skies)
     window = room.window
+    behind = room.wall_depth_m if not sheer else CURTAIN_M
     panel = Panel(
         "window",
-        tuple(np.subtract(window.center, np.multiply(window.inward, room.wall_depth_m)).tolist()),
+        tuple(np.subtract(window.center, np.multiply(window.inward, behind)).tolist()),
         window.right,
         window.up,
         window.width_m,
         window.height_m,
-        (r, g, b),
-        mirrored=False,
+        _rgb(radiance),
+        mirrored=sheer,
     )
-    return Lights(panels=(panel,), skies=(sky,))
+    meshes, surfaces = curtain(window) if sheer else ((), ())
+    return Lights(panels=(panel,), skies=skies, meshes=meshes, surfaces=surfaces)
+
+
+def _seen_in_the_window(sky: np.ndarray) -> np.ndarray:
+    """About half of what a window sees is sky, the rest houses and ground of a third of its luminance."""
+    return 0.65 * sky
+
+
+def _sun_on_the_window(look: LookConfig, room: Room) -> np.ndarray:
+    """Illuminance on its plane [klx]."""
+    facing = -float(np.dot(towards_sun(look, room), room.window.inward))
+    return np.multiply(light_rgb(look.sun.color_temperature_K), look.sun.illuminance_klx * max(0.0, facing))
+
+
+def _rgb(values: np.ndarray) -> RGB:
+    r, g, b = values.tolist()
+    return r, g, b

@@ -1,7 +1,7 @@
 """What the panoramas shipped with bpy hold, measured once, so that their light is known without reading them."""
 
 from blender_scenes.shading import RGB
-from configs.schema.look import PanoramaName
+from configs.schema.lighting import PanoramaName
 
 CEILING = 10.0
 """Components above this belong to a sun or a lamp in the picture, not to the sky."""

@@ -3,23 +3,28 @@
 import math
 
 from blender_scenes.colour import light_rgb, scaled
-from blender_scenes.description import Sun
+from blender_scenes.description import Point3, Sun
 from blender_scenes.lighting.base import Lights
 from blender_scenes.rooms.base import Room
 from configs.schema.look import LookConfig
 
 
 def sun(look: LookConfig, room: Room) -> Lights:
-    """The sun as it stands to the window's outward normal; none where it gives no light."""
+    """The sun as it stands to the window's outward normal; none where it gives no light or a curtain spreads it."""
     own = look.sun
-    if own.illuminance_klx == 0:
+    if own.illuminance_klx == 0 or look.window.covering == "sheer":
         return Lights()
+    irradiance = scaled(light_rgb(own.color_temperature_K), own.illuminance_klx)
+    return Lights(suns=(Sun(towards_sun(look, room), irradiance, math.radians(own.angular_diameter_deg)),))
+
+
+def towards_sun(look: LookConfig, room: Room) -> Point3:
+    """Unit vector."""
+    own = look.sun
     outward = math.atan2(-room.window.inward[1], -room.window.inward[0])
     azimuth, elevation = outward + math.radians(own.azimuth_from_window_deg), math.radians(own.elevation_deg)
-    towards = (
+    return (
         math.cos(elevation) * math.cos(azimuth),
         math.cos(elevation) * math.sin(azimuth),
         math.sin(elevation),
     )
-    irradiance = scaled(light_rgb(own.color_temperature_K), own.illuminance_klx)
-    return Lights(suns=(Sun(towards, irradiance, math.radians(own.angular_diameter_deg)),))

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from blender_scenes.description import Mesh, Point2, Point3
+from blender_scenes.description import Mesh, PlanarPose, Point2, Point3
 from blender_scenes.shading import Surface
 
 
@@ -21,6 +21,16 @@ class Opening:
 
 
 @dataclass(frozen=True)
+class Top:
+    """A table's top."""
+
+    pose: PlanarPose
+    """Of its middle."""
+    size_m: tuple[float, float]
+    height_m: float
+
+
+@dataclass(frozen=True)
 class Room:
     low: Point2
     """South-west corner of the floor [m]."""
@@ -31,3 +41,5 @@ class Room:
     meshes: tuple[Mesh, ...]
     """Without the floor, whose material is chosen apart."""
     surfaces: tuple[Surface, ...]
+    tops: tuple[Top, ...] = ()
+    """Of the tables, in the order of their numbers."""

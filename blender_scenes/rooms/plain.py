@@ -1,4 +1,4 @@
-"""A rectangular room with painted walls, skirting, ceiling and one window with bars."""
+"""A rectangular room with painted walls, skirting, ceiling, one window with bars, and what stands in it."""
 
 from collections.abc import Iterator
 
@@ -8,54 +8,59 @@ from blender_scenes.description import Mesh, Point2
 from blender_scenes.geometry import box, rectangle
 from blender_scenes.materials.fittings import painted
 from blender_scenes.rooms.base import Opening, Room
+from blender_scenes.rooms.furnishing import furnished
+from blender_scenes.rooms.walls import SIDES, Wall, wall
+from blender_scenes.solids import stood
 from configs.checks import LINTEL_M
-from configs.schema.look import LookConfig, Paint, RoomLook
+from configs.footprints import Rectangle
+from configs.schema.look import LookConfig
+from configs.schema.paint import Paint
+from configs.schema.room import RoomLook
 
 WALL_DEPTH_M = 0.25
-_SIDES = {"east": 0.0, "north": 90.0, "west": 180.0, "south": 270.0}
-"""Direction of each side's outward normal [deg]."""
 
 
-def plain_room(look: LookConfig, arena_low: Point2, arena_high: Point2) -> Room:
-    """The room whose walls keep the look's margins from the arena's bounds."""
+def plain_room(look: LookConfig, arena_low: Point2, arena_high: Point2, seed: int) -> Room:
+    """The room whose walls keep the look's margins from the arena's bounds; its furniture is drawn by `seed`."""
     own = look.room
     low = arena_low[0] - own.margin_west_m, arena_low[1] - own.margin_south_m
     high = arena_high[0] + own.margin_east_m, arena_high[1] + own.margin_north_m
     window = _opening(look, low, high)
     meshes = [_ceiling(low, high, own.height_m)]
-    for side in _SIDES:
-        meshes += _wall(side, low, high, own, window if side == look.window.side else None)
+    for side in SIDES:
+        meshes += _wall(wall(side, low, high), own, window if side == look.window.side else None)
     meshes += _bars(window, look.window.panes)
+    size = arena_high[0] - arena_low[0], arena_high[1] - arena_low[1]
+    arena = Rectangle((0.5 * (arena_low[0] + arena_high[0]), 0.5 * (arena_low[1] + arena_high[1])), size, 0.0)
+    furniture = furnished(look, low, high, window, arena, seed)
     surfaces = (
         painted("room_wall", own.wall, 0.7),
         painted("room_ceiling", Paint(reflectance=0.8), 0.8),
         painted("room_skirting", own.skirting, 0.4),
         painted("window_frame", Paint(reflectance=0.75), 0.35),
     )
-    return Room(low, high, own.height_m, WALL_DEPTH_M, window, tuple(meshes), surfaces)
-
-
-def _frame(side: str, low: Point2, high: Point2) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """Middle of the wall's foot, unit vector to the right as seen from inside, outward normal, and length."""
-    angle = np.radians(_SIDES[side])
-    outward = np.round(np.array([np.cos(angle), np.sin(angle), 0.0]))
-    right = np.array([outward[1], -outward[0], 0.0])
-    half = 0.5 * np.subtract(high, low)
-    middle = 0.5 * np.add(low, high)
-    foot = np.array([*middle, 0.0]) + outward * abs(float(outward[:2] @ half))
-    return foot, right, outward, 2 * abs(float(right[:2] @ half))
+    return Room(
+        low,
+        high,
+        own.height_m,
+        WALL_DEPTH_M,
+        window,
+        (*meshes, *(stood(item.piece.mesh, item.pose) for item in furniture)),
+        (*surfaces, *(surface for item in furniture for surface in item.piece.surfaces)),
+        tuple(top for item in furniture if (top := item.top) is not None),
+    )
 
 
 def _opening(look: LookConfig, low: Point2, high: Point2) -> Opening:
-    foot, right, outward, length = _frame(look.window.side, low, high)
-    width = min(look.window.width_m, length - 0.2)
+    place = wall(look.window.side, low, high)
+    width = min(look.window.width_m, place.length_m - 0.2)
     height = min(look.window.height_m, look.room.height_m - look.window.sill_m - LINTEL_M)
-    center = foot + np.array([0, 0, look.window.sill_m + 0.5 * height])
+    center = place.foot + np.array([0, 0, look.window.sill_m + 0.5 * height])
     return Opening(
         center=tuple(center.tolist()),
-        right=tuple(right.tolist()),
+        right=tuple(place.right.tolist()),
         up=(0.0, 0.0, 1.0),
-        inward=tuple((-outward).tolist()),
+        inward=tuple((-place.outward).tolist()),
         width_m=width,
         height_m=height,
     )
@@ -67,9 +72,9 @@ def _ceiling(low: Point2, high: Point2, height: float) -> Mesh:
     return rectangle("ceiling", corners, "room_ceiling")
 
 
-def _wall(side: str, low: Point2, high: Point2, own: RoomLook, window: Opening | None) -> Iterator[Mesh]:
+def _wall(place: Wall, own: RoomLook, window: Opening | None) -> Iterator[Mesh]:
     """Slabs of the wall around the window, and its skirting."""
-    foot, right, outward, length = _frame(side, low, high)
+    foot, right, outward, side = place.foot, place.right, place.outward, place.side
 
     def slab(name: str, along: Point2, upward: Point2, outwards: Point2, surface: str) -> Mesh:
         """A block between two places each along the wall, upward, and along the outward normal."""
@@ -78,7 +83,7 @@ def _wall(side: str, low: Point2, high: Point2, own: RoomLook, window: Opening |
         corners = np.concatenate([np.add(lower, (0.0, 0.0, height)) for height in upward])
         return box(f"{side}_{name}", corners, (surface,) * 6)
 
-    half, deep = 0.5 * length + WALL_DEPTH_M, (0.0, WALL_DEPTH_M)
+    half, deep = 0.5 * place.length_m + WALL_DEPTH_M, (0.0, WALL_DEPTH_M)
     yield slab("skirting", (-half, half), (0.0, own.skirting_height_m), (-0.012, 0.0), "room_skirting")
     if window is None:
         yield slab("wall", (-half, half), (0.0, own.height_m), deep, "room_wall")

@@ -10,13 +10,12 @@ from pydantic import Field
 
 from configs.schema.base import Section, Slug
 from configs.schema.floors import FloorLook
+from configs.schema.lighting import DeskLampsLook, LampsLook, SkyLook, SunLook
 from configs.schema.paint import Paint
+from configs.schema.room import RoomLook, WindowLook
 
 LineKind = Literal["tape", "paint"]
 """What the line was made with; where it lies is the arena's affair."""
-
-PanoramaName = Literal["city", "courtyard", "forest", "interior", "night", "studio", "sunrise", "sunset"]
-"""The panoramas shipped with bpy."""
 
 
 class TapeLook(Section):
@@ -92,60 +91,6 @@ class GlossLook(Section):
     roughness: float = Field(ge=0.0, le=1)
 
 
-class RoomLook(Section):
-    """The room around the arena, a box whose walls keep the margins from the arena's bounds."""
-
-    margin_east_m: float = Field(default=2.0, ge=1.3, le=30)
-    margin_north_m: float = Field(default=1.8, ge=1.3, le=30)
-    margin_west_m: float = Field(default=2.2, ge=1.3, le=30)
-    margin_south_m: float = Field(default=1.6, ge=1.3, le=30)
-    height_m: float = Field(default=2.8, ge=2, le=10)
-    wall: Paint = Paint(reflectance=0.7, hue_deg=48, saturation=0.08)
-    skirting: Paint = Paint(reflectance=0.45, hue_deg=30, saturation=0.3)
-    skirting_height_m: float = Field(default=0.07, ge=0.01, le=0.5)
-
-
-class WindowLook(Section):
-    side: Literal["east", "north", "west", "south"] = "east"
-    width_m: float = Field(default=2.4, ge=0.2, le=20)
-    height_m: float = Field(default=1.5, ge=0.2, le=8)
-    """Less where the ceiling is too low for it."""
-    sill_m: float = Field(default=0.9, ge=0.0, le=3)
-    panes: int = Field(default=3, ge=1, le=20)
-    """Side by side, with a bar between two of them."""
-
-
-class SkyLook(Section):
-    panorama: PanoramaName = "courtyard"
-    yaw_deg: float = Field(default=0.0, ge=-360, le=360)
-    luminance_kcd_m2: float = Field(default=3.0, ge=0, le=100)
-    """Mean over the upper half of the panorama."""
-    saturation: float = Field(default=0.45, ge=0, le=2)
-    """1 as the panorama was taken; a hazy sky and curtains make less of a blue."""
-
-
-class SunLook(Section):
-    elevation_deg: float = Field(default=35.0, ge=1, le=90)
-    azimuth_from_window_deg: float = Field(default=20.0, ge=-180, le=180)
-    """From the window's outward normal, counter-clockwise; the sun comes in where it is within about +-70."""
-    illuminance_klx: float = Field(default=1.5, ge=0, le=120)
-    """On a surface that faces it; a veiled sun or one behind curtains has little, 0 is an overcast day."""
-    color_temperature_K: float = Field(default=5200.0, ge=1500, le=15000)
-    angular_diameter_deg: float = Field(default=0.8, ge=0.1, le=30)
-
-
-class LampsLook(Section):
-    """Flat ceiling lamps in a grid."""
-
-    rows: int = Field(default=2, ge=0, le=10)
-    columns: int = Field(default=2, ge=1, le=10)
-    length_m: float = Field(default=1.2, ge=0.05, le=5)
-    width_m: float = Field(default=0.3, ge=0.02, le=5)
-    flux_klm: float = Field(default=4.0, ge=0, le=100)
-    """Of one lamp."""
-    color_temperature_K: float = Field(default=4000.0, ge=1500, le=15000)
-
-
 class CameraLook(Section):
     """From the light on the sensor to the numbers in the picture."""
 
@@ -188,4 +133,5 @@ class LookConfig(Section):
     sky: SkyLook = SkyLook()
     sun: SunLook = SunLook()
     lamps: LampsLook = LampsLook()
+    desk_lamps: DeskLampsLook = DeskLampsLook()
     camera: CameraLook = CameraLook()

@@ -14,13 +14,16 @@ from blender_scenes.lighting import LIGHTS
 from blender_scenes.lighting.illuminance import on_the_floor
 from blender_scenes.lighting.panoramas import CEILING, MEAN_COLOR
 from blender_scenes.rooms import ROOMS
-from configs.schema.look import LampsLook, LookConfig, Paint, SkyLook, SunLook, WindowLook
+from configs.schema.lighting import DeskLampsLook, LampsLook, SkyLook, SunLook
+from configs.schema.look import LookConfig
+from configs.schema.paint import Paint
+from configs.schema.room import FurnitureLook, RoomLook, WindowLook
 
 LOOK = LookConfig(name="plain")
 
 
 def _room(look=LOOK):
-    return ROOMS["plain"](look, (-1.0, -1.0), (1.0, 1.0))
+    return ROOMS["plain"](look, (-1.0, -1.0), (1.0, 1.0), 1)
 
 
 def test_daylight_of_6504_kelvin_is_the_white_of_srgb():
@@ -92,6 +95,98 @@ def test_the_sky_has_the_luminance_that_the_look_gives_it():
     look = LookConfig(name="s", sky=SkyLook(panorama="forest", luminance_kcd_m2=2.5))
     (sky,) = LIGHTS["daylight"](look, _room(look)).skies
     assert sky.gain * (np.array([1.0518, 1.1792, 1.3717]) @ LUMINANCE) == pytest.approx(2.5)
+
+
+def test_in_mirrors_no_piece_of_sky_shines_more_than_twice_its_mean():
+    look = LookConfig(name="s", sky=SkyLook(panorama="courtyard", luminance_kcd_m2=2.5))
+    (sky,) = LIGHTS["daylight"](look, _room(look)).skies
+    assert sky.gain * sky.ceiling == pytest.approx(2 * 2.5)
+
+
+def test_a_sheer_curtain_shines_with_what_it_lets_through_of_sky_and_sun():
+    """A Lambertian transmitter: luminance = transmittance (luminance behind it + illuminance / pi)."""
+    window = WindowLook(covering="sheer", curtain_transmittance=0.3)
+    sun = SunLook(elevation_deg=30, azimuth_from_window_deg=60, illuminance_klx=20.0, color_temperature_K=6504)
+    look = LookConfig(name="c", window=window, sun=sun, sky=SkyLook(luminance_kcd_m2=4.0))
+    bare = look.model_copy(update={"window": WindowLook()})
+    (panel,) = LIGHTS["daylight"](look, _room(look)).panels
+    (behind,) = LIGHTS["daylight"](bare, _room(bare)).panels
+    on_the_pane = 20.0 * np.cos(np.radians(30)) * np.cos(np.radians(60))
+    expected = 0.3 * (np.array(behind.radiance) @ LUMINANCE + on_the_pane / np.pi)
+    assert np.array(panel.radiance) @ LUMINANCE == pytest.approx(expected)
+    assert panel.mirrored
+    assert not LIGHTS["sun"](look, _room(look)).suns
+    assert LIGHTS["sun"](bare, _room(bare)).suns
+
+
+def test_a_sun_behind_the_house_leaves_the_curtain_to_the_sky():
+    sun = SunLook(azimuth_from_window_deg=150, illuminance_klx=20.0)
+    look = LookConfig(name="c", window=WindowLook(covering="sheer", curtain_transmittance=0.5), sun=sun)
+    without = look.model_copy(update={"sun": SunLook(illuminance_klx=0)})
+    assert LIGHTS["daylight"](look, _room(look)).panels == LIGHTS["daylight"](without, _room(without)).panels
+
+
+@pytest.mark.parametrize("tilt_deg", [-30.0, 0.0, 40.0])
+def test_the_slats_of_blinds_hang_in_the_niche_and_lift_their_outer_edges(tilt_deg):
+    look = LookConfig(name="b", window=WindowLook(side="north", covering="blinds", slat_tilt_deg=tilt_deg))
+    room = _room(look)
+    (mesh,) = LIGHTS["blinds"](look, room).meshes
+    vertices = np.array(mesh.vertices)
+    niche = vertices[:, 1] - room.high[1]  # from the wall's face outwards
+    assert 0 < niche.min() < niche.max() < 0.095  # bars stand behind
+    slat = vertices[:8]
+    outer, inner = slat[slat[:, 1] > slat[:, 1].mean()], slat[slat[:, 1] < slat[:, 1].mean()]
+    rise = outer[:, 2].mean() - inner[:, 2].mean()
+    assert rise == pytest.approx(0.05 * np.sin(np.radians(tilt_deg)), abs=1e-9)
+    half = 0.5 * room.window.height_m
+    assert np.all(np.abs(vertices[:, 2] - room.window.center[2]) < half + 0.02)
+    assert len(LIGHTS["sun"](look, room).suns) == 1
+
+
+@pytest.mark.parametrize("housing", ["none", "batten", "shade"])
+def test_a_lamp_hangs_as_far_down_as_it_is_told_and_its_body_above_the_floor_below_the_ceiling(housing):
+    lamps = LampsLook(rows=1, columns=2, flux_klm=2.0, width_m=0.1, drop_m=0.7, housing=housing)
+    look = LookConfig(name="h", lamps=lamps)
+    lights = LIGHTS["ceiling_lamps"](look, _room(look))
+    for panel in lights.panels:
+        assert panel.center[2] == pytest.approx(2.8 - 0.7)
+        flux = np.pi * panel.width_m * panel.height_m * np.array(panel.radiance) @ LUMINANCE
+        assert flux == pytest.approx(2.0)
+    assert len(lights.meshes) == (0 if housing == "none" else 2)
+    for mesh in lights.meshes:
+        heights = np.array(mesh.vertices)[:, 2]
+        assert 1.9 < heights.min() < heights.max() <= 2.8 + 1e-9
+    assert {s for mesh in lights.meshes for s in mesh.face_surface} == {s.name for s in lights.surfaces}
+
+
+def _night(tables: int, count: int, tilt_deg: float = 40.0):
+    furniture = FurnitureLook(tables=tables)
+    lamps = DeskLampsLook(count=count, flux_klm=0.8, color_temperature_K=6504, height_m=0.4, tilt_deg=tilt_deg)
+    look = LookConfig(name="n", room=RoomLook(furniture=furniture), desk_lamps=lamps)
+    return LIGHTS["desk_lamps"](look, _room(look)), _room(look)
+
+
+def test_there_are_no_more_desk_lamps_than_tables():
+    assert [len(_night(tables, 3)[0].panels) for tables in (0, 1, 4)] == [0, 1, 3]
+    assert not _night(2, 0)[0].meshes
+
+
+def test_a_desk_lamp_stands_on_its_table_and_shines_down_and_towards_the_rooms_middle():
+    lights, room = _night(2, 2)
+    for panel, mesh, top in zip(lights.panels, lights.meshes, room.tops, strict=True):
+        axis = np.cross(panel.right, panel.up)
+        assert -axis[2] == pytest.approx(np.cos(np.radians(40)))
+        to_the_middle = 0.5 * np.add(room.low, room.high) - panel.center[:2]
+        assert axis[:2] @ to_the_middle == pytest.approx(np.sin(np.radians(40)) * np.linalg.norm(to_the_middle))
+        flux = np.pi * panel.width_m * panel.height_m * np.array(panel.radiance) @ LUMINANCE
+        assert flux == pytest.approx(0.8)
+        heights = np.array(mesh.vertices)[:, 2]
+        assert heights.min() == pytest.approx(top.height_m)
+        assert heights.max() < top.height_m + 0.55
+        foot = np.array(mesh.vertices)[heights < top.height_m + 1e-6][:, :2]
+        x, y, yaw = top.pose
+        own = (foot - (x, y)) @ np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
+        assert np.all(np.abs(own) <= 0.5 * np.array(top.size_m))
 
 
 def test_the_table_of_panoramas_holds_what_the_files_hold():

@@ -37,7 +37,8 @@ from blender_scenes.shading import (
 from blender_scenes.typical import typical_color
 from configs.schema.arena import ArenaConfig, Line, SurfaceName, Wall
 from configs.schema.floors import FloorLook, FloorName, Vinyl
-from configs.schema.look import LookConfig, PanoramaName, TapeLook
+from configs.schema.lighting import PanoramaName
+from configs.schema.look import LookConfig, TapeLook
 from physics import surfaces
 from physics.arena import Arena
 

@@ -253,6 +253,12 @@ CASES = {
         "look.lamps",
         "there is no light on",
     ),
+    "a desk lamp and no table for it": look(
+        "sun: {illuminance_klx: 0}\n  sky: {luminance_kcd_m2: 0}\n  desk_lamps: {count: 1}\n"
+        "  room: {furniture: {tables: 0}}\n  lamps: {rows: 0} #!",
+        "look.lamps",
+        "there is no light on",
+    ),
     "two routes of one folder": Bad("name: CCW", "name: cw #!\n   ", "routes.1.name", "the same name as routes.0"),
     # References
     "unknown shipped name": Bad("arena: symolo", "arena: symlo #!", "arena", "did you mean symolo"),

@@ -1,0 +1,82 @@
+"""Lamps on the tables: a small warm bulb in a hood, turned towards the middle of the room."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blender_scenes.colour import light_rgb, scaled
+from blender_scenes.description import Mesh, Panel
+from blender_scenes.lighting.base import Lights
+from blender_scenes.lighting.ceiling_lamps import hood
+from blender_scenes.materials.fittings import moulded
+from blender_scenes.rooms.base import Room, Top
+from blender_scenes.solids import joined, lathe, moved, posed, rod
+from configs.schema.lighting import DeskLampsLook
+from configs.schema.look import LookConfig
+
+Array = NDArray[np.float64]
+
+_BULB_M = 0.07
+_NECK_M, _RIM_M, _HOOD_M = 0.052, 0.085, 0.11
+_BULB_DEPTH_M = 0.06
+"""Behind the plane of the rim."""
+_FROM_EDGE_M = 0.12
+_REACH_M = 0.14
+"""Of the arm towards the middle."""
+
+
+def desk_lamps(look: LookConfig, room: Room) -> Lights:
+    """One on each of the first tables, at the place of its top that is nearest to the room's middle.
+
+    The bulb is a Lambertian square of luminance flux / (pi area), deep in the hood, which cuts off its light sideways.
+    """
+    own = look.desk_lamps
+    if own.flux_klm == 0:
+        return Lights()
+    radiance = scaled(light_rgb(own.color_temperature_K), own.flux_klm / (math.pi * _BULB_M**2))
+    middle = 0.5 * np.add(room.low, room.high)
+    panels, meshes = [], []
+    for number, top in enumerate(room.tops[: own.count]):
+        foot, towards = _stand(top, middle)
+        head, axes = _head(foot, towards, own)
+        right, up, axis = (_triple(axes[:, i]) for i in range(3))
+        bulb = head - _BULB_DEPTH_M * np.array(axis)
+        name = f"desk_lamp_{number}"
+        panels.append(Panel(name, _triple(bulb), right, up, _BULB_M, _BULB_M, radiance))
+        meshes.append(_body(name, foot, head, axes))
+    surfaces = moulded("desk_lamp_enamel", (0.05, 0.05, 0.055), 0.35), moulded("desk_lamp_hood", (0.5, 0.5, 0.48), 0.4)
+    return Lights(panels=tuple(panels), meshes=tuple(meshes), surfaces=surfaces if meshes else ())
+
+
+def _stand(top: Top, middle: Array) -> tuple[Array, Array]:
+    """Where the lamp stands, and the level direction from there to the middle."""
+    x, y, yaw = top.pose
+    own = np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]])
+    half = np.maximum(0.5 * np.array(top.size_m) - _FROM_EDGE_M, 0.0)
+    nearest = own @ np.clip(own.T @ (middle - (x, y)), -half, half) + (x, y)
+    away = middle - nearest
+    return np.array([*nearest, top.height_m]), np.array([*(away / np.linalg.norm(away)), 0.0])
+
+
+def _head(foot: Array, towards: Array, own: DeskLampsLook) -> tuple[Array, Array]:
+    """Middle of the hood's rim, and its axes: right, up and the way of the light."""
+    tilt = math.radians(own.tilt_deg)
+    axis = math.sin(tilt) * towards - math.cos(tilt) * np.array([0.0, 0.0, 1.0])
+    right = np.cross(towards, (0.0, 0.0, 1.0))
+    head = foot + _REACH_M * towards + np.array([0.0, 0.0, own.height_m])
+    return head, np.stack([right, np.cross(axis, right), axis], axis=1)
+
+
+def _body(name: str, foot: Array, head: Array, axes: Array) -> Mesh:
+    base = moved(lathe("base", [(0.075, 0.0), (0.075, 0.012), (0.02, 0.02)], "desk_lamp_enamel"), _triple(foot))
+    neck = head - _HOOD_M * axes[:, 2]
+    arm = rod("arm", (_triple(foot + np.array([0.0, 0.0, 0.015])), _triple(neck)), (0.008, 0.006), "desk_lamp_enamel")
+    # The hood opens along -z of its own frame.
+    shade = posed(hood(_NECK_M, _RIM_M, _HOOD_M, "desk_lamp_hood"), axes @ np.diag([1.0, -1.0, -1.0]), _triple(head))
+    return joined(name, [base, arm, shade])
+
+
+def _triple(vector: Array) -> tuple[float, float, float]:
+    x, y, z = vector.tolist()
+    return x, y, z

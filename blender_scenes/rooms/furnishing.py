@@ -1,0 +1,82 @@
+"""What stands, lies and hangs in a room, each piece drawn from a stream of its own."""
+
+from collections.abc import Iterator
+from functools import partial
+
+from blender_scenes.description import Point2
+from blender_scenes.rooms.base import Opening
+from blender_scenes.rooms.furniture import STANDING
+from blender_scenes.rooms.furniture.door import drawn_door
+from blender_scenes.rooms.furniture.poster import drawn_poster
+from blender_scenes.rooms.furniture.radiator import LEAST_SILL_M, drawn_radiator
+from blender_scenes.rooms.furniture.wall_socket import drawn_wall_socket
+from blender_scenes.rooms.placement import Ground, Standing, WallFace, find_place, hang, hang_at
+from blender_scenes.rooms.walls import SIDES, Side, Wall, wall
+from configs.footprints import Rectangle
+from configs.schema.look import LookConfig
+from configs.streams import stream
+
+_DOORWAY_M = 0.7
+"""Floor kept free before a door."""
+
+
+def furnished(  # noqa: PLR0917 - the room, what is in it already, and what the draws depend on
+    look: LookConfig, low: Point2, high: Point2, window: Opening, arena: Rectangle, seed: int
+) -> list[Standing]:
+    """Every piece that the look asks for and that finds a place.
+
+    Args:
+        look: Its `room.furniture` counts the pieces.
+        low: South-west corner of the floor.
+        high: North-east corner.
+        window: Nothing hangs before it.
+        arena: Its bounds; the look's clearance is kept around them.
+        seed: Of the run; each piece draws from a stream keyed by its kind and number.
+    """
+    own = look.room.furniture
+    clear = 2 * own.clearance_m
+    walls: dict[Side, Wall] = {side: wall(side, low, high) for side in SIDES}
+    faces: dict[Side, WallFace] = {side: WallFace(walls[side], look.room.height_m) for side in SIDES}
+    kept_free = Rectangle(arena.center, (arena.size[0] + clear, arena.size[1] + clear), 0.0)
+    ground = Ground(low, high, tuple(walls.values()), kept_free)
+    opening = Rectangle((0.0, window.center[2]), (window.width_m, window.height_m), 0.0)
+    faces[look.window.side].taken.append(opening)
+    return [*_fixtures(look, faces, ground, window, seed), *_movables(look, ground, seed)]
+
+
+def _fixtures(
+    look: LookConfig, faces: dict[Side, WallFace], ground: Ground, window: Opening, seed: int
+) -> Iterator[Standing]:
+    """What hangs on the walls: door and radiator with the floor before them, sockets, posters."""
+    own = look.room.furniture
+    sill = window.center[2] - 0.5 * window.height_m
+    found: list[tuple[Standing | None, float]] = []
+    if own.radiator and sill >= LEAST_SILL_M:
+        draw = partial(drawn_radiator, window_m=window.width_m, sill_m=sill)
+        piece = draw("radiator", stream(seed, "room", "radiator"))
+        found.append((hang_at(piece, faces[look.window.side], 0.0), piece.size_m[1]))
+    if own.door:
+        rng = stream(seed, "room", "door")
+        elsewhere: dict[Side, WallFace] = {side: face for side, face in faces.items() if side != look.window.side}
+        found.append((hang(drawn_door("door", rng), elsewhere, rng), 2 * _DOORWAY_M))
+    for standing, depth in found:
+        if standing is not None:
+            ground.taken.append(Rectangle(standing.pose[:2], (standing.piece.size_m[0], depth), standing.pose[2]))
+            yield standing
+    for name, count, draw in (("socket", own.sockets, drawn_wall_socket), ("poster", own.posters, drawn_poster)):
+        for number in range(count):
+            rng = stream(seed, "room", name, number)
+            standing = hang(draw(f"{name}_{number}", rng), faces, rng)
+            if standing is not None:
+                yield standing
+
+
+def _movables(look: LookConfig, ground: Ground, seed: int) -> Iterator[Standing]:
+    for field, kind in STANDING.items():
+        for number in range(getattr(look.room.furniture, field)):
+            rng = stream(seed, "room", kind.name, number)
+            standing = find_place(kind.draw(f"{kind.name}_{number}", rng), kind, ground, rng)
+            if standing is not None:
+                if field == "tables":
+                    ground.tables.append(standing)
+                yield standing

@@ -1,0 +1,50 @@
+"""Furniture, one file each: a function from numbers to a piece, and one that draws the numbers."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from blender_scenes.rooms.furniture.bag import drawn_bag
+from blender_scenes.rooms.furniture.base import Piece
+from blender_scenes.rooms.furniture.book_stack import drawn_book_stack
+from blender_scenes.rooms.furniture.bottle import drawn_bottle
+from blender_scenes.rooms.furniture.cable import drawn_cable
+from blender_scenes.rooms.furniture.carton import drawn_carton
+from blender_scenes.rooms.furniture.chair import drawn_chair
+from blender_scenes.rooms.furniture.office_chair import drawn_office_chair
+from blender_scenes.rooms.furniture.sheets import drawn_sheets
+from blender_scenes.rooms.furniture.shelf import drawn_shelf
+from blender_scenes.rooms.furniture.table import drawn_table
+from blender_scenes.rooms.furniture.waste_bin import drawn_waste_bin
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What stands on the floor, and where people put it."""
+
+    name: str
+    """Its meshes are called `name_0`, `name_1` ..."""
+    draw: Callable[[str, np.random.Generator], Piece]
+    at_a_wall: float = 0.0
+    """Share of the pieces that stand with their back to a wall."""
+    at_a_table: float = 0.0
+    """Share that stand before one of the tables."""
+    near_the_arena: float = 0.0
+    """Share that somebody put down just outside the robot's ground; the rest is anywhere."""
+
+
+STANDING: dict[str, Kind] = {
+    "tables": Kind("table", drawn_table, at_a_wall=0.4, near_the_arena=0.3),
+    "shelves": Kind("shelf", drawn_shelf, at_a_wall=1.0),
+    "chairs": Kind("chair", drawn_chair, at_a_table=0.7, near_the_arena=0.15),
+    "office_chairs": Kind("office_chair", drawn_office_chair, at_a_table=0.5, near_the_arena=0.25),
+    "cartons": Kind("carton", drawn_carton, at_a_wall=0.4, near_the_arena=0.4),
+    "bins": Kind("waste_bin", drawn_waste_bin, at_a_wall=0.6, near_the_arena=0.2),
+    "bags": Kind("bag", drawn_bag, at_a_wall=0.2, at_a_table=0.2, near_the_arena=0.5),
+    "cables": Kind("cable", drawn_cable, at_a_wall=0.3, near_the_arena=0.6),
+    "book_stacks": Kind("book_stack", drawn_book_stack, at_a_wall=0.2, near_the_arena=0.6),
+    "bottles": Kind("bottle", drawn_bottle, near_the_arena=0.7),
+    "sheets": Kind("sheets", drawn_sheets, near_the_arena=0.7),
+}
+"""By the field of `FurnitureLook` that counts them, in the order in which they find their places."""

@@ -1,0 +1,49 @@
+"""Books left on the floor."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from blender_scenes.geometry import block
+from blender_scenes.materials.fittings import moulded, painted
+from blender_scenes.rooms.furniture import palette
+from blender_scenes.rooms.furniture.base import Piece, between
+from blender_scenes.solids import joined, stood
+from configs.schema.paint import Paint
+
+_COVER_M = 0.002
+
+
+@dataclass(frozen=True)
+class Book:
+    size_m: tuple[float, float, float]
+    """Width, height of the page, thickness."""
+    pose: tuple[float, float, float]
+    """In the stack."""
+    cover: Paint
+
+
+def book_stack(name: str, books: tuple[Book, ...]) -> Piece:
+    """Each a block of pages between two covers with a spine."""
+    parts, z = [], 0.0
+    for i, book in enumerate(books):
+        (w, d, t), cover = book.size_m, f"{name}_cover_{i}"
+        one = [
+            block("pages", (0.002, 0, z + 0.5 * t), (w - 0.008, d - 0.006, t - 2 * _COVER_M), f"{name}_pages"),
+            block("spine", (-0.5 * w + 0.5 * _COVER_M, 0, z + 0.5 * t), (_COVER_M, d, t), cover),
+        ]
+        one += [block("cover", (0, 0, z + s), (w, d, _COVER_M), cover) for s in (0.5 * _COVER_M, t - 0.5 * _COVER_M)]
+        parts += [stood(mesh, book.pose) for mesh in one]
+        z += t
+    surfaces = [moulded(f"{name}_pages", (0.72, 0.69, 0.6), 0.9)]
+    surfaces += [painted(f"{name}_cover_{i}", book.cover, 0.35) for i, book in enumerate(books)]
+    return Piece(joined(name, parts), tuple(surfaces))
+
+
+def drawn_book_stack(name: str, rng: np.random.Generator) -> Piece:
+    books = []
+    for _ in range(int(rng.integers(1, 5))):
+        size = between(rng, 0.13, 0.21), between(rng, 0.19, 0.297), between(rng, 0.01, 0.045)
+        pose = between(rng, -0.02, 0.02), between(rng, -0.02, 0.02), between(rng, -0.3, 0.3)
+        books.append(Book(size, pose, palette.print_color(rng)))
+    return book_stack(name, tuple(books))

@@ -1,0 +1,34 @@
+"""A waste-paper bin."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from blender_scenes.materials.fittings import painted
+from blender_scenes.rooms.furniture import palette
+from blender_scenes.rooms.furniture.base import Piece, between
+from blender_scenes.solids import lathe
+from configs.schema.paint import Paint
+
+_WALL_M = 0.003
+
+
+@dataclass(frozen=True)
+class WasteBin:
+    foot_radius_m: float
+    rim_radius_m: float
+    height_m: float
+    paint: Paint
+
+
+def waste_bin(name: str, own: WasteBin) -> Piece:
+    """An open cone with a rolled rim."""
+    foot, rim, height = own.foot_radius_m, own.rim_radius_m, own.height_m
+    outside = [(foot, 0.0), (rim, height - 0.01), (rim + 0.005, height - 0.008), (rim + 0.005, height)]
+    inside = [(rim - _WALL_M, height), (foot - _WALL_M, 0.004)]
+    return Piece(lathe(name, [*outside, *inside], f"{name}_wall"), (painted(f"{name}_wall", own.paint, 0.4),))
+
+
+def drawn_waste_bin(name: str, rng: np.random.Generator) -> Piece:
+    foot = between(rng, 0.09, 0.13)
+    return waste_bin(name, WasteBin(foot, foot + between(rng, 0.0, 0.04), between(rng, 0.25, 0.4), palette.cloth(rng)))

@@ -1,0 +1,141 @@
+"""Where furniture finds a place: within the room, away from the arena, nowhere twice."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from blender_scenes.description import PlanarPose, Point2
+from blender_scenes.rooms.base import Top
+from blender_scenes.rooms.furniture import Kind
+from blender_scenes.rooms.furniture.base import Piece
+from blender_scenes.rooms.walls import Side, Wall
+from configs.footprints import Rectangle, overlap
+
+_TRIES = 80
+_APART_M = 0.02
+_NEAR_M = 0.5
+"""Beyond the arena's clearance."""
+_SKIRTING_M = 0.015
+"""What the foot of a wall takes of the floor."""
+
+
+@dataclass(frozen=True)
+class Standing:
+    """A piece in its place."""
+
+    piece: Piece
+    pose: PlanarPose
+
+    @property
+    def footprint(self) -> Rectangle:
+        return Rectangle(self.pose[:2], self.piece.size_m, self.pose[2])
+
+    @property
+    def top(self) -> Top | None:
+        """Its top, where it has one to put things on."""
+        height = self.piece.top_m
+        return None if height is None else Top(self.pose, self.piece.size_m, height)
+
+
+@dataclass
+class Ground:
+    """What of the floor is taken, and what others stand at."""
+
+    low: Point2
+    high: Point2
+    walls: tuple[Wall, ...]
+    arena: Rectangle
+    """With the clearance around it."""
+    taken: list[Rectangle] = field(default_factory=list)
+    tables: list[Standing] = field(default_factory=list)
+
+    def is_free(self, ground: Rectangle) -> bool:
+        (x0, y0), (x1, y1), edge = self.low, self.high, _SKIRTING_M
+        if any(not (x0 + edge <= x <= x1 - edge and y0 + edge <= y <= y1 - edge) for x, y in ground.corners()):
+            return False
+        return not any(_near(ground, other) and overlap(ground, other) for other in (self.arena, *self.taken))
+
+
+def _near(one: Rectangle, other: Rectangle) -> bool:
+    """Whether they could meet at all; most cannot, which this finds at a tenth of the cost."""
+    return math.dist(one.center, other.center) < 0.5 * (math.hypot(*one.size) + math.hypot(*other.size))
+
+
+def find_place(piece: Piece, kind: Kind, ground: Ground, rng: np.random.Generator) -> Standing | None:
+    """The piece in the first free one of some places drawn for it, with a finger's breadth around it."""
+    for _ in range(_TRIES):
+        standing = Standing(piece, _proposed(piece, kind, ground, rng))
+        own = standing.footprint
+        grown = Rectangle(own.center, (own.size[0] + _APART_M, own.size[1] + _APART_M), own.yaw_rad)
+        if ground.is_free(grown):
+            ground.taken.append(own)
+            return standing
+    return None
+
+
+def _proposed(piece: Piece, kind: Kind, ground: Ground, rng: np.random.Generator) -> PlanarPose:
+    habit = rng.uniform()
+    if habit < kind.at_a_wall:
+        return _at_a_wall(piece, ground.walls[int(rng.integers(len(ground.walls)))], rng)
+    if habit < kind.at_a_wall + kind.at_a_table and ground.tables:
+        return _at_a_table(piece, ground.tables[int(rng.integers(len(ground.tables)))], rng)
+    low, high = ground.low, ground.high
+    if habit > 1.0 - kind.near_the_arena:
+        half = 0.5 * np.array(ground.arena.size) + _NEAR_M
+        low, high = np.subtract(ground.arena.center, half), np.add(ground.arena.center, half)
+    x, y = rng.uniform(low, high).tolist()
+    return x, y, float(rng.uniform(-np.pi, np.pi))
+
+
+def _at_a_wall(piece: Piece, wall: Wall, rng: np.random.Generator) -> PlanarPose:
+    width, depth = piece.size_m
+    reach = 0.5 * max(0.0, wall.length_m - width)
+    before = _SKIRTING_M + _APART_M + 0.5 * depth + float(rng.uniform(0.0, 0.04))
+    return wall.pose(float(rng.uniform(-reach, reach)), before)
+
+
+def _at_a_table(piece: Piece, table: Standing, rng: np.random.Generator) -> PlanarPose:
+    """Before one of its long sides, the back away from it, as somebody left it."""
+    (x, y, yaw), (length, depth) = table.pose, table.piece.size_m
+    turn = float(rng.normal(0.0, 0.35))
+    reach = 0.5 * (depth + math.hypot(*piece.size_m)) + float(rng.uniform(0.0, 0.3))
+    along, side = float(rng.uniform(-0.5, 0.5)) * length, float(rng.choice([-1.0, 1.0]))
+    c, s = math.cos(yaw), math.sin(yaw)
+    facing = yaw + (0.0 if side > 0 else math.pi) + turn
+    return x + c * along - s * side * reach, y + s * along + c * side * reach, facing
+
+
+@dataclass
+class WallFace:
+    """What of a wall is taken, in its own plane."""
+
+    wall: Wall
+    height_m: float
+    taken: list[Rectangle] = field(default_factory=list)
+
+    def is_free(self, face: Rectangle) -> bool:
+        (x0, z0), _, (x1, z1), _ = face.corners()
+        within = abs(x0) <= 0.5 * self.wall.length_m >= abs(x1) and z0 >= 0 and z1 <= self.height_m
+        return within and not any(overlap(face, other) for other in self.taken)
+
+
+def hang(piece: Piece, faces: dict[Side, WallFace], rng: np.random.Generator) -> Standing | None:
+    """The piece at the first free one of some places along the walls, at the height that it has by itself."""
+    for _ in range(_TRIES):
+        face = list(faces.values())[int(rng.integers(len(faces)))]
+        reach = 0.5 * max(0.0, face.wall.length_m - piece.size_m[0])
+        standing = hang_at(piece, face, float(rng.uniform(-reach, reach)))
+        if standing is not None:
+            return standing
+    return None
+
+
+def hang_at(piece: Piece, face: WallFace, along_m: float) -> Standing | None:
+    """The piece at one place of a wall, or nothing where that is taken."""
+    low, high = piece.height_m
+    own = Rectangle((along_m, 0.5 * (low + high)), (piece.size_m[0], high - low), 0.0)
+    if not face.is_free(own):
+        return None
+    face.taken.append(own)
+    return Standing(piece, face.wall.pose(along_m, 0.0))
