@@ -13,6 +13,7 @@ from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec
 from configs.streams import stream
 from physics.arena import Arena
+from physics.robot_path import RobotPath
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Rows
 from pipeline.files import canonical_json, remove_folder, sha256_of, write_file
@@ -60,7 +61,8 @@ class RenderTask:
     def of(cls, run: str, appearance: Appearance, rows: Rows, folder: StageFolder) -> "RenderTask":
         frames = frame_poses(rows)
         arena = Arena.from_config(appearance.arena)
-        job = build_job(arena, appearance.robot, appearance.look, appearance.render, frames, appearance.seed)
+        path = RobotPath(rows.t_ms / 1000, rows.pose, rows.twist)
+        job = build_job(arena, appearance.robot, appearance.look, appearance.render, frames, appearance.seed, path)
         return cls(run, folder, job.to_json(), frames)
 
     @property

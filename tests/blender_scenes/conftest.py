@@ -11,7 +11,7 @@ import yaml
 
 import configs
 from blender_scenes.camera_response import CameraResponse
-from blender_scenes.description import FrameView, Intrinsics, Scene
+from blender_scenes.description import INSTANT, FrameView, Intrinsics, Scene, Shutter
 from blender_scenes.job import FORMAT, RenderJob, Sampling
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import CameraLook
@@ -51,10 +51,12 @@ with tempfile.TemporaryDirectory() as scratch:
 
 
 @pytest.fixture(scope="session")
-def light_of() -> Callable[[Scene, Sequence[FrameView], int, float], np.ndarray]:
+def light_of() -> Callable[..., np.ndarray]:
     """Linear light (N, P, P, 3) of N views of a scene, P pixels wide and high, before any camera response."""
 
-    def traced(scene: Scene, views: Sequence[FrameView], pixels: int, focal_px: float) -> np.ndarray:
+    def traced(
+        scene: Scene, views: Sequence[FrameView], pixels: int, focal_px: float, shutter: Shutter = INSTANT
+    ) -> np.ndarray:
         middle = 0.5 * (pixels - 1)
         job = RenderJob(
             format=FORMAT,
@@ -63,6 +65,7 @@ def light_of() -> Callable[[Scene, Sequence[FrameView], int, float], np.ndarray]
             frames=tuple(views),
             sampling=Sampling(seed=1, samples=64, denoise=False),
             response=CameraResponse.from_look(CameraLook(), (1.0, 1.0, 1.0), 1, 92),
+            shutter=shutter,
         )
         call = [sys.executable, "-c", _PROGRAM]
         done = subprocess.run(call, input=job.to_json().encode(), capture_output=True, check=True)
