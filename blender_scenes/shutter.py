@@ -26,11 +26,16 @@ class Window:
     """Exposure of one row as a share of the window."""
 
 
+def row_opens_s(shutter: Shutter, row: int, rows: int) -> float:
+    """When the exposure of a picture's row begins, after the view's time."""
+    return ((row + 0.5) / rows - 0.5) * shutter.read_out_s - 0.5 * shutter.exposure_s
+
+
 def window(shutter: Shutter, camera: Intrinsics) -> Window:
     """Of length 0 for an instant.
 
-    Row r of H is exposed ((r + 0.5) / H - 0.5) read_out after the view's time, in the middle; Cycles exposes row r of
-    its H' ((r + 1) / H' - 0.5) of its read-out after the middle of the window (kernel/camera/camera.h).
+    Cycles exposes the middle of row r of H ((r + 1) / H - 0.5) of its read-out after the middle of the window
+    (kernel/camera/camera.h), which is half a row later than `row_opens_s` has it.
     """
     pinhole = pinhole_picture(camera)
     row_s = shutter.read_out_s / camera.height_px

@@ -146,7 +146,9 @@ def _appearance(source: Source, request: Request) -> Appearance:
     look, _ = draw_look(load_section("look", request.look, request.of("look")), seed, route, run)
     robot, render = _robot(spec, request, seed, route, run), _render(spec, request, seed, route, run)
     if problem := lens_problem(robot.camera, render.width_px, render.height_px):
-        raise InputError(f"robot.camera.distortion: {problem}", cure="take smaller coefficients or a longer focal length")
+        raise InputError(
+            f"robot.camera.distortion: {problem}", cure="take smaller coefficients or a longer focal length"
+        )
     return Appearance(
         arena=_arena(source, request, seed, route, run),
         robot=robot,

@@ -1,10 +1,12 @@
 """Second stage: every good run's frames rendered, in blocks over the workers, and resumed frame by frame."""
 
 import hashlib
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from blender_scenes.exposure_guard import Extremes, all_black, exposure_warnings
 from blender_scenes.frame_files import frame_name
 from blender_scenes.job import FramePose, build_job
 from configs.schema.arena import ArenaConfig
@@ -103,10 +105,11 @@ def render_runs(tasks: Sequence[RenderTask], workers: int, report: Report) -> li
 
         failures = run_units(units, workers, on_event)
     failed = {failure.unit.name for failure in failures}
+    found = failed_runs("render", failures, report)
     for task in pending:
         if task.run not in failed:
-            _finish(task)
-    return failed_runs("render", failures, report)
+            found += _finish(task, report)
+    return found
 
 
 def blocks(tasks: Sequence[RenderTask], workers: int) -> list[RenderUnit]:
@@ -141,20 +144,36 @@ def _prepare(task: RenderTask) -> None:
     write_file(path / INPUTS, inputs)
 
 
-def _finish(task: RenderTask) -> None:
+def _finish(task: RenderTask, report: Report) -> list[FailedRun]:
+    """List the pictures and mark the run as done, unless nothing can be seen in any of them."""
+    names = {frame.number: frame_name(frame.number) for frame in task.frames}
+    seen = {name: Extremes.of((task.images / name).read_bytes()) for name in names.values()}
+    if problem := all_black(list(seen.values())):
+        return [FailedRun(run=task.run, stage="render", problem=problem)]
     records = [
         {
             "number": frame.number,
-            "file": f"{IMAGES}/{frame_name(frame.number)}",
-            "sha256": sha256_of(task.images / frame_name(frame.number)),
+            "file": f"{IMAGES}/{names[frame.number]}",
+            "sha256": sha256_of(task.images / names[frame.number]),
             "t_s": frame.t_s,
             "x_m": frame.x_m,
             "y_m": frame.y_m,
             "yaw_rad": frame.yaw_rad,
+            "black_share": round(seen[names[frame.number]].black, 4),
+            "burnt_share": round(seen[names[frame.number]].burnt, 4),
         }
         for frame in task.frames
     ]
-    write_file(task.folder.path / FRAMES, canonical_json({"frames": records}))
+    warnings = exposure_warnings(seen)
+    for warning in warnings:
+        report.say(f"render: {task.run}: {warning}")
+    write_file(task.folder.path / FRAMES, canonical_json({"frames": records, "warnings": list(warnings)}))
     pictures = {record["file"]: record["sha256"] for record in records}
     texts = {name: sha256_of(task.folder.path / name) for name in (JOB, FRAMES)}
     mark_done(task.folder.path, task.key, {**texts, **pictures})
+    return []
+
+
+def picture_warnings(folder: Path) -> list[str]:
+    """What was found wrong with the exposure of the pictures in a finished folder of this stage."""
+    return list(json.loads((folder / FRAMES).read_bytes())["warnings"])
