@@ -59,17 +59,23 @@ def pinhole_picture(camera: Intrinsics) -> PinholePicture:
     return PinholePicture(pinhole, left, top)
 
 
-def through_lens(light: Image, camera: Intrinsics) -> Image:
-    """(H, W, 3) light of the final picture from that of its pinhole picture."""
+def through_lens(light: Image, camera: Intrinsics, late: Image | None = None) -> Image:
+    """(H, W, 3) light of the final picture from that of its pinhole picture.
+
+    Args:
+        light: Of the pinhole picture.
+        camera: Of the final picture.
+        late: (H, W, 2) how much further right and down each pixel's light lies [px]; None where it lies at its ray.
+    """
     if camera.distortion == NO_DISTORTION:
         return light
-    u, v = _sources(camera)
-    return cv2.remap(light, u, v, cv2.INTER_LINEAR).astype(np.float32, copy=False)
+    at = sources(camera) if late is None else sources(camera) + late
+    return cv2.remap(light, at[..., 0], at[..., 1], cv2.INTER_LINEAR).astype(np.float32, copy=False)
 
 
 @lru_cache(maxsize=1)
-def _sources(camera: Intrinsics) -> tuple[Image, Image]:
-    """Where in the pinhole picture each pixel (H, W) has its light from.
+def sources(camera: Intrinsics) -> Image:
+    """(H, W, 2) where in the pinhole picture the ray of each pixel is, u and v.
 
     Followed from the axis on a coarse grid alone, which costs a hundredth; between its points Newton has little to do.
     """
@@ -83,5 +89,4 @@ def _sources(camera: Intrinsics) -> tuple[Image, Image]:
     focal, axis = np.array([camera.fx_px, camera.fy_px]), np.array([camera.cx_px, camera.cy_px])
     exact = refined(camera.distortion, (pixels - axis) / focal, near, _NEWTON_STEPS)
     found = pinhole_picture(camera)
-    u, v = (exact * focal + axis + (found.left_px, found.top_px)).astype(np.float32).T.reshape(2, *u.shape)
-    return u, v
+    return (exact * focal + axis + (found.left_px, found.top_px)).astype(np.float32).reshape(*u.shape, 2)

@@ -11,6 +11,7 @@ from blender_scenes.description import FrameView
 from blender_scenes.exr import read_exr
 from blender_scenes.job import RenderJob, Sampling
 from blender_scenes.lens_warp import pinhole_picture, through_lens
+from blender_scenes.read_out import lateness
 from blender_scenes.shutter import window
 from blender_scenes.surroundings import require_room
 from configs.streams import stream
@@ -101,7 +102,7 @@ def frame_light(job: RenderJob, view: FrameView) -> np.ndarray:
     seed = _noise_seed(sampling.seed, "frame", view.number)
     size = rendered.width_px, rendered.height_px
     light = _light(view, size, seed=seed, samples=sampling.samples, denoise=sampling.denoise)
-    return through_lens(light, job.camera)
+    return through_lens(light, job.camera, lateness(view, job.camera, job.shutter))
 
 
 def metered_light(job: RenderJob) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -9,6 +10,7 @@ from blender_scenes.description import FrameView, Intrinsics, Scene, Shutter, Sk
 from blender_scenes.geometry import block
 from blender_scenes.shading import Color, Surface
 from blender_scenes.shutter import exposed, moment, window
+from configs.lens import NO_DISTORTION, Coefficients
 from physics.arena import Box
 from physics.obstacle_motion import ObstacleMotion
 from physics.robot_path import RobotPath
@@ -33,9 +35,11 @@ BOARD = Box("board", "obstacle", (1.0, 0.0, 2.0), (0.05, 2.0, 4.0), 0.0, "plasti
 WAY = ((1.0, -0.75, 0.0), (1.0, -0.75, 0.0), (1.0, 0.75, 0.0), (1.0, 0.0, 0.0))
 
 
-@pytest.fixture(scope="module")
-def edges(arena, light_of) -> np.ndarray:
-    """(3, P, P) how much of the board each pixel sees: turning, passing, and turning seen in an instant."""
+ALL = slice(None)
+
+
+def _traced(arena, light_of, focal_px: float, lens: Coefficients, views_of: slice = ALL) -> np.ndarray:
+    """(N, P, P) how much of the board each pixel sees: turning, passing, and turning seen in an instant."""
     white = Surface("white", Color((0.8, 0.8, 0.8)), roughness=1.0, refractive_index=1.0)
     black = Surface("black", Color((0.0, 0.0, 0.0)), roughness=1.0, refractive_index=1.0)
     scene = Scene(
@@ -48,14 +52,19 @@ def edges(arena, light_of) -> np.ndarray:
         moving=(block("board", (0.025, 1.0, 2.0), (0.05, 2.0, 4.0), "white"),),
     )
     moving = replace(arena, boxes=(replace(BOARD, motion=ObstacleMotion((0.0, 0.5, 1.5, 3.0), WAY, repeats=False)),))
-    camera = Intrinsics(PIXELS, PIXELS, FOCAL_PX, FOCAL_PX, 40.0, 40.0)
+    camera = Intrinsics(PIXELS, PIXELS, focal_px, focal_px, 40.0, 40.0, lens)
     views = []
     for number, t_s in enumerate((TURNING_S, PASSING_S)):
         at = moment(moving, X_RC, (0.0, 0.0, 0.0), t_s)
         views.append(FrameView(number, t_s, at.robot_pose, at.X_WC, at.moving))
     turning, passing = exposed(views, moving, X_RC, PATH, window(SHUTTER, camera))
-    pictures = light_of(scene, [turning, passing, views[0]], PIXELS, FOCAL_PX, SHUTTER)[..., 1]
-    return pictures / pictures[:, :, :5].mean(axis=2, keepdims=True)
+    pictures = light_of(scene, [turning, passing, views[0]][views_of], PIXELS, focal_px, SHUTTER, lens)[..., 1]
+    return pictures / pictures[:, :, 20:25].mean(axis=2, keepdims=True)
+
+
+@pytest.fixture(scope="module")
+def edges(arena, light_of) -> np.ndarray:
+    return _traced(arena, light_of, FOCAL_PX, NO_DISTORTION)
 
 
 def _fitted(edge: np.ndarray) -> tuple[float, float, float]:
@@ -91,6 +100,23 @@ def test_the_exposure_blurs_the_edge_by_its_speed(edges):
     (_, _, turning), (_, _, passing) = _fitted(edges[0]), _fitted(edges[1])
     assert turning - passing == pytest.approx((blur_px[0] ** 2 - blur_px[1] ** 2) / 12, rel=0.03)
     assert passing == pytest.approx(blur_px[1] ** 2 / 12, abs=0.3)
+
+
+def test_behind_a_lens_each_row_is_exposed_at_its_own_time(arena, light_of):
+    """A lens that brings the edge to other rows by 8 px, which are half a pixel of turn."""
+    focal_px, lens = 60.0, (-0.35, 0.12, 0.0, 0.0, 0.0)
+    steps = -np.diff(_traced(arena, light_of, focal_px, lens, slice(1))[0], axis=1)
+    found = steps @ (np.arange(PIXELS - 1) + 0.5)
+    K = np.array([[focal_px, 0, 40.0], [0, focal_px, 40.0], [0, 0, 1]])
+    up = np.linspace(-0.95, 0.95, 400)
+    expected = []
+    for row in range(PIXELS):
+        x = np.tan(RATE_RAD_S * SHUTTER.read_out_s * ((row + 0.5) / PIXELS - 0.5))
+        edge = np.column_stack([np.full(400, x), up, np.ones(400)])
+        pixels, _ = cv2.projectPoints(edge, np.zeros(3), np.zeros(3), K, np.array(lens))
+        expected.append(np.interp(row, pixels[:, 0, 1], pixels[:, 0, 0]))
+    assert found[1:-1] == pytest.approx(expected[1:-1], abs=0.2)
+    assert np.polyfit(np.arange(PIXELS), found - expected, 1)[0] * PIXELS == pytest.approx(0.0, abs=0.1)
 
 
 def test_behind_a_lens_the_margin_lengthens_the_window_and_the_middle_row_keeps_its_time():
