@@ -1,7 +1,7 @@
 """From light to picture, in numpy and OpenCV alone.
 
-In the order of a camera: the lens' vignetting, the exposure, shot and read noise of the sensor, the gains of the white
-balance, which amplify that noise, saturation and tone curve, sharpening, JPEG.
+In the order of a camera: the lens' blur, glare and vignetting, the exposure, shot and read noise of the sensor, gains
+of the white balance, which amplify that noise, saturation and tone curve, sharpening, JPEG.
 
 Pixels depend on the light, the settings and the frame's number, never on threads or order.
 """
@@ -42,6 +42,8 @@ class CameraResponse:
     shot_noise: float
     read_noise: float
     jpeg_quality: int
+    lens_blur_px: float = 0.0
+    veiling_glare: float = 0.0
     sharpening: float = 0.0
     sharpening_radius_px: float = 1.0
 
@@ -59,6 +61,8 @@ class CameraResponse:
             shot_noise=look.shot_noise,
             read_noise=look.read_noise,
             jpeg_quality=jpeg_quality,
+            lens_blur_px=look.lens_blur_px,
+            veiling_glare=look.veiling_glare,
             sharpening=look.sharpening,
             sharpening_radius_px=look.sharpening_radius_px,
         )
@@ -96,6 +100,7 @@ def develop(light: Image, response: CameraResponse, metered: float, number: int)
     the frame is beyond white.
     """
     height, width, _ = light.shape
+    light = _through_glass(light, response)
     share = response.exposure_adaption
     own = max(_median_luminance(light), _DARKEST * metered)
     median = metered ** (1 - share) * own**share
@@ -115,6 +120,16 @@ def encode_jpeg(pixels: NDArray[np.uint8], quality: int) -> bytes:
     if not done:
         raise OSError("OpenCV could not encode a frame as JPEG")
     return data.tobytes()
+
+
+def _through_glass(light: Image, response: CameraResponse) -> Image:
+    """Light with a Gaussian point spread and the even veil of ISO 9358's glare."""
+    if response.lens_blur_px > 0:
+        light = cv2.GaussianBlur(light, (0, 0), response.lens_blur_px).astype(np.float32)
+    if response.veiling_glare > 0:
+        veil = light.mean(axis=(0, 1), dtype=np.float64).astype(np.float32)
+        light = light + np.float32(response.veiling_glare) * (veil - light)
+    return light
 
 
 def _vignette(width: int, height: int, loss: float) -> Image:

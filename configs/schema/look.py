@@ -190,6 +190,10 @@ class CameraLook(Section):
     saturation: float = Field(default=1.1, ge=0, le=2)
     vignetting: float = Field(default=0.25, ge=0, le=1)
     """Share of light lost in the corner."""
+    lens_blur_px: float = Field(default=0.0, ge=0, le=5)
+    """Standard deviation of what the lens makes of a point; a cheap one has 0.5 to 1 at 160 x 120."""
+    veiling_glare: float = Field(default=0.0, ge=0, le=0.3)
+    """Share of the picture's light that the lens spreads evenly over it, which lifts the blacks."""
     shot_noise: float = Field(default=0.012, ge=0, le=0.5)
     """Standard deviation at full white, falling as the root of the light."""
     read_noise: float = Field(default=0.003, ge=0, le=0.5)

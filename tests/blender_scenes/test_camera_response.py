@@ -106,6 +106,24 @@ def test_sharpening_gives_an_edge_no_colour_and_none_changes_nothing():
     assert np.array_equal(develop(light, _response(wide), 3.0, 1), develop(light, _response(), 3.0, 1))
 
 
+def test_the_blur_of_the_lens_spreads_a_step_as_its_gaussian_does():
+    edge = (np.where(np.arange(64) < 32, 0.02, 0.20)[None, :, None] * np.ones((48, 1, 3))).astype(np.float32)
+    look = PLAIN.model_copy(update={"exposure_adaption": 0.0, "lens_blur_px": 1.5})
+    pixels = develop(edge, _response(look), 0.18, 1)[24, :, 1]
+    linear = ((pixels / 255 + 0.055) / 1.055) ** 2.4
+    expected = [0.02 + 0.18 * (0.5 + 0.5 * erf((x + 0.5 - 32) / 1.5 / np.sqrt(2))) for x in range(26, 38)]
+    assert linear[26:38] == pytest.approx(np.array(expected), abs=0.003)
+
+
+def test_the_glare_of_the_lens_lifts_the_blacks_by_its_share_of_the_mean():
+    light = np.full((40, 60, 3), 0.24, np.float32)
+    light[:, :15] = 0.0
+    look = PLAIN.model_copy(update={"exposure_adaption": 0.0, "veiling_glare": 0.1})
+    pixels = develop(light, _response(look), 0.18, 1)[20, [5, 40], 1]
+    linear = ((pixels / 255 + 0.055) / 1.055) ** 2.4
+    assert linear == pytest.approx([0.1 * 0.18, 0.9 * 0.24 + 0.1 * 0.18], abs=0.003)
+
+
 def test_a_single_black_frame_stays_black_and_ends_no_run():
     assert develop(0 * GREY, _response(PLAIN.model_copy(update={"exposure_adaption": 0.5})), 3.0, 1).max() == 0
 
