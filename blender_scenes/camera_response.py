@@ -1,4 +1,7 @@
-"""From light to picture: exposure, white balance, vignetting, noise, tone curve and JPEG, in numpy and OpenCV alone.
+"""From light to picture, in numpy and OpenCV alone.
+
+In the order of a camera: the lens' blur, glare and vignetting, the exposure, shot and read noise of the sensor, gains
+of the white balance, which amplify that noise, saturation and tone curve, sharpening, JPEG.
 
 Pixels depend on the light, the settings and the frame's number, never on threads or order.
 """
@@ -17,6 +20,10 @@ from configs.streams import stream
 Image = NDArray[np.float32]
 
 _BURNT_SHARE = 0.04
+_LUMA = np.array([0.299, 0.587, 0.114], np.float32)
+"""Of gamma-coded components (ITU-R BT.601), as JPEG has it."""
+_DARKEST = 1e-3
+"""A frame darker than this share of the run is not exposed any longer for it."""
 _KNEE = 0.6
 """Where the tone curve leaves that of sRGB to keep some drawing in the highlights."""
 
@@ -35,6 +42,10 @@ class CameraResponse:
     shot_noise: float
     read_noise: float
     jpeg_quality: int
+    lens_blur_px: float = 0.0
+    veiling_glare: float = 0.0
+    sharpening: float = 0.0
+    sharpening_radius_px: float = 1.0
 
     @classmethod
     def from_look(cls, look: CameraLook, light: RGB, seed: int, jpeg_quality: int) -> "CameraResponse":
@@ -50,6 +61,10 @@ class CameraResponse:
             shot_noise=look.shot_noise,
             read_noise=look.read_noise,
             jpeg_quality=jpeg_quality,
+            lens_blur_px=look.lens_blur_px,
+            veiling_glare=look.veiling_glare,
+            sharpening=look.sharpening,
+            sharpening_radius_px=look.sharpening_radius_px,
         )
 
 
@@ -68,10 +83,14 @@ def median_luminance(light: Image) -> float:
     Raises:
         ValueError: No light reaches what the camera sees.
     """
-    median = float(np.median(light @ LUMINANCE.astype(np.float32)))
+    median = _median_luminance(light)
     if not median > 0:
         raise ValueError("the picture is black: no light reaches what the camera sees; give the look a lamp or a sky")
     return median
+
+
+def _median_luminance(light: Image) -> float:
+    return float(np.median(light @ LUMINANCE.astype(np.float32)))
 
 
 def develop(light: Image, response: CameraResponse, metered: float, number: int) -> NDArray[np.uint8]:
@@ -81,16 +100,18 @@ def develop(light: Image, response: CameraResponse, metered: float, number: int)
     the frame is beyond white.
     """
     height, width, _ = light.shape
+    light = _through_glass(light, response)
     share = response.exposure_adaption
-    median = metered ** (1 - share) * median_luminance(light) ** share
+    own = max(_median_luminance(light), _DARKEST * metered)
+    median = metered ** (1 - share) * own**share
     highlights = float(np.quantile(light @ LUMINANCE.astype(np.float32), 1 - _BURNT_SHARE))
-    gain = min(response.brightness / median, 1.0 / highlights)
-    exposed = light * (np.asarray(response.white_balance, np.float32) * np.float32(gain))
-    exposed = exposed * _vignette(width, height, response.vignetting)[..., None]
-    exposed = np.maximum(exposed + _noise(exposed, response, number), 0)
+    gain = min(response.brightness / median, 1.0 / highlights if highlights > 0 else np.inf)
+    raw = light * np.float32(gain) * _vignette(width, height, response.vignetting)[..., None]
+    raw = np.maximum(raw + _noise(raw, response, number), 0)
+    exposed = raw * np.asarray(response.white_balance, np.float32)
     grey = (exposed @ LUMINANCE.astype(np.float32))[..., None]
     exposed = np.maximum(grey + response.saturation * (exposed - grey), 0)
-    return (255 * _tone(exposed, response.contrast) + 0.5).astype(np.uint8)
+    return (255 * _sharpened(_tone(exposed, response.contrast), response) + 0.5).astype(np.uint8)
 
 
 def encode_jpeg(pixels: NDArray[np.uint8], quality: int) -> bytes:
@@ -101,6 +122,16 @@ def encode_jpeg(pixels: NDArray[np.uint8], quality: int) -> bytes:
     return data.tobytes()
 
 
+def _through_glass(light: Image, response: CameraResponse) -> Image:
+    """Light with a Gaussian point spread and the even veil of ISO 9358's glare."""
+    if response.lens_blur_px > 0:
+        light = cv2.GaussianBlur(light, (0, 0), response.lens_blur_px).astype(np.float32)
+    if response.veiling_glare > 0:
+        veil = light.mean(axis=(0, 1), dtype=np.float64).astype(np.float32)
+        light = light + np.float32(response.veiling_glare) * (veil - light)
+    return light
+
+
 def _vignette(width: int, height: int, loss: float) -> Image:
     """Light that is left, falling with the square of the distance from the middle to 1 - `loss` in the corner."""
     x = (np.arange(width, dtype=np.float32) + 0.5) / width - 0.5
@@ -109,11 +140,11 @@ def _vignette(width: int, height: int, loss: float) -> Image:
     return (1 - loss * r2).astype(np.float32)
 
 
-def _noise(exposed: Image, response: CameraResponse, number: int) -> Image:
-    """Shot and read noise, slightly blurred as a colour filter's interpolation leaves it."""
-    draw = stream(response.seed, "camera noise", number).standard_normal(exposed.shape, np.float32)
+def _noise(raw: Image, response: CameraResponse, number: int) -> Image:
+    """Shot and read noise of the sensor, slightly blurred as a colour filter's interpolation leaves it."""
+    draw = stream(response.seed, "camera noise", number).standard_normal(raw.shape, np.float32)
     soft = cv2.GaussianBlur(draw, (3, 3), 0.6)
-    sd = np.sqrt(response.shot_noise**2 * np.maximum(exposed, 0) + response.read_noise**2)
+    sd = np.sqrt(response.shot_noise**2 * np.maximum(raw, 0) + response.read_noise**2)
     return (2.0 * sd * soft).astype(np.float32)  # the blur halves its standard deviation
 
 
@@ -123,3 +154,12 @@ def _tone(linear: Image, contrast: float) -> Image:
     over = np.maximum(scaled - np.float32(_KNEE), 0)
     rolled = np.where(over > 0, 1 - (1 - _KNEE) * np.exp(-over / (1 - _KNEE)), scaled)
     return np.where(rolled <= 0.0031308, 12.92 * rolled, 1.055 * np.power(np.maximum(rolled, 1e-9), 1 / 2.4) - 0.055)
+
+
+def _sharpened(picture: Image, response: CameraResponse) -> Image:
+    """An unsharp mask on the grey picture, so that edges gain no colour; what leaves the range is cut off."""
+    if response.sharpening == 0:
+        return picture
+    grey = picture @ _LUMA
+    detail = grey - cv2.GaussianBlur(grey, (0, 0), response.sharpening_radius_px)
+    return np.clip(picture + np.float32(response.sharpening) * detail[..., None], 0, 1).astype(np.float32)

@@ -11,6 +11,7 @@ from typing import Annotated
 from pydantic import Field
 
 from blender_scenes.shading import RGB, Surface
+from configs.lens import NO_DISTORTION, Coefficients
 
 Point3 = tuple[float, float, float]
 Point2 = tuple[float, float]
@@ -104,7 +105,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Intrinsics:
-    """Pinhole camera; pixel (0, 0) is the middle of the first pixel, as OpenCV counts."""
+    """Pixel (0, 0) is the middle of the first pixel, as OpenCV counts."""
 
     width_px: int
     height_px: int
@@ -112,6 +113,36 @@ class Intrinsics:
     fy_px: float
     cx_px: float
     cy_px: float
+    distortion: Coefficients = NO_DISTORTION
+
+
+@dataclass(frozen=True)
+class Shutter:
+    """When a picture is exposed: the middle of its middle row at the view's time, each row as long as any other."""
+
+    exposure_s: float = 0.0
+    read_out_s: float = 0.0
+    """From the first row to the last and on to where a next one would be."""
+
+
+INSTANT = Shutter()
+
+
+@dataclass(frozen=True)
+class Moment:
+    """Where everything is at one time."""
+
+    robot_pose: PlanarPose
+    """Of R."""
+    X_WC: Matrix4
+    """Pose of the optical frame (x right, y down, z forward) in W."""
+    moving: Annotated[tuple[PlanarPose, ...], Field(exclude_if=_nothing_moves)] = ()
+    """Of the scene's moving meshes, in their order."""
+
+
+def _is_instant(moments: tuple[Moment, ...]) -> bool:
+    """Likewise, as one that knows of no exposure time."""
+    return not moments
 
 
 @dataclass(frozen=True)
@@ -128,3 +159,5 @@ class FrameView:
     """Of the scene's moving meshes, in their order."""
     light_gain: Annotated[RGB, Field(exclude_if=_as_it_is)] = (1.0, 1.0, 1.0)
     """All light of this frame to its mean over time, where lamps flicker."""
+    exposure: Annotated[tuple[Moment, ...], Field(exclude_if=_is_instant)] = ()
+    """Evenly spaced from the moment that the shutter opens to that it closes; empty for an instant."""

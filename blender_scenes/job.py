@@ -6,16 +6,19 @@ from dataclasses import dataclass
 import numpy as np
 from pydantic import TypeAdapter
 
-from blender_scenes.camera import Array, intrinsics, pose_X_RC, pose_X_WR
+from blender_scenes.camera import intrinsics, pose_X_RC
 from blender_scenes.camera_response import CameraResponse
-from blender_scenes.description import FrameView, Intrinsics, Matrix4, PlanarPose, Scene
+from blender_scenes.description import INSTANT, FrameView, Intrinsics, Scene, Shutter
 from blender_scenes.lighting.flicker import frame_gains
 from blender_scenes.lighting.illuminance import on_the_floor
 from blender_scenes.scene import arena_bounds, describe
+from blender_scenes.shading import RGB
+from blender_scenes.shutter import Window, exposed, moment, window
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render
 from physics.arena import Arena
+from physics.robot_path import RobotPath
 
 FORMAT = 1
 
@@ -57,6 +60,7 @@ class RenderJob:
     frames: tuple[FrameView, ...]
     sampling: Sampling
     response: CameraResponse
+    shutter: Shutter = INSTANT
 
     def to_json(self) -> str:
         """The job as text; equal jobs give equal bytes."""
@@ -79,37 +83,54 @@ _JOB = TypeAdapter(RenderJob)
 
 
 def build_job(  # noqa: PLR0917 - a run's pictures depend on all of these
-    arena: Arena, robot: RobotConfig, look: LookConfig, render: Render, frames: Sequence[FramePose], seed: int
+    arena: Arena,
+    robot: RobotConfig,
+    look: LookConfig,
+    render: Render,
+    frames: Sequence[FramePose],
+    seed: int,
+    path: RobotPath | None = None,
 ) -> RenderJob:
-    """The rendering of a run; the same arguments give the same job."""
+    """The rendering of a run; the same arguments give the same job.
+
+    Raises:
+        ValueError: Something moves during the exposure and there is no path to say how, or the lens cannot be.
+    """
     scene = describe(arena, robot, look, seed)
     (x0, y0), (x1, y1) = arena_bounds(arena)
     middle = 0.5 * (x0 + x1), 0.5 * (y0 + y1), 0.0
     light = on_the_floor(scene.panels, middle)
     mains = on_the_floor([panel for panel in scene.panels if panel.on_mains], middle)
-    gains = frame_gains(look.lamps.flicker, np.array([frame.t_s for frame in frames]), mains, light, seed)
-    X_RC = pose_X_RC(robot.camera, robot.chassis.base_height_m)
-    moving = [box.poses_at(np.array([frame.t_s for frame in frames])) for box in arena.moving]
-    views = []
-    for i, frame in enumerate(frames):
-        X_WC = pose_X_WR(frame.x_m, frame.y_m, frame.yaw_rad) @ X_RC
-        pose = frame.x_m, frame.y_m, frame.yaw_rad
-        moved = tuple(_planar(poses[i]) for poses in moving)
-        views.append(FrameView(frame.number, frame.t_s, pose, _rows(X_WC), moved, gains[i]))
+    camera = intrinsics(robot.camera, render.width_px, render.height_px)
+    shutter = Shutter(look.camera.exposure_time_s, robot.camera.read_out_s)
+    times = np.array([frame.t_s for frame in frames])
+    gains = frame_gains(look.lamps.flicker, times, shutter.exposure_s, mains, light, seed)
     return RenderJob(
         format=FORMAT,
         scene=scene,
-        camera=intrinsics(robot.camera, render.width_px, render.height_px),
-        frames=tuple(views),
+        camera=camera,
+        frames=_views(arena, robot, frames, gains, window(shutter, camera), path),
         sampling=Sampling(seed=seed, samples=render.samples, denoise=render.denoise),
         response=CameraResponse.from_look(look.camera, light, seed, render.jpeg_quality),
+        shutter=shutter,
     )
 
 
-def _planar(pose: Array) -> PlanarPose:
-    return float(pose[0]), float(pose[1]), float(pose[2])
-
-
-def _rows(matrix: Array) -> Matrix4:
-    a, b, c, d = ((float(r[0]), float(r[1]), float(r[2]), float(r[3])) for r in matrix)
-    return a, b, c, d
+def _views(  # noqa: PLR0917 - likewise
+    arena: Arena,
+    robot: RobotConfig,
+    frames: Sequence[FramePose],
+    gains: Sequence[RGB],
+    exposure: Window,
+    path: RobotPath | None,
+) -> tuple[FrameView, ...]:
+    X_RC = pose_X_RC(robot.camera, robot.chassis.base_height_m)
+    views = []
+    for frame, gain in zip(frames, gains, strict=True):
+        at = moment(arena, X_RC, (frame.x_m, frame.y_m, frame.yaw_rad), frame.t_s)
+        views.append(FrameView(frame.number, frame.t_s, at.robot_pose, at.X_WC, at.moving, gain))
+    if exposure.length_s == 0:
+        return tuple(views)
+    if path is None:
+        raise ValueError("an exposure that is no instant needs the robot's path, and there is none")
+    return exposed(views, arena, X_RC, path, exposure)

@@ -8,6 +8,7 @@ from configs.distributions import Choice
 from configs.errors import InputError, nearest
 from configs.faults import Fault
 from configs.footprints import Point, Rectangle, obstacle_footprint, overlap, wall_footprint
+from configs.lens import lens_problem
 from configs.motion_checks import motion_faults
 from configs.schema.arena import ArcPiece, ArenaConfig, StraightPiece, SurfaceName
 from configs.schema.look import LookConfig
@@ -67,6 +68,7 @@ def _scenario_faults(scenario: Scenario, routes: Iterable[int]) -> Iterator[Faul
     yield from _arena_faults(scenario.arena)
     yield from _robot_faults(scenario.robot)
     yield from _engine_faults(scenario.robot)
+    yield from _lens_faults(scenario)
     yield from _look_faults(scenario.look)
     yield from _period_faults(scenario.rates, scenario.robot)
     for index in routes:
@@ -190,6 +192,14 @@ def _engine_faults(robot: RobotConfig) -> Iterator[Fault]:
         problem = "PyBullet's wheel is one mass, without play"
         cure = "leave the term out; it acts on the motor bench alone"
         yield Fault(path, problem, got=backlash.gap_rad, allowed="0", cure=cure)
+
+
+def _lens_faults(scenario: Scenario) -> Iterator[Fault]:
+    camera, render = scenario.robot.camera, scenario.render
+    if problem := lens_problem(camera, render.width_px, render.height_px):
+        got = ", ".join(f"{name} {value:g}" for name, value in camera.distortion if value)
+        cure = "take smaller coefficients, a longer focal_length_mm or a smaller sensor_width_mm"
+        yield Fault(("robot", "camera", "distortion"), problem, got=got, cure=cure)
 
 
 def _material_faults(robot: RobotConfig) -> Iterator[Fault]:

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 from blender_scenes.frame_files import frame_name
 from configs.draw import draw_arena, draw_look, draw_render, draw_robot
 from configs.errors import InputError
+from configs.lens import lens_problem
 from configs.loader import load_scenario, load_section
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
@@ -149,11 +150,16 @@ def _appearance(source: Source, request: Request) -> Appearance:
     route, run = (spec.route, spec.run) if spec else ("foreign", 1)
     seed = request.seed if request.seed is not None else spec.seed if spec else 1
     look, _ = draw_look(load_section("look", request.look, request.of("look")), seed, route, run)
+    robot, render = _robot(spec, request, seed, route, run), _render(spec, request, seed, route, run)
+    if problem := lens_problem(robot.camera, render.width_px, render.height_px):
+        raise InputError(
+            f"robot.camera.distortion: {problem}", cure="take smaller coefficients or a longer focal length"
+        )
     return Appearance(
         arena=_arena(source, request, seed, route, run),
-        robot=_robot(spec, request, seed, route, run),
+        robot=robot,
         look=look,
-        render=_render(spec, request, seed, route, run),
+        render=render,
         seed=picture_seed(seed, route, run),
     )
 

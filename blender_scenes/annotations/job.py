@@ -10,7 +10,7 @@ from pydantic import TypeAdapter
 
 from blender_scenes.annotations.instances import Instances, instances
 from blender_scenes.camera import Array, pose_X_WR
-from blender_scenes.description import FrameView, Intrinsics, Mesh, PlanarPose, Point3, Scene, Sky
+from blender_scenes.description import FrameView, Intrinsics, Mesh, PlanarPose, Point3, Scene, Shutter, Sky
 from blender_scenes.job import RenderJob, Sampling
 from blender_scenes.shading import Color, Surface
 from configs.schema.scenario import AnnotationName
@@ -81,6 +81,8 @@ class AnnotationJob:
     camera: Intrinsics
     frames: tuple[FrameView, ...]
     sampling: Sampling
+    shutter: Shutter
+    """That of an instant: each frame is told as it is at its time."""
     instances: Instances
     solids: tuple[Solid, ...]
     key_points: tuple[KeyPoint, ...]
@@ -137,6 +139,7 @@ def build_annotation_job(job: RenderJob, arena: Arena, kinds: Sequence[Annotatio
         # Each as it is at the shutter's time: nothing else of a view plays a part.
         frames=tuple(FrameView(v.number, v.t_s, v.robot_pose, v.X_WC, v.moving) for v in job.frames),
         sampling=_ONE_RAY,
+        shutter=Shutter(),
         instances=known,
         solids=tuple(_solid(box, known) for box in arena.boxes),
         key_points=tuple(KeyPoint(i, *point) for i, point in enumerate(_key_points(arena, known), start=1)),

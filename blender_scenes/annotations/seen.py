@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from blender_scenes.annotations.job import AnnotationJob
 from blender_scenes.camera import Array
 from blender_scenes.description import FrameView, Intrinsics
+from blender_scenes.lens_warp import pinhole_picture, sources
+from configs.lens import NO_DISTORTION
 
 _STEEPEST = 1e-3
 """Cosine between ray and normal below which the plane's equation is too ill to move a point by it."""
@@ -25,6 +27,13 @@ class Passes:
     """(H, W, 3) [m]."""
     normal_W: Array
     """(H, W, 3), unit normals of the geometry towards the camera."""
+
+    def through_lens(self, camera: Intrinsics) -> "Passes":
+        """What the picture behind a lens has of those of its pinhole picture: each pixel that nearest to its ray."""
+        if camera.distortion == NO_DISTORTION:
+            return self
+        u, v = np.moveaxis(np.rint(sources(camera)).astype(int), -1, 0)
+        return Passes(self.mesh[v, u], self.point_W[v, u], self.normal_W[v, u])
 
     @classmethod
     def of(cls, channels: Mapping[str, NDArray[np.generic]], layer: str) -> "Passes":
@@ -91,6 +100,10 @@ class Seen:
 
 def centre_rays_C(camera: Intrinsics) -> Array:
     """(H, W, 3), rays through the middle of each pixel in C; z is 1."""
-    u, v = np.meshgrid(np.arange(camera.width_px), np.arange(camera.height_px))
-    x, y = (u - camera.cx_px) / camera.fx_px, (v - camera.cy_px) / camera.fy_px
-    return np.stack([x, y, np.ones_like(x)], axis=-1)
+    pinhole = pinhole_picture(camera).camera
+    if camera.distortion == NO_DISTORTION:
+        at = np.stack(np.meshgrid(np.arange(camera.width_px), np.arange(camera.height_px)), axis=-1)
+    else:
+        at = sources(camera).astype(np.float64)
+    slopes = (at - (pinhole.cx_px, pinhole.cy_px)) / (pinhole.fx_px, pinhole.fy_px)
+    return np.concatenate([slopes, np.ones((*slopes.shape[:2], 1))], axis=-1)

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from blender_scenes.annotations.job import Solid
 from blender_scenes.annotations.seen import Seen
 from blender_scenes.camera import project
+from configs.lens import NO_DISTORTION
 
 
 def silhouette(seen: Seen, solid: Solid) -> NDArray[np.bool_]:
@@ -30,7 +31,7 @@ def _window(seen: Seen, solid: Solid) -> tuple[slice, slice]:
     """Rows and columns outside of which the box cannot be; all where a part of it is behind the camera."""
     pixels, depth = project(seen.job.camera, seen.X_WC, solid.corners(seen.pose_X_WI(solid.instance_id)))
     height, width = seen.instance.shape
-    if np.any(depth <= 0):
+    if np.any(depth <= 0) or seen.job.camera.distortion != NO_DISTORTION:  # a bent edge reaches beyond its ends
         return (slice(0), slice(0)) if np.all(depth <= 0) else (slice(height), slice(width))
     low = np.clip(np.floor(pixels.min(axis=0)), 0, (width, height)).astype(int)
     high = np.clip(np.ceil(pixels.max(axis=0)) + 1, 0, (width, height)).astype(int)

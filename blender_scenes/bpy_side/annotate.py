@@ -15,6 +15,7 @@ from blender_scenes.bpy_side import build, engine
 from blender_scenes.bpy_side.shaders import ShaderGraph
 from blender_scenes.description import FrameView
 from blender_scenes.frame_files import FrameFile, put_data_in_place, put_in_place
+from blender_scenes.lens_warp import pinhole_picture
 
 _EXR_PIXEL_BYTES = 44
 """Colour with its cover, index, position and normal, four bytes each."""
@@ -48,10 +49,13 @@ def annotate(job: AnnotationJob, view: FrameView, folder: Path) -> Iterator[Fram
     begin = time.perf_counter()
     size = job.camera.width_px, job.camera.height_px
     sampling = job.sampling
+    pinhole = pinhole_picture(job.camera).camera
+    rendered = pinhole.width_px, pinhole.height_px
     channels = engine.traced(
-        view, size, _EXR_PIXEL_BYTES, seed=sampling.seed, samples=sampling.samples, denoise=sampling.denoise
+        view, rendered, _EXR_PIXEL_BYTES, seed=sampling.seed, samples=sampling.samples, denoise=sampling.denoise
     )
-    seen = Seen(job, view, job.following(view.number), Passes.of(channels, bpy.context.view_layer.name))
+    passes = Passes.of(channels, bpy.context.view_layer.name).through_lens(job.camera)
+    seen = Seen(job, view, job.following(view.number), passes)
     wanted = job.files(view.number)
     for kind, picture_of in PICTURES.items():
         name = picture_file(kind, view.number)

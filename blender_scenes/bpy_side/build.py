@@ -9,6 +9,7 @@ from mathutils import Matrix
 
 from blender_scenes.bpy_side.shaders import ShaderGraph, material
 from blender_scenes.description import Intrinsics, Mesh, Panel, Scene, Sky, Sun
+from blender_scenes.lens_warp import pinhole_picture
 
 ROBOT = "R"
 CAMERA = "C"
@@ -129,6 +130,10 @@ def _sky(sky: Sky) -> None:
 def _camera(camera: Intrinsics) -> None:
     data = bpy.data.cameras.new(CAMERA)
     data.sensor_fit, data.sensor_width = "HORIZONTAL", 36.0
-    data.lens = 36.0 * camera.fx_px / camera.width_px
+    pinhole = pinhole_picture(camera).camera
+    data.lens = 36.0 * pinhole.fx_px / pinhole.width_px
+    # Both in widths of the picture; Blender moves the frame over the view, so the axis the other way.
+    data.shift_x = (0.5 * (pinhole.width_px - 1) - pinhole.cx_px) / pinhole.width_px
+    data.shift_y = (pinhole.cy_px - 0.5 * (pinhole.height_px - 1)) / pinhole.width_px
     data.clip_start, data.clip_end = 0.001, 1000.0
     bpy.context.scene.camera = _place(CAMERA, data)

@@ -1,16 +1,18 @@
 """Cycles, with every setting that decides a pixel set here, and the linear light of one view read back whole."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
 import numpy as np
-from mathutils import Matrix
 
-from blender_scenes.bpy_side.build import CAMERA, ROBOT, moving_name
-from blender_scenes.camera import pose_X_WR
+from blender_scenes.bpy_side.placing import open_shutter, place
 from blender_scenes.description import FrameView
 from blender_scenes.exr import read_exr
 from blender_scenes.job import RenderJob, Sampling
+from blender_scenes.lens_warp import pinhole_picture, through_lens
+from blender_scenes.read_out import lateness
+from blender_scenes.shutter import window
 from blender_scenes.surroundings import require_room
 from configs.streams import stream
 
@@ -32,7 +34,7 @@ def configure(job: RenderJob, threads: int, scratch: Path) -> None:
     render.pixel_aspect_x = render.pixel_aspect_y = 1.0
     render.threads_mode, render.threads = "FIXED", threads
     render.use_persistent_data = True
-    render.use_motion_blur = render.use_border = render.use_compositing = render.use_sequencer = False
+    render.use_border = render.use_compositing = render.use_sequencer = False
     render.film_transparent = False
     render.dither_intensity = 0.0
     render.filepath = str(scratch / _SCRATCH)
@@ -44,6 +46,7 @@ def configure(job: RenderJob, threads: int, scratch: Path) -> None:
     scene.view_settings.view_transform, scene.view_settings.look = "Raw", "None"  # OpenEXR is written linear anyway
     scene.view_settings.exposure, scene.view_settings.gamma = 0.0, 1.0
     _cycles(scene.cycles, job.sampling)
+    open_shutter(window(job.shutter, job.camera))
 
 
 def _cycles(cycles: bpy.types.PropertyGroup, sampling: Sampling) -> None:
@@ -94,22 +97,25 @@ def _cycles(cycles: bpy.types.PropertyGroup, sampling: Sampling) -> None:
 
 def frame_light(job: RenderJob, view: FrameView) -> np.ndarray:
     """(H, W, 3) linear light of one of the job's frames."""
-    size = job.camera.width_px, job.camera.height_px
+    rendered = pinhole_picture(job.camera).camera
     sampling = job.sampling
     seed = _noise_seed(sampling.seed, "frame", view.number)
+    size = rendered.width_px, rendered.height_px
     light = _light(view, size, seed=seed, samples=sampling.samples, denoise=sampling.denoise)
-    return light * np.array(view.light_gain, np.float32)
+    light *= np.array(view.light_gain, np.float32)
+    return through_lens(light, job.camera, lateness(view, job.camera, job.shutter))
 
 
 def metered_light(job: RenderJob) -> np.ndarray:
     """Light of small pictures of a few of the job's views, spread over the run, whichever frames are asked for."""
     chosen = np.unique(np.linspace(0, len(job.frames) - 1, _METERED_VIEWS).round().astype(int))
-    height = max(1, round(_METERED_WIDTH_PX * job.camera.height_px / job.camera.width_px))
+    rendered = pinhole_picture(job.camera).camera
+    height = max(1, round(_METERED_WIDTH_PX * rendered.height_px / rendered.width_px))
     seen = []
     for view in (job.frames[i] for i in chosen):
         seed = _noise_seed(job.sampling.seed, "metering", view.number)
         size = _METERED_WIDTH_PX, height
-        seen.append(_light(view, size, seed=seed, samples=_METERING_SAMPLES, denoise=False))
+        seen.append(_light(replace(view, exposure=()), size, seed=seed, samples=_METERING_SAMPLES, denoise=False))
     return np.concatenate(seen)
 
 
@@ -136,12 +142,7 @@ def traced(
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = size
     scene.cycles.seed, scene.cycles.samples, scene.cycles.use_denoising = seed, samples, denoise
-    moving = ((moving_name(number), pose) for number, pose in enumerate(view.moving))
-    for name, pose in ((ROBOT, view.robot_pose), *moving):
-        bpy.data.objects[name].matrix_world = Matrix(pose_X_WR(*pose).tolist())
-    # Blender's camera looks along its own -z with y up: the optical frame turned half a turn about x.
-    X_WC = np.array(view.X_WC) @ np.diag([1.0, -1.0, -1.0, 1.0])
-    bpy.data.objects[CAMERA].matrix_world = Matrix(X_WC.tolist())
+    place(view)
     scratch = Path(scene.render.filepath)
     scratch.unlink(missing_ok=True)
     try:

@@ -10,28 +10,30 @@ from configs.streams import stream
 Array = NDArray[np.float64]
 
 
-def caught(flicker: FlickerLook, t_s: Array, phase_rad: float) -> Array:
-    """(N,) mean over the exposure from `t_s` on of 1 + depth cos(2 pi 2 f t + phase), the lamps' light to its mean.
+def caught(flicker: FlickerLook, t_s: Array, exposure_s: float, phase_rad: float) -> Array:
+    """(N,), the lamps' light to its mean: that of 1 + depth cos(2 pi 2 f t + phase) over an exposure about `t_s`.
 
     The mean of a cosine over T is the cosine at the middle times sin(x) / x of x = 2 pi f T.
     """
     cycles_hz = 2 * flicker.mains_hz
-    middle = t_s + 0.5 * flicker.exposure_s
-    swing = flicker.depth * np.sinc(cycles_hz * flicker.exposure_s)  # numpy's sinc(a) is sin(pi a) / (pi a)
-    return 1.0 + swing * np.cos(2 * np.pi * cycles_hz * middle + phase_rad)
+    swing = flicker.depth * np.sinc(cycles_hz * exposure_s)  # numpy's sinc(a) is sin(pi a) / (pi a)
+    return 1.0 + swing * np.cos(2 * np.pi * cycles_hz * t_s + phase_rad)
 
 
-def frame_gains(flicker: FlickerLook, t_s: Array, lamps: RGB, all_light: RGB, seed: int) -> list[RGB]:
+def frame_gains(  # noqa: PLR0917 - each is a number of its own
+    flicker: FlickerLook, t_s: Array, exposure_s: float, lamps: RGB, all_light: RGB, seed: int
+) -> list[RGB]:
     """For each frame the gains of its channels.
 
     Args:
-        flicker: Depth, frequency and exposure.
-        t_s: (N,) times of the shutters.
+        flicker: Depth and frequency.
+        t_s: (N,) middles of the exposures.
+        exposure_s: Length of each; 0 is an instant.
         lamps: Light of the lamps that flicker, on the middle of the arena.
         all_light: Theirs and all other there.
         seed: Of the run; the phase of the mains is drawn from it.
     """
     phase = float(stream(seed, "mains phase").uniform(0.0, 2 * np.pi))
     share = np.divide(lamps, all_light, out=np.zeros(3), where=np.array(all_light) > 0)
-    gains = 1.0 + share * (caught(flicker, t_s, phase) - 1.0)[:, None]
+    gains = 1.0 + share * (caught(flicker, t_s, exposure_s, phase) - 1.0)[:, None]
     return [(float(r), float(g), float(b)) for r, g, b in gains]

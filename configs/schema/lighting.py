@@ -30,7 +30,8 @@ class SunLook(Section):
 
 
 class FlickerLook(Section):
-    """Lamps on alternating current shine brightest twice a period; a short exposure catches a part of it.
+    """Lamps on alternating current shine brightest twice a period; a short `camera.exposure_time_s` catches a
+    part of it, one of whole half periods all.
 
     All frames vary together with the share of the lamps in the light on the arena.
     """
@@ -39,8 +40,6 @@ class FlickerLook(Section):
     """Amplitude relative to the mean: 0 for electronic ballasts, 0.2-0.5 for tubes on magnetic ones."""
     mains_hz: float = Field(default=50.0, ge=10, le=100)
     """A camera of 5 Hz sees one phase of exactly 50 Hz for ever; a grid wanders by some hundredths."""
-    exposure_s: float = Field(default=0.005, ge=0, le=1)
-    """Time over which a frame gathers light; whole multiples of half a period see no flicker."""
 
 
 class LampsLook(Section):

@@ -99,6 +99,8 @@ class CameraLook(Section):
     compensation_ev: float = Field(default=0.0, ge=-6, le=6)
     exposure_adaption: float = Field(default=0.5, ge=0, le=1)
     """0: one exposure for the whole run, metered on a few of its views; 1: each frame is exposed by its own light."""
+    exposure_time_s: float = Field(default=0.0, ge=0, le=0.1)
+    """How long each pixel sees, which blurs what moves; 0 is an instant. Brightness and noise do not depend on it."""
     white_balance_K: float = Field(default=5000.0, ge=1500, le=15000)
     """The light that is rendered neutral where the white balance is not automatic."""
     white_balance_adaption: float = Field(default=0.8, ge=0, le=1)
@@ -107,9 +109,17 @@ class CameraLook(Section):
     saturation: float = Field(default=1.1, ge=0, le=2)
     vignetting: float = Field(default=0.25, ge=0, le=1)
     """Share of light lost in the corner."""
+    lens_blur_px: float = Field(default=0.0, ge=0, le=5)
+    """Standard deviation of what the lens makes of a point; a cheap one has 0.5 to 1 at 160 x 120."""
+    veiling_glare: float = Field(default=0.0, ge=0, le=0.3)
+    """Share of the picture's light that the lens spreads evenly over it, which lifts the blacks."""
     shot_noise: float = Field(default=0.012, ge=0, le=0.5)
     """Standard deviation at full white, falling as the root of the light."""
     read_noise: float = Field(default=0.003, ge=0, le=0.5)
+    sharpening: float = Field(default=0.0, ge=0, le=3)
+    """How much of what a blurred copy lacks is added to the picture, an unsharp mask; 0 is none."""
+    sharpening_radius_px: float = Field(default=1.0, ge=0.3, le=10)
+    """Standard deviation of that blur."""
 
 
 class LookConfig(Section):

@@ -142,8 +142,19 @@ class TofSensor(Section):
     dropout_probability: float = Field(ge=0, le=1)
 
 
+class LensDistortion(Section):
+    """Radial (k) and tangential (p) distortion in OpenCV's model; all 0 is a pinhole."""
+
+    k1: float = Field(default=0.0, ge=-1, le=1)
+    """Below 0 barrel, above 0 pincushion."""
+    k2: float = Field(default=0.0, ge=-1, le=1)
+    p1: float = Field(default=0.0, ge=-0.1, le=0.1)
+    p2: float = Field(default=0.0, ge=-0.1, le=0.1)
+    k3: float = Field(default=0.0, ge=-1, le=1)
+
+
 class Camera(Section):
-    """Pinhole, looking forward and down; z counts from the base plate (paper section 8.1)."""
+    """Looking forward and down; z counts from the base plate (paper section 8.1)."""
 
     x_m: float = Field(ge=-0.5, le=0.5)
     y_m: float = Field(ge=-0.5, le=0.5)
@@ -152,6 +163,12 @@ class Camera(Section):
     """Optical axis below the horizon: 90 minus the paper's 60 degrees from straight down."""
     focal_length_mm: float = Field(ge=1, le=500)
     sensor_width_mm: float = Field(ge=1, le=100)
+    principal_point_right_mm: float = Field(default=0.0, ge=-10, le=10)
+    """Of the optical axis from the sensor's middle, as seen in the picture."""
+    principal_point_down_mm: float = Field(default=0.0, ge=-10, le=10)
+    distortion: LensDistortion = LensDistortion()
+    read_out_s: float = Field(default=0.0, ge=0, le=0.1)
+    """Rolling shutter: how much later the bottom of the picture is exposed than its top; 0 is a global shutter."""
 
 
 class FollowGains(Section):

@@ -12,6 +12,7 @@ from blender_scenes.frame_files import frame_name
 from configs.schema.arena import ArenaConfig
 from physics.arena import Arena
 from pipeline.dataset.annotation_checks import ANNOTATIONS, annotation_faults
+from pipeline.dataset.camera_model import INTRINSICS, read_camera_model
 from pipeline.dataset.metadata import RunRecord
 from pipeline.dataset.obstacles import obstacle_table, off_the_path
 from pipeline.dataset.rows import HEADER, Floats, Rows, parse_table, semantic_faults
@@ -161,12 +162,28 @@ def _side(folder: Path, name: str, rows: Rows, record: RunRecord) -> Iterator[Fi
         yield from _limited(f"{name}/{side.file}", faults)
         if len(table) and not np.array_equal(table[:, side.header.index("t")], times):
             yield Finding(f"{name}/{side.file}", "column t is not that of data.csv")
+    yield from _camera_model(folder / INTRINSICS, f"{name}/{INTRINSICS}", record)
     try:
         spec = json.loads((folder / "spec.json").read_bytes())
     except (OSError, ValueError) as error:
         yield Finding(f"{name}/spec.json", f"cannot be read: {error}")
         return
     yield from _obstacles(folder, name, spec, rows, record)
+
+
+def _camera_model(path: Path, name: str, record: RunRecord) -> Iterator[Finding]:
+    try:
+        model = read_camera_model(path)
+    except OSError as error:
+        yield Finding(name, f"cannot be read: {error.strerror}")
+        return
+    except ValueError as error:
+        yield Finding(name, str(error))
+        return
+    size = record.image_width_px, record.image_height_px
+    if (model.width_px, model.height_px) != size:
+        what = f"is of pictures of {model.width_px} x {model.height_px} px, metadata.json says {size[0]} x {size[1]}"
+        yield Finding(name, what)
 
 
 def _obstacles(folder: Path, name: str, spec: object, rows: Rows, record: RunRecord) -> Iterator[Finding]:

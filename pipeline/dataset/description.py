@@ -5,8 +5,10 @@ from collections.abc import Iterable, Sequence
 
 from blender_scenes.annotations.document import DOCUMENT, ENCODINGS
 from configs.errors import one_line
+from configs.lens import coefficients
 from configs.schema.arena import Obstacle
 from configs.schema.scenario import RunSpec
+from pipeline.dataset.camera_model import INTRINSICS
 from pipeline.dataset.metadata import Metadata, side_tables
 
 DESCRIPTION = "README.md"
@@ -16,7 +18,7 @@ def markdown(metadata: Metadata, example: RunSpec) -> bytes:
     """The description; dimensions of robot and arena are those of the run `example`."""
     parts = [_head(metadata), _layout(metadata), _columns(metadata), _side_tables(metadata, example)]
     parts += [_annotations(metadata), _frames(metadata), _robot(example), _arena(metadata, example)]
-    parts += [_runs(metadata), _failed(metadata), _checks()]
+    parts += [_runs(metadata), _warnings(metadata), _failed(metadata), _checks()]
     return ("\n\n".join(part for part in parts if part) + "\n").encode()
 
 
@@ -62,6 +64,8 @@ def _side_tables(metadata: Metadata, example: RunSpec) -> str:
     for table in side_tables(example):
         columns = metadata.columns[f"side/{table.file}"]
         rows.append((table.file, table.meaning, ", ".join(f"{c.name} [{c.unit}]" for c in columns)))
+    meaning = "camera matrix K, distortion D, size, exposure; poses X_RC of the optical frame, X_CB of the body frame"
+    rows.append((INTRINSICS, meaning, "JSON"))
     rows.append(("spec.json", "every number that the run was made from, arena and robot included", "JSON"))
     return f"## side/\n\n{_table(('file', 'meaning', 'columns'), rows)}"
 
@@ -100,6 +104,7 @@ def _robot(spec: RunSpec) -> str:
         ("camera", f"x = {camera.x_m:g}, y = {camera.y_m:g}, z = {camera_z_m:g} m"),
         ("camera axis", f"{camera.pitch_down_deg:g} deg below the horizon"),
         ("focal length", f"{camera.focal_length_mm:g} mm on a sensor {camera.sensor_width_mm:g} mm wide"),
+        ("lens", "as k1, k2, p1, p2, k3 of OpenCV: " + ", ".join(f"{k:g}" for k in coefficients(camera))),
     ]
     return (
         f"## Robot\n\n{_safe(robot.name)}: {_safe(robot.description)}. Positions are in R; values are those of"
@@ -145,6 +150,11 @@ def _runs(metadata: Metadata) -> str:
     ]
     header = ("run", "duration [s]", "lap [s]", "distance [m]", "rows", "images", "size [px]", "order of states")
     return f"## Runs\n\n{_table(header, rows)}"
+
+
+def _warnings(metadata: Metadata) -> str:
+    rows = [(run.run, warning) for run in metadata.runs for warning in run.warnings]
+    return f"## Warnings\n\n{_table(('run', 'warning'), rows)}" if rows else ""
 
 
 def _failed(metadata: Metadata) -> str:

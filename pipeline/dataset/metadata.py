@@ -38,7 +38,8 @@ STATES = {state.value: _MEANINGS[state] for state in State}
 FRAMES = {
     "W": "world: x and y on the floor, z up; theta counter-clockwise from +x",
     "R": "robot: middle of the axle on the floor, x forward, y left, z up",
-    "C": "camera, optical: x right, y down, z along the axis",
+    "C": "camera, optical (OpenCV's, and REP 103's for optical frames): x right, y down, z along the axis",
+    "B": "camera, body (REP 103): x along the axis, y left, z up; X_CB in side/intrinsics.json",
 }
 
 
@@ -66,12 +67,14 @@ class RunRecord(Record):
     tof_min_range_m: float
     tof_max_range_m: float
     tof_no_target_m: float
+    warnings: list[str] = Field(default_factory=list)
+    """What a user of its images should know: many of them black or burnt."""
     drawn: dict[str, float | int | str | bool]
     """Every value drawn for this run by its field path."""
     annotations: tuple[AnnotationName, ...] = Field(default=(), exclude_if=lambda kinds: not kinds)
 
     @classmethod
-    def of(cls, spec: RunSpec, rows: Rows, lap_time_s: float | None) -> "RunRecord":
+    def of(cls, spec: RunSpec, rows: Rows, lap_time_s: float | None, warnings: Sequence[str] = ()) -> "RunRecord":
         changes = np.flatnonzero(np.diff(rows.state)) + 1
         steps = np.linalg.norm(np.diff(rows.pose[:, :2], axis=0), axis=1)
         # Limits may be drawn; data.csv holds them to the digits of its columns, and `verify` compares with these.
@@ -92,6 +95,7 @@ class RunRecord(Record):
             tof_min_range_m=round(spec.robot.tof.min_range_m, range_decimals),
             tof_max_range_m=round(spec.robot.tof.max_range_m, range_decimals),
             tof_no_target_m=round(spec.robot.tof.no_target_m, range_decimals),
+            warnings=list(warnings),
             drawn=dict(spec.drawn),
             annotations=spec.render.annotations,
         )

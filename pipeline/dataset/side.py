@@ -61,12 +61,15 @@ TOF = SideTable(
 CAMERA = SideTable(
     "camera.csv",
     "pose X_WC of the camera at each shutter: rotation r11..r33 by rows and position p of C in W; "
-    "C is the optical frame, x right, y down, z forward",
+    "C is the optical frame, x right, y down, z forward; "
+    "when the exposure of the first row of pixels begins and how long that of each row is, t being the middle of all",
     (
         SideColumn("img", "-", 0),
         SideColumn("t", "ms", 0),
         *(SideColumn(f"r{row}{column}", "-", 9) for row in (1, 2, 3) for column in (1, 2, 3)),
         *(SideColumn(f"p_{axis}", "m", 6) for axis in "xyz"),
+        SideColumn("exposure_start", "ms", 3),
+        SideColumn("exposure", "ms", 3),
     ),
 )
 

@@ -12,7 +12,7 @@ from blender_scenes.protocol import Work
 from physics.arena import Arena
 from pipeline.dataset.annotation_checks import ANNOTATIONS
 from pipeline.files import hashes_of, write_file
-from pipeline.stages.render import IMAGES, INPUTS, Appearance, RenderTask
+from pipeline.stages.render import IMAGES, INPUTS, Appearance, Findings, RenderTask
 from pipeline.versions import versions
 from pipeline.workspace import DONE, StageFolder, input_key, mark_done
 
@@ -43,13 +43,14 @@ class AnnotationTask:
     def files(self) -> Path:
         return self.folder.path / ANNOTATIONS
 
-    def finish(self) -> None:
+    def finish(self) -> Findings:
         job = AnnotationJob.from_json(self.job_text)
         names = [record_file(frame.number) for frame in self.frames]
         records = [Record.from_json((self.files / name).read_bytes()) for name in names if (self.files / name).exists()]
         write_file(self.files / DOCUMENT, document(job, IMAGES, records).to_json())
         left_out = (DONE, INPUTS, f"{ANNOTATIONS}.jsonl")
         mark_done(self.folder.path, self.key, hashes_of(self.folder.path, skip=left_out))
+        return Findings()
 
 
 def copy_released(annotated: StageFolder, run: Path) -> None:

@@ -4,12 +4,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from pydantic import ValidationError
 
-from blender_scenes.camera import pose_X_RC, pose_X_WR
 from configs.schema.scenario import RunSpec
 from physics.arena import Arena
+from pipeline.dataset.camera_model import INTRINSICS, CameraModel, camera_table
 from pipeline.dataset.description import DESCRIPTION, markdown
 from pipeline.dataset.manifest import MANIFEST, manifest
 from pipeline.dataset.metadata import METADATA, FailedRun, Metadata, RunRecord, describe
@@ -19,7 +18,7 @@ from pipeline.dataset.side import CAMERA, TOF, WHEELS, image_positions, tof_csv,
 from pipeline.files import hashes_of, holds, remove_folder, replace_folder, sha256_of, write_file
 from pipeline.progress import Report
 from pipeline.stages.annotate import copy_released
-from pipeline.stages.render import IMAGES
+from pipeline.stages.render import IMAGES, picture_warnings
 from pipeline.stages.simulate_runs import SPEC, read_outcome, read_recording, spec_text
 from pipeline.versions import versions
 from pipeline.workspace import PARTIAL, STAGES, Workspace, input_key, mark_done
@@ -53,7 +52,8 @@ def assemble(
             hashes |= {f"{spec.key}/{name}": digest for name, digest in _release_run(workspace, spec).items()}
             simulated = workspace.simulate(spec.key).path
             rows = Rows.from_recording(read_recording(simulated))
-            records.append(RunRecord.of(spec, rows, read_outcome(simulated).lap_time_s))
+            warnings = picture_warnings(workspace.render(spec.key).path)
+            records.append(RunRecord.of(spec, rows, read_outcome(simulated).lap_time_s, warnings))
             stage.update(spec.key, 1)
     if not good:
         _remove_files(workspace.out, (MANIFEST, METADATA, DESCRIPTION))
@@ -97,6 +97,7 @@ def _fill(workspace: Workspace, spec: RunSpec, folder: Path) -> None:
     write_file(folder / SIDE / WHEELS.file, wheels_csv(recording))
     write_file(folder / SIDE / TOF.file, tof_csv(recording))
     write_file(folder / SIDE / CAMERA.file, CAMERA.to_csv(camera_table(spec, rows)))
+    write_file(folder / SIDE / INTRINSICS, CameraModel.of(spec).to_json())
     arena = Arena.from_config(spec.arena)
     if (obstacles := obstacle_table(arena)) is not None:
         write_file(folder / SIDE / obstacles.file, obstacles_csv(obstacles, arena, recording))
@@ -105,16 +106,6 @@ def _fill(workspace: Workspace, spec: RunSpec, folder: Path) -> None:
         write_file(folder / IMAGES / image.name, image.read_bytes())
     if spec.render.annotations:
         copy_released(workspace.annotate(spec.key), folder)
-
-
-def camera_table(spec: RunSpec, rows: Rows) -> np.ndarray:
-    """The columns of side/camera.csv, (images, 14)."""
-    X_RC = pose_X_RC(spec.robot.camera, spec.robot.chassis.base_height_m)
-    table = []
-    for i in np.flatnonzero(rows.image):
-        X_WC = pose_X_WR(*rows.pose[i]) @ X_RC
-        table.append([rows.image[i], rows.t_ms[i], *X_WC[:3, :3].ravel(), *X_WC[:3, 3]])
-    return np.array(table, dtype=np.float64)
 
 
 def _take_back(workspace: Workspace, good: set[str]) -> None:

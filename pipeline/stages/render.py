@@ -1,11 +1,13 @@
 """Second stage: every good run's frames rendered, in blocks over the workers, and resumed frame by frame."""
 
 import hashlib
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
+from blender_scenes.exposure_guard import Extremes, all_black, exposure_warnings
 from blender_scenes.frame_files import frame_name
 from blender_scenes.job import FramePose, build_job
 from blender_scenes.protocol import Work
@@ -15,6 +17,7 @@ from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec
 from configs.streams import stream
 from physics.arena import Arena
+from physics.robot_path import RobotPath
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Rows
 from pipeline.files import canonical_json, remove_folder, sha256_of, write_file
@@ -79,9 +82,18 @@ class FrameTask(Protocol):
         """The folder that is filled frame by frame."""
         ...
 
-    def finish(self) -> None:
-        """Write what lists the files, and mark the folder done."""
+    def finish(self) -> "Findings":
+        """Write what lists the files, and mark the folder done unless a problem is found."""
         ...
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What a look at the files of a run shows."""
+
+    warnings: tuple[str, ...] = ()
+    problem: str = ""
+    """Why the run cannot be released; empty where it can."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +110,8 @@ class RenderTask:
     def of(cls, run: str, appearance: Appearance, rows: Rows, folder: StageFolder) -> "RenderTask":
         frames = frame_poses(rows)
         arena = Arena.from_config(appearance.arena)
-        job = build_job(arena, appearance.robot, appearance.look, appearance.render, frames, appearance.seed)
+        path = RobotPath(rows.t_ms / 1000, rows.pose, rows.twist)
+        job = build_job(arena, appearance.robot, appearance.look, appearance.render, frames, appearance.seed, path)
         return cls(run, folder, job.to_json(), frames)
 
     @property
@@ -110,23 +123,31 @@ class RenderTask:
     def files(self) -> Path:
         return self.folder.path / IMAGES
 
-    def finish(self) -> None:
+    def finish(self) -> Findings:
+        names = {frame.number: frame_name(frame.number) for frame in self.frames}
+        seen = {name: Extremes.of((self.files / name).read_bytes()) for name in names.values()}
+        if problem := all_black(list(seen.values())):
+            return Findings(problem=problem)
         records = [
             {
                 "number": frame.number,
-                "file": f"{IMAGES}/{frame_name(frame.number)}",
-                "sha256": sha256_of(self.files / frame_name(frame.number)),
+                "file": f"{IMAGES}/{names[frame.number]}",
+                "sha256": sha256_of(self.files / names[frame.number]),
                 "t_s": frame.t_s,
                 "x_m": frame.x_m,
                 "y_m": frame.y_m,
                 "yaw_rad": frame.yaw_rad,
+                "black_share": round(seen[names[frame.number]].black, 4),
+                "burnt_share": round(seen[names[frame.number]].burnt, 4),
             }
             for frame in self.frames
         ]
-        write_file(self.folder.path / FRAMES, canonical_json({"frames": records}))
+        warnings = exposure_warnings(seen)
+        write_file(self.folder.path / FRAMES, canonical_json({"frames": records, "warnings": list(warnings)}))
         pictures = {record["file"]: record["sha256"] for record in records}
         texts = {name: sha256_of(self.folder.path / name) for name in (JOB, FRAMES)}
         mark_done(self.folder.path, self.key, {**texts, **pictures})
+        return Findings(warnings)
 
 
 def frame_poses(rows: Rows) -> tuple[FramePose, ...]:
@@ -157,10 +178,15 @@ def render_runs(tasks: Sequence[FrameTask], workers: int, report: Report, name: 
 
         failures = run_units(units, workers, on_event)
     failed = {failure.unit.name for failure in failures}
+    found = failed_runs(name, failures, report)
     for task in pending:
         if task.run not in failed:
-            task.finish()
-    return failed_runs(name, failures, report)
+            findings = task.finish()
+            for warning in findings.warnings:
+                report.say(f"{name}: {task.run}: {warning}")
+            if findings.problem:
+                found.append(FailedRun(run=task.run, stage=name, problem=findings.problem))
+    return found
 
 
 def blocks(tasks: Sequence[FrameTask], workers: int) -> list[RenderUnit]:
@@ -194,3 +220,8 @@ def _prepare(task: FrameTask) -> None:
     (path / DONE).unlink(missing_ok=True)
     write_file(path / JOB, task.job_text.encode())
     write_file(path / INPUTS, inputs)
+
+
+def picture_warnings(folder: Path) -> list[str]:
+    """What was found wrong with the exposure of the pictures in a finished folder of this stage."""
+    return list(json.loads((folder / FRAMES).read_bytes())["warnings"])

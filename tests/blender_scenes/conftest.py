@@ -11,8 +11,9 @@ import yaml
 
 import configs
 from blender_scenes.camera_response import CameraResponse
-from blender_scenes.description import FrameView, Intrinsics, Scene
+from blender_scenes.description import INSTANT, FrameView, Intrinsics, Scene, Shutter
 from blender_scenes.job import FORMAT, RenderJob, Sampling
+from configs.lens import NO_DISTORTION, Coefficients
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import CameraLook
 from configs.schema.robot import RobotConfig
@@ -51,18 +52,26 @@ with tempfile.TemporaryDirectory() as scratch:
 
 
 @pytest.fixture(scope="session")
-def light_of() -> Callable[[Scene, Sequence[FrameView], int, float], np.ndarray]:
+def light_of() -> Callable[..., np.ndarray]:
     """Linear light (N, P, P, 3) of N views of a scene, P pixels wide and high, before any camera response."""
 
-    def traced(scene: Scene, views: Sequence[FrameView], pixels: int, focal_px: float) -> np.ndarray:
+    def traced(
+        scene: Scene,
+        views: Sequence[FrameView],
+        pixels: int,
+        focal_px: float,
+        shutter: Shutter = INSTANT,
+        lens: Coefficients = NO_DISTORTION,
+    ) -> np.ndarray:
         middle = 0.5 * (pixels - 1)
         job = RenderJob(
             format=FORMAT,
             scene=scene,
-            camera=Intrinsics(pixels, pixels, focal_px, focal_px, middle, middle),
+            camera=Intrinsics(pixels, pixels, focal_px, focal_px, middle, middle, lens),
             frames=tuple(views),
             sampling=Sampling(seed=1, samples=64, denoise=False),
             response=CameraResponse.from_look(CameraLook(), (1.0, 1.0, 1.0), 1, 92),
+            shutter=shutter,
         )
         call = [sys.executable, "-c", _PROGRAM]
         done = subprocess.run(call, input=job.to_json().encode(), capture_output=True, check=True)

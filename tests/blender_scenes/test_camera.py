@@ -1,3 +1,6 @@
+from dataclasses import replace
+
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given
@@ -82,3 +85,46 @@ def test_a_ray_above_the_horizon_meets_no_floor(robot):
 def test_a_point_behind_the_camera_has_negative_depth(robot):
     _, depth = project(intrinsics(robot.camera, 160, 120), _X_WC(robot), np.array([[-1.0, 0.0, 0.1]]))
     assert depth[0] < 0
+
+
+LENS = (-0.3, 0.1, 0.001, -0.002, -0.01)
+
+
+def _behind_a_lens(robot):
+    mm = robot.camera.sensor_width_mm / 160
+    moved = {"principal_point_right_mm": 5 * mm, "principal_point_down_mm": -3 * mm}
+    camera = intrinsics(robot.camera.model_copy(update=moved), 160, 120)
+    return replace(camera, distortion=LENS)
+
+
+def test_the_principal_point_is_off_the_middle_by_what_the_camera_says(robot):
+    camera = _behind_a_lens(robot)
+    assert (camera.cx_px, camera.cy_px) == pytest.approx((79.5 + 5, 59.5 - 3))
+
+
+def test_points_behind_a_lens_project_as_opencv_does(robot):
+    camera, X_WC = _behind_a_lens(robot), _X_WC(robot, 0.1, 0.2, 0.3)
+    p_W = np.array([[0.9, 0.4, 0.05], [0.6, 0.5, 0.0], [0.35, 0.35, 0.02]])
+    X_CW = np.linalg.inv(X_WC)
+    turn, _ = cv2.Rodrigues(X_CW[:3, :3])
+    expected, _ = cv2.projectPoints(p_W, turn, X_CW[:3, 3], matrix_K(camera), np.array(LENS))
+    assert project(camera, X_WC, p_W)[0] == pytest.approx(expected[:, 0], abs=1e-6)
+
+
+def test_pixels_behind_a_lens_go_to_the_floor_and_back(robot):
+    camera, X_WC = _behind_a_lens(robot), _X_WC(robot)
+    u, v = np.meshgrid(np.linspace(0, 159, 20), np.linspace(30, 119, 15))
+    pixels = np.column_stack([u.ravel(), v.ravel()])
+    points = floor_points(camera, X_WC, pixels)
+    assert points[:, 2] == pytest.approx(0, abs=1e-9)
+    assert project(camera, X_WC, points)[0] == pytest.approx(pixels, abs=1e-6)
+
+
+def test_a_point_that_the_lens_would_fold_back_into_the_picture_has_no_pixel(robot):
+    # r (1 - 0.15 r^2) rises up to 1.49 and is back at 0.45 for r = 2.3, seen within the picture where nothing is.
+    camera = replace(intrinsics(robot.camera, 160, 120), distortion=(-0.15, 0.0, 0.0, 0.0, 0.0))
+    X_WC = _X_WC(robot)
+    points = X_WC[:3, 3] + np.array([[0.4, 0.0, 1.0], [2.3, 0.0, 1.0]]) @ X_WC[:3, :3].T
+    pixel, depth = project(camera, X_WC, points)
+    assert np.isnan(pixel).any(axis=1).tolist() == [False, True]
+    assert depth == pytest.approx([1, 1])

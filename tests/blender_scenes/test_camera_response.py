@@ -1,4 +1,5 @@
 from dataclasses import replace
+from math import erf
 
 import cv2
 import numpy as np
@@ -69,6 +70,62 @@ def test_noise_belongs_to_the_frame_and_grows_with_the_root_of_the_light():
     dark, bright = linear[:, :150, 1], linear[:, 170:, 1]
     assert dark.std() == pytest.approx(0.05 * np.sqrt(dark.mean()), rel=0.1)
     assert bright.std() / dark.std() == pytest.approx(2.0, rel=0.1)
+
+
+def test_the_white_balance_amplifies_the_noise_of_the_sensor():
+    """Raw blue of b times the green has sqrt(b) of its shot noise; the gain 1 / b makes 1 / sqrt(b) of that."""
+    light = np.array(light_rgb(3000), np.float32)
+    lit = np.full((240, 320, 3), light / light[1], np.float32)
+    look = PLAIN.model_copy(update={"shot_noise": 0.02})
+    pixels = develop(lit, _response(look, tuple(light.tolist())), median_luminance(lit), 1)
+    linear = ((pixels / 255 + 0.055) / 1.055) ** 2.4
+    red, green, blue = linear.reshape(-1, 3).std(axis=0)
+    assert blue / green == pytest.approx(np.sqrt(light[1] / light[2]), rel=0.03)
+    assert red / green == pytest.approx(np.sqrt(light[1] / light[0]), rel=0.03)
+
+
+def test_sharpening_overshoots_on_both_sides_of_an_edge_by_its_amount():
+    edge = np.where(np.arange(64) < 32, 0.5, 2.0)[None, :, None] * np.ones((48, 1, 3))
+    edge = edge.astype(np.float32)
+    sharpening = PLAIN.model_copy(update={"sharpening": 0.5, "sharpening_radius_px": 2.0})
+    plain, sharp = (develop(edge, _response(look), 1.0, 1)[24, :, 1].astype(int) for look in (PLAIN, sharpening))
+    low, high = plain[0], plain[-1]
+    # A step blurred by a Gaussian is its integral: half a pixel beside the edge it differs by this from the step.
+    differs = 0.5 - 0.5 * erf(0.5 / 2.0 / np.sqrt(2))
+    assert sharp[32] - high == pytest.approx(0.5 * differs * (high - low), abs=1.5)
+    assert low - sharp[31] == pytest.approx(0.5 * differs * (high - low), abs=1.5)
+    assert sharp[[0, -1]].tolist() == [low, high]
+
+
+def test_sharpening_gives_an_edge_no_colour_and_none_changes_nothing():
+    rng = np.random.Generator(np.random.PCG64(3))
+    light = (GREY * rng.uniform(0.2, 2.0, (48, 64, 1))).astype(np.float32)
+    sharp = develop(light, _response(PLAIN.model_copy(update={"sharpening": 2.0})), 3.0, 1)
+    assert np.ptp(sharp.astype(int), axis=2).max() <= 1
+    wide = PLAIN.model_copy(update={"sharpening": 0.0, "sharpening_radius_px": 5.0})
+    assert np.array_equal(develop(light, _response(wide), 3.0, 1), develop(light, _response(), 3.0, 1))
+
+
+def test_the_blur_of_the_lens_spreads_a_step_as_its_gaussian_does():
+    edge = (np.where(np.arange(64) < 32, 0.02, 0.20)[None, :, None] * np.ones((48, 1, 3))).astype(np.float32)
+    look = PLAIN.model_copy(update={"exposure_adaption": 0.0, "lens_blur_px": 1.5})
+    pixels = develop(edge, _response(look), 0.18, 1)[24, :, 1]
+    linear = ((pixels / 255 + 0.055) / 1.055) ** 2.4
+    expected = [0.02 + 0.18 * (0.5 + 0.5 * erf((x + 0.5 - 32) / 1.5 / np.sqrt(2))) for x in range(26, 38)]
+    assert linear[26:38] == pytest.approx(np.array(expected), abs=0.003)
+
+
+def test_the_glare_of_the_lens_lifts_the_blacks_by_its_share_of_the_mean():
+    light = np.full((40, 60, 3), 0.24, np.float32)
+    light[:, :15] = 0.0
+    look = PLAIN.model_copy(update={"exposure_adaption": 0.0, "veiling_glare": 0.1})
+    pixels = develop(light, _response(look), 0.18, 1)[20, [5, 40], 1]
+    linear = ((pixels / 255 + 0.055) / 1.055) ** 2.4
+    assert linear == pytest.approx([0.1 * 0.18, 0.9 * 0.24 + 0.1 * 0.18], abs=0.003)
+
+
+def test_a_single_black_frame_stays_black_and_ends_no_run():
+    assert develop(0 * GREY, _response(PLAIN.model_copy(update={"exposure_adaption": 0.5})), 3.0, 1).max() == 0
 
 
 def test_a_bright_patch_shortens_the_exposure_until_little_of_it_burns():

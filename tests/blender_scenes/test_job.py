@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from blender_scenes.job import FramePose, RenderJob, build_job
-from configs.schema.look import LookConfig
+from configs.schema.look import CameraLook, LookConfig
 from configs.schema.scenario import Render
+from physics.robot_path import RobotPath
 
 FRAMES = [FramePose(number=i, t_s=0.2 * i, x_m=0.55, y_m=-0.6 + 0.03 * i, yaw_rad=np.pi / 2) for i in range(1, 4)]
 
@@ -59,3 +60,18 @@ def test_importing_the_stage_loads_neither_blender_nor_pybullet():
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_an_instant_says_nothing_of_an_exposure_and_an_exposure_needs_a_path(job, arena, robot):
+    assert all("exposure" not in view for view in json.loads(job.to_json())["frames"])
+    look = LookConfig(name="plain", camera=CameraLook(exposure_time_s=0.01))
+    with pytest.raises(ValueError, match="the robot's path"):
+        build_job(arena, robot, look, Render(), FRAMES, seed=5)
+    rows = np.array([[f.x_m, f.y_m, f.yaw_rad] for f in FRAMES])
+    path = RobotPath(np.array([f.t_s for f in FRAMES]), rows, np.tile([0.15, 0.0], (3, 1)))
+    exposed = build_job(arena, robot, look, Render(), FRAMES, seed=5, path=path)
+    assert RenderJob.from_json(exposed.to_json()) == exposed
+    for view in exposed.frames:
+        y = [moment.X_WC[1][3] for moment in view.exposure]
+        assert y[-1] - y[0] == pytest.approx(0.15 * 0.01)
+        assert y[2] == pytest.approx(view.X_WC[1][3])

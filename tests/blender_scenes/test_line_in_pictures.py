@@ -4,6 +4,7 @@ The arena's own edges are projected through the camera model and compared with t
 0.3 px, is mostly the shade beside a tape 0.13 mm thick; with surfaces that shine by themselves it is 0.02 to 0.1 px.
 """
 
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -13,8 +14,10 @@ import pytest
 from blender_scenes.camera import project
 from blender_scenes.job import FramePose, RenderJob, build_job
 from blender_scenes.renderer import render_job
+from configs.lens import NO_DISTORTION
 from configs.schema.floors import FloorLook
 from configs.schema.look import CameraLook, LinePaintLook, LookConfig, TapeLook
+from configs.schema.robot import LensDistortion
 from configs.schema.scenario import Render
 
 POSES = [(0.55, -0.60, 90), (0.545, -0.15, 92), (0.49, 0.68, 133), (-0.55, -0.90, -70), (0.30, -1.04, 15)]
@@ -56,18 +59,25 @@ def _offset(profile: np.ndarray) -> float:
     return 0.5 * (len(profile) - 1) - step.sum() + 0.5
 
 
+Drive = tuple[int, float, float, float]
+"""Image number, x [m], y [m], yaw [deg]."""
+
+
+def _rendered(folder: Path, arena, robot, look: LookConfig, drives: list[Drive]) -> tuple[RenderJob, Path]:
+    poses = [FramePose(number, 0.2 * number, x, y, float(np.radians(yaw))) for number, x, y, yaw in drives]
+    job = build_job(arena, robot, look, Render(width_px=640, height_px=480, samples=1), poses, seed=3)
+    (folder / "job.json").write_text(job.to_json())
+    render_job(folder / "job.json", folder / "images", threads=2)
+    return job, folder / "images"
+
+
 @pytest.fixture(scope="module")
 def frames(tmp_path_factory, arena, robot) -> dict[str, tuple[RenderJob, Path]]:
     """A job and its pictures by the kind of line."""
     made = {}
     for look in (TAPE, PAINT):
-        places = [(i, *POSES[i]) for line, i in CASES if line == look.line]
-        poses = [FramePose(i + 1, 0.2 * i, x, y, float(np.radians(yaw))) for i, x, y, yaw in places]
-        job = build_job(arena, robot, look, Render(width_px=640, height_px=480, samples=1), poses, seed=3)
-        folder = tmp_path_factory.mktemp(look.line)
-        (folder / "job.json").write_text(job.to_json())
-        render_job(folder / "job.json", folder / "images", threads=2)
-        made[look.line] = job, folder / "images"
+        drives = [(i + 1, *POSES[i]) for line, i in CASES if line == look.line]
+        made[look.line] = _rendered(tmp_path_factory.mktemp(look.line), arena, robot, look, drives)
     return made
 
 
@@ -107,3 +117,19 @@ def test_the_line_in_the_picture_lies_where_the_sensor_reads_it(frames, arena, l
     errors = _errors(*frames[line], arena, index)
     assert len(errors) >= 40
     assert np.abs(errors).mean() < 0.4
+
+
+def test_behind_a_lens_too(tmp_path, arena, robot):
+    """Its axis off the middle, and an arc, so that the line is bent and nowhere only displaced along itself."""
+    lens = LensDistortion(k1=-0.28, k2=0.09, p1=0.001, p2=-0.002)
+    moved = {"distortion": lens, "principal_point_right_mm": 1.5, "principal_point_down_mm": -1.0}
+    behind = robot.model_copy(update={"camera": robot.camera.model_copy(update=moved)})
+    job, images = _rendered(tmp_path, arena, behind, TAPE, [(1, *POSES[2])])
+    errors = _errors(job, images, arena, 0)
+    assert len(errors) >= 40
+    assert np.abs(errors).mean() < 0.4
+    on, _ = _edge_points(arena, 1)
+    X_WC, pinhole = np.array(job.frames[0].X_WC), replace(job.camera, distortion=NO_DISTORTION)
+    (there, depth), (without, _) = (project(camera, X_WC, on) for camera in (job.camera, pinhole))
+    seen = (depth > 0) & np.all((there > 10) & (there < np.array([629, 469])), axis=1)
+    assert np.linalg.norm(there - without, axis=1)[seen].mean() > 5  # a picture without the lens would not pass

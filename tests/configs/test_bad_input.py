@@ -260,6 +260,9 @@ CASES = {
         "there is no light on",
     ),
     "two routes of one folder": Bad("name: CCW", "name: cw #!\n   ", "routes.1.name", "the same name as routes.0"),
+    "lens that folds the picture": robot(
+        "camera: {distortion: {k1: -0.5}} #!", "robot.camera.distortion", "folds the picture back on itself"
+    ),
     # References
     "unknown shipped name": Bad("arena: symolo", "arena: symlo #!", "arena", "did you mean symolo"),
     "unknown file": Bad("look: classroom", "look: clasroom.yaml #!", "look: no such file", "did you mean classroom"),

@@ -159,6 +159,13 @@ CONTENT = {
         "column t is not that of data.csv",
     ),
     "side file missing": (remove(f"{RUN}/side/tof.csv"), f"{RUN}/side/tof.csv", "cannot be read"),
+    "intrinsics missing": (remove(f"{RUN}/side/intrinsics.json"), f"{RUN}/side/intrinsics.json", "cannot be read"),
+    "intrinsics cut": (cut(f"{RUN}/side/intrinsics.json", 90), f"{RUN}/side/intrinsics.json", "Invalid JSON"),
+    "intrinsics of other pictures": (
+        edit(f"{RUN}/side/intrinsics.json", lambda t: t.replace('"width_px": 32', '"width_px": 64')),
+        f"{RUN}/side/intrinsics.json",
+        "is of pictures of 64 x 24 px, metadata.json says 32 x 24",
+    ),
     "specification cut": (cut(f"{RUN}/side/spec.json", 100), f"{RUN}/side/spec.json", "cannot be read"),
     "metadata missing": (remove("metadata.json"), "metadata.json", "cannot be read"),
     "metadata is no JSON": (cut("metadata.json", 50), "metadata.json", "Invalid JSON"),
