@@ -35,8 +35,8 @@ def preview(
     beyond those of the scenario are drawn as if it had more. With several looks, each run is shown under all of them.
 
     Places are spread evenly over the way round the arena, which is not driven: the robot stands on the middle of the
-    line or, where walls join its ends, beside them, faces along and keeps clear of whatever stands there. Each picture
-    is exposed by its own light.
+    line or, where walls join its ends, beside them, faces along, and is no closer to what stands ahead than where its
+    controller would turn aside. Each picture is exposed by its own light.
 
     Example: symolo preview symolo -n 24 --out preview.jpg
 

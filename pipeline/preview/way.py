@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from blender_scenes.description import PlanarPose
+from configs.footprints import Rectangle, overlap
 from configs.schema.arena import Wall
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import RunSpec
@@ -40,8 +41,7 @@ class Way:
     legs: tuple[Leg, ...]
     start: PlanarPose
     boxes: tuple[Box, ...]
-    clearance_m: float
-    """From R to whatever stands there, so that the robot has room however it is turned."""
+    robot: RobotConfig
 
     @classmethod
     def of(cls, spec: RunSpec, arena: Arena) -> "Way":
@@ -49,9 +49,7 @@ class Way:
         pieces: list[Straight | Arc] = list(arena.line.pieces)
         if not _is_closed(arena.line):
             pieces += [_beside(wall, spec.robot) for wall in spec.arena.walls]
-        chassis = spec.robot.chassis
-        clearance_m = 0.5 * math.hypot(chassis.length_m, chassis.width_m)
-        return cls(_in_sense_of(start, pieces), start, arena.boxes, clearance_m)
+        return cls(_in_sense_of(start, pieces), start, arena.boxes, spec.robot)
 
     def place(self, share: float, t_s: float) -> PlanarPose:
         """The place after `share` (0-1) of the way, or the last one before it where the robot has room at that time.
@@ -73,13 +71,18 @@ class Way:
         return self.legs[-1].pose_at(self.legs[-1].piece.length_m)  # rounding left a rest
 
     def _has_room(self, pose: PlanarPose, t_s: float) -> bool:
-        for box in self.boxes:
-            x, y, yaw = box.poses_at(np.array([t_s]))[0].tolist()
-            dx, dy, c, s = pose[0] - x, pose[1] - y, math.cos(yaw), math.sin(yaw)
-            aside = max(abs(c * dx + s * dy) - 0.5 * box.size[0], 0), max(abs(c * dy - s * dx) - 0.5 * box.size[1], 0)
-            if math.hypot(*aside) < self.clearance_m:
-                return False
-        return True
+        """Whether nothing stands where the robot is, nor ahead of it closer than where its controller turns aside."""
+        chassis, mounts = self.robot.chassis, self.robot.tof.mounts
+        back_m = -0.5 * chassis.length_m
+        front_m = mounts.front.x_m + self.robot.controller.avoidance.front_below_m
+        middle_m, yaw = 0.5 * (back_m + front_m), pose[2]
+        center = pose[0] + middle_m * math.cos(yaw), pose[1] + middle_m * math.sin(yaw)
+        taken = Rectangle(center, (front_m - back_m, chassis.width_m), yaw)
+        places = (box.poses_at(np.array([t_s]))[0].tolist() for box in self.boxes)
+        return not any(
+            overlap(taken, Rectangle((x, y), box.size[:2], turned))
+            for box, (x, y, turned) in zip(self.boxes, places, strict=True)
+        )
 
 
 def _is_closed(line: Line) -> bool:

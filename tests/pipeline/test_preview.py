@@ -42,7 +42,7 @@ def test_places_are_on_the_line_or_beside_the_walls_clear_of_everything_and_face
         for box in arena.boxes:
             outline = box.footprint()
             sides = zip(outline, np.roll(outline, -1, axis=0), strict=True)
-            assert min(distance_m((x, y), a, b) for a, b in sides) >= 0.5 * np.hypot(0.18, 0.17)  # half the chassis
+            assert min(distance_m((x, y), a, b) for a, b in sides) >= 0.085  # half of the chassis' width
         if near or abs(x - 0.55) < 1e-9:  # the far legs; about the arena's middle, (0, 0) by its drawing
             assert sense * (x * np.sin(yaw) - y * np.cos(yaw)) > 0
     assert min(beside.values()) > 0
@@ -58,9 +58,9 @@ def test_where_the_line_is_closed_every_place_is_on_it(scenario):
 
 
 def test_a_place_without_room_is_left_backwards_so_that_the_obstacle_stands_ahead():
-    """O2 is 0.08 m deep and stands on the line at y = 0.15; the robot's half diagonal is 0.124 m."""
+    """O2 stands on the line, its face at y = 0.11; the robot turns aside 0.2 m before, by a sensor 0.085 m before R."""
     way, _ = way_of("symolo", "CCW")
-    behind = 0.15 - 0.04 - 0.5 * np.hypot(0.18, 0.17)
+    behind = 0.11 - 0.2 - 0.085
     first = next(leg.piece for leg in way.legs)
     length_m = sum(leg.piece.length_m for leg in way.legs)
     x, y, yaw = way.place((0.15 - first.start[1]) / length_m, 0.0)
