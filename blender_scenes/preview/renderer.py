@@ -76,5 +76,5 @@ class FlatRenderer:
         scene = self._job.scene
         total = from_panels(scene.panels, points.astype(np.float32), normals) + self._all_around[:, None]
         if scene.sun is not None and self._shadow is not None:
-            total += from_sun(scene.sun, normals, self._shadow.lit(points.T))
+            total += from_sun(scene.sun, normals, self._shadow.lit(points.T, normals.T))
         return total

@@ -13,8 +13,8 @@ from blender_scenes.preview.triangles import Array, Triangles
 _SIDE_PX = 512
 _AWAY = 1000.0
 """Distance of the eye in radii of the scene; its rays are parallel to a thousandth."""
-_SLACK_PX = 2.0
-"""A surface shades itself where its depth changes by less than so many pixels' width."""
+_LIFT_PX = 1.5
+"""Points are looked up so many pixels' width above their surface, or it would shade itself."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class SunShadow:
     """(4, 4), of the sun's eye."""
     depth_m: Array
     """(S, S) of what it sees first."""
-    slack_m: float
+    lift_m: float
 
     @classmethod
     def of(cls, sun: Sun, scene: Triangles) -> "SunShadow":
@@ -35,13 +35,13 @@ class SunShadow:
         half, focal_px = 0.5 * (_SIDE_PX - 1), 0.5 * _SIDE_PX * _AWAY
         camera = Intrinsics(_SIDE_PX, _SIDE_PX, focal_px, focal_px, half, half)
         X_WC = _looking_back(np.array(sun.towards), middle, _AWAY * radius)
-        return cls(camera, X_WC, rasterise(camera, X_WC, scene).depth_m, 2 * _SLACK_PX * radius / _SIDE_PX)
+        return cls(camera, X_WC, rasterise(camera, X_WC, scene).depth_m, 2 * _LIFT_PX * radius / _SIDE_PX)
 
-    def lit(self, points: Array) -> NDArray[np.bool_]:
-        """Whether the sun reaches points (N, 3) in W."""
-        pixel, depth = project(self.camera, self.X_WC, points)
+    def lit(self, points: Array, normals: Array) -> NDArray[np.bool_]:
+        """Whether the sun reaches points (N, 3) in W of surfaces with unit normals (N, 3)."""
+        pixel, depth = project(self.camera, self.X_WC, points + self.lift_m * normals)
         column, row = np.clip(np.rint(pixel), 0, _SIDE_PX - 1).astype(np.intp).T
-        return depth <= self.depth_m[row, column] + self.slack_m
+        return depth <= self.depth_m[row, column]
 
 
 def _looking_back(towards: Array, middle: Array, distance_m: float) -> Array:
