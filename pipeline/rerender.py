@@ -91,9 +91,10 @@ def open_folders(draws: Sequence[Draw], out: Path, *, apart: bool) -> Iterator[l
     folders = [Workspace(whole.out / draw.name, Kind.PICTURES) for draw in draws] if apart else [whole]
     for folder in folders:
         check_out(folder.out, Kind.PICTURES)
-    with contextlib.ExitStack() as locks:
-        for folder in dict.fromkeys((whole, *folders)):
-            locks.enter_context(folder.locked())
+    with whole.locked():
+        for folder in folders if apart else ():
+            with folder.locked():  # and let go: each lock takes one of a thousand or so file descriptors
+                pass
         yield folders
 
 

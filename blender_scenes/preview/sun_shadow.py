@@ -37,7 +37,7 @@ class SunShadow:
         X_WC = _looking_back(np.array(sun.towards), middle, _AWAY * radius)
         return cls(camera, X_WC, rasterise(camera, X_WC, scene).depth_m, 2 * _LIFT_PX * radius / _SIDE_PX)
 
-    def lit(self, points: Array, normals: Array) -> NDArray[np.bool_]:
+    def lit(self, points: Array, normals: NDArray[np.float32]) -> NDArray[np.bool_]:
         """Whether the sun reaches points (N, 3) in W of surfaces with unit normals (N, 3)."""
         pixel, depth = project(self.camera, self.X_WC, points + self.lift_m * normals)
         column, row = np.clip(np.rint(pixel), 0, _SIDE_PX - 1).astype(np.intp).T
