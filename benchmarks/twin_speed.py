@@ -1,7 +1,8 @@
 """Wall time of the engine-free twin against PyBullet for the same open-loop voltages, and how far apart they end.
 
 Both are timed in turns in one process on one core, without sensors; medians are compared. The twin's time is that of a
-batch over its trials, since a fit drives all trials of a log at once. One trial alone gains nothing.
+batch over its trials, since a fit drives all trials of a log at once. Few trials of bare motors are stepped in plain
+numbers; with terms that look at the speed (robot `worn`) every step is one of arrays, and a trial alone gains little.
 
     python benchmarks/twin_speed.py [--robot nominal] [--repeats 3]
 """

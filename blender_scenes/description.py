@@ -86,6 +86,7 @@ class Sky:
 class Scene:
     surfaces: tuple[Surface, ...]
     meshes: tuple[Mesh, ...]
+    """Of what stands still: the floor, each piece of the line, walls and obstacles in the arena's order, the room."""
     robot: tuple[Mesh, ...]
     """The robot's parts, in R; its camera never sees them."""
     panels: tuple[Panel, ...]

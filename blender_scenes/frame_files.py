@@ -12,11 +12,11 @@ from pydantic import TypeAdapter, ValidationError
 
 @dataclass(frozen=True)
 class FrameFile:
-    """One finished picture."""
+    """One finished picture, or another file of its frame."""
 
     number: int
     file: str
-    """Name within the folder of the pictures."""
+    """Path within the folder of the pictures."""
     sha256: str
     size_bytes: int
     seconds: float
@@ -42,6 +42,17 @@ def put_in_place(data: bytes, path: Path, width_px: int, height_px: int) -> str:
     Raises:
         OSError: The disk did not keep what was written, or the picture does not decode to its size.
     """
+    if not _decodes(data, width_px, height_px):
+        raise OSError(f"{path}: is not the one written: it does not decode to {width_px} x {height_px} px")
+    return put_data_in_place(data, path)
+
+
+def put_data_in_place(data: bytes, path: Path) -> str:
+    """Writes a file beside `path`, reads it back, renames it; returns its SHA-256.
+
+    Raises:
+        OSError: The disk did not keep what was written.
+    """
     beside = path.with_name(f".{path.name}.tmp")  # after a kill, the next try writes over it
     try:
         with beside.open("wb") as file:
@@ -49,8 +60,8 @@ def put_in_place(data: bytes, path: Path, width_px: int, height_px: int) -> str:
             file.flush()
             os.fsync(file.fileno())
         kept = beside.read_bytes()
-        if kept != data or not _decodes(kept, width_px, height_px):
-            raise OSError(f"{path}: the picture on disk is not the one written ({len(kept)} of {len(data)} bytes)")
+        if kept != data:
+            raise OSError(f"{path}: what is on disk is not what was written ({len(kept)} of {len(data)} bytes)")
         beside.replace(path)
     finally:
         beside.unlink(missing_ok=True)
@@ -79,6 +90,10 @@ class Ledger:
 
     def whole_frames(self) -> dict[int, FrameFile]:
         """Recorded pictures of this job that lie in the folder as they were written, by number."""
+        return {frame.number: frame for frame in self.whole_files().values()}
+
+    def whole_files(self) -> dict[str, FrameFile]:
+        """The same by name, for frames of several files."""
         if not self._path.exists():
             return {}
         recorded = {}
@@ -88,8 +103,8 @@ class Ledger:
             except ValidationError:  # a line cut short by a kill
                 continue
             if entry.job_sha256 == self._job_sha256:
-                recorded[entry.frame.number] = entry.frame
-        return {number: frame for number, frame in recorded.items() if self._is_whole(frame)}
+                recorded[entry.frame.file] = entry.frame
+        return {name: frame for name, frame in recorded.items() if self._is_whole(frame)}
 
     def _is_whole(self, frame: FrameFile) -> bool:
         path = self._images_dir / frame.file

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.description import Mesh, Point2, Point3
-from physics.arena import Box, Line
+from physics.arena import Box
 
 Array = NDArray[np.float64]
 
@@ -30,28 +30,6 @@ def floor(name: str, low: Point2, high: Point2, yaw_rad: float, surface: str) ->
     c, s = float(np.cos(yaw_rad)), float(np.sin(yaw_rad))
     uv = tuple((c * x + s * y, c * y - s * x) for x, y in corners)
     return Mesh(name, tuple((x, y, 0.0) for x, y in corners), ((0, 1, 2, 3),), (uv,), (surface,))
-
-
-def tapes(line: Line, thickness_m: float, surfaces: Sequence[str]) -> list[Mesh]:
-    """One strip per piece of the line, `thickness_m` above the floor, its outline the edges that the sensor reads.
-
-    u runs along the piece from its start, v across from the right edge to the left one. Each piece lies 2 um above
-    the one before, so that tapes that cross are drawn as laid.
-    """
-    meshes = []
-    for number, (piece, (left, right)) in enumerate(zip(line.pieces, line.edges(spacing_m=0.004), strict=True)):
-        count = len(left)
-        flat = np.concatenate([right, left])
-        z = thickness_m + 2e-6 * number
-        vertices = tuple((float(x), float(y), z) for x, y in flat)
-        along = np.linspace(0.0, piece.length_m, count)
-        faces, uv = [], []
-        for i in range(count - 1):
-            faces.append((i, i + 1, count + i + 1, count + i))
-            a, b = float(along[i]), float(along[i + 1])
-            uv.append(((a, 0.0), (b, 0.0), (b, line.width_m), (a, line.width_m)))
-        meshes.append(Mesh(f"tape_{number}", vertices, tuple(faces), tuple(uv), (surfaces[number],) * len(faces)))
-    return meshes
 
 
 def box_corners(box: Box) -> Array:

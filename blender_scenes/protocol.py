@@ -11,11 +11,16 @@ from pydantic import Field, TypeAdapter
 
 from blender_scenes.frame_files import FrameFile
 
+Work = Literal["pictures", "annotations"]
+
 
 @dataclass(frozen=True)
 class Request:
+    work: Work
     job_path: str
-    images_dir: str
+    """Of a render job, or of an annotation job."""
+    folder: str
+    """Where the pictures or the files of the annotations go."""
     numbers: tuple[int, ...]
     threads: int
     scratch_dir: str
@@ -32,7 +37,7 @@ class Ready:
 
 @dataclass(frozen=True)
 class FrameDone:
-    """A picture is in place, decoded and flushed to disk."""
+    """A file of a frame is in place, read back and flushed to disk."""
 
     frame: FrameFile
     kind: Literal["frame"] = "frame"

@@ -76,10 +76,9 @@ def render_job(
             on_frame(number)
     if missing:
         pixels = job.camera.width_px * job.camera.height_px
-        patience = _SILENCE_S + _SILENCE_PER_SAMPLE_S * pixels * job.sampling.samples
         with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as scratch:
-            request = Request(str(job_path), str(images_dir), missing, threads, scratch)
-            for frame in _blender_frames(request, patience):
+            request = Request("pictures", str(job_path), str(images_dir), missing, threads, scratch)
+            for frame in blender_files(request, pixels * job.sampling.samples):
                 ledger.add(frame)
                 whole[frame.number] = frame
                 if on_frame is not None:
@@ -87,8 +86,12 @@ def render_job(
     return FrameSet(tuple(whole[number] for number in wanted), rendered=len(missing))
 
 
-def _blender_frames(request: Request, patience_s: float) -> Iterator[FrameFile]:
-    """Finished frames of a child process as they come; the child never outlives the iteration."""
+def blender_files(request: Request, camera_samples: int) -> Iterator[FrameFile]:
+    """Finished files of a child process as they come; the child never outlives the iteration.
+
+    `camera_samples` of a frame decide how long it may take.
+    """
+    patience_s = _SILENCE_S + _SILENCE_PER_SAMPLE_S * camera_samples
     with tempfile.TemporaryFile() as log:
         command = [sys.executable, "-X", "faulthandler", "-m", "blender_scenes.bpy_side"]
         environment = {**without_blender_settings(os.environ), "TMPDIR": request.scratch_dir}

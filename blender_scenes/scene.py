@@ -5,21 +5,26 @@ from dataclasses import replace
 
 import numpy as np
 
-from blender_scenes import geometry
+from blender_scenes import geometry, line_mesh
+from blender_scenes.bevel import BEVEL_M, bevelled_box
 from blender_scenes.description import Mesh, Point2, Scene
 from blender_scenes.lighting import LIGHTS
 from blender_scenes.materials import FLOORS, SURFACES
 from blender_scenes.materials.base import Patch
 from blender_scenes.materials.dirt import dirtied
+from blender_scenes.materials.line_paint import line_paint
 from blender_scenes.materials.tape import tape
 from blender_scenes.robot_body import robot_body, robot_surfaces
 from blender_scenes.rooms import ROOMS
 from blender_scenes.rooms.base import Room
 from blender_scenes.shading import Surface
-from configs.schema.look import LookConfig
+from configs.schema.look import LinePaintLook, LookConfig, TapeLook
 from configs.schema.robot import RobotConfig
-from physics.arena import Arena, Box
+from physics.arena import Arena, Box, Line
 from physics.obstacle_motion import ObstacleMotion
+
+_GLASS_BEVEL_M = 0.0001
+"""Of polished edges; through a wider one the path tracer would see black, where light goes to and fro inside."""
 
 
 def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> Scene:
@@ -71,13 +76,32 @@ def _floor(look: LookConfig, room: Room, seed: int) -> Part:
 
 
 def _line(arena: Arena, look: LookConfig, seed: int) -> list[Part]:
-    pieces = arena.line.pieces
-    surfaces = [
-        tape(look.tape, Patch(f"tape_{i}", (piece.length_m, arena.line.width_m), seed))
-        for i, piece in enumerate(pieces)
-    ]
-    meshes = geometry.tapes(arena.line, look.tape.thickness_m, [surface.name for surface in surfaces])
+    if look.line == "paint":
+        return _painted(arena.line, look.line_paint, seed)
+    bed_m = look.floor.carpet.loop_m if look.floor.material == "carpet" else 0.0
+    return _taped(arena.line, look.tape, bed_m, seed)
+
+
+def _taped(line: Line, own: TapeLook, bed_m: float, seed: int) -> list[Part]:
+    surfaces = []
+    for i, piece in enumerate(line.pieces):
+        size = line_mesh.taped_length_m(piece, own.gap_m), line.width_m
+        surfaces.append(tape(own, Patch(f"tape_{i}", size, seed), piece.curvature_per_m, bed_m))
+    meshes = line_mesh.tapes(
+        line,
+        [surface.name for surface in surfaces],
+        thickness_m=own.thickness_m,
+        gap_m=own.gap_m,
+        lift_m=own.lift_m,
+        seed=seed,
+    )
     return [(mesh, (surface,)) for mesh, surface in zip(meshes, surfaces, strict=True)]
+
+
+def _painted(line: Line, own: LinePaintLook, seed: int) -> list[Part]:
+    surface = line_paint(own, Patch("line_paint", (line.length_m, line.width_m), seed))
+    meshes = line_mesh.paint(line, surface.name, thickness_m=own.thickness_m, bleeding_m=own.bleeding_m, seed=seed)
+    return [(mesh, (surface,) if number == 0 else ()) for number, mesh in enumerate(meshes)]
 
 
 def _box(box: Box, look: LookConfig, seed: int) -> Part:
@@ -87,9 +111,9 @@ def _box(box: Box, look: LookConfig, seed: int) -> Part:
     sides = make(look, Patch(f"{name}_sides", (length, height), seed))
     lid = make(look, Patch(f"{name}_lid", (length, width), seed))
     # No face lies on the floor: where two coincide, glass would turn black.
-    faces = {"back": ends, "right": sides, "front": ends, "left": sides, "bottom": None, "top": lid}
-    names = [face and face.name for face in (faces[side] for side in geometry.SIDES)]
-    return geometry.box(name, geometry.box_corners(box), names), (ends, sides, lid)
+    around = (ends.name, sides.name, ends.name, sides.name)
+    bevel_m = _GLASS_BEVEL_M if box.surface == "glass" else BEVEL_M
+    return bevelled_box(name, geometry.box_corners(box), around, lid.name, bevel_m), (ends, sides, lid)
 
 
 def _in_its_frame(box: Box) -> Box:

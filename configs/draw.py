@@ -1,7 +1,7 @@
 """Draw first, build later: the only step that sees distributions. What it returns holds numbers alone."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -75,7 +75,14 @@ def draw_run(loaded: LoadedScenario, route: str, run: int) -> RunSpec:
 
 def draw_all(loaded: LoadedScenario) -> list[RunSpec]:
     """Every run of a scenario: routes in their order, runs from 1."""
-    return [draw_run(loaded, route.name, run) for route in loaded.routes for run in range(1, route.runs + 1)]
+    return list(draw_each(loaded))
+
+
+def draw_each(loaded: LoadedScenario) -> Iterator[RunSpec]:
+    """The same one by one, each drawn when it is asked for."""
+    for route in loaded.routes:
+        for run in range(1, route.runs + 1):
+            yield draw_run(loaded, route.name, run)
 
 
 def draw_arena(

@@ -33,6 +33,11 @@ class Straight:
         """Unit vector from start to end."""
         return (self.end[0] - self.start[0]) / self.length_m, (self.end[1] - self.start[1]) / self.length_m
 
+    @property
+    def curvature_per_m(self) -> float:
+        """0; that of an arc is positive to the left."""
+        return 0.0
+
     def at_least_away_m(self, x_m: float, y_m: float) -> float:
         """A lower bound of the distance between a floor point and the piece's centre line."""
         tx, ty = self.tangent
@@ -69,6 +74,11 @@ class Arc:
     def turn(self) -> float:
         """+1 counter-clockwise, -1 clockwise."""
         return 1.0 if self.end_rad > self.start_rad else -1.0
+
+    @property
+    def curvature_per_m(self) -> float:
+        """Positive to the left."""
+        return self.turn / self.radius_m
 
     def at_least_away_m(self, x_m: float, y_m: float) -> float:
         """A lower bound of the distance between a floor point and the piece's centre line."""

@@ -4,6 +4,8 @@ Rolling without slip makes the body two coordinates, the wheel angles. Everythin
 """
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,13 +51,22 @@ class BodyOnWheels:
             caster_x_m=drive.caster_x_m,
         )
 
-    def load_N_m(self, speeds_rad_s: Array) -> Array:
-        """Torque on the wheels (..., 2), right and left, by forces that depend on the present speeds."""
-        twist = speeds_rad_s @ self.to_twist.T
-        v, w = twist[..., 0], twist[..., 1]
+    @overload
+    def load_N_m(self, right_rad_s: float, left_rad_s: float) -> tuple[float, float]: ...
+    @overload
+    def load_N_m(self, right_rad_s: Array, left_rad_s: Array) -> tuple[Array, Array]: ...
+    def load_N_m(self, right_rad_s: float | Array, left_rad_s: float | Array) -> tuple[Any, Any]:
+        """Torque on the wheels, right and left, by forces that depend on their present speeds; floats or arrays."""
+        (right_m, left_m), (right_share, left_share) = self._rows
+        v = right_m * right_rad_s + left_m * left_rad_s
+        w = right_share * right_rad_s + left_share * left_rad_s
         across = w * self.caster_x_m
-        grip = self.caster_force_N / (np.hypot(v, across) + CREEP_M_S)
-        forces = np.empty_like(twist)
-        forces[..., 0] = self.moment_kg_m * w**2 - grip * v
-        forces[..., 1] = -self.moment_kg_m * v * w - grip * across * self.caster_x_m
-        return forces @ self.to_twist
+        grip = self.caster_force_N / ((v * v + across * across) ** 0.5 + CREEP_M_S)
+        force_N = self.moment_kg_m * w * w - grip * v
+        torque_N_m = -self.moment_kg_m * v * w - grip * across * self.caster_x_m
+        return right_m * force_N + right_share * torque_N_m, left_m * force_N + left_share * torque_N_m
+
+    @cached_property
+    def _rows(self) -> list[list[float]]:
+        """Of `to_twist`, as floats, with which Python is ten times as fast as with numpy's own."""
+        return self.to_twist.tolist()

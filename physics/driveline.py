@@ -47,6 +47,16 @@ class Driveline:
         """One motor alone."""
         return cls(model, (model.motors.right,))
 
+    @property
+    def lags(self) -> bool:
+        """Whether the voltage depends on what it was before."""
+        return bool(self._actuator)
+
+    @property
+    def is_bare(self) -> bool:
+        """Whether torque and friction are those of the bare motors, at any speed and time."""
+        return not (self._bridge or self._supply or self._limit or self._friction)
+
     def voltage_V(
         self, held_V: Array, command_V: Array, time_s: float | Array, duration_s: float
     ) -> tuple[Array, Array]:

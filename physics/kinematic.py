@@ -1,6 +1,7 @@
 """The robot without an engine: the same chain from voltages to poses and counts, for many trials of one robot at once.
 
-Motors are stepped exactly, wheels roll without slip, each step's path is an arc. What PyBullet has and this has not:
+Motors are stepped exactly, wheels roll without slip, each step's path is an arc. Only the wheels' speeds are worked out
+step by step; voltages, poses and counts of all steps at once. What PyBullet has and this has not:
 contacts with walls, wheels that slide, tilting, and the shift of load between wheels and caster.
 """
 
@@ -13,6 +14,8 @@ from numpy.typing import NDArray
 from physics.arena import Arena
 from physics.body_inertia import BodyOnWheels
 from physics.driveline import Driveline
+from physics.finite import require_finite
+from physics.motor import HeldWheel
 from physics.motor_arrays import HeldDrive
 from physics.rays import Hits, RayScene
 from physics.robot_model import RobotModel, through
@@ -20,6 +23,9 @@ from physics.terms.base import Slot
 from physics.wheel_loop import voltage_limit_V
 
 Array = NDArray[np.float64]
+
+FEW = 16
+"""Trials of bare motors up to which one after the other in plain numbers is faster than all at once in arrays."""
 
 
 @dataclass(frozen=True)
@@ -65,17 +71,22 @@ class KinematicTwin:
         Args:
             voltages_V: (T, N, 2), right and left, each held for one step.
             starts: (N, 3), x [m], y [m], yaw [rad].
+
+        Raises:
+            ValueError: A voltage is no finite number.
         """
+        require_finite(voltages_V, "voltages_V", ("step", "trial", "wheel"))
         steps, lanes, _ = voltages_V.shape
         commands = np.clip(voltages_V, -self._limit_V, self._limit_V)
         late = np.zeros((min(self._delay_steps, steps), lanes, 2))
         commands = np.concatenate([late, commands[: steps - len(late)]])
-        speed, voltage, turned = (np.zeros((steps + 1, lanes, 2)) for _ in range(3))
-        held = acceleration = np.zeros((lanes, 2))
-        for k in range(steps):
-            held, voltage[k + 1] = self._driveline.voltage_V(held, commands[k], k * self._step_s, self._step_s)
-            speed[k + 1], turned[k + 1] = self._wheels(voltage[k + 1], speed[k], acceleration, k * self._step_s)
-            acceleration = (speed[k + 1] - speed[k]) / self._step_s
+        voltage, speed, turned = (np.zeros((steps + 1, lanes, 2)) for _ in range(3))
+        voltage[1:] = self._voltages(commands)
+        if self._driveline.is_bare and lanes <= FEW:
+            for lane in range(lanes):
+                speed[1:, lane], turned[1:, lane] = self._turned_alone(voltage[1:, lane])
+        else:
+            speed[1:], turned[1:] = self._turned_together(voltage[1:])
         counted = np.cumsum(through(self._counting, turned, self._step_s), axis=0)
         return TwinRun(
             t_s=np.arange(steps + 1) * self._step_s,
@@ -85,13 +96,56 @@ class KinematicTwin:
             counts=np.floor(counted * self._counts_per_rad + 0.5).astype(np.int64),
         )
 
-    def _wheels(self, voltage_V: Array, speed: Array, acceleration: Array, time_s: float) -> tuple[Array, Array]:
-        """Speeds after a step, and angles turned. What one wheel asks of the other is that of the step before."""
-        driveline = self._driveline
-        torque = driveline.stall_torque_N_m(voltage_V) + driveline.extra_torque_N_m(voltage_V, speed)
-        friction = driveline.friction_N_m(torque, speed, time_s)
-        torque = torque + self._body.load_N_m(speed) - acceleration @ self._coupling
-        return HeldDrive(torque, driveline.damping_N_m_s_rad, friction, self._inertia).step(speed, self._step_s)
+    def _voltages(self, commands_V: Array) -> Array:
+        """At the motors, (T, N, 2), at every step."""
+        time_s = np.arange(len(commands_V)) * self._step_s
+        if not self._driveline.lags:
+            return self._driveline.voltage_V(commands_V, commands_V, time_s[:, None, None], self._step_s)[1]
+        held, voltage_V = np.zeros(commands_V.shape[1:]), np.zeros_like(commands_V)
+        for k, command_V in enumerate(commands_V):
+            held, voltage_V[k] = self._driveline.voltage_V(held, command_V, float(time_s[k]), self._step_s)
+        return voltage_V
+
+    def _turned_together(self, voltage_V: Array) -> tuple[Array, Array]:
+        """Speeds after each step, and angles turned in it, (T, N, 2) each.
+
+        What one wheel asks of the other is that of the step before.
+        """
+        driveline, body = self._driveline, self._body
+        speeds, turned = np.zeros_like(voltage_V), np.zeros_like(voltage_V)
+        speed = acceleration = np.zeros(voltage_V.shape[1:])
+        for k, stall in enumerate(driveline.stall_torque_N_m(voltage_V)):
+            torque = stall + driveline.extra_torque_N_m(voltage_V[k], speed)
+            friction = driveline.friction_N_m(torque, speed, k * self._step_s)
+            torque = torque - acceleration @ self._coupling
+            load_right, load_left = body.load_N_m(speed[:, 0], speed[:, 1])
+            torque[:, 0] += load_right
+            torque[:, 1] += load_left
+            held = HeldDrive(torque, driveline.damping_N_m_s_rad, friction, self._inertia)
+            speeds[k], turned[k] = held.step(speed, self._step_s)
+            acceleration = (speeds[k] - speed) / self._step_s
+            speed = speeds[k]
+        return speeds, turned
+
+    def _turned_alone(self, voltage_V: Array) -> tuple[Array, Array]:
+        """The same for one trial of bare motors, (T, 2) each."""
+        driveline, load_N_m, step_s = self._driveline, self._body.load_N_m, self._step_s
+        numbers = np.stack([driveline.damping_N_m_s_rad, driveline.coulomb_N_m, self._inertia], axis=1).tolist()
+        step_right, step_left = (HeldWheel(*of_wheel, duration_s=step_s).step for of_wheel in numbers)
+        coupling = float(self._coupling[0, 1])
+        right = left = faster_right = faster_left = 0.0
+        rows = []
+        for stall_right, stall_left in driveline.stall_torque_N_m(voltage_V).tolist():
+            load_right, load_left = load_N_m(right, left)
+            row = (
+                *step_right(stall_right + load_right - coupling * faster_left, right),
+                *step_left(stall_left + load_left - coupling * faster_right, left),
+            )
+            faster_right, faster_left = (row[0] - right) / step_s, (row[2] - left) / step_s
+            right, left = row[0], row[2]
+            rows.append(row)
+        both = np.array(rows).reshape(-1, 2, 2)
+        return both[..., 0], both[..., 1]
 
     def _path(self, starts: Array, turned_rad: Array) -> Array:
         """Poses along the arcs of the wheels' travel, with the share of each turn that slip leaves."""

@@ -6,7 +6,7 @@ and never drives it. A constant voltage therefore has a closed form, which `step
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import copysign, exp, log
+from math import copysign, expm1, log1p
 
 from configs.schema.robot import Motor
 
@@ -55,21 +55,46 @@ class MotorModel:
         self, voltage_V: float, speed_rad_s: float, duration_s: float, load_inertia_kg_m2: float = 0.0
     ) -> tuple[float, float]:
         """Speed [rad/s] after `duration_s` at constant voltage, and the angle [rad] turned meanwhile; exact."""
-        stall = self.stall_torque_N_m(voltage_V)
-        time_constant = (self.inertia_kg_m2 + load_inertia_kg_m2) / self.damping_N_m_s_rad
-        speed, angle, left = speed_rad_s, 0.0, duration_s
-        if speed != 0.0:
-            final = (stall - copysign(self.coulomb_N_m, speed)) / self.damping_N_m_s_rad
-            stops = time_constant * log(1.0 - speed / final) if final * speed < 0.0 else float("inf")
-            if stops > left:
-                return _relax(speed, final, left, time_constant)
-            angle = _relax(speed, final, stops, time_constant)[1]
-            speed, left = 0.0, left - stops
-        if abs(stall) <= self.coulomb_N_m:
+        inertia = self.inertia_kg_m2 + load_inertia_kg_m2
+        wheel = HeldWheel(self.damping_N_m_s_rad, self.coulomb_N_m, inertia, duration_s)
+        return wheel.step(self.stall_torque_N_m(voltage_V), speed_rad_s)
+
+
+class HeldWheel:
+    """One wheel in exact steps of one length, torque at rest held over each; `motor_arrays` has the same for arrays."""
+
+    def __init__(self, damping_N_m_s_rad: float, friction_N_m: float, inertia_kg_m2: float, duration_s: float) -> None:
+        self._damping = damping_N_m_s_rad
+        self._friction = friction_N_m
+        self._duration_s = duration_s
+        self._time_constant_s = inertia_kg_m2 / damping_N_m_s_rad
+        self._lost = self._lost_after(duration_s)
+
+    def step(self, torque_N_m: float, speed_rad_s: float) -> tuple[float, float]:
+        """Speed [rad/s] after the step and angle [rad] turned meanwhile, through a stop and a start within it."""
+        angle, left_s, lost = 0.0, self._duration_s, self._lost
+        if speed_rad_s != 0.0:
+            final = (torque_N_m - copysign(self._friction, speed_rad_s)) / self._damping
+            if final * speed_rad_s >= 0.0:
+                return self._relaxed(speed_rad_s, final, left_s, lost)
+            stops_s = self._time_constant_s * log1p(-speed_rad_s / final)
+            if stops_s > left_s:
+                return self._relaxed(speed_rad_s, final, left_s, lost)
+            angle = self._relaxed(speed_rad_s, final, stops_s, self._lost_after(stops_s))[1]
+            left_s -= stops_s
+            lost = self._lost_after(left_s)
+        if abs(torque_N_m) <= self._friction:
             return 0.0, angle
-        final = (stall - copysign(self.coulomb_N_m, stall)) / self.damping_N_m_s_rad
-        speed, further = _relax(speed, final, left, time_constant)
+        final = (torque_N_m - copysign(self._friction, torque_N_m)) / self._damping
+        speed, further = self._relaxed(0.0, final, left_s, lost)
         return speed, angle + further
+
+    def _lost_after(self, duration_s: float) -> float:
+        """Share of its way to the final speed that is behind the wheel."""
+        return -expm1(-duration_s / self._time_constant_s)
+
+    def _relaxed(self, start: float, final: float, duration_s: float, lost: float) -> tuple[float, float]:
+        return start + (final - start) * lost, final * duration_s + (start - final) * self._time_constant_s * lost
 
 
 @dataclass(frozen=True)
@@ -81,9 +106,3 @@ class Motors:
 
     def each(self, change: Callable[[MotorModel], MotorModel]) -> "Motors":
         return Motors(change(self.right), change(self.left))
-
-
-def _relax(start: float, final: float, duration_s: float, time_constant_s: float) -> tuple[float, float]:
-    """Speed and angle of an exponential approach from `start` to `final`."""
-    decay = exp(-duration_s / time_constant_s)
-    return final + (start - final) * decay, final * duration_s + (start - final) * time_constant_s * (1.0 - decay)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physics.driveline import Driveline
+from physics.finite import require_finite
 from physics.motor_arrays import HeldDrive
 from physics.robot_model import RobotModel
 from physics.terms.base import Slot
@@ -20,7 +21,12 @@ PLAY_SUBSTEP_S = 1e-4
 
 
 def steady_states(model: RobotModel, voltage_V: Array, time_s: Array) -> tuple[Array, Array]:
-    """Current [A] and speed [rad/s], (N,) each, reached from rest at these voltages, so long after switching on."""
+    """Current [A] and speed [rad/s], (N,) each, reached from rest at these voltages, so long after switching on.
+
+    Raises:
+        ValueError: A voltage is no finite number.
+    """
+    require_finite(voltage_V, "voltage_V", ("trial",))
     driveline = Driveline.of_bench(model)
     time = time_s[:, None]
     command = voltage_V[:, None]
@@ -53,7 +59,11 @@ def step_responses(
         voltage_V: (T, N), each held for the row that ends at its sample.
         row_s: Length of a row.
         begin_s: (N,), time of each trial's start since the motor was first switched on; 0 by default.
+
+    Raises:
+        ValueError: A voltage is no finite number.
     """
+    require_finite(voltage_V, "voltage_V", ("row", "trial"))
     shaft = _Shaft(model)
     substeps = max(1, round(row_s / shaft.substep_s))
     duration = row_s / substeps

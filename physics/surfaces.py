@@ -20,6 +20,8 @@ class RangeSurface:
         return 1e-3 * (self.mean_at_100_mm_mm - 100.0)
 
 
+# The paper measured neither cardboard nor plywood nor brick. Brown paper board is read as paper, raw plywood as wood.
+# Brick is matt and grainy as paper is, so it is read as paper too: an assumption that no measurement backs.
 SURFACES: dict[SurfaceName, RangeSurface] = {
     "white_board": RangeSurface(100.25, 0.84, 0.85),
     "light_grey_board": RangeSurface(100.21, 0.82, 0.5),
@@ -27,8 +29,10 @@ SURFACES: dict[SurfaceName, RangeSurface] = {
     "black_board": RangeSurface(95.63, 0.80, 0.05),
     "metal": RangeSurface(89.06, 1.28, 0.7),
     "wood": RangeSurface(99.88, 1.42, 0.45),
+    "plywood": RangeSurface(99.88, 1.42, 0.5),
     "glass": RangeSurface(96.58, 1.77, 0.1),
     "paper": RangeSurface(101.42, 1.45, 0.85),
-    "cardboard": RangeSurface(101.42, 1.45, 0.55),  # the paper measured none; brown paper board is read as paper
+    "cardboard": RangeSurface(101.42, 1.45, 0.55),
     "plastic": RangeSurface(99.7, 1.31, 0.6),
+    "brick": RangeSurface(101.42, 1.45, 0.4),
 }

@@ -4,15 +4,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from configs.draw import draw_all
 from configs.errors import InputError
 from configs.loader import LoadedScenario, load_scenario
 from configs.schema.scenario import RunSpec
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Rows
+from pipeline.drawing import draw_reported
 from pipeline.output import check_disk, check_out
 from pipeline.plan import Plan
 from pipeline.progress import Report
+from pipeline.stages.annotate import AnnotationTask
 from pipeline.stages.assemble import assemble
 from pipeline.stages.render import Appearance, RenderTask, render_runs
 from pipeline.stages.simulate_runs import (
@@ -35,7 +36,7 @@ class Batch:
     workers: int
 
     @classmethod
-    def open(cls, scenario: str, overrides: Sequence[str], out: Path, workers: int | None) -> "Batch":
+    def open(cls, scenario: str, overrides: Sequence[str], out: Path, workers: int | None, report: Report) -> "Batch":
         """Load and draw the scenario and see that there is room for it.
 
         Raises:
@@ -43,7 +44,7 @@ class Batch:
             EnvironmentLacking: The disk is too full.
         """
         loaded = load_scenario(scenario, overrides)
-        specs = tuple(draw_all(loaded))
+        specs = draw_reported(loaded, report)
         check_out(out, Kind.DATASET)
         check_disk(out, Plan.of(specs, cores()).bytes_needed)
         return cls(loaded, specs, Workspace(out.absolute()), workers or cores())
@@ -67,11 +68,14 @@ class Batch:
         ]
 
     def render(self, failures: Sequence[FailedRun], report: Report) -> list[FailedRun]:
-        return render_runs(self._render_tasks(failures), self.workers, report)
+        """Images, and then what is known of those that were rendered."""
+        failed = render_runs(self._render_tasks(failures), self.workers, report)
+        tasks = self._annotation_tasks([*failures, *failed])
+        return failed + (render_runs(tasks, self.workers, report, "annotate") if tasks else [])
 
     def check_rendered(self, failures: Sequence[FailedRun]) -> None:
-        """Raise InputError for a good run that is not rendered yet, or from other inputs."""
-        for task in self._render_tasks(failures):
+        """Raise InputError for a good run that is not rendered or annotated yet, or from other inputs."""
+        for task in [*self._render_tasks(failures), *self._annotation_tasks(failures)]:
             if not task.folder.is_done(task.key):
                 raise self._not_done(next(spec for spec in self.specs if spec.key == task.run), "render")
 
@@ -86,6 +90,14 @@ class Batch:
                 rows = Rows.from_recording(read_recording(self.workspace.simulate(spec.key).path))
                 tasks.append(RenderTask.of(spec.key, Appearance.of(spec), rows, self.workspace.render(spec.key)))
         return tasks
+
+    def _annotation_tasks(self, failures: Sequence[FailedRun]) -> list[AnnotationTask]:
+        """None where the scenario asks for no annotations."""
+        wanted = {spec.key: Appearance.of(spec) for spec in self.specs if spec.render.annotations}
+        return [
+            AnnotationTask.of(task, wanted[task.run], self.workspace.annotate(task.run))
+            for task in (self._render_tasks(failures) if wanted else [])
+        ]
 
     def _not_done(self, spec: RunSpec, stage: str) -> InputError:
         return InputError(

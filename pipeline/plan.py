@@ -18,6 +18,10 @@ RENDER_SAMPLE_S = 8.5e-6
 """Per pixel and sample on one core."""
 BYTES_PER_PIXEL = 0.2
 """Of a JPEG of quality 92."""
+ANNOTATION_PIXEL_S = 1.5e-6
+"""Per pixel on one core, all annotations together."""
+ANNOTATION_BYTES_PER_PIXEL = 0.6
+"""Likewise; the flow alone takes nine tenths of it."""
 BYTES_PER_IMAGE = 4096
 """Besides its pixels: tables, and the rest of a disk block."""
 BYTES_PER_ROW = 600
@@ -35,6 +39,7 @@ class PlannedRun:
     images: int
     width_px: int
     height_px: int
+    annotated: bool
     render_core_s: float
 
 
@@ -54,8 +59,9 @@ class Plan:
     @property
     def bytes_needed(self) -> int:
         """Disk space with some to spare [byte]."""
-        pixels = sum(run.images * run.width_px * run.height_px for run in self.runs)
-        pictures = pixels * BYTES_PER_PIXEL + self.images * BYTES_PER_IMAGE
+        per_pixel = {False: BYTES_PER_PIXEL, True: BYTES_PER_PIXEL + ANNOTATION_BYTES_PER_PIXEL}
+        pixels = sum(run.images * run.width_px * run.height_px * per_pixel[run.annotated] for run in self.runs)
+        pictures = pixels + self.images * BYTES_PER_IMAGE
         rows = sum(run.rows for run in self.runs) * BYTES_PER_ROW
         return round(COPIES * (pictures + rows) + 1e6)
 
@@ -94,7 +100,9 @@ def _planned(spec: RunSpec) -> PlannedRun:
     duration_s = min(LAP_S, spec.stop.time_limit_s) if spec.stop.lap else spec.stop.time_limit_s
     images = int(duration_s * spec.rates.camera_hz) + 1
     render = spec.render
-    image_s = RENDER_FRAME_S + render.width_px * render.height_px * render.samples * RENDER_SAMPLE_S
+    pixels, annotated = render.width_px * render.height_px, bool(render.annotations)
+    image_s = RENDER_FRAME_S + pixels * render.samples * RENDER_SAMPLE_S
+    annotation_s = RENDER_START_S + images * (RENDER_FRAME_S + pixels * ANNOTATION_PIXEL_S) if annotated else 0.0
     return PlannedRun(
         run=spec.key,
         duration_s=duration_s,
@@ -103,5 +111,6 @@ def _planned(spec: RunSpec) -> PlannedRun:
         images=images,
         width_px=render.width_px,
         height_px=render.height_px,
-        render_core_s=RENDER_START_S + images * image_s,
+        annotated=annotated,
+        render_core_s=RENDER_START_S + images * image_s + annotation_s,
     )

@@ -18,12 +18,14 @@ from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec
 from configs.streams import stream
+from pipeline.dataset.annotation_checks import ANNOTATIONS
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Ints, Rows, read_rows
 from pipeline.dataset.side import image_positions
-from pipeline.files import canonical_json, hashes_of, holds, replace_folder, sync_folder, write_file
+from pipeline.files import canonical_json, hashes_of, holds, remove_folder, replace_folder, sync_folder, write_file
 from pipeline.output import check_out
 from pipeline.progress import Report
+from pipeline.stages.annotate import AnnotationTask, copy_released
 from pipeline.stages.assemble import DATA, POSITIONS, SIDE
 from pipeline.stages.render import FRAMES, IMAGES, JOB, Appearance, RenderTask, picture_seed, render_runs
 from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
@@ -101,16 +103,24 @@ def open_folders(draws: Sequence[Draw], out: Path, *, apart: bool) -> Iterator[l
 def render_source(
     source: Source, draws: Sequence[Draw], folders: Sequence[Workspace], workers: int, report: Report
 ) -> list[FailedRun]:
-    """Render what `prepare` found and fill a folder with each of it."""
-    tasks = [
-        RenderTask.of(draw.name, draw.appearance, source.rows, folder.render("rerender"))
-        for draw, folder in zip(draws, folders, strict=True)
-    ]
-    failures = render_runs(tasks, workers, report)
+    """Render what `prepare` found, annotate it where asked for, and fill a folder with each of it."""
+    places = {draw.name: (draw, folder) for draw, folder in zip(draws, folders, strict=True)}
+    tasks = {
+        name: RenderTask.of(name, draw.appearance, source.rows, folder.render("rerender"))
+        for name, (draw, folder) in places.items()
+    }
+    failures = render_runs(list(tasks.values()), workers, report)
     failed = {failure.run for failure in failures}
-    for task, draw, folder in zip(tasks, draws, folders, strict=True):
-        if draw.name not in failed:
-            _publish(task, source, draw.record, folder)
+    annotations = {
+        name: AnnotationTask.of(tasks[name], draw.appearance, folder.annotate("rerender"))
+        for name, (draw, folder) in places.items()
+        if draw.appearance.render.annotations and name not in failed
+    }
+    failures += render_runs(list(annotations.values()), workers, report, "annotate")
+    failed = {failure.run for failure in failures}
+    for name, (draw, folder) in places.items():
+        if name not in failed:
+            _publish(tasks[name], annotations.get(name), source, draw.record, folder)
     return failures
 
 
@@ -239,20 +249,25 @@ def _render(spec: RunSpec | None, request: Request, seed: int, route: str, run: 
     return draw_render(load_scenario(CARRIER, [*settings, *request.of("render")]), seed, route, run)
 
 
-def _publish(task: RenderTask, source: Source, look: bytes, workspace: Workspace) -> None:
+def _publish(
+    task: RenderTask, annotations: AnnotationTask | None, source: Source, look: bytes, workspace: Workspace
+) -> None:
     """Fill the folder; frames.json, the list of the pictures, goes first and comes last: with it the set is whole."""
     out, marker = workspace.out, workspace.assemble("rerender")
     digests = {name: hashlib.sha256(data).hexdigest() for name, data in (("data", source.data), ("look", look))}
-    key = input_key("pictures", render=task.key, **digests)
+    key = input_key("pictures", render=task.key, annotate=annotations.key if annotations else "", **digests)
     done = marker.done()
     if done is not None and done.key == key and holds(out, done.files):
         return
     partial = marker.start()
-    _fill(task, source, look, partial)
+    _fill(task, annotations, source, look, partial)
     hashes = hashes_of(partial)
     (out / FRAMES).unlink(missing_ok=True)
     sync_folder(out)
     replace_folder(partial / IMAGES, out / IMAGES)
+    remove_folder(out / ANNOTATIONS)
+    if annotations:
+        replace_folder(partial / ANNOTATIONS, out / ANNOTATIONS)
     for name in (DATA, POSITIONS, JOB, LOOK, FRAMES):
         (partial / name).replace(out / name)
     sync_folder(out)
@@ -261,11 +276,13 @@ def _publish(task: RenderTask, source: Source, look: bytes, workspace: Workspace
     partial.rmdir()
 
 
-def _fill(task: RenderTask, source: Source, look: bytes, folder: Path) -> None:
+def _fill(task: RenderTask, annotations: AnnotationTask | None, source: Source, look: bytes, folder: Path) -> None:
     (folder / IMAGES).mkdir()
     for frame in task.frames:
         name = frame_name(frame.number)
-        write_file(folder / IMAGES / name, (task.images / name).read_bytes())
+        write_file(folder / IMAGES / name, (task.files / name).read_bytes())
+    if annotations:
+        copy_released(annotations.folder, folder)
     write_file(folder / DATA, source.data)
     write_file(folder / LOOK, look)
     write_file(folder / POSITIONS, image_positions(source.rows))

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
+from blender_scenes.protocol import Work
 from configs.errors import RunFailed
 
 
@@ -32,20 +33,24 @@ class SimulateUnit(Message):
 
 class RenderUnit(Message):
     kind: Literal["render"] = "render"
+    work: Work
     name: str
     job: Path
-    images: Path
+    folder: Path
+    """For the pictures, or for the files of the annotations."""
     numbers: tuple[int, ...]
     threads: int
 
     def run(self, progress: Callable[[float], None]) -> None:
-        from blender_scenes.renderer import RenderError, render_job  # noqa: PLC0415 - opencv, in the worker alone
+        from blender_scenes.annotator import annotate_job  # noqa: PLC0415 - opencv, in the worker alone
+        from blender_scenes.renderer import RenderError, render_job  # noqa: PLC0415 - likewise
 
+        do = {"pictures": render_job, "annotations": annotate_job}[self.work]
         shares = iter(index / len(self.numbers) for index in range(1, len(self.numbers) + 1))
         try:
-            render_job(
+            do(
                 self.job,
-                self.images,
+                self.folder,
                 threads=self.threads,
                 numbers=self.numbers,
                 on_frame=lambda _number: progress(next(shares, 1.0)),

@@ -98,6 +98,9 @@ class Workspace:
     def render(self, run_key: str) -> StageFolder:
         return StageFolder(self.out / STAGES / "render" / run_key)
 
+    def annotate(self, run_key: str) -> StageFolder:
+        return StageFolder(self.out / STAGES / "annotate" / run_key)
+
     def assemble(self, run_key: str) -> StageFolder:
         return StageFolder(self.out / STAGES / "assemble" / run_key)
 

@@ -30,7 +30,7 @@ class Hits(Protocol):
 
     @property
     def normal(self) -> Array:
-        """(N, 3), unit normal of what was met, in W."""
+        """(N, 3), unit normal of what was met, in W; zero where nothing was."""
         ...
 
 
@@ -83,4 +83,4 @@ class Sensor(ABC):
 
 def quantise(value: Array, step: float) -> Array:
     """Round to whole steps; a step of 0 leaves the value as it is."""
-    return np.round(value / step) * step if step > 0 else value
+    return np.rint(value / step) * step if step > 0 else value

@@ -18,9 +18,8 @@ class LineSensorModel(Sensor):
         self._config = config
         self._arena = arena
         self._rng = rng
-        self._channels_R = np.stack(
-            [np.full(config.channels, config.x_m), channel_weights(config.channels) * config.pitch_m], axis=1
-        )
+        y_m = channel_weights(config.channels) * config.pitch_m
+        self._channels_R = np.stack([np.full_like(y_m, config.x_m), y_m, np.ones_like(y_m)], axis=1)
         # A uniform disc of diameter D has a standard deviation of D / 4 along each axis.
         self._spot_sd_m = 0.25 * (config.spot_diameter_at_floor_m + config.spot_growth * config.height_m)
         self._gain = 1.0 + config.gain_sd * rng.standard_normal(config.channels)
@@ -31,15 +30,15 @@ class LineSensorModel(Sensor):
         """Readings (8,) after gain, offset, noise and the ADC."""
         x, y, yaw = world.pose()
         c, s = cos(yaw), sin(yaw)
-        points = self._channels_R @ np.array([[c, s], [-s, c]]) + (x, y)
+        points = self._channels_R @ np.array([[c, s], [-s, c], [x, y]])
         ink = tape_share(self._arena.line, points, self._spot_sd_m)
         reflectance = self._arena.floor_reflectance + ink * (
             self._arena.line.reflectance - self._arena.floor_reflectance
         )
         noise = self._config.noise_sd * self._rng.standard_normal(len(points))
         full_scale = 2**self._config.adc_bits - 1
-        reading = np.clip(self._gain * reflectance + self._offset + noise, 0.0, 1.0)
-        reading = np.round(reading * full_scale) / full_scale
+        reading = np.minimum(np.maximum(self._gain * reflectance + self._offset + noise, 0.0), 1.0)
+        reading = np.rint(reading * full_scale) / full_scale
         lost = self._rng.random(len(points)) < self._config.dropout_probability
         self._last = np.where(lost, self._last, reading)
         return self._last
@@ -60,9 +59,10 @@ def tape_share(line: Line, points: Array, spot_sd_m: float) -> Array:
         return line.covers(points).astype(float)
     share = np.zeros(len(points))
     half = 0.5 * line.width_m
-    (x, y), (to_x, to_y) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
+    xs, ys = points.T.tolist()
+    x, y = min(xs), min(ys)
     # From one corner of all points, and beyond eight standard deviations a double holds nothing of the spot.
-    reach = to_x - x + to_y - y + half + 8.0 * spot_sd_m
+    reach = max(xs) - x + max(ys) - y + half + 8.0 * spot_sd_m
     for piece in line.pieces:
         if piece.at_least_away_m(x, y) > reach:
             continue

@@ -17,13 +17,12 @@ from physics.robot_model import through
 from physics.surfaces import SURFACES
 from physics.terms.base import Slot, effects
 from sensors.base import Array, Sampling, Sensor, World, quantise
+from sensors.range_log import NEAR_LIMIT_M, log_beyond_near
 from sensors.range_view import RangeView
 from sensors.terms import SENSOR_TERMS
 
 NO_TERMS = Terms()
 
-NEAR_LIMIT_M = 0.18
-"""Below it error and noise are constant (paper section 5.2.2)."""
 NOISE_AT_NEAR_MM = 1.41
 """Eq. 23 up to 0.18 m."""
 
@@ -58,49 +57,56 @@ class TofArray(Sensor):
         self._profile = np.exp(-0.5 * (angle / np.radians(config.beam_sigma_deg)) ** 2)
         # The device is calibrated head-on: a flat wall at d reads d, though slanted rays travel further.
         self._head_on = float(np.sum(self._profile * np.cos(angle)) / np.sum(self._profile))
+        self._full_signal = self._head_on * self._profile.sum()
         mounts = (config.mounts.front, config.mounts.left, config.mounts.right)
-        self._origins_R = np.concatenate([np.tile([m.x_m, m.y_m, m.z_m], (config.rays, 1)) for m in mounts])
+        origins_R = [np.tile([m.x_m, m.y_m, m.z_m, 1.0], (config.rays, 1)) for m in mounts]
         askew = through(effects(SENSOR_TERMS, terms, Slot.RANGE_MOUNT), np.zeros(3))
-        self._directions_R = np.concatenate(
-            [ray_directions(m, angle, roll, extra) for m, extra in zip(mounts, askew, strict=True)]
-        )
+        directions_R = [ray_directions(m, angle, roll, extra) for m, extra in zip(mounts, askew, strict=True)]
+        # Origins, then directions; a last 1 is moved with the robot, a last 0 turned alone.
+        self._rays_R = np.concatenate([*origins_R, np.pad(np.concatenate(directions_R), ((0, 0), (0, 1)))])
         axis = np.zeros(1)
         self._axes_R = np.concatenate(
             [ray_directions(m, axis, axis, extra) for m, extra in zip(mounts, askew, strict=True)]
         )
         surfaces = [SURFACES[box.surface] for box in arena.boxes]
         # Index 0 is the floor, which the paper did not measure: no offset, the noise of Eq. 23.
-        self._offset_m = np.array([0.0] + [s.offset_m for s in surfaces])
-        self._sd_m = 1e-3 * np.array([NOISE_AT_NEAR_MM] + [s.sd_at_100_mm_mm for s in surfaces])
+        offset_m = np.array([0.0] + [s.offset_m for s in surfaces])
+        sd_m = 1e-3 * np.array([NOISE_AT_NEAR_MM] + [s.sd_at_100_mm_mm for s in surfaces])
+        self._offset_and_sd_m = np.stack([offset_m, sd_m])
         self._reflectance = np.array([arena.floor_reflectance] + [s.reflectance for s in surfaces])
         self._materials = np.array(["floor"] + [box.surface for box in arena.boxes])
-        self._last = np.full((3, 2), [config.no_target_m, TofStatus.NO_TARGET])
+        self._last = [(config.no_target_m, NO_TARGET)] * 3
 
     def sample(self, world: World) -> Array:
         """Range [m] and `TofStatus`, (3, 2)."""
         config = self._config
-        hit, distance, cosine, surface, normal = self._cast(world)
-        weight = self._profile * cosine * hit
+        distance, cosine, surface, normal = self._cast(world)
+        weight = self._profile * cosine
         returned = weight.sum(axis=1)
-        signal = returned / (self._head_on * self._profile.sum())
+        signal = returned / self._full_signal
         share = weight / np.maximum(returned, 1e-12)[:, None]
         true_range = (share * distance).sum(axis=1) * self._head_on
-        offset = (share * self._offset_m[surface]).sum(axis=1)
-        sd = noise_sd_m((share * self._sd_m[surface]).sum(axis=1), true_range) * config.noise_scale
+        offset, surface_sd = (share * self._offset_and_sd_m.take(surface, axis=1)).sum(axis=2)
+        sd = noise_sd_m(surface_sd, true_range) * config.noise_scale
         reading = true_range + offset + config.error_scale * log_error_m(true_range)
         if self._range_terms or self._noise_terms:
             view = self._view(world, true_range, share, surface, normal)
             reading, sd = through(self._range_terms, reading, view), through(self._noise_terms, sd, view)
         noise = sd * self._rng.standard_normal(3)
         reading = through(self._limits, quantise(reading + noise, config.quantisation_m))
-        valid = (signal >= config.signal_threshold) & (reading >= config.min_range_m) & (reading <= config.max_range_m)
-        fresh = np.empty((3, 2))
-        fresh[:, 0] = np.where(valid, reading, config.no_target_m)
-        fresh[:, 1] = np.where(valid, VALID, NO_TARGET)
-        lost = self._rng.random(3) < config.dropout_probability
-        fresh[lost, 0], fresh[lost, 1] = self._last[lost, 0], HELD
-        self._last = fresh
-        return self._last
+        fresh = [self._judged(*pair) for pair in zip(signal.tolist(), reading.tolist(), strict=True)]
+        lost = (self._rng.random(3) < config.dropout_probability).tolist()
+        self._last = [
+            (before[0], HELD) if gone else now for now, before, gone in zip(fresh, self._last, lost, strict=True)
+        ]
+        return np.array(self._last)
+
+    def _judged(self, signal: float, reading_m: float) -> tuple[float, float]:
+        """Range [m] and status of one sensor; three are too few for numpy to gain anything."""
+        config = self._config
+        if signal >= config.signal_threshold and config.min_range_m <= reading_m <= config.max_range_m:
+            return reading_m, VALID
+        return config.no_target_m, NO_TARGET
 
     def _view(
         self, world: World, distance_m: Array, share: Array, surface: NDArray[np.int64], normal: Array
@@ -125,23 +131,25 @@ class TofArray(Sensor):
             time_s=world.time_s,
         )
 
-    def _cast(self, world: World) -> tuple[NDArray[np.bool_], Array, Array, NDArray[np.int64], Array]:
-        """Hit, slant distance [m], cosine of incidence and surface index, (3, rays) each, and normal, (3, rays, 3)."""
+    def _cast(self, world: World) -> tuple[Array, Array, NDArray[np.int64], Array]:
+        """Slant distance [m], cosine of incidence and surface index, (3, rays) each, and normal, (3, rays, 3).
+
+        A ray that meets nothing has no normal, so its cosine is 0 and whatever surface stands for it weighs nothing.
+        """
         x, y, yaw = world.pose()
         c, s = cos(yaw), sin(yaw)
-        R_RW = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-        origins = self._origins_R @ R_RW + (x, y, 0.0)
-        directions = self._directions_R @ R_RW
+        rays = self._rays_R @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0], [x, y, 0.0]])
+        origins, directions = rays[: len(rays) // 2], rays[len(rays) // 2 :]
         # Beyond the longest valid range nothing can change the reading but by its absence.
         reach = 1.25 * self._config.max_range_m
         hits = world.cast(origins, origins + reach * directions)
         shape = (3, self._config.rays)
-        cosine = np.abs(np.einsum("ij,ij->i", directions, hits.normal)).reshape(shape)
+        cosine = np.abs(np.einsum("ij,ij->i", directions, hits.normal))
+        distance_m = hits.fraction * reach
         return (
-            (hits.surface >= 0).reshape(shape),
-            (hits.fraction * reach).reshape(shape),
-            cosine,
-            np.maximum(hits.surface, 0).reshape(shape),
+            distance_m.reshape(shape),
+            cosine.reshape(shape),
+            hits.surface.reshape(shape),
             hits.normal.reshape((*shape, 3)),
         )
 
@@ -169,7 +177,7 @@ def noise_sd_m(surface_sd_m: Array, range_m: Array) -> Array:
     polynomial is taken in d = x - 0.18 m, where it is continuous.
     """
     d = np.maximum(range_m - NEAR_LIMIT_M, 0.0)
-    eq_23_mm = np.maximum(1.15 * d**3 + 2.51 * d**2 + 4.88 * d + 1.40, NOISE_AT_NEAR_MM)
+    eq_23_mm = np.maximum(((1.15 * d + 2.51) * d + 4.88) * d + 1.40, NOISE_AT_NEAR_MM)
     return np.sqrt(surface_sd_m**2 + 1e-6 * (eq_23_mm**2 - NOISE_AT_NEAR_MM**2))
 
 
@@ -179,4 +187,4 @@ def log_error_m(range_m: Array) -> Array:
     The printed 59.77 ln(x) - 116.86 has its zero at x = 7.065, which is 0.18 m in inches; in metres it would be
     219 mm off at 0.18 m and is not used.
     """
-    return 0.05977 * np.log(np.maximum(range_m, NEAR_LIMIT_M) / NEAR_LIMIT_M)
+    return 0.05977 * log_beyond_near(range_m)

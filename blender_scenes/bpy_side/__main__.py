@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 from typing import TextIO
 
+from blender_scenes.annotations.job import AnnotationJob
 from blender_scenes.camera_response import develop, encode_jpeg, median_luminance
 from blender_scenes.frame_files import FrameFile, frame_name, put_in_place
 from blender_scenes.job import RenderJob
@@ -28,7 +29,7 @@ def main() -> int:
         _say(replies, Failed(str(error), lacking="libraries"))
         return 1
     try:
-        _render(request, replies)
+        _WORK[request.work](request, replies)
     except (OSError, ValueError, RuntimeError) as error:
         full = isinstance(error, OSError) and error.errno in DISK_FULL
         _say(replies, Failed(str(error), lacking="space" if full else ""))
@@ -52,9 +53,25 @@ def _render(request: Request, replies: TextIO) -> None:
         begin = time.perf_counter()
         pixels = develop(engine.frame_light(job, views[number]), job.response, metered, number)
         data = encode_jpeg(pixels, job.response.jpeg_quality)
-        path = Path(request.images_dir) / frame_name(number)
+        path = Path(request.folder) / frame_name(number)
         sha256 = put_in_place(data, path, job.camera.width_px, job.camera.height_px)
         _say(replies, FrameDone(FrameFile(number, path.name, sha256, len(data), time.perf_counter() - begin)))
+
+
+def _annotate(request: Request, replies: TextIO) -> None:
+    from blender_scenes.bpy_side import annotate  # noqa: PLC0415 - it imports bpy
+
+    begin = time.perf_counter()
+    job = AnnotationJob.from_json(Path(request.job_path).read_text())
+    views = {view.number: view for view in job.frames}
+    annotate.start(job, request.threads, Path(request.scratch_dir))
+    _say(replies, Ready(time.perf_counter() - begin))
+    for number in request.numbers:
+        for file in annotate.annotate(job, views[number], Path(request.folder)):
+            _say(replies, FrameDone(file))
+
+
+_WORK = {"pictures": _render, "annotations": _annotate}
 
 
 def _say(replies: TextIO, message: Message) -> None:

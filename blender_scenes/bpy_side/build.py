@@ -1,5 +1,6 @@
 """The scene's description built in Blender: meshes, lights, sky and camera."""
 
+import itertools
 from pathlib import Path
 
 import bpy
@@ -21,17 +22,20 @@ def start() -> None:
 def build(scene: Scene, camera: Intrinsics) -> None:
     """Fills an empty Blender file; the robot hangs on an empty called `R`, the camera is called `C`.
 
-    Moving obstacles are called as `moving_name` says, to be placed for each view.
+    Moving obstacles are called as `moving_name` says, to be placed for each view. Every mesh has its number, among
+    the scene's meshes, the robot's and the moving ones, as its `pass_index`, from 1.
     """
     materials = {surface.name: material(surface) for surface in scene.surfaces}
+    numbers = itertools.count(1)
     for mesh in scene.meshes:
-        _mesh(mesh, materials)
+        _mesh(mesh, materials).pass_index = next(numbers)
     robot = _place(ROBOT, None)
     for mesh in scene.robot:
         part = _mesh(mesh, materials)
-        part.parent, part.visible_camera = robot, False
+        part.parent, part.visible_camera, part.pass_index = robot, False, next(numbers)
     for number, mesh in enumerate(scene.moving):
-        _mesh(mesh, materials).name = moving_name(number)
+        placed = _mesh(mesh, materials)
+        placed.name, placed.pass_index = moving_name(number), next(numbers)
     for panel in scene.panels:
         _panel(panel)
     if scene.sun is not None:

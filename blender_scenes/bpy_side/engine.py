@@ -117,7 +117,15 @@ def _noise_seed(seed: int, *path: str | int) -> int:
 
 
 def _light(view: FrameView, size: tuple[int, int], *, seed: int, samples: int, denoise: bool) -> np.ndarray:
-    """(H, W, 3) linear light that the camera receives in a view.
+    """(H, W, 3) linear light that the camera receives in a view; raises what `traced` does."""
+    channels = traced(view, size, _EXR_PIXEL_BYTES, seed=seed, samples=samples, denoise=denoise)
+    return np.stack([channels[name] for name in "RGB"], axis=-1).astype(np.float32)
+
+
+def traced(
+    view: FrameView, size: tuple[int, int], pixel_bytes: int, *, seed: int, samples: int, denoise: bool
+) -> dict[str, np.ndarray]:
+    """Channel name -> (H, W) of what Blender writes of a view, `pixel_bytes` for each pixel.
 
     Raises:
         OSError: The disk is full.
@@ -137,10 +145,9 @@ def _light(view: FrameView, size: tuple[int, int], *, seed: int, samples: int, d
     scratch.unlink(missing_ok=True)
     try:
         bpy.ops.render.render(write_still=True)
-        channels = read_exr(scratch.read_bytes() if scratch.exists() else b"")
+        return read_exr(scratch.read_bytes() if scratch.exists() else b"")
     except (RuntimeError, ValueError):
         # Blender does not say why it wrote half a picture; a full disk is told here.
         scratch.unlink(missing_ok=True)
-        require_room(scratch.parent, size[0] * size[1] * _EXR_PIXEL_BYTES + _EXR_EXTRA_BYTES)
+        require_room(scratch.parent, size[0] * size[1] * pixel_bytes + _EXR_EXTRA_BYTES)
         raise
-    return np.stack([channels[name] for name in "RGB"], axis=-1).astype(np.float32)

@@ -4,25 +4,35 @@ from collections.abc import Callable
 
 from blender_scenes.materials.base import Patch
 from blender_scenes.materials.boards import board
+from blender_scenes.materials.brick import brick
 from blender_scenes.materials.cardboard import cardboard
+from blender_scenes.materials.carpet import carpet
 from blender_scenes.materials.ceramic_tile import ceramic_tile
 from blender_scenes.materials.concrete import concrete
 from blender_scenes.materials.glass import glass
 from blender_scenes.materials.linoleum import linoleum
 from blender_scenes.materials.metal import metal
 from blender_scenes.materials.paper import paper
+from blender_scenes.materials.paper_sheets import paper_sheets
 from blender_scenes.materials.parquet import parquet
 from blender_scenes.materials.plastic import plastic
+from blender_scenes.materials.plywood import plywood, plywood_floor
+from blender_scenes.materials.vinyl import vinyl
 from blender_scenes.materials.wood import wood
 from blender_scenes.shading import Surface
-from configs.schema.arena import SurfaceName
-from configs.schema.look import FloorLook, FloorName, LookConfig
+from configs.schema.floors import FloorLook, FloorName
+from configs.schema.look import LookConfig
+from configs.schema.surface import SurfaceName
 
 FLOORS: dict[FloorName, Callable[[FloorLook, Patch], Surface]] = {
     "linoleum": linoleum,
     "ceramic_tile": ceramic_tile,
     "parquet": parquet,
     "concrete": concrete,
+    "carpet": carpet,
+    "plywood": plywood_floor,
+    "paper_sheets": paper_sheets,
+    "vinyl": vinyl,
 }
 
 SURFACES: dict[SurfaceName, Callable[[LookConfig, Patch], Surface]] = {
@@ -32,9 +42,11 @@ SURFACES: dict[SurfaceName, Callable[[LookConfig, Patch], Surface]] = {
     "black_board": board(0.04),
     "metal": metal,
     "wood": wood,
+    "plywood": plywood,
     "glass": glass,
     "paper": paper,
     "cardboard": cardboard,
     "plastic": plastic,
+    "brick": brick,
 }
 """What walls and obstacles are made of; the names are those of `physics.surfaces`."""

@@ -2,9 +2,9 @@
 
 from blender_scenes.colour import paint_color
 from blender_scenes.materials.base import Patch
-from blender_scenes.materials.patterns import specks, worn_gloss
-from blender_scenes.shading import Cells, Mix, Noise, Step, Surface
-from configs.schema.look import FloorLook
+from blender_scenes.materials.patterns import specks, threads, worn_gloss
+from blender_scenes.shading import Mix, Noise, Step, Surface
+from configs.schema.floors import FloorLook
 
 
 def concrete(look: FloorLook, patch: Patch) -> Surface:
@@ -18,9 +18,9 @@ def concrete(look: FloorLook, patch: Patch) -> Surface:
         paint_color(own.paint, times=1 + own.clouding),
     )
     pores = specks(patch, "pores", size_m=0.0018, share=0.3)
-    crack = 1 - Step(Cells((1.1, 1.1), patch.offset("cracks"), "edge"), 0.0, 0.0012)
+    crack = threads(patch, "cracks", size_m=1.5, width_m=0.0008)
     base = Mix(0.6 * pores, base, paint_color(own.paint, times=0.45))
-    base = Mix(0.9 * crack * Step(clouds, 0.45, 0.6), base, paint_color(own.paint, times=0.3))
+    base = Mix(0.8 * crack * Step(clouds, 0.5, 0.58), base, paint_color(own.paint, times=0.3))
     return Surface(
         patch.name,
         base,

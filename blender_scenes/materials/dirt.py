@@ -1,20 +1,31 @@
-"""What use leaves on a floor: a film of dust in clouds, dark rubber scuffs, crumbs and lint."""
+"""What use leaves on a floor: dust in clouds, the dust of feet, smudges and arcs of rubber heels, crumbs."""
 
 from dataclasses import replace
 
 from blender_scenes.materials.base import Patch
-from blender_scenes.materials.patterns import specks, stains, streaks
-from blender_scenes.shading import Color, Mix, Surface
+from blender_scenes.materials.patterns import arcs, either, specks, stains
+from blender_scenes.shading import Color, Mix, Noise, Step, Surface, Texture
+
+_DUST = Color((0.33, 0.31, 0.28))
+_RUBBER = Color((0.05, 0.047, 0.044))
 
 
 def dirtied(surface: Surface, patch: Patch, amount: float) -> Surface:
     """The floor after `amount` 0-1 of use."""
     if amount == 0:
         return surface
+    grain = Noise((150.0, 150.0), patch.offset("grain of dirt"), octaves=4, gain=0.75)
     film = stains(patch, "film", size_m=0.4, share=0.5)
-    scuffs = streaks(patch, "scuffs", length_m=0.09, width_m=0.006, share=0.35 * amount)
-    crumbs = specks(patch, "crumbs", size_m=0.0016, share=0.12 * amount)
-    base = Mix(0.12 * amount * film, surface.base_color, Color((0.30, 0.28, 0.25)))
-    base = Mix(0.35 * scuffs, base, Color((0.06, 0.055, 0.05)))
-    base = Mix(0.6 * crumbs, base, Color((0.12, 0.10, 0.08)))
+    feet = stains(patch, "feet", size_m=0.07, share=0.25)
+    crumbs = specks(patch, "crumbs", size_m=0.0014, share=0.05 * amount)
+    base = Mix(amount * (0.06 * film + 0.16 * feet * grain), surface.base_color, _DUST)
+    base = Mix(_rubber(patch, amount) * Step(grain, 0.35, 0.85), base, _RUBBER)
+    base = Mix(0.5 * crumbs, base, Color((0.12, 0.10, 0.08)))
     return replace(surface, base_color=base)
+
+
+def _rubber(patch: Patch, amount: float) -> Texture:
+    """Heels that turned on the spot, and soles and chair legs that slid."""
+    turned = arcs(patch, "heels", radius_m=0.03, width_m=0.007, share=0.5 * amount, apart_m=0.14)
+    slid = arcs(patch, "slides", radius_m=0.12, width_m=0.01, share=0.6 * amount, apart_m=0.4)
+    return either(0.75 * turned, 0.5 * slid)

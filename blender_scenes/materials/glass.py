@@ -10,7 +10,7 @@ def glass(look: LookConfig, patch: Patch) -> Surface:
     film = Noise((9.0, 9.0), patch.offset("film"), octaves=4)
     return Surface(
         patch.name,
-        Color((0.86, 0.94, 0.91)),
+        Color((0.93, 0.965, 0.95)),
         roughness=look.glass.roughness * film,
         refractive_index=1.52,
         transmission=1.0,

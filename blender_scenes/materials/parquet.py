@@ -4,7 +4,7 @@ from blender_scenes.colour import paint_color
 from blender_scenes.materials.base import Patch
 from blender_scenes.materials.patterns import worn_gloss
 from blender_scenes.shading import Mix, Noise, Step, Surface, Tiles
-from configs.schema.look import FloorLook
+from configs.schema.floors import FloorLook
 
 
 def parquet(look: FloorLook, patch: Patch) -> Surface:

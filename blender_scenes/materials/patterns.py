@@ -1,9 +1,9 @@
-"""Marks that many surfaces share, as masks 0-1: specks, streaks, stains."""
+"""Marks that many surfaces share, as masks 0-1: specks, streaks, stains, arcs, threads."""
 
 import math
 
 from blender_scenes.materials.base import Patch
-from blender_scenes.shading import Arithmetic, Noise, Step, Texture
+from blender_scenes.shading import Arithmetic, Cells, Noise, Step, Texture
 
 _SEAM = 0.274
 
@@ -27,6 +27,26 @@ def stains(patch: Patch, name: str, *, size_m: float, share: float) -> Texture:
     cloud = Noise((1 / size_m, 1 / size_m), patch.offset(name), octaves=3, gain=0.6)
     level = 0.66 - 0.3 * share
     return Step(cloud, level, level + 0.35)
+
+
+def arcs(patch: Patch, name: str, *, radius_m: float, width_m: float, share: float, apart_m: float) -> Texture:
+    """Bent smears, each in a cell of its own about `apart_m` wide; `share` 0-1 of the cells have any."""
+    per_m, offset = (1 / apart_m, 1 / apart_m), patch.offset(name)
+    hand = Noise((0.8 / radius_m, 0.8 / radius_m), patch.offset(f"{name} hand"), octaves=2)
+    away = Cells(per_m, offset, "distance") + (0.9 * radius_m / apart_m) * (hand - 0.5)
+    radius, half = radius_m / apart_m, 0.5 * width_m / apart_m
+    # Sharp on the inside and fading outwards, as a heel that turns leaves it.
+    smear = Step(away, radius - half, radius - 0.4 * half) * (1 - Step(away, radius - 0.2 * half, radius + 2 * half))
+    here = Step(Cells(per_m, offset, "random"), 1 - share, 1.01 - share)
+    return smear * here * Step(hand, 0.5, 0.62)
+
+
+def threads(patch: Patch, name: str, *, size_m: float, width_m: float) -> Texture:
+    """Fine wandering lines: where a noise with features of `size_m` crosses its mean."""
+    field = Noise((1 / size_m, 1 / size_m), patch.offset(name), octaves=5, gain=0.55)
+    slope = 1.6 / size_m  # of the noise where it crosses its mean, from pictures of it
+    away = Arithmetic("maximum", field - 0.5, 0.5 - field)
+    return 1 - Step(away, 0.2 * slope * width_m, 0.7 * slope * width_m)
 
 
 def either(a: Texture, b: Texture) -> Texture:

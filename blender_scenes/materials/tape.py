@@ -2,34 +2,60 @@
 
 from blender_scenes.colour import paint_color
 from blender_scenes.materials.base import Patch
-from blender_scenes.materials.patterns import either, specks, streaks
-from blender_scenes.shading import Color, Coordinate, Mix, Noise, Step, Surface
+from blender_scenes.materials.patterns import either, specks, streaks, worn_gloss
+from blender_scenes.shading import Color, Coordinate, Mix, Noise, Step, Surface, Texture
 from configs.schema.look import TapeLook
 
+_SHARPEST_BEND_PER_M = 5.0
+"""From this curvature on a tape folds all along its inner edge."""
 
-def tape(look: TapeLook, patch: Patch) -> Surface:
-    """Matt film with a crepe across it, its own tone per piece, scuffs, dust, polished spots and dirt in the joints."""
-    length, _ = patch.size_m
+
+def tape(look: TapeLook, patch: Patch, bend_per_m: float = 0.0, bed_m: float = 0.0) -> Surface:
+    """Matt or glossy film, its own tone per piece, with scuffs, dust, polished spots, dirty ends and folds in bends.
+
+    `bend_per_m` is the piece's curvature, positive to the left; `bed_m` the size of a carpet's loops, which press
+    through from beneath, 0 on a hard floor.
+    """
+    length, width = patch.size_m
     tone = 0.85 + 0.3 * patch.draw("tone")
     rubbed = Noise((22.0, 60.0), patch.offset("rubbed"), octaves=4, gain=0.6, warp=0.4)
-    scuffs = either(
-        streaks(patch, "scuffs along", length_m=0.03, width_m=0.0012, share=0.45 * look.wear),
-        streaks(patch, "scuffs across", length_m=0.018, width_m=0.0009, share=0.4 * look.wear),
-    )
+    fine = Noise((60.0, 2200.0), patch.offset("fine scratches"), octaves=2)
+    nicks = streaks(patch, "nicks", length_m=0.018, width_m=0.0009, share=0.3 * look.wear)
     dust = specks(patch, "dust", size_m=0.0008, share=0.5 * look.wear)
     base = Mix(rubbed, paint_color(look.paint, times=0.8 * tone), paint_color(look.paint, times=1.25 * tone))
-    base = Mix(0.30 * look.wear * Step(rubbed, 0.5, 0.7), base, Color((0.16, 0.15, 0.14)))
-    base = Mix(0.35 * scuffs, base, Color((0.25, 0.24, 0.22)))
+    worn = Step(rubbed, 0.5, 0.72)
+    base = Mix(look.wear * worn * (0.12 + 0.4 * Step(fine, 0.5, 0.75)), base, Color((0.2, 0.19, 0.18)))
+    base = Mix(0.3 * nicks, base, Color((0.25, 0.24, 0.22)))
     base = Mix(0.6 * dust, base, Color((0.4, 0.38, 0.35)))
-    along = Coordinate("u")
-    end = either(1 - Step(along, 0.0001, 0.0005), Step(along, length - 0.0005, length - 0.0001))
+    along, across = Coordinate("u"), Coordinate("v")
+    end = _ends(along, length, 0.0004)
+    gum = _ends(across, width, 0.0006) * rubbed  # dust sticks where the glue comes out
     base = Mix(0.7 * end, base, Color((0.22, 0.20, 0.18)))
+    base = Mix(0.5 * look.wear * gum, base, Color((0.33, 0.31, 0.28)))
+    crepe = Noise((700.0, 160.0), patch.offset("crepe"), octaves=2)
     waves = Noise((30.0, 14.0), patch.offset("waves"), octaves=2)
-    polished = 0.18 * look.wear * Step(rubbed, 0.52, 0.66)
+    height = 0.00012 * waves + (0.00003 * look.roughness) * crepe + _folds(look, patch, bend_per_m, fine=waves)
+    if bed_m:
+        height = height + 0.5 * bed_m * Noise((0.4 / bed_m, 0.4 / bed_m), patch.offset("bed"), octaves=2)
     return Surface(
         patch.name,
         base,
-        roughness=look.roughness + 0.08 - polished,
-        height_m=0.00012 * waves,
+        roughness=worn_gloss(min(look.roughness + 0.05, 1.0), 1 - worn, 0.16 * look.wear),
+        height_m=height,
         refractive_index=1.42,
     )
+
+
+def _ends(at: Coordinate, size_m: float, border_m: float) -> Texture:
+    """1 along both borders of a strip of that size."""
+    return either(1 - Step(at, 0.2 * border_m, border_m), Step(at, size_m - border_m, size_m - 0.2 * border_m))
+
+
+def _folds(look: TapeLook, patch: Patch, bend_per_m: float, fine: Texture) -> Texture:
+    """Height [m] of folds across the tape: from the inner edge in bends, in a few places anywhere."""
+    inside = Coordinate("v") if bend_per_m > 0 else patch.size_m[1] - Coordinate("v")
+    sharp = min(abs(bend_per_m) / _SHARPEST_BEND_PER_M, 1.0)
+    share = Step(inside, 0.3 * patch.size_m[1], patch.size_m[1])
+    pleats = Step(Noise((170.0, 9.0), patch.offset("pleats"), octaves=2), 0.52, 0.72)
+    somewhere = Step(fine, 0.6, 0.7)
+    return (0.0006 * look.wrinkles) * pleats * (sharp * share + 0.4 * somewhere)

@@ -1,19 +1,23 @@
 """Planed softwood board."""
 
+import math
+
 from blender_scenes.colour import paint_color
 from blender_scenes.materials.base import Patch
-from blender_scenes.shading import Mix, Noise, Step, Surface
+from blender_scenes.shading import Arithmetic, Mix, Noise, Step, Surface
 from configs.schema.look import LookConfig
 
 
 def wood(look: LookConfig, patch: Patch) -> Surface:
-    """Growth rings along u, fibres, a varnish left matt."""
+    """Growth rings along u, close and dark where the year ended, fibres, a varnish left matt."""
     own = look.wood
-    rings = Noise((1.8, 55.0), patch.offset("rings"), octaves=3, gain=0.5, warp=0.8)
+    stem = Noise((0.8, 11.0), patch.offset("stem"), octaves=2, gain=0.3)
+    rings = Step(Arithmetic("sine", (24 * math.tau) * stem), -0.6, 1.0)
+    clouds = Noise((2.0, 30.0), patch.offset("clouds"), octaves=3)
     fibres = Noise((30.0, 900.0), patch.offset("fibres"), octaves=2)
     base = Mix(
-        0.7 * Step(rings, 0.3, 0.7) + 0.3 * fibres,
-        paint_color(own.paint, times=0.68),
-        paint_color(own.paint, times=1.25),
+        0.45 * (1 - rings) + 0.35 * clouds + 0.25 * fibres,
+        paint_color(own.paint, times=0.6),
+        paint_color(own.paint, times=1.35),
     )
     return Surface(patch.name, base, roughness=own.roughness + 0.1 * fibres, height_m=0.00002 * fibres)

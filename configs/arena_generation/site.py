@@ -18,6 +18,10 @@ SPACING_M = 0.02
 """Between two poses of the line at which room is looked for."""
 NOTICED_M = (0.32, 0.28, 0.24)
 """From an obstacle's face back to the axle: where the robot may be while it decides on which side to pass."""
+REGAINED_M = (0.23, 0.27, 0.31)
+"""Behind an obstacle's middle: where the robot is while it meets the line again and swings over it."""
+SWING_RAD = tuple(np.radians((45.0, 55.0, 65.0, 75.0)).tolist())
+"""Headings off the line meanwhile, away from the side of the passing."""
 
 STRAIGHT_RAD = 1e-9
 """A line that turns by less has not turned."""
@@ -34,6 +38,8 @@ class Passing:
     """Floor that the robot may take."""
     noticing: Array
     """Poses (N, 3) of the robot while it decides."""
+    regaining: Array
+    """Poses (N, 3) of the robot while it meets the line again."""
 
 
 class Site:
@@ -78,6 +84,8 @@ class Site:
             return False
         if any(overlap(passing.lane, other) for other in self._rectangles()):
             return False
+        if any(self._draws_off(passing, room.outline_of(obstacle_footprint(other))) for other in self._boxes()):
+            return False
         self.obstacles.append(box)
         self._passings.append(passing)
         return True
@@ -91,8 +99,10 @@ class Site:
         return True
 
     def _rectangles(self) -> list[Rectangle]:
-        boxes = [obstacle_footprint(box) for box in (*self.obstacles, *self.decoys)]
-        return [wall_footprint(wall) for wall in self.walls] + boxes
+        return [wall_footprint(wall) for wall in self.walls] + [obstacle_footprint(box) for box in self._boxes()]
+
+    def _boxes(self) -> tuple[Obstacle, ...]:
+        return (*self.obstacles, *self.decoys)
 
     def _in_the_way(self, rectangle: Rectangle, poses: Array) -> bool:
         """Whether a robot on the line would touch it, or take it for an obstacle, at any of the poses (N, 3)."""
@@ -110,7 +120,9 @@ class Site:
             return True
         points = room.outline_of(rectangle)
         return any(
-            overlap(rectangle, passing.lane) or self._seen_on(passing.side, passing.noticing, points)
+            overlap(rectangle, passing.lane)
+            or self._seen_on(passing.side, passing.noticing, points)
+            or self._draws_off(passing, points)
             for passing in self._passings
         )
 
@@ -120,17 +132,28 @@ class Site:
         half_angle = room.HALF_FIELD_RAD + 0.5 * room.HEADING_RAD
         return bool(room.seen_m(poses, sensor, half_angle, points).min() < self._limits.free_side_m)
 
+    def _draws_off(self, passing: Passing, points: Array) -> bool:
+        """Whether the robot would see any of the points (M, 2) of a box while it swings over the line it meets again.
+
+        It may lose the line for a moment then, and takes what is beside it for the wall to follow. A real wall leads
+        it along the line and back to it; a box leads it away.
+        """
+        sensor = room.RIGHT_SENSOR if passing.side == "left" else room.LEFT_SENSOR
+        seen = room.seen_m(passing.regaining, sensor, room.HALF_FIELD_RAD, points)
+        return bool(seen.min() < self._limits.regained_side_m)
+
     def _passing(self, box: Obstacle, at_m: float) -> Passing | None:
         """On the left where that is free, on the right where the left is surely blocked, else not at all."""
         half_m = 0.5 * max(box.size[:2])
         noticing = self.track.poses(at_m - half_m - np.array(NOTICED_M))
         points = np.concatenate([room.outline_of(rectangle) for rectangle in self._rectangles()] or [np.empty((0, 2))])
         frame = self.track.poses(np.array([at_m]))[0]
+        regained = self.track.poses(at_m + np.array(REGAINED_M))
         if not self._seen_on("left", noticing, points):
-            return Passing("left", self._lane(frame, 1.0), noticing)
+            return Passing("left", self._lane(frame, 1.0), noticing, _swung(regained, -1.0))
         blocked = [room.blocked_m(pose, room.LEFT_SENSOR, room.HALF_FIELD_RAD, points) for pose in noticing]
         if max(blocked) < self._limits.blocked_side_m and not self._seen_on("right", noticing, points):
-            return Passing("right", self._lane(frame, -1.0), noticing)
+            return Passing("right", self._lane(frame, -1.0), noticing, _swung(regained, 1.0))
         return None
 
     def _lane(self, frame: NDArray[np.float64], sign: float) -> Rectangle:
@@ -152,3 +175,10 @@ class Site:
             if any((x1 - x0) * (y - y0) - (y1 - y0) * (x - x0) < 0 for x, y in rectangle.corners()):
                 return False
         return True
+
+
+def _swung(poses: Array, sign: float) -> Array:
+    """The poses (N, 3) at every heading of the swing, to the left with sign 1, (N * headings, 3)."""
+    turns = np.zeros((len(SWING_RAD), 1, 3))
+    turns[:, 0, 2] = sign * np.array(SWING_RAD)
+    return (poses + turns).reshape(-1, 3)

@@ -34,6 +34,9 @@ class Clearance(Section):
     """All that the side sensor sees there is further off, where an obstacle is passed; the robot asks for 0.42 m."""
     blocked_side_m: float = Field(default=0.36, ge=0.02, le=5)
     """All that the left sensor sees is nearer, where an obstacle is passed on the right."""
+    regained_side_m: float = Field(default=0.38, ge=0.02, le=5)
+    """Every box that a side sensor sees is further off, where the robot swings over the line that it meets again behind
+    an obstacle: what it sees within 0.34 m in a moment without a line it follows like a wall."""
 
 
 class ArenaGenerator(Section):

@@ -9,71 +9,14 @@ from typing import Literal
 from pydantic import Field
 
 from configs.schema.base import Section, Slug
+from configs.schema.floors import FloorLook
+from configs.schema.paint import Paint
 
-FloorName = Literal["linoleum", "ceramic_tile", "parquet", "concrete"]
-"""`blender_scenes.materials` has a member for every one."""
+LineKind = Literal["tape", "paint"]
+"""What the line was made with; where it lies is the arena's affair."""
 
 PanoramaName = Literal["city", "courtyard", "forest", "interior", "night", "studio", "sunrise", "sunset"]
 """The panoramas shipped with bpy."""
-
-
-class Paint(Section):
-    """A colour by how much light it returns and by its tint."""
-
-    reflectance: float = Field(ge=0.01, le=0.95)
-    """Luminous reflectance."""
-    hue_deg: float = Field(default=40.0, ge=-360, le=360)
-    """0 red, 60 yellow, 120 green, 240 blue."""
-    saturation: float = Field(default=0.0, ge=0, le=1)
-
-
-class Linoleum(Section):
-    """Marbled sheet with a worn wax gloss."""
-
-    paint: Paint = Paint(reflectance=0.55, hue_deg=40, saturation=0.12)
-    marbling: float = Field(default=0.15, ge=0, le=1)
-    """Depth of the streaks relative to the mean reflectance."""
-    roughness: float = Field(default=0.35, ge=0.05, le=1)
-
-
-class CeramicTile(Section):
-    paint: Paint = Paint(reflectance=0.6, hue_deg=35, saturation=0.08)
-    joint: Paint = Paint(reflectance=0.3, hue_deg=35, saturation=0.1)
-    size_m: float = Field(default=0.33, ge=0.02, le=2)
-    joint_width_m: float = Field(default=0.004, ge=0.0005, le=0.03)
-    variation: float = Field(default=0.06, ge=0, le=1)
-    """Spread of reflectance from tile to tile and within one."""
-    roughness: float = Field(default=0.25, ge=0.05, le=1)
-
-
-class Parquet(Section):
-    paint: Paint = Paint(reflectance=0.34, hue_deg=30, saturation=0.5)
-    plank_length_m: float = Field(default=0.5, ge=0.05, le=5)
-    plank_width_m: float = Field(default=0.07, ge=0.01, le=1)
-    gap_m: float = Field(default=0.0005, ge=0, le=0.01)
-    variation: float = Field(default=0.35, ge=0, le=1)
-    """Spread of reflectance from plank to plank."""
-    roughness: float = Field(default=0.35, ge=0.05, le=1)
-
-
-class Concrete(Section):
-    """Power-floated slab with clouds, pores and hairline marks."""
-
-    paint: Paint = Paint(reflectance=0.4, hue_deg=45, saturation=0.06)
-    clouding: float = Field(default=0.25, ge=0, le=1)
-    roughness: float = Field(default=0.6, ge=0.05, le=1)
-
-
-class FloorLook(Section):
-    material: FloorName = "linoleum"
-    yaw_deg: float = Field(default=0.0, ge=-360, le=360)
-    """Turns the pattern under the arena."""
-    dirt: float = Field(default=0.3, ge=0, le=1)
-    """Scuffs, dust and stains; 0 for a floor just laid."""
-    linoleum: Linoleum = Linoleum()
-    ceramic_tile: CeramicTile = CeramicTile()
-    parquet: Parquet = Parquet()
-    concrete: Concrete = Concrete()
 
 
 class TapeLook(Section):
@@ -81,9 +24,28 @@ class TapeLook(Section):
 
     paint: Paint = Paint(reflectance=0.035, hue_deg=30, saturation=0.05)
     roughness: float = Field(default=0.5, ge=0.05, le=1)
+    """0.5 a matt cloth or crepe tape, 0.2 a glossy PVC tape."""
     thickness_m: float = Field(default=0.00013, ge=0.00001, le=0.001)
     wear: float = Field(default=0.4, ge=0, le=1)
     """Scuffs, dust and glossy spots."""
+    gap_m: float = Field(default=0.0004, ge=0, le=0.002)
+    """Between the ends of two pieces that meet; 0 where they touch."""
+    lift_m: float = Field(default=0.0003, ge=0, le=0.002)
+    """How far corners and edges come off the floor here and there; 0 where the tape sticks all over."""
+    wrinkles: float = Field(default=0.3, ge=0, le=1)
+    """Folds, most of them along the inner edge of bends."""
+
+
+class LinePaintLook(Section):
+    """A line painted between masking tapes."""
+
+    paint: Paint = Paint(reflectance=0.04, hue_deg=220, saturation=0.05)
+    roughness: float = Field(default=0.65, ge=0.05, le=1)
+    thickness_m: float = Field(default=0.00005, ge=0.00001, le=0.001)
+    bleeding_m: float = Field(default=0.0004, ge=0, le=0.0009)
+    """How far the paint crept under the masking tape at most; its mean edge stays that of the line."""
+    wear: float = Field(default=0.3, ge=0, le=1)
+    """Scuffs, dust and thin places."""
 
 
 class BoardLook(Section):
@@ -103,6 +65,18 @@ class CardboardLook(Section):
     tape: Paint = Paint(reflectance=0.26, hue_deg=28, saturation=0.6)
     tape_drop_m: float = Field(default=0.035, ge=0, le=1)
     """How far the packing tape comes down the sides."""
+
+
+class BrickLook(Section):
+    """Bare brickwork in running bond."""
+
+    paint: Paint = Paint(reflectance=0.2, hue_deg=14, saturation=0.62)
+    joint: Paint = Paint(reflectance=0.42, hue_deg=40, saturation=0.1)
+    variation: float = Field(default=0.3, ge=0, le=1)
+    """Spread of reflectance from brick to brick."""
+    length_m: float = Field(default=0.21, ge=0.02, le=1)
+    height_m: float = Field(default=0.052, ge=0.01, le=0.5)
+    joint_m: float = Field(default=0.009, ge=0.001, le=0.05)
 
 
 class PaintedLook(Section):
@@ -197,11 +171,15 @@ class LookConfig(Section):
     name: Slug
     description: str = ""
     floor: FloorLook = FloorLook()
+    line: LineKind = "tape"
     tape: TapeLook = TapeLook()
+    line_paint: LinePaintLook = LinePaintLook()
     boards: BoardLook = BoardLook()
     cardboard: CardboardLook = CardboardLook()
     plastic: PaintedLook = PaintedLook(paint=Paint(reflectance=0.25, hue_deg=215, saturation=0.7), roughness=0.3)
     wood: PaintedLook = PaintedLook(paint=Paint(reflectance=0.42, hue_deg=34, saturation=0.5), roughness=0.5)
+    plywood: PaintedLook = PaintedLook(paint=Paint(reflectance=0.48, hue_deg=36, saturation=0.42), roughness=0.6)
+    brick: BrickLook = BrickLook()
     paper: PaintedLook = PaintedLook(paint=Paint(reflectance=0.82, hue_deg=50, saturation=0.03), roughness=0.9)
     metal: GlossLook = GlossLook(roughness=0.3)
     glass: GlossLook = GlossLook(roughness=0.05)

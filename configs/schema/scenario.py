@@ -1,7 +1,7 @@
 """A scenario with every name resolved, and the run specification: the same with one route and numbers only."""
 
 from itertools import pairwise
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
@@ -49,6 +49,12 @@ class Rates(Section):
         return self
 
 
+AnnotationName = Literal[
+    "depth", "instance", "semantic", "normals", "flow", "free_floor", "boxes_2d", "boxes_3d", "key_points"
+]
+"""`blender_scenes.annotations` has a member for every one."""
+
+
 class Render(Section):
     width_px: Annotated[int, PLANNED] = Field(default=640, ge=16, le=8192)
     height_px: Annotated[int, PLANNED] = Field(default=480, ge=16, le=8192)
@@ -57,6 +63,8 @@ class Render(Section):
     denoise: bool = True
     """Off only for many samples, or to measure noise."""
     jpeg_quality: int = Field(default=92, ge=1, le=100)
+    annotations: Annotated[tuple[Annotated[AnnotationName, PLANNED], ...], FromList, PLANNED] = ()
+    """What is known exactly of each image, in files of their own beside the images, which stay as they are without."""
 
 
 class Scenario(Section):

@@ -9,9 +9,11 @@ SurfaceName = Literal[
     "black_board",
     "metal",
     "wood",
+    "plywood",
     "glass",
     "paper",
     "cardboard",
     "plastic",
+    "brick",
 ]
 """What a wall or obstacle is made of; decides its range reading and its look alike (`physics.surfaces`)."""

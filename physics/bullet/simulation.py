@@ -125,7 +125,8 @@ class BulletSimulation:
         gain, speed, reaction, look_every = self._reaction_gain, self._speed_sum, self._reaction, self._look_every
         for number in range(self._steps, self._steps + count):
             if number % look_every == 0:
-                right, left = read(robot, wheels, client)
+                # Where the wheel loop has just been at work they have been read already.
+                right, left = self._wheel_states() if number == self._steps else read(robot, wheels, client)
                 reaction[1] += gain * (right[1] + left[1] - speed) - REACTION_SMOOTHING * reaction[1]
                 speed = right[1] + left[1]
             push(robot, -1, reaction, frame, client)

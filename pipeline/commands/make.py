@@ -21,12 +21,14 @@ def plan(scenario: Scenario, settings: Settings = None) -> None:
 
     Example: symolo plan symolo --set render.samples=16
     """
-    from configs.draw import draw_all
     from configs.loader import load_scenario
+    from pipeline.drawing import draw_reported
     from pipeline.plan import Plan
+    from pipeline.progress import report_here
     from pipeline.workers import cores
 
-    typer.echo(Plan.of(draw_all(load_scenario(scenario, settings or ())), cores()).text())
+    specs = draw_reported(load_scenario(scenario, settings or ()), report_here())
+    typer.echo(Plan.of(specs, cores()).text())
 
 
 def simulate(scenario: Scenario, out: Out, settings: Settings = None, workers: Workers = None) -> int:
@@ -38,7 +40,7 @@ def simulate(scenario: Scenario, out: Out, settings: Settings = None, workers: W
 
 
 def render(scenario: Scenario, out: Out, settings: Settings = None, workers: Workers = None) -> int:
-    """Second stage: render the images of every simulated run in Blender.
+    """Second stage: render the images of every simulated run in Blender, and annotate them where asked for.
 
     Example: symolo render smoke --out data
     """
@@ -69,11 +71,11 @@ def _make(command: str, scenario: str, out: Path, settings: Sequence[str] | None
     from pipeline.progress import report_here
 
     stages = STAGES if command == "release" else (command,)
-    batch = Batch.open(scenario, settings or (), out, workers)
+    report = report_here()
+    batch = Batch.open(scenario, settings or (), out, workers, report)
     failures = batch.simulated() if "simulate" not in stages else []
     if "assemble" in stages and "render" not in stages:
         batch.check_rendered(failures)
-    report = report_here()
     with batch.workspace.locked():
         if "simulate" in stages:
             failures += batch.simulate(report)

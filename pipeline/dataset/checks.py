@@ -11,6 +11,7 @@ from pydantic import ValidationError
 from blender_scenes.frame_files import frame_name
 from configs.schema.arena import ArenaConfig
 from physics.arena import Arena
+from pipeline.dataset.annotation_checks import ANNOTATIONS, annotation_faults
 from pipeline.dataset.metadata import RunRecord
 from pipeline.dataset.obstacles import obstacle_table, off_the_path
 from pipeline.dataset.rows import HEADER, Floats, Rows, parse_table, semantic_faults
@@ -52,6 +53,8 @@ def check_run(root: Path, record: RunRecord) -> Iterator[Finding]:
     yield from _images(run / "images", f"{record.run}/images", rows, record)
     yield from _positions(run / "image_positions.txt", f"{record.run}/image_positions.txt", rows)
     yield from _side(run / "side", f"{record.run}/side", rows, record)
+    for file, what in annotation_faults(run / ANNOTATIONS, rows.image[rows.image > 0].tolist(), record):
+        yield Finding(f"{record.run}/{ANNOTATIONS}/{file}".rstrip("/"), what)
 
 
 def _rows_checks(name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:

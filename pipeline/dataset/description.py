@@ -3,6 +3,7 @@
 import html
 from collections.abc import Iterable, Sequence
 
+from blender_scenes.annotations.document import DOCUMENT, ENCODINGS
 from configs.errors import one_line
 from configs.schema.arena import Obstacle
 from configs.schema.scenario import RunSpec
@@ -14,7 +15,7 @@ DESCRIPTION = "README.md"
 def markdown(metadata: Metadata, example: RunSpec) -> bytes:
     """The description; dimensions of robot and arena are those of the run `example`."""
     parts = [_head(metadata), _layout(metadata), _columns(metadata), _side_tables(metadata, example)]
-    parts += [_frames(metadata), _robot(example), _arena(metadata, example)]
+    parts += [_annotations(metadata), _frames(metadata), _robot(example), _arena(metadata, example)]
     parts += [_runs(metadata), _failed(metadata), _checks()]
     return ("\n\n".join(part for part in parts if part) + "\n").encode()
 
@@ -63,6 +64,18 @@ def _side_tables(metadata: Metadata, example: RunSpec) -> str:
         rows.append((table.file, table.meaning, ", ".join(f"{c.name} [{c.unit}]" for c in columns)))
     rows.append(("spec.json", "every number that the run was made from, arena and robot included", "JSON"))
     return f"## side/\n\n{_table(('file', 'meaning', 'columns'), rows)}"
+
+
+def _annotations(metadata: Metadata) -> str:
+    kinds = metadata.runs[0].annotations
+    if not kinds:
+        return ""
+    rows = [(kind, text) for kind, text in ENCODINGS.items() if kind in kinds]
+    return (
+        f"## annotations/\n\nWhat is known exactly of each image, through the middle of each pixel and at the shutter's"
+        f" time; of glass the pane itself. `{DOCUMENT}` holds categories, instances, camera and images, and all that is"
+        f" no picture.\n\n{_table(('annotation', 'encoding'), rows)}"
+    )
 
 
 def _frames(metadata: Metadata) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from configs.schema.scenario import Rates, RunSpec, StartPose
+from configs.schema.scenario import AnnotationName, Rates, RunSpec, StartPose
 from physics.arena import Arena
 from physics.control.base import State
 from pipeline.dataset.obstacles import obstacle_table
@@ -68,6 +68,7 @@ class RunRecord(Record):
     tof_no_target_m: float
     drawn: dict[str, float | int | str | bool]
     """Every value drawn for this run by its field path."""
+    annotations: tuple[AnnotationName, ...] = Field(default=(), exclude_if=lambda kinds: not kinds)
 
     @classmethod
     def of(cls, spec: RunSpec, rows: Rows, lap_time_s: float | None) -> "RunRecord":
@@ -92,6 +93,7 @@ class RunRecord(Record):
             tof_max_range_m=round(spec.robot.tof.max_range_m, range_decimals),
             tof_no_target_m=round(spec.robot.tof.no_target_m, range_decimals),
             drawn=dict(spec.drawn),
+            annotations=spec.render.annotations,
         )
 
 

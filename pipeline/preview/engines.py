@@ -66,7 +66,7 @@ def _cycles(views: Sequence[View], workers: int, report: Report) -> Made:
         failures = render_runs(tasks, workers, report)
         failed = {failure.run for failure in failures}
         good = [(view, task) for view, task in zip(views, tasks, strict=True) if view.name not in failed]
-        return {view.number: _read(task.images / frame_name(view.number)) for view, task in good}, failures
+        return {view.number: _read(task.files / frame_name(view.number)) for view, task in good}, failures
 
 
 def _read(path: Path) -> Pixels:

@@ -18,6 +18,7 @@ from pipeline.dataset.rows import Rows
 from pipeline.dataset.side import CAMERA, TOF, WHEELS, image_positions, tof_csv, wheels_csv
 from pipeline.files import hashes_of, holds, remove_folder, replace_folder, sha256_of, write_file
 from pipeline.progress import Report
+from pipeline.stages.annotate import copy_released
 from pipeline.stages.render import IMAGES
 from pipeline.stages.simulate_runs import SPEC, read_outcome, read_recording, spec_text
 from pipeline.versions import versions
@@ -67,6 +68,8 @@ def assemble(
 def _release_run(workspace: Workspace, spec: RunSpec) -> dict[str, str]:
     """Put one run's folder in place unless it is there unchanged; SHA-256 of its files by their path in it."""
     stages = {"simulate": workspace.simulate(spec.key).done(), "render": workspace.render(spec.key).done()}
+    if spec.render.annotations:
+        stages["annotate"] = workspace.annotate(spec.key).done()
     files = {name: done.files for name, done in stages.items() if done is not None}
     key = input_key("assemble", stages=files, versions=versions("symolo", "numpy"))
     marker, released = workspace.assemble(spec.key), workspace.out / spec.key
@@ -100,6 +103,8 @@ def _fill(workspace: Workspace, spec: RunSpec, folder: Path) -> None:
     write_file(folder / SIDE / SPEC, spec_text(spec))
     for image in sorted((workspace.render(spec.key).path / IMAGES).glob("*.jpg")):
         write_file(folder / IMAGES / image.name, image.read_bytes())
+    if spec.render.annotations:
+        copy_released(workspace.annotate(spec.key), folder)
 
 
 def camera_table(spec: RunSpec, rows: Rows) -> np.ndarray:

@@ -4,9 +4,11 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 from blender_scenes.frame_files import frame_name
 from blender_scenes.job import FramePose, build_job
+from blender_scenes.protocol import Work
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
@@ -47,14 +49,50 @@ def picture_seed(seed: int, route: str, run: int) -> int:
     return int(stream(seed, route, run, "render").integers(2**31))
 
 
+class FrameTask(Protocol):
+    """Files for each frame of one run: the job, and the folder that it fills."""
+
+    @property
+    def run(self) -> str: ...
+
+    @property
+    def folder(self) -> StageFolder: ...
+
+    @property
+    def job_text(self) -> str: ...
+
+    @property
+    def frames(self) -> tuple[FramePose, ...]: ...
+
+    @property
+    def key(self) -> str:
+        """Input key of the stage."""
+        ...
+
+    @property
+    def work(self) -> Work:
+        """What a Blender process does for it."""
+        ...
+
+    @property
+    def files(self) -> Path:
+        """The folder that is filled frame by frame."""
+        ...
+
+    def finish(self) -> None:
+        """Write what lists the files, and mark the folder done."""
+        ...
+
+
 @dataclass(frozen=True)
 class RenderTask:
-    """The pictures of one run: the job, and the folder that it fills."""
+    """The pictures of one run."""
 
     run: str
     folder: StageFolder
     job_text: str
     frames: tuple[FramePose, ...]
+    work: Work = "pictures"
 
     @classmethod
     def of(cls, run: str, appearance: Appearance, rows: Rows, folder: StageFolder) -> "RenderTask":
@@ -69,8 +107,26 @@ class RenderTask:
         return input_key("render", job=digest, versions=versions("symolo", "bpy", "numpy", "opencv-python-headless"))
 
     @property
-    def images(self) -> Path:
+    def files(self) -> Path:
         return self.folder.path / IMAGES
+
+    def finish(self) -> None:
+        records = [
+            {
+                "number": frame.number,
+                "file": f"{IMAGES}/{frame_name(frame.number)}",
+                "sha256": sha256_of(self.files / frame_name(frame.number)),
+                "t_s": frame.t_s,
+                "x_m": frame.x_m,
+                "y_m": frame.y_m,
+                "yaw_rad": frame.yaw_rad,
+            }
+            for frame in self.frames
+        ]
+        write_file(self.folder.path / FRAMES, canonical_json({"frames": records}))
+        pictures = {record["file"]: record["sha256"] for record in records}
+        texts = {name: sha256_of(self.folder.path / name) for name in (JOB, FRAMES)}
+        mark_done(self.folder.path, self.key, {**texts, **pictures})
 
 
 def frame_poses(rows: Rows) -> tuple[FramePose, ...]:
@@ -82,17 +138,17 @@ def frame_poses(rows: Rows) -> tuple[FramePose, ...]:
     )
 
 
-def render_runs(tasks: Sequence[RenderTask], workers: int, report: Report) -> list[FailedRun]:
-    """Render what is not there yet; frames made before an interruption are kept when their job is the same."""
+def render_runs(tasks: Sequence[FrameTask], workers: int, report: Report, name: str = "render") -> list[FailedRun]:
+    """Do what is not there yet; frames made before an interruption are kept when their job is the same."""
     pending = [task for task in tasks if not task.folder.is_done(task.key)]
     if len(pending) < len(tasks):
-        report.say(f"render: {len(tasks) - len(pending)} of {len(tasks)} runs are there already")
+        report.say(f"{name}: {len(tasks) - len(pending)} of {len(tasks)} runs are there already")
     if not pending:
         return []
     for task in pending:
         _prepare(task)
     units = blocks(pending, workers)
-    with report.stage("render", sum(len(task.frames) for task in pending), "images") as stage:
+    with report.stage(name, sum(len(task.frames) for task in pending), "images") as stage:
 
         def on_event(unit: AnyUnit, event: AnyEvent) -> None:
             if isinstance(unit, RenderUnit) and isinstance(event, Progress | Finished):
@@ -103,11 +159,11 @@ def render_runs(tasks: Sequence[RenderTask], workers: int, report: Report) -> li
     failed = {failure.unit.name for failure in failures}
     for task in pending:
         if task.run not in failed:
-            _finish(task)
-    return failed_runs("render", failures, report)
+            task.finish()
+    return failed_runs(name, failures, report)
 
 
-def blocks(tasks: Sequence[RenderTask], workers: int) -> list[RenderUnit]:
+def blocks(tasks: Sequence[FrameTask], workers: int) -> list[RenderUnit]:
     """Frames in blocks, as many for each run as it takes to give every worker one."""
     count = -(-workers // len(tasks))
     threads = max(1, cores() // min(workers, count * len(tasks)))
@@ -117,9 +173,10 @@ def blocks(tasks: Sequence[RenderTask], workers: int) -> list[RenderUnit]:
         size = max(1, -(-len(numbers) // count))
         units += [
             RenderUnit(
+                work=task.work,
                 name=task.run,
                 job=task.folder.path / JOB,
-                images=task.images,
+                folder=task.files,
                 numbers=tuple(numbers[start : start + size]),
                 threads=threads,
             )
@@ -128,31 +185,12 @@ def blocks(tasks: Sequence[RenderTask], workers: int) -> list[RenderUnit]:
     return units
 
 
-def _prepare(task: RenderTask) -> None:
+def _prepare(task: FrameTask) -> None:
     path = task.folder.path
     inputs = canonical_json({"key": task.key})
     if not (path / INPUTS).is_file() or (path / INPUTS).read_bytes() != inputs:
         remove_folder(path)
-    task.images.mkdir(parents=True, exist_ok=True)
+    task.files.mkdir(parents=True, exist_ok=True)
     (path / DONE).unlink(missing_ok=True)
     write_file(path / JOB, task.job_text.encode())
     write_file(path / INPUTS, inputs)
-
-
-def _finish(task: RenderTask) -> None:
-    records = [
-        {
-            "number": frame.number,
-            "file": f"{IMAGES}/{frame_name(frame.number)}",
-            "sha256": sha256_of(task.images / frame_name(frame.number)),
-            "t_s": frame.t_s,
-            "x_m": frame.x_m,
-            "y_m": frame.y_m,
-            "yaw_rad": frame.yaw_rad,
-        }
-        for frame in task.frames
-    ]
-    write_file(task.folder.path / FRAMES, canonical_json({"frames": records}))
-    pictures = {record["file"]: record["sha256"] for record in records}
-    texts = {name: sha256_of(task.folder.path / name) for name in (JOB, FRAMES)}
-    mark_done(task.folder.path, task.key, {**texts, **pictures})

@@ -47,14 +47,14 @@ class _Rows:
     """What is recorded at each control tick, by series name; columns of one row are stacked at the end."""
 
     units: dict[str, str] = field(default_factory=dict)
-    values: dict[str, list[np.ndarray]] = field(default_factory=dict)
+    values: dict[str, list[object]] = field(default_factory=dict)
 
     def add(self, name: str, unit: str, value: object) -> None:
         self.units[name] = unit
-        self.values.setdefault(name, []).append(np.asarray(value))
+        self.values.setdefault(name, []).append(value)
 
-    def stacked(self, name: str) -> np.ndarray:
-        return np.stack(self.values[name])
+    def stacked(self) -> dict[str, np.ndarray]:
+        return {name: np.array(values) for name, values in self.values.items()}
 
 
 class _Run:
@@ -134,25 +134,19 @@ class _Run:
         rows.add("odometry", "m, m, rad", self._believed)
         rows.add("wheel_speed_rad_s", "rad/s", world.wheel_speeds())
         rows.add("voltage_V", "V", world.voltages())
-        rows.add("current_A", "A", read_current_A(self._spec.robot.terms, np.array(world.currents())))
+        rows.add("current_A", "A", world.currents())
         rows.add("command", "m/s, rad/s", (command.v_m_s, command.w_rad_s))
         rows.add("line_lost", "1", self._controller.line_lost_count)
         image = 1 + tick // self._ticks_per_image if tick % self._ticks_per_image == 0 else 0
         rows.add("image", "1", image)
 
     def _recording(self) -> Recording:
-        rows = self._rows
-        count = len(rows.values["state"])
-        t_s = np.arange(count) / self._spec.rates.control_hz
-        trajectory = Trajectory(
-            t_s,
-            np.asarray(rows.stacked("pose"), dtype=np.float64),
-            np.asarray(rows.stacked("twist"), dtype=np.float64),
-            np.asarray(rows.stacked("state"), dtype=np.int64),
-        )
-        stacked = {name: rows.stacked(name) for name in rows.values}
-        speed = np.asarray(stacked["wheel_speed_rad_s"], dtype=np.float64)
-        stacked["wheel_speed_rad_s"] = read_speed_rad_s(self._spec.robot.terms, t_s, speed)
+        rows, terms = self._rows, self._spec.robot.terms
+        stacked = rows.stacked()
+        t_s = np.arange(len(stacked["state"])) / self._spec.rates.control_hz
+        trajectory = Trajectory(t_s, stacked["pose"], stacked["twist"], stacked["state"])
+        stacked["wheel_speed_rad_s"] = read_speed_rad_s(terms, t_s, stacked["wheel_speed_rad_s"])
+        stacked["current_A"] = read_current_A(terms, stacked["current_A"])
         in_trajectory = {"pose", "twist", "state"}
         series = [
             TimeSeries(name, rows.units[name], t_s, values)

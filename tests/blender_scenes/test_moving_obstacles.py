@@ -52,7 +52,10 @@ def test_placed_by_its_pose_the_mesh_is_the_box_that_the_engine_collides_with(mo
         c, s = np.cos(yaw), np.sin(yaw)
         placed = np.array(mesh.vertices) @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) + (x, y, 0)
         there = replace(box, center=(x, y, box.center[2]), yaw_rad=yaw)
-        np.testing.assert_allclose(placed, box_corners(there), atol=1e-12)
+        corners = box_corners(there)
+        edges = corners[[1, 3, 4]] - corners[0]  # of its length, width and height
+        shares = (placed - corners[0]) @ (edges / np.sum(edges**2, axis=1, keepdims=True)).T
+        np.testing.assert_allclose([shares.min(axis=0), shares.max(axis=0)], [(0, 0, 0), (1, 1, 1)], atol=1e-9)
 
 
 def test_the_surfaces_of_an_obstacle_do_not_depend_on_whether_it_moves(arena, moving, robot):

@@ -306,6 +306,7 @@ def test_the_room_that_is_kept_is_more_than_robot_nominal_takes(nominal):
     assert min(NOTICED_M) < noticed_m < max(NOTICED_M)
     before_m = noticed_m + 0.5 * ArenaGenerator().most_obstacle_m
     assert limits.before_m > before_m
+    assert limits.regained_side_m > nominal.controller.wall.found_within_m
     assert limits.after_m > avoidance.out_length_m + avoidance.along_length_m + avoidance.back_length_m - before_m
 
 
@@ -337,13 +338,35 @@ def stadium(*walls):
         ((0.3, 0.25), False),  # on the way past the obstacle
         ((0.25, 0.40), False),  # where the left sensor looks before the robot turns out
         ((0.6, 0.45), True),
-        ((0.3, -0.30), True),
+        ((0.1, -0.30), True),
     ],
 )
 def test_an_obstacle_on_a_long_straight_is_passed_on_the_left(center, free):
     site = stadium()
     assert site.put_obstacle(CUBE, 1.2)
     assert site.put_decoy(Obstacle(name="Decoy", center=center, size=(0.05, 0.05, 0.12))) is free
+
+
+@pytest.mark.parametrize(
+    ("center", "free"),
+    [
+        ((0.36, -0.34), False),  # swinging over the line behind the obstacle, the robot looks there
+        ((0.36, 0.47), True),  # it comes from that side and looks away
+        ((0.36, -0.52), True),
+        ((0.70, -0.34), True),
+    ],
+)
+def test_nothing_stands_where_the_robot_looks_when_it_meets_the_line_again(center, free):
+    site = stadium()
+    assert site.put_obstacle(CUBE, 1.2)
+    assert site.put_decoy(Obstacle(name="Decoy", center=center, size=(0.05, 0.05, 0.12))) is free
+
+
+def test_no_obstacle_is_put_where_something_stands_beside_the_way_back():
+    beside = Obstacle(name="Decoy", center=(0.36, -0.34), size=(0.05, 0.05, 0.12))
+    site = stadium()
+    assert site.put_decoy(beside)
+    assert not site.put_obstacle(CUBE, 1.2)
 
 
 def test_an_obstacle_beside_a_wall_on_the_left_is_passed_on_the_right():

@@ -9,7 +9,7 @@ import pytest
 from configs.schema.scenario import Rates
 from configs.schema.terms import drive, motor
 from physics.bullet.simulation import BulletSimulation
-from physics.kinematic import KinematicTwin, ReplayedWorld
+from physics.kinematic import FEW, KinematicTwin, ReplayedWorld
 from physics.robot_model import RobotModel
 from sensors.fit_out import fit_out
 from sensors.suite import SensorSuite
@@ -158,6 +158,29 @@ def test_trials_do_not_touch_each_other(robot):
     for lane in range(2):
         alone = twin.drive(both[:, lane : lane + 1], starts[lane : lane + 1])
         np.testing.assert_allclose(alone.pose[:, 0], together.pose[:, lane], atol=1e-12)
+
+
+def test_a_trial_of_bare_motors_goes_the_same_way_alone_and_among_many(robot):
+    """Few trials are stepped in plain numbers and many in arrays; both come to rest, stick and turn round here."""
+    twin = KinematicTwin(RobotModel.from_config(robot), 0.01)
+    shares = np.linspace(-1.5, 1.5, FEW + 3)
+    many = twin.drive(voltages(0.01) * shares[:, None], np.tile([0.4, -0.2, 1.0], (len(shares), 1)))
+    for trial, share in enumerate(shares):
+        alone = twin.drive(voltages(0.01) * share, np.array([[0.4, -0.2, 1.0]]))
+        np.testing.assert_allclose(alone.pose[:, 0], many.pose[:, trial], rtol=0, atol=1e-12)
+        np.testing.assert_allclose(alone.wheel_speed_rad_s[:, 0], many.wheel_speed_rad_s[:, trial], atol=1e-11)
+        np.testing.assert_array_equal(alone.wheel_speed_rad_s[:, 0] == 0.0, many.wheel_speed_rad_s[:, trial] == 0.0)
+        np.testing.assert_allclose(alone.current_A[:, 0], many.current_A[:, trial], atol=1e-11)
+    assert (many.wheel_speed_rad_s[1:] == 0.0).any()
+
+
+@pytest.mark.parametrize("trials", [1, FEW + 1])
+@pytest.mark.parametrize("wrong", [math.nan, math.inf])
+def test_a_voltage_that_is_no_number_is_refused_with_its_place(robot, trials, wrong):
+    given = np.full((20, trials, 2), 2.0)
+    given[7, trials - 1, 1] = wrong
+    with pytest.raises(ValueError, match=rf"voltages_V: {wrong} at step 7, trial {trials - 1}, wheel 1, 1 such in all"):
+        KinematicTwin(RobotModel.from_config(robot)).drive(given, np.zeros((trials, 3)))
 
 
 def test_a_step_of_10_ms_is_fine(robot):

@@ -37,6 +37,15 @@ def steady(motor, term, voltage, time_s=0.0):
     return current[0], speed[0]
 
 
+@pytest.mark.parametrize("wrong", [math.nan, -math.inf])
+def test_the_bench_refuses_a_voltage_that_is_no_number(motor, wrong):
+    model = RobotModel.from_config(motor)
+    with pytest.raises(ValueError, match=rf"voltage_V: {wrong} at trial 2, 1 such in all"):
+        steady_states(model, np.array([1.0, 2.0, wrong]), np.zeros(3))
+    with pytest.raises(ValueError, match=rf"voltage_V: {wrong} at row 1, trial 0, 2 such in all"):
+        step_responses(model, np.array([[1.0], [wrong], [wrong]]), 0.01)
+
+
 def linear(u, r=R, k=K, b=B, tc=TC):
     """K (u - K w) / R = B w + Tc sgn(u), solved for w; I from the winding."""
     w = (k * u / r - math.copysign(tc, u)) / (k**2 / r + b)

@@ -41,6 +41,19 @@ def test_a_floor_without_boxes_is_still_met(open_floor):
     assert cast(open_floor, (0, 0, 0.1), (1, 0, -0.1)) == (pytest.approx(0.5), 0, [0, 0, 1])
 
 
+def test_a_ray_from_below_or_level_does_not_meet_the_floor(open_floor):
+    assert cast(open_floor, (0, 0, -0.1), (1, 0, 0.1)) == (1.0, -1, [0, 0, 0])
+    assert cast(open_floor, (0, 0, 0.1), (1, 0, 0.1)) == (1.0, -1, [0, 0, 0])
+    assert cast(open_floor, (0, 0, 0.1), (0, 0, 1.1)) == (1.0, -1, [0, 0, 0])
+
+
+def test_the_floor_is_met_to_the_last_bits_however_flat_the_ray(open_floor):
+    for end_z in (0.0999, 0.05, -0.1, -10.0):
+        met, fraction = end_z < 0.0, 0.1 / (0.1 - end_z)
+        expected = (pytest.approx(fraction, rel=1e-14), 0) if met else (1.0, -1)
+        assert cast(open_floor, (0.3, -0.2, 0.1), (900.0, 500.0, end_z))[:2] == expected
+
+
 def test_the_normal_turns_with_the_box(arena):
     wall = next(i for i, box in enumerate(arena.boxes) if box.name == "A2")
     fraction, surface, normal = cast(arena, (-0.5, 0.5, 0.05), (-1.0, 0.5, 0.05))

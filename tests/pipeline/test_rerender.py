@@ -35,9 +35,16 @@ def test_the_same_look_gives_the_same_pictures_and_another_one_others(dataset, t
     for name in ("data.csv", "image_positions.txt", *(f"images/{i:06d}.jpg" for i in range(1, 7))):
         assert (same / name).read_bytes() == (run / name).read_bytes(), name
     arguments = ("--look", "lab", "--set", "render.width_px=48", "--set", "render.height_px=36", "--workers", 1)
-    assert symolo("rerender", dataset / ".stages/simulate/CW/test_1", *arguments, "--out", other).code == 0
+    arguments = ("rerender", dataset / ".stages/simulate/CW/test_1", *arguments, "--out", other)
+    assert symolo(*arguments, "--set", "render.annotations=[semantic]").code == 0
+    assert made(other) == OUTPUT | {"annotations"}
+    assert cv2.imread(str(other / "annotations/semantic/000006.png")).shape == (36, 48, 3)
     assert cv2.imread(str(other / "images/000001.jpg")).shape == (36, 48, 3)
     assert (other / "data.csv").read_bytes() == (run / "data.csv").read_bytes()
+    pictures = {path: path.stat().st_mtime_ns for path in (other / ".stages").rglob("*.jpg")}
+    assert symolo(*arguments).code == 0
+    assert made(other) == OUTPUT
+    assert {path: path.stat().st_mtime_ns for path in (other / ".stages").rglob("*.jpg")} == pictures
 
 
 @pytest.mark.parametrize("name", ["CW/test_1", "CCW/test_1/data.csv"])

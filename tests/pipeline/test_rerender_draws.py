@@ -64,7 +64,7 @@ def test_draws_differ_in_their_looks_alone(run):
     _, draws = prepare(run, Request(("classroom",), 20))
     assert len({draw.appearance.look.sun.elevation_deg for draw in draws}) == 20
     assert len({draw.appearance.seed for draw in draws}) == 20
-    assert len({draw.appearance.look.floor.material for draw in draws}) == 4
+    assert len({draw.appearance.look.floor.material for draw in draws}) > 3
     first = draws[0].appearance
     for draw in draws:
         same = draw.appearance

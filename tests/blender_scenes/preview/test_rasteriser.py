@@ -78,13 +78,15 @@ def test_the_edges_of_the_line_lie_where_straight_lines_are_projected_to(arena, 
     """Each row of a straight tape is covered from its one edge's image to the other's."""
     camera = intrinsics(robot.camera, 320, 240)
     piece = arena.line.pieces[0]
-    (tape,) = geometry.tapes(replace(arena.line, pieces=(piece,)), 0.00013, ["tape"])
+    ends, half = np.array([0.0, piece.length_m]), 0.5 * arena.line.width_m
+    outline = np.concatenate([piece.at(ends, -half), piece.at(ends[::-1], half)])
+    tape = geometry.rectangle("tape", [(float(x), float(y), 0.00013) for x, y in outline], "tape")
     x_m, _, yaw_deg = POSES[index]
     X_WC = eye_at(robot, (piece.start[0] + 0.1 * x_m, piece.start[1] + 0.1, 90 + 0.1 * yaw_deg))
     along = np.array([0.35, 0.75])
     images = []
     for side in (1, -1):
-        flat = piece.at(along, side * 0.5 * arena.line.width_m)
+        flat = piece.at(along, side * half)
         images.append(project(camera, X_WC, np.column_stack([flat, [0.00013, 0.00013]]))[0])
     low, high = (int(np.ceil(max(image[1, 1] for image in images))), int(min(image[0, 1] for image in images)))
     assert high - low > 10

@@ -1,0 +1,23 @@
+"""Annotations, one file each, and the table of those that are a picture; each is a function of what is seen."""
+
+from collections.abc import Callable
+
+from blender_scenes.annotations.depth import depth
+from blender_scenes.annotations.flow import flow
+from blender_scenes.annotations.free_floor import free_floor
+from blender_scenes.annotations.instance import instance
+from blender_scenes.annotations.normals import normals
+from blender_scenes.annotations.png import Picture
+from blender_scenes.annotations.seen import Seen
+from blender_scenes.annotations.semantic import semantic
+from configs.schema.scenario import AnnotationName
+
+PICTURES: dict[AnnotationName, Callable[[Seen], Picture | None]] = {
+    "depth": depth,
+    "instance": instance,
+    "semantic": semantic,
+    "normals": normals,
+    "flow": flow,
+    "free_floor": free_floor,
+}
+"""Annotations with a PNG file for each image."""

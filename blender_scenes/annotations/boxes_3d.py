@@ -1,0 +1,32 @@
+"""Boxes in space: size and pose of walls and obstacles."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from blender_scenes.annotations.job import Solid
+from blender_scenes.annotations.seen import Seen
+from blender_scenes.camera import Array
+from blender_scenes.description import Matrix4, Point3
+
+_DECIMALS = 9
+
+
+@dataclass(frozen=True)
+class Box3D:
+    size_m: Point3
+    """Along the axes of its frame B, whose origin is its middle; z is up."""
+    X_WB: Matrix4
+    X_CB: Matrix4
+
+
+def box_3d(seen: Seen, solid: Solid) -> Box3D:
+    X_WB = solid.pose_X_WB(seen.pose_X_WI(solid.instance_id))
+    return Box3D(solid.size_m, rows_of(X_WB), rows_of(np.linalg.inv(seen.X_WC) @ X_WB))
+
+
+def rows_of(matrix: Array) -> Matrix4:
+    """To nine digits, which is a nanometre."""
+    rounded = np.round(matrix, _DECIMALS) + 0.0  # no -0.0
+    a, b, c, d = ((float(r[0]), float(r[1]), float(r[2]), float(r[3])) for r in rounded)
+    return a, b, c, d

@@ -1,0 +1,176 @@
+"""What is to be known exactly of a run's images, as a file: the geometry, the views, and the names of what is seen."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import get_args
+
+import numpy as np
+from pydantic import TypeAdapter
+
+from blender_scenes.annotations.instances import Instances, instances
+from blender_scenes.camera import Array, pose_X_WR
+from blender_scenes.description import FrameView, Intrinsics, Mesh, PlanarPose, Point3, Scene, Sky
+from blender_scenes.job import RenderJob, Sampling
+from blender_scenes.shading import Color, Surface
+from configs.schema.scenario import AnnotationName
+from physics.arena import Arena, Box
+
+FORMAT = 1
+
+RECORDS: tuple[AnnotationName, ...] = ("boxes_2d", "boxes_3d", "key_points")
+"""Annotations that stand in a frame's record; of the others each has a PNG file for each image."""
+RECORDS_DIR = "records"
+
+_LINE_SPACING_M = 0.05
+_ONE_RAY = Sampling(
+    seed=0,
+    samples=1,
+    denoise=False,
+    diffuse_bounces=0,
+    glossy_bounces=0,
+    transmission_bounces=0,
+    filter_width_px=0.01,  # the least that Blender takes: no ray passes further than 0.005 px from the middle
+)
+_CORNERS = np.array([(x, y, z) for z in (-0.5, 0.5) for x, y in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))])
+_PLAIN = Surface("plain", Color((0.5, 0.5, 0.5)))
+_DARK = Sky("studio", 0.0, 0.0, 1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A wall or an obstacle as a box; its frame B lies in the box's middle, axes along the edges."""
+
+    instance_id: int
+    size_m: Point3
+    pose: PlanarPose
+    """Of B's foot in the frame of the instance."""
+
+    def pose_X_WB(self, X_WI: Array) -> Array:
+        """(4, 4) pose of B, from that of the instance's frame."""
+        X_IB = pose_X_WR(*self.pose)
+        X_IB[2, 3] = 0.5 * self.size_m[2]
+        return X_WI @ X_IB
+
+    def corners(self, X_WI: Array) -> Array:
+        """(8, 3) in W, the lower four first, counter-clockwise."""
+        X_WB = self.pose_X_WB(X_WI)
+        return (_CORNERS * self.size_m) @ X_WB[:3, :3].T + X_WB[:3, 3]
+
+
+@dataclass(frozen=True)
+class KeyPoint:
+    """A point of the map that can be told again in every image."""
+
+    id: int
+    name: str
+    """For example `line_2_07` or `A1_3`: corners 0-3 are at the foot, 4-7 above them, counter-clockwise."""
+    kind: str
+    """`line`, `wall_corner` or `obstacle_corner`."""
+    instance_id: int
+    p: Point3
+    """In the frame of the instance."""
+
+
+@dataclass(frozen=True)
+class AnnotationJob:
+    format: int
+    kinds: tuple[AnnotationName, ...]
+    scene: Scene
+    """Its geometry alone: unlit, and all of one opaque surface, so that a pane of glass is met like any other."""
+    camera: Intrinsics
+    frames: tuple[FrameView, ...]
+    sampling: Sampling
+    instances: Instances
+    solids: tuple[Solid, ...]
+    key_points: tuple[KeyPoint, ...]
+
+    def to_json(self) -> str:
+        """The job as text; equal jobs give equal bytes."""
+        return _JOB.dump_json(self).decode() + "\n"
+
+    @classmethod
+    def from_json(cls, text: str) -> "AnnotationJob":
+        """The job that `to_json` wrote.
+
+        Raises:
+            ValueError: The text is no job, or one of another format.
+        """
+        job = _JOB.validate_json(text)
+        if job.format != FORMAT:
+            raise ValueError(f"annotation job of format {job.format}, expected {FORMAT}; build it again")
+        return job
+
+    def following(self, number: int) -> FrameView | None:
+        """The view after that of a number; None after the last."""
+        numbers = [view.number for view in self.frames]
+        later = numbers.index(number) + 1
+        return self.frames[later] if later < len(numbers) else None
+
+    def files(self, number: int) -> tuple[str, ...]:
+        """Names of a frame's files; only the last frame has no flow, for nothing follows it."""
+        last = self.following(number) is None
+        pictures = [kind for kind in self.kinds if kind not in RECORDS and not (kind == "flow" and last)]
+        records = [record_file(number)] if set(RECORDS) & set(self.kinds) else []
+        return (*(picture_file(kind, number) for kind in pictures), *records)
+
+
+_JOB = TypeAdapter(AnnotationJob)
+
+
+def picture_file(kind: str, number: int) -> str:
+    return f"{kind}/{number:06d}.png"
+
+
+def record_file(number: int) -> str:
+    return f"{RECORDS_DIR}/{number:06d}.json"
+
+
+def build_annotation_job(job: RenderJob, arena: Arena, kinds: Sequence[AnnotationName]) -> AnnotationJob:
+    """The annotations of a run's images; materials, light and camera response play no part in them."""
+    known = instances(job.scene, arena)
+    return AnnotationJob(
+        format=FORMAT,
+        kinds=tuple(kind for kind in get_args(AnnotationName) if kind in kinds),
+        scene=_geometry(job.scene),
+        camera=job.camera,
+        # Each as it is at the shutter's time: nothing else of a view plays a part.
+        frames=tuple(FrameView(v.number, v.t_s, v.robot_pose, v.X_WC, v.moving) for v in job.frames),
+        sampling=_ONE_RAY,
+        instances=known,
+        solids=tuple(_solid(box, known) for box in arena.boxes),
+        key_points=tuple(KeyPoint(i, *point) for i, point in enumerate(_key_points(arena, known), start=1)),
+    )
+
+
+def _geometry(scene: Scene) -> Scene:
+    def plain(meshes: tuple[Mesh, ...]) -> tuple[Mesh, ...]:
+        return tuple(replace(mesh, face_surface=(_PLAIN.name,) * len(mesh.faces)) for mesh in meshes)
+
+    return Scene(
+        surfaces=(_PLAIN,),
+        meshes=plain(scene.meshes),
+        robot=plain(scene.robot),
+        panels=(),
+        sun=None,
+        sky=_DARK,
+        moving=plain(scene.moving),
+    )
+
+
+def _solid(box: Box, known: Instances) -> Solid:
+    pose = (*box.center[:2], box.yaw_rad) if box.motion is None else (0.0, 0.0, 0.0)
+    return Solid(known.named(box.name, box.kind).id, box.size, pose)
+
+
+def _key_points(arena: Arena, known: Instances) -> Iterator[tuple[str, str, int, Point3]]:
+    """Name, kind, instance and place: points along the middle of each piece of the line, and the corners of boxes."""
+    for i, piece in enumerate(arena.line.pieces):
+        line = known.named(f"line_{i}", "line")
+        along = np.linspace(0.0, piece.length_m, math.ceil(piece.length_m / _LINE_SPACING_M) + 1)
+        for k, (x, y) in enumerate(piece.at(along).tolist()):
+            yield f"{line.name}_{k:02d}", "line", line.id, (x, y, 0.0)
+    for box in arena.boxes:
+        solid = _solid(box, known)
+        for k, (x, y, z) in enumerate(solid.corners(np.eye(4)).tolist()):
+            yield f"{box.name}_{k}", f"{box.kind}_corner", solid.instance_id, (x, y, z)

@@ -1,0 +1,68 @@
+"""Points of the map in the picture: along the middle of the line, and the corners of walls and obstacles."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from blender_scenes.annotations.instances import ON_THE_FLOOR
+from blender_scenes.annotations.seen import Seen
+from blender_scenes.annotations.sight import hidden, triangles
+from blender_scenes.camera import Array, pose_X_WR, project
+from blender_scenes.description import Point2, Point3
+
+_PIXEL_DECIMALS, _METRE_DECIMALS = 4, 9
+
+
+@dataclass(frozen=True)
+class Sighting:
+    """A key point that lies within a picture."""
+
+    image_id: int
+    key_point_id: int
+    pixel: Point2
+    """u and v; (0, 0) is the middle of the first pixel."""
+    p_C: Point3
+    visible: bool
+    """Nothing stands before it."""
+
+
+def key_points(seen: Seen) -> tuple[Sighting, ...]:
+    """The map's points within the picture, whether something hides them or not."""
+    job, X_WC = seen.job, seen.X_WC
+    if not job.key_points:
+        return ()
+    poses = {point.instance_id: seen.pose_X_WI(point.instance_id) for point in job.key_points}
+    points_W = np.array([(poses[point.instance_id] @ (*point.p, 1.0))[:3] for point in job.key_points])
+    pixels, depth = project(job.camera, X_WC, points_W)
+    size = job.camera.width_px, job.camera.height_px
+    within = np.flatnonzero((depth > 0) & np.all((pixels >= -0.5) & (pixels < np.array(size) - 0.5), axis=1))
+    points_C = (points_W - X_WC[:3, 3]) @ X_WC[:3, :3]
+    covered = hidden(points_C[within], (_screens_W(seen) - X_WC[:3, 3]) @ X_WC[:3, :3])
+    return tuple(
+        Sighting(
+            image_id=seen.view.number,
+            key_point_id=job.key_points[i].id,
+            pixel=(round(float(pixels[i, 0]), _PIXEL_DECIMALS), round(float(pixels[i, 1]), _PIXEL_DECIMALS)),
+            p_C=_rounded(points_C[i]),
+            visible=not covers,
+        )
+        for i, covers in zip(within.tolist(), covered.tolist(), strict=True)
+    )
+
+
+def _screens_W(seen: Seen) -> Array:
+    """(T, 3, 3), triangles in W of all that hides something: floor and line lie flat, the robot is not seen."""
+    scene, instances = seen.job.scene, seen.job.instances
+    categories = [instances.known[instance - 1].category for instance in instances.of_mesh[1 : len(scene.meshes) + 1]]
+    found = [
+        triangles(mesh) for mesh, category in zip(scene.meshes, categories, strict=True) if category not in ON_THE_FLOOR
+    ]
+    for mesh, pose in zip(scene.moving, seen.view.moving, strict=True):
+        X_WB = pose_X_WR(*pose)
+        found.append(triangles(mesh) @ X_WB[:3, :3].T + X_WB[:3, 3])
+    return np.concatenate([np.empty((0, 3, 3)), *found])
+
+
+def _rounded(p: Array) -> Point3:
+    x, y, z = (np.round(p, _METRE_DECIMALS) + 0.0).tolist()
+    return x, y, z

@@ -1,0 +1,64 @@
+"""What a frame's file of records holds: boxes and key points."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from pydantic import TypeAdapter
+
+from blender_scenes.annotations.boxes_2d import Box2D, box_2d
+from blender_scenes.annotations.boxes_3d import Box3D, box_3d
+from blender_scenes.annotations.key_points import Sighting, key_points
+from blender_scenes.annotations.seen import Seen
+from blender_scenes.annotations.silhouette import silhouette
+
+
+@dataclass(frozen=True)
+class Thing:
+    """A wall or an obstacle of which a part lies in the field of view, hidden or not."""
+
+    image_id: int
+    instance_id: int
+    category_id: int
+    box_2d: Box2D | None
+    box_3d: Box3D | None
+
+
+@dataclass(frozen=True)
+class Record:
+    things: tuple[Thing, ...]
+    key_points: tuple[Sighting, ...]
+
+    def to_json(self) -> bytes:
+        return _RECORD.dump_json(self) + b"\n"
+
+    @classmethod
+    def from_json(cls, data: bytes) -> "Record":
+        """What `to_json` wrote; raises ValueError for anything else."""
+        return _RECORD.validate_json(data)
+
+
+_RECORD = TypeAdapter(Record)
+
+
+def record(seen: Seen) -> Record:
+    """Of the kinds that the job asks for."""
+    kinds = seen.job.kinds
+    wants_things = "boxes_2d" in kinds or "boxes_3d" in kinds
+    return Record(
+        things=tuple(_things(seen)) if wants_things else (),
+        key_points=key_points(seen) if "key_points" in kinds else (),
+    )
+
+
+def _things(seen: Seen) -> Iterator[Thing]:
+    kinds = seen.job.kinds
+    for solid in seen.job.solids:
+        whole = silhouette(seen, solid)
+        if whole.any():
+            yield Thing(
+                image_id=seen.view.number,
+                instance_id=solid.instance_id,
+                category_id=int(seen.job.instances.category_ids[solid.instance_id]),
+                box_2d=box_2d(seen, solid, whole) if "boxes_2d" in kinds else None,
+                box_3d=box_3d(seen, solid) if "boxes_3d" in kinds else None,
+            )

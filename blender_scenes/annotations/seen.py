@@ -1,0 +1,96 @@
+"""What a frame's camera sees through the middle of each pixel: which mesh, where, and how its surface stands."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blender_scenes.annotations.job import AnnotationJob
+from blender_scenes.camera import Array
+from blender_scenes.description import FrameView, Intrinsics
+
+_STEEPEST = 1e-3
+"""Cosine between ray and normal below which the plane's equation is too ill to move a point by it."""
+
+
+@dataclass(frozen=True)
+class Passes:
+    """What the renderer's pass without noise gives for each pixel, at a place up to 0.005 px from its middle."""
+
+    mesh: NDArray[np.int64]
+    """(H, W), number of the mesh, 0 where no surface is met."""
+    point_W: Array
+    """(H, W, 3) [m]."""
+    normal_W: Array
+    """(H, W, 3), unit normals of the geometry towards the camera."""
+
+    @classmethod
+    def of(cls, channels: Mapping[str, NDArray[np.generic]], layer: str) -> "Passes":
+        """From the channels of Blender's multilayer OpenEXR file."""
+
+        def vector(name: str) -> Array:
+            return np.stack([channels[f"{layer}.{name}.{axis}"] for axis in "XYZ"], axis=-1).astype(np.float64)
+
+        mesh = np.rint(channels[f"{layer}.IndexOB.X"].astype(np.float64)).astype(np.int64)
+        return cls(mesh, vector("Position"), vector("Normal"))
+
+
+@dataclass(frozen=True)
+class Seen:
+    job: AnnotationJob
+    view: FrameView
+    following: FrameView | None
+    """The next image's view, if there is one."""
+    passes: Passes
+
+    @cached_property
+    def X_WC(self) -> Array:
+        return np.array(self.view.X_WC)
+
+    def pose_X_WI(self, instance_id: int) -> Array:
+        """(4, 4) pose of the frame that an instance's geometry is told in."""
+        return self.job.instances.known[instance_id - 1].pose_X_WI(self.view)
+
+    @cached_property
+    def instance(self) -> NDArray[np.int64]:
+        """(H, W), ids of instances, 0 where no surface is met."""
+        return np.array(self.job.instances.of_mesh)[self.passes.mesh]
+
+    @cached_property
+    def category(self) -> NDArray[np.int64]:
+        """(H, W), ids of categories."""
+        return self.job.instances.category_ids[self.instance]
+
+    @cached_property
+    def rays_W(self) -> Array:
+        """(H, W, 3), through the middle of each pixel; a ray's length is 1 along the optical axis."""
+        return centre_rays_C(self.job.camera) @ self.X_WC[:3, :3].T
+
+    @cached_property
+    def depth_m(self) -> Array:
+        """(H, W), along the optical axis, 0 where no surface is met.
+
+        Where the plane of what was met cuts the ray through the pixel's very middle: a thousandth of a pixel matters
+        where a ray meets the floor at a few degrees.
+        """
+        to_point = self.passes.point_W - self.X_WC[:3, 3]
+        direct = to_point @ self.X_WC[:3, 2]
+        facing = np.einsum("hwk,hwk->hw", self.passes.normal_W, self.rays_W)
+        height = np.einsum("hwk,hwk->hw", self.passes.normal_W, to_point)
+        steep = np.abs(facing) < _STEEPEST
+        depth = np.where(steep, direct, height / np.where(steep, 1.0, facing))
+        return np.where(self.passes.mesh > 0, depth, 0.0)
+
+    @cached_property
+    def point_W(self) -> Array:
+        """(H, W, 3), what is met through the middle of each pixel; the camera's place where nothing is."""
+        return self.X_WC[:3, 3] + self.rays_W * self.depth_m[..., None]
+
+
+def centre_rays_C(camera: Intrinsics) -> Array:
+    """(H, W, 3), rays through the middle of each pixel in C; z is 1."""
+    u, v = np.meshgrid(np.arange(camera.width_px), np.arange(camera.height_px))
+    x, y = (u - camera.cx_px) / camera.fx_px, (v - camera.cy_px) / camera.fy_px
+    return np.stack([x, y, np.ones_like(x)], axis=-1)

@@ -1,0 +1,51 @@
+"""Whether something stands between the camera and a point, in closed form, on the scene's triangles."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blender_scenes.camera import Array
+from blender_scenes.description import Mesh
+
+_MARGIN = 1e-6
+"""Share of the way before the point that does not count: there begins the body that the point is a corner of."""
+_AT_A_TIME = 500_000
+"""Pairs of a ray and a triangle."""
+
+
+def triangles(mesh: Mesh) -> Array:
+    """(T, 3, 3), the faces of a mesh, which are convex, as triangles."""
+    fans = [(face[0], face[k], face[k + 1]) for face in mesh.faces for k in range(1, len(face) - 1)]
+    return np.array(mesh.vertices)[np.array(fans, dtype=int).reshape(-1, 3)]
+
+
+def hidden(points: Array, screens: Array) -> NDArray[np.bool_]:
+    """(N,), whether one of the triangles (T, 3, 3) stands between the camera and each of the points (N, 3), all in C.
+
+    The points lie before the camera. The ray test of Moeller and Trumbore (Fast, minimum storage ray/triangle
+    intersection, 1997), for both sides.
+    """
+    if not len(points):
+        return np.empty(0, dtype=bool)
+    near = _reached(points, screens)
+    block = max(1, _AT_A_TIME // max(1, len(near)))
+    return np.concatenate([_hidden(points[first : first + block], near) for first in range(0, len(points), block)])
+
+
+def _reached(points: Array, screens: Array) -> Array:
+    """Those of the triangles that reach into the pyramid around all points; no other can hide one."""
+    slopes = points[:, :2] / points[:, 2:]
+    along, depth = screens[..., :2], screens[..., 2:]
+    beside = np.all(along < slopes.min(axis=0) * depth, axis=1) | np.all(along > slopes.max(axis=0) * depth, axis=1)
+    return screens[~(beside.any(axis=1) | np.all(depth[..., 0] <= 0, axis=1))]
+
+
+def _hidden(points: Array, screens: Array) -> NDArray[np.bool_]:
+    edge1, edge2 = screens[:, 1] - screens[:, 0], screens[:, 2] - screens[:, 0]
+    across = np.cross(points[:, None, :], edge2)
+    volume = np.einsum("tk,ntk->nt", edge1, across)
+    turned = np.cross(edge1, screens[:, 0])
+    with np.errstate(divide="ignore", invalid="ignore"):  # a ray within a triangle's plane is not stopped by it
+        u = -np.einsum("tk,ntk->nt", screens[:, 0], across) / volume
+        v = points @ turned.T / volume
+        share = np.einsum("tk,tk->t", edge2, turned) / volume
+        return np.any((u >= 0) & (v >= 0) & (u + v <= 1) & (share > 0) & (share < 1 - _MARGIN), axis=1)

@@ -1,0 +1,44 @@
+"""Where a box would be seen if nothing stood before it."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blender_scenes.annotations.job import Solid
+from blender_scenes.annotations.seen import Seen
+from blender_scenes.camera import project
+
+
+def silhouette(seen: Seen, solid: Solid) -> NDArray[np.bool_]:
+    """(H, W), whether the ray through each pixel's middle meets the box, in closed form, by its three slabs.
+
+    Pixels in which the box is seen count in any case: the renderer's rays pass up to 0.005 px beside the middle.
+    """
+    mask = seen.instance == solid.instance_id
+    rows, columns = _window(seen, solid)
+    X_WB = solid.pose_X_WB(seen.pose_X_WI(solid.instance_id))
+    rays = seen.rays_W[rows, columns] @ X_WB[:3, :3]
+    eye = (seen.X_WC[:3, 3] - X_WB[:3, 3]) @ X_WB[:3, :3]
+    half = 0.5 * np.array(solid.size_m)
+    with np.errstate(divide="ignore", invalid="ignore"):  # a ray along a slab never cuts it: infinity is right
+        one, other = (-half - eye) / rays, (half - eye) / rays
+    enters, leaves = np.fmin(one, other).max(axis=-1), np.fmax(one, other).min(axis=-1)
+    mask[rows, columns] |= (leaves >= enters) & (leaves > 0)
+    return mask
+
+
+def _window(seen: Seen, solid: Solid) -> tuple[slice, slice]:
+    """Rows and columns outside of which the box cannot be; all where a part of it is behind the camera."""
+    pixels, depth = project(seen.job.camera, seen.X_WC, solid.corners(seen.pose_X_WI(solid.instance_id)))
+    height, width = seen.instance.shape
+    if np.any(depth <= 0):
+        return (slice(0), slice(0)) if np.all(depth <= 0) else (slice(height), slice(width))
+    low = np.clip(np.floor(pixels.min(axis=0)), 0, (width, height)).astype(int)
+    high = np.clip(np.ceil(pixels.max(axis=0)) + 1, 0, (width, height)).astype(int)
+    return slice(low[1], high[1]), slice(low[0], high[0])
+
+
+def reaches_beyond(seen: Seen, solid: Solid) -> bool:
+    """Whether a part of the box lies beyond the picture's border, or behind the camera."""
+    pixels, depth = project(seen.job.camera, seen.X_WC, solid.corners(seen.pose_X_WI(solid.instance_id)))
+    height, width = seen.instance.shape
+    return bool(np.any(depth <= 0) or np.any(pixels < -0.5) or np.any(pixels > (width - 0.5, height - 0.5)))

@@ -1,0 +1,116 @@
+"""The floors that a look can lay under the arena."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from configs.schema.base import Section
+from configs.schema.paint import Paint
+
+FloorName = Literal["linoleum", "ceramic_tile", "parquet", "concrete", "carpet", "plywood", "paper_sheets", "vinyl"]
+"""`blender_scenes.materials` has a member for every one."""
+
+
+class Linoleum(Section):
+    """Marbled sheet with a worn wax gloss."""
+
+    paint: Paint = Paint(reflectance=0.55, hue_deg=40, saturation=0.12)
+    marbling: float = Field(default=0.15, ge=0, le=1)
+    """Depth of the streaks relative to the mean reflectance."""
+    roughness: float = Field(default=0.35, ge=0.05, le=1)
+
+
+class CeramicTile(Section):
+    paint: Paint = Paint(reflectance=0.6, hue_deg=35, saturation=0.08)
+    joint: Paint = Paint(reflectance=0.3, hue_deg=35, saturation=0.1)
+    size_m: float = Field(default=0.33, ge=0.02, le=2)
+    joint_width_m: float = Field(default=0.004, ge=0.0005, le=0.03)
+    variation: float = Field(default=0.06, ge=0, le=1)
+    """Spread of reflectance from tile to tile and within one."""
+    roughness: float = Field(default=0.25, ge=0.05, le=1)
+
+
+class Parquet(Section):
+    paint: Paint = Paint(reflectance=0.34, hue_deg=30, saturation=0.5)
+    plank_length_m: float = Field(default=0.5, ge=0.05, le=5)
+    plank_width_m: float = Field(default=0.07, ge=0.01, le=1)
+    gap_m: float = Field(default=0.0005, ge=0, le=0.01)
+    variation: float = Field(default=0.35, ge=0, le=1)
+    """Spread of reflectance from plank to plank."""
+    roughness: float = Field(default=0.35, ge=0.05, le=1)
+
+
+class Concrete(Section):
+    """Power-floated slab with clouds, pores and hairline marks."""
+
+    paint: Paint = Paint(reflectance=0.4, hue_deg=45, saturation=0.06)
+    clouding: float = Field(default=0.25, ge=0, le=1)
+    roughness: float = Field(default=0.6, ge=0.05, le=1)
+
+
+class Carpet(Section):
+    """Loop-pile carpet tiles, each laid with its pile a quarter turned from the next."""
+
+    paint: Paint = Paint(reflectance=0.3, hue_deg=215, saturation=0.15)
+    loop_m: float = Field(default=0.003, ge=0.001, le=0.02)
+    """From one loop of yarn to the next."""
+    mottling: float = Field(default=0.3, ge=0, le=1)
+    """Spread of reflectance from loop to loop."""
+    tile_size_m: float = Field(default=0.5, ge=0.1, le=20)
+    """20 for a carpet in one piece."""
+
+
+class PlywoodFloor(Section):
+    """Sanded birch or poplar sheets, laid with their long sides together."""
+
+    paint: Paint = Paint(reflectance=0.5, hue_deg=36, saturation=0.38)
+    sheet_length_m: float = Field(default=2.44, ge=0.2, le=10)
+    sheet_width_m: float = Field(default=1.22, ge=0.2, le=10)
+    seam_m: float = Field(default=0.001, ge=0, le=0.01)
+    variation: float = Field(default=0.15, ge=0, le=1)
+    """Spread of reflectance over the grain and from sheet to sheet."""
+    roughness: float = Field(default=0.55, ge=0.05, le=1)
+
+
+class PaperSheets(Section):
+    """White sheets side by side, each a little over the next, held along the seams by clear tape."""
+
+    paint: Paint = Paint(reflectance=0.8, hue_deg=50, saturation=0.03)
+    sheet_length_m: float = Field(default=0.841, ge=0.1, le=5)
+    """The long side; that of A1 by default."""
+    sheet_width_m: float = Field(default=0.594, ge=0.1, le=5)
+    variation: float = Field(default=0.03, ge=0, le=0.5)
+    """Spread of reflectance from sheet to sheet."""
+    buckling: float = Field(default=0.4, ge=0, le=1)
+    """Waves and folds of the sheets; 0 for sheets glued flat."""
+    tape_width_m: float = Field(default=0.019, ge=0, le=0.1)
+    """Of the clear tape on the seams; 0 for none."""
+    roughness: float = Field(default=0.8, ge=0.05, le=1)
+
+
+class Vinyl(Section):
+    """Cushioned sheet with a printed picture of another floor, embossed and shiny."""
+
+    paint: Paint = Paint(reflectance=0.4, hue_deg=32, saturation=0.3)
+    print: Literal["planks", "terrazzo"] = "planks"
+    variation: float = Field(default=0.3, ge=0, le=1)
+    """Contrast of the print, relative to the mean reflectance."""
+    repeat_m: float = Field(default=0.18, ge=0.05, le=1)
+    """Width of a printed plank; ten of the terrazzo's largest chips."""
+    roughness: float = Field(default=0.32, ge=0.05, le=1)
+
+
+class FloorLook(Section):
+    material: FloorName = "linoleum"
+    yaw_deg: float = Field(default=0.0, ge=-360, le=360)
+    """Turns the pattern under the arena."""
+    dirt: float = Field(default=0.3, ge=0, le=1)
+    """Scuffs, dust and stains; 0 for a floor just laid."""
+    linoleum: Linoleum = Linoleum()
+    ceramic_tile: CeramicTile = CeramicTile()
+    parquet: Parquet = Parquet()
+    concrete: Concrete = Concrete()
+    carpet: Carpet = Carpet()
+    plywood: PlywoodFloor = PlywoodFloor()
+    paper_sheets: PaperSheets = PaperSheets()
+    vinyl: Vinyl = Vinyl()

@@ -1,0 +1,138 @@
+"""Annotations in a release: asked for later they leave the images alone, and what is wrong with them is found."""
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from pipeline.verify import verify
+
+RUN = "CW/test_1"
+OWN = f"{RUN}/annotations"
+KINDS = ("depth", "instance", "semantic", "normals", "flow", "free_floor", "boxes_2d", "boxes_3d", "key_points")
+ASKED = f"--set=render.annotations=[{','.join(KINDS)}]"
+
+
+def times(root, pattern):
+    return {path: path.stat().st_mtime_ns for path in root.rglob(pattern)}
+
+
+@pytest.fixture(scope="module")
+def annotated(dataset, tiny, tmp_path_factory) -> Path:
+    """The dataset, then asked for with annotations; read only."""
+    from pipeline.cli import main  # noqa: PLC0415 - as the user does
+
+    out = Path(shutil.copytree(dataset, tmp_path_factory.mktemp("annotated") / "data"))
+    before = times(out / ".stages", "*.jpg")
+    assert main(["release", "smoke", "--out", str(out), *tiny, ASKED, "--workers", "2"]) == 0
+    assert times(out / ".stages", "*.jpg") == before, "no image is rendered again"
+    return out
+
+
+def test_images_and_tables_stay_the_same_bytes(annotated, dataset, release_of):
+    with_them, without = release_of(annotated), release_of(dataset)
+    told_elsewhere = {"README.md", "metadata.json", "manifest-sha256.txt"}
+    changed = {name for name in without if with_them.get(name) != without[name]}
+    assert {name for name in changed if not name.endswith("side/spec.json")} == told_elsewhere
+    added = {name.split("/")[3] for name in with_them.keys() - without.keys()}
+    assert added == {"annotations.json", "depth", "instance", "semantic", "normals", "flow", "free_floor"}
+
+
+def test_every_image_has_its_annotations_and_the_dataset_no_fault(annotated):
+    names = [f"{number:06d}.png" for number in range(1, 7)]
+    for kind in KINDS[:6]:
+        there = sorted(path.name for path in (annotated / OWN / kind).iterdir())
+        assert there == (names[:-1] if kind == "flow" else names)
+    document = json.loads((annotated / OWN / "annotations.json").read_text())
+    assert [(annotated / RUN / image["file_name"]).is_file() for image in document["images"]] == [True] * 6
+    assert {one["image_id"] for one in document["annotations"]} <= set(range(1, 7))
+    assert "annotations/" in (annotated / "README.md").read_text()
+    assert list(verify(annotated)) == []
+
+
+def test_camera_poses_are_those_of_the_side_file(annotated):
+    table = np.genfromtxt(annotated / RUN / "side/camera.csv", delimiter=",", skip_header=1)
+    document = json.loads((annotated / OWN / "annotations.json").read_text())
+    X_WC = np.array([image["X_WC"] for image in document["images"]])
+    np.testing.assert_allclose(X_WC[:, :3, :3].reshape(-1, 9), table[:, 2:11], atol=1e-9)
+    np.testing.assert_allclose(X_WC[:, :3, 3], table[:, 11:], atol=1e-6)
+
+
+def test_a_second_release_touches_nothing_and_one_without_takes_them_back(
+    annotated, dataset, copy_of, symolo, tiny, release_of
+):
+    out = copy_of(annotated, stages=True)
+    before = times(out, "*.*")
+    assert symolo("release", "smoke", "--out", out, *tiny, ASKED).code == 0
+    assert times(out, "*.*") == before
+    (out / OWN / "depth/000002.png").write_bytes(b"damaged")
+    assert symolo("release", "smoke", "--out", out, *tiny, ASKED).code == 0
+    assert release_of(out) == release_of(annotated)
+    assert symolo("release", "smoke", "--out", out, *tiny).code == 0
+    assert release_of(out) == release_of(dataset)
+
+
+def test_the_example_of_the_page_reads_them(annotated):
+    """On the counter-clockwise route, whose first image sees an obstacle."""
+    page = (Path(__file__).parents[2] / "docs/annotations.md").read_text()
+    (program,) = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    program += "print('floor', float(np.abs(p_W[read('semantic') == categories['floor'], 2]).max()), line.any())\n"
+    call = [sys.executable, "-c", program]
+    done = subprocess.run(call, cwd=annotated / "CCW/test_1", capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert re.search(r"^O2 \[\d+, \d+, \d+, \d+\] (0\.\d|1\.0)", done.stdout, re.MULTILINE)
+    height_m, has_line = re.search(r"^floor (\S+) (\S+)$", done.stdout, re.MULTILINE).groups()
+    assert (float(height_m) < 1e-3, has_line) == (True, "True")
+
+
+def replaced(name, pixels):
+    return lambda root: cv2.imwrite(str(root / OWN / name), pixels)
+
+
+def document(change):
+    def damage(root):
+        path = root / OWN / "annotations.json"
+        content = json.loads(path.read_text())
+        change(content)
+        path.write_text(json.dumps(content))
+
+    return damage
+
+
+SIZE = (24, 32)
+DAMAGE = {
+    "missing": (lambda root: (root / OWN / "depth/000003.png").unlink(), "depth/000003.png", "is missing"),
+    "added": (replaced("flow/000006.png", np.zeros((*SIZE, 3), np.uint16)), "flow/000006.png", "is none of"),
+    "cut": (
+        lambda root: (root / OWN / "flow/000001.png").write_bytes(b""),
+        "flow/000001.png",
+        "cannot be decoded",
+    ),
+    "8 bit": (replaced("depth/000001.png", np.zeros(SIZE, np.uint8)), "depth/000001.png", "is uint8"),
+    "size": (replaced("semantic/000001.png", np.zeros((9, 9), np.uint8)), "semantic/000001.png", r"is uint8 \(9, 9\)"),
+    "id": (replaced("instance/000001.png", np.full(SIZE, 999, np.uint16)), "instance/000001.png", "has the id 999"),
+    "no JSON": (lambda root: (root / OWN / "annotations.json").write_text("{"), "annotations.json", "cannot be read"),
+    "image": (document(lambda d: d["images"].pop()), "annotations.json", "images are not those of data.csv"),
+    "instance": (
+        document(lambda d: d["annotations"].append({"id": 1, "image_id": 1, "category_id": 3, "instance_id": 999})),
+        "annotations.json",
+        "an instance that is not there",
+    ),
+    "key point": (document(lambda d: d["key_points"].clear()), "annotations.json", "a key point that is not there"),
+}
+
+
+@pytest.mark.parametrize("kind", DAMAGE)
+def test_damage_is_found_by_content(kind, annotated, copy_of, sign):
+    damage, name, what = DAMAGE[kind]
+    root = copy_of(annotated)
+    damage(root)
+    sign(root)
+    found = [str(finding) for finding in verify(root)]
+    assert any(text.startswith(f"{OWN}/{name}: ") and re.search(what, text) for text in found), found
