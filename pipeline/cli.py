@@ -12,6 +12,7 @@ import typer
 
 from configs.errors import EnvironmentLacking, InputError, RunFailed
 from pipeline.commands import bench, examine, make
+from pipeline.commands.preview import preview
 from pipeline.files import DISK_FULL
 
 EPILOG = """Exit codes: 0 done; 1 a bug; 2 bad input or usage, nothing written; 3 a run failed, the others are finished;
@@ -41,7 +42,7 @@ def command_line() -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback()(_options)
-    for command in (make.plan, make.release, make.simulate, make.render, make.assemble, make.rerender):
+    for command in (make.plan, preview, make.release, make.simulate, make.render, make.assemble, make.rerender):
         app.command(rich_help_panel="Make data")(command)
     for command in (examine.verify, examine.contact_sheet, examine.doctor, examine.schema):
         app.command(rich_help_panel="Look at data, machine and format")(command)

@@ -13,7 +13,12 @@ from pipeline.workspace import KIND, STAGES, Kind
 NEW_OR_EMPTY = "name a folder that is new or empty"
 
 
-MADE_BY = {Kind.DATASET: "release", Kind.PICTURES: "rerender", Kind.BENCH: "bench"}
+MADE_BY = {
+    Kind.DATASET: "release",
+    Kind.PICTURES: "rerender --look",
+    Kind.LOOKS: "rerender --looks",
+    Kind.BENCH: "bench",
+}
 
 
 def check_out(out: Path, kind: Kind) -> None:

@@ -1,6 +1,8 @@
 """Pictures for a trajectory that is there already, ours or a SyMoLo data.csv from elsewhere; simulates nothing."""
 
+import contextlib
 import hashlib
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from zipfile import BadZipFile
@@ -16,29 +18,36 @@ from configs.loader import load_scenario, load_section
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec
+from configs.streams import stream
 from pipeline.dataset.annotation_checks import ANNOTATIONS
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Ints, Rows, read_rows
 from pipeline.dataset.side import image_positions
-from pipeline.files import hashes_of, holds, remove_folder, replace_folder, sync_folder, write_file
+from pipeline.files import canonical_json, hashes_of, holds, remove_folder, replace_folder, sync_folder, write_file
+from pipeline.output import check_out
 from pipeline.progress import Report
 from pipeline.stages.annotate import AnnotationTask, copy_released
 from pipeline.stages.assemble import DATA, POSITIONS, SIDE
 from pipeline.stages.render import FRAMES, IMAGES, JOB, Appearance, RenderTask, picture_seed, render_runs
 from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
-from pipeline.workspace import Workspace, input_key, mark_done
+from pipeline.workspace import Kind, Workspace, input_key, mark_done
 
 CARRIER = "symolo"
 """The scenario whose reader checks `--set render...`, and whose picture settings a foreign trajectory gets."""
 
 SECTIONS = ("look", "render", "arena", "robot")
 
+LOOK = "look.json"
+"""What was drawn for a set of pictures."""
+
 
 @dataclass(frozen=True)
 class Request:
     """What the user asked for beside the trajectory."""
 
-    look: str
+    looks: tuple[str, ...]
+    draws: int = 1
+    """Of each look."""
     arena: str | None = None
     robot: str | None = None
     camera_hz: float | None = None
@@ -61,24 +70,68 @@ class Source:
     """None for a foreign data.csv."""
 
 
+@dataclass(frozen=True)
+class Draw:
+    """One set of pictures: a look with drawn values."""
+
+    name: str
+    """`<look>_<k>`, k from 1."""
+    appearance: Appearance
+    record: bytes
+    """Content of look.json."""
+
+
+@contextlib.contextmanager
+def open_folders(draws: Sequence[Draw], out: Path, *, apart: bool) -> Iterator[list[Workspace]]:
+    """A folder for each draw, checked and held: `out/<name>` where they lie apart, else `out` for the only one.
+
+    Raises:
+        InputError: One of them cannot be used, or another command works in it.
+    """
+    kind = Kind.LOOKS if apart else Kind.PICTURES
+    check_out(out, kind)
+    whole = Workspace(out.absolute(), kind)
+    folders = [Workspace(whole.out / draw.name, Kind.PICTURES) for draw in draws] if apart else [whole]
+    for folder in folders:
+        check_out(folder.out, Kind.PICTURES)
+    with whole.locked():
+        for folder in folders if apart else ():
+            with folder.locked():  # and let go: each lock takes one of a thousand or so file descriptors
+                pass
+        yield folders
+
+
 def render_source(
-    source: Source, appearance: Appearance, workspace: Workspace, workers: int, report: Report
+    source: Source, draws: Sequence[Draw], folders: Sequence[Workspace], workers: int, report: Report
 ) -> list[FailedRun]:
-    """Render what `prepare` found and fill the workspace's folder with it."""
-    with workspace.locked():
-        task = RenderTask.of("rerender", appearance, source.rows, workspace.render("rerender"))
-        failures = render_runs([task], workers, report)
-        annotations = None
-        if appearance.render.annotations and not failures:
-            annotations = AnnotationTask.of(task, appearance, workspace.annotate("rerender"))
-            failures = render_runs([annotations], workers, report, "annotate")
-        if not failures:
-            _publish(task, annotations, source, workspace)
+    """Render what `prepare` found, annotate it where asked for, and fill a folder with each of it."""
+    places = {draw.name: (draw, folder) for draw, folder in zip(draws, folders, strict=True)}
+    tasks = {
+        name: RenderTask.of(name, draw.appearance, source.rows, folder.render("rerender"))
+        for name, (draw, folder) in places.items()
+    }
+    failures = render_runs(list(tasks.values()), workers, report)
+    failed = {failure.run for failure in failures}
+    annotations = {
+        name: AnnotationTask.of(tasks[name], draw.appearance, folder.annotate("rerender"))
+        for name, (draw, folder) in places.items()
+        if draw.appearance.render.annotations and name not in failed
+    }
+    failures += render_runs(list(annotations.values()), workers, report, "annotate")
+    failed = {failure.run for failure in failures}
+    for name, (draw, folder) in places.items():
+        if name not in failed:
+            _publish(tasks[name], annotations.get(name), source, draw.record, folder)
     return failures
 
 
-def prepare(source: Path, request: Request) -> tuple[Source, Appearance]:
-    """Read and check everything, before anything is written.
+def draw_seed(seed: int, draw: int) -> int:
+    """Of a look's values, stains and noise in one draw; the first one's is the run's own."""
+    return seed if draw == 1 else int(stream(seed, "rerender", draw).integers(2**53))
+
+
+def prepare(source: Path, request: Request) -> tuple[Source, tuple[Draw, ...]]:
+    """Read and check everything, before anything is written: all draws of the first look, then those of the next.
 
     Raises:
         InputError: The trajectory, the look or another part of the request cannot be used.
@@ -89,7 +142,7 @@ def prepare(source: Path, request: Request) -> tuple[Source, Appearance]:
                 "--set", got=text, allowed="fields of " + ", ".join(SECTIONS), cure="simulate anew for others"
             )
     found = _timed(read_source(source), request.camera_hz)
-    return found, _appearance(found, request)
+    return found, _draws(found, request)
 
 
 def read_source(path: Path) -> Source:
@@ -145,23 +198,31 @@ def image_numbers(t_ms: Ints, camera_hz: float) -> Ints:
     return np.where(first, np.cumsum(first), 0)
 
 
-def _appearance(source: Source, request: Request) -> Appearance:
+def _draws(source: Source, request: Request) -> tuple[Draw, ...]:
+    """The looks differ from draw to draw; arena, robot and picture settings are the run's in all of them."""
     spec = source.spec
     route, run = (spec.route, spec.run) if spec else ("foreign", 1)
     seed = request.seed if request.seed is not None else spec.seed if spec else 1
-    look, _ = draw_look(load_section("look", request.look, request.of("look")), seed, route, run)
-    robot, render = _robot(spec, request, seed, route, run), _render(spec, request, seed, route, run)
+    arena = _arena(source, request, seed, route, run)
+    robot = _robot(spec, request, seed, route, run)
+    render = _render(spec, request, seed, route, run)
     if problem := lens_problem(robot.camera, render.width_px, render.height_px):
         raise InputError(
             f"robot.camera.distortion: {problem}", cure="take smaller coefficients or a longer focal length"
         )
-    return Appearance(
-        arena=_arena(source, request, seed, route, run),
-        robot=robot,
-        look=look,
-        render=render,
-        seed=picture_seed(seed, route, run),
-    )
+    draws = []
+    for name in request.looks:
+        section = load_section("look", name, request.of("look"))
+        for k in range(1, request.draws + 1):
+            own = draw_seed(seed, k)
+            look, drawn = draw_look(section, own, route, run)
+            record = {"draw": k, "seed": own, "drawn": drawn, "look": look.model_dump(mode="json")}
+            appearance = Appearance(arena, robot, look, render, picture_seed(own, route, run))
+            draws.append(Draw(f"{look.name}_{k}", appearance, canonical_json(record)))
+    names = [draw.name for draw in draws]
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise InputError("--looks", got=twice[0].rpartition("_")[0], allowed="each look once, by a name of its own")
+    return tuple(draws)
 
 
 def _arena(source: Source, request: Request, seed: int, route: str, run: int) -> ArenaConfig:
@@ -193,16 +254,18 @@ def _render(spec: RunSpec | None, request: Request, seed: int, route: str, run: 
     return draw_render(load_scenario(CARRIER, [*settings, *request.of("render")]), seed, route, run)
 
 
-def _publish(task: RenderTask, annotations: AnnotationTask | None, source: Source, workspace: Workspace) -> None:
+def _publish(
+    task: RenderTask, annotations: AnnotationTask | None, source: Source, look: bytes, workspace: Workspace
+) -> None:
     """Fill the folder; frames.json, the list of the pictures, goes first and comes last: with it the set is whole."""
     out, marker = workspace.out, workspace.assemble("rerender")
-    annotated = annotations.key if annotations else ""
-    key = input_key("pictures", render=task.key, annotate=annotated, data=hashlib.sha256(source.data).hexdigest())
+    digests = {name: hashlib.sha256(data).hexdigest() for name, data in (("data", source.data), ("look", look))}
+    key = input_key("pictures", render=task.key, annotate=annotations.key if annotations else "", **digests)
     done = marker.done()
     if done is not None and done.key == key and holds(out, done.files):
         return
     partial = marker.start()
-    _fill(task, annotations, source, partial)
+    _fill(task, annotations, source, look, partial)
     hashes = hashes_of(partial)
     (out / FRAMES).unlink(missing_ok=True)
     sync_folder(out)
@@ -210,7 +273,7 @@ def _publish(task: RenderTask, annotations: AnnotationTask | None, source: Sourc
     remove_folder(out / ANNOTATIONS)
     if annotations:
         replace_folder(partial / ANNOTATIONS, out / ANNOTATIONS)
-    for name in (DATA, POSITIONS, JOB, FRAMES):
+    for name in (DATA, POSITIONS, JOB, LOOK, FRAMES):
         (partial / name).replace(out / name)
     sync_folder(out)
     marker.path.mkdir(exist_ok=True)
@@ -218,7 +281,7 @@ def _publish(task: RenderTask, annotations: AnnotationTask | None, source: Sourc
     partial.rmdir()
 
 
-def _fill(task: RenderTask, annotations: AnnotationTask | None, source: Source, folder: Path) -> None:
+def _fill(task: RenderTask, annotations: AnnotationTask | None, source: Source, look: bytes, folder: Path) -> None:
     (folder / IMAGES).mkdir()
     for frame in task.frames:
         name = frame_name(frame.number)
@@ -226,6 +289,7 @@ def _fill(task: RenderTask, annotations: AnnotationTask | None, source: Source, 
     if annotations:
         copy_released(annotations.folder, folder)
     write_file(folder / DATA, source.data)
+    write_file(folder / LOOK, look)
     write_file(folder / POSITIONS, image_positions(source.rows))
     for name in (JOB, FRAMES):
         write_file(folder / name, (task.folder.path / name).read_bytes())

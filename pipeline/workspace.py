@@ -32,7 +32,9 @@ class Kind(enum.StrEnum):
 
     DATASET = "dataset"
     PICTURES = "pictures"
-    """Output of `symolo rerender`."""
+    """Output of `symolo rerender --look`."""
+    LOOKS = "looks"
+    """Output of `symolo rerender --looks`: a folder of pictures for each draw."""
     BENCH = "bench"
     """Output of `symolo bench`."""
 

@@ -1,6 +1,5 @@
 """Cycles, with every setting that decides a pixel set here, and the linear light of one view read back whole."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import bpy
@@ -11,14 +10,13 @@ from blender_scenes.description import FrameView
 from blender_scenes.exr import read_exr
 from blender_scenes.job import RenderJob, Sampling
 from blender_scenes.lens_warp import pinhole_picture, through_lens
+from blender_scenes.metering import metered_views, metering_camera
 from blender_scenes.read_out import lateness
 from blender_scenes.shutter import window
 from blender_scenes.surroundings import require_room
 from configs.streams import stream
 
 _SCRATCH = "light.exr"
-_METERED_VIEWS = 5
-_METERED_WIDTH_PX = 64
 _METERING_SAMPLES = 8
 _EXR_PIXEL_BYTES = 12
 _EXR_EXTRA_BYTES = 2**17
@@ -107,15 +105,13 @@ def frame_light(job: RenderJob, view: FrameView) -> np.ndarray:
 
 
 def metered_light(job: RenderJob) -> np.ndarray:
-    """Light of small pictures of a few of the job's views, spread over the run, whichever frames are asked for."""
-    chosen = np.unique(np.linspace(0, len(job.frames) - 1, _METERED_VIEWS).round().astype(int))
-    rendered = pinhole_picture(job.camera).camera
-    height = max(1, round(_METERED_WIDTH_PX * rendered.height_px / rendered.width_px))
+    """Light of small pictures of a few of the job's views."""
+    small = metering_camera(pinhole_picture(job.camera).camera)
+    size = small.width_px, small.height_px
     seen = []
-    for view in (job.frames[i] for i in chosen):
+    for view in metered_views(job):
         seed = _noise_seed(job.sampling.seed, "metering", view.number)
-        size = _METERED_WIDTH_PX, height
-        seen.append(_light(replace(view, exposure=()), size, seed=seed, samples=_METERING_SAMPLES, denoise=False))
+        seen.append(_light(view, size, seed=seed, samples=_METERING_SAMPLES, denoise=False))
     return np.concatenate(seen)
 
 

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from pipeline.commands.options import checked_input, checked_new_file
+from pipeline.commands.options import OutPicture, checked_input
 
 FAULTS = 4
 LACKING = 5
@@ -37,10 +37,7 @@ def contact_sheet(
     folder: Annotated[
         Path, typer.Argument(metavar="DIR", callback=checked_input, help="Dataset, run folder, or output of rerender.")
     ],
-    out: Annotated[
-        Path,
-        typer.Option("--out", metavar="FILE", callback=checked_new_file, help="Picture to write, .jpg or .png."),
-    ],
+    out: OutPicture,
     per_run: Annotated[int, typer.Option(min=1, max=100, help="Images of each run, spread evenly.")] = 6,
     width_px: Annotated[int, typer.Option(min=16, max=4096, help="Width of each image.")] = 240,
 ) -> None:
@@ -50,10 +47,8 @@ def contact_sheet(
     """
     from configs.errors import InputError
     from pipeline.contact_sheet import contact_sheet as sheet_of
-    from pipeline.contact_sheet import save
+    from pipeline.sheet import save
 
-    if out.suffix not in {".jpg", ".png"} or out.is_dir() or not out.absolute().parent.is_dir():
-        raise InputError("--out", got=str(out), allowed="a file name ending in .jpg or .png in a folder that exists")
     if not folder.is_dir():
         raise InputError("no such folder", where=str(folder), cure="name a dataset or a run folder")
     save(sheet_of(folder, per_run, width_px), out)

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipeline.commands.options import Out, Scenario, Settings, Workers, checked_input
+from configs.errors import InputError
+from pipeline.commands.options import Out, Scenario, Settings, Workers, checked_input, names
 
 if TYPE_CHECKING:
     from pipeline.dataset.metadata import FailedRun
@@ -93,7 +94,17 @@ def rerender(
         ),
     ],
     *,
-    look: Annotated[str, typer.Option(metavar="NAME", help="Name of a shipped look, or a YAML file.")],
+    look: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Name of a shipped look, or a YAML file; its pictures lie in DIR."),
+    ] = None,
+    looks: Annotated[
+        str | None,
+        typer.Option(metavar="NAME,...", help="Looks as above; the pictures of draw k lie in DIR/LOOK_k, k from 1."),
+    ] = None,
+    draws: Annotated[
+        int | None, typer.Option("-n", "--n", min=1, max=1000, metavar="N", help="Draws of each of --looks; else one.")
+    ] = None,
     out: Out,
     arena: Annotated[str | None, typer.Option(metavar="NAME", help="Arena; the run's own, else symolo.")] = None,
     robot: Annotated[str | None, typer.Option(metavar="NAME", help="Robot; the run's own, else nominal.")] = None,
@@ -107,29 +118,40 @@ def rerender(
     settings: Settings = None,
     workers: Workers = None,
 ) -> int:
-    """Render a stored trajectory again under another look, without simulating.
+    """Render a stored trajectory again under other looks, without simulating.
 
     Example: symolo rerender data/CW/test_1 --look lab --out lab
 
+    Ten draws of each of two looks: symolo rerender data/CW/test_1 --looks classroom,lab --n 10 --out looks
+
     A data.csv alone: symolo rerender elsewhere/data.csv --look classroom --camera-hz 5 --out pictures
+
+    The first draw of a look is the one that --look gives; the others have seeds of their own, which look.json
+    tells.
     """
-    from pipeline.output import check_out
     from pipeline.progress import report_here
-    from pipeline.rerender import Request, prepare, render_source
+    from pipeline.rerender import Request, open_folders, prepare, render_source
     from pipeline.workers import cores
-    from pipeline.workspace import Kind, Workspace
 
-    request = Request(look, arena, robot, camera_hz, seed, tuple(settings or ()))
-    found, appearance = prepare(source, request)
-    check_out(out, Kind.PICTURES)
-    workspace = Workspace(out.absolute(), Kind.PICTURES)
-    failures = render_source(found, appearance, workspace, workers or cores(), report_here())
-    return _conclude(failures, 1, "rerender", out)
+    chosen = _chosen_looks(look, looks, draws)
+    request = Request(chosen, draws or 1, arena, robot, camera_hz, seed, tuple(settings or ()))
+    found, drawn = prepare(source, request)
+    with open_folders(drawn, out, apart=looks is not None) as folders:
+        failures = render_source(found, drawn, folders, workers or cores(), report_here())
+    return _conclude(failures, len(drawn), "rerender", out, "draw")
 
 
-def _conclude(failures: "Sequence[FailedRun]", runs: int, command: str, out: Path) -> int:
+def _chosen_looks(look: str | None, looks: str | None, draws: int | None) -> tuple[str, ...]:
+    if (look is None) == (looks is None):
+        raise InputError("--look" if looks is None else "--looks", allowed="one look by --look, or several by --looks")
+    if looks is None and draws is not None:
+        raise InputError("--n", got=draws, cure="name the looks by --looks")
+    return names(looks, "--looks") if looks is not None else (str(look),)
+
+
+def _conclude(failures: "Sequence[FailedRun]", runs: int, command: str, out: Path, unit: str = "run") -> int:
     for failure in failures:
         typer.echo(f"failed: {failure.run}: {failure.stage}: {failure.problem}", err=True)
     good = runs - len({failure.run for failure in failures})
-    typer.echo(f"{command}: {good} of {runs} {'run' if runs == 1 else 'runs'}, in {out}")
+    typer.echo(f"{command}: {good} of {runs} {unit if runs == 1 else f'{unit}s'}, in {out}")
     return RUN_FAILED if failures else 0

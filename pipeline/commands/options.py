@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from configs.errors import InputError
 from pipeline.paths import BELOW_CHARS, check_new_path, check_path
 
 
@@ -14,9 +15,12 @@ def checked_input(path: Path) -> Path:
     return path
 
 
-def checked_new_file(path: Path) -> Path:
-    """A file to write."""
+def _checked_new_picture(path: Path) -> Path:
+    """A picture file to write."""
     check_new_path(path, "--out")
+    if path.suffix not in {".jpg", ".png"} or path.is_dir() or not path.absolute().parent.is_dir():
+        allowed = "a file name ending in .jpg or .png in a folder that exists"
+        raise InputError("--out", got=str(path), allowed=allowed)
     return path
 
 
@@ -35,6 +39,10 @@ Out = Annotated[
         help="Output folder: new, empty, or one that symolo made before.",
     ),
 ]
+OutPicture = Annotated[
+    Path,
+    typer.Option("--out", metavar="FILE", callback=_checked_new_picture, help="Picture to write, .jpg or .png."),
+]
 Settings = Annotated[
     list[str] | None,
     typer.Option(
@@ -48,3 +56,11 @@ Workers = Annotated[
     int | None,
     typer.Option("--workers", min=1, max=256, metavar="N", help="Child processes at a time; all cores by default."),
 ]
+
+
+def names(text: str, where: str) -> tuple[str, ...]:
+    """The names of a list with commas between them."""
+    found = tuple(name.strip() for name in text.split(","))
+    if not all(found):
+        raise InputError(where, got=text, allowed="names with commas between them, such as classroom,lab")
+    return found

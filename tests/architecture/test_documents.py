@@ -44,8 +44,9 @@ def test_a_command_of_the_readme_is_one(command):
     values = leaf.make_context(name, arguments).params
     if "scenario" in values and not values["scenario"].endswith(".yaml"):
         load_scenario(values["scenario"], values["settings"] or ())
-    if "look" in values and not values["look"].endswith(".yaml"):
-        load_section("look", values["look"])
+    for look in ",".join(values.get(name) or "" for name in ("look", "looks")).split(","):
+        if look and not look.endswith(".yaml"):
+            load_section("look", look)
 
 
 def test_the_scenario_of_the_readme_is_one(tmp_path):

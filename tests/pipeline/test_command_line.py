@@ -81,6 +81,40 @@ BAD = {
     ),
     "rerender a text": (["rerender", "HERE/bad.yaml", "--look", "lab", "--out", "OUT"], "bad.yaml:1"),
     "rerender into its source": (["rerender", "HERE/data.csv", "--look", "lab", "--out", "HERE"], "did not make"),
+    "rerender under one look and several": (
+        ["rerender", "HERE/data.csv", "--look", "lab", "--looks", "lab,classroom", "--out", "OUT"],
+        "--looks",
+    ),
+    "rerender several draws of one look": (
+        ["rerender", "HERE/data.csv", "--look", "lab", "--n", "3", "--out", "OUT"],
+        "--n: got 3; name the looks by --looks",
+    ),
+    "rerender under the same look twice": (
+        ["rerender", "HERE/data.csv", "--looks", "lab,lab", "--out", "OUT"],
+        "--looks: got 'lab'",
+    ),
+    "rerender under a look without a name": (
+        ["rerender", "HERE/data.csv", "--looks", "lab,", "--out", "OUT"],
+        "names with commas",
+    ),
+    "rerender under looks, one misspelt": (
+        ["rerender", "HERE/data.csv", "--looks", "classroom,labb", "--n", "2", "--out", "OUT"],
+        "did you mean lab",
+    ),
+    "preview of a misspelt scenario": (["preview", "smok", "--out", "OUT.png"], "did you mean smoke"),
+    "preview under no such look": (["preview", "smoke", "--look", "labb", "--out", "OUT.png"], "did you mean lab"),
+    "preview by no such engine": (["preview", "smoke", "--engine", "evee", "--out", "OUT.png"], "evee"),
+    "preview of nothing": (["preview", "smoke", "-n", "0", "--out", "OUT.png"], "-n"),
+    "preview as a text": (["preview", "smoke", "--out", "OUT.txt"], ".jpg or .png"),
+    "preview in no such folder": (["preview", "smoke", "--out", "OUT/sheet.png"], ".jpg or .png"),
+    "preview too wide": (
+        ["preview", "smoke", "-n", "33", "--columns", "100", "--width-px", "2048", "--out", "OUT.png"],
+        "too wide: got '67584 px'",
+    ),
+    "preview too high": (
+        ["preview", "smoke", "-n", "42", "--columns", "1", "--width-px", "2048", "--out", "OUT.png"],
+        "too high: got '66780 px'",
+    ),
     "contact sheet of nothing": (["contact-sheet", "HERE/empty", "--out", "OUT.jpg"], "no data.csv with images"),
     "output in too long a name": (["simulate", "smoke", "--out", LONG], "too long"),
     "output below too long a name": (["simulate", "smoke", "--out", f"OUT/{LONG}"], "too long"),
@@ -250,7 +284,7 @@ def test_contact_sheet_shows_every_run(dataset, tmp_path, symolo):
     sheet = cv2.imread(str(out))
     assert sheet.shape == (2 * (48 + 18), 3 * 64, 3)
     first = cv2.imread(str(dataset / "CCW/test_1/images/000001.jpg"))
-    shown = cv2.resize(sheet[18 : 18 + 48, :64], (32, 24), interpolation=cv2.INTER_NEAREST)
+    shown = cv2.resize(sheet[:48, :64], (32, 24), interpolation=cv2.INTER_NEAREST)
     assert abs(shown.astype(int) - first).max() == 0
 
 
@@ -291,7 +325,8 @@ def test_doctor_compares_with_the_lock_file(symolo, monkeypatch):
 
 
 def test_help_of_every_command_gives_an_example(symolo):
-    commands = ["plan", "release", "simulate", "render", "assemble", "rerender", "verify", "contact-sheet", "schema"]
+    making = ["plan", "preview", "release", "simulate", "render", "assemble", "rerender"]
+    commands = [*making, "verify", "contact-sheet", "schema"]
     listing = symolo("--help").out
     for command in commands:
         assert command in listing

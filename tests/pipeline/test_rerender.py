@@ -9,7 +9,7 @@ import pytest
 from pipeline.rerender import Request, prepare
 from pipeline.workspace import Kind, Workspace
 
-OUTPUT = {"data.csv", "image_positions.txt", "images", "job.json", "frames.json"}
+OUTPUT = {"data.csv", "image_positions.txt", "images", "job.json", "look.json", "frames.json"}
 
 
 @pytest.fixture(autouse=True)
@@ -49,8 +49,8 @@ def test_the_same_look_gives_the_same_pictures_and_another_one_others(dataset, t
 
 @pytest.mark.parametrize("name", ["CW/test_1", "CCW/test_1/data.csv"])
 def test_an_arena_drawn_at_random_has_its_line_where_the_trajectory_begins(dataset, name):
-    _, appearance = prepare(dataset / name, Request("lab", arena="random"))
-    first = appearance.arena.line.pieces[0]
+    _, (draw,) = prepare(dataset / name, Request(("lab",), arena="random"))
+    first = draw.appearance.arena.line.pieces[0]
     yaw_deg = -90 if name.startswith("CW/") else 90
     along = np.subtract(first.end, first.start)
     assert np.degrees(np.arctan2(along[1], along[0])) == pytest.approx(yaw_deg, abs=1.0)
@@ -122,7 +122,7 @@ def test_pictures_are_no_place_for_a_dataset(tmp_path, symolo, tiny):
         pass
     ended = symolo("release", "smoke", "--out", out, *tiny)
     assert (ended.code, ended.err.count("\n")) == (2, 1)
-    assert "holds what symolo rerender made" in ended.err
+    assert "holds what symolo rerender --look made" in ended.err
 
 
 def test_an_interrupted_change_of_the_pictures_is_not_taken_for_finished(
@@ -162,8 +162,9 @@ def test_render_settings_are_drawn_with_the_key_of_the_request(dataset):
     """As a look's values are: others for another run or another seed, the same ones for the same."""
 
     def samples(run, **options):
-        request = Request("lab", overrides=("render.samples={uniform: [1, 4096]}",), **options)
-        return prepare(dataset / run, request)[1].render.samples
+        request = Request(("lab",), overrides=("render.samples={uniform: [1, 4096]}",), **options)
+        _, (draw,) = prepare(dataset / run, request)
+        return draw.appearance.render.samples
 
     assert samples("CW/test_1") == samples("CW/test_1")
     assert len({samples("CW/test_1"), samples("CCW/test_1"), samples("CW/test_1", seed=7)}) == 3

@@ -1,0 +1,84 @@
+"""A job's pictures without Blender, in some hundredths of a second each."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blender_scenes.camera import pose_X_WR
+from blender_scenes.camera_response import Image, develop, median_luminance
+from blender_scenes.description import FrameView, Intrinsics
+from blender_scenes.job import RenderJob
+from blender_scenes.lens_warp import pinhole_picture, through_lens
+from blender_scenes.metering import metered_views, metering_camera
+from blender_scenes.preview.albedo import albedo
+from blender_scenes.preview.light import from_all_around, from_panels, from_sun, of_the_sky
+from blender_scenes.preview.rasteriser import Ints, Seen, rasterise
+from blender_scenes.preview.sun_shadow import SunShadow
+from blender_scenes.preview.triangles import Array, Triangles
+from blender_scenes.typical import typical_color
+
+
+class FlatRenderer:
+    """The scene of a job, ready to be looked at.
+
+    What it leaves out: textures, gloss, glass that is clear, shadows of lamps and of what moves, motion blur, and
+    the robot, which its own camera never sees.
+
+    Raises:
+        ValueError: A face of the scene is not convex, or no light reaches what the camera sees.
+    """
+
+    def __init__(self, job: RenderJob) -> None:
+        scene = job.scene
+        numbers = {surface.name: number for number, surface in enumerate(scene.surfaces)}
+        self._job = job
+        self._still = Triangles.of(scene.meshes, numbers)
+        self._moving = tuple(Triangles.of((mesh,), numbers) for mesh in scene.moving)
+        colors = np.array([typical_color(surface) for surface in scene.surfaces])
+        self._all_around = from_all_around(scene.panels, self._still, colors[self._still.surface])
+        self._shadow = SunShadow.of(scene.sun, self._still) if scene.sun else None
+        self._pinhole = pinhole_picture(job.camera).camera
+        small = metering_camera(self._pinhole)
+        self._metered = median_luminance(np.concatenate([self.light(view, small) for view in metered_views(job)]))
+
+    def picture(self, view: FrameView) -> NDArray[np.uint8]:
+        """(H, W, 3) 8-bit RGB of one of the job's frames, exposed and developed as Blender's pictures are."""
+        light = self.light(view, self._pinhole) * np.array(view.light_gain, np.float32)
+        seen = through_lens(light, self._job.camera)
+        return develop(seen, self._job.response, self._metered, view.number)
+
+    def light(self, view: FrameView, camera: Intrinsics) -> Image:
+        """(H, W, 3) linear light that reaches a pinhole camera in the place of the view, at its instant."""
+        moved = [part.placed(pose_X_WR(*pose)) for part, pose in zip(self._moving, view.moving, strict=True)]
+        triangles = Triangles.joined([self._still, *moved])
+        X_WC = np.array(view.X_WC)
+        seen = rasterise(camera, X_WC, triangles)
+        hit = np.flatnonzero(seen.triangle >= 0)
+        sky = of_the_sky(self._job.scene.sky)
+        light = np.tile(sky.astype(np.float32), (camera.height_px * camera.width_px, 1))
+        light[hit] = self._reflectance(triangles, seen, hit) * self._illuminance(camera, X_WC, triangles, seen, hit).T
+        return light.reshape(camera.height_px, camera.width_px, 3)
+
+    def _reflectance(self, triangles: Triangles, seen: Seen, hit: Ints) -> Array:
+        """(N, 3) over pi of the pixels `hit` (N,)."""
+        number, uv_m = triangles.surface[seen.triangle.ravel()[hit]], seen.uv_m.reshape(-1, 2)[hit]
+        reflectance = np.zeros((len(number), 3))
+        for surface in np.flatnonzero(np.bincount(number)):
+            here = np.flatnonzero(number == surface)
+            reflectance[here] = albedo(self._job.scene.surfaces[surface], uv_m[here]) / np.pi
+        return reflectance
+
+    def _illuminance(self, camera: Intrinsics, X_WC: Array, triangles: Triangles, seen: Seen, hit: Ints) -> Array:
+        """(3, N) of the pixels `hit` (N,), on the side that is seen."""
+        row, column = np.divmod(hit, camera.width_px)
+        x, y = (column - camera.cx_px) / camera.fx_px, (row - camera.cy_px) / camera.fy_px
+        ray = [a * x + b * y + c for a, b, c in X_WC[:3, :3]]
+        depth = seen.depth_m.ravel()[hit]
+        points = np.stack([eye + along * depth for eye, along in zip(X_WC[:3, 3], ray, strict=True)])
+        normal = triangles.normals.T[:, seen.triangle.ravel()[hit]]
+        away = normal[0] * ray[0] + normal[1] * ray[1] + normal[2] * ray[2] > 0
+        normals = np.where(away, -normal, normal).astype(np.float32)
+        scene = self._job.scene
+        total = from_panels(scene.panels, points.astype(np.float32), normals) + self._all_around[:, None]
+        if scene.sun is not None and self._shadow is not None:
+            total += from_sun(scene.sun, normals, self._shadow.lit(points.T, normals.T))
+        return total

@@ -1,0 +1,55 @@
+"""Where the sun reaches: a picture of the scene as the sun sees it, whose depths say what lies in a shadow."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blender_scenes.camera import project
+from blender_scenes.description import Intrinsics, Sun
+from blender_scenes.preview.rasteriser import rasterise
+from blender_scenes.preview.triangles import Array, Triangles
+
+_SIDE_PX = 512
+_AWAY = 1000.0
+"""Distance of the eye in radii of the scene; its rays are parallel to a thousandth."""
+_LIFT_PX = 1.5
+"""Points are looked up so many pixels' width above their surface, or it would shade itself."""
+
+
+@dataclass(frozen=True)
+class SunShadow:
+    camera: Intrinsics
+    X_WC: Array
+    """(4, 4), of the sun's eye."""
+    depth_m: Array
+    """(S, S) of what it sees first."""
+    lift_m: float
+
+    @classmethod
+    def of(cls, sun: Sun, scene: Triangles) -> "SunShadow":
+        """The shadow that what stands still throws."""
+        points = scene.corners.reshape(-1, 3)
+        middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+        radius = float(np.linalg.norm(points - middle, axis=1).max())
+        half, focal_px = 0.5 * (_SIDE_PX - 1), 0.5 * _SIDE_PX * _AWAY
+        camera = Intrinsics(_SIDE_PX, _SIDE_PX, focal_px, focal_px, half, half)
+        X_WC = _looking_back(np.array(sun.towards), middle, _AWAY * radius)
+        return cls(camera, X_WC, rasterise(camera, X_WC, scene).depth_m, 2 * _LIFT_PX * radius / _SIDE_PX)
+
+    def lit(self, points: Array, normals: NDArray[np.float32]) -> NDArray[np.bool_]:
+        """Whether the sun reaches points (N, 3) in W of surfaces with unit normals (N, 3)."""
+        pixel, depth = project(self.camera, self.X_WC, points + self.lift_m * normals)
+        column, row = np.clip(np.rint(pixel), 0, _SIDE_PX - 1).astype(np.intp).T
+        return depth <= self.depth_m[row, column]
+
+
+def _looking_back(towards: Array, middle: Array, distance_m: float) -> Array:
+    """Pose (4, 4) of an eye that looks at `middle` from where the sun stands."""
+    across = np.array([1.0, 0.0, 0.0]) if abs(towards[2]) > 0.9 else np.array([0.0, 0.0, 1.0])
+    right = np.cross(-towards, across)
+    right /= np.linalg.norm(right)
+    X_WC = np.eye(4)
+    X_WC[:3, :3] = np.stack([right, np.cross(-towards, right), -towards], axis=1)
+    X_WC[:3, 3] = middle + distance_m * towards
+    return X_WC

@@ -1,0 +1,92 @@
+"""Which pictures a preview shows: runs as the scenario draws them, looks in turn, places spread over the way."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from blender_scenes.job import FramePose, RenderJob, build_job
+from configs.draw import draw_run
+from configs.loader import LoadedScenario, load_scenario
+from configs.schema.look import LookConfig
+from configs.schema.scenario import RunSpec
+from configs.streams import stream
+from physics.arena import Arena
+from physics.robot_path import RobotPath
+from pipeline.preview.way import Way
+from pipeline.stages.render import Appearance
+
+_DRAFT = "render.samples=2"
+"""Under what `--set` says."""
+_GOLDEN = 0.618033988749895
+"""Steps of this share of the way spread evenly, however many are taken (Weyl's sequence)."""
+
+
+@dataclass(frozen=True)
+class View:
+    """One picture of a preview."""
+
+    number: int
+    """From 1."""
+    name: str
+    lines: tuple[str, ...]
+    """What is said of it."""
+    frame: FramePose
+    job: RenderJob
+
+
+def views(scenario: str, overrides: Sequence[str], looks: Sequence[str], count: int, width_px: int) -> Iterator[View]:
+    """The pictures 1 to `count`; each is the same whatever the count is.
+
+    Every picture shows another run: routes take turns, runs count from 1, beyond those of the scenario as if there were
+    more. With several looks each run is shown under all of them, from the same place, before the next one is.
+
+    Raises:
+        InputError: The scenario or a look cannot be used, or a run's values make an impossible world.
+    """
+    chosen = [f"look={look}" for look in looks]
+    loaded = [load_scenario(scenario, (_DRAFT, own, *overrides)) for own in chosen]
+    loaded = loaded or [load_scenario(scenario, (_DRAFT, *overrides))]
+    for index in range(count):
+        run, look = divmod(index, len(loaded))
+        yield _view(loaded[look], index + 1, run, width_px)
+
+
+def _view(loaded: LoadedScenario, number: int, index: int, width_px: int) -> View:
+    earlier, route = divmod(index, len(loaded.routes))
+    spec = draw_run(loaded, loaded.routes[route].name, earlier + 1)
+    frame = _frame(spec, number, index)
+    look = Appearance.of(spec)
+    height_px = max(1, round(width_px * spec.render.height_px / spec.render.width_px))
+    render = spec.render.model_copy(update={"width_px": width_px, "height_px": height_px})
+    arena = Arena.from_config(spec.arena)
+    job = build_job(arena, spec.robot, spec.look, render, [frame], look.seed, _standing(frame))
+    lines = (f"{spec.key}, seed {spec.seed}, {spec.look.name}", *_words(spec.look))
+    return View(number, f"{number} ({spec.key}, {spec.look.name})", lines, frame, job)
+
+
+def _standing(frame: FramePose) -> RobotPath:
+    """The robot stands while it is exposed; obstacles move on."""
+    pose = np.array([[frame.x_m, frame.y_m, frame.yaw_rad]])
+    return RobotPath(np.array([frame.t_s]), pose, np.zeros((1, 2)))
+
+
+def _frame(spec: RunSpec, number: int, index: int) -> FramePose:
+    share = (stream(spec.seed, "preview", "way").random() + index * _GOLDEN) % 1.0
+    t_s = stream(spec.seed, spec.route, spec.run, "preview", "t_s").uniform(0.0, spec.stop.time_limit_s)
+    x_m, y_m, yaw_rad = Way.of(spec, Arena.from_config(spec.arena)).place(share, t_s)
+    return FramePose(number, t_s, x_m, y_m, yaw_rad)
+
+
+def _words(look: LookConfig) -> tuple[str, str]:
+    """Floor and light of a look, a line each."""
+    lights = []
+    if look.sun.illuminance_klx > 0:
+        lights.append(f"sun {look.sun.illuminance_klx:.1f} klx at {look.sun.elevation_deg:.0f} deg")
+    if look.lamps.flux_klm > 0 and look.lamps.rows > 0:
+        lights.append(f"lamps {look.lamps.color_temperature_K:.0f} K")
+    if look.desk_lamps.count > 0 and look.desk_lamps.flux_klm > 0:
+        lights.append(f"desk {look.desk_lamps.color_temperature_K:.0f} K")
+    if look.sky.luminance_kcd_m2 > 0:
+        lights.append(f"sky {look.sky.luminance_kcd_m2:.2g} kcd/m2")
+    return f"{look.floor.material}, dirt {look.floor.dirt:.2f}, {look.line}", ", ".join(lights)

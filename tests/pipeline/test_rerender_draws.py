@@ -1,0 +1,84 @@
+"""Several draws of several looks for one stored trajectory."""
+
+import json
+
+import cv2
+import pytest
+
+from pipeline.rerender import Request, draw_seed, prepare
+
+
+@pytest.fixture(scope="module")
+def run(dataset):
+    return dataset / "CW/test_1"
+
+
+def test_the_first_draw_is_the_runs_own_and_every_draw_a_folder_like_a_single_one(run, tmp_path, symolo):
+    out = tmp_path / "looks"
+    arguments = ("rerender", run, "--looks", "classroom", "--n", 2, "--out", out)
+    ended = symolo(*arguments)
+    assert ended.code == 0
+    assert f"rerender: 2 of 2 draws, in {out}" in ended.out
+    assert sorted(path.name for path in out.iterdir()) == [".stages", "classroom_1", "classroom_2"]
+    first, second = out / "classroom_1", out / "classroom_2"
+    for image in sorted((run / "images").iterdir()):
+        assert (first / "images" / image.name).read_bytes() == image.read_bytes()
+        assert (second / "images" / image.name).read_bytes() != image.read_bytes()
+    names = {"data.csv", "image_positions.txt", "images", "job.json", "look.json", "frames.json", ".stages"}
+    assert {path.name for path in first.iterdir()} == {path.name for path in second.iterdir()} == names
+    records = [json.loads((folder / "look.json").read_text()) for folder in (first, second)]
+    own = json.loads((run / "side/spec.json").read_text())
+    drawn = {path: value for path, value in own["drawn"].items() if path.startswith("look.")}
+    assert (records[0]["draw"], records[0]["seed"], records[0]["drawn"]) == (1, own["seed"], drawn)
+    assert (records[1]["draw"], records[1]["seed"]) == (2, draw_seed(own["seed"], 2))
+    assert records[1]["drawn"].keys() == drawn.keys()
+    assert records[1]["look"]["room"]["height_m"] == records[1]["drawn"]["look.room.height_m"]
+    _continues_and_is_looked_at(out, arguments, symolo, tmp_path / "sheet.png")
+
+
+def _continues_and_is_looked_at(out, arguments, symolo, sheet):
+    times = {path: path.stat().st_mtime_ns for path in out.rglob("*.jpg")}
+    (out / "classroom_2/images/000002.jpg").write_bytes(b"damaged")
+    assert symolo(*arguments).code == 0
+    kept = {path: path.stat().st_mtime_ns for path in out.rglob("*.jpg") if path.parent != out / "classroom_2/images"}
+    assert kept.items() <= times.items()
+    assert cv2.imread(str(out / "classroom_2/images/000002.jpg")).shape == (24, 32, 3)
+    assert symolo("contact-sheet", out, "--out", sheet, "--per-run", 3, "--width-px", 32).code == 0
+    assert cv2.imread(str(sheet)).shape == (2 * (24 + 18), 3 * 32, 3)
+    refused = symolo("rerender", *arguments[1:2], "--look", "classroom", "--out", out)
+    assert (refused.code, refused.err.count("\n")) == (2, 1)
+    assert "holds what symolo rerender --looks made" in refused.err
+
+
+def test_a_draws_seed_gives_it_again_alone(run):
+    """What look.json says is enough: the same look, light, stains and noise by --look and --seed."""
+    _, draws = prepare(run, Request(("classroom", "lab"), 3))
+    assert [draw.name for draw in draws] == [f"{look}_{k}" for look in ("classroom", "lab") for k in (1, 2, 3)]
+    for draw in draws:
+        look, seed = draw.name.rpartition("_")[0], json.loads(draw.record)["seed"]
+        _, (alone,) = prepare(run, Request((look,), seed=seed))
+        assert alone.appearance == draw.appearance
+
+
+def test_draws_differ_in_their_looks_alone(run):
+    _, draws = prepare(run, Request(("classroom",), 20))
+    assert len({draw.appearance.look.sun.elevation_deg for draw in draws}) == 20
+    assert len({draw.appearance.seed for draw in draws}) == 20
+    assert len({draw.appearance.look.floor.material for draw in draws}) > 3
+    first = draws[0].appearance
+    for draw in draws:
+        same = draw.appearance
+        assert (same.arena, same.robot, same.render) == (first.arena, first.robot, first.render)
+
+
+def test_a_foreign_trajectory_has_one_arena_in_all_draws(run):
+    """Though it is drawn itself, for which the seed of a look is not asked."""
+    arguments = {"arena": "random", "camera_hz": 1.0}
+    _, draws = prepare(run / "data.csv", Request(("lab",), 3, **arguments))
+    assert len({draw.appearance.arena for draw in draws}) == 1
+
+
+def test_more_draws_leave_the_first_ones_as_they_are(run):
+    _, few = prepare(run, Request(("classroom",), 2))
+    _, more = prepare(run, Request(("classroom",), 5))
+    assert few == more[:2]
