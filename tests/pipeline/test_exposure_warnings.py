@@ -10,30 +10,35 @@ from blender_scenes.job import FramePose
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from pipeline.dataset.description import markdown
-from pipeline.dataset.metadata import RunRecord, describe
+from pipeline.dataset.metadata import FailedRun, RunRecord, describe
 from pipeline.dataset.rows import Rows
 from pipeline.progress import LineReport
-from pipeline.stages.render import FRAMES, RenderTask, _finish, picture_warnings
+from pipeline.stages.render import FRAMES, RenderTask, picture_warnings, render_runs
 from pipeline.workspace import StageFolder
 
 
 @pytest.fixture
-def rendered(tmp_path):
-    def task(*greys: int) -> RenderTask:
+def render(tmp_path, monkeypatch):
+    """Renders a run of pictures of one grey each, with hands of its own in place of Blender's."""
+
+    def rendered(*greys: int) -> tuple[RenderTask, list[FailedRun]]:
         frames = tuple(FramePose(number, 0.0, 0.0, 0.0, 0.0) for number in range(1, len(greys) + 1))
-        made = RenderTask("CW/test_1", StageFolder(tmp_path), "{}", frames)
-        made.images.mkdir()
-        (tmp_path / "job.json").write_text("{}")
-        for frame, grey in zip(frames, greys, strict=True):
-            cv2.imwrite(str(made.images / f"{frame.number:06d}.jpg"), np.full((24, 32, 3), grey, np.uint8))
-        return made
+        task = RenderTask("CW/test_1", StageFolder(tmp_path), "{}", frames)
 
-    return task
+        def paint(*_: object) -> list[object]:
+            for frame, grey in zip(frames, greys, strict=True):
+                cv2.imwrite(str(task.files / f"{frame.number:06d}.jpg"), np.full((24, 32, 3), grey, np.uint8))
+            return []
+
+        monkeypatch.setattr("pipeline.stages.render.run_units", paint)
+        return task, render_runs([task], 1, LineReport())
+
+    return rendered
 
 
-def test_a_black_image_among_others_is_a_warning_told_and_kept(rendered, capsys):
-    task = rendered(128, 0)
-    assert _finish(task, LineReport()) == []
+def test_a_black_image_among_others_is_a_warning_told_and_kept(render, capsys):
+    task, failed = render(128, 0)
+    assert failed == []
     assert task.folder.is_done(task.key)
     (warning,) = picture_warnings(task.folder.path)
     assert "1 of 2 images are black" in warning
@@ -43,9 +48,8 @@ def test_a_black_image_among_others_is_a_warning_told_and_kept(rendered, capsys)
     assert shares == [0.0, 1.0]
 
 
-def test_a_run_of_black_images_alone_has_failed(rendered):
-    task = rendered(0, 1)
-    (failed,) = _finish(task, LineReport())
+def test_a_run_of_black_images_alone_has_failed(render):
+    task, (failed,) = render(0, 1)
     assert (failed.run, failed.stage) == ("CW/test_1", "render")
     assert "all 2 images are black: raise look.camera.compensation_ev" in failed.problem
     assert not task.folder.is_done(task.key)
