@@ -61,7 +61,7 @@ def test_camera_poses_are_those_of_the_side_file(annotated):
     document = json.loads((annotated / OWN / "annotations.json").read_text())
     X_WC = np.array([image["X_WC"] for image in document["images"]])
     np.testing.assert_allclose(X_WC[:, :3, :3].reshape(-1, 9), table[:, 2:11], atol=1e-9)
-    np.testing.assert_allclose(X_WC[:, :3, 3], table[:, 11:], atol=1e-6)
+    np.testing.assert_allclose(X_WC[:, :3, 3], table[:, 11:14], atol=1e-6)
 
 
 def test_a_second_release_touches_nothing_and_one_without_takes_them_back(
