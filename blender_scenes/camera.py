@@ -65,7 +65,8 @@ def project(camera: Intrinsics, X_WC: Array, p_W: Array) -> tuple[Array, Array]:
         return np.stack([u, v], axis=1), depth
     rays = p_C[:, :2] / safe[:, None]
     on_sensor = distorted(camera.distortion, rays)
-    folded = np.abs(undistorted(camera.distortion, on_sensor) - rays).max(axis=1) > 1e-6
+    # Far beyond the fold nothing comes back at all, which compares with no number.
+    folded = ~(np.abs(undistorted(camera.distortion, on_sensor) - rays).max(axis=1) <= 1e-6)
     return np.where(folded[:, None], np.nan, pixels(camera, on_sensor)), depth
 
 

@@ -70,7 +70,9 @@ def through_lens(light: Image, camera: Intrinsics, late: Image | None = None) ->
     if camera.distortion == NO_DISTORTION:
         return light
     at = sources(camera) if late is None else sources(camera) + late
-    return cv2.remap(light, at[..., 0], at[..., 1], cv2.INTER_LINEAR).astype(np.float32, copy=False)
+    # What is late may lie beyond the margin; the border is the nearest to it that there is.
+    seen = cv2.remap(light, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return seen.astype(np.float32, copy=False)
 
 
 @lru_cache(maxsize=1)

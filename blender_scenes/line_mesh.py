@@ -41,9 +41,10 @@ def tapes(
         ends = begin, piece.length_m - begin
         lifts = _lifts(ends, lift_m, stream(seed, "lifted tape", number))
         along = _along(piece, ends, lifts)
-        z = np.full((len(along), 4), thickness_m + _ABOVE_THE_LAST_M * number)
+        lifted = np.zeros((len(along), 4))
         for lift in lifts:
-            z[:, lift.column] += lift.at(along)
+            lifted[:, lift.column] = np.maximum(lifted[:, lift.column], lift.at(along))
+        z = thickness_m + _ABOVE_THE_LAST_M * number + lifted
         across = np.broadcast_to(columns, z.shape)
         meshes.append(_strip(f"tape_{number}", piece, (along, across, z), (-begin, half), surfaces[number]))
     return meshes

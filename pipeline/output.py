@@ -21,17 +21,21 @@ MADE_BY = {
 }
 
 
-def check_out(out: Path, kind: Kind) -> None:
+def check_out(out: Path, kind: Kind, *, within_looks: bool = False) -> None:
     """Refuse a folder that cannot or should not be written to, before any work starts.
 
+    `within_looks` allows one of the draws of `rerender --looks`, which only that command may touch.
+
     Raises:
-        InputError: It is a file, foreign and not empty, of another kind, or not writable.
+        InputError: It is a file, foreign and not empty, of another kind, one of many draws, or not writable.
     """
     where = f"--out {out}"
     if out.exists() and not out.is_dir():
         raise InputError("is a file, not a folder", where=where, cure=NEW_OR_EMPTY)
     if out.is_dir():
         _check_kind(out, kind, where)
+    if kind_of(out.absolute().parent) is Kind.LOOKS and not within_looks:
+        raise InputError(f"is a folder of what symolo {MADE_BY[Kind.LOOKS]} made", where=where, cure=NEW_OR_EMPTY)
     nearest = nearest_existing(out)
     if not nearest.is_dir():
         raise InputError(f"lies below the file {nearest}", where=where, cure=NEW_OR_EMPTY)

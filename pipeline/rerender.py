@@ -93,7 +93,7 @@ def open_folders(draws: Sequence[Draw], out: Path, *, apart: bool) -> Iterator[l
     whole = Workspace(out.absolute(), kind)
     folders = [Workspace(whole.out / draw.name, Kind.PICTURES) for draw in draws] if apart else [whole]
     for folder in folders:
-        check_out(folder.out, Kind.PICTURES)
+        check_out(folder.out, Kind.PICTURES, within_looks=apart)
     with whole.locked():
         for folder in folders if apart else ():
             with folder.locked():  # and let go: each lock takes one of a thousand or so file descriptors

@@ -42,4 +42,5 @@ def reaches_beyond(seen: Seen, solid: Solid) -> bool:
     """Whether a part of the box lies beyond the picture's border, or behind the camera."""
     pixels, depth = project(seen.job.camera, seen.X_WC, solid.corners(seen.pose_X_WI(solid.instance_id)))
     height, width = seen.instance.shape
-    return bool(np.any(depth <= 0) or np.any(pixels < -0.5) or np.any(pixels > (width - 0.5, height - 0.5)))
+    within = (pixels >= -0.5) & (pixels <= (width - 0.5, height - 0.5))  # never where the lens has no pixel
+    return bool(np.any(depth <= 0) or not np.all(within))

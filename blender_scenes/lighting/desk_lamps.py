@@ -23,6 +23,7 @@ _BULB_DEPTH_M = 0.06
 """Behind the plane of the rim."""
 _FROM_EDGE_M = 0.12
 _REACH_M = 0.14
+_AT_THE_MIDDLE_M = 1e-6
 """Of the arm towards the middle."""
 
 
@@ -50,12 +51,14 @@ def desk_lamps(look: LookConfig, room: Room) -> Lights:
 
 
 def _stand(top: Top, middle: Array) -> tuple[Array, Array]:
-    """Where the lamp stands, and the level direction from there to the middle."""
+    """Where the lamp stands, and the level direction from there to the middle; along the table where it is there."""
     x, y, yaw = top.pose
     own = np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]])
     half = np.maximum(0.5 * np.array(top.size_m) - _FROM_EDGE_M, 0.0)
     nearest = own @ np.clip(own.T @ (middle - (x, y)), -half, half) + (x, y)
     away = middle - nearest
+    if np.linalg.norm(away) < _AT_THE_MIDDLE_M:
+        away = own[:, 0]
     return np.array([*nearest, top.height_m]), np.array([*(away / np.linalg.norm(away)), 0.0])
 
 

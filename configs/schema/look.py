@@ -100,7 +100,9 @@ class CameraLook(Section):
     exposure_adaption: float = Field(default=0.5, ge=0, le=1)
     """0: one exposure for the whole run, metered on a few of its views; 1: each frame is exposed by its own light."""
     exposure_time_s: float = Field(default=0.0, ge=0, le=0.1)
-    """How long each pixel sees, which blurs what moves; 0 is an instant. Brightness and noise do not depend on it."""
+    """How long each pixel sees, which blurs what moves and evens out lamps that flicker; 0 is an instant.
+
+    Else brightness and noise do not depend on it."""
     white_balance_K: float = Field(default=5000.0, ge=1500, le=15000)
     """The light that is rendered neutral where the white balance is not automatic."""
     white_balance_adaption: float = Field(default=0.8, ge=0, le=1)

@@ -128,3 +128,11 @@ def test_a_point_that_the_lens_would_fold_back_into_the_picture_has_no_pixel(rob
     pixel, depth = project(camera, X_WC, points)
     assert np.isnan(pixel).any(axis=1).tolist() == [False, True]
     assert depth == pytest.approx([1, 1])
+
+
+@pytest.mark.parametrize("x_m", [2.0, 3.0, 3.5, 5.0, 40.0])
+def test_a_point_far_beyond_the_lens_fold_has_no_pixel_either(robot, x_m):
+    """Off by 1.667 = 1 / sqrt(3 * 0.12) the radius x (1 - 0.12 x^2) falls again; beyond 2.9 it is negative."""
+    camera = replace(intrinsics(robot.camera, 160, 120), distortion=(-0.12, 0.0, 0.0, 0.0, 0.0))
+    pixels, _ = project(camera, np.eye(4), np.array([[x_m, 0.0, 1.0]]))
+    assert np.isnan(pixels).all()

@@ -152,3 +152,12 @@ def test_the_seed_decides_the_noise():
     look = PLAIN.model_copy(update={"shot_noise": 0.05})
     response = _response(look)
     assert not np.array_equal(develop(GREY, response, 3.0, 1), develop(GREY, replace(response, seed=2), 3.0, 1))
+
+
+@pytest.mark.parametrize("adaption", [0.0, 0.5, 1.0])
+def test_the_warmest_light_has_a_white_balance_too(adaption):
+    """A light of 1900 K and less has no blue at all within Rec. 709."""
+    look = CameraLook(white_balance_K=1500, white_balance_adaption=adaption)
+    gains = CameraResponse.from_look(look, light_rgb(1500), 1, jpeg_quality=92).white_balance
+    assert np.all(np.isfinite(gains))
+    assert gains[0] < 1 < gains[2] <= 50

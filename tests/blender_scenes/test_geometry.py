@@ -85,6 +85,13 @@ def test_the_tapes_lie_on_the_floor_but_for_lifted_edges_and_face_up(scene):
     assert 0.3 * own.lift_m < max(heights) <= own.lift_m
 
 
+def test_lifts_that_meet_do_not_add_up(arena):
+    surfaces = ["a"] * len(arena.line.pieces)
+    for seed in range(60):
+        for mesh in line_mesh.tapes(arena.line, surfaces, thickness_m=1e-4, gap_m=0.0, lift_m=1e-3, seed=seed):
+            assert np.ptp([z for _, _, z in mesh.vertices]) <= 1e-3 + 1e-9
+
+
 def test_a_tape_that_sticks_all_over_is_flat(arena):
     assert all(len({v[2] for v in mesh.vertices}) == 1 for mesh in _tapes(arena.line, lift_m=0.0))
     assert any(len({v[2] for v in mesh.vertices}) > 1 for mesh in _tapes(arena.line, lift_m=1e-3))

@@ -40,6 +40,13 @@ def test_the_margin_is_as_wide_as_the_outermost_ray_and_no_pixel_lacks_light():
     assert pinhole_picture(PINCUSHION).camera.width_px == 80  # which sees less than the pinhole
 
 
+def test_light_that_lies_beyond_the_margin_is_that_of_the_border():
+    """As where a rolling shutter is late in a fast turn."""
+    lit = pinhole_picture(BARREL).camera
+    late = np.full((60, 80, 2), 30.0, np.float32)
+    assert through_lens(np.ones((lit.height_px, lit.width_px, 3), np.float32), BARREL, late).min() == 1.0
+
+
 def test_a_lens_that_folds_the_picture_is_an_error():
     with pytest.raises(ValueError, match="no ray"):
         pinhole_picture(Intrinsics(80, 60, 57.0, 57.0, 39.5, 29.5, (-0.8, 0.0, 0.0, 0.0, 0.0)))

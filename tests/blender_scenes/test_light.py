@@ -3,6 +3,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from blender_scenes.lighting import LIGHTS
 from blender_scenes.lighting.illuminance import on_the_floor
 from blender_scenes.lighting.panoramas import CEILING, MEAN_COLOR
 from blender_scenes.rooms import ROOMS
+from blender_scenes.rooms.base import Top
 from configs.schema.lighting import DeskLampsLook, LampsLook, SkyLook, SunLook
 from configs.schema.look import LookConfig
 from configs.schema.paint import Paint
@@ -187,6 +189,17 @@ def test_a_desk_lamp_stands_on_its_table_and_shines_down_and_towards_the_rooms_m
         x, y, yaw = top.pose
         own = (foot - (x, y)) @ np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
         assert np.all(np.abs(own) <= 0.5 * np.array(top.size_m))
+
+
+def test_a_desk_lamp_on_a_table_in_the_middle_of_the_room_shines_along_the_table():
+    look = LookConfig(name="n", desk_lamps=DeskLampsLook(count=1, tilt_deg=40.0))
+    bare = _room(look)
+    x, y = (0.5 * (a + b) for a, b in zip(bare.low, bare.high, strict=True))
+    room = replace(bare, tops=(Top((x, y, 0.7), (1.2, 0.7), 0.72),))
+    (panel,) = LIGHTS["desk_lamps"](look, room).panels
+    axis = np.cross(panel.right, panel.up)
+    expected = [np.sin(np.radians(40)) * np.cos(0.7), np.sin(np.radians(40)) * np.sin(0.7), -np.cos(np.radians(40))]
+    np.testing.assert_allclose(axis, expected, atol=1e-9)
 
 
 def test_the_table_of_panoramas_holds_what_the_files_hold():

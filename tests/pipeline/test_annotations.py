@@ -3,8 +3,10 @@
 import json
 import re
 import shutil
+import struct
 import subprocess
 import sys
+import zlib
 from pathlib import Path
 
 import cv2
@@ -105,6 +107,17 @@ def document(change):
     return damage
 
 
+def _png_head(width: int, height: int) -> bytes:
+    """The signature and first chunks of a PNG (ISO/IEC 15948) of 16 bit grey."""
+    found = b"\x89PNG\r\n\x1a\n"
+    for name, data in (
+        (b"IHDR", struct.pack(">IIBBBBB", width, height, 16, 0, 0, 0, 0)),
+        (b"IDAT", zlib.compress(b"")),
+    ):
+        found += struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+    return found
+
+
 SIZE = (24, 32)
 DAMAGE = {
     "missing": (lambda root: (root / OWN / "depth/000003.png").unlink(), "depth/000003.png", "is missing"),
@@ -112,6 +125,11 @@ DAMAGE = {
     "cut": (
         lambda root: (root / OWN / "flow/000001.png").write_bytes(b""),
         "flow/000001.png",
+        "cannot be decoded",
+    ),
+    "a size that nobody can hold": (
+        lambda root: (root / OWN / "depth/000001.png").write_bytes(_png_head(200_000, 200_000)),
+        "depth/000001.png",
         "cannot be decoded",
     ),
     "8 bit": (replaced("depth/000001.png", np.zeros(SIZE, np.uint8)), "depth/000001.png", "is uint8"),

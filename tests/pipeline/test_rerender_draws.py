@@ -50,6 +50,16 @@ def _continues_and_is_looked_at(out, arguments, symolo, sheet):
     assert "holds what symolo rerender --looks made" in refused.err
 
 
+def test_no_other_command_works_in_the_folder_of_a_draw(run, tmp_path, symolo):
+    kind = tmp_path / "looks/.stages/kind"
+    kind.parent.mkdir(parents=True)
+    kind.write_text("looks\n")
+    refused = symolo("rerender", run, "--look", "classroom", "--out", tmp_path / "looks/classroom_1")
+    assert (refused.code, refused.err.count("\n")) == (2, 1)
+    assert "is a folder of what symolo rerender --looks made" in refused.err
+    assert not (tmp_path / "looks/classroom_1").exists()
+
+
 def test_a_draws_seed_gives_it_again_alone(run):
     """What look.json says is enough: the same look, light, stains and noise by --look and --seed."""
     _, draws = prepare(run, Request(("classroom", "lab"), 3))

@@ -18,7 +18,7 @@ from blender_scenes.annotations.normals import normals
 from blender_scenes.annotations.record import Record, record
 from blender_scenes.annotations.seen import Passes, Seen
 from blender_scenes.annotations.sight import hidden, triangles
-from blender_scenes.annotations.silhouette import silhouette
+from blender_scenes.annotations.silhouette import reaches_beyond, silhouette
 from blender_scenes.camera import matrix_K, pose_X_WR
 from blender_scenes.description import FrameView, Intrinsics
 from blender_scenes.geometry import block
@@ -87,6 +87,12 @@ def test_a_thing_behind_the_camera_is_in_no_picture_and_one_across_the_border_is
     whole = silhouette(closer, board)
     assert rectangle(whole)[::2] == (0, WIDTH)
     assert box_2d(closer, board, whole).truncated
+
+
+def test_a_thing_that_reaches_beyond_the_fold_of_a_lens_is_truncated(job):
+    folding = replace(job, camera=replace(job.camera, distortion=(-0.12, 0.0, 0.0, 0.0, 0.0)))
+    board = replace(solid_named(job, "board"), size_m=(0.05, 6.0, 0.3))
+    assert reaches_beyond(seen(folding), board)
 
 
 def test_what_is_hidden_altogether_has_a_box_around_all_of_it_and_none_around_what_is_seen(job):
