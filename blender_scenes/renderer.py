@@ -103,7 +103,8 @@ def blender_files(request: Request, camera_samples: int) -> Iterator[FrameFile]:
             child.wait()
             for pipe in (child.stdin, child.stdout):
                 if pipe is not None:
-                    pipe.close()
+                    with contextlib.suppress(BrokenPipeError):  # of what a child that died at once did not take
+                        pipe.close()
 
 
 def _converse(

@@ -135,9 +135,12 @@ class _Slots:
                 self.running.add(child.pid)
             with child:
                 assert child.stdin is not None and child.stdout is not None  # noqa: S101, PT018 - both are pipes
-                with contextlib.suppress(BrokenPipeError):
+                try:
                     child.stdin.write(unit.model_dump_json().encode() + b"\n")
                     child.stdin.flush()
+                except BrokenPipeError:  # killed already; what is left in the buffer breaks once more when it is closed
+                    with contextlib.suppress(BrokenPipeError):
+                        child.stdin.close()
                 for line in child.stdout:
                     with contextlib.suppress(ValidationError):
                         last = EVENTS.validate_json(line)

@@ -1,5 +1,6 @@
 """The Blender process as a whole, with small pictures."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -130,6 +131,21 @@ def test_settings_of_the_users_blender_do_not_reach_ours(job, tmp_path, monkeypa
 
 def test_a_killed_child_is_an_error_not_a_wait(job, tmp_path, monkeypatch):
     _pretend_bpy(tmp_path, monkeypatch, "import os, signal\nos.kill(os.getpid(), signal.SIGKILL)")
+    with pytest.raises(RenderError, match="status -9"):
+        render_job(_written(job, tmp_path), tmp_path / "images")
+
+
+class _Stillborn(subprocess.Popen):
+    """A child that is killed before anything can be said to it."""
+
+    def __init__(self, *arguments, **options):
+        super().__init__(*arguments, **options)
+        os.kill(self.pid, signal.SIGKILL)
+        os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOWAIT)
+
+
+def test_a_child_killed_before_it_is_told_anything_is_an_error_too(job, tmp_path, monkeypatch):
+    monkeypatch.setattr(subprocess, "Popen", _Stillborn)
     with pytest.raises(RenderError, match="status -9"):
         render_job(_written(job, tmp_path), tmp_path / "images")
 

@@ -62,8 +62,8 @@ def test_no_other_command_works_in_the_folder_of_a_draw(run, tmp_path, symolo):
 
 def test_a_draws_seed_gives_it_again_alone(run):
     """What look.json says is enough: the same look, light, stains and noise by --look and --seed."""
-    _, draws = prepare(run, Request(("classroom", "lab"), 3))
-    assert [draw.name for draw in draws] == [f"{look}_{k}" for look in ("classroom", "lab") for k in (1, 2, 3)]
+    _, draws = prepare(run, Request(("classroom", "lab"), 2))
+    assert [draw.name for draw in draws] == [f"{look}_{k}" for look in ("classroom", "lab") for k in (1, 2)]
     for draw in draws:
         look, seed = draw.name.rpartition("_")[0], json.loads(draw.record)["seed"]
         _, (alone,) = prepare(run, Request((look,), seed=seed))
