@@ -88,12 +88,8 @@ class Ledger:
             file.flush()
             os.fsync(file.fileno())
 
-    def whole_frames(self) -> dict[int, FrameFile]:
-        """Recorded pictures of this job that lie in the folder as they were written, by number."""
-        return {frame.number: frame for frame in self.whole_files().values()}
-
     def whole_files(self) -> dict[str, FrameFile]:
-        """The same by name, for frames of several files."""
+        """Recorded files of this job that lie in the folder as they were written, by their path in it."""
         if not self._path.exists():
             return {}
         recorded = {}

@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from pydantic import TypeAdapter
 
 from blender_scenes.camera import intrinsics, pose_X_RC
 from blender_scenes.camera_response import CameraResponse
 from blender_scenes.description import INSTANT, FrameView, Intrinsics, Scene, Shutter
+from blender_scenes.frame_files import frame_name
+from blender_scenes.job_text import JobText
 from blender_scenes.lighting.flicker import frame_gains
 from blender_scenes.lighting.illuminance import on_the_floor
 from blender_scenes.scene import arena_bounds, describe
@@ -19,8 +20,6 @@ from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render
 from physics.arena import Arena
 from physics.robot_path import RobotPath
-
-FORMAT = 1
 
 
 @dataclass(frozen=True)
@@ -53,8 +52,10 @@ class Sampling:
 
 
 @dataclass(frozen=True)
-class RenderJob:
-    format: int
+class RenderJob(JobText):
+    FORMAT = 1
+    KIND = "render"
+
     scene: Scene
     camera: Intrinsics
     frames: tuple[FrameView, ...]
@@ -62,24 +63,9 @@ class RenderJob:
     response: CameraResponse
     shutter: Shutter = INSTANT
 
-    def to_json(self) -> str:
-        """The job as text; equal jobs give equal bytes."""
-        return _JOB.dump_json(self).decode() + "\n"
-
-    @classmethod
-    def from_json(cls, text: str) -> "RenderJob":
-        """The job that `to_json` wrote.
-
-        Raises:
-            ValueError: The text is no job, or one of another format.
-        """
-        job = _JOB.validate_json(text)
-        if job.format != FORMAT:
-            raise ValueError(f"render job of format {job.format}, expected {FORMAT}; build it again")
-        return job
-
-
-_JOB = TypeAdapter(RenderJob)
+    def files(self, number: int) -> tuple[str, ...]:
+        """Names of a frame's files."""
+        return (frame_name(number),)
 
 
 def build_job(  # noqa: PLR0917 - a run's pictures depend on all of these
@@ -106,7 +92,7 @@ def build_job(  # noqa: PLR0917 - a run's pictures depend on all of these
     times = np.array([frame.t_s for frame in frames])
     gains = frame_gains(look.lamps.flicker, times, shutter.exposure_s, mains, light, seed)
     return RenderJob(
-        format=FORMAT,
+        format=RenderJob.FORMAT,
         scene=scene,
         camera=camera,
         frames=_views(arena, robot, frames, gains, window(shutter, camera), path),

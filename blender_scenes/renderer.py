@@ -1,4 +1,4 @@
-"""Renders a job's frames in a Blender process of its own, and finishes what an earlier call left undone."""
+"""Renders or annotates a job's frames in a Blender process of its own; finishes what an earlier call left undone."""
 
 import contextlib
 import hashlib
@@ -15,15 +15,17 @@ from typing import IO
 
 from pydantic import ValidationError
 
+from blender_scenes.annotations.job import AnnotationJob
 from blender_scenes.frame_files import FrameFile, Ledger
 from blender_scenes.job import RenderJob
-from blender_scenes.protocol import MESSAGE, REQUEST, Failed, Finished, FrameDone, Message, Request
+from blender_scenes.protocol import MESSAGE, REQUEST, Failed, Finished, FrameDone, Message, Request, Work
 from blender_scenes.surroundings import without_blender_settings
 from configs.errors import EnvironmentLacking
 
 SYSTEM_PACKAGES = "libgl1 libsm6 libx11-6 libxext6 libxfixes3 libxi6 libxkbcommon0 libxrender1"
 """Debian packages of the shared libraries that bpy loads: what its `DT_NEEDED` entries name, followed through."""
 
+_JOBS: dict[Work, type[RenderJob] | type[AnnotationJob]] = {"pictures": RenderJob, "annotations": AnnotationJob}
 _LOG_LINES = 15
 _SILENCE_S = 300.0
 _SILENCE_PER_SAMPLE_S = 2e-4
@@ -36,25 +38,27 @@ class RenderError(RuntimeError):
 
 @dataclass(frozen=True)
 class FrameSet:
-    """The pictures of a job that were asked for, in order of their numbers."""
+    """What was asked for of a job, in order of the frames' numbers."""
 
-    frames: tuple[FrameFile, ...]
-    rendered: int
-    """How many of them this call rendered; the others were there and whole."""
+    files: tuple[FrameFile, ...]
+    made: int
+    """Of how many frames this call made files; those of the others were there and whole."""
 
 
 def render_job(
     job_path: Path,
-    images_dir: Path,
+    folder: Path,
     *,
+    work: Work = "pictures",
     threads: int = 1,
     numbers: Sequence[int] | None = None,
     on_frame: Callable[[int], None] | None = None,
 ) -> FrameSet:
-    """Renders the frames `numbers` of a job (all by default) into `images_dir`.
+    """Puts the files of the frames `numbers` of a job (all by default) below `folder`: pictures, or annotations.
 
-    Pixels depend on the job and the frame's number alone. Finished frames are recorded in a file beside the folder,
-    `<folder>.jsonl`; a frame that is there and whole is not rendered again. `on_frame` hears of every frame in place.
+    Their bytes depend on the job and the frame's number alone. Finished files are recorded in a file beside the folder,
+    `<folder>.jsonl`; a frame whose files are all there and whole is not done again. `on_frame` hears of every frame in
+    place.
 
     Raises:
         EnvironmentLacking: bpy cannot be loaded, or the disk is full.
@@ -62,31 +66,36 @@ def render_job(
         ValueError: The job is damaged or has no such frame.
     """
     text = job_path.read_bytes()
-    job = RenderJob.from_json(text.decode())
+    job = _JOBS[work].from_json(text.decode())
     known = [view.number for view in job.frames]
     wanted = sorted(set(known if numbers is None else numbers))
     if unknown := sorted(set(wanted) - set(known)):
         raise ValueError(f"{job_path}: no frame {unknown[0]}; the job has {len(known)} frames")
-    images_dir.mkdir(parents=True, exist_ok=True)
-    ledger = Ledger(images_dir, hashlib.sha256(text).hexdigest())
-    whole = ledger.whole_frames()
-    missing = tuple(number for number in wanted if number not in whole)
+    ledger = Ledger(folder, hashlib.sha256(text).hexdigest())
+    whole = ledger.whole_files()
+    files = {number: job.files(number) for number in wanted}
+    left = {number: set(files[number]) - whole.keys() for number in wanted}
+    missing = tuple(number for number in wanted if left[number])
+    tell = on_frame or (lambda _number: None)
+    for place in {(folder / name).parent for number in missing for name in left[number]}:
+        place.mkdir(parents=True, exist_ok=True)
     for number in wanted:
-        if number in whole and on_frame is not None:
-            on_frame(number)
+        if not left[number]:
+            tell(number)
     if missing:
-        pixels = job.camera.width_px * job.camera.height_px
         with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as scratch:
-            request = Request("pictures", str(job_path), str(images_dir), missing, threads, scratch)
-            for frame in blender_files(request, pixels * job.sampling.samples):
-                ledger.add(frame)
-                whole[frame.number] = frame
-                if on_frame is not None:
-                    on_frame(frame.number)
-    return FrameSet(tuple(whole[number] for number in wanted), rendered=len(missing))
+            request = Request(work, str(job_path), str(folder), missing, threads, scratch)
+            pixels = job.camera.width_px * job.camera.height_px
+            for file in _blender_files(request, pixels * job.sampling.samples):
+                ledger.add(file)
+                whole[file.file] = file
+                left[file.number].discard(file.file)
+                if not left[file.number]:
+                    tell(file.number)
+    return FrameSet(tuple(whole[name] for number in wanted for name in files[number]), made=len(missing))
 
 
-def blender_files(request: Request, camera_samples: int) -> Iterator[FrameFile]:
+def _blender_files(request: Request, camera_samples: int) -> Iterator[FrameFile]:
     """Finished files of a child process as they come; the child never outlives the iteration.
 
     `camera_samples` of a frame decide how long it may take.

@@ -42,15 +42,14 @@ class RenderUnit(Message):
     threads: int
 
     def run(self, progress: Callable[[float], None]) -> None:
-        from blender_scenes.annotator import annotate_job  # noqa: PLC0415 - opencv, in the worker alone
-        from blender_scenes.renderer import RenderError, render_job  # noqa: PLC0415 - likewise
+        from blender_scenes.renderer import RenderError, render_job  # noqa: PLC0415 - opencv, in the worker alone
 
-        do = {"pictures": render_job, "annotations": annotate_job}[self.work]
         shares = iter(index / len(self.numbers) for index in range(1, len(self.numbers) + 1))
         try:
-            do(
+            render_job(
                 self.job,
                 self.folder,
+                work=self.work,
                 threads=self.threads,
                 numbers=self.numbers,
                 on_frame=lambda _number: progress(next(shares, 1.0)),

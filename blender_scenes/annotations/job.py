@@ -6,17 +6,15 @@ from dataclasses import dataclass, replace
 from typing import get_args
 
 import numpy as np
-from pydantic import TypeAdapter
 
 from blender_scenes.annotations.instances import Instances, instances
 from blender_scenes.camera import Array, pose_X_WR
 from blender_scenes.description import FrameView, Intrinsics, Mesh, PlanarPose, Point3, Scene, Shutter, Sky
 from blender_scenes.job import RenderJob, Sampling
+from blender_scenes.job_text import JobText
 from blender_scenes.shading import Color, Surface
 from configs.schema.scenario import AnnotationName
 from physics.arena import Arena, Box
-
-FORMAT = 1
 
 RECORDS: tuple[AnnotationName, ...] = ("boxes_2d", "boxes_3d", "key_points")
 """Annotations that stand in a frame's record; of the others each has a PNG file for each image."""
@@ -73,8 +71,10 @@ class KeyPoint:
 
 
 @dataclass(frozen=True)
-class AnnotationJob:
-    format: int
+class AnnotationJob(JobText):
+    FORMAT = 1
+    KIND = "annotation"
+
     kinds: tuple[AnnotationName, ...]
     scene: Scene
     """Its geometry alone: unlit, and all of one opaque surface, so that a pane of glass is met like any other."""
@@ -86,22 +86,6 @@ class AnnotationJob:
     instances: Instances
     solids: tuple[Solid, ...]
     key_points: tuple[KeyPoint, ...]
-
-    def to_json(self) -> str:
-        """The job as text; equal jobs give equal bytes."""
-        return _JOB.dump_json(self).decode() + "\n"
-
-    @classmethod
-    def from_json(cls, text: str) -> "AnnotationJob":
-        """The job that `to_json` wrote.
-
-        Raises:
-            ValueError: The text is no job, or one of another format.
-        """
-        job = _JOB.validate_json(text)
-        if job.format != FORMAT:
-            raise ValueError(f"annotation job of format {job.format}, expected {FORMAT}; build it again")
-        return job
 
     def following(self, number: int) -> FrameView | None:
         """The view after that of a number; None after the last."""
@@ -117,9 +101,6 @@ class AnnotationJob:
         return (*(picture_file(kind, number) for kind in pictures), *records)
 
 
-_JOB = TypeAdapter(AnnotationJob)
-
-
 def picture_file(kind: str, number: int) -> str:
     return f"{kind}/{number:06d}.png"
 
@@ -132,7 +113,7 @@ def build_annotation_job(job: RenderJob, arena: Arena, kinds: Sequence[Annotatio
     """The annotations of a run's images; materials, light and camera response play no part in them."""
     known = instances(job.scene, arena)
     return AnnotationJob(
-        format=FORMAT,
+        format=AnnotationJob.FORMAT,
         kinds=tuple(kind for kind in get_args(AnnotationName) if kind in kinds),
         scene=_geometry(job.scene),
         camera=job.camera,

@@ -1,31 +1,22 @@
 """Beside the second stage: the annotations of every good run's images, in a folder apart from them."""
 
-import hashlib
-from dataclasses import dataclass
 from pathlib import Path
 
 from blender_scenes.annotations.document import DOCUMENT, document
 from blender_scenes.annotations.job import RECORDS_DIR, AnnotationJob, build_annotation_job, record_file
 from blender_scenes.annotations.record import Record
-from blender_scenes.job import FramePose, RenderJob
-from blender_scenes.protocol import Work
+from blender_scenes.job import RenderJob
 from physics.arena import Arena
 from pipeline.dataset.annotation_checks import ANNOTATIONS
 from pipeline.files import hashes_of, write_file
-from pipeline.stages.render import IMAGES, INPUTS, Appearance, Findings, RenderTask
-from pipeline.versions import versions
-from pipeline.workspace import DONE, StageFolder, input_key, mark_done
+from pipeline.stages.render import IMAGES, INPUTS, Appearance, Findings, FrameTask, RenderTask
+from pipeline.workspace import DONE, StageFolder, mark_done
 
 
-@dataclass(frozen=True)
-class AnnotationTask:
+class AnnotationTask(FrameTask):
     """The annotations of one run's images."""
 
-    run: str
-    folder: StageFolder
-    job_text: str
-    frames: tuple[FramePose, ...]
-    work: Work = "annotations"
+    STAGE, FILES, WORK = "annotate", ANNOTATIONS, "annotations"
 
     @classmethod
     def of(cls, task: RenderTask, appearance: Appearance, folder: StageFolder) -> "AnnotationTask":
@@ -33,15 +24,6 @@ class AnnotationTask:
         arena = Arena.from_config(appearance.arena)
         job = build_annotation_job(RenderJob.from_json(task.job_text), arena, appearance.render.annotations)
         return cls(task.run, folder, job.to_json(), task.frames)
-
-    @property
-    def key(self) -> str:
-        digest = hashlib.sha256(self.job_text.encode()).hexdigest()
-        return input_key("annotate", job=digest, versions=versions("symolo", "bpy", "numpy", "opencv-python-headless"))
-
-    @property
-    def files(self) -> Path:
-        return self.folder.path / ANNOTATIONS
 
     def finish(self) -> Findings:
         job = AnnotationJob.from_json(self.job_text)

@@ -2,10 +2,11 @@
 
 import hashlib
 import json
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import ClassVar
 
 from blender_scenes.exposure_guard import Extremes, all_black, exposure_warnings
 from blender_scenes.frame_files import frame_name
@@ -52,41 +53,6 @@ def picture_seed(seed: int, route: str, run: int) -> int:
     return int(stream(seed, route, run, "render").integers(2**31))
 
 
-class FrameTask(Protocol):
-    """Files for each frame of one run: the job, and the folder that it fills."""
-
-    @property
-    def run(self) -> str: ...
-
-    @property
-    def folder(self) -> StageFolder: ...
-
-    @property
-    def job_text(self) -> str: ...
-
-    @property
-    def frames(self) -> tuple[FramePose, ...]: ...
-
-    @property
-    def key(self) -> str:
-        """Input key of the stage."""
-        ...
-
-    @property
-    def work(self) -> Work:
-        """What a Blender process does for it."""
-        ...
-
-    @property
-    def files(self) -> Path:
-        """The folder that is filled frame by frame."""
-        ...
-
-    def finish(self) -> "Findings":
-        """Write what lists the files, and mark the folder done unless a problem is found."""
-        ...
-
-
 @dataclass(frozen=True)
 class Findings:
     """What a look at the files of a run shows."""
@@ -97,14 +63,40 @@ class Findings:
 
 
 @dataclass(frozen=True)
-class RenderTask:
-    """The pictures of one run."""
+class FrameTask(ABC):
+    """Files for each frame of one run, and the folder that they fill."""
+
+    STAGE: ClassVar[str]
+    """Whose input key it has."""
+    FILES: ClassVar[str]
+    """The folder within its own that is filled frame by frame."""
+    WORK: ClassVar[Work]
+    """What a Blender process does for it."""
 
     run: str
     folder: StageFolder
     job_text: str
     frames: tuple[FramePose, ...]
-    work: Work = "pictures"
+
+    @property
+    def key(self) -> str:
+        """Input key of the stage."""
+        digest = hashlib.sha256(self.job_text.encode()).hexdigest()
+        return input_key(self.STAGE, job=digest, versions=versions("symolo", "bpy", "numpy", "opencv-python-headless"))
+
+    @property
+    def files(self) -> Path:
+        return self.folder.path / self.FILES
+
+    @abstractmethod
+    def finish(self) -> Findings:
+        """Write what lists the files, and mark the folder done unless a problem is found."""
+
+
+class RenderTask(FrameTask):
+    """The pictures of one run."""
+
+    STAGE, FILES, WORK = "render", IMAGES, "pictures"
 
     @classmethod
     def of(cls, run: str, appearance: Appearance, rows: Rows, folder: StageFolder) -> "RenderTask":
@@ -113,15 +105,6 @@ class RenderTask:
         path = RobotPath(rows.t_ms / 1000, rows.pose, rows.twist)
         job = build_job(arena, appearance.robot, appearance.look, appearance.render, frames, appearance.seed, path)
         return cls(run, folder, job.to_json(), frames)
-
-    @property
-    def key(self) -> str:
-        digest = hashlib.sha256(self.job_text.encode()).hexdigest()
-        return input_key("render", job=digest, versions=versions("symolo", "bpy", "numpy", "opencv-python-headless"))
-
-    @property
-    def files(self) -> Path:
-        return self.folder.path / IMAGES
 
     def finish(self) -> Findings:
         names = {frame.number: frame_name(frame.number) for frame in self.frames}
@@ -199,7 +182,7 @@ def blocks(tasks: Sequence[FrameTask], workers: int) -> list[RenderUnit]:
         size = max(1, -(-len(numbers) // count))
         units += [
             RenderUnit(
-                work=task.work,
+                work=task.WORK,
                 name=task.run,
                 job=task.folder.path / JOB,
                 folder=task.files,

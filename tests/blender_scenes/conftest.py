@@ -12,7 +12,7 @@ import yaml
 import configs
 from blender_scenes.camera_response import CameraResponse
 from blender_scenes.description import INSTANT, FrameView, Intrinsics, Scene, Shutter
-from blender_scenes.job import FORMAT, RenderJob, Sampling
+from blender_scenes.job import RenderJob, Sampling
 from configs.lens import NO_DISTORTION, Coefficients
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import CameraLook
@@ -65,7 +65,7 @@ def light_of() -> Callable[..., np.ndarray]:
     ) -> np.ndarray:
         middle = 0.5 * (pixels - 1)
         job = RenderJob(
-            format=FORMAT,
+            format=RenderJob.FORMAT,
             scene=scene,
             camera=Intrinsics(pixels, pixels, focal_px, focal_px, middle, middle, lens),
             frames=tuple(views),

@@ -36,9 +36,9 @@ def test_a_picture_of_another_size_is_refused(tmp_path):
 def test_recorded_pictures_are_known_again(tmp_path):
     ledger = Ledger(tmp_path / "images", "job")
     frame = _made(tmp_path / "images")
-    assert ledger.whole_frames() == {}
+    assert ledger.whole_files() == {}
     ledger.add(frame)
-    assert Ledger(tmp_path / "images", "job").whole_frames() == {1: frame}
+    assert Ledger(tmp_path / "images", "job").whole_files() == {"000001.jpg": frame}
 
 
 @pytest.mark.parametrize("damage", ["shorter", "one bit", "missing", "another job", "record cut"])
@@ -57,6 +57,6 @@ def test_a_damaged_picture_does_not_count(tmp_path, damage):
     elif damage == "record cut":
         record = tmp_path / "images.jsonl"
         record.write_bytes(record.read_bytes()[:-5])
-    expected = set() if damage == "another job" else {1}
+    expected = set() if damage == "another job" else {"000001.jpg"}
     job = "other" if damage == "another job" else "job"
-    assert set(Ledger(images, job).whole_frames()) == expected
+    assert set(Ledger(images, job).whole_files()) == expected

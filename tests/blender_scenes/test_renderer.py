@@ -1,6 +1,5 @@
 """The Blender process as a whole, with small pictures."""
 
-import os
 import signal
 import subprocess
 import sys
@@ -46,9 +45,9 @@ def rendered(job, tmp_path_factory):
 def test_every_frame_is_there_heard_of_and_a_picture(rendered):
     folder, frames, heard = rendered
     assert heard == [1, 2, 3]
-    assert [f.number for f in frames.frames] == [1, 2, 3]
-    assert frames.rendered == 3
-    pictures = [cv2.imread(str(folder / "images" / f.file)) for f in frames.frames]
+    assert [f.number for f in frames.files] == [1, 2, 3]
+    assert frames.made == 3
+    pictures = [cv2.imread(str(folder / "images" / f.file)) for f in frames.files]
     for picture in pictures:
         assert picture.shape == (60, 80, 3)
         assert 60 < picture.mean() < 190
@@ -60,8 +59,8 @@ def test_the_same_pixels_on_two_threads_in_another_order_and_in_blocks(rendered,
     path = _written(job, tmp_path)
     last = render_job(path, tmp_path / "images", threads=2, numbers=[3])
     rest = render_job(path, tmp_path / "images", threads=2, numbers=[2, 1])
-    expected = {f.number: f.sha256 for f in rendered[1].frames}
-    assert {f.number: f.sha256 for f in (*last.frames, *rest.frames)} == expected
+    expected = {f.number: f.sha256 for f in rendered[1].files}
+    assert {f.number: f.sha256 for f in (*last.files, *rest.files)} == expected
 
 
 def test_a_truncated_frame_is_rendered_again_and_the_others_are_left_alone(rendered):
@@ -70,10 +69,10 @@ def test_a_truncated_frame_is_rendered_again_and_the_others_are_left_alone(rende
     data, untouched = broken.read_bytes(), whole.stat().st_mtime_ns
     broken.write_bytes(data[: len(data) // 2])
     after = render_job(folder / "job.json", folder / "images", threads=1)
-    assert after.rendered == 1
+    assert after.made == 1
     assert broken.read_bytes() == data
     assert whole.stat().st_mtime_ns == untouched
-    assert [f.sha256 for f in after.frames] == [f.sha256 for f in before.frames]
+    assert [f.sha256 for f in after.files] == [f.sha256 for f in before.files]
 
 
 def test_a_changed_job_is_rendered_anew(job, rendered):
@@ -82,8 +81,8 @@ def test_a_changed_job_is_rendered_anew(job, rendered):
     other = folder / "other"
     (_written(brighter, other)).replace(folder / "other.json")
     after = render_job(folder / "other.json", folder / "images", threads=2, numbers=[1])
-    assert after.rendered == 1
-    assert after.frames[0].sha256 != before.frames[0].sha256
+    assert after.made == 1
+    assert after.files[0].sha256 != before.files[0].sha256
 
 
 def test_a_frame_that_the_job_has_not_is_refused_before_any_work(job, tmp_path):
@@ -135,17 +134,8 @@ def test_a_killed_child_is_an_error_not_a_wait(job, tmp_path, monkeypatch):
         render_job(_written(job, tmp_path), tmp_path / "images")
 
 
-class _Stillborn(subprocess.Popen):
-    """A child that is killed before anything can be said to it."""
-
-    def __init__(self, *arguments, **options):
-        super().__init__(*arguments, **options)
-        os.kill(self.pid, signal.SIGKILL)
-        os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOWAIT)
-
-
-def test_a_child_killed_before_it_is_told_anything_is_an_error_too(job, tmp_path, monkeypatch):
-    monkeypatch.setattr(subprocess, "Popen", _Stillborn)
+@pytest.mark.usefixtures("stillborn_children")
+def test_a_child_killed_before_it_is_told_anything_is_an_error_too(job, tmp_path):
     with pytest.raises(RenderError, match="status -9"):
         render_job(_written(job, tmp_path), tmp_path / "images")
 

@@ -203,17 +203,8 @@ def test_a_bug_in_a_worker_is_told_with_its_traceback_and_the_others_are_done(tm
     assert str(caught.value).count("ValidationError") == 2
 
 
-class _Stillborn(subprocess.Popen):
-    """A child that is killed before anything can be said to it."""
-
-    def __init__(self, *arguments, **options):
-        super().__init__(*arguments, **options)
-        os.kill(self.pid, signal.SIGKILL)
-        os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOWAIT)
-
-
-def test_a_worker_killed_before_it_is_told_its_unit_loses_no_more_than_that(tmp_path, monkeypatch):
-    monkeypatch.setattr(subprocess, "Popen", _Stillborn)
+@pytest.mark.usefixtures("stillborn_children")
+def test_a_worker_killed_before_it_is_told_its_unit_loses_no_more_than_that(tmp_path):
     units = [SimulateUnit(name=f"A/test_{i}", spec="{}", folder=tmp_path / str(i), key="k") for i in (1, 2)]
     failures = run_units(units, 1, lambda *_: None)
     assert [failure.unit.name for failure in failures] == ["A/test_1", "A/test_2"]

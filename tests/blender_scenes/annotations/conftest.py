@@ -11,8 +11,8 @@ import pytest
 from blender_scenes.annotations.document import Document, document
 from blender_scenes.annotations.job import AnnotationJob, build_annotation_job
 from blender_scenes.annotations.record import Record
-from blender_scenes.annotator import annotate_job
 from blender_scenes.job import FramePose, RenderJob, build_job
+from blender_scenes.renderer import render_job
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
 from configs.schema.scenario import AnnotationName, Render
@@ -85,7 +85,7 @@ def small() -> Arena:
 
 
 @pytest.fixture(scope="session")
-def render_job(small, robot) -> RenderJob:
+def pictures_job(small, robot) -> RenderJob:
     frames = [FramePose(i + 1, 0.2 * i, *pose) for i, pose in enumerate(POSES)]
     # Looking less far down than the shipped robot, so that the tops of things are in the picture.
     camera = robot.camera.model_copy(update={"pitch_down_deg": 12.0})
@@ -94,12 +94,12 @@ def render_job(small, robot) -> RenderJob:
 
 
 @pytest.fixture(scope="session")
-def annotated(small, render_job, tmp_path_factory) -> Annotated:
-    job = build_annotation_job(render_job, small, get_args(AnnotationName))
+def annotated(small, pictures_job, tmp_path_factory) -> Annotated:
+    job = build_annotation_job(pictures_job, small, get_args(AnnotationName))
     folder = tmp_path_factory.mktemp("annotated")
     (folder / "job.json").write_text(job.to_json())
     heard = []
-    assert annotate_job(folder / "job.json", folder / "files", on_frame=heard.append) == 3
+    assert render_job(folder / "job.json", folder / "files", work="annotations", on_frame=heard.append).made == 3
     assert heard == [1, 2, 3]
     records = [Record.from_json((folder / f"files/records/{n:06d}.json").read_bytes()) for n in heard]
     return Annotated(small, job, folder / "files", document(job, "images", records))

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from blender_scenes.annotations.instances import CATEGORIES
-from blender_scenes.annotator import annotate_job
 from blender_scenes.camera import floor_points, matrix_K, project
+from blender_scenes.renderer import render_job
 from physics.bullet.ray_oracle import EngineRays
 
 NUMBERS = (1, 2, 3)
@@ -181,7 +181,9 @@ def test_a_damaged_file_is_made_again_alone_and_threads_change_no_byte(annotated
     before = {path: (hashlib.sha256(path.read_bytes()).hexdigest(), path.stat().st_mtime_ns) for path in paths}
     damaged = annotated.folder / "depth/000002.png"
     damaged.write_bytes(damaged.read_bytes()[:-30])
-    assert annotate_job(annotated.folder.with_name("job.json"), annotated.folder, threads=2) == 1
+    again = render_job(annotated.folder.with_name("job.json"), annotated.folder, work="annotations", threads=2)
+    assert again.made == 1
+    assert [file.file for file in again.files if file.number == 2] == list(annotated.job.files(2))
     assert {path: hashlib.sha256(path.read_bytes()).hexdigest() for path in paths} == {
         k: v[0] for k, v in before.items()
     }

@@ -35,13 +35,13 @@ def rows(matrix):
 
 
 @pytest.fixture
-def job(small, render_job):
+def job(small, pictures_job):
     """The small arena with its cube 1 m ahead, square to the camera, 0.2 m wide and high, and its cart behind it."""
     *others, _, cart = small.boxes
     cube = replace(small.boxes[2], center=(1.1, 0.0, 0.1), size=(0.2, 0.2, 0.2), yaw_rad=0.0)
     arena = replace(small, boxes=(*others, cube, cart))
     views = tuple(FrameView(i + 1, 0.2 * i, (0.0, 0.0, 0.0), rows(AHEAD), ((-0.5, 0.0, 0.0),)) for i in range(2))
-    return build_annotation_job(replace(render_job, camera=CAMERA, frames=views), arena, ("boxes_2d", "boxes_3d"))
+    return build_annotation_job(replace(pictures_job, camera=CAMERA, frames=views), arena, ("boxes_2d", "boxes_3d"))
 
 
 def seen(job, mesh=None, **passes):
@@ -192,13 +192,13 @@ def test_a_wall_that_begins_behind_the_camera_hides_what_is_beyond_it():
     assert hidden(np.array([(-2.0, 0, 3), (-0.9, 0, 3), (2, 0, 3)]), screens).tolist() == [True, False, False]
 
 
-def test_a_scene_of_another_arena_is_refused(small, render_job):
+def test_a_scene_of_another_arena_is_refused(small, pictures_job):
     with pytest.raises(ValueError, match="is not of arena"):
-        instances(render_job.scene, replace(small, boxes=small.boxes[:3]))
+        instances(pictures_job.scene, replace(small, boxes=small.boxes[:3]))
 
 
-def test_every_part_of_the_robot_is_one_instance(small, render_job):
-    scene = render_job.scene
+def test_every_part_of_the_robot_is_one_instance(small, pictures_job):
+    scene = pictures_job.scene
     known = instances(scene, small)
     robot = known.named("robot", "robot").id
     assert known.of_mesh[len(scene.meshes) + 1 : len(scene.meshes) + len(scene.robot) + 1] == (robot,) * len(
@@ -207,16 +207,16 @@ def test_every_part_of_the_robot_is_one_instance(small, render_job):
     assert sorted(set(known.of_mesh)) == list(range(len(known.known) + 1))
 
 
-def test_materials_and_light_play_no_part(small, render_job):
+def test_materials_and_light_play_no_part(small, pictures_job):
     """So that another look in the same room has the same annotations, and what is there is kept."""
     dark = replace(
-        render_job,
-        response=replace(render_job.response, brightness=0.1),
-        sampling=replace(render_job.sampling, samples=9),
+        pictures_job,
+        response=replace(pictures_job.response, brightness=0.1),
+        sampling=replace(pictures_job.sampling, samples=9),
     )
     kinds = ("depth", "flow")
     assert (
-        build_annotation_job(dark, small, kinds).to_json() == build_annotation_job(render_job, small, kinds).to_json()
+        build_annotation_job(dark, small, kinds).to_json() == build_annotation_job(pictures_job, small, kinds).to_json()
     )
 
 
