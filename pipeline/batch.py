@@ -1,6 +1,6 @@
 """A scenario and an output folder: which stages are to be done for which runs, and what came of it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from pipeline.plan import Plan
 from pipeline.progress import Report
 from pipeline.stages.annotate import AnnotationTask
 from pipeline.stages.assemble import assemble
-from pipeline.stages.render import Appearance, RenderTask, render_runs
+from pipeline.stages.render import Appearance, FrameTask, Order, RenderTask, render_runs
 from pipeline.stages.simulate_runs import (
     read_outcome,
     read_recording,
@@ -69,35 +69,51 @@ class Batch:
 
     def render(self, failures: Sequence[FailedRun], report: Report) -> list[FailedRun]:
         """Images, and then what is known of those that were rendered."""
-        failed = render_runs(self._render_tasks(failures), self.workers, report)
-        tasks = self._annotation_tasks([*failures, *failed])
-        return failed + (render_runs(tasks, self.workers, report, "annotate") if tasks else [])
+        tasks: list[FrameTask] = []
+        failed = render_runs(_noted(self._render_orders(failures), tasks), self.workers, report)
+        orders = self._annotation_orders(tasks, failed)
+        return failed + (render_runs(orders, self.workers, report, "annotate") if self._annotated else [])
 
-    def check_rendered(self, failures: Sequence[FailedRun]) -> None:
-        """Raise InputError for a good run that is not rendered or annotated yet, or from other inputs."""
-        for task in [*self._render_tasks(failures), *self._annotation_tasks(failures)]:
-            if not task.folder.is_done(task.key):
-                raise self._not_done(next(spec for spec in self.specs if spec.key == task.run), "render")
+    def rendered(self, failures: Sequence[FailedRun]) -> list[FailedRun]:
+        """Problems of runs rendered before.
+
+        Raises:
+            InputError: A good run is not rendered or annotated yet, or from other inputs.
+        """
+        tasks: list[FrameTask] = []
+        failed = self._problems(_noted(self._render_orders(failures), tasks))
+        return failed + self._problems(self._annotation_orders(tasks, failed))
 
     def assemble(self, failures: Sequence[FailedRun], report: Report) -> None:
         assemble(self.workspace, self.loaded.tree, self.specs, failures, report)
 
-    def _render_tasks(self, failures: Sequence[FailedRun]) -> list[RenderTask]:
+    @property
+    def _annotated(self) -> bool:
+        return any(spec.render.annotations for spec in self.specs)
+
+    def _render_orders(self, failures: Sequence[FailedRun]) -> Iterator[Order]:
         failed = {failure.run for failure in failures}
-        tasks = []
         for spec in self.specs:
             if spec.key not in failed:
                 rows = Rows.from_recording(read_recording(self.workspace.simulate(spec.key).path))
-                tasks.append(RenderTask.of(spec.key, Appearance.of(spec), rows, self.workspace.render(spec.key)))
-        return tasks
+                yield RenderTask.of(spec.key, Appearance.of(spec), rows, self.workspace.render(spec.key))
 
-    def _annotation_tasks(self, failures: Sequence[FailedRun]) -> list[AnnotationTask]:
+    def _annotation_orders(self, pictures: Sequence[FrameTask], failures: Sequence[FailedRun]) -> Iterator[Order]:
         """None where the scenario asks for no annotations."""
+        failed = {failure.run for failure in failures}
         wanted = {spec.key: Appearance.of(spec) for spec in self.specs if spec.render.annotations}
-        return [
-            AnnotationTask.of(task, wanted[task.run], self.workspace.annotate(task.run))
-            for task in (self._render_tasks(failures) if wanted else [])
-        ]
+        for task in pictures:
+            if task.run in wanted and task.run not in failed:
+                yield AnnotationTask.of(task, wanted[task.run], self.workspace.annotate(task.run))
+
+    def _problems(self, orders: Iterable[Order]) -> list[FailedRun]:
+        failed = []
+        for task in (order.task for order in orders):
+            if problem := task.folder.problem(task.key):
+                failed.append(FailedRun(run=task.run, stage=task.STAGE, problem=problem))
+            elif not task.folder.is_done(task.key):
+                raise self._not_done(next(spec for spec in self.specs if spec.key == task.run), "render")
+        return failed
 
     def _not_done(self, spec: RunSpec, stage: str) -> InputError:
         return InputError(
@@ -105,3 +121,10 @@ class Batch:
             where=f"--out {self.workspace.out}",
             cure=f"run `symolo {stage}` with the same scenario first, or `symolo release` for all stages",
         )
+
+
+def _noted(orders: Iterable[Order], tasks: list[FrameTask]) -> Iterator[Order]:
+    """The orders as they come; their tasks are kept, their jobs are not."""
+    for order in orders:
+        tasks.append(order.task)
+        yield order

@@ -28,7 +28,17 @@ from pipeline.output import check_out
 from pipeline.progress import Report
 from pipeline.stages.annotate import AnnotationTask, copy_released
 from pipeline.stages.assemble import DATA, POSITIONS, SIDE
-from pipeline.stages.render import FRAMES, IMAGES, JOB, Appearance, RenderTask, picture_seed, render_runs
+from pipeline.stages.render import (
+    FRAMES,
+    IMAGES,
+    JOB,
+    Appearance,
+    FrameTask,
+    Order,
+    RenderTask,
+    picture_seed,
+    render_runs,
+)
 from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
 from pipeline.workspace import Kind, Workspace, input_key, mark_done
 
@@ -106,22 +116,29 @@ def render_source(
 ) -> list[FailedRun]:
     """Render what `prepare` found, annotate it where asked for, and fill a folder with each of it."""
     places = {draw.name: (draw, folder) for draw, folder in zip(draws, folders, strict=True)}
-    tasks = {
-        name: RenderTask.of(name, draw.appearance, source.rows, folder.render("rerender"))
-        for name, (draw, folder) in places.items()
-    }
-    failures = render_runs(list(tasks.values()), workers, report)
+    pictures: dict[str, FrameTask] = {}
+    annotations: dict[str, FrameTask] = {}
+
+    def picture_orders() -> Iterator[Order]:
+        for name, (draw, folder) in places.items():
+            order = RenderTask.of(name, draw.appearance, source.rows, folder.render("rerender"))
+            pictures[name] = order.task
+            yield order
+
+    def annotation_orders() -> Iterator[Order]:
+        for name, (draw, folder) in places.items():
+            if draw.appearance.render.annotations and name not in failed:
+                order = AnnotationTask.of(pictures[name], draw.appearance, folder.annotate("rerender"))
+                annotations[name] = order.task
+                yield order
+
+    failures = render_runs(picture_orders(), workers, report)
     failed = {failure.run for failure in failures}
-    annotations = {
-        name: AnnotationTask.of(tasks[name], draw.appearance, folder.annotate("rerender"))
-        for name, (draw, folder) in places.items()
-        if draw.appearance.render.annotations and name not in failed
-    }
-    failures += render_runs(list(annotations.values()), workers, report, "annotate")
+    failures += render_runs(annotation_orders(), workers, report, "annotate")
     failed = {failure.run for failure in failures}
     for name, (draw, folder) in places.items():
         if name not in failed:
-            _publish(tasks[name], annotations.get(name), source, draw.record, folder)
+            _publish(pictures[name], annotations.get(name), source, draw.record, folder)
     return failures
 
 
@@ -254,9 +271,7 @@ def _render(spec: RunSpec | None, request: Request, seed: int, route: str, run: 
     return draw_render(load_scenario(CARRIER, [*settings, *request.of("render")]), seed, route, run)
 
 
-def _publish(
-    task: RenderTask, annotations: AnnotationTask | None, source: Source, look: bytes, workspace: Workspace
-) -> None:
+def _publish(task: FrameTask, annotations: FrameTask | None, source: Source, look: bytes, workspace: Workspace) -> None:
     """Fill the folder; frames.json, the list of the pictures, goes first and comes last: with it the set is whole."""
     out, marker = workspace.out, workspace.assemble("rerender")
     digests = {name: hashlib.sha256(data).hexdigest() for name, data in (("data", source.data), ("look", look))}
@@ -281,7 +296,7 @@ def _publish(
     partial.rmdir()
 
 
-def _fill(task: RenderTask, annotations: AnnotationTask | None, source: Source, look: bytes, folder: Path) -> None:
+def _fill(task: FrameTask, annotations: FrameTask | None, source: Source, look: bytes, folder: Path) -> None:
     (folder / IMAGES).mkdir()
     for frame in task.frames:
         name = frame_name(frame.number)

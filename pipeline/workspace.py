@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from configs.errors import InputError
 from pipeline.files import canonical_json, hashes_of, holds, remove_leftovers, replace_folder, write_file
 
-DONE = "done.json"
+DONE, FAILED = "done.json", "failed.json"
 STAGES = ".stages"
 KIND = "kind"
 """File in `.stages` with the kind of folder this is."""
@@ -49,6 +49,15 @@ class Done(BaseModel):
     """SHA-256 by path inside the folder."""
 
 
+class _Failed(BaseModel):
+    """What `failed.json` says."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    key: str
+    problem: str
+
+
 @dataclass(frozen=True)
 class StageFolder:
     """One stage of one run; `done.json` is its last file and names its input key and the hash of each file."""
@@ -70,6 +79,18 @@ class StageFolder:
     def publish(self, partial: Path, key: str) -> None:
         mark_done(partial, key)
         replace_folder(partial, self.path)
+
+    def fail(self, key: str, problem: str) -> None:
+        """Note that these inputs come to nothing that can be released, so that later stages know."""
+        write_file(self.path / FAILED, canonical_json(_Failed(key=key, problem=problem).model_dump()))
+
+    def problem(self, key: str) -> str:
+        """Why nothing came of these inputs; empty where that is not known."""
+        try:
+            failed = _Failed.model_validate_json((self.path / FAILED).read_bytes())
+        except (OSError, ValidationError):
+            return ""
+        return failed.problem if failed.key == key else ""
 
     def done(self) -> Done | None:
         """What `done.json` says, None while the stage is not finished."""

@@ -75,7 +75,7 @@ def _make(command: str, scenario: str, out: Path, settings: Sequence[str] | None
     batch = Batch.open(scenario, settings or (), out, workers, report)
     failures = batch.simulated() if "simulate" not in stages else []
     if "assemble" in stages and "render" not in stages:
-        batch.check_rendered(failures)
+        failures += batch.rendered(failures)
     with batch.workspace.locked():
         if "simulate" in stages:
             failures += batch.simulate(report)

@@ -15,7 +15,7 @@ from pipeline.preview import Engine
 from pipeline.preview.views import View
 from pipeline.progress import Report
 from pipeline.sheet import LINE_PX, Cell, Pixels, check_side, row, stacked
-from pipeline.stages.render import RenderTask, render_runs
+from pipeline.stages.render import IMAGES, RenderTask, render_runs
 from pipeline.workspace import StageFolder
 
 Made = tuple[dict[int, Pixels], list[FailedRun]]
@@ -24,9 +24,9 @@ Made = tuple[dict[int, Pixels], list[FailedRun]]
 
 def check_size(view: View, count: int, columns: int) -> None:
     """Refuse a sheet of so many views like this one that no picture file could hold, before any work is done for it."""
-    camera, rows = view.job.camera, math.ceil(count / columns)
-    check_side("wide", min(columns, count) * camera.width_px, "--columns or --width-px")
-    check_side("high", rows * (camera.height_px + len(view.lines) * LINE_PX), "-n or --width-px, or more --columns")
+    picture, rows = view.look.render, math.ceil(count / columns)
+    check_side("wide", min(columns, count) * picture.width_px, "--columns or --width-px")
+    check_side("high", rows * (picture.height_px + len(view.lines) * LINE_PX), "-n or --width-px, or more --columns")
 
 
 def pictures(engine: Engine, views: Sequence[View], workers: int, report: Report) -> Made:
@@ -47,7 +47,8 @@ def _flat(views: Sequence[View], report: Report) -> Made:
     with report.stage("preview", len(views), "images") as stage:
         for view in views:
             try:
-                picture = FlatRenderer(view.job).picture(view.job.frames[0])
+                job = view.job()
+                picture = FlatRenderer(job).picture(job.frames[0])
             except ValueError as error:
                 failures.append(FailedRun.of(view.name, "preview", str(error)))
             else:
@@ -59,14 +60,12 @@ def _flat(views: Sequence[View], report: Report) -> Made:
 def _cycles(views: Sequence[View], workers: int, report: Report) -> Made:
     """As the render stage makes them, in a folder that is gone afterwards."""
     with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as folder:
-        tasks = [
-            RenderTask(view.name, StageFolder(Path(folder) / str(view.number)), view.job.to_json(), (view.frame,))
-            for view in views
-        ]
-        failures = render_runs(tasks, workers, report)
+        folders = {view.number: StageFolder(Path(folder) / str(view.number)) for view in views}
+        orders = (RenderTask.order(view.name, folders[view.number], view.job(), (view.frame,)) for view in views)
+        failures = render_runs(orders, workers, report)
         failed = {failure.run for failure in failures}
-        good = [(view, task) for view, task in zip(views, tasks, strict=True) if view.name not in failed]
-        return {view.number: _read(task.files / frame_name(view.number)) for view, task in good}, failures
+        good = [view.number for view in views if view.name not in failed]
+        return {n: _read(folders[n].path / IMAGES / frame_name(n)) for n in good}, failures
 
 
 def _read(path: Path) -> Pixels:

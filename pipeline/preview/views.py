@@ -1,7 +1,7 @@
 """Which pictures a preview shows: runs as the scenario draws them, looks in turn, places spread over the way."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -32,7 +32,13 @@ class View:
     lines: tuple[str, ...]
     """What is said of it."""
     frame: FramePose
-    job: RenderJob
+    look: Appearance
+
+    def job(self) -> RenderJob:
+        """Made when it is needed: it is some megabytes."""
+        arena = Arena.from_config(self.look.arena)
+        own = self.look
+        return build_job(arena, own.robot, own.look, own.render, [self.frame], own.seed, _standing(self.frame))
 
 
 def views(scenario: str, overrides: Sequence[str], looks: Sequence[str], count: int, width_px: int) -> Iterator[View]:
@@ -57,12 +63,10 @@ def _view(loaded: LoadedScenario, number: int, index: int, width_px: int) -> Vie
     spec = draw_run(loaded, loaded.routes[route].name, earlier + 1)
     frame = _frame(spec, number, index)
     look = Appearance.of(spec)
-    height_px = max(1, round(width_px * spec.render.height_px / spec.render.width_px))
-    render = spec.render.model_copy(update={"width_px": width_px, "height_px": height_px})
-    arena = Arena.from_config(spec.arena)
-    job = build_job(arena, spec.robot, spec.look, render, [frame], look.seed, _standing(frame))
+    height_px = max(1, round(width_px * look.render.height_px / look.render.width_px))
+    render = look.render.model_copy(update={"width_px": width_px, "height_px": height_px})
     lines = (f"{spec.key}, seed {spec.seed}, {spec.look.name}", *_words(spec.look))
-    return View(number, f"{number} ({spec.key}, {spec.look.name})", lines, frame, job)
+    return View(number, f"{number} ({spec.key}, {spec.look.name})", lines, frame, replace(look, render=render))
 
 
 def _standing(frame: FramePose) -> RobotPath:

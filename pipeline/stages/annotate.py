@@ -9,7 +9,7 @@ from blender_scenes.job import RenderJob
 from physics.arena import Arena
 from pipeline.dataset.annotation_checks import ANNOTATIONS
 from pipeline.files import hashes_of, write_file
-from pipeline.stages.render import IMAGES, INPUTS, Appearance, Findings, FrameTask, RenderTask
+from pipeline.stages.render import IMAGES, INPUTS, JOB, Appearance, Findings, FrameTask, Order
 from pipeline.workspace import DONE, StageFolder, mark_done
 
 
@@ -19,14 +19,15 @@ class AnnotationTask(FrameTask):
     STAGE, FILES, WORK = "annotate", ANNOTATIONS, "annotations"
 
     @classmethod
-    def of(cls, task: RenderTask, appearance: Appearance, folder: StageFolder) -> "AnnotationTask":
-        """Of the images that a task renders; they are not looked at, and need not be there."""
+    def of(cls, pictures: FrameTask, appearance: Appearance, folder: StageFolder) -> Order:
+        """Of the images that a task rendered; they are not looked at, its job is."""
         arena = Arena.from_config(appearance.arena)
-        job = build_annotation_job(RenderJob.from_json(task.job_text), arena, appearance.render.annotations)
-        return cls(task.run, folder, job.to_json(), task.frames)
+        rendered = RenderJob.from_json((pictures.folder.path / JOB).read_text())
+        job = build_annotation_job(rendered, arena, appearance.render.annotations)
+        return cls.order(pictures.run, folder, job, pictures.frames)
 
     def finish(self) -> Findings:
-        job = AnnotationJob.from_json(self.job_text)
+        job = AnnotationJob.from_json((self.folder.path / JOB).read_text())
         names = [record_file(frame.number) for frame in self.frames]
         records = [Record.from_json((self.files / name).read_bytes()) for name in names if (self.files / name).exists()]
         write_file(self.files / DOCUMENT, document(job, IMAGES, records).to_json())

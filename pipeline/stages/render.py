@@ -3,7 +3,7 @@
 import hashlib
 import json
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
@@ -11,6 +11,7 @@ from typing import ClassVar
 from blender_scenes.exposure_guard import Extremes, all_black, exposure_warnings
 from blender_scenes.frame_files import frame_name
 from blender_scenes.job import FramePose, build_job
+from blender_scenes.job_text import JobText
 from blender_scenes.protocol import Work
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
@@ -27,7 +28,7 @@ from pipeline.stages.simulate_runs import failed_runs
 from pipeline.units import Finished, Progress, RenderUnit
 from pipeline.versions import versions
 from pipeline.workers import AnyEvent, AnyUnit, cores, run_units
-from pipeline.workspace import DONE, StageFolder, input_key, mark_done
+from pipeline.workspace import DONE, FAILED, StageFolder, input_key, mark_done
 
 JOB, IMAGES, FRAMES, INPUTS = "job.json", "images", "frames.json", "inputs.json"
 
@@ -75,14 +76,19 @@ class FrameTask(ABC):
 
     run: str
     folder: StageFolder
-    job_text: str
+    job_sha256: str
     frames: tuple[FramePose, ...]
+
+    @classmethod
+    def order(cls, run: str, folder: StageFolder, job: JobText, frames: tuple[FramePose, ...]) -> "Order":
+        text = job.to_json()
+        return Order(cls(run, folder, hashlib.sha256(text.encode()).hexdigest(), frames), text)
 
     @property
     def key(self) -> str:
         """Input key of the stage."""
-        digest = hashlib.sha256(self.job_text.encode()).hexdigest()
-        return input_key(self.STAGE, job=digest, versions=versions("symolo", "bpy", "numpy", "opencv-python-headless"))
+        programs = versions("symolo", "bpy", "numpy", "opencv-python-headless")
+        return input_key(self.STAGE, job=self.job_sha256, versions=programs)
 
     @property
     def files(self) -> Path:
@@ -93,18 +99,26 @@ class FrameTask(ABC):
         """Write what lists the files, and mark the folder done unless a problem is found."""
 
 
+@dataclass(frozen=True)
+class Order:
+    """A task with the text of its job, which is long: of many tasks it is made and let go of one after the other."""
+
+    task: FrameTask
+    job_text: str
+
+
 class RenderTask(FrameTask):
     """The pictures of one run."""
 
     STAGE, FILES, WORK = "render", IMAGES, "pictures"
 
     @classmethod
-    def of(cls, run: str, appearance: Appearance, rows: Rows, folder: StageFolder) -> "RenderTask":
+    def of(cls, run: str, appearance: Appearance, rows: Rows, folder: StageFolder) -> Order:
         frames = frame_poses(rows)
         arena = Arena.from_config(appearance.arena)
         path = RobotPath(rows.t_ms / 1000, rows.pose, rows.twist)
         job = build_job(arena, appearance.robot, appearance.look, appearance.render, frames, appearance.seed, path)
-        return cls(run, folder, job.to_json(), frames)
+        return cls.order(run, folder, job, frames)
 
     def finish(self) -> Findings:
         names = {frame.number: frame_name(frame.number) for frame in self.frames}
@@ -142,15 +156,22 @@ def frame_poses(rows: Rows) -> tuple[FramePose, ...]:
     )
 
 
-def render_runs(tasks: Sequence[FrameTask], workers: int, report: Report, name: str = "render") -> list[FailedRun]:
-    """Do what is not there yet; frames made before an interruption are kept when their job is the same."""
-    pending = [task for task in tasks if not task.folder.is_done(task.key)]
-    if len(pending) < len(tasks):
-        report.say(f"{name}: {len(tasks) - len(pending)} of {len(tasks)} runs are there already")
+def render_runs(orders: Iterable[Order], workers: int, report: Report, name: str = "render") -> list[FailedRun]:
+    """Do what is not there yet; frames made before an interruption are kept when their job is the same.
+
+    All jobs are written, one after the other, before the first is begun.
+    """
+    pending, there = [], 0
+    for order in orders:
+        if order.task.folder.is_done(order.task.key):
+            there += 1
+        else:
+            _prepare(order)
+            pending.append(order.task)
+    if there:
+        report.say(f"{name}: {there} of {there + len(pending)} runs are there already")
     if not pending:
         return []
-    for task in pending:
-        _prepare(task)
     units = blocks(pending, workers)
     with report.stage(name, sum(len(task.frames) for task in pending), "images") as stage:
 
@@ -163,13 +184,18 @@ def render_runs(tasks: Sequence[FrameTask], workers: int, report: Report, name: 
     failed = {failure.unit.name for failure in failures}
     found = failed_runs(name, failures, report)
     for task in pending:
-        if task.run not in failed:
-            findings = task.finish()
-            for warning in findings.warnings:
-                report.say(f"{name}: {task.run}: {warning}")
-            if findings.problem:
-                found.append(FailedRun(run=task.run, stage=name, problem=findings.problem))
+        if task.run not in failed and (problem := _finish(task, name, report)):
+            found.append(FailedRun(run=task.run, stage=name, problem=problem))
     return found
+
+
+def _finish(task: FrameTask, name: str, report: Report) -> str:
+    findings = task.finish()
+    for warning in findings.warnings:
+        report.say(f"{name}: {task.run}: {warning}")
+    if findings.problem:
+        task.folder.fail(task.key, findings.problem)
+    return findings.problem
 
 
 def blocks(tasks: Sequence[FrameTask], workers: int) -> list[RenderUnit]:
@@ -194,14 +220,15 @@ def blocks(tasks: Sequence[FrameTask], workers: int) -> list[RenderUnit]:
     return units
 
 
-def _prepare(task: FrameTask) -> None:
-    path = task.folder.path
+def _prepare(order: Order) -> None:
+    task, path = order.task, order.task.folder.path
     inputs = canonical_json({"key": task.key})
     if not (path / INPUTS).is_file() or (path / INPUTS).read_bytes() != inputs:
         remove_folder(path)
     task.files.mkdir(parents=True, exist_ok=True)
-    (path / DONE).unlink(missing_ok=True)
-    write_file(path / JOB, task.job_text.encode())
+    for left in (DONE, FAILED):
+        (path / left).unlink(missing_ok=True)
+    write_file(path / JOB, order.job_text.encode())
     write_file(path / INPUTS, inputs)
 
 

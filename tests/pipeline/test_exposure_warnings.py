@@ -1,6 +1,8 @@
 """What the render stage and the dataset make of pictures on which little can be seen."""
 
 import json
+import weakref
+from collections.abc import Iterator
 
 import cv2
 import numpy as np
@@ -8,12 +10,14 @@ import pytest
 
 from blender_scenes.job import FramePose
 from configs.draw import draw_run
+from configs.errors import RunFailed
 from configs.loader import load_scenario
 from pipeline.dataset.description import markdown
 from pipeline.dataset.metadata import FailedRun, RunRecord, describe
 from pipeline.dataset.rows import Rows
 from pipeline.progress import LineReport
-from pipeline.stages.render import FRAMES, RenderTask, picture_warnings, render_runs
+from pipeline.stages.render import FRAMES, Order, RenderTask, picture_warnings, render_runs
+from pipeline.units import RenderUnit
 from pipeline.workspace import StageFolder
 
 
@@ -23,7 +27,7 @@ def render(tmp_path, monkeypatch):
 
     def rendered(*greys: int) -> tuple[RenderTask, list[FailedRun]]:
         frames = tuple(FramePose(number, 0.0, 0.0, 0.0, 0.0) for number in range(1, len(greys) + 1))
-        task = RenderTask("CW/test_1", StageFolder(tmp_path), "{}", frames)
+        task = RenderTask("CW/test_1", StageFolder(tmp_path), "of a job", frames)
 
         def paint(*_: object) -> list[object]:
             for frame, grey in zip(frames, greys, strict=True):
@@ -31,7 +35,7 @@ def render(tmp_path, monkeypatch):
             return []
 
         monkeypatch.setattr("pipeline.stages.render.run_units", paint)
-        return task, render_runs([task], 1, LineReport())
+        return task, render_runs([Order(task, "{}")], 1, LineReport())
 
     return rendered
 
@@ -53,6 +57,57 @@ def test_a_run_of_black_images_alone_has_failed(render):
     assert (failed.run, failed.stage) == ("CW/test_1", "render")
     assert "all 2 images are black: raise look.camera.compensation_ev" in failed.problem
     assert not task.folder.is_done(task.key)
+
+
+def test_of_a_thousand_jobs_no_more_than_two_are_held_at_a_time(tmp_path, monkeypatch):
+    """Each is some megabytes; it is written before the next one but one is made."""
+    frames, made = (FramePose(1, 0.0, 0.0, 0.0, 0.0),), []
+
+    def orders() -> Iterator[Order]:
+        for number in range(1, 7):
+            order = Order(RenderTask(f"CW/test_{number}", StageFolder(tmp_path / str(number)), "", frames), "{}")
+            made.append(weakref.ref(order))
+            yield order
+            del order
+            assert sum(one() is not None for one in made) <= 2
+
+    def stop(*_: object) -> None:
+        raise RunFailed("no more is asked for")
+
+    monkeypatch.setattr("pipeline.stages.render.run_units", stop)
+    with pytest.raises(RunFailed):
+        render_runs(orders(), 1, LineReport())
+    assert len(made) == 6
+    assert all((tmp_path / f"{number}/job.json").read_text() == "{}" for number in range(1, 7))
+
+
+@pytest.mark.parametrize("black", [("CW/test_1",), ("CW/test_1", "CCW/test_1")])
+def test_stage_by_stage_a_run_of_black_images_has_failed_as_in_a_release(
+    dataset, copy_of, symolo, tiny, monkeypatch, black
+):
+    out = copy_of(dataset, stages=True)
+
+    def paint(units: list[RenderUnit], *_: object) -> list[object]:
+        for unit in units:
+            for number in unit.numbers:
+                grey = np.full((24, 32, 3), 0 if unit.name in black else 128, np.uint8)
+                cv2.imwrite(str(unit.folder / f"{number:06d}.jpg"), grey)
+        return []
+
+    monkeypatch.setattr("pipeline.stages.render.run_units", paint)
+    arguments = ("smoke", "--out", out, *tiny, "--set", "look.camera.brightness=0.3")
+    for stage in ("render", "render", "assemble", "assemble"):
+        ended = symolo(stage, *arguments)
+        assert ended.code == 3, ended.err
+        told = [line for line in ended.err.splitlines() if line.startswith("failed: ")]
+        assert [line.split(": ")[1] for line in told] == list(black)
+        assert all("render: all 6 images are black" in line for line in told)
+    assert [run for run in ("CW/test_1", "CCW/test_1") if not (out / run).exists()] == list(black)
+    assert (out / "metadata.json").exists() == (len(black) < 2)
+    # What comes of another look is not known yet.
+    refused = symolo("assemble", *arguments, "--set", "look.camera.brightness=0.4")
+    assert (refused.code, refused.err.count("\n")) == (2, 1)
+    assert "symolo render" in refused.err
 
 
 def test_the_dataset_passes_the_warning_on():

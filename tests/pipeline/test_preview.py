@@ -78,7 +78,7 @@ def test_an_arena_with_nothing_to_follow_is_seen_from_the_start():
 
 def test_pictures_are_runs_as_a_release_draws_them_whatever_their_number():
     few, more = (list(views("symolo", ("render.samples=1",), (), count, 40)) for count in (2, 5))
-    assert [view.job for view in few] == [view.job for view in more[:2]]
+    assert [view.job() for view in few] == [view.job() for view in more[:2]]
     runs = [f"{route}/test_{number}" for number in (1, 2, 3) for route in ("CW", "CCW")]
     assert [view.lines[0].split(",")[0] for view in more] == runs[:5]
     spec = draw_run(load_scenario("symolo"), "CCW", 2)
@@ -86,18 +86,20 @@ def test_pictures_are_runs_as_a_release_draws_them_whatever_their_number():
     assert f"seed {spec.seed}, {spec.look.name}" in shown.lines[0]
     assert shown.lines[1].startswith(f"{spec.look.floor.material}, ")
     assert f"lamps {spec.look.lamps.color_temperature_K:.0f} K" in shown.lines[2]
-    assert shown.job.sampling.samples == 1
-    assert (shown.job.camera.width_px, shown.job.camera.height_px) == (40, 30)
+    job = shown.job()
+    assert job.sampling.samples == 1
+    assert (job.camera.width_px, job.camera.height_px) == (40, 30)
     places = {(view.frame.x_m, view.frame.y_m) for view in more}
     assert len(places) == 5
 
 
 def test_several_looks_show_the_same_run_from_the_same_place():
-    one, other, later = views("symolo", (), ("classroom", "lab"), 3, 40)
-    first_lines = [view.lines[0] for view in (one, other)]
+    shown = list(views("symolo", (), ("classroom", "lab"), 3, 40))
+    first_lines = [view.lines[0] for view in shown[:2]]
     assert first_lines == [f"CW/test_1, seed 2025, {name}" for name in ("classroom", "lab")]
-    assert one.job.frames[0].X_WC == other.job.frames[0].X_WC != later.job.frames[0].X_WC
-    assert one.job.scene.panels != other.job.scene.panels
+    one, other, later = (view.job() for view in shown)
+    assert one.frames[0].X_WC == other.frames[0].X_WC != later.frames[0].X_WC
+    assert one.scene.panels != other.scene.panels
 
 
 def test_a_flat_preview_is_one_file_and_the_same_bytes_again(tmp_path, symolo):
