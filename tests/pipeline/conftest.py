@@ -1,16 +1,21 @@
 """One small dataset through the real stages, made once, and ways to run the command line."""
 
+import multiprocessing
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
+from configs.schema.scenario import RunSpec
 from pipeline.cli import main
 from pipeline.dataset.manifest import MANIFEST, manifest, released_hashes
+from pipeline.stages.simulate import Outcome, simulate
+from pipeline.workers import cores
 
 TINY = [
     f"--set={setting}"
@@ -98,3 +103,11 @@ def release_of() -> Callable[[Path], dict[str, bytes]]:
         return {path.relative_to(root).as_posix(): path.read_bytes() for path in files}
 
     return read
+
+
+@pytest.fixture(scope="session")
+def begun() -> Iterator[Callable[[RunSpec], Future[Outcome]]]:
+    """Begins to simulate a run on a core of its own while the tests go on; `result()` waits for it."""
+    with ProcessPoolExecutor(cores(), multiprocessing.get_context("spawn")) as pool:
+        yield lambda spec: pool.submit(simulate, spec)
+        pool.shutdown(cancel_futures=True)

@@ -14,6 +14,7 @@ from pipeline.stages.simulate import simulate
 
 STRAIGHT_M, RADIUS_M = 0.50, 0.15
 HALF_LAP_M = STRAIGHT_M + math.pi * RADIUS_M
+ROUTES = ("CCW", "CW")
 AVOIDING = {State.AVOID_LEFT, State.AVOID_RIGHT}
 POSITIONS_M = [round((place + 0.5) * HALF_LAP_M / 10, 3) for place in range(10)]
 """Along the line from the start of the lower straight; the other half of the line is the same turned by half a turn."""
@@ -61,11 +62,18 @@ def test_the_line_is_1_94_m_long_and_closed_within_walls_of_1_5_and_0_8_m(scenar
     assert [box.size for box in arena.boxes if box.kind == "obstacle"] == [(0.1, 0.1, 0.1)]
 
 
+@pytest.fixture(scope="module")
+def passages(scenario, begun):
+    """Specification and its run by the route and the place of the cube."""
+    cases = {(route, along_m): spec_with_cube(scenario, route, along_m) for route in ROUTES for along_m in POSITIONS_M}
+    return {case: (spec, begun(spec)) for case, spec in cases.items()}
+
+
 @pytest.mark.parametrize("along_m", POSITIONS_M)
-@pytest.mark.parametrize("route", ["CCW", "CW"])
-def test_a_cube_anywhere_on_the_line_is_passed_and_the_line_found_again(scenario, route, along_m):
-    spec = spec_with_cube(scenario, route, along_m)
-    outcome = simulate(spec)
+@pytest.mark.parametrize("route", ROUTES)
+def test_a_cube_anywhere_on_the_line_is_passed_and_the_line_found_again(passages, route, along_m):
+    spec, run = passages[route, along_m]
+    outcome = run.result()
     assert outcome.problems == ()
     trajectory = outcome.recording.trajectory
     assert set(trajectory.state.tolist()) <= {State.LINE} | AVOIDING
@@ -86,6 +94,6 @@ def test_the_straight_path_does_not_fit_there():
     assert not outcome.finished
 
 
-@pytest.mark.parametrize("route", ["CCW", "CW"])
+@pytest.mark.parametrize("route", ROUTES)
 def test_the_shipped_laps_are_finished(scenario, route):
     assert simulate(draw_run(scenario, route, 2)).problems == ()

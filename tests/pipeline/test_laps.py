@@ -14,14 +14,27 @@ STATES = {"CW": [0, 1, 5, 1, 2, 4, 2, 0, 5, 0], "CCW": [0, 5, 0, 1, 3, 1, 2, 6, 
 """State order of SPEC section 4."""
 
 
+def spec_of(route, *overrides):
+    return draw_run(load_scenario("symolo", overrides), route, 1)
+
+
 def run(route, *overrides):
-    return simulate(draw_run(load_scenario("symolo", overrides), route, 1))
+    return simulate(spec_of(route, *overrides))
 
 
-@pytest.mark.parametrize("seed", range(1, 21))
-@pytest.mark.parametrize("route", ["CW", "CCW"])
-def test_a_lap_is_finished_without_touching_anything(route, seed):
-    outcome = run(route, f"seed={seed}")
+SEEDS = range(1, 21)
+
+
+@pytest.fixture(scope="module")
+def laps(begun):
+    """By route and seed."""
+    return {(route, seed): begun(spec_of(route, f"seed={seed}")) for route in STATES for seed in SEEDS}
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("route", STATES)
+def test_a_lap_is_finished_without_touching_anything(route, seed, laps):
+    outcome = laps[route, seed].result()
     assert outcome.problems == ()
     states = [state for state, _ in itertools.groupby(outcome.recording.trajectory.state)]
     assert states == STATES[route]

@@ -27,15 +27,27 @@ def moving(tmp_path_factory, tiny):
     return out
 
 
-@pytest.mark.parametrize(
-    ("route", "states"), [("CW", [0, 1, 5, 1, 2, 4, 2, 0, 5, 0]), ("CCW", [0, 5, 0, 1, 3, 1, 2, 6, 2, 0])]
-)
-def test_the_shipped_lap_goes_past_both_obstacles_and_sees_them(route, states):
-    spec = draw_run(load_scenario("moving"), route, 1)
-    outcome = simulate(spec)
+STATES = {"CW": [0, 1, 5, 1, 2, 4, 2, 0, 5, 0], "CCW": [0, 5, 0, 1, 3, 1, 2, 6, 2, 0]}
+
+
+@pytest.fixture(scope="module")
+def laps(begun):
+    """Specification, its run, and that without the moving obstacles, by route."""
+    found = {}
+    for route in STATES:
+        spec = draw_run(load_scenario("moving"), route, 1)
+        still = spec.arena.model_copy(update={"obstacles": spec.arena.obstacles[:2]})
+        found[route] = spec, begun(spec), begun(spec.model_copy(update={"arena": still}))
+    return found
+
+
+@pytest.mark.parametrize("route", STATES)
+def test_the_shipped_lap_goes_past_both_obstacles_and_sees_them(route, laps):
+    spec, run, undisturbed = laps[route]
+    outcome = run.result()
     assert outcome.problems == ()
     trajectory = outcome.recording.trajectory
-    assert [state for state, _ in itertools.groupby(trajectory.state.tolist())] == states
+    assert [state for state, _ in itertools.groupby(trajectory.state.tolist())] == STATES[route]
     arena = Arena.from_config(spec.arena)
     chassis = spec.robot.chassis
     for box in arena.moving:
@@ -44,8 +56,7 @@ def test_the_shipped_lap_goes_past_both_obstacles_and_sees_them(route, states):
         for robot, (x, y, yaw) in zip(trajectory.pose, series.values, strict=True):
             body = Rectangle(tuple(robot[:2]), (chassis.length_m, chassis.width_m), robot[2])
             assert not overlap(body, Rectangle((x, y), box.size[:2], yaw))
-    still = spec.arena.model_copy(update={"obstacles": spec.arena.obstacles[:2]})
-    without = simulate(spec.model_copy(update={"arena": still})).recording["tof_m"].values
+    without = undisturbed.result().recording["tof_m"].values
     rows = min(len(without), len(trajectory.t_s))
     shorter = outcome.recording["tof_m"].values[:rows] < without[:rows] - 0.1
     assert np.all(shorter.sum(axis=0) > 10)  # half a second in each of the three sensors

@@ -23,6 +23,8 @@ walls:
   - {name: sill, start: [0.65, -0.05], end: [0.45, -0.05], height_m: 0.03}
 """
 
+ONE_ROUTE = "--set=routes=[{name: CW, start: {x_m: 0.55, y_m: -0.20, yaw_deg: -90}, runs: 1}]"
+
 
 def test_columns_and_folders_are_those_of_the_paper(dataset):
     header = "t,x,y,theta,state,v,w,d_f,d_l,d_r,L0,L1,L2,L3,L4,L5,L6,L7,img"
@@ -72,22 +74,19 @@ def test_sha256sum_accepts_the_manifest(dataset):
     assert listed == there - {"manifest-sha256.txt"}
 
 
-def test_more_workers_and_smaller_blocks_give_the_same_bytes(dataset, tmp_path, symolo, tiny, release_of):
-    out = tmp_path / "again"
-    assert symolo("release", "smoke", "--out", out, *tiny, "--workers", 4).code == 0
-    assert release_of(out) == release_of(dataset)
-
-
-def test_stages_one_by_one_give_the_same_bytes_and_refuse_another_order(dataset, tmp_path, symolo, tiny, release_of):
+def test_stages_one_by_one_with_more_workers_and_smaller_blocks_give_the_same_bytes_and_refuse_another_order(
+    dataset, tmp_path, symolo, tiny, release_of
+):
+    """Where the dataset was made by one command and one worker, each run here is rendered by two workers at once."""
     out = tmp_path / "staged"
     for early in ("render", "assemble"):
         refused = symolo(early, "smoke", "--out", out, *tiny)
         assert (refused.code, refused.err.count("\n")) == (2, 1)
         assert "symolo simulate" in refused.err
         assert not out.exists()
-    assert symolo("simulate", "smoke", "--out", out, *tiny).code == 0
+    assert symolo("simulate", "smoke", "--out", out, *tiny, "--workers", 2).code == 0
     assert symolo("assemble", "smoke", "--out", out, *tiny).code == 2
-    assert symolo("render", "smoke", "--out", out, *tiny).code == 0
+    assert symolo("render", "smoke", "--out", out, *tiny, "--workers", 4).code == 0
     assert not (out / "CW").exists()
     assert symolo("assemble", "smoke", "--out", out, *tiny).code == 0
     assert release_of(out) == release_of(dataset)
@@ -101,18 +100,20 @@ def test_a_second_release_touches_nothing(dataset, copy_of, symolo, tiny):
 
 
 def test_another_look_is_rendered_anew_but_not_simulated(dataset, copy_of, symolo, tiny):
+    """And a route that the scenario no longer has is taken back."""
     out = copy_of(dataset, stages=True)
     trajectory = out / ".stages/simulate/CW/test_1/trajectory.npz"
     before = trajectory.stat().st_mtime_ns
-    sunny = [*tiny, "--set", "look.sun.elevation_deg=70", "--set", "look.sun.illuminance_klx=60"]
+    sunny = [*tiny, ONE_ROUTE, "--set", "look.sun.elevation_deg=70", "--set", "look.sun.illuminance_klx=60"]
     ended = symolo("release", "smoke", "--out", out, *sunny)
     assert ended.code == 0
-    assert "simulate: 2 of 2 runs are there already" in ended.err
+    assert "simulate: 1 of 1 runs are there already" in ended.err
     assert trajectory.stat().st_mtime_ns == before
     run = "CW/test_1"
     assert (out / run / "data.csv").read_bytes() == (dataset / run / "data.csv").read_bytes()
     assert (out / run / "images/000001.jpg").read_bytes() != (dataset / run / "images/000001.jpg").read_bytes()
     assert json.loads((out / run / "side/spec.json").read_text())["look"]["sun"]["elevation_deg"] == 70
+    assert not (out / "CCW").exists()
     assert symolo("verify", out).code == 0
 
 
@@ -221,24 +222,16 @@ def test_a_folder_that_is_removed_takes_along_what_a_killed_removal_left(tmp_pat
     assert not any(tmp_path.iterdir())
 
 
-def test_a_release_without_its_stages_is_made_again(dataset, copy_of, symolo, tiny, release_of):
-    """A run that the scenario no longer holds goes, although no stage knows of it."""
+def test_a_release_without_its_stages_is_made_again(dataset, copy_of, tmp_path, symolo, tiny, release_of):
+    """A run that the scenario no longer holds goes, although no stage knows of it; one outside the dataset stays."""
     out = copy_of(dataset)
+    (tmp_path / "test_1").mkdir()
     metadata = json.loads((out / "metadata.json").read_text())
-    metadata["runs"].append({**metadata["runs"][0], "run": "CW/test_2"})
+    metadata["runs"] += [{**metadata["runs"][0], "run": run} for run in ("CW/test_2", "../test_1")]
     (out / "metadata.json").write_text(json.dumps(metadata))
     shutil.copytree(out / "CW/test_1", out / "CW/test_2")
     assert symolo("release", "smoke", "--out", out, *tiny).code == 0
     assert release_of(out) == release_of(dataset)
-
-
-def test_a_run_named_outside_the_dataset_is_left_alone(dataset, copy_of, tmp_path, symolo, tiny):
-    out = copy_of(dataset)
-    (tmp_path / "test_1").mkdir()
-    metadata = json.loads((out / "metadata.json").read_text())
-    metadata["runs"].append({**metadata["runs"][0], "run": "../test_1"})
-    (out / "metadata.json").write_text(json.dumps(metadata))
-    assert symolo("release", "smoke", "--out", out, *tiny).code == 0
     assert (tmp_path / "test_1").is_dir()
 
 

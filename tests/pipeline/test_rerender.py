@@ -1,39 +1,64 @@
 """Pictures for a stored trajectory: the same ones again, other looks, and a SyMoLo data.csv with nothing beside it."""
 
+import shutil
 import sys
 
 import cv2
 import numpy as np
 import pytest
 
+from pipeline.cli import main
 from pipeline.rerender import Request, prepare
 from pipeline.workspace import Kind, Workspace
 
+RUN = "CW/test_1"
 OUTPUT = {"data.csv", "image_positions.txt", "images", "job.json", "look.json", "frames.json"}
 
 
-@pytest.fixture(autouse=True)
-def without_pybullet(tmp_path, monkeypatch):
+@pytest.fixture(autouse=True, scope="module")
+def without_pybullet(dataset, tmp_path_factory):
     """Any process that imports pybullet, child or not, fails."""
-    folder = tmp_path / "poison"
-    folder.mkdir()
+    assert dataset.is_dir(), "it is made before, with pybullet"
+    folder = tmp_path_factory.mktemp("poison")
     (folder / "pybullet.py").write_text("raise SystemExit('pybullet was imported')\n")
-    monkeypatch.setenv("PYTHONPATH", str(folder))
-    monkeypatch.delitem(sys.modules, "pybullet", raising=False)
-    monkeypatch.syspath_prepend(str(folder))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONPATH", str(folder))
+        patch.delitem(sys.modules, "pybullet", raising=False)
+        patch.syspath_prepend(str(folder))
+        yield
+
+
+@pytest.fixture(scope="module")
+def again(dataset, tmp_path_factory):
+    """CW/test_1 under its own look, read only."""
+    out = tmp_path_factory.mktemp("again") / "out"
+    assert main(["rerender", str(dataset / RUN), "--look", "classroom", "--out", str(out)]) == 0
+    return out
+
+
+@pytest.fixture(scope="module")
+def elsewhere(dataset, tmp_path_factory, tiny):
+    """CW/test_1 under another look, read only; made where folders have the names of the program's packages."""
+    here = tmp_path_factory.mktemp("a folder of the user")
+    for package in ("configs", "blender_scenes", "pipeline"):
+        (here / package).mkdir(parents=True)
+        (here / package / "__init__.py").write_text("raise SystemExit('not ours')\n")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(here)
+        small = [setting for setting in tiny if "render" in setting]
+        assert main(["rerender", str(dataset / RUN / "data.csv"), "--look", "lab", "--out", "out", *small]) == 0
+    return here / "out"
 
 
 def made(out):
     return {path.name for path in out.iterdir() if not path.name.startswith(".")}
 
 
-def test_the_same_look_gives_the_same_pictures_and_another_one_others(dataset, tmp_path, symolo):
-    same, other = tmp_path / "same", tmp_path / "other"
-    run = dataset / "CW/test_1"
-    assert symolo("rerender", run, "--look", "classroom", "--out", same).code == 0
-    assert made(same) == OUTPUT
+def test_the_same_look_gives_the_same_pictures_and_another_one_others(dataset, again, tmp_path, symolo):
+    run, other = dataset / RUN, tmp_path / "other"
+    assert made(again) == OUTPUT
     for name in ("data.csv", "image_positions.txt", *(f"images/{i:06d}.jpg" for i in range(1, 7))):
-        assert (same / name).read_bytes() == (run / name).read_bytes(), name
+        assert (again / name).read_bytes() == (run / name).read_bytes(), name
     arguments = ("--look", "lab", "--set", "render.width_px=48", "--set", "render.height_px=36", "--workers", 1)
     arguments = ("rerender", dataset / ".stages/simulate/CW/test_1", *arguments, "--out", other)
     assert symolo(*arguments, "--set", "render.annotations=[semantic]").code == 0
@@ -59,16 +84,9 @@ def test_an_arena_drawn_at_random_has_its_line_where_the_trajectory_begins(datas
     assert along[0] * to_start[1] - along[1] * to_start[0] == pytest.approx(0, abs=1e-6)
 
 
-def test_packages_of_the_same_name_where_the_user_stands_are_not_ours(dataset, tmp_path, symolo, tiny, monkeypatch):
+def test_packages_of_the_same_name_where_the_user_stands_are_not_ours(elsewhere):
     """A folder `configs` is nothing unusual; no child process may take it for the program's."""
-    here = tmp_path / "a folder of the user"
-    for package in ("configs", "blender_scenes", "pipeline"):
-        (here / package).mkdir(parents=True)
-        (here / package / "__init__.py").write_text("raise SystemExit('not ours')\n")
-    monkeypatch.chdir(here)
-    small = [setting for setting in tiny if "render" in setting]
-    assert symolo("rerender", dataset / "CW/test_1/data.csv", "--look", "lab", "--out", "out", *small).code == 0
-    assert made(here / "out") == OUTPUT
+    assert made(elsewhere) == OUTPUT
 
 
 def test_a_foreign_data_csv_is_enough(dataset, tmp_path, symolo, tiny):
@@ -126,29 +144,28 @@ def test_pictures_are_no_place_for_a_dataset(tmp_path, symolo, tiny):
 
 
 def test_an_interrupted_change_of_the_pictures_is_not_taken_for_finished(
-    dataset, tmp_path, symolo, release_of, monkeypatch
+    dataset, again, elsewhere, copy_of, symolo, release_of, monkeypatch
 ):
     """frames.json, the list of the pictures, comes last; the old one goes before the first picture does."""
-    out, straight = tmp_path / "out", tmp_path / "straight"
-    run = dataset / "CW/test_1"
-    assert symolo("rerender", run, "--look", "classroom", "--out", out).code == 0
-    assert symolo("rerender", run, "--look", "lab", "--out", straight).code == 0
+    out = copy_of(again, stages=True)
+    shutil.rmtree(out / ".stages/render")  # rendered already are those of the other look
+    shutil.copytree(elsewhere / ".stages/render", out / ".stages/render")
+    arguments = ("rerender", dataset / RUN, "--look", "lab", "--out", out)
 
     def killed(_new, _path):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("pipeline.rerender.replace_folder", killed)
-    assert symolo("rerender", run, "--look", "lab", "--out", out).code == 130
+    assert symolo(*arguments).code == 130
     monkeypatch.undo()
     assert not (out / "frames.json").exists()
-    assert symolo("rerender", run, "--look", "lab", "--out", out).code == 0
-    assert release_of(out) == release_of(straight)
-
-
-def test_finished_pictures_are_left_alone_and_damaged_ones_put_back(dataset, tmp_path, symolo, release_of):
-    out = tmp_path / "out"
-    arguments = ("rerender", dataset / "CW/test_1", "--look", "classroom", "--out", out)
     assert symolo(*arguments).code == 0
+    assert release_of(out) == release_of(elsewhere)
+
+
+def test_finished_pictures_are_left_alone_and_damaged_ones_put_back(dataset, again, copy_of, symolo, release_of):
+    out = copy_of(again, stages=True)
+    arguments = ("rerender", dataset / RUN, "--look", "classroom", "--out", out)
     times = {path: path.stat().st_mtime_ns for path in out.rglob("*")}
     assert symolo(*arguments).code == 0
     assert {path: path.stat().st_mtime_ns for path in out.rglob("*")} == times

@@ -6,13 +6,21 @@ import pytest
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from pipeline.stages.simulate import simulate
+
+RUNS = (1, 2, 3)
 
 
-@pytest.mark.parametrize("run", [1, 2, 3])
+@pytest.fixture(scope="module")
+def outcomes(begun):
+    """By route and run."""
+    scenario = load_scenario("wall_gaps")
+    return {(route, run): begun(draw_run(scenario, route, run)) for route in ("East", "West") for run in RUNS}
+
+
+@pytest.mark.parametrize("run", RUNS)
 @pytest.mark.parametrize(("route", "wall", "lost"), [("East", 1, 44), ("West", 2, 33)])
-def test_a_wall_is_lost_at_every_gap_and_found_again(route, wall, lost, run):
-    outcome = simulate(draw_run(load_scenario("wall_gaps"), route, run))
+def test_a_wall_is_lost_at_every_gap_and_found_again(route, wall, lost, run, outcomes):
+    outcome = outcomes[route, run].result()
     assert outcome.problems == ()
     trajectory = outcome.recording.trajectory
     states = [state for state, _ in itertools.groupby(trajectory.state.tolist())]
