@@ -120,16 +120,17 @@ def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSce
     )
 
 
-def load_section(kind: str, name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSection:
+def load_section(kind: str, name_or_path: str, overrides: Sequence[str] = (), option: str = "") -> LoadedSection:
     """Load an arena, a robot or a look alone, for example to render a run again under another look.
 
     Args:
         kind: arena, robot or look.
         name_or_path: The name of a shipped file, or a path.
         overrides: Texts such as `look.sun.elevation_deg=30`.
+        option: Where the name was given, for errors; `--<kind>` by default.
     """
     reader = Reader()
-    node = reader.read(kind, locate(kind, name_or_path, folder=Path(), what=f"--{kind}"))
+    node = reader.read(kind, locate(kind, name_or_path, folder=Path(), what=option or f"--{kind}"))
     root = _overridden(Node({kind: node}, node.where), ALONE[kind], overrides, reader)
     placed = distributions_of(root, ALONE[kind])
     for values in probes(placed):

@@ -68,10 +68,19 @@ def kind_of(out: Path) -> Kind | None:
 
 def check_disk(out: Path, needed_bytes: int) -> None:
     """Raise EnvironmentLacking when there is no room for `needed_bytes` where `out` is or will be."""
-    free = shutil.disk_usage(nearest_existing(out)).free
     there = sum(path.stat().st_size for path in out.rglob("*") if path.is_file())
-    if free + there < needed_bytes:
-        raise EnvironmentLacking(
-            f"--out {out}: about {needed_bytes / 1e6:.0f} MB are needed and {free / 1e6:.0f} MB are free; "
-            "free some space, name a folder on another disk, or lower render.width_px and render.height_px"
-        )
+    cure = "name a folder on another disk, or lower render.width_px and render.height_px"
+    _check_room(nearest_existing(out), needed_bytes - there, f"--out {out}", needed_bytes, cure)
+
+
+def check_scratch(needed_bytes: int, cure: str) -> None:
+    """The same of the folder for temporary files."""
+    scratch = Path(tempfile.gettempdir())
+    _check_room(scratch, needed_bytes, f"temporary files in {scratch}", needed_bytes, f"set TMPDIR, or {cure}")
+
+
+def _check_room(folder: Path, lacking_bytes: int, where: str, needed_bytes: int, cure: str) -> None:
+    free = shutil.disk_usage(folder).free
+    if free < lacking_bytes:
+        needed = f"about {needed_bytes / 1e6:.0f} MB are needed and {free / 1e6:.0f} MB are free"
+        raise EnvironmentLacking(f"{where}: {needed}; free some space, {cure}")

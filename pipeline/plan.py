@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from blender_scenes.camera import intrinsics
+from blender_scenes.lens_warp import pinhole_picture
 from configs.schema.scenario import RunSpec
 from pipeline.progress import seconds
 
@@ -24,6 +26,8 @@ ANNOTATION_BYTES_PER_PIXEL = 0.6
 """Likewise; the flow alone takes nine tenths of it."""
 BYTES_PER_IMAGE = 4096
 """Besides its pixels: tables, and the rest of a disk block."""
+BYTES_PER_JOB = 2_500_000
+"""The scene of a run as text, 1.6 MB with a room full of furniture, and the run's poses."""
 BYTES_PER_ROW = 600
 """data.csv, side files and the stored trajectory."""
 COPIES = 2
@@ -40,7 +44,20 @@ class PlannedRun:
     width_px: int
     height_px: int
     annotated: bool
+    margin: float
+    """Pixels that are traced, to those of the picture: more behind a lens."""
     render_core_s: float
+
+    @property
+    def bytes_needed(self) -> int:
+        pixels = self.images * self.width_px * self.height_px
+        return pictures_bytes(self.images, pixels, annotated=self.annotated) + COPIES * self.rows * BYTES_PER_ROW
+
+
+def pictures_bytes(images: int, pixels: int, *, annotated: bool) -> int:
+    """Disk space of a run's pictures, of so many pixels in all, with the jobs that they are made by [byte]."""
+    per_pixel = BYTES_PER_PIXEL + (ANNOTATION_BYTES_PER_PIXEL if annotated else 0.0)
+    return round(COPIES * (pixels * per_pixel + images * BYTES_PER_IMAGE) + (1 + annotated) * BYTES_PER_JOB)
 
 
 @dataclass(frozen=True)
@@ -59,11 +76,7 @@ class Plan:
     @property
     def bytes_needed(self) -> int:
         """Disk space with some to spare [byte]."""
-        per_pixel = {False: BYTES_PER_PIXEL, True: BYTES_PER_PIXEL + ANNOTATION_BYTES_PER_PIXEL}
-        pixels = sum(run.images * run.width_px * run.height_px * per_pixel[run.annotated] for run in self.runs)
-        pictures = pixels + self.images * BYTES_PER_IMAGE
-        rows = sum(run.rows for run in self.runs) * BYTES_PER_ROW
-        return round(COPIES * (pictures + rows) + 1e6)
+        return sum(run.bytes_needed for run in self.runs)
 
     @property
     def simulation_s(self) -> float:
@@ -90,10 +103,19 @@ class Plan:
             "",
             f"Assumed: {self.cores} cores without a graphics card; {REAL_TIME_FACTOR:g} simulated seconds a second and"
             f" core; {1e6 * RENDER_SAMPLE_S:g} us a pixel and sample and {RENDER_FRAME_S:g} s an image on one core;"
-            f" {BYTES_PER_PIXEL:g} bytes a pixel"
+            f" {BYTES_PER_PIXEL:g} bytes a pixel{self._further()}"
             + (f"; a lap of {LAP_S:g} s, which depends on arena and robot." if self.runs[0].lap else "."),
         ]
         return "\n".join(lines)
+
+    def _further(self) -> str:
+        """What is assumed of lenses and annotations, where there are any."""
+        widest = max(run.margin for run in self.runs)
+        lens = f"; {widest:.2g} times the pixels traced, for the margin behind the lens" if widest > 1 else ""
+        if not any(run.annotated for run in self.runs):
+            return lens
+        own = f"{1e6 * ANNOTATION_PIXEL_S:g} us a pixel and {RENDER_FRAME_S:g} s an image on one core"
+        return f"{lens}; all annotations {own}, and {ANNOTATION_BYTES_PER_PIXEL:g} bytes a pixel"
 
 
 def _planned(spec: RunSpec) -> PlannedRun:
@@ -101,8 +123,10 @@ def _planned(spec: RunSpec) -> PlannedRun:
     images = int(duration_s * spec.rates.camera_hz) + 1
     render = spec.render
     pixels, annotated = render.width_px * render.height_px, bool(render.annotations)
-    image_s = RENDER_FRAME_S + pixels * render.samples * RENDER_SAMPLE_S
-    annotation_s = RENDER_START_S + images * (RENDER_FRAME_S + pixels * ANNOTATION_PIXEL_S) if annotated else 0.0
+    pinhole = pinhole_picture(intrinsics(spec.robot.camera, render.width_px, render.height_px)).camera
+    traced = pinhole.width_px * pinhole.height_px
+    image_s = RENDER_FRAME_S + traced * render.samples * RENDER_SAMPLE_S
+    annotation_s = RENDER_START_S + images * (RENDER_FRAME_S + traced * ANNOTATION_PIXEL_S) if annotated else 0.0
     return PlannedRun(
         run=spec.key,
         duration_s=duration_s,
@@ -112,5 +136,6 @@ def _planned(spec: RunSpec) -> PlannedRun:
         width_px=render.width_px,
         height_px=render.height_px,
         annotated=annotated,
+        margin=traced / pixels,
         render_core_s=RENDER_START_S + images * image_s + annotation_s,
     )

@@ -24,7 +24,8 @@ from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Ints, Rows, read_rows
 from pipeline.dataset.side import image_positions
 from pipeline.files import canonical_json, hashes_of, holds, remove_folder, replace_folder, sync_folder, write_file
-from pipeline.output import check_out
+from pipeline.output import check_disk, check_out
+from pipeline.plan import BYTES_PER_JOB, pictures_bytes
 from pipeline.progress import Report
 from pipeline.stages.annotate import AnnotationTask, copy_released
 from pipeline.stages.assemble import DATA, POSITIONS, SIDE
@@ -63,6 +64,8 @@ class Request:
     camera_hz: float | None = None
     seed: int | None = None
     overrides: tuple[str, ...] = ()
+    option: str = "--look"
+    """By which the looks are named."""
 
     def of(self, section: str) -> tuple[str, ...]:
         """The overrides below one section."""
@@ -92,11 +95,12 @@ class Draw:
 
 
 @contextlib.contextmanager
-def open_folders(draws: Sequence[Draw], out: Path, *, apart: bool) -> Iterator[list[Workspace]]:
+def open_folders(source: Source, draws: Sequence[Draw], out: Path, *, apart: bool) -> Iterator[list[Workspace]]:
     """A folder for each draw, checked and held: `out/<name>` where they lie apart, else `out` for the only one.
 
     Raises:
         InputError: One of them cannot be used, or another command works in it.
+        EnvironmentLacking: The disk is too full.
     """
     kind = Kind.LOOKS if apart else Kind.PICTURES
     check_out(out, kind)
@@ -104,6 +108,7 @@ def open_folders(draws: Sequence[Draw], out: Path, *, apart: bool) -> Iterator[l
     folders = [Workspace(whole.out / draw.name, Kind.PICTURES) for draw in draws] if apart else [whole]
     for folder in folders:
         check_out(folder.out, Kind.PICTURES, within_looks=apart)
+    check_disk(out, sum(_bytes_needed(source, draw) for draw in draws))
     with whole.locked():
         for folder in folders if apart else ():
             with folder.locked():  # and let go: each lock takes one of a thousand or so file descriptors
@@ -140,6 +145,13 @@ def render_source(
         if name not in failed:
             _publish(pictures[name], annotations.get(name), source, draw.record, folder)
     return failures
+
+
+def _bytes_needed(source: Source, draw: Draw) -> int:
+    render, images = draw.appearance.render, int(np.count_nonzero(source.rows.image))
+    pixels = images * render.width_px * render.height_px
+    # The job lies in the folder once more, beside the trajectory.
+    return pictures_bytes(images, pixels, annotated=bool(render.annotations)) + BYTES_PER_JOB + len(source.data)
 
 
 def draw_seed(seed: int, draw: int) -> int:
@@ -229,7 +241,7 @@ def _draws(source: Source, request: Request) -> tuple[Draw, ...]:
         )
     draws = []
     for name in request.looks:
-        section = load_section("look", name, request.of("look"))
+        section = load_section("look", name, request.of("look"), request.option)
         for k in range(1, request.draws + 1):
             own = draw_seed(seed, k)
             look, drawn = draw_look(section, own, route, run)

@@ -15,14 +15,14 @@ _DECIMALS = 9
 @dataclass(frozen=True)
 class Box3D:
     size_m: Point3
-    """Along the axes of its frame B, whose origin is its middle; z is up."""
-    X_WB: Matrix4
-    X_CB: Matrix4
+    """Along the axes of its frame O, whose origin is its middle; z is up."""
+    X_WO: Matrix4
+    X_CO: Matrix4
 
 
 def box_3d(seen: Seen, solid: Solid) -> Box3D:
-    X_WB = solid.pose_X_WB(seen.pose_X_WI(solid.instance_id))
-    return Box3D(solid.size_m, rows_of(X_WB), rows_of(np.linalg.inv(seen.X_WC) @ X_WB))
+    X_WO = solid.pose_X_WO(seen.pose_X_WI(solid.instance_id))
+    return Box3D(solid.size_m, rows_of(X_WO), rows_of(np.linalg.inv(seen.X_WC) @ X_WO))
 
 
 def rows_of(matrix: Array) -> Matrix4:

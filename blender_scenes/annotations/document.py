@@ -26,7 +26,7 @@ ENCODINGS: dict[AnnotationName, str] = {
     "flow": "PNG, 16 bit RGB: 32768 + 64 du, 32768 + 64 dv to the next image [px], 1 where valid (as KITTI)",
     "free_floor": "PNG, 8 bit grey: 255 where floor or line is seen",
     "boxes_2d": "annotations: bbox around what is seen, amodal_bbox around all within the picture; x, y, width, height",
-    "boxes_3d": "annotations: box_3d, size [m] and poses X_WB, X_CB of a frame in the box's middle",
+    "boxes_3d": "annotations: box_3d, size [m] and poses X_WO, X_CO of a frame in its middle",
     "key_points": "sightings: pixel (u, v), (0, 0) the middle of the first pixel, and place in C [m]",
 }
 

@@ -37,23 +37,23 @@ _DARK = Sky("studio", 0.0, 0.0, 1.0, 1.0)
 
 @dataclass(frozen=True)
 class Solid:
-    """A wall or an obstacle as a box; its frame B lies in the box's middle, axes along the edges."""
+    """A wall or an obstacle as a box; its frame O lies in the box's middle, axes along the edges."""
 
     instance_id: int
     size_m: Point3
     pose: PlanarPose
-    """Of B's foot in the frame of the instance."""
+    """Of O's foot in the frame of the instance."""
 
-    def pose_X_WB(self, X_WI: Array) -> Array:
-        """(4, 4) pose of B, from that of the instance's frame."""
-        X_IB = pose_X_WR(*self.pose)
-        X_IB[2, 3] = 0.5 * self.size_m[2]
-        return X_WI @ X_IB
+    def pose_X_WO(self, X_WI: Array) -> Array:
+        """(4, 4) pose of O, from that of the instance's frame."""
+        X_IO = pose_X_WR(*self.pose)
+        X_IO[2, 3] = 0.5 * self.size_m[2]
+        return X_WI @ X_IO
 
     def corners(self, X_WI: Array) -> Array:
         """(8, 3) in W, the lower four first, counter-clockwise."""
-        X_WB = self.pose_X_WB(X_WI)
-        return (_CORNERS * self.size_m) @ X_WB[:3, :3].T + X_WB[:3, 3]
+        X_WO = self.pose_X_WO(X_WI)
+        return (_CORNERS * self.size_m) @ X_WO[:3, :3].T + X_WO[:3, 3]
 
 
 @dataclass(frozen=True)

@@ -16,9 +16,9 @@ def silhouette(seen: Seen, solid: Solid) -> NDArray[np.bool_]:
     """
     mask = seen.instance == solid.instance_id
     rows, columns = _window(seen, solid)
-    X_WB = solid.pose_X_WB(seen.pose_X_WI(solid.instance_id))
-    rays = seen.rays_W[rows, columns] @ X_WB[:3, :3]
-    eye = (seen.X_WC[:3, 3] - X_WB[:3, 3]) @ X_WB[:3, :3]
+    X_WO = solid.pose_X_WO(seen.pose_X_WI(solid.instance_id))
+    rays = seen.rays_W[rows, columns] @ X_WO[:3, :3]
+    eye = (seen.X_WC[:3, 3] - X_WO[:3, 3]) @ X_WO[:3, :3]
     half = 0.5 * np.array(solid.size_m)
     with np.errstate(divide="ignore", invalid="ignore"):  # a ray along a slab never cuts it: infinity is right
         one, other = (-half - eye) / rays, (half - eye) / rays

@@ -24,11 +24,11 @@ class Fixed:
 FIELDS_DISAGREE = "fields_disagree"
 
 
-def disagreement(field: str, got: float, allowed: str) -> PydanticCustomError:
+def disagreement(field: str, got: float | str, allowed: str) -> PydanticCustomError:
     """What a section's validator raises when one of its fields does not go with another.
 
     Args:
-        field: The field at fault.
+        field: The field at fault; empty where it is what the validator stands at.
         got: Its value.
         allowed: What would go, in words.
     """

@@ -3,7 +3,7 @@
 from itertools import pairwise
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from configs.schema.arena import ArenaConfig
 from configs.schema.base import PLANNED, FromList, Section, Slug, disagreement
@@ -49,6 +49,13 @@ class Rates(Section):
         return self
 
 
+def _each_once(names: tuple[str, ...]) -> tuple[str, ...]:
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise disagreement("", ", ".join(twice) + " twice", "each annotation once")
+    return names
+
+
 AnnotationName = Literal[
     "depth", "instance", "semantic", "normals", "flow", "free_floor", "boxes_2d", "boxes_3d", "key_points"
 ]
@@ -63,7 +70,9 @@ class Render(Section):
     denoise: bool = True
     """Off only for many samples, or to measure noise."""
     jpeg_quality: int = Field(default=92, ge=1, le=100)
-    annotations: Annotated[tuple[Annotated[AnnotationName, PLANNED], ...], FromList, PLANNED] = ()
+    annotations: Annotated[
+        tuple[Annotated[AnnotationName, PLANNED], ...], FromList, AfterValidator(_each_once), PLANNED
+    ] = ()
     """What is known exactly of each image, in files of their own beside the images, which stay as they are without."""
 
 

@@ -134,9 +134,10 @@ def rerender(
     from pipeline.workers import cores
 
     chosen = _chosen_looks(look, looks, draws)
-    request = Request(chosen, draws or 1, arena, robot, camera_hz, seed, tuple(settings or ()))
+    option = "--look" if looks is None else "--looks"
+    request = Request(chosen, draws or 1, arena, robot, camera_hz, seed, tuple(settings or ()), option)
     found, drawn = prepare(source, request)
-    with open_folders(drawn, out, apart=looks is not None) as folders:
+    with open_folders(found, drawn, out, apart=looks is not None) as folders:
         failures = render_source(found, drawn, folders, workers or cores(), report_here())
     return _conclude(failures, len(drawn), "rerender", out, "draw")
 

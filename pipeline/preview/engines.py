@@ -11,6 +11,8 @@ import numpy as np
 from blender_scenes.frame_files import frame_name
 from blender_scenes.preview.renderer import FlatRenderer
 from pipeline.dataset.metadata import FailedRun
+from pipeline.output import check_scratch
+from pipeline.plan import pictures_bytes
 from pipeline.preview import Engine
 from pipeline.preview.views import View
 from pipeline.progress import Report
@@ -59,6 +61,9 @@ def _flat(views: Sequence[View], report: Report) -> Made:
 
 def _cycles(views: Sequence[View], workers: int, report: Report) -> Made:
     """As the render stage makes them, in a folder that is gone afterwards."""
+    render = views[0].look.render
+    each = pictures_bytes(1, render.width_px * render.height_px, annotated=False)
+    check_scratch(len(views) * each, "ask for fewer pictures by -n")
     with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as folder:
         folders = {view.number: StageFolder(Path(folder) / str(view.number)) for view in views}
         orders = (RenderTask.order(view.name, folders[view.number], view.job(), (view.frame,)) for view in views)

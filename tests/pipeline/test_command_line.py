@@ -14,6 +14,9 @@ import cv2
 import numpy as np
 import pytest
 
+from configs.draw import draw_run
+from configs.loader import load_scenario
+from pipeline.plan import RENDER_SAMPLE_S, Plan
 from pipeline.units import SimulateUnit
 from pipeline.workers import WorkerError, run_units
 
@@ -37,6 +40,10 @@ BAD = {
     "scenario is a folder": (["plan", "HERE"], "HERE"),
     "scenario is no YAML": (["plan", "HERE/bad.yaml"], "bad.yaml:2"),
     "scenario with another field": (["plan", "HERE/extra.yaml"], "extra.yaml:3"),
+    "the same annotation twice": (
+        ["plan", "smoke", "--set", "render.annotations=[depth, flow, depth]"],
+        "render.annotations: got 'depth twice', allowed: each annotation once",
+    ),
     "set without a value": (["release", "smoke", "--out", "OUT", "--set", "render.samples"], "--set"),
     "set of no such field": (["release", "smoke", "--out", "OUT", "--set", "render.sampels=3"], "samples"),
     "set of the wrong type": (["release", "smoke", "--out", "OUT", "--set", "render.samples=many"], "'many'"),
@@ -99,7 +106,7 @@ BAD = {
     ),
     "rerender under looks, one misspelt": (
         ["rerender", "HERE/data.csv", "--looks", "classroom,labb", "--n", "2", "--out", "OUT"],
-        "did you mean lab",
+        "--looks: got 'labb'",
     ),
     "preview of a misspelt scenario": (["preview", "smok", "--out", "OUT.png"], "did you mean smoke"),
     "preview under no such look": (["preview", "smoke", "--look", "labb", "--out", "OUT.png"], "did you mean lab"),
@@ -193,6 +200,27 @@ def test_a_full_disk_is_noticed_before_the_work_starts(here, symolo, monkeypatch
     assert not (here / "OUT").exists()
 
 
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (("rerender", "HERE/data.csv", "--looks", "lab", "--n", 500, "--camera-hz", 5, "--out", "OUT"), "--out OUT"),
+        (("preview", "smoke", "-n", 40, "--width-px", 32, "--out", "sheet.png"), "TMPDIR"),
+    ],
+)
+def test_room_for_every_draw_and_picture_is_looked_for_before_the_work_starts(
+    here, symolo, monkeypatch, arguments, named
+):
+    """A drawn scene is over a megabyte of text, whatever the size of its pictures."""
+    before = files_in(here)
+    usage = shutil.disk_usage(here)._replace(free=40_000_000)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _path: usage)
+    ended = symolo(*arguments)
+    assert (ended.code, ended.err.count("\n")) == (5, 1)
+    assert "are needed and 40 MB are free" in ended.err
+    assert named in ended.err
+    assert files_in(here) == before
+
+
 def test_a_bug_in_a_worker_is_told_with_its_traceback_and_the_others_are_done(tmp_path):
     """A specification that is none gets past no check of the command line, so that it can only be a bug."""
     units = [SimulateUnit(name=f"A/test_{i}", spec="{}", folder=tmp_path / str(i), key="k") for i in (1, 2)]
@@ -256,6 +284,27 @@ def test_plan_of_the_full_release_counts_what_will_be_made(symolo):
     assert lines[1].split()[1:] == ["40.0", "801", "201", "640", "x", "480"]
     assert "images     1206" in lines
     assert "a lap of 40 s" in lines[-1]
+
+
+def test_plan_counts_the_margin_behind_a_lens_and_says_what_annotations_are_taken_to_cost():
+    """The corner's ray, r of r (1 - 0.3 r^2 + 0.1 r^4) = 0.882, goes the furthest; of assumptions only those made."""
+    lens = ("robot.camera.distortion.k1=-0.3", "robot.camera.distortion.k2=0.1")
+    plain, behind, annotated = (
+        Plan.of([draw_run(load_scenario("symolo", settings), "CW", 1)], 1)
+        for settings in ((), lens, ("render.annotations=[depth]",))
+    )
+    (own,), (wider,) = plain.runs, behind.runs
+    corner = 0.5 * 42.33 / 30 * 1.25
+    roots = np.roots([0.1, 0, -0.3, 0, 1, -corner])
+    times = (min(root.real for root in roots if abs(root.imag) < 1e-9) / corner) ** 2
+    traced_s = 201 * 640 * 480 * 2 * RENDER_SAMPLE_S
+    # The spare pixels beyond the outermost ray are less than a hundredth.
+    assert (wider.render_core_s - own.render_core_s) / traced_s == pytest.approx(times - 1, abs=0.02)
+    assert f"{times:.2g} times the pixels" in behind.text()
+    assert "margin" not in plain.text()
+    assert "all annotations 1.5 us a pixel" in annotated.text()
+    assert "annotations" not in plain.text()
+    assert annotated.render_s > plain.render_s
 
 
 def test_plan_of_smoke_counts_to_the_image(dataset, tiny, symolo):

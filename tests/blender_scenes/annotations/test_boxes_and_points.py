@@ -110,10 +110,10 @@ def test_a_record_is_read_back_as_it_was(job):
 def test_the_box_in_space_stands_where_the_arena_has_it(job):
     box = box_3d(seen(job), solid_named(job, "cube"))
     assert box.size_m == (0.2, 0.2, 0.2)
-    np.testing.assert_allclose(np.array(box.X_WB)[:3, 3], (1.1, 0.0, 0.1))
-    np.testing.assert_allclose(np.array(box.X_CB)[:3, 3], (0.0, -0.04, 1.1), atol=1e-9)
+    np.testing.assert_allclose(np.array(box.X_WO)[:3, 3], (1.1, 0.0, 0.1))
+    np.testing.assert_allclose(np.array(box.X_CO)[:3, 3], (0.0, -0.04, 1.1), atol=1e-9)
     moved = box_3d(seen(job), solid_named(job, "cart"))
-    np.testing.assert_allclose(np.array(moved.X_WB)[:3, 3], (-0.5, 0.0, 0.045))
+    np.testing.assert_allclose(np.array(moved.X_WO)[:3, 3], (-0.5, 0.0, 0.045))
 
 
 def test_depth_is_taken_where_the_plane_cuts_the_ray_through_the_pixels_middle(job):
