@@ -5,9 +5,14 @@ from pathlib import Path
 
 import numpy as np
 
-from blender_scenes.annotations.document import DOCUMENT, Document
+from blender_scenes.annotations.document import DOCUMENT, ENCODINGS, Document
+from blender_scenes.annotations.instances import CATEGORIES
 from blender_scenes.annotations.job import RECORDS, picture_file
+from blender_scenes.camera import intrinsics
+from configs.schema.scenario import RunSpec
+from pipeline.dataset.camera_model import camera_table
 from pipeline.dataset.metadata import RunRecord
+from pipeline.dataset.rows import Rows
 
 ANNOTATIONS = "annotations"
 """Their folder within a run's."""
@@ -22,12 +27,16 @@ _FORMS = {
 }
 """Type and channels of each picture."""
 
+_POSE_TOLERANCE = 1e-6
+"""In ms, m, and of the components of unit vectors."""
+
 Fault = tuple[str, str]
 """A file within the folder, nothing for the folder itself, and what is wrong with it."""
 
 
-def annotation_faults(folder: Path, numbers: Sequence[int], record: RunRecord) -> Iterator[Fault]:
-    """Every fault of the annotations of a run whose images have these numbers."""
+def annotation_faults(folder: Path, rows: Rows, record: RunRecord, spec: RunSpec | None) -> Iterator[Fault]:
+    """Every fault of the annotations of a run; without its specification cameras and poses are not looked at."""
+    numbers = rows.image[rows.image > 0].tolist()
     there = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
     expected = set(_expected(numbers, record))
     for name in sorted(expected - there):
@@ -42,7 +51,12 @@ def annotation_faults(folder: Path, numbers: Sequence[int], record: RunRecord) -
             yield DOCUMENT, f"cannot be read: {str(error).splitlines()[0]}"
         else:
             known = {0, *(one.id for one in document.instances)}
+            yield from _head_faults(document, record)
+            if spec is not None:
+                yield from _camera_faults(document, rows, spec)
             yield from _document_faults(document, numbers, known)
+            category_of = {one.id: one.category_id for one in document.instances}
+            yield from _category_faults(folder, expected & there, category_of)
     for name in sorted((expected & there) - {DOCUMENT}):
         fault = _picture_fault(folder / name, record, known)
         if fault:
@@ -56,6 +70,60 @@ def _expected(numbers: Sequence[int], record: RunRecord) -> Iterator[str]:
             yield from (picture_file(kind, number) for number in (numbers[:-1] if kind == "flow" else numbers))
     if record.annotations:
         yield DOCUMENT
+
+
+def _head_faults(document: Document, record: RunRecord) -> Iterator[Fault]:
+    """What all images have in common, against the run."""
+    if set(document.kinds) != set(record.annotations):
+        yield DOCUMENT, f"is of {', '.join(document.kinds)}, metadata.json names {', '.join(record.annotations)}"
+    if document.encodings != {kind: ENCODINGS[kind] for kind in document.kinds}:
+        yield DOCUMENT, "encodings are not those of its annotations"
+    if [(one.id, one.name) for one in document.categories] != list(enumerate(CATEGORIES)):
+        yield DOCUMENT, f"categories are not {', '.join(CATEGORIES)}, numbered from 0"
+    size = record.image_width_px, record.image_height_px
+    if any((image.width, image.height) != size for image in document.images):
+        yield DOCUMENT, f"images are of another size than {size[0]} x {size[1]} px"
+    strange = [one.name for one in document.instances if not 0 < one.category_id < len(CATEGORIES)]
+    if strange:
+        yield DOCUMENT, f"instance {strange[0]} is of a category that is not there"
+
+
+def _camera_faults(document: Document, rows: Rows, spec: RunSpec) -> Iterator[Fault]:
+    if document.camera != intrinsics(spec.robot.camera, spec.render.width_px, spec.render.height_px):
+        yield DOCUMENT, "camera is not that of spec.json"
+    poses = {int(row[0]): row[1:14] for row in camera_table(spec, rows)}
+    for image in document.images:
+        X_WC = np.array(image.X_WC)
+        told = np.concatenate([[1000 * image.t_s], X_WC[:3, :3].ravel(), X_WC[:3, 3]])
+        if image.id in poses and not np.allclose(told, poses[image.id], rtol=0, atol=_POSE_TOLERANCE):
+            yield DOCUMENT, f"t_s or X_WC of image {image.id} is not that of data.csv"
+
+
+def _category_faults(folder: Path, names: set[str], category_of: dict[int, int]) -> Iterator[Fault]:
+    """Each pixel's category is that of its instance; where only the categories were asked for, they are known ones."""
+    for name in sorted(name for name in names if name.startswith("semantic/")):
+        semantic, instance = _decoded(folder / name), _decoded(folder / name.replace("semantic", "instance"))
+        if semantic is None or semantic.ndim != 2:
+            continue  # which is told elsewhere
+        if instance is not None and instance.shape == semantic.shape and set(np.unique(instance)) <= {0, *category_of}:
+            table = np.zeros(2**16, np.int64)
+            table[list(category_of)] = list(category_of.values())
+            differ = np.count_nonzero(table[instance] != semantic)
+            if differ:
+                yield name, f"differs in {differ} pixels from the categories of the instances there"
+        elif semantic.max() >= len(CATEGORIES):
+            yield name, f"has the id {semantic.max()}, which {DOCUMENT} does not name"
+
+
+def _decoded(path: Path) -> np.ndarray | None:
+    """None for what is no picture."""
+    import cv2  # noqa: PLC0415 - half a second that no other command needs
+
+    data = np.frombuffer(path.read_bytes() if path.is_file() else b"", dtype=np.uint8)
+    try:
+        return cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if len(data) else None
+    except cv2.error:  # its head claims more pixels than OpenCV takes
+        return None
 
 
 def _document_faults(document: Document, numbers: Sequence[int], known: set[int]) -> Iterator[Fault]:
@@ -72,13 +140,7 @@ def _document_faults(document: Document, numbers: Sequence[int], known: set[int]
 
 
 def _picture_fault(path: Path, record: RunRecord, known: set[int]) -> str:
-    import cv2  # noqa: PLC0415 - half a second that no other command needs
-
-    data = np.frombuffer(path.read_bytes(), dtype=np.uint8)
-    try:
-        pixels = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if len(data) else None
-    except cv2.error:  # its head claims more pixels than OpenCV takes
-        pixels = None
+    pixels = _decoded(path)
     if pixels is None:
         return "cannot be decoded"
     dtype, channels = _FORMS[path.parent.name]

@@ -10,9 +10,10 @@ from pydantic import ValidationError
 
 from blender_scenes.frame_files import frame_name
 from configs.schema.arena import ArenaConfig
+from configs.schema.scenario import RunSpec
 from physics.arena import Arena
 from pipeline.dataset.annotation_checks import ANNOTATIONS, annotation_faults
-from pipeline.dataset.camera_model import INTRINSICS, read_camera_model
+from pipeline.dataset.camera_model import INTRINSICS, CameraModel, camera_table, read_camera_model
 from pipeline.dataset.metadata import RunRecord
 from pipeline.dataset.obstacles import obstacle_table, off_the_path
 from pipeline.dataset.rows import HEADER, Floats, Rows, parse_table, semantic_faults
@@ -54,7 +55,8 @@ def check_run(root: Path, record: RunRecord) -> Iterator[Finding]:
     yield from _images(run / "images", f"{record.run}/images", rows, record)
     yield from _positions(run / "image_positions.txt", f"{record.run}/image_positions.txt", rows)
     yield from _side(run / "side", f"{record.run}/side", rows, record)
-    for file, what in annotation_faults(run / ANNOTATIONS, rows.image[rows.image > 0].tolist(), record):
+    spec = _whole(_content(run / "side/spec.json"))
+    for file, what in annotation_faults(run / ANNOTATIONS, rows, record, spec):
         yield Finding(f"{record.run}/{ANNOTATIONS}/{file}".rstrip("/"), what)
 
 
@@ -162,16 +164,36 @@ def _side(folder: Path, name: str, rows: Rows, record: RunRecord) -> Iterator[Fi
         yield from _limited(f"{name}/{side.file}", faults)
         if len(table) and not np.array_equal(table[:, side.header.index("t")], times):
             yield Finding(f"{name}/{side.file}", "column t is not that of data.csv")
-    yield from _camera_model(folder / INTRINSICS, f"{name}/{INTRINSICS}", record)
     try:
-        spec = json.loads((folder / "spec.json").read_bytes())
+        content = json.loads((folder / "spec.json").read_bytes())
     except (OSError, ValueError) as error:
         yield Finding(f"{name}/spec.json", f"cannot be read: {error}")
-        return
-    yield from _obstacles(folder, name, spec, rows, record)
+        content = None
+    spec = _whole(content)
+    yield from _camera_model(folder / INTRINSICS, f"{name}/{INTRINSICS}", record, spec)
+    if spec is not None:
+        yield from _camera_poses(folder / CAMERA.file, f"{name}/{CAMERA.file}", rows, spec)
+    if content is not None:
+        yield from _obstacles(folder, name, content, rows, record)
 
 
-def _camera_model(path: Path, name: str, record: RunRecord) -> Iterator[Finding]:
+def _content(path: Path) -> object:
+    """Of a JSON file; None where it is damaged."""
+    try:
+        return json.loads(path.read_bytes())
+    except (OSError, ValueError):
+        return None
+
+
+def _whole(content: object) -> RunSpec | None:
+    """The run specification, None where it is damaged."""
+    try:
+        return RunSpec.model_validate_json(json.dumps(content))
+    except ValidationError:
+        return None
+
+
+def _camera_model(path: Path, name: str, record: RunRecord, spec: RunSpec | None) -> Iterator[Finding]:
     try:
         model = read_camera_model(path)
     except OSError as error:
@@ -184,6 +206,27 @@ def _camera_model(path: Path, name: str, record: RunRecord) -> Iterator[Finding]
     if (model.width_px, model.height_px) != size:
         what = f"is of pictures of {model.width_px} x {model.height_px} px, metadata.json says {size[0]} x {size[1]}"
         yield Finding(name, what)
+    elif spec is not None:
+        expected = CameraModel.of(spec)
+        for field in CameraModel.model_fields:
+            if getattr(model, field) != getattr(expected, field):
+                yield Finding(name, f"{field} is not that of the camera in spec.json")
+
+
+def _camera_poses(path: Path, name: str, rows: Rows, spec: RunSpec) -> Iterator[Finding]:
+    """Poses and exposures against data.csv and the camera's mounting."""
+    table, _ = _table(path, CAMERA.header)
+    expected = camera_table(spec, rows)
+    if not len(table):
+        return
+    if table.shape != expected.shape:
+        yield Finding(name, f"{len(table)} poses for {len(expected)} images in data.csv")
+        return
+    wrong = np.abs(table - expected) > [1.1 * 10.0**-column.decimals for column in CAMERA.columns]
+    for i, column in zip(*np.nonzero(wrong), strict=True):
+        header = CAMERA.header[column]
+        yield Finding(name, f"line {i + 2}: column {header}: {table[i, column]:g} is not that of the camera's mounting")
+        return
 
 
 def _obstacles(folder: Path, name: str, spec: object, rows: Rows, record: RunRecord) -> Iterator[Finding]:

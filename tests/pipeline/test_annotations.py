@@ -142,6 +142,25 @@ DAMAGE = {
         "annotations.json",
         "an instance that is not there",
     ),
+    "kinds": (document(lambda d: d["kinds"].remove("flow")), "annotations.json", "is of depth, .* names"),
+    "encoding": (document(lambda d: d["encodings"].update(depth="m")), "annotations.json", "encodings are not"),
+    "category": (
+        document(lambda d: d["categories"][2].update(name="tape")),
+        "annotations.json",
+        "categories are not sky, floor, line",
+    ),
+    "camera": (document(lambda d: d["camera"].update(fx_px=1.0)), "annotations.json", "camera is not that of spec"),
+    "pose": (
+        document(lambda d: d["images"][1]["X_WC"][0].__setitem__(3, 9.0)),
+        "annotations.json",
+        "X_WC of image 2 is not that of data.csv",
+    ),
+    "size of an image": (document(lambda d: d["images"][0].update(width=9)), "annotations.json", "of another size"),
+    "category of a pixel": (
+        replaced("semantic/000001.png", np.full(SIZE, 2, np.uint8)),
+        "semantic/000001.png",
+        r"differs in \d+ pixels",
+    ),
     "key point": (document(lambda d: d["key_points"].clear()), "annotations.json", "a key point that is not there"),
 }
 

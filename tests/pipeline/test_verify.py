@@ -159,6 +159,16 @@ CONTENT = {
         "column t is not that of data.csv",
     ),
     "side file missing": (remove(f"{RUN}/side/tof.csv"), f"{RUN}/side/tof.csv", "cannot be read"),
+    "intrinsics of another lens": (
+        edit(f"{RUN}/side/intrinsics.json", lambda t: t.replace('"D": [\n    0.0', '"D": [\n    0.1')),
+        f"{RUN}/side/intrinsics.json",
+        "D is not that of the camera in spec.json",
+    ),
+    "camera elsewhere": (
+        edit(f"{RUN}/side/camera.csv", lambda t: re.sub(r"0\.120000", "0.120100", t, count=1)),
+        f"{RUN}/side/camera.csv",
+        "line 2: column p_z: 0.1201 is not that",
+    ),
     "intrinsics missing": (remove(f"{RUN}/side/intrinsics.json"), f"{RUN}/side/intrinsics.json", "cannot be read"),
     "intrinsics cut": (cut(f"{RUN}/side/intrinsics.json", 90), f"{RUN}/side/intrinsics.json", "Invalid JSON"),
     "intrinsics of other pictures": (
