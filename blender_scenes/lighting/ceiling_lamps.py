@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 from blender_scenes.colour import light_rgb, scaled
 from blender_scenes.description import Mesh, Panel, Point3
 from blender_scenes.geometry import block
@@ -10,21 +12,28 @@ from blender_scenes.materials.fittings import moulded
 from blender_scenes.rooms.base import Room
 from blender_scenes.shading import RGB
 from blender_scenes.solids import joined, lathe, moved, rod
+from configs.schema.lighting import LampsLook
 from configs.schema.look import LookConfig
 
 _LOWEST_M = 1.8
 _BATTEN_M = 0.05
+_LEAST_M = 0.02
+_APART_M = 0.1
+"""More than a housing is longer than its tube."""
 _SHADE_M = 0.2
 """Height of a shade."""
 
 
 def ceiling_lamps(look: LookConfig, room: Room) -> Lights:
-    """Lambertian panels: luminance = flux / (pi area)."""
+    """Lambertian panels: luminance = flux / (pi area); those that are off have their bodies alone.
+
+    Of the same flux they are shorter and narrower where the room's share for each is.
+    """
     own = look.lamps
-    if own.flux_klm == 0:
+    if own.rows * own.columns == 0:
         return Lights()
-    length = own.width_m if own.housing == "shade" else own.length_m
-    luminance = own.flux_klm / (math.pi * length * own.width_m)
+    length, width = _fitting(own, room)
+    luminance = own.flux_klm / (math.pi * length * width)
     radiance: RGB = scaled(light_rgb(own.color_temperature_K), luminance)
     z = max(room.height_m - own.drop_m, min(_LOWEST_M, room.height_m - 0.06))
     (x0, y0), (x1, y1) = room.low, room.high
@@ -34,12 +43,23 @@ def ceiling_lamps(look: LookConfig, room: Room) -> Lights:
             x = x0 + (x1 - x0) * (column + 0.5) / own.columns
             y = y0 + (y1 - y0) * (row + 0.5) / own.rows
             name, center = f"lamp_{row}_{column}", (x, y, z)
-            panels.append(Panel(name, center, (1, 0, 0), (0, -1, 0), length, own.width_m, radiance, on_mains=True))
+            if own.flux_klm > 0:
+                panels.append(Panel(name, center, (1, 0, 0), (0, -1, 0), length, width, radiance, on_mains=True))
             if own.housing != "none":
                 body = _batten if own.housing == "batten" else _shade
-                meshes.append(body(name, center, (length, own.width_m), room.height_m))
+                meshes.append(body(name, center, (length, width), room.height_m))
     surfaces = (moulded("lamp_housing", (0.72, 0.72, 0.7), 0.4),) if meshes else ()
     return Lights(panels=tuple(panels), meshes=tuple(meshes), surfaces=surfaces)
+
+
+def _fitting(own: LampsLook, room: Room) -> tuple[float, float]:
+    """Length along x and width [m] that leave a lamp's body clear of the walls and of its neighbours."""
+    share = np.maximum(np.subtract(room.high, room.low) / (own.columns, own.rows) - _APART_M, _LEAST_M)
+    if own.housing == "shade":
+        # Its rim is wider than the bulb, by which it is told.
+        side = min(own.width_m, max((float(share.min()) - 1.4 * _SHADE_M) / 1.5, _LEAST_M))
+        return side, side
+    return min(own.length_m, float(share[0])), min(own.width_m, float(share[1]))
 
 
 def _batten(name: str, lamp: Point3, size_m: tuple[float, float], ceiling_m: float) -> Mesh:

@@ -31,10 +31,9 @@ def desk_lamps(look: LookConfig, room: Room) -> Lights:
     """One on each of the first tables, at the place of its top that is nearest to the room's middle.
 
     The bulb is a Lambertian square of luminance flux / (pi area), deep in the hood, which cuts off its light sideways.
+    A lamp that is off has its body alone.
     """
     own = look.desk_lamps
-    if own.flux_klm == 0:
-        return Lights()
     radiance = scaled(light_rgb(own.color_temperature_K), own.flux_klm / (math.pi * _BULB_M**2))
     middle = 0.5 * np.add(room.low, room.high)
     panels, meshes = [], []
@@ -44,7 +43,8 @@ def desk_lamps(look: LookConfig, room: Room) -> Lights:
         right, up, axis = (_triple(axes[:, i]) for i in range(3))
         bulb = head - _BULB_DEPTH_M * np.array(axis)
         name = f"desk_lamp_{number}"
-        panels.append(Panel(name, _triple(bulb), right, up, _BULB_M, _BULB_M, radiance))
+        if own.flux_klm > 0:
+            panels.append(Panel(name, _triple(bulb), right, up, _BULB_M, _BULB_M, radiance))
         meshes.append(_body(name, foot, head, axes))
     surfaces = moulded("desk_lamp_enamel", (0.05, 0.05, 0.055), 0.35), moulded("desk_lamp_hood", (0.5, 0.5, 0.48), 0.4)
     return Lights(panels=tuple(panels), meshes=tuple(meshes), surfaces=surfaces if meshes else ())

@@ -161,6 +161,39 @@ def test_a_lamp_hangs_as_far_down_as_it_is_told_and_its_body_above_the_floor_bel
     assert {s for mesh in lights.meshes for s in mesh.face_surface} == {s.name for s in lights.surfaces}
 
 
+@pytest.mark.parametrize("housing", ["none", "batten", "shade"])
+@pytest.mark.parametrize("columns", [1, 4])
+def test_lamps_of_a_narrow_room_end_before_its_walls_and_each_other_and_give_the_same_light(housing, columns):
+    lamps = LampsLook(rows=1, columns=columns, length_m=5.0, width_m=0.4, flux_klm=2.0, housing=housing)
+    room = RoomLook(margin_east_m=1.3, margin_west_m=1.3, margin_north_m=1.3, margin_south_m=1.3)
+    look = LookConfig(name="narrow", lamps=lamps, room=room)
+    lights = LIGHTS["ceiling_lamps"](look, _room(look))
+    (x0, _), (x1, _) = _room(look).low, _room(look).high
+    bodies = [np.array(mesh.vertices)[:, 0] for mesh in lights.meshes]
+    bodies += [p.center[0] + 0.5 * p.width_m * np.array([-1, 1]) for p in lights.panels]
+    spans = sorted({(float(body.min()), float(body.max())) for body in bodies})
+    assert x0 < spans[0][0]
+    assert spans[-1][1] < x1
+    by_lamp = len(spans) // columns  # body and panel of each lie one about the other
+    outermost = [max(high for _, high in spans[i : i + by_lamp]) for i in range(0, len(spans), by_lamp)]
+    assert all(high < spans[by_lamp * (i + 1)][0] for i, high in enumerate(outermost[:-1]))
+    for panel in lights.panels:
+        assert np.pi * panel.width_m * panel.height_m * np.array(panel.radiance) @ LUMINANCE == pytest.approx(2.0)
+
+
+def test_a_lamp_that_is_off_is_there_and_dark():
+    lamps = (LampsLook(rows=1, columns=2, flux_klm=flux, housing="batten") for flux in (0.0, 2.0))
+    looks = (LookConfig(name="c", lamps=own) for own in lamps)
+    off, on = (LIGHTS["ceiling_lamps"](look, _room(look)) for look in looks)
+    assert (off.panels, off.meshes) == ((), on.meshes)
+    assert len(on.meshes) == 2
+    furniture = RoomLook(furniture=FurnitureLook(tables=2))
+    looks = (LookConfig(name="d", room=furniture, desk_lamps=DeskLampsLook(count=1, flux_klm=f)) for f in (0.0, 0.5))
+    off, on = (LIGHTS["desk_lamps"](look, _room(look)) for look in looks)
+    assert (off.panels, off.meshes) == ((), on.meshes)
+    assert len(on.meshes) == 1
+
+
 def _night(tables: int, count: int, tilt_deg: float = 40.0):
     furniture = FurnitureLook(tables=tables)
     lamps = DeskLampsLook(count=count, flux_klm=0.8, color_temperature_K=6504, height_m=0.4, tilt_deg=tilt_deg)

@@ -90,9 +90,15 @@ def test_a_thing_behind_the_camera_is_in_no_picture_and_one_across_the_border_is
 
 
 def test_a_thing_that_reaches_beyond_the_fold_of_a_lens_is_truncated(job):
+    """Where the model alone would bring its ends back into the picture: r (1 - 0.12 r^2) falls from r = 1.67 on."""
     folding = replace(job, camera=replace(job.camera, distortion=(-0.12, 0.0, 0.0, 0.0, 0.0)))
-    board = replace(solid_named(job, "board"), size_m=(0.05, 6.0, 0.3))
-    assert reaches_beyond(seen(folding), board)
+    board = solid_named(job, "board")
+    _, depth_m, height_m = board.size_m  # its length is across, for the wall stands across the view
+    ends = np.array([2.6, 2.7])  # of the far and the near face, to each side
+    brought_back = job.camera.cx_px + job.camera.fx_px * ends * (1 - 0.12 * ends**2)
+    assert np.all(brought_back < WIDTH - 0.5)
+    assert not reaches_beyond(seen(folding), replace(board, size_m=(0.8, depth_m, height_m)))
+    assert reaches_beyond(seen(folding), replace(board, size_m=(2 * 2.7 * 1.28, depth_m, height_m)))
 
 
 def test_what_is_hidden_altogether_has_a_box_around_all_of_it_and_none_around_what_is_seen(job):
