@@ -50,11 +50,13 @@ def render_job(
     threads: int = 1,
     numbers: Sequence[int] | None = None,
     on_frame: Callable[[int], None] | None = None,
+    own_files: Path | None = None,
 ) -> FrameSet:
     """Renders the frames `numbers` of a job (all by default) into `images_dir`.
 
     Pixels depend on the job and the frame's number alone. Finished frames are recorded in a file beside the folder,
     `<folder>.jsonl`; a frame that is there and whole is not rendered again. `on_frame` hears of every frame in place.
+    `own_files` is the folder that holds the user's own files by their SHA-256, for a job that shows some.
 
     Raises:
         EnvironmentLacking: bpy cannot be loaded, or the disk is full.
@@ -77,7 +79,8 @@ def render_job(
     if missing:
         pixels = job.camera.width_px * job.camera.height_px
         with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as scratch:
-            request = Request("pictures", str(job_path), str(images_dir), missing, threads, scratch)
+            own = str(own_files or "")
+            request = Request("pictures", str(job_path), str(images_dir), missing, threads, scratch, own)
             for frame in blender_files(request, pixels * job.sampling.samples):
                 ledger.add(frame)
                 whole[frame.number] = frame

@@ -11,6 +11,7 @@ from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Rows
 from pipeline.drawing import draw_reported
 from pipeline.output import check_disk, check_out
+from pipeline.own_files import keep_own_files
 from pipeline.plan import Plan
 from pipeline.progress import Report
 from pipeline.stages.annotate import AnnotationTask
@@ -69,6 +70,7 @@ class Batch:
 
     def render(self, failures: Sequence[FailedRun], report: Report) -> list[FailedRun]:
         """Images, and then what is known of those that were rendered."""
+        keep_own_files((spec.look for spec in self.specs), self.loaded.assets, self.workspace.own_files)
         failed = render_runs(self._render_tasks(failures), self.workers, report)
         tasks = self._annotation_tasks([*failures, *failed])
         return failed + (render_runs(tasks, self.workers, report, "annotate") if tasks else [])
@@ -88,7 +90,8 @@ class Batch:
         for spec in self.specs:
             if spec.key not in failed:
                 rows = Rows.from_recording(read_recording(self.workspace.simulate(spec.key).path))
-                tasks.append(RenderTask.of(spec.key, Appearance.of(spec), rows, self.workspace.render(spec.key)))
+                folder, own_files = self.workspace.render(spec.key), self.workspace.own_files
+                tasks.append(RenderTask.of(spec.key, Appearance.of(spec), rows, folder, own_files))
         return tasks
 
     def _annotation_tasks(self, failures: Sequence[FailedRun]) -> list[AnnotationTask]:

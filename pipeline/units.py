@@ -1,6 +1,7 @@
 """The unit of work, one run simulated or one block of frames rendered, and what a worker says while doing it."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -40,12 +41,14 @@ class RenderUnit(Message):
     """For the pictures, or for the files of the annotations."""
     numbers: tuple[int, ...]
     threads: int
+    own_files: Path | None = None
+    """Folder of the user's own files by their SHA-256; only pictures show any."""
 
     def run(self, progress: Callable[[float], None]) -> None:
         from blender_scenes.annotator import annotate_job  # noqa: PLC0415 - opencv, in the worker alone
         from blender_scenes.renderer import RenderError, render_job  # noqa: PLC0415 - likewise
 
-        do = {"pictures": render_job, "annotations": annotate_job}[self.work]
+        do = {"pictures": partial(render_job, own_files=self.own_files), "annotations": annotate_job}[self.work]
         shares = iter(index / len(self.numbers) for index in range(1, len(self.numbers) + 1))
         try:
             do(

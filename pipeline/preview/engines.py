@@ -11,6 +11,7 @@ import numpy as np
 from blender_scenes.frame_files import frame_name
 from blender_scenes.preview.renderer import FlatRenderer
 from pipeline.dataset.metadata import FailedRun
+from pipeline.own_files import keep_own_files
 from pipeline.preview import Engine
 from pipeline.preview.views import View
 from pipeline.progress import Report
@@ -31,7 +32,13 @@ def check_size(view: View, count: int, columns: int) -> None:
 
 def pictures(engine: Engine, views: Sequence[View], workers: int, report: Report) -> Made:
     """Of all views that can be seen."""
-    return _flat(views, report) if engine is Engine.FLAT else _cycles(views, workers, report)
+    with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as folder:
+        own_files = Path(folder) / "assets"
+        for view in views:
+            keep_own_files((view.look,), view.assets, own_files)
+        if engine is Engine.FLAT:
+            return _flat(views, own_files, report)
+        return _cycles(views, Path(folder), own_files, workers, report)
 
 
 def sheet(views: Sequence[View], made: dict[int, Pixels], columns: int) -> Pixels:
@@ -41,13 +48,13 @@ def sheet(views: Sequence[View], made: dict[int, Pixels], columns: int) -> Pixel
     return stacked([row(cells[i : i + columns], width_px) for i in range(0, len(cells), columns)])
 
 
-def _flat(views: Sequence[View], report: Report) -> Made:
+def _flat(views: Sequence[View], own_files: Path, report: Report) -> Made:
     """Without Blender, some tenths of a second each."""
     made, failures = {}, []
     with report.stage("preview", len(views), "images") as stage:
         for view in views:
             try:
-                picture = FlatRenderer(view.job).picture(view.job.frames[0])
+                picture = FlatRenderer(view.job, own_files).picture(view.job.frames[0])
             except ValueError as error:
                 failures.append(FailedRun.of(view.name, "preview", str(error)))
             else:
@@ -56,17 +63,22 @@ def _flat(views: Sequence[View], report: Report) -> Made:
     return made, failures
 
 
-def _cycles(views: Sequence[View], workers: int, report: Report) -> Made:
-    """As the render stage makes them, in a folder that is gone afterwards."""
-    with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as folder:
-        tasks = [
-            RenderTask(view.name, StageFolder(Path(folder) / str(view.number)), view.job.to_json(), (view.frame,))
-            for view in views
-        ]
-        failures = render_runs(tasks, workers, report)
-        failed = {failure.run for failure in failures}
-        good = [(view, task) for view, task in zip(views, tasks, strict=True) if view.name not in failed]
-        return {view.number: _read(task.files / frame_name(view.number)) for view, task in good}, failures
+def _cycles(views: Sequence[View], folder: Path, own_files: Path, workers: int, report: Report) -> Made:
+    """As the render stage makes them."""
+    tasks = [
+        RenderTask(
+            view.name,
+            StageFolder(folder / str(view.number)),
+            view.job.to_json(),
+            (view.frame,),
+            own_files=own_files,
+        )
+        for view in views
+    ]
+    failures = render_runs(tasks, workers, report)
+    failed = {failure.run for failure in failures}
+    good = [(view, task) for view, task in zip(views, tasks, strict=True) if view.name not in failed]
+    return {view.number: _read(task.files / frame_name(view.number)) for view, task in good}, failures
 
 
 def _read(path: Path) -> Pixels:

@@ -1,7 +1,8 @@
 """Which pictures a preview shows: runs as the scenario draws them, looks in turn, places spread over the way."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -33,6 +34,9 @@ class View:
     """What is said of it."""
     frame: FramePose
     job: RenderJob
+    look: LookConfig
+    assets: Mapping[str, Path]
+    """Where the files of the user's own lie that the look names, by SHA-256."""
 
 
 def views(scenario: str, overrides: Sequence[str], looks: Sequence[str], count: int, width_px: int) -> Iterator[View]:
@@ -62,7 +66,7 @@ def _view(loaded: LoadedScenario, number: int, index: int, width_px: int) -> Vie
     arena = Arena.from_config(spec.arena)
     job = build_job(arena, spec.robot, spec.look, render, [frame], look.seed, _standing(frame))
     lines = (f"{spec.key}, seed {spec.seed}, {spec.look.name}", *_words(spec.look))
-    return View(number, f"{number} ({spec.key}, {spec.look.name})", lines, frame, job)
+    return View(number, f"{number} ({spec.key}, {spec.look.name})", lines, frame, job, spec.look, loaded.assets)
 
 
 def _standing(frame: FramePose) -> RobotPath:

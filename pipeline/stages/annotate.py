@@ -26,6 +26,8 @@ class AnnotationTask:
     job_text: str
     frames: tuple[FramePose, ...]
     work: Work = "annotations"
+    own_files: Path | None = None
+    """None: no material plays a part."""
 
     @classmethod
     def of(cls, task: RenderTask, appearance: Appearance, folder: StageFolder) -> "AnnotationTask":

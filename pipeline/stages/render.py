@@ -82,6 +82,11 @@ class FrameTask(Protocol):
         """The folder that is filled frame by frame."""
         ...
 
+    @property
+    def own_files(self) -> Path | None:
+        """Folder of the user's own files by their SHA-256; None where none is shown."""
+        ...
+
     def finish(self) -> "Findings":
         """Write what lists the files, and mark the folder done unless a problem is found."""
         ...
@@ -105,14 +110,17 @@ class RenderTask:
     job_text: str
     frames: tuple[FramePose, ...]
     work: Work = "pictures"
+    own_files: Path | None = None
 
     @classmethod
-    def of(cls, run: str, appearance: Appearance, rows: Rows, folder: StageFolder) -> "RenderTask":
+    def of(
+        cls, run: str, appearance: Appearance, rows: Rows, folder: StageFolder, own_files: Path | None = None
+    ) -> "RenderTask":
         frames = frame_poses(rows)
         arena = Arena.from_config(appearance.arena)
         path = RobotPath(rows.t_ms / 1000, rows.pose, rows.twist)
         job = build_job(arena, appearance.robot, appearance.look, appearance.render, frames, appearance.seed, path)
-        return cls(run, folder, job.to_json(), frames)
+        return cls(run, folder, job.to_json(), frames, own_files=own_files)
 
     @property
     def key(self) -> str:
@@ -205,6 +213,7 @@ def blocks(tasks: Sequence[FrameTask], workers: int) -> list[RenderUnit]:
                 folder=task.files,
                 numbers=tuple(numbers[start : start + size]),
                 threads=threads,
+                own_files=task.own_files,
             )
             for start in range(0, len(numbers), size)
         ]

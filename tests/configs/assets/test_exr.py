@@ -3,7 +3,7 @@ import struct
 import numpy as np
 import pytest
 
-from blender_scenes.exr import read_exr
+from configs.assets.exr import read_exr
 
 
 def _exr(channels: dict[str, np.ndarray], compression: int = 0) -> bytes:
