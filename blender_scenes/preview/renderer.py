@@ -25,8 +25,8 @@ from configs.assets.pictures import read_picture
 class FlatRenderer:
     """The scene of a job, ready to be looked at.
 
-    What it leaves out: textures but for pictures of the user's own, gloss, glass that is clear, shadows of lamps and of what moves, motion blur, and
-    the robot, which its own camera never sees.
+    What it leaves out: textures but for pictures of the user's own, gloss, glass that is clear, shadows of lamps and of
+    what moves, motion blur, and the robot, which its own camera never sees.
 
     Raises:
         ValueError: A face of the scene is not convex, no light reaches what the camera sees, or a picture of the

@@ -125,9 +125,9 @@ class _Folder:
     def _place(folder: Path, name: str) -> Path:
         """Where the file lies, links followed."""
         parts = PurePosixPath(name).parts
-        if PurePosixPath(name).is_absolute() or ".." in parts or not parts:
+        if PurePosixPath(name).is_absolute() or ".." in parts:
             raise Refusal("leads out of the folder of look.assets", cure="name a file inside, without '..'")
-        if len(name) > _LONGEST_NAME or not name.isprintable():
+        if not parts or len(name) > _LONGEST_NAME or not name.isprintable():
             raise Refusal("is no name of a file")
         try:
             place = (folder / name).resolve(strict=True)

@@ -1,4 +1,7 @@
+import os
 import struct
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -55,9 +58,9 @@ def test_a_file_cut_anywhere_is_refused(channels):
             read_exr(whole[:length])
 
 
-def test_a_compressed_file_is_refused(channels):
-    with pytest.raises(ValueError, match="compressed"):
-        read_exr(_exr(channels, compression=3))
+def test_a_compression_other_than_zip_is_refused(channels):
+    with pytest.raises(ValueError, match="compressed otherwise than by ZIP"):
+        read_exr(_exr(channels, compression=4))
 
 
 def test_a_tiled_file_is_refused(channels):
@@ -73,3 +76,61 @@ def test_lines_out_of_order_are_refused(channels):
     whole[last : last + 4] = struct.pack("<i", 0)
     with pytest.raises(ValueError, match="out of order"):
         read_exr(bytes(whole))
+
+
+@pytest.fixture(scope="module")
+def by_opencv(tmp_path_factory) -> dict[str, bytes]:
+    """The same 35 x 20 pixels by kind of compression, from OpenCV, which must be told early that it may write them."""
+    folder = tmp_path_factory.mktemp("exr")
+    program = f"""
+import cv2, numpy as np
+values = np.arange(35 * 20 * 3, dtype=np.float32).reshape(20, 35, 3) / 7
+for kind in ("NO", "ZIPS", "ZIP", "PIZ"):
+    options = [cv2.IMWRITE_EXR_COMPRESSION, getattr(cv2, f"IMWRITE_EXR_COMPRESSION_{{kind}}")]
+    cv2.imwrite(f"{folder}/{{kind}}.exr", values, options)
+"""
+    environment = {**os.environ, "OPENCV_IO_ENABLE_OPENEXR": "1"}
+    subprocess.run([sys.executable, "-c", program], check=True, env=environment, capture_output=True)
+    return {path.stem: path.read_bytes() for path in folder.iterdir()}
+
+
+@pytest.mark.parametrize("kind", ["NO", "ZIPS", "ZIP"])
+def test_files_of_another_program_come_back(by_opencv, kind):
+    expected = np.arange(35 * 20 * 3, dtype=np.float32).reshape(20, 35, 3) / 7
+    found = read_exr(by_opencv[kind])
+    np.testing.assert_array_equal(np.stack([found[name] for name in "BGR"], axis=-1), expected)
+
+
+def test_a_compressed_file_cut_anywhere_is_refused(by_opencv):
+    whole = by_opencv["ZIP"]
+    for length in range(0, len(whole), 7):
+        with pytest.raises(ValueError, match="OpenEXR"):
+            read_exr(whole[:length])
+
+
+def test_a_compressed_file_with_any_byte_damaged_is_read_or_refused(by_opencv):
+    whole = by_opencv["ZIP"]
+    for place in range(8, len(whole), 11):
+        for value in (0x00, 0x7F, 0xFF):
+            damaged = whole[:place] + bytes([value]) + whole[place + 1 :]
+            try:
+                read_exr(damaged, _at_most_a_thousand)
+            except ValueError as error:
+                assert len(str(error).splitlines()) == 1
+
+
+def _at_most_a_thousand(width: int, height: int) -> None:
+    if width * height > 1000:
+        raise ValueError("too large")
+
+
+def test_a_size_is_told_before_anything_of_it_is_made(by_opencv):
+    told = []
+    read_exr(by_opencv["ZIP"], lambda width, height: told.append((width, height)))
+    assert told == [(35, 20)]
+
+
+def test_a_size_that_is_refused_is_not_read(by_opencv):
+    huge = by_opencv["ZIP"].replace(struct.pack("<4i", 0, 0, 34, 19), struct.pack("<4i", 0, 0, 10**9, 10**9))
+    with pytest.raises(ValueError, match="too large"):
+        read_exr(huge, _at_most_a_thousand)
