@@ -16,7 +16,6 @@ from blender_scenes.job import FramePose, RenderJob, build_job
 from blender_scenes.materials import FLOORS
 from blender_scenes.materials.base import Patch
 from blender_scenes.preview.renderer import FlatRenderer
-from blender_scenes.renderer import render_job
 from blender_scenes.scene import describe
 from configs.schema.arena import ArenaConfig, Line, Wall
 from configs.schema.asset import Asset, ImageLook, SurfaceImages
@@ -192,10 +191,3 @@ def test_the_window_shines_as_bright_as_the_look_asks_whatever_the_panoramas_sca
         shone.append(next(panel.radiance for panel in scene.panels if panel.name == "window"))
     assert shone[0] == pytest.approx(shone[1])
     assert np.array(shone[0]) @ np.array([0.2126, 0.7152, 0.0722]) == pytest.approx(0.65 * 2.0)
-
-
-def test_a_blender_process_that_lacks_a_picture_says_so(job, tmp_path):
-    small = tmp_path / "job.json"
-    small.write_text(job.to_json())
-    with pytest.raises(RuntimeError, match="is not in the workspace; run the same command again"):
-        render_job(small, tmp_path / "images")

@@ -109,14 +109,16 @@ def test_a_compressed_file_cut_anywhere_is_refused(by_opencv):
 
 
 def test_a_compressed_file_with_any_byte_damaged_is_read_or_refused(by_opencv):
-    whole = by_opencv["ZIP"]
+    whole, refusals = by_opencv["ZIP"], []
     for place in range(8, len(whole), 11):
         for value in (0x00, 0x7F, 0xFF):
             damaged = whole[:place] + bytes([value]) + whole[place + 1 :]
             try:
                 read_exr(damaged, _at_most_a_thousand)
             except ValueError as error:
-                assert len(str(error).splitlines()) == 1
+                refusals.append(str(error))
+    assert len(refusals) > 10
+    assert all(len(text.splitlines()) == 1 for text in refusals)
 
 
 def _at_most_a_thousand(width: int, height: int) -> None:

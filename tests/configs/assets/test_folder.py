@@ -114,7 +114,10 @@ def test_a_look_that_names_no_file_needs_no_folder_and_a_folder_no_file():
 
 
 REFUSED = {
-    "missing": ("look.floor.image.file=gray.png", "no such file in looks/photos: got 'gray.png'; did you mean grey.png"),
+    "missing": (
+        "look.floor.image.file=gray.png",
+        "no such file in looks/photos: got 'gray.png'; did you mean grey.png",
+    ),
     "misspelt sky": ("look.sky.panorama=couryard", "no such file in looks/photos", "did you mean courtyard"),
     "upwards": ("look.floor.image.file=../mine.yaml", "leads out of the folder"),
     "upwards later": ("look.floor.image.file=sub/../../mine.yaml", "leads out of the folder"),
@@ -139,7 +142,11 @@ REFUSED = {
     "none for an image": ("look.floor.image.file=null", "look.floor.image.file: missing, for the floor is an image"),
     "no such folder": ("look.assets=nowhere", "look.assets: no such folder: got 'nowhere'"),
     "a file for a folder": ("look.assets=trial.yaml", "look.assets: no such folder: got 'trial.yaml'"),
-    "no folder": ("look.assets=null", "got 'grey.png', allowed: a file in the folder that look.assets names", "assets:"),
+    "no folder": (
+        "look.assets=null",
+        "got 'grey.png', allowed: a file in the folder that look.assets names",
+        "assets:",
+    ),
     "a number for a folder": ("look.assets=3", "look.assets: got 3, allowed: the path of a folder"),
     "a mapping for a folder": ("look.assets={a: b}", "look.assets"),
     "drawn folder": ("look.assets={choice: [photos, sub]}", "look.assets"),
@@ -160,7 +167,9 @@ def test_a_file_that_cannot_be_used_is_refused_in_one_line_at_its_field(photos: 
         load_section("look", "looks/mine.yaml", [setting])
     text = str(caught.value)
     field = setting.partition("=")[0]
-    assert text.startswith(f"--set {field}: {field}" if setting != "look.assets=null" else "looks/mine.yaml:6: look.floor")
+    assert text.startswith(
+        f"--set {field}: {field}" if setting != "look.assets=null" else "looks/mine.yaml:6: look.floor"
+    )
     assert all(part in text for part in told), text
     assert len(text.splitlines()) == 1
 

@@ -70,18 +70,21 @@ def test_the_mean_is_of_light_not_of_numbers():
 @pytest.mark.parametrize("whole", [_png(QUARTERS), _jpeg(QUARTERS)], ids=["PNG", "JPEG"])
 def test_a_file_cut_anywhere_is_refused(whole):
     for length in range(len(whole)):
-        with pytest.raises(ValueError, match="cut short|neither|damaged"):
+        with pytest.raises(ValueError, match=r"cut short|neither|damaged"):
             read_picture(whole[:length])
 
 
 @pytest.mark.parametrize("whole", [_png(QUARTERS), _jpeg(QUARTERS)], ids=["PNG", "JPEG"])
 def test_a_file_with_any_byte_damaged_is_read_or_refused(whole, capfd):
+    refusals = []
     for place in range(0, len(whole), 3):
         damaged = whole[:place] + bytes([whole[place] ^ 0xFF]) + whole[place + 1 :]
         try:
             assert read_picture(damaged).shape[2] == 3
         except ValueError as error:
-            assert len(str(error).splitlines()) == 1
+            refusals.append(str(error))
+    assert len(refusals) > 5
+    assert all(len(text.splitlines()) == 1 for text in refusals)
     assert "imdecode" not in capfd.readouterr().err
 
 
