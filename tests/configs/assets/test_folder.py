@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
+import configs
 from configs.draw import draw_all, draw_look
 from configs.errors import InputError
 from configs.loader import load_scenario, load_section
@@ -187,3 +188,16 @@ def test_a_file_that_is_too_large_is_not_read(photos: Path, monkeypatch):
         file.truncate((1 << 20) + 1)
     with pytest.raises(InputError, match=r"looks/mine\.yaml:6: look\.floor\.image\.file: is larger than 1 MiB"):
         load_section("look", "looks/mine.yaml")
+
+
+def test_the_look_of_the_documents_is_one(here: Path):
+    text = (Path(configs.__file__).parents[1] / "docs/looks.md").read_text()
+    lines = text.partition("    # my_look.yaml")[2].partition("\n")[2].split("\n\n")[0]
+    (here / "my_look.yaml").write_text("\n".join(line.removeprefix("    ") for line in lines.splitlines()))
+    (here / "my_photos/hall").mkdir(parents=True)
+    for name, data in {"parquet.jpg": GREY, "hall/tiles.png": WHITE, "graffiti.png": GREY, "my_hall.hdr": HALL}.items():
+        (here / "my_photos" / name).write_bytes(data)
+    section = load_section("look", "my_look.yaml")
+    taken = [draw_look(section, 1, "CW", run)[0] for run in range(1, 9)]
+    assert {look.floor.image.file.name for look in taken} == {"parquet.jpg", "hall/tiles.png"}
+    assert {look.images.white_board.file.name for look in taken} == {"graffiti.png"}
