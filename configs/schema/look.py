@@ -162,9 +162,10 @@ class LookConfig(Section):
     @classmethod
     def _by_content(cls, given: Any) -> Any:  # noqa: ANN401 - whatever is to be validated
         """Names of files give way to what `assets` tells of them."""
-        if not isinstance(given, dict) or "assets" not in given:
+        assets = given.get("assets") if isinstance(given, dict) else None
+        if not isinstance(assets, list | tuple) or not all(isinstance(asset, dict) for asset in assets):
             return given
-        known = {asset["name"]: asset for asset in given["assets"] or ()}
+        known = {str(asset.get("name")): asset for asset in assets}
         return _told({key: value for key, value in given.items() if key != "assets"}, known)
 
     @property

@@ -8,11 +8,13 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 import configs
 from configs.draw import draw_all, draw_look
 from configs.errors import InputError
 from configs.loader import load_scenario, load_section
+from configs.schema.look import LookConfig
 from configs.schema.scenario import RunSpec
 
 GREY = cv2.imencode(".png", np.full((2, 3, 3), 188, np.uint8))[1].tobytes()
@@ -201,3 +203,10 @@ def test_the_look_of_the_documents_is_one(here: Path):
     taken = [draw_look(section, 1, "CW", run)[0] for run in range(1, 9)]
     assert {look.floor.image.file.name for look in taken} == {"parquet.jpg", "hall/tiles.png"}
     assert {look.images.white_board.file.name for look in taken} == {"graffiti.png"}
+
+
+@pytest.mark.parametrize("assets", ["photos", 3, [3], [{}], [{"name": 3}], {"name": "a.png"}, [{"name": "a.png"}]])
+def test_a_specification_that_somebody_else_wrote_is_refused_and_no_crash(assets: object):
+    text = json.dumps({"name": "own", "assets": assets, "floor": {"image": {"file": "a.png"}}})
+    with pytest.raises(ValidationError):
+        LookConfig.model_validate_json(text)
