@@ -36,7 +36,7 @@ LINE = {
 
 def looks() -> dict[str, dict[str, object]]:
     """Settings by caption: floors under worn tape, then lines."""
-    floors = get_args(FloorName)
+    floors = [name for name in get_args(FloorName) if name != "image"]
     made: dict[str, dict[str, object]] = {
         f"{name} floor": {"floor": {"material": name, "yaw_deg": 20}} for name in floors
     }

@@ -31,6 +31,10 @@ def _as_it_is(gain: RGB) -> bool:
     return gain == (1.0, 1.0, 1.0)
 
 
+def _is_shipped(mean: RGB | None) -> bool:
+    return mean is None
+
+
 @dataclass(frozen=True)
 class Mesh:
     name: str
@@ -74,12 +78,13 @@ class Sun:
 
 @dataclass(frozen=True)
 class Sky:
-    """One of the panoramas shipped with bpy, all around: what the camera and mirrors see outside.
+    """A panorama all around: what the camera and mirrors see outside.
 
     It lights nothing else. A panel in each window stands for its light, which so needs far fewer samples.
     """
 
     panorama: str
+    """One of those shipped with bpy, or the SHA-256 of a file of the user's own."""
     yaw_rad: float
     gain: float
     """Radiance per unit of the panorama."""
@@ -87,6 +92,8 @@ class Sky:
     """Components of the panorama are cut off here, before the gain: its sun is no part of the sky."""
     saturation: float
     """1 as it was taken, 0 grey."""
+    mean: Annotated[RGB | None, Field(exclude_if=_is_shipped)] = None
+    """Colour above the horizon of a file of the user's own; None for the shipped ones, which are known."""
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,8 @@ class Request:
     threads: int
     scratch_dir: str
     """For Blender's own files; whoever of the two is left removes it."""
+    own_files: str = ""
+    """Folder of the user's own files by their SHA-256; empty where the job shows none."""
 
 
 @dataclass(frozen=True)

@@ -53,12 +53,13 @@ def render_job(
     threads: int = 1,
     numbers: Sequence[int] | None = None,
     on_frame: Callable[[int], None] | None = None,
+    own_files: Path | None = None,
 ) -> FrameSet:
     """Puts the files of the frames `numbers` of a job (all by default) below `folder`: pictures, or annotations.
 
     Their bytes depend on the job and the frame's number alone. Finished files are recorded in a file beside the folder,
     `<folder>.jsonl`; a frame whose files are all there and whole is not done again. `on_frame` hears of every frame in
-    place.
+    place. `own_files` is the folder that holds the user's own files by their SHA-256, for a job that shows some.
 
     Raises:
         EnvironmentLacking: bpy cannot be loaded, or the disk is full.
@@ -84,7 +85,8 @@ def render_job(
             tell(number)
     if missing:
         with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as scratch:
-            request = Request(work, str(job_path), str(folder), missing, threads, scratch)
+            own = str(own_files or "")
+            request = Request(work, str(job_path), str(folder), missing, threads, scratch, own)
             pixels = job.camera.width_px * job.camera.height_px
             for file in _blender_files(request, pixels * job.sampling.samples):
                 ledger.add(file)

@@ -9,7 +9,7 @@ from blender_scenes import geometry, line_mesh
 from blender_scenes.bevel import BEVEL_M, bevelled_box
 from blender_scenes.description import Mesh, Point2, Scene
 from blender_scenes.lighting import LIGHTS
-from blender_scenes.materials import FLOORS, SURFACES
+from blender_scenes.materials import FLOORS, body_material
 from blender_scenes.materials.base import Patch
 from blender_scenes.materials.dirt import dirtied
 from blender_scenes.materials.line_paint import line_paint
@@ -107,10 +107,10 @@ def _painted(line: Line, own: LinePaintLook, seed: int) -> list[Part]:
 
 def _box(box: Box, look: LookConfig, seed: int) -> Part:
     name = f"{box.kind}_{box.name}"
-    make, (length, width, height) = SURFACES[box.surface], box.size
-    ends = make(look, Patch(f"{name}_ends", (width, height), seed))
-    sides = make(look, Patch(f"{name}_sides", (length, height), seed))
-    lid = make(look, Patch(f"{name}_lid", (length, width), seed))
+    length, width, height = box.size
+    ends = body_material(look, box.surface, Patch(f"{name}_ends", (width, height), seed))
+    sides = body_material(look, box.surface, Patch(f"{name}_sides", (length, height), seed))
+    lid = body_material(look, box.surface, Patch(f"{name}_lid", (length, width), seed))
     # No face lies on the floor: where two coincide, glass would turn black.
     around = (ends.name, sides.name, ends.name, sides.name)
     bevel_m = _GLASS_BEVEL_M if box.surface == "glass" else BEVEL_M

@@ -99,6 +99,20 @@ class Tiles(Expression):
 
 
 @dataclass(frozen=True)
+class Picture(Expression):
+    """A picture of the user's own, repeated along u and v; its colours are linear, white 1."""
+
+    sha256: str
+    """Of its file."""
+    size_m: tuple[float, float]
+    """Of one repeat."""
+    at_m: tuple[float, float]
+    """Lower left corner of one of them."""
+    mean: RGB
+    kind: Literal["picture"] = "picture"
+
+
+@dataclass(frozen=True)
 class Arithmetic(Expression):
     operation: Literal["add", "subtract", "multiply", "maximum", "sine"]
     a: "Texture"
@@ -128,7 +142,7 @@ class Mix(Expression):
 
 
 Texture = Annotated[
-    Union[Number, Color, Coordinate, Noise, Cells, Tiles, Arithmetic, Step, Mix],  # noqa: UP007 (forward references)
+    Union[Number, Color, Coordinate, Noise, Cells, Tiles, Picture, Arithmetic, Step, Mix],  # noqa: UP007 (forward references)
     Field(discriminator="kind"),
 ]
 

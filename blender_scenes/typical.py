@@ -11,6 +11,7 @@ from blender_scenes.shading import (
     Mix,
     Noise,
     Number,
+    Picture,
     Step,
     Surface,
     Texture,
@@ -36,6 +37,8 @@ def _typical(texture: Texture) -> RGB | float:
             return _CELL_MEANS[texture.value]
         case Tiles():
             return 0.5 if texture.value == "random" else 0.0
+        case Picture():
+            return texture.mean
         case Coordinate():
             return 0.05  # somewhere on the surface, away from its border
         case Step(of, low, high):

@@ -261,6 +261,9 @@ def _body_faults(robot: RobotConfig) -> Iterator[Fault]:
 
 
 def _look_faults(look: LookConfig) -> Iterator[Fault]:
+    if look.floor.material == "image" and look.floor.image.file is None:
+        cure = "name a picture in the folder of look.assets, or choose another look.floor.material"
+        yield Fault(("look", "floor", "image", "file"), "missing, for the floor is an image", cure=cure)
     highest = look.room.height_m - LINTEL_M - LEAST_WINDOW_M
     if look.window.sill_m > highest + 1e-9:
         problem = "there is no room for the window below the ceiling"

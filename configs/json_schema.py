@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from configs.references import SECTIONS, shipped_names
+from configs.schema.base import FILE_KEY
 from configs.schema.scenario import Scenario
 from configs.shapes import Shape
 
@@ -19,6 +20,7 @@ _NORMAL = {
     "additionalProperties": False,
 }
 _OPTIONS = {"type": "array", "items": {"type": ["number", "string", "boolean"]}, "minItems": 1}
+_FOLDER = {"type": "string", "description": "folder of your own pictures and panoramas, relative to this file"}
 _KINDS = {"uniform": _NUMBERS, "log_uniform": _NUMBERS, "normal": {"anyOf": [_NUMBERS, _NORMAL]}, "choice": _OPTIONS}
 
 
@@ -34,6 +36,7 @@ def scenario_json_schema() -> dict[str, Any]:
     for kind in SECTIONS:
         name = shape.schema["properties"][kind]["$ref"].rsplit("/", 1)[1]
         definitions[name]["properties"]["extends"] = _reference(kind)
+    definitions["LookConfig"]["properties"]["assets"] = _FOLDER
     top = _mapping(shape.schema, shape, required=False)
     for kind in SECTIONS:
         top["properties"][kind] = {"anyOf": [_reference(kind), shape.schema["properties"][kind]]}
@@ -65,7 +68,9 @@ def _field(schema: dict[str, Any], shape: Shape) -> dict[str, Any]:
     if "$ref" in schema or not leaf.is_leaf or leaf.not_drawn:
         return schema
     about = {key: schema[key] for key in ("title", "description", "default") if key in schema}
-    value = {key: item for key, item in schema.items() if key not in about}
+    value = {key: item for key, item in schema.items() if key not in {*about, FILE_KEY}}
+    if FILE_KEY in schema and "enum" in value:
+        value = {"anyOf": [value, {"type": "string", "description": "name of a file in look.assets"}]}
     numeric = leaf.is_number or leaf.is_integer
     distribution = "any_distribution" if numeric else "choice_distribution"
     return {**about, "anyOf": [value, {"$ref": f"#/$defs/{distribution}"}]}

@@ -6,6 +6,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from configs.assets.folder import with_assets
 from configs.checks import check_arena, check_kinds, check_look, check_robot, check_scenario
 from configs.overrides import apply_override
 from configs.references import Reader, locate
@@ -33,6 +34,8 @@ class LoadedScenario:
     placed: Mapping[FieldPath, Placed]
     """The distributions by path."""
     source_files: tuple[Path, ...]
+    assets: Mapping[str, Path]
+    """Where the files of the user's own lie that the look names, by SHA-256."""
     name: str
     description: str
     licence: str
@@ -60,6 +63,8 @@ class LoadedSection:
     root: Node
     placed: Mapping[FieldPath, Placed]
     source_files: tuple[Path, ...]
+    assets: Mapping[str, Path]
+    """As in a scenario."""
 
     @property
     def tree(self) -> dict[str, Any]:
@@ -99,7 +104,7 @@ def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSce
     """
     reader = Reader()
     root = reader.read("scenario", locate("scenario", name_or_path, folder=Path(), what="scenario"))
-    root = _overridden(root, Scenario, overrides, reader)
+    root, assets = with_assets(_overridden(root, Scenario, overrides, reader), Shape.of(Scenario))
     placed = distributions_of(root, Scenario)
     check_kinds(placed, root)
     probed = [validated(root, Scenario, values) for values in probes(placed)]
@@ -110,6 +115,7 @@ def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSce
         root=root,
         placed=placed,
         source_files=tuple(reader.sources),
+        assets=assets,
         name=scenario.name,
         description=scenario.description,
         licence=scenario.licence,
@@ -132,6 +138,7 @@ def load_section(kind: str, name_or_path: str, overrides: Sequence[str] = (), op
     reader = Reader()
     node = reader.read(kind, locate(kind, name_or_path, folder=Path(), what=option or f"--{kind}"))
     root = _overridden(Node({kind: node}, node.where), ALONE[kind], overrides, reader)
+    root, assets = with_assets(root, Shape.of(ALONE[kind]))
     placed = distributions_of(root, ALONE[kind])
     for values in probes(placed):
         alone = validated(root, ALONE[kind], values)
@@ -141,7 +148,7 @@ def load_section(kind: str, name_or_path: str, overrides: Sequence[str] = (), op
             check_robot(alone.robot, root)
         elif isinstance(alone, LookAlone):
             check_look(alone.look, root)
-    return LoadedSection(kind, root, placed, tuple(reader.sources))
+    return LoadedSection(kind, root, placed, tuple(reader.sources), assets)
 
 
 def _overridden(root: Node, model: type[Section], overrides: Sequence[str], reader: Reader) -> Node:

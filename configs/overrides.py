@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from configs.assets.folder import anchored
 from configs.errors import InputError, nearest
 from configs.references import SECTIONS, Reader
 from configs.tree import FieldPath, Node, dotted, merge
@@ -28,6 +29,8 @@ def apply_override(root: Node, text: str, reader: Reader) -> Node:
         node, is_whole = reader.section(name, node, Path.cwd())
         if is_whole:
             return Node({**root.value, name: node}, root.where)
+    if name == "look.assets":
+        node = anchored(Node({"assets": node}, where), Path.cwd()).child("assets") or node
     return _set(root, keys, (), node, where)
 
 

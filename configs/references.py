@@ -4,6 +4,7 @@ import os
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from configs.assets.folder import anchored
 from configs.errors import InputError, nearest
 from configs.tree import FieldPath, Node, dotted, merge
 from configs.yaml_reader import displayed, read_yaml
@@ -80,6 +81,7 @@ class Reader:
         self, kind: str, root: Node, folder: Path, chain: tuple[Path, ...] = (), prefix: FieldPath = ()
     ) -> Node:
         """A mapping laid over what it extends; relative paths in it start at `folder`."""
+        root = anchored(root, folder) if kind == "look" else root
         own = {str(key): node for key, node in root.children()}
         whole = set()
         if kind == "scenario":
@@ -115,4 +117,4 @@ class Reader:
         if not isinstance(node.value, dict):
             allowed = f"{_references(kind)}, or a mapping"
             raise InputError(kind, where=node.where, got=node.plain(), allowed=allowed)
-        return node, False
+        return (anchored(node, folder) if kind == "look" else node), False

@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from configs.schema.base import FIXED_KEY
+from configs.schema.base import FILE_KEY, FIXED_KEY
 from configs.tree import FieldPath, Node, merge, node_of
 
 _BOUNDS = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
@@ -66,6 +66,8 @@ class Shape:
         """Why no distribution may stand here; empty where one may."""
         if FIXED_KEY in self.schema:
             return self.schema[FIXED_KEY]
+        if FILE_KEY in self.schema:
+            return ""
         if "const" in self.schema or len(self.schema.get("enum", [1, 2])) < 2:
             return "it has one value only"
         if self.types <= {"string", "null"} and "enum" not in self.schema:
@@ -117,6 +119,9 @@ class Shape:
             return f"a mapping with the fields {shown_names(list(self.fields))}"
         if "const" in schema:
             return str(schema["const"])
+        if FILE_KEY in schema:
+            known = f"one of {shown_names(schema['enum'])}, or " if "enum" in schema else ""
+            return f"{known}the name of a file in the folder that look.assets names"
         if "enum" in schema:
             return f"one of {shown_names(schema['enum'])}"
         if "anyOf" in schema:

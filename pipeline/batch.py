@@ -11,6 +11,7 @@ from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Rows
 from pipeline.drawing import draw_reported
 from pipeline.output import check_disk, check_out
+from pipeline.own_files import keep_own_files
 from pipeline.plan import Plan
 from pipeline.progress import Report
 from pipeline.stages.annotate import AnnotationTask
@@ -69,6 +70,7 @@ class Batch:
 
     def render(self, failures: Sequence[FailedRun], report: Report) -> list[FailedRun]:
         """Images, and then what is known of those that were rendered."""
+        keep_own_files((spec.look for spec in self.specs), self.loaded.assets, self.workspace.own_files)
         tasks: list[FrameTask] = []
         failed = render_runs(_noted(self._render_orders(failures), tasks), self.workers, report)
         orders = self._annotation_orders(tasks, failed)
@@ -96,7 +98,8 @@ class Batch:
         for spec in self.specs:
             if spec.key not in failed:
                 rows = Rows.from_recording(read_recording(self.workspace.simulate(spec.key).path))
-                yield RenderTask.of(spec.key, Appearance.of(spec), rows, self.workspace.render(spec.key))
+                folder, own_files = self.workspace.render(spec.key), self.workspace.own_files
+                yield RenderTask.of(spec.key, Appearance.of(spec), rows, folder, own_files)
 
     def _annotation_orders(self, pictures: Sequence[FrameTask], failures: Sequence[FailedRun]) -> Iterator[Order]:
         """None where the scenario asks for no annotations."""

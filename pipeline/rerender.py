@@ -2,7 +2,7 @@
 
 import contextlib
 import hashlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from zipfile import BadZipFile
@@ -25,6 +25,7 @@ from pipeline.dataset.rows import Ints, Rows, read_rows
 from pipeline.dataset.side import image_positions
 from pipeline.files import canonical_json, hashes_of, holds, remove_folder, replace_folder, sync_folder, write_file
 from pipeline.output import check_disk, check_out
+from pipeline.own_files import keep_own_files
 from pipeline.plan import BYTES_PER_JOB, pictures_bytes
 from pipeline.progress import Report
 from pipeline.stages.annotate import AnnotationTask, copy_released
@@ -92,6 +93,8 @@ class Draw:
     appearance: Appearance
     record: bytes
     """Content of look.json."""
+    assets: Mapping[str, Path]
+    """Where the files of the user's own lie that the look names, by SHA-256."""
 
 
 @contextlib.contextmanager
@@ -121,12 +124,14 @@ def render_source(
 ) -> list[FailedRun]:
     """Render what `prepare` found, annotate it where asked for, and fill a folder with each of it."""
     places = {draw.name: (draw, folder) for draw, folder in zip(draws, folders, strict=True)}
+    for draw, folder in places.values():
+        keep_own_files((draw.appearance.look,), draw.assets, folder.own_files)
     pictures: dict[str, FrameTask] = {}
     annotations: dict[str, FrameTask] = {}
 
     def picture_orders() -> Iterator[Order]:
         for name, (draw, folder) in places.items():
-            order = RenderTask.of(name, draw.appearance, source.rows, folder.render("rerender"))
+            order = RenderTask.of(name, draw.appearance, source.rows, folder.render("rerender"), folder.own_files)
             pictures[name] = order.task
             yield order
 
@@ -247,7 +252,7 @@ def _draws(source: Source, request: Request) -> tuple[Draw, ...]:
             look, drawn = draw_look(section, own, route, run)
             record = {"draw": k, "seed": own, "drawn": drawn, "look": look.model_dump(mode="json")}
             appearance = Appearance(arena, robot, look, render, picture_seed(own, route, run))
-            draws.append(Draw(f"{look.name}_{k}", appearance, canonical_json(record)))
+            draws.append(Draw(f"{look.name}_{k}", appearance, canonical_json(record), section.assets))
     names = [draw.name for draw in draws]
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise InputError("--looks", got=twice[0].rpartition("_")[0], allowed="each look once, by a name of its own")

@@ -40,6 +40,8 @@ class RenderUnit(Message):
     """For the pictures, or for the files of the annotations."""
     numbers: tuple[int, ...]
     threads: int
+    own_files: Path | None = None
+    """Folder of the user's own files by their SHA-256; only pictures show any."""
 
     def run(self, progress: Callable[[float], None]) -> None:
         from blender_scenes.renderer import RenderError, render_job  # noqa: PLC0415 - opencv, in the worker alone
@@ -53,6 +55,7 @@ class RenderUnit(Message):
                 threads=self.threads,
                 numbers=self.numbers,
                 on_frame=lambda _number: progress(next(shares, 1.0)),
+                own_files=self.own_files,
             )
         except RenderError as error:
             raise RunFailed(str(error)) from error

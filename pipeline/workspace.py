@@ -125,6 +125,11 @@ class Workspace:
     def assemble(self, run_key: str) -> StageFolder:
         return StageFolder(self.out / STAGES / "assemble" / run_key)
 
+    @property
+    def own_files(self) -> Path:
+        """The user's own pictures and panoramas, each under its SHA-256."""
+        return self.out / STAGES / "assets"
+
     @contextlib.contextmanager
     def locked(self) -> Iterator[None]:
         """Hold the folder for this process; the operating system lets go of it however the process ends."""

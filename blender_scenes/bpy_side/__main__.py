@@ -45,7 +45,7 @@ def _render(request: Request, replies: TextIO) -> None:
     job = RenderJob.from_json(Path(request.job_path).read_text())
     views = {view.number: view for view in job.frames}
     build.start()
-    build.build(job.scene, job.camera)
+    build.build(job.scene, job.camera, Path(request.own_files) if request.own_files else None)
     engine.configure(job, request.threads, Path(request.scratch_dir))
     metered = median_luminance(engine.metered_light(job))
     _say(replies, Ready(time.perf_counter() - begin))

@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
+from blender_scenes.bpy_side.own_pictures import OwnPictures
 from blender_scenes.bpy_side.shaders import ShaderGraph, material
 from blender_scenes.description import Intrinsics, Mesh, Panel, Scene, Sky, Sun
 from blender_scenes.lens_warp import pinhole_picture
@@ -20,13 +21,15 @@ def start() -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
 
 
-def build(scene: Scene, camera: Intrinsics) -> None:
+def build(scene: Scene, camera: Intrinsics, own_files: Path | None = None) -> None:
     """Fills an empty Blender file; the robot hangs on an empty called `R`, the camera is called `C`.
 
     Moving obstacles are called as `moving_name` says, to be placed for each view. Every mesh has its number, among
-    the scene's meshes, the robot's and the moving ones, as its `pass_index`, from 1.
+    the scene's meshes, the robot's and the moving ones, as its `pass_index`, from 1. `own_files` is the folder that
+    holds the user's own files by their SHA-256.
     """
-    materials = {surface.name: material(surface) for surface in scene.surfaces}
+    own = OwnPictures(own_files)
+    materials = {surface.name: material(surface, own) for surface in scene.surfaces}
     numbers = itertools.count(1)
     for mesh in scene.meshes:
         _mesh(mesh, materials).pass_index = next(numbers)
@@ -41,7 +44,7 @@ def build(scene: Scene, camera: Intrinsics) -> None:
         _panel(panel)
     if scene.sun is not None:
         _sun(scene.sun)
-    _sky(scene.sky)
+    _sky(scene.sky, own)
     _camera(camera)
 
 
@@ -104,16 +107,14 @@ def _sun(sun: Sun) -> None:
     _place("sun", light).matrix_world = Matrix(pose.tolist())
 
 
-def _sky(sky: Sky) -> None:
+def _sky(sky: Sky, own: OwnPictures) -> None:
     world = bpy.data.worlds.new("sky")
     bpy.context.scene.world = world
     world.cycles.sampling_method = "NONE"
     world.cycles_visibility.diffuse = False
     world.use_nodes = True
     graph = ShaderGraph(world.node_tree)
-    folder = Path(bpy.utils.system_resource("DATAFILES")) / "studiolights" / "world"
-    image = bpy.data.images.load(str(folder / f"{sky.panorama}.exr"))
-    image.colorspace_settings.name = "Linear Rec.709"
+    image = _shipped(sky.panorama) if sky.mean is None else own.panorama(sky.panorama)
     towards = graph.node("ShaderNodeTexCoord").outputs["Generated"]
     turned = graph.node("ShaderNodeMapping", Vector=towards, Rotation=(0.0, 0.0, -sky.yaw_rad))
     texture = graph.node("ShaderNodeTexEnvironment", Vector=turned.outputs[0])
@@ -125,6 +126,13 @@ def _sky(sky: Sky) -> None:
     tint = graph.node("ShaderNodeHueSaturation", Saturation=sky.saturation, Color=cut.outputs[0])
     shine = graph.node("ShaderNodeBackground", Color=tint.outputs[0], Strength=sky.gain)
     graph.node("ShaderNodeOutputWorld", Surface=shine.outputs[0])
+
+
+def _shipped(panorama: str) -> bpy.types.Image:
+    folder = Path(bpy.utils.system_resource("DATAFILES")) / "studiolights" / "world"
+    image = bpy.data.images.load(str(folder / f"{panorama}.exr"))
+    image.colorspace_settings.name = "Linear Rec.709"
+    return image
 
 
 def _camera(camera: Intrinsics) -> None:

@@ -7,13 +7,13 @@ import numpy as np
 
 from blender_scenes.bpy_side.placing import open_shutter, place
 from blender_scenes.description import FrameView
-from blender_scenes.exr import read_exr
 from blender_scenes.job import RenderJob, Sampling
 from blender_scenes.lens_warp import pinhole_picture, through_lens
 from blender_scenes.metering import metered_views, metering_camera
 from blender_scenes.read_out import lateness
 from blender_scenes.shutter import window
 from blender_scenes.surroundings import require_room
+from configs.assets.exr import read_exr
 from configs.streams import stream
 
 _SCRATCH = "light.exr"

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import bpy
 
+from blender_scenes.bpy_side.own_pictures import OwnPictures
 from blender_scenes.shading import (
     Arithmetic,
     Cells,
@@ -13,6 +14,7 @@ from blender_scenes.shading import (
     Mix,
     Noise,
     Number,
+    Picture,
     Step,
     Surface,
     Tiles,
@@ -32,9 +34,10 @@ _CELLS = {"distance": ("F1", "Distance"), "edge": ("DISTANCE_TO_EDGE", "Distance
 class ShaderGraph:
     """Compiles the expressions of one material."""
 
-    def __init__(self, tree: bpy.types.NodeTree) -> None:
+    def __init__(self, tree: bpy.types.NodeTree, own: OwnPictures | None = None) -> None:
         tree.nodes.clear()
         self._tree = tree
+        self._own = own or OwnPictures(None)
         self._sockets: dict[Expression, bpy.types.NodeSocket] = {}
         self._uv: bpy.types.NodeSocket | None = None
         self._compilers: dict[type, Callable] = {
@@ -44,6 +47,7 @@ class ShaderGraph:
             Noise: self._noise,
             Cells: self._cells,
             Tiles: self._tiles,
+            Picture: self._picture,
             Arithmetic: self._arithmetic,
             Step: self._step,
             Mix: self._mix,
@@ -149,6 +153,13 @@ class ShaderGraph:
             return node.outputs["Fac"]
         return self.node("ShaderNodeSeparateColor", Color=node.outputs["Color"]).outputs[0]
 
+    def _picture(self, e: Picture) -> bpy.types.NodeSocket:
+        node = self.node("ShaderNodeTexImage")
+        node.image, node.interpolation, node.extension = self._own.picture(e.sha256), "Linear", "REPEAT"
+        (width, height), (u, v) = e.size_m, e.at_m
+        self.feed(node.inputs["Vector"], self._placed((1 / width, 1 / height), (-u / width, -v / height)))
+        return node.outputs["Color"]
+
     def _arithmetic(self, e: Arithmetic) -> bpy.types.NodeSocket:
         node = self.node("ShaderNodeMath")
         node.operation = _OPERATIONS[e.operation]
@@ -173,11 +184,11 @@ class ShaderGraph:
         return node.outputs[2]
 
 
-def material(surface: Surface) -> bpy.types.Material:
+def material(surface: Surface, own: OwnPictures | None = None) -> bpy.types.Material:
     """The Blender material of a surface."""
     made = bpy.data.materials.new(surface.name)
     made.use_nodes = True
-    graph = ShaderGraph(made.node_tree)
+    graph = ShaderGraph(made.node_tree, own)
     values = {
         "Base Color": surface.base_color,
         "Roughness": surface.roughness,

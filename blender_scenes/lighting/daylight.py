@@ -7,11 +7,12 @@ import numpy as np
 from blender_scenes.colour import LUMINANCE, light_rgb
 from blender_scenes.description import Panel, Sky
 from blender_scenes.lighting.base import Lights
-from blender_scenes.lighting.panoramas import MEAN_COLOR
+from blender_scenes.lighting.panoramas import mean_color
 from blender_scenes.lighting.sun import towards_sun
 from blender_scenes.lighting.window_covering import CURTAIN_M, curtain
 from blender_scenes.rooms.base import Room
 from blender_scenes.shading import RGB
+from configs.schema.asset import Asset
 from configs.schema.look import LookConfig
 
 _BRIGHTEST = 2.0
@@ -26,10 +27,11 @@ def daylight(look: LookConfig, room: Room) -> Lights:
     Behind a sheer curtain the panel is the curtain itself, which passes on the sun's light too and is seen in mirrors.
     """
     own = look.sky
-    mean = np.array(MEAN_COLOR[own.panorama])
+    mean = np.array(mean_color(own.panorama))
     grey = float(mean @ LUMINANCE)
     gain = own.luminance_kcd_m2 / grey
-    skies = (Sky(own.panorama, math.radians(own.yaw_deg), gain, _BRIGHTEST * grey, own.saturation),)
+    named = (own.panorama.sha256, own.panorama.mean_rgb) if isinstance(own.panorama, Asset) else (own.panorama, None)
+    skies = (Sky(named[0], math.radians(own.yaw_deg), gain, _BRIGHTEST * grey, own.saturation, named[1]),)
     sheer = look.window.covering == "sheer"
     radiance = _seen_in_the_window(gain * (grey + own.saturation * (mean - grey)))
     if sheer:

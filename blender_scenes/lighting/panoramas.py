@@ -1,6 +1,8 @@
-"""What the panoramas shipped with bpy hold, measured once, so that their light is known without reading them."""
+"""What panoramas hold: the shipped ones were measured once, the user's own are when the look is read."""
 
+from blender_scenes.description import Sky
 from blender_scenes.shading import RGB
+from configs.schema.asset import Asset
 from configs.schema.lighting import PanoramaName
 
 CEILING = 10.0
@@ -17,3 +19,15 @@ MEAN_COLOR: dict[PanoramaName, RGB] = {
     "sunset": (0.7437, 0.7732, 1.0392),
 }
 """Mean linear colour above the horizon by solid angle, each component cut off at `CEILING`."""
+
+_BY_NAME: dict[str, RGB] = {**MEAN_COLOR}
+
+
+def mean_color(panorama: PanoramaName | Asset) -> RGB:
+    """Mean linear colour above the horizon, without sun or lamps."""
+    return panorama.mean_rgb if isinstance(panorama, Asset) else MEAN_COLOR[panorama]
+
+
+def mean_of_sky(sky: Sky) -> RGB:
+    """The same of a scene's sky."""
+    return sky.mean if sky.mean is not None else _BY_NAME[sky.panorama]

@@ -10,6 +10,7 @@ from blender_scenes.materials.carpet import carpet
 from blender_scenes.materials.ceramic_tile import ceramic_tile
 from blender_scenes.materials.concrete import concrete
 from blender_scenes.materials.glass import glass
+from blender_scenes.materials.image import image, image_floor
 from blender_scenes.materials.linoleum import linoleum
 from blender_scenes.materials.metal import metal
 from blender_scenes.materials.paper import paper
@@ -20,6 +21,7 @@ from blender_scenes.materials.plywood import plywood, plywood_floor
 from blender_scenes.materials.vinyl import vinyl
 from blender_scenes.materials.wood import wood
 from blender_scenes.shading import Surface
+from configs.schema.asset import ImageLook
 from configs.schema.floors import FloorLook, FloorName
 from configs.schema.look import LookConfig
 from configs.schema.surface import SurfaceName
@@ -33,6 +35,7 @@ FLOORS: dict[FloorName, Callable[[FloorLook, Patch], Surface]] = {
     "plywood": plywood_floor,
     "paper_sheets": paper_sheets,
     "vinyl": vinyl,
+    "image": image_floor,
 }
 
 SURFACES: dict[SurfaceName, Callable[[LookConfig, Patch], Surface]] = {
@@ -50,3 +53,11 @@ SURFACES: dict[SurfaceName, Callable[[LookConfig, Patch], Surface]] = {
     "brick": brick,
 }
 """What walls and obstacles are made of; the names are those of `physics.surfaces`."""
+
+
+def body_material(look: LookConfig, surface: SurfaceName, patch: Patch) -> Surface:
+    """A face of a wall or obstacle: the user's own picture where the look has one for that surface."""
+    own = getattr(look.images, surface, None)
+    if isinstance(own, ImageLook) and own.file is not None:
+        return image(own, own.file, patch)
+    return SURFACES[surface](look, patch)

@@ -1,12 +1,46 @@
 """What share of the light a surface returns at each of its points: the one place that knows how detailed that is."""
 
+from collections.abc import Callable
+
 import numpy as np
+from numpy.typing import NDArray
 
 from blender_scenes.preview.triangles import Array
-from blender_scenes.shading import Surface
+from blender_scenes.shading import Mix, Picture, Surface, Texture
 from blender_scenes.typical import typical_color
+from configs.assets.pictures import LINEAR
+
+Pixels = Callable[[str], NDArray[np.uint8]]
+"""(H, W, 3) sRGB of the picture with that SHA-256."""
 
 
-def albedo(surface: Surface, uv_m: Array) -> Array:
-    """Reflectance (N, 3) at surface coordinates (N, 2) [m]: the surface's typical colour everywhere."""
-    return np.broadcast_to(np.array(typical_color(surface)), (len(uv_m), 3))
+def albedo(surface: Surface, uv_m: Array, pixels: Pixels) -> Array:
+    """Reflectance (N, 3) at surface coordinates (N, 2) [m]: the pictures' own, all else of a typical colour."""
+    return _colors(surface.base_color, uv_m, pixels)
+
+
+def _colors(texture: Texture, uv_m: Array, pixels: Pixels) -> Array:
+    match texture:
+        case Picture():
+            return _looked_up(texture, uv_m, pixels(texture.sha256))
+        case Mix(by, a, b) if _shows_a_picture(texture):
+            share = np.clip(np.array(typical_color(Surface("", by))), 0, 1)
+            below, above = _colors(a, uv_m, pixels), _colors(b, uv_m, pixels)
+            return below + share * (above - below)
+        case _:
+            return np.broadcast_to(np.array(typical_color(Surface("", texture))), (len(uv_m), 3))
+
+
+def _shows_a_picture(texture: Texture) -> bool:
+    return isinstance(texture, Picture) or (
+        isinstance(texture, Mix) and (_shows_a_picture(texture.a) or _shows_a_picture(texture.b))
+    )
+
+
+def _looked_up(texture: Picture, uv_m: Array, picture: NDArray[np.uint8]) -> Array:
+    """The nearest pixel's linear colour, the picture repeated."""
+    height, width, _ = picture.shape
+    share = ((uv_m - np.array(texture.at_m)) / np.array(texture.size_m)) % 1.0
+    column = np.minimum((share[:, 0] * width).astype(np.intp), width - 1)
+    row = height - 1 - np.minimum((share[:, 1] * height).astype(np.intp), height - 1)
+    return LINEAR[picture[row, column]]

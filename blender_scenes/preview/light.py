@@ -3,21 +3,18 @@
 Illuminances are in kilolux per linear component, as the description's radiances are in 1000 cd/m2.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.colour import LUMINANCE
 from blender_scenes.description import Panel, Sky, Sun
-from blender_scenes.lighting.panoramas import MEAN_COLOR
+from blender_scenes.lighting.panoramas import mean_of_sky
 from blender_scenes.preview.triangles import Array, Triangles
-from blender_scenes.shading import RGB
 
 Floats = NDArray[np.float32]
 """Single precision halves the time."""
-
-_MEANS: Mapping[str, RGB] = {**MEAN_COLOR}
 
 
 def from_panels(panels: Sequence[Panel], points: Floats, normals: Floats) -> Floats:
@@ -69,6 +66,6 @@ def from_all_around(panels: Sequence[Panel], scene: Triangles, colors: Array) ->
 
 def of_the_sky(sky: Sky) -> Array:
     """Radiance (3,) of the sky behind everything: the panorama's mean, for the panorama itself is Blender's."""
-    mean = np.array(_MEANS[sky.panorama])
+    mean = np.array(mean_of_sky(sky))
     grey = mean @ LUMINANCE
     return sky.gain * (grey + sky.saturation * (mean - grey))

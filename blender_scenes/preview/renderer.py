@@ -1,5 +1,8 @@
 """A job's pictures without Blender, in some hundredths of a second each."""
 
+from functools import cache
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,28 +12,33 @@ from blender_scenes.description import FrameView, Intrinsics
 from blender_scenes.job import RenderJob
 from blender_scenes.lens_warp import pinhole_picture, through_lens
 from blender_scenes.metering import metered_views, metering_camera
+from blender_scenes.own_files import read_own_file
 from blender_scenes.preview.albedo import albedo
 from blender_scenes.preview.light import from_all_around, from_panels, from_sun, of_the_sky
 from blender_scenes.preview.rasteriser import Ints, Seen, rasterise
 from blender_scenes.preview.sun_shadow import SunShadow
 from blender_scenes.preview.triangles import Array, Triangles
 from blender_scenes.typical import typical_color
+from configs.assets.pictures import read_picture
 
 
 class FlatRenderer:
     """The scene of a job, ready to be looked at.
 
-    What it leaves out: textures, gloss, glass that is clear, shadows of lamps and of what moves, motion blur, and
-    the robot, which its own camera never sees.
+    What it leaves out: textures but for pictures of the user's own, gloss, glass that is clear, shadows of lamps and of
+    what moves, motion blur, and the robot, which its own camera never sees.
 
     Raises:
-        ValueError: A face of the scene is not convex, or no light reaches what the camera sees.
+        ValueError: A face of the scene is not convex, no light reaches what the camera sees, or a picture of the
+            user's own is not in its folder.
     """
 
-    def __init__(self, job: RenderJob) -> None:
+    def __init__(self, job: RenderJob, own_files: Path | None = None) -> None:
+        """Of a job, and the folder that holds the user's own files by their SHA-256."""
         scene = job.scene
         numbers = {surface.name: number for number, surface in enumerate(scene.surfaces)}
         self._job = job
+        self._pixels = cache(lambda sha256: read_picture(read_own_file(own_files, sha256)))
         self._still = Triangles.of(scene.meshes, numbers)
         self._moving = tuple(Triangles.of((mesh,), numbers) for mesh in scene.moving)
         colors = np.array([typical_color(surface) for surface in scene.surfaces])
@@ -64,7 +72,7 @@ class FlatRenderer:
         reflectance = np.zeros((len(number), 3))
         for surface in np.flatnonzero(np.bincount(number)):
             here = np.flatnonzero(number == surface)
-            reflectance[here] = albedo(self._job.scene.surfaces[surface], uv_m[here]) / np.pi
+            reflectance[here] = albedo(self._job.scene.surfaces[surface], uv_m[here], self._pixels) / np.pi
         return reflectance
 
     def _illuminance(self, camera: Intrinsics, X_WC: Array, triangles: Triangles, seen: Seen, hit: Ints) -> Array:

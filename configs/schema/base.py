@@ -21,6 +21,10 @@ class Fixed:
         return {**handler(schema), FIXED_KEY: self.reason}
 
 
+FILE_KEY = "x-file"
+"""Under this key the JSON Schema of a field says what kind of file of the user's own its name may stand for."""
+
+
 FIELDS_DISAGREE = "fields_disagree"
 
 

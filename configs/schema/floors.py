@@ -4,10 +4,13 @@ from typing import Literal
 
 from pydantic import Field
 
+from configs.schema.asset import ImageLook
 from configs.schema.base import Section
 from configs.schema.paint import Paint
 
-FloorName = Literal["linoleum", "ceramic_tile", "parquet", "concrete", "carpet", "plywood", "paper_sheets", "vinyl"]
+FloorName = Literal[
+    "linoleum", "ceramic_tile", "parquet", "concrete", "carpet", "plywood", "paper_sheets", "vinyl", "image"
+]
 """`blender_scenes.materials` has a member for every one."""
 
 
@@ -114,3 +117,5 @@ class FloorLook(Section):
     plywood: PlywoodFloor = PlywoodFloor()
     paper_sheets: PaperSheets = PaperSheets()
     vinyl: Vinyl = Vinyl()
+    image: ImageLook = ImageLook()
+    """A picture of the user's own."""

@@ -1,9 +1,10 @@
 """What shines in the room: sky, sun, ceiling lamps and desk lamps."""
 
-from typing import Literal
+from typing import Annotated, Literal, get_args
 
 from pydantic import Field
 
+from configs.schema.asset import Asset, Named
 from configs.schema.base import Section
 
 PanoramaName = Literal["city", "courtyard", "forest", "interior", "night", "studio", "sunrise", "sunset"]
@@ -11,7 +12,8 @@ PanoramaName = Literal["city", "courtyard", "forest", "interior", "night", "stud
 
 
 class SkyLook(Section):
-    panorama: PanoramaName = "courtyard"
+    panorama: Annotated[PanoramaName | Asset, Named("panorama", get_args(PanoramaName))] = "courtyard"
+    """One of those shipped, or a Radiance (.hdr) or OpenEXR file in the folder that `look.assets` names."""
     yaw_deg: float = Field(default=0.0, ge=-360, le=360)
     luminance_kcd_m2: float = Field(default=3.0, ge=0, le=100)
     """Mean over the upper half of the panorama."""

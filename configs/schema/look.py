@@ -4,11 +4,13 @@ Light is photometric in thousands (klx, kcd/m2, klm); reflectances are linear sh
 angles count counter-clockwise from +x of the world frame W.
 """
 
-from typing import Literal
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from configs.schema.base import Section, Slug
+from configs.schema.asset import Asset, SurfaceImages
+from configs.schema.base import FromList, Section, Slug, absent
 from configs.schema.floors import FloorLook
 from configs.schema.lighting import DeskLampsLook, LampsLook, SkyLook, SunLook
 from configs.schema.paint import Paint
@@ -124,9 +126,16 @@ class CameraLook(Section):
     """Standard deviation of that blur."""
 
 
+_NAMES_A_FILE = ("file", "panorama")
+
+
 class LookConfig(Section):
     name: Slug
     description: str = ""
+    assets: Annotated[tuple[Asset, ...], FromList] | None = Field(default_factory=absent, exclude=True)
+    """The folder of the user's own pictures and panoramas, relative to the file that names it.
+
+    Once loaded, the files of it that the look names; what is drawn holds those that it took in their places."""
     floor: FloorLook = FloorLook()
     line: LineKind = "tape"
     tape: TapeLook = TapeLook()
@@ -140,6 +149,7 @@ class LookConfig(Section):
     paper: PaintedLook = PaintedLook(paint=Paint(reflectance=0.82, hue_deg=50, saturation=0.03), roughness=0.9)
     metal: GlossLook = GlossLook(roughness=0.3)
     glass: GlossLook = GlossLook(roughness=0.05)
+    images: SurfaceImages = SurfaceImages()
     room: RoomLook = RoomLook()
     window: WindowLook = WindowLook()
     sky: SkyLook = SkyLook()
@@ -147,3 +157,35 @@ class LookConfig(Section):
     lamps: LampsLook = LampsLook()
     desk_lamps: DeskLampsLook = DeskLampsLook()
     camera: CameraLook = CameraLook()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _by_content(cls, given: Any) -> Any:  # noqa: ANN401 - whatever is to be validated
+        """Names of files give way to what `assets` tells of them."""
+        assets = given.get("assets") if isinstance(given, dict) else None
+        if not isinstance(assets, list | tuple) or not all(isinstance(asset, dict) for asset in assets):
+            return given
+        known = {str(asset.get("name")): asset for asset in assets}
+        return _told({key: value for key, value in given.items() if key != "assets"}, known)
+
+    @property
+    def files(self) -> tuple[Asset, ...]:
+        """The user's own files that this look shows, each once."""
+        return tuple(dict.fromkeys(_assets(self)))
+
+
+def _told(given: dict[str, Any], known: dict[str, Any]) -> dict[str, Any]:
+    def told(key: str, value: Any) -> Any:  # noqa: ANN401 - likewise
+        if isinstance(value, dict):
+            return _told(value, known)
+        return known.get(value, value) if key in _NAMES_A_FILE and isinstance(value, str) else value
+
+    return {key: told(key, value) for key, value in given.items()}
+
+
+def _assets(section: Section) -> Iterator[Asset]:
+    for _, value in section:
+        if isinstance(value, Asset):
+            yield value
+        elif isinstance(value, Section):
+            yield from _assets(value)

@@ -12,6 +12,7 @@ from blender_scenes.frame_files import frame_name
 from blender_scenes.preview.renderer import FlatRenderer
 from pipeline.dataset.metadata import FailedRun
 from pipeline.output import check_scratch
+from pipeline.own_files import keep_own_files
 from pipeline.plan import pictures_bytes
 from pipeline.preview import Engine
 from pipeline.preview.views import View
@@ -33,7 +34,13 @@ def check_size(view: View, count: int, columns: int) -> None:
 
 def pictures(engine: Engine, views: Sequence[View], workers: int, report: Report) -> Made:
     """Of all views that can be seen."""
-    return _flat(views, report) if engine is Engine.FLAT else _cycles(views, workers, report)
+    with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as folder:
+        own_files = Path(folder) / "assets"
+        for view in views:
+            keep_own_files((view.look.look,), view.assets, own_files)
+        if engine is Engine.FLAT:
+            return _flat(views, own_files, report)
+        return _cycles(views, Path(folder), own_files, workers, report)
 
 
 def sheet(views: Sequence[View], made: dict[int, Pixels], columns: int) -> Pixels:
@@ -43,14 +50,14 @@ def sheet(views: Sequence[View], made: dict[int, Pixels], columns: int) -> Pixel
     return stacked([row(cells[i : i + columns], width_px) for i in range(0, len(cells), columns)])
 
 
-def _flat(views: Sequence[View], report: Report) -> Made:
+def _flat(views: Sequence[View], own_files: Path, report: Report) -> Made:
     """Without Blender, some tenths of a second each."""
     made, failures = {}, []
     with report.stage("preview", len(views), "images") as stage:
         for view in views:
             try:
                 job = view.job()
-                picture = FlatRenderer(job).picture(job.frames[0])
+                picture = FlatRenderer(job, own_files).picture(job.frames[0])
             except ValueError as error:
                 failures.append(FailedRun.of(view.name, "preview", str(error)))
             else:
@@ -59,18 +66,17 @@ def _flat(views: Sequence[View], report: Report) -> Made:
     return made, failures
 
 
-def _cycles(views: Sequence[View], workers: int, report: Report) -> Made:
-    """As the render stage makes them, in a folder that is gone afterwards."""
+def _cycles(views: Sequence[View], folder: Path, own_files: Path, workers: int, report: Report) -> Made:
+    """As the render stage makes them."""
     render = views[0].look.render
     each = pictures_bytes(1, render.width_px * render.height_px, annotated=False)
     check_scratch(len(views) * each, "ask for fewer pictures by -n")
-    with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as folder:
-        folders = {view.number: StageFolder(Path(folder) / str(view.number)) for view in views}
-        orders = (RenderTask.order(view.name, folders[view.number], view.job(), (view.frame,)) for view in views)
-        failures = render_runs(orders, workers, report)
-        failed = {failure.run for failure in failures}
-        good = [view.number for view in views if view.name not in failed]
-        return {n: _read(folders[n].path / IMAGES / frame_name(n)) for n in good}, failures
+    folders = {view.number: StageFolder(folder / str(view.number)) for view in views}
+    orders = (RenderTask.order(view.name, folders[view.number], view.job(), (view.frame,), own_files) for view in views)
+    failures = render_runs(orders, workers, report)
+    failed = {failure.run for failure in failures}
+    good = [view.number for view in views if view.name not in failed]
+    return {n: _read(folders[n].path / IMAGES / frame_name(n)) for n in good}, failures
 
 
 def _read(path: Path) -> Pixels:

@@ -1,7 +1,8 @@
 """Which pictures a preview shows: runs as the scenario draws them, looks in turn, places spread over the way."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -33,6 +34,8 @@ class View:
     """What is said of it."""
     frame: FramePose
     look: Appearance
+    assets: Mapping[str, Path]
+    """Where the files of the user's own lie that the look names, by SHA-256."""
 
     def job(self) -> RenderJob:
         """Made when it is needed: it is some megabytes."""
@@ -66,7 +69,8 @@ def _view(loaded: LoadedScenario, number: int, index: int, width_px: int) -> Vie
     height_px = max(1, round(width_px * look.render.height_px / look.render.width_px))
     render = look.render.model_copy(update={"width_px": width_px, "height_px": height_px})
     lines = (f"{spec.key}, seed {spec.seed}, {spec.look.name}", *_words(spec.look))
-    return View(number, f"{number} ({spec.key}, {spec.look.name})", lines, frame, replace(look, render=render))
+    name, shown = f"{number} ({spec.key}, {spec.look.name})", replace(look, render=render)
+    return View(number, name, lines, frame, shown, loaded.assets)
 
 
 def _standing(frame: FramePose) -> RobotPath:

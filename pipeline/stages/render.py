@@ -78,11 +78,20 @@ class FrameTask(ABC):
     folder: StageFolder
     job_sha256: str
     frames: tuple[FramePose, ...]
+    own_files: Path | None = None
+    """Folder of the user's own files by their SHA-256; None where none is shown."""
 
     @classmethod
-    def order(cls, run: str, folder: StageFolder, job: JobText, frames: tuple[FramePose, ...]) -> "Order":
+    def order(
+        cls,
+        run: str,
+        folder: StageFolder,
+        job: JobText,
+        frames: tuple[FramePose, ...],
+        own_files: Path | None = None,
+    ) -> "Order":
         text = job.to_json()
-        return Order(cls(run, folder, hashlib.sha256(text.encode()).hexdigest(), frames), text)
+        return Order(cls(run, folder, hashlib.sha256(text.encode()).hexdigest(), frames, own_files), text)
 
     @property
     def key(self) -> str:
@@ -113,12 +122,14 @@ class RenderTask(FrameTask):
     STAGE, FILES, WORK = "render", IMAGES, "pictures"
 
     @classmethod
-    def of(cls, run: str, appearance: Appearance, rows: Rows, folder: StageFolder) -> Order:
+    def of(
+        cls, run: str, appearance: Appearance, rows: Rows, folder: StageFolder, own_files: Path | None = None
+    ) -> Order:
         frames = frame_poses(rows)
         arena = Arena.from_config(appearance.arena)
         path = RobotPath(rows.t_ms / 1000, rows.pose, rows.twist)
         job = build_job(arena, appearance.robot, appearance.look, appearance.render, frames, appearance.seed, path)
-        return cls.order(run, folder, job, frames)
+        return cls.order(run, folder, job, frames, own_files)
 
     def finish(self) -> Findings:
         names = {frame.number: frame_name(frame.number) for frame in self.frames}
@@ -214,6 +225,7 @@ def blocks(tasks: Sequence[FrameTask], workers: int) -> list[RenderUnit]:
                 folder=task.files,
                 numbers=tuple(numbers[start : start + size]),
                 threads=threads,
+                own_files=task.own_files,
             )
             for start in range(0, len(numbers), size)
         ]

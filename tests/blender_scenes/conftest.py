@@ -44,7 +44,7 @@ from blender_scenes.bpy_side import build, engine
 from blender_scenes.job import RenderJob
 job = RenderJob.from_json(sys.stdin.read())
 build.start()
-build.build(job.scene, job.camera)
+build.build(job.scene, job.camera, Path(sys.argv[1]) if sys.argv[1:] else None)
 with tempfile.TemporaryDirectory() as scratch:
     engine.configure(job, 1, Path(scratch))
     out.write(np.stack([engine.frame_light(job, view) for view in job.frames]).tobytes())
@@ -62,6 +62,7 @@ def light_of() -> Callable[..., np.ndarray]:
         focal_px: float,
         shutter: Shutter = INSTANT,
         lens: Coefficients = NO_DISTORTION,
+        own_files: Path | None = None,
     ) -> np.ndarray:
         middle = 0.5 * (pixels - 1)
         job = RenderJob(
@@ -73,7 +74,7 @@ def light_of() -> Callable[..., np.ndarray]:
             response=CameraResponse.from_look(CameraLook(), (1.0, 1.0, 1.0), 1, 92),
             shutter=shutter,
         )
-        call = [sys.executable, "-c", _PROGRAM]
+        call = [sys.executable, "-c", _PROGRAM, *([str(own_files)] if own_files else [])]
         done = subprocess.run(call, input=job.to_json().encode(), capture_output=True, check=True)
         return np.frombuffer(done.stdout, np.float32).reshape(len(views), pixels, pixels, 3)
 

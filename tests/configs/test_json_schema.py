@@ -100,6 +100,9 @@ GOOD: dict[str, Any] = {
         {"robot": {"extends": "nominal", "drive": {"track_m": {"normal": {"mean": 0.14, "sd": 0.001, "low": 0.1}}}}},
         {"routes": [{"name": "CW", "start": {**START, "x_m": {"log_uniform": [0.5, 0.6]}}}]},
         {"arena": {"extends": "symolo", "obstacles": [{"name": "A", "center": [{"uniform": [0, 1]}, 0]}]}},
+        {"look": {"extends": "lab", "assets": "photos", "floor": {"image": {"file": {"choice": ["a.png", "b.jpg"]}}}}},
+        {"look": {"extends": "lab", "assets": "photos", "sky": {"panorama": "hall.hdr"}}},
+        {"look": {"extends": "lab", "assets": "photos", "sky": {"panorama": {"choice": ["city", "hall.hdr"]}}}},
         {
             "arena": {
                 "extends": "symolo",
@@ -127,6 +130,8 @@ def test_what_the_loader_takes_follows_the_schema(change: dict[str, Any]):
         ({"render": {"denoise": {"uniform": [0, 1]}}}, ".render.denoise"),
         ({"robot": {"extends": "nominal", "motor": {"winding_resistance_ohm": 0}}}, ".robot"),
         ({"arena": {"extends": "symolo", "obstacles": [{"name": "A"}]}}, ".arena"),
+        ({"look": {"extends": "lab", "assets": ["photos"]}}, ".look"),
+        ({"look": {"extends": "lab", "sky": {"panorama": 3}}}, ".look"),
     ],
 )
 def test_what_the_loader_refuses_breaks_the_schema_there(change: dict[str, Any], place: str):

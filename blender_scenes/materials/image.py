@@ -1,0 +1,26 @@
+"""A picture of the user's own, laid side by side over a surface."""
+
+from blender_scenes.materials.base import Patch
+from blender_scenes.shading import Color, Mix, Number, Picture, Surface
+from configs.schema.asset import Asset, ImageLook
+from configs.schema.floors import FloorLook
+
+_BLACK = Color((0.0, 0.0, 0.0))
+
+
+def image_floor(look: FloorLook, patch: Patch) -> Surface:
+    """The floor's own picture.
+
+    Raises:
+        ValueError: The look names none.
+    """
+    if look.image.file is None:
+        raise ValueError("the floor is an image, and none is named")
+    return image(look.image, look.image.file, patch)
+
+
+def image(own: ImageLook, file: Asset, patch: Patch) -> Surface:
+    """The picture at its size in metres; what it shows of gloss or depth is painted, not there."""
+    size = own.width_m, own.width_m * file.height_px / file.width_px
+    picture = Picture(file.sha256, size, (own.right_m, own.up_m), file.mean_rgb)
+    return Surface(patch.name, Mix(Number(own.white_reflectance), _BLACK, picture), roughness=own.roughness)

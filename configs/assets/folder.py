@@ -1,0 +1,148 @@
+"""The files of the user's own that a look names: found in its folder, read through, and told by their content."""
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path, PurePosixPath
+
+from configs.assets.refusal import Refusal
+from configs.errors import InputError, nearest
+from configs.schema.asset import Asset, AssetKind
+from configs.schema.base import FILE_KEY
+from configs.shapes import Shape
+from configs.tree import FieldPath, Node, dotted, node_of
+from configs.yaml_reader import displayed
+
+_FOLDER: FieldPath = ("look", "assets")
+_LONGEST_NAME = 255
+
+
+def anchored(look: Node, folder: Path) -> Node:
+    """The look with the folder of its `assets` told from `folder`, where the file lies that names it."""
+    own = look.child("assets")
+    if own is None or not isinstance(own.value, str) or not own.value or not isinstance(look.value, dict):
+        return look
+    place = os.path.abspath(folder / os.path.expanduser(own.value))  # noqa: PTH100, PTH111 - no link is followed yet
+    return Node({**look.value, "assets": Node(place, own.where)}, look.where)
+
+
+def with_assets(root: Node, shape: Shape) -> tuple[Node, dict[str, Path]]:
+    """The tree with the files that its look names in place of their folder, and where each lies, by its SHA-256.
+
+    Args:
+        root: Of a scenario, or of a section alone.
+        shape: Of its model.
+
+    Raises:
+        InputError: A file that is named is not there, lies outside the folder, or cannot be used.
+    """
+    look = root.child("look")
+    if look is None or not isinstance(look.value, dict):
+        return root, {}
+    folder = _Folder.of(look.child("assets"))
+    for path, kind, known, node in _named(look, shape):
+        for name in _names(node, path):
+            if name not in known:
+                folder.take(name, kind, known, Node(name, node.where), path)
+    given = {key: node for key, node in look.value.items() if key != "assets"}
+    if folder.taken:
+        told = [asset.model_dump(mode="json") for _, asset in sorted(folder.taken.items())]
+        given["assets"] = node_of(told, folder.where)
+    if not isinstance(root.value, dict):
+        return root, {}
+    return Node({**root.value, "look": Node(given, look.where)}, root.where), folder.places
+
+
+def _named(look: Node, shape: Shape) -> Iterator[tuple[FieldPath, AssetKind, tuple[str, ...], Node]]:
+    """Fields of the look that take a file: path, kind, names known without a folder, and what stands there."""
+    inner = shape.child("look")
+    for path in inner.paths() if inner else ():
+        node, leaf = look.at(path), inner.at(path, look) if inner else None
+        if node is not None and node.value is not None and leaf is not None and FILE_KEY in leaf.schema:
+            yield ("look", *path), leaf.schema[FILE_KEY], tuple(leaf.schema.get("enum", ())), node
+
+
+def _names(node: Node, path: FieldPath) -> list[str]:
+    """What a leaf may be: its value, or each option of a choice; what else stands there is refused later."""
+    options = node.child("choice") if node.is_distribution else node
+    items = options.value if options else ()
+    if isinstance(items, tuple):
+        return [item.value for item in items if isinstance(item.value, str)]
+    if not isinstance(items, str):
+        if node.is_distribution:
+            return []
+        raise InputError(dotted(path), where=node.where, got=node.plain(), allowed="the name of a file")
+    return [items]
+
+
+@dataclass
+class _Folder:
+    path: Path | None
+    where: str = ""
+    taken: dict[tuple[str, AssetKind], Asset] = field(default_factory=dict)
+    """By name; no file is of both kinds."""
+    places: dict[str, Path] = field(default_factory=dict)
+    """By SHA-256."""
+
+    @classmethod
+    def of(cls, node: Node | None) -> "_Folder":
+        if node is None or node.value is None:
+            return cls(None)
+        what = dotted(_FOLDER)
+        if not isinstance(node.value, str) or not node.value:
+            raise InputError(what, where=node.where, got=node.plain(), allowed="the path of a folder")
+        if not os.path.isdir(node.value):  # noqa: PTH112 - pathlib raises for a name that the system refuses
+            raise InputError(f"{what}: no such folder", where=node.where, got=displayed(Path(node.value)))
+        return cls(Path(node.value), node.where)
+
+    def take(self, name: str, kind: AssetKind, known: tuple[str, ...], node: Node, path: FieldPath) -> None:
+        """Read a file and remember it."""
+        if self.path is None:
+            allowed = f"one of {', '.join(known)}, or a file" if known else "a file"
+            raise InputError(
+                dotted(path),
+                where=node.where,
+                got=name,
+                allowed=f"{allowed} in the folder that look.assets names",
+                nearest=nearest(name, known),
+                cure="name the folder, such as assets: my_photos in the look" if not nearest(name, known) else "",
+            )
+        if (name, kind) in self.taken:
+            return
+        from configs.assets.reading import read_asset  # noqa: PLC0415 - OpenCV, only where there are files to read
+
+        try:
+            place = self._place(self.path, name)
+            self.taken[name, kind] = asset = read_asset(kind, name, place)
+        except Refusal as refusal:
+            what = f"{dotted(path)}: {refusal}"
+            close = nearest(name, [*known, *self._beside(self.path)]) if refusal.is_missing else ""
+            cure = "" if close else refusal.cure
+            raise InputError(what, where=node.where, got=name, nearest=close, cure=cure) from None
+        self.places[asset.sha256] = place
+
+    @staticmethod
+    def _place(folder: Path, name: str) -> Path:
+        """Where the file lies, links followed."""
+        parts = PurePosixPath(name).parts
+        if PurePosixPath(name).is_absolute() or ".." in parts:
+            raise Refusal("leads out of the folder of look.assets", cure="name a file inside, without '..'")
+        if not parts or len(name) > _LONGEST_NAME or not name.isprintable():
+            raise Refusal("is no name of a file")
+        try:
+            place = (folder / name).resolve(strict=True)
+            inside = place.is_relative_to(folder.resolve(strict=True))
+        except (OSError, RuntimeError, ValueError):
+            raise Refusal(f"no such file in {displayed(folder)}", is_missing=True) from None
+        if not inside:
+            raise Refusal("is a link that leads out of the folder of look.assets", cure="put the file itself there")
+        if not place.is_file():
+            raise Refusal("is no file", cure="name a file in the folder")
+        return place
+
+    @staticmethod
+    def _beside(folder: Path) -> list[str]:
+        try:
+            return [entry.name for entry in folder.iterdir()]
+        except OSError:
+            return []

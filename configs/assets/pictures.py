@@ -1,0 +1,108 @@
+"""PNG and JPEG pictures: whole, of a size that can be held, as 8-bit sRGB the right way up."""
+
+import struct
+import zlib
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from configs.assets.quiet import decoded
+
+MOST_BYTES = 64 << 20
+MOST_PIXELS = 64_000_000
+LONGEST_SIDE_PX = 4096
+"""A longer picture is averaged down to it: a pixel of the floor is seldom seen finer than a quarter of a millimetre."""
+
+_PNG = b"\x89PNG\r\n\x1a\n"
+_JPEG = b"\xff\xd8\xff"
+_SIZES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
+"""JPEG markers of frames, which hold the picture's size (ITU-T T.81, table B.1)."""
+
+Bytes = NDArray[np.uint8]
+
+_s = np.arange(256) / 255
+LINEAR = np.where(_s <= 0.04045, _s / 12.92, ((_s + 0.055) / 1.055) ** 2.4)
+"""(256,), linear value of each sRGB component (IEC 61966-2-1)."""
+
+
+def read_picture(data: bytes) -> Bytes:
+    """(H, W, 3) sRGB of a file's bytes, first row at the top, as its EXIF orientation says; opacity is not read.
+
+    Raises:
+        ValueError: Neither PNG nor JPEG, too large, cut short or damaged.
+    """
+    if data.startswith(_PNG):
+        width, height = _png_size(data)
+    elif data.startswith(_JPEG):
+        width, height = _jpeg_size(data)
+    else:
+        raise ValueError("is neither a PNG nor a JPEG picture")
+    if width * height == 0:
+        raise ValueError("holds no pixel")
+    if width * height > MOST_PIXELS:
+        raise ValueError(f"has {width} x {height} pixels; at most {MOST_PIXELS // 1_000_000} million can be read")
+    found = decoded(data, cv2.IMREAD_COLOR)
+    if found is None or found.dtype != np.uint8:
+        raise ValueError("is damaged: its pixels cannot be decoded")
+    pixels = np.asarray(found, np.uint8)
+    shrunk = LONGEST_SIDE_PX / max(width, height)
+    if shrunk < 1:
+        size = [max(1, round(side * shrunk)) for side in pixels.shape[1::-1]]
+        pixels = cv2.resize(pixels, size, interpolation=cv2.INTER_AREA)
+    return np.ascontiguousarray(pixels[..., ::-1], np.uint8)
+
+
+def mean_of(picture: Bytes) -> tuple[float, float, float]:
+    """Mean linear colour of (H, W, 3) sRGB, white 1."""
+    counts = (np.bincount(picture[..., channel].ravel(), minlength=256) for channel in range(3))
+    red, green, blue = (float(count @ LINEAR) / picture[..., 0].size for count in counts)
+    return red, green, blue
+
+
+def _png_size(data: bytes) -> tuple[int, int]:
+    """Width and height, once every chunk is there and its checksum holds (PNG specification, 5.3)."""
+    at, size = len(_PNG), (0, 0)
+    while at + 12 <= len(data):
+        length, kind = struct.unpack_from(">I4s", data, at)
+        body, check = data[at + 4 : at + 8 + length], data[at + 8 + length : at + 12 + length]
+        if len(check) < 4:
+            break
+        if zlib.crc32(body) != int.from_bytes(check, "big"):
+            raise ValueError("is damaged: a checksum of the PNG does not hold")
+        if kind == b"IHDR" and length == 13:
+            size = struct.unpack_from(">II", body, 4)
+        if kind == b"IEND":
+            return size[0], size[1]
+        at += 12 + length
+    raise ValueError("is cut short: the PNG has no end")
+
+
+def _jpeg_size(data: bytes) -> tuple[int, int]:
+    """Width and height, once the end of the picture is there (ITU-T T.81, annex B)."""
+    at, size = 2, (0, 0)
+    while at + 4 <= len(data):
+        marker, length = data[at + 1], int.from_bytes(data[at + 2 : at + 4], "big")
+        if data[at] != 0xFF:
+            raise ValueError("is damaged: the JPEG has no marker where one should be")
+        if marker == 0xFF:  # filling
+            at += 1
+            continue
+        if marker in _SIZES and at + 9 <= len(data):
+            height, width = struct.unpack_from(">HH", data, at + 5)
+            size = (width, height)
+        at += 2 + length
+        if marker == 0xDA:  # the scan's own data follow, without a length
+            at = _end_of_scan(data, at)
+            if data[at : at + 2] == b"\xff\xd9":
+                return size
+    raise ValueError("is cut short: the JPEG has no end")
+
+
+def _end_of_scan(data: bytes, at: int) -> int:
+    """Where the next marker stands that is neither a stuffed byte nor a restart."""
+    while 0 <= (at := data.find(b"\xff", at)) < len(data) - 1:
+        if data[at + 1] not in {0x00, 0xFF, *range(0xD0, 0xD8)}:
+            return at
+        at += 1 if data[at + 1] == 0xFF else 2
+    return len(data)

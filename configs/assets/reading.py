@@ -1,0 +1,54 @@
+"""A file of the user's own read through, and what is told of it in its place."""
+
+import hashlib
+from pathlib import Path
+
+from configs.assets import panoramas, pictures
+from configs.assets.refusal import Refusal
+from configs.schema.asset import Asset, AssetKind
+
+_CURES = {
+    "picture": "save it anew as PNG or JPEG",
+    "panorama": "save it anew as Radiance .hdr or as OpenEXR with ZIP compression",
+}
+
+
+def read_asset(kind: AssetKind, name: str, place: Path) -> Asset:
+    """What a file holds.
+
+    Raises:
+        Refusal: It cannot be read, or is not what its kind asks for.
+    """
+    data = _bytes(place, pictures.MOST_BYTES if kind == "picture" else panoramas.MOST_BYTES)
+    try:
+        (height_px, width_px, _), mean = _picture(data) if kind == "picture" else _panorama(data)
+    except ValueError as error:
+        raise Refusal(str(error), cure=_CURES[kind]) from None
+    red, green, blue = (float(f"{component:.6g}") for component in mean)  # the same on every machine
+    sha256 = hashlib.sha256(data).hexdigest()
+    return Asset(name=name, sha256=sha256, width_px=width_px, height_px=height_px, mean_rgb=(red, green, blue))
+
+
+Told = tuple[tuple[int, ...], tuple[float, float, float]]
+"""Shape (H, W, 3) and mean colour."""
+
+
+def _picture(data: bytes) -> Told:
+    picture = pictures.read_picture(data)
+    return picture.shape, pictures.mean_of(picture)
+
+
+def _panorama(data: bytes) -> Told:
+    light = panoramas.read_panorama(data)
+    return light.shape, panoramas.mean_above(light)
+
+
+def _bytes(place: Path, most: int) -> bytes:
+    try:
+        with place.open("rb") as file:
+            data = file.read(most + 1)
+    except OSError as error:
+        raise Refusal(f"cannot be read: {error.strerror}") from None
+    if len(data) > most:
+        raise Refusal(f"is larger than {most >> 20} MiB", cure="save it smaller")
+    return data
