@@ -1,6 +1,6 @@
 """The same corner of one room under each kind of light: above across the room, below as the robot's camera sees it.
 
-python benchmarks/light_page.py [--out lights.png] [--samples 16] [--only "tubes" "desk lamp" ...]
+python benchmarks/light_page.py FOLDER [--samples 16] [--only "tubes" "desk lamp" ...]
 """
 
 import argparse
@@ -22,7 +22,7 @@ ROOM = {"furniture": {"tables": 2, "chairs": 3, "shelves": 1, "cartons": 1, "pos
 EYE, TARGET = (-1.6, -1.5, 1.45), (0.9, 0.6, 0.75)
 """Of the view across the room [m], towards the window's corner."""
 SEED = 3
-NIGHT = {"sky": {"panorama": "night", "luminance_kcd_m2": 0.01}, "sun": {"illuminance_klx": 0}}
+NIGHT = {"sky": {"panorama": "night", "luminance_kcd_m2": 0.001}, "sun": {"illuminance_klx": 0}}
 NO_LAMPS = {"lamps": {"flux_klm": 0}}
 OVERCAST = {"sun": {"illuminance_klx": 0}} | NO_LAMPS
 FIXED_WHITE = {"white_balance_adaption": 0, "white_balance_K": 4500}
@@ -92,13 +92,15 @@ def page_job(caption: str, settings: Settings, samples: int) -> RenderJob:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--out", type=Path, default=Path("lights.png"))
+    parser.add_argument("folder", type=Path, help="gets lights.png, and the pictures, to go on from")
     parser.add_argument("--samples", type=int, default=16)
     parser.add_argument("--only", nargs="+", help="captions")
     asked = parser.parse_args()
     chosen = {name: own for name, own in lights().items() if not asked.only or name in asked.only}
-    seen = {name: pictures(page_job(name, own, asked.samples)) for name, own in chosen.items()}
-    save_page(seen, COLUMNS, asked.out)
+    seen = {}
+    for caption, settings in chosen.items():
+        seen[caption] = pictures(page_job(caption, settings, asked.samples), asked.folder / caption.replace(" ", "_"))
+    save_page(seen, COLUMNS, asked.folder / "lights.png")
 
 
 if __name__ == "__main__":

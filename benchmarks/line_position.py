@@ -12,11 +12,11 @@ from configs.streams import stream
 
 Grey = NDArray[np.uint8]
 
-_SEEN_PX = (160, 96, 72)
+_SEEN_PX = (160, 160, 112, 72)
 """Widths of the parts of the picture that one stage after the other looks at, about the place found so far."""
-_OFF_PX = (26.0, 12.0, 4.0)
+_OFF_PX = (28.0, 16.0, 9.0, 4.0)
 """How far off that place may be: standard deviation of the places that a stage is trained from."""
-_STARTS = (2, 3, 3)
+_STARTS = (3, 2, 2, 3)
 """So many of them for each row of each picture."""
 _BAND_PX = 48
 """Height of the part that is looked at."""

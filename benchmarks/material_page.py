@@ -1,6 +1,6 @@
 """One picture of each floor, kind of line, wall and obstacle, as the robot's camera sees them, side by side.
 
-python benchmarks/material_page.py [--out materials.png] [--samples 4] [--only carpet brick ...]
+python benchmarks/material_page.py FOLDER [--samples 4] [--only carpet brick ...]
 """
 
 import argparse
@@ -32,7 +32,7 @@ def looks() -> dict[str, dict[str, object]]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--out", type=Path, default=Path("materials.png"))
+    parser.add_argument("folder", type=Path, help="gets materials.png, and the pictures, to go on from")
     parser.add_argument("--samples", type=int, default=4)
     parser.add_argument("--only", nargs="+", help="captions")
     asked = parser.parse_args()
@@ -45,8 +45,9 @@ def main() -> None:
     for caption, settings, surface in cells:
         if not asked.only or caption in asked.only:
             look = LookConfig.model_validate({"name": "sample", "window": WINDOW, **settings})
-            seen[caption] = pictures(build_job(sample_arena(surface), robot, look, render, [POSE], seed=3))
-    save_page(seen, COLUMNS, asked.out)
+            job = build_job(sample_arena(surface), robot, look, render, [POSE], seed=3)
+            seen[caption] = pictures(job, asked.folder / caption.replace(" ", "_"))
+    save_page(seen, COLUMNS, asked.folder / "materials.png")
 
 
 if __name__ == "__main__":

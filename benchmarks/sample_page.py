@@ -1,6 +1,5 @@
 """What the pages of materials and of lights share: the sample scene, its pictures, and the sheet they come on."""
 
-import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -41,13 +40,13 @@ def nominal_robot() -> RobotConfig:
     return RobotConfig.model_validate(load_section("robot", "nominal").tree)
 
 
-def pictures(job: RenderJob) -> list[Picture]:
-    """(H, W, 3), blue first, of each of the job's frames."""
-    with tempfile.TemporaryDirectory() as folder:
-        file, images = Path(folder, "job.json"), Path(folder, "images")
-        file.write_text(job.to_json())
-        render_job(file, images, threads=2)
-        return [np.asarray(cv2.imread(str(images / frame_name(view.number))), np.uint8) for view in job.frames]
+def pictures(job: RenderJob, folder: Path) -> list[Picture]:
+    """(H, W, 3), blue first, of each of the job's frames; made in `folder` where they are not there yet."""
+    folder.mkdir(parents=True, exist_ok=True)
+    file, images = folder / "job.json", folder / "images"
+    file.write_text(job.to_json())
+    render_job(file, images, threads=2)
+    return [np.asarray(cv2.imread(str(images / frame_name(view.number))), np.uint8) for view in job.frames]
 
 
 def save_page(captioned: Mapping[str, Sequence[Picture]], columns: int, path: Path) -> None:
