@@ -37,7 +37,7 @@ def lights() -> dict[str, Settings]:
     """Settings by caption; what is not said is the schema's default, by day with lamps."""
     made: dict[str, Settings] = {
         "sun and sky": {"sun": {"illuminance_klx": 8, "elevation_deg": 40}} | NO_LAMPS,
-        "low sun": {"sun": {"illuminance_klx": 4, "elevation_deg": 14, "color_temperature_K": 3600}} | NO_LAMPS,
+        "low sun": {"sun": {"illuminance_klx": 4, "elevation_deg": 22, "color_temperature_K": 3600}} | NO_LAMPS,
         "sun through a curtain": {"window": {"covering": "sheer"}, "sun": {"illuminance_klx": 8}} | NO_LAMPS,
         "sun through blinds": {
             "window": {"covering": "blinds", "slat_tilt_deg": 10},
@@ -80,7 +80,7 @@ def page_job(caption: str, settings: Settings, samples: int) -> RenderJob:
     times = [POSE.t_s] if not flickers else np.linspace(0, 0.01, 21).tolist()
     poses = [replace(POSE, number=n + 1, t_s=t) for n, t in enumerate(times)]
     render = Render(width_px=240, height_px=180, samples=samples)
-    job = build_job(sample_arena("white_board"), nominal_robot(), look, render, poses, SEED)
+    job = build_job(sample_arena("cardboard"), nominal_robot(), look, render, poses, SEED)
 
     def gain(view: FrameView) -> float:
         return view.light_gain[1]

@@ -73,7 +73,7 @@ def figure(errors: dict[str, dict[str, Array]], path: Path) -> None:
         axes.axhline(50, color="grey", lw=0.5)
         axes.axhline(90, color="grey", lw=0.5)
     drawn.axes[0].set_ylabel("rows with a smaller error [%]")
-    drawn.axes[0].legend(fontsize=8, loc="upper left")
+    drawn.legend(*drawn.axes[0].get_legend_handles_labels(), fontsize=8, loc="outside lower center", ncols=5)
     drawn.savefig(path, dpi=110)
 
 

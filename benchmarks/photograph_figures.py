@@ -29,6 +29,8 @@ class PictureFigures:
     Fine texture adds to it."""
     mottling_percent: float
     """Standard deviation of the floor beside the line to its mean, finer than 3 px left out."""
+    line_spread: float
+    """Standard deviation on the line, 4 px off its edges: what shines on it, and wear."""
     contrast: float
     """(floor - line) / (floor + line) of grey values beside the line and on it; median over the rows."""
     saturation_percent: float
@@ -46,13 +48,14 @@ class PictureFigures:
         slope = np.polyfit(np.array(ROWS)[known], x_px[known], 1)[0] if known.sum() > 1 else 0.0
         steps = [s for row, x in zip(ROWS, x_px, strict=True) if np.isfinite(x) for s in _steps(grey, row, x)]
         smooth = cv2.GaussianBlur(grey, (0, 0), _MOTTLING_PX)
-        floor = _floor(grey)
+        floor, line = _floor(grey), _line(grey)
         noise = np.abs(cv2.filter2D(grey, -1, _LAPLACIAN)[1:-1, 1:-1]).mean() * np.sqrt(np.pi / 2) / 6
         top, low = picture.max(axis=2).astype(float), picture.min(axis=2).astype(float)
         return cls(
             edge_px=float(np.median([s.width_px for s in steps]) * np.cos(np.arctan(slope))) if steps else np.nan,
             noise=float(noise),
             mottling_percent=float(100 * smooth[floor].std() / smooth[floor].mean()),
+            line_spread=float(grey[line].std()) if line.any() else np.nan,
             contrast=float(np.median([(s.floor - s.line) / (s.floor + s.line) for s in steps])) if steps else np.nan,
             saturation_percent=float(100 * ((top - low) / np.maximum(top, 1)).mean()),
             black=float(np.quantile(grey, 0.01)),
@@ -95,8 +98,16 @@ def _first_above(profile: Array, level: float) -> float:
 
 def _floor(grey: Array) -> NDArray[np.bool_]:
     """Pixels well off whatever is dark."""
-    bright = (grey > 0.6 * np.quantile(grey, 0.75)).astype(np.uint8)
-    return cv2.erode(bright, np.ones((15, 15), np.uint8)).astype(bool)
+    return cv2.erode(_bright(grey), np.ones((15, 15), np.uint8)).astype(bool)
+
+
+def _line(grey: Array) -> NDArray[np.bool_]:
+    """Pixels well within what is dark."""
+    return cv2.erode(1 - _bright(grey), np.ones((9, 9), np.uint8)).astype(bool)
+
+
+def _bright(grey: Array) -> NDArray[np.uint8]:
+    return (grey > 0.6 * np.quantile(grey, 0.75)).astype(np.uint8)
 
 
 def medians(figures: Sequence[PictureFigures]) -> dict[str, tuple[float, float, float]]:

@@ -56,5 +56,13 @@ def test_contrast_and_range_are_those_drawn(figures):
     assert (found.black, found.white, found.saturation_percent) == (LINE, FLOOR, 0)
 
 
-def test_a_grey_floor_of_one_brightness_has_no_mottling(figures):
-    assert figures.PictureFigures.of(picture(1.0), upright()).mottling_percent < 0.5
+def test_a_floor_and_a_line_of_one_brightness_each_are_even(figures):
+    found = figures.PictureFigures.of(picture(1.0), upright())
+    assert found.mottling_percent < 0.5
+    assert found.line_spread < 0.5
+
+
+def test_the_spread_on_the_line_is_that_of_what_lies_on_it(figures):
+    """Noise of 4 grey values everywhere, rounded."""
+    found = figures.PictureFigures.of(picture(1.5, noise=4.0), upright()).line_spread
+    assert found == pytest.approx(np.hypot(4.0, np.sqrt(1 / 12)), rel=0.05)
