@@ -1,0 +1,71 @@
+"""Rendered frames beside the real photographs on one sheet, and what both amount to in numbers.
+
+python benchmarks/beside_photographs.py PHOTOGRAPHS FOLDER [--threads 2]
+
+Frames of the same kind of view are made once and kept in FOLDER, which also gets beside_photographs.png and .json.
+"""
+
+import argparse
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+from line_frames import Kind, frames
+from photograph_figures import PictureFigures, medians
+from photographs import photographs
+from sample_page import save_page
+
+SCENES = range(2000, 2008)
+SHIPPED = Kind("classroom")
+ALIKE = Kind(
+    "classroom",
+    (
+        "look.floor.material={choice: [concrete, linoleum, paper_sheets]}",
+        "look.floor.dirt=0.9",
+        "look.floor.linoleum.paint={reflectance: 0.5, hue_deg: 60, saturation: 0.03}",
+        "look.line=tape",
+        "look.tape.roughness=0.25",
+        "look.tape.wear=0.7",
+        "look.camera.lens_blur_px=1.1",
+        "look.camera.veiling_glare=0.04",
+        "look.camera.saturation=0.4",
+        "look.camera.shot_noise=0.005",
+        "look.camera.read_noise=0.001",
+        "look.camera.sharpening=0.3",
+        "look.camera.sharpening_radius_px=2",
+        "look.camera.brightness=0.32",
+    ),
+)
+"""The camera of the photographs: a soft cheap lens, a little sharpening, smoothed noise, hardly any colour."""
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("photographs", type=Path)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--threads", type=int, default=2)
+    asked = parser.parse_args()
+    real = photographs(asked.photographs, branch=False)
+    rows = {"photograph": list(zip(real.pictures, real.x_px, strict=True))}
+    for name, kind in {"as shipped": SHIPPED, "set like them": ALIKE}.items():
+        made = frames(kind, SCENES, 1, asked.folder / name.replace(" ", "_"), asked.threads)
+        rows[name] = list(zip(made.pictures, made.x_px, strict=True))
+    figures = {name: [PictureFigures.of(picture, x_px) for picture, x_px in own] for name, own in rows.items()}
+    print(f"{'median (least to largest)':26}" + "".join(f"{name:>26}" for name in figures))
+    table = {name: medians(own) for name, own in figures.items()}
+    for figure in table["photograph"]:
+        values = [table[name][figure] for name in table]
+        print(f"{figure:26}" + "".join(f"{f'{m:.2f} ({a:.2f} to {b:.2f})':>26}" for m, a, b in values))
+    written = {name: [vars(f) for f in own] for name, own in figures.items()}
+    (asked.folder / "beside_photographs.json").write_text(json.dumps(written, indent=1).replace("NaN", "null"))
+    cells = {
+        f"{name} {n + 1}": [np.asarray(cv2.resize(picture, None, fx=2, fy=2, interpolation=cv2.INTER_CUBIC), np.uint8)]
+        for name, own in rows.items()
+        for n, (picture, _) in enumerate(own)
+    }
+    save_page(cells, len(real.names) // 2, asked.folder / "beside_photographs.png")
+
+
+if __name__ == "__main__":
+    main()

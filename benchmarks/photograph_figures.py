@@ -1,0 +1,116 @@
+"""What a picture of a line on a floor amounts to in numbers, found alike in photographs and in rendered frames."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from line_frames import ROWS, Array
+from numpy.typing import NDArray
+
+_BEYOND_PX = 4
+"""Floor counts from so far beyond an edge."""
+_FLOOR_PX = 10
+_LEAST_PX = 6
+"""Least half width of a line that has a level of its own."""
+_LAPLACIAN = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float64)
+_MOTTLING_PX = 3.0
+
+
+@dataclass(frozen=True)
+class PictureFigures:
+    """Grey values from 0 to 255 as stored."""
+
+    edge_px: float
+    """Of the line, from 10 to 90 % of the step, square to the edge; median over the rows."""
+    noise: float
+    """Standard deviation after Immerkaer 1996, Computer Vision and Image Understanding 64, 300.
+
+    Fine texture adds to it."""
+    mottling_percent: float
+    """Standard deviation of the floor beside the line to its mean, finer than 3 px left out."""
+    line_spread: float
+    """Standard deviation on the line, 4 px off its edges: what shines on it, and wear."""
+    contrast: float
+    """(floor - line) / (floor + line) of grey values beside the line and on it; median over the rows."""
+    saturation_percent: float
+    """Mean of (max - min) / max of the components."""
+    black: float
+    """Grey value that 1 % of the picture is below."""
+    white: float
+    """That 1 % is above."""
+
+    @classmethod
+    def of(cls, picture: NDArray[np.uint8], x_px: Array) -> "PictureFigures":
+        """Of a picture (H, W, 3), blue first, with its line at `x_px` in the rows `ROWS`, NaN where unknown."""
+        grey = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY).astype(np.float64)
+        known = np.isfinite(x_px)
+        slope = np.polyfit(np.array(ROWS)[known], x_px[known], 1)[0] if known.sum() > 1 else 0.0
+        steps = [s for row, x in zip(ROWS, x_px, strict=True) if np.isfinite(x) for s in _steps(grey, row, x)]
+        smooth = cv2.GaussianBlur(grey, (0, 0), _MOTTLING_PX)
+        floor, line = _floor(grey), _line(grey)
+        noise = np.abs(cv2.filter2D(grey, -1, _LAPLACIAN)[1:-1, 1:-1]).mean() * np.sqrt(np.pi / 2) / 6
+        top, low = picture.max(axis=2).astype(float), picture.min(axis=2).astype(float)
+        return cls(
+            edge_px=float(np.median([s.width_px for s in steps]) * np.cos(np.arctan(slope))) if steps else np.nan,
+            noise=float(noise),
+            mottling_percent=float(100 * smooth[floor].std() / smooth[floor].mean()),
+            line_spread=float(grey[line].std()) if line.any() else np.nan,
+            contrast=float(np.median([(s.floor - s.line) / (s.floor + s.line) for s in steps])) if steps else np.nan,
+            saturation_percent=float(100 * ((top - low) / np.maximum(top, 1)).mean()),
+            black=float(np.quantile(grey, 0.01)),
+            white=float(np.quantile(grey, 0.99)),
+        )
+
+
+@dataclass(frozen=True)
+class _Step:
+    line: float
+    floor: float
+    width_px: float
+
+
+def _steps(grey: Array, row: float, x: float) -> list[_Step]:
+    """The edges to both sides of the line's middle, on the mean of the two rows about `row`."""
+    profile = grey[int(row) : int(row) + 2].mean(axis=0)
+    middle = round(x)
+    line = float(np.median(profile[middle - 4 : middle + 5]))
+    half = 0.5 * (line + float(np.quantile(profile, 0.9)))
+    found = []
+    for side in (-1, 1):
+        outward = profile[middle::side]
+        edge = int(np.argmax(outward > half))
+        floor_there = outward[edge + _BEYOND_PX : edge + _FLOOR_PX]
+        if edge < _LEAST_PX or len(floor_there) < _FLOOR_PX - _BEYOND_PX:
+            continue
+        floor, inner = float(np.median(floor_there)), float(np.median(outward[max(0, edge - _FLOOR_PX) : edge - 3]))
+        near = outward[edge - 4 : edge + _BEYOND_PX]
+        low, high = (_first_above(near, inner + share * (floor - inner)) for share in (0.1, 0.9))
+        found.append(_Step(line, floor, high - low))
+    return found
+
+
+def _first_above(profile: Array, level: float) -> float:
+    """Where a profile first rises through a level, between its samples."""
+    at = max(1, int(np.argmax(profile > level)))
+    return at - 1 + float((level - profile[at - 1]) / max(profile[at] - profile[at - 1], 1e-6))
+
+
+def _floor(grey: Array) -> NDArray[np.bool_]:
+    """Pixels well off whatever is dark."""
+    return cv2.erode(_bright(grey), np.ones((15, 15), np.uint8)).astype(bool)
+
+
+def _line(grey: Array) -> NDArray[np.bool_]:
+    """Pixels well within what is dark."""
+    return cv2.erode(1 - _bright(grey), np.ones((9, 9), np.uint8)).astype(bool)
+
+
+def _bright(grey: Array) -> NDArray[np.uint8]:
+    return (grey > 0.6 * np.quantile(grey, 0.75)).astype(np.uint8)
+
+
+def medians(figures: Sequence[PictureFigures]) -> dict[str, tuple[float, float, float]]:
+    """Median, least and largest of each figure."""
+    table = {name: np.array([getattr(f, name) for f in figures]) for name in vars(figures[0])}
+    return {n: (float(np.nanmedian(v)), float(np.nanmin(v)), float(np.nanmax(v))) for n, v in table.items()}

@@ -1,0 +1,56 @@
+"""What the pages of materials and of lights share: the sample scene, its pictures, and the sheet they come on."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from blender_scenes.frame_files import frame_name
+from blender_scenes.job import FramePose, RenderJob
+from blender_scenes.renderer import render_job
+from configs.loader import load_section
+from configs.schema.arena import ArenaConfig
+from configs.schema.robot import RobotConfig
+from configs.schema.surface import SurfaceName
+from physics.arena import Arena
+from pipeline.sheet import Cell, row, save, stacked
+
+Picture = NDArray[np.uint8]
+
+POSE = FramePose(number=1, t_s=0.0, x_m=0.15, y_m=-0.03, yaw_rad=float(np.radians(-6.0)))
+LINE = {
+    "pieces": [
+        {"kind": "straight", "start": (-0.5, 0.0), "end": (0.4, 0.0)},
+        {"kind": "arc", "center": (0.4, 0.3), "radius_m": 0.3, "start_deg": 270, "end_deg": 340},
+    ]
+}
+
+
+def sample_arena(surface: SurfaceName) -> Arena:
+    """A line, an obstacle and a wall, both of `surface`."""
+    wall = {"name": "wall", "start": (0.85, -0.8), "end": (0.85, 0.8), "surface": surface}
+    obstacle = {"name": "box", "center": (0.5, -0.17), "yaw_deg": 25, "surface": surface}
+    config = {"name": "sample", "line": LINE, "walls": [wall], "obstacles": [obstacle]}
+    return Arena.from_config(ArenaConfig.model_validate(config))
+
+
+def nominal_robot() -> RobotConfig:
+    return RobotConfig.model_validate(load_section("robot", "nominal").tree)
+
+
+def pictures(job: RenderJob, folder: Path) -> list[Picture]:
+    """(H, W, 3), blue first, of each of the job's frames; made in `folder` where they are not there yet."""
+    folder.mkdir(parents=True, exist_ok=True)
+    file, images = folder / "job.json", folder / "images"
+    file.write_text(job.to_json())
+    render_job(file, images, threads=2)
+    return [np.asarray(cv2.imread(str(images / frame_name(view.number))), np.uint8) for view in job.frames]
+
+
+def save_page(captioned: Mapping[str, Sequence[Picture]], columns: int, path: Path) -> None:
+    """Cells in rows, the pictures of each below one another, its caption below them."""
+    cells = [Cell(np.vstack(own), (caption,)) for caption, own in captioned.items()]
+    width_px = cells[0].picture.shape[1]
+    save(stacked([row(cells[i : i + columns], width_px) for i in range(0, len(cells), columns)]), path)
