@@ -61,8 +61,8 @@ class Panel:
     width_m: float
     height_m: float
     radiance: RGB
-    mirrored: bool = True
-    """False where something else is seen in its place."""
+    seen: bool = True
+    """False where the camera sees something else in its place; gloss has its light all the same."""
     on_mains: bool = False
     """Whether it flickers with the alternating current."""
 
@@ -78,9 +78,10 @@ class Sun:
 
 @dataclass(frozen=True)
 class Sky:
-    """A panorama all around: what the camera and mirrors see outside.
+    """A panorama all around: what the camera sees outside, also through glass.
 
-    It lights nothing else. A panel in each window stands for its light, which so needs far fewer samples.
+    It lights nothing. A panel in each window stands for its light and its image in gloss, which so need far fewer
+    samples; and a ray that is thrown for the gloss and meets the sky would bring its light for the matt part too.
     """
 
     panorama: str

@@ -53,7 +53,7 @@ class Sampling:
 
 @dataclass(frozen=True)
 class RenderJob(JobText):
-    FORMAT = 1
+    FORMAT = 2
     KIND = "render"
 
     scene: Scene

@@ -91,7 +91,7 @@ def _panel(panel: Panel) -> None:
     light.energy = peak * np.pi * panel.width_m * panel.height_m
     made = _place(panel.name, light)
     made.matrix_world = _axes(panel.right, panel.up, panel.center)
-    made.visible_camera, made.visible_glossy = False, panel.mirrored
+    made.visible_camera = panel.seen
 
 
 def _sun(sun: Sun) -> None:
@@ -111,7 +111,7 @@ def _sky(sky: Sky, own: OwnPictures) -> None:
     world = bpy.data.worlds.new("sky")
     bpy.context.scene.world = world
     world.cycles.sampling_method = "NONE"
-    world.cycles_visibility.diffuse = False
+    world.cycles_visibility.diffuse = world.cycles_visibility.glossy = False
     world.use_nodes = True
     graph = ShaderGraph(world.node_tree)
     image = _shipped(sky.panorama) if sky.mean is None else own.panorama(sky.panorama)

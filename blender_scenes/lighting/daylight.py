@@ -16,15 +16,15 @@ from configs.schema.asset import Asset
 from configs.schema.look import LookConfig
 
 _BRIGHTEST = 2.0
-"""Most of its mean that a piece of sky shines with in mirrors; the overcast sky of CIE S 011 has 9/7 at its zenith.
+"""Most of its mean that a piece of sky shines with; the overcast sky of CIE S 011 has 9/7 at its zenith.
 
-Panoramas hold up to eleven times: sunlit clouds and house fronts, whose image in a waxed floor burns out."""
+Panoramas hold up to eleven times: sunlit clouds and house fronts, whose image in a pane of glass burns out."""
 
 
 def daylight(look: LookConfig, room: Room) -> Lights:
     """The panorama scaled to the look's mean luminance; a panel of its mean colour shines from the window.
 
-    Behind a sheer curtain the panel is the curtain itself, which passes on the sun's light too and is seen in mirrors.
+    Behind a sheer curtain the panel is the curtain itself, which passes on the sun's light too and is seen.
     """
     own = look.sky
     mean = np.array(mean_color(own.panorama))
@@ -48,7 +48,7 @@ def daylight(look: LookConfig, room: Room) -> Lights:
         window.width_m,
         window.height_m,
         _rgb(radiance),
-        mirrored=sheer,
+        seen=sheer,
     )
     meshes, surfaces = curtain(window) if sheer else ((), ())
     return Lights(panels=(panel,), skies=skies, meshes=meshes, surfaces=surfaces)

@@ -99,7 +99,7 @@ def test_the_sky_has_the_luminance_that_the_look_gives_it():
     assert sky.gain * (np.array([1.0518, 1.1792, 1.3717]) @ LUMINANCE) == pytest.approx(2.5)
 
 
-def test_in_mirrors_no_piece_of_sky_shines_more_than_twice_its_mean():
+def test_no_piece_of_sky_shines_more_than_twice_its_mean():
     look = LookConfig(name="s", sky=SkyLook(panorama="courtyard", luminance_kcd_m2=2.5))
     (sky,) = LIGHTS["daylight"](look, _room(look)).skies
     assert sky.gain * sky.ceiling == pytest.approx(2 * 2.5)
@@ -116,7 +116,7 @@ def test_a_sheer_curtain_shines_with_what_it_lets_through_of_sky_and_sun():
     on_the_pane = 20.0 * np.cos(np.radians(30)) * np.cos(np.radians(60))
     expected = 0.3 * (np.array(behind.radiance) @ LUMINANCE + on_the_pane / np.pi)
     assert np.array(panel.radiance) @ LUMINANCE == pytest.approx(expected)
-    assert panel.mirrored
+    assert panel.seen
     assert not LIGHTS["sun"](look, _room(look)).suns
     assert LIGHTS["sun"](bare, _room(bare)).suns
 

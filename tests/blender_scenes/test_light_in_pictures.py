@@ -1,5 +1,7 @@
 """Cycles' light against closed forms, and the exposure of the shipped looks."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -15,19 +17,17 @@ from configs.references import shipped_names
 from configs.schema.scenario import Render
 
 
-def _seen_below(light_of, panels=(), sun=None, gains=((1.0, 1.0, 1.0),)) -> np.ndarray:
-    """Radiance of a grey floor at the origin, looked at from 0.5 m above, for each gain."""
-    surface = Surface("grey", Color((0.5, 0.5, 0.5)), roughness=1.0, refractive_index=1.0)
-    scene = Scene(
-        surfaces=(surface,),
-        meshes=(floor("floor", (-1.0, -1.0), (1.0, 1.0), 0.0, "grey"),),
-        robot=(),
-        panels=tuple(panels),
-        sun=sun,
-        sky=Sky("studio", 0.0, 0.0, 10.0, 1.0),
-    )
-    looking_down = ((1.0, 0.0, 0.0, 0.0), (0.0, -1.0, 0.0, 0.0), (0.0, 0.0, -1.0, 0.5), (0.0, 0.0, 0.0, 1.0))
-    views = [FrameView(1, 0.0, (5.0, 5.0, 0.0), looking_down, light_gain=gain) for gain in gains]
+GREY = Surface("floor", Color((0.5, 0.5, 0.5)), roughness=1.0, refractive_index=1.0)
+NO_SKY = Sky("studio", 0.0, 0.0, 10.0, 1.0)
+LOOKING_DOWN = ((1.0, 0.0, 0.0, 0.0), (0.0, -1.0, 0.0, 0.0), (0.0, 0.0, -1.0, 0.5), (0.0, 0.0, 0.0, 1.0))
+LOOKING_UP = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.5), (0.0, 0.0, 0.0, 1.0))
+
+
+def _seen(light_of, panels=(), sun=None, gains=((1.0, 1.0, 1.0),), surface=GREY, sky=NO_SKY, X_WC=LOOKING_DOWN):
+    """Mean radiance for each gain, from 0.5 m above the origin of a floor."""
+    mesh = floor("floor", (-1.0, -1.0), (1.0, 1.0), 0.0, "floor")
+    scene = Scene((surface,), (mesh,), robot=(), panels=tuple(panels), sun=sun, sky=sky)
+    views = [FrameView(1, 0.0, (5.0, 5.0, 0.0), X_WC, light_gain=gain) for gain in gains]
     return np.squeeze(light_of(scene, views, 5, 200.0).mean(axis=(1, 2)))
 
 
@@ -37,7 +37,7 @@ GAIN = (0.5, 0.75, 1.25)
 
 @pytest.fixture(scope="module")
 def below_a_lamp(light_of) -> np.ndarray:
-    return _seen_below(light_of, [LAMP], gains=((1.0, 1.0, 1.0), GAIN))
+    return _seen(light_of, [LAMP], gains=((1.0, 1.0, 1.0), GAIN))
 
 
 def test_a_lamp_lights_the_floor_as_the_inverse_square_says(below_a_lamp):
@@ -51,7 +51,20 @@ def test_the_gain_of_a_frame_is_that_of_all_its_light(below_a_lamp):
 
 def test_the_sun_lights_the_floor_by_the_sine_of_its_elevation(light_of):
     sun = Sun((0.0, np.cos(np.radians(30)), 0.5), (2.0, 1.0, 0.5), np.radians(0.5))
-    assert _seen_below(light_of, sun=sun) == pytest.approx(0.5 / np.pi * 0.5 * np.array([2.0, 1.0, 0.5]), rel=0.02)
+    assert _seen(light_of, sun=sun) == pytest.approx(0.5 / np.pi * 0.5 * np.array([2.0, 1.0, 0.5]), rel=0.02)
+
+
+@pytest.mark.parametrize(("seen", "radiance"), [(True, LAMP.radiance), (False, (0.0, 0.0, 0.0))])
+def test_a_lamp_is_seen_as_bright_as_it_is_unless_something_else_is_seen_there(light_of, seen, radiance):
+    lamp = replace(LAMP, width_m=1.0, height_m=1.0, seen=seen)
+    assert _seen(light_of, [lamp], X_WC=LOOKING_UP) == pytest.approx(radiance)
+
+
+@pytest.mark.parametrize("refractive_index", [1.0, 1.45])
+def test_the_sky_lights_nothing_for_its_windows_do(light_of, refractive_index):
+    """Nor by way of the gloss: a ray thrown for it meets the sky, and must not bring light for the matt part too."""
+    bright, surface = Sky("studio", 0.0, 5.0, 10.0, 1.0), replace(GREY, refractive_index=refractive_index)
+    assert not _seen(light_of, surface=surface, sky=bright).any()
 
 
 @pytest.mark.parametrize(("look", "draw"), [(name, 1) for name in shipped_names("look")])
