@@ -29,6 +29,8 @@ def only_log(path: Path, is_log: Callable[[Path], bool]) -> Path | None:
 
 def first_line(path: Path) -> str:
     """Of a file, without spaces; empty for a folder or what cannot be read."""
+    if not path.is_file():  # nor a pipe or a device, on which one would wait
+        return ""
     try:
         with path.open(encoding="utf-8-sig", errors="replace") as file:
             return "".join(file.readline(4096).split())

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from diagnosis.importers.case import KnownNoise, case_importer, constant, scale_note
+from diagnosis.importers.case import case_importer, scale_note
 from diagnosis.importers.motor_step import check_rate
+from diagnosis.importers.trials import KnownNoise
 from diagnosis.measured.channel import Array
 from diagnosis.measured.csv_table import Table
 from diagnosis.measured.measurement import Kind, Measurement, Trial
@@ -19,8 +20,8 @@ def _noise(nominal: Nominal, table: Table, name: str) -> KnownNoise | None:
     if not isinstance(nominal, NominalDrive):
         return None
     if name in {"x_m", "y_m"}:
-        return constant(nominal.noise.pose_xy_m, table)
-    return constant(nominal.noise.pose_theta_rad, table) if name == "theta_rad" else None
+        return KnownNoise.constant(nominal.noise.pose_xy_m, table)
+    return KnownNoise.constant(nominal.noise.pose_theta_rad, table) if name == "theta_rad" else None
 
 
 def _notes(nominal: Nominal, measurement: Measurement) -> Sequence[str]:

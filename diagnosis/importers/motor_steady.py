@@ -1,7 +1,8 @@
 """Steady states of a motor on a bench: voltage, current and speed in sweeps (a measured case)."""
 
-from diagnosis.importers.case import KnownNoise, case_importer, constant
+from diagnosis.importers.case import case_importer
 from diagnosis.importers.motor_scale import motor_scale_notes
+from diagnosis.importers.trials import KnownNoise
 from diagnosis.measured.csv_table import Table
 from diagnosis.measured.measurement import Kind
 from diagnosis.measured.nominal import Nominal, NominalSteady
@@ -11,7 +12,7 @@ def _noise(nominal: Nominal, table: Table, name: str) -> KnownNoise | None:
     if not isinstance(nominal, NominalSteady) or name == "u_cmd_V":
         return None
     noise = nominal.noise
-    return constant(noise.current_A if name == "current_A" else noise.omega_rad_s, table)
+    return KnownNoise.constant(noise.current_A if name == "current_A" else noise.omega_rad_s, table)
 
 
 IMPORTER = case_importer(

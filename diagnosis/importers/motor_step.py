@@ -5,8 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from configs.errors import InputError
-from diagnosis.importers.case import KnownNoise, case_importer, constant
+from diagnosis.importers.case import case_importer
 from diagnosis.importers.motor_scale import motor_scale_notes
+from diagnosis.importers.trials import KnownNoise
 from diagnosis.measured.csv_table import Table
 from diagnosis.measured.measurement import Kind, Measurement
 from diagnosis.measured.nominal import Nominal, NominalStep
@@ -16,7 +17,9 @@ def _noise(nominal: Nominal, table: Table, name: str) -> KnownNoise | None:
     if not isinstance(nominal, NominalStep) or name == "u_cmd_V":
         return None
     noise = nominal.noise
-    return constant(noise.current_A if name == "current_A" else noise.omega_rad_s, table, noise.lag1_correlation)
+    return KnownNoise.constant(
+        noise.current_A if name == "current_A" else noise.omega_rad_s, table, noise.lag1_correlation
+    )
 
 
 def _notes(nominal: Nominal, measurement: Measurement) -> Sequence[str]:

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from configs.errors import InputError, nearest
-from diagnosis.importers.case import KnownNoise, case_importer, scale_note
+from diagnosis.importers.case import case_importer, scale_note
+from diagnosis.importers.trials import KnownNoise
 from diagnosis.measured.channel import Quality
 from diagnosis.measured.csv_table import Table
 from diagnosis.measured.measurement import Kind, Measurement

@@ -79,13 +79,39 @@ COLUMNS: Mapping[Kind, tuple[AnyColumn, ...]] = MappingProxyType(
     }
 )
 
+_POSE = ("x_m", "y_m", "theta_rad")
+_STEPS = ("session_time_s", "t_s")
+BLIND: Mapping[Kind, Mapping[str, tuple[str, ...]]] = MappingProxyType(
+    {
+        Kind.MOTOR_STEADY: {"blind_inputs.csv": ("row", "t_s", "u_cmd_V")},
+        Kind.MOTOR_STEP: {"blind_inputs.csv": ("trial", *_STEPS, "u_cmd_V")},
+        Kind.TOF_BENCH: {
+            "blind_inputs.csv": (
+                "row",
+                "t_s",
+                "distance_m",
+                "material",
+                "incidence_rad",
+                "temperature_C",
+                "ambient_lux",
+            )
+        },
+        Kind.DRIVE_LOG: {
+            "blind_wheels_inputs.csv": (*_STEPS, "u_left_V", "u_right_V"),
+            "blind_pose_inputs.csv": (*_STEPS, "enc_left_ticks", "enc_right_ticks", *_POSE),
+            "blind_tof_inputs.csv": (*_STEPS, *_POSE),
+        },
+    }
+)
+"""Columns of the inputs of unseen runs, by kind and file; their readings are to be predicted."""
+
 ORDERING = frozenset({"row", "sweep", "trial", "split", "session_time_s", "t_s", "material"})
 """Columns that are no channel: they say which row it is."""
 
 RANGES = frozenset({"reading_m", "tof_front_m", "tof_left_m", "tof_right_m"})
 """Channels in which the device's code for "no target" may stand."""
 
-CAMERA_CHANNELS = frozenset({"x_m", "y_m", "theta_rad"})
+CAMERA_CHANNELS = frozenset(_POSE)
 """Stamped by the clock of the camera outside that tracks the robot."""
 
 

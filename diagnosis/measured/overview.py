@@ -18,6 +18,9 @@ _HEAD = ("channel", "unit", "", "rows", "missing", "no target", "stale", "wild",
 def overview(measurement: Measurement) -> list[str]:
     """A line each, without line ends."""
     lines = [_summary(measurement), f"source: {measurement.source.origin}{_licence(measurement)}"]
+    if measurement.source.files:
+        first, *more = measurement.source.files
+        lines.append(f"read from {first}{f' and {len(more)} more' if more else ''}")
     if measurement.nominal is None:
         lines.append("nominal parameters: none came with the data")
     lines += ["", *_trials(measurement), "", *_channels(measurement)]

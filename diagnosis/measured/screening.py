@@ -16,7 +16,7 @@ STANDS_OUT = 6.0
 @dataclass(frozen=True)
 class Timing:
     period_s: float
-    """The median step."""
+    """The usual step."""
     shortest_s: float
     longest_s: float
     gaps: int
@@ -27,12 +27,17 @@ class Timing:
         return 1.0 / self.period_s
 
 
+def usual(steps_s: Array) -> float:
+    """The median step, of two in the middle the shorter: a gap is never usual."""
+    return float(np.sort(steps_s)[(len(steps_s) - 1) // 2])
+
+
 def timing(t_s: Array) -> Timing | None:
     """Of one trial; None with a single row."""
     steps = np.diff(t_s)
     if not len(steps):
         return None
-    period_s = float(np.median(steps))
+    period_s = usual(steps)
     return Timing(period_s, float(steps.min()), float(steps.max()), int(np.count_nonzero(steps > GAP * period_s)))
 
 

@@ -57,6 +57,8 @@ def _bytes_of(path: Path) -> bytes:
     try:
         if path.is_dir():
             raise InputError("is a folder", where=str(path), cure="name the file")
+        if path.exists() and not path.is_file():
+            raise InputError("is no file", where=str(path), cure="name a file")
         if path.stat().st_size > LARGEST_BYTES:
             allowed = f"{LARGEST_BYTES / 1e6:.0f} MB"
             raise InputError("is too large", where=str(path), allowed=allowed, cure="split it into logs of their own")
@@ -72,7 +74,7 @@ def number(text: str, path: Path, row: int, column: str, allowed: str = "a numbe
         InputError: It is none; the text names file, row and column.
     """
     try:
-        value = float(text) if "_" not in text else math.nan
+        value = float(text) if text.isascii() and "_" not in text else math.nan
     except ValueError:
         value = math.nan
     if not math.isfinite(value):

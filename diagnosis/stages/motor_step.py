@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Measurement, Trial
+from diagnosis.measured.screening import usual
 from diagnosis.stages.base import Prediction, predicted
 from physics.motor_bench import step_responses
 from physics.robot_model import RobotModel
@@ -37,9 +38,9 @@ def predict_motor_step(measurement: Measurement, robot: RobotConfig) -> tuple[Pr
 
 
 def _period_s(trials: tuple[Trial, ...]) -> float:
-    """Of the log: the median step, or the first row's time where no trial has two rows."""
+    """Of the log: the usual step, or the first row's time where no trial has two rows."""
     steps = np.concatenate([np.diff(trial.t_s) for trial in trials])
-    return float(np.median(steps)) if len(steps) else float(trials[0].t_s[0])
+    return usual(steps) if len(steps) else float(trials[0].t_s[0])
 
 
 def _places(trial: Trial, period_s: float) -> NDArray[np.int64]:

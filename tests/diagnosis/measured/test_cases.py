@@ -10,6 +10,7 @@ from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.measured.channel import Quality, Role
 from diagnosis.measured.measurement import Kind
+from diagnosis.measured.overview import overview
 from diagnosis.measured.write_case import csv_of, write_case
 
 KINDS = ("motor_steady", "motor_step", "tof_bench", "drive_log")
@@ -284,3 +285,18 @@ def test_an_unknown_folder_says_what_would_be_known(tmp_path):
 
 def test_a_path_that_is_not_there_is_said_to_be_so(tmp_path):
     assert "no such file or folder" in refusal(tmp_path / "nowhere")
+
+
+TOLD = {
+    "motor_steady": r"omega_rad_s +rad/s +reading +5 +1 +- +- +- +0 +15.71 ",
+    "motor_step": r"current_A +A +reading +5 +1 +- +- +- +-0.99 +0.98 ",
+    "tof_bench": r"reading_m +m +reading +3 +1 +1 +- +- +0.321 +0.321 ",
+    "drive_log": r"tof_left_m +m +reading +5 +3 +2 +- +- +- +- ",
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_overview_counts_what_is_missing_and_without_target(case, kind):
+    lines = overview(read(case(kind)))
+    assert lines[0].startswith(f"{kind}: {kind}, ")
+    assert any(re.match(TOLD[kind], line) for line in lines), "\n".join(lines)

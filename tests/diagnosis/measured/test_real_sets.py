@@ -11,6 +11,7 @@ import pytest
 from configs.draw import draw_robot
 from configs.loader import load_section
 from diagnosis.importers import IMPORTERS
+from diagnosis.importers.blind import read_blind
 from diagnosis.importers.choose import read_measurement
 from diagnosis.importers.optiodom import ENCODER_TICKS_PER_REVOLUTION, TRACK_M, WHEEL_DIAMETER_M
 from diagnosis.measured.channel import Quality
@@ -154,3 +155,12 @@ def test_what_the_nominal_motor_leaves_has_the_stated_noise(unexplained):
         noise = noise_of_residuals(np.concatenate([left for channel, left, _ in unexplained if channel == name]))
         assert noise.sd == pytest.approx(sd, rel=0.1)
         assert noise.correlation == pytest.approx(0.3, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    "path", sorted(EXAMPLES.glob("*/blind_*.csv")), ids=lambda path: f"{path.parent.name}-{path.stem}"
+)
+def test_the_unseen_runs_of_an_example_are_read_whole(path):
+    kind = Kind(path.parent.name.rpartition("_")[0])
+    found = read_blind(path.parent, kind)[path.name]
+    assert found.rows == found.heldout_rows == len(path.read_text().splitlines()) - 1

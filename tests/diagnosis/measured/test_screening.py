@@ -23,6 +23,7 @@ def test_rate_and_gaps_are_those_of_the_times():
     found = timing(np.array([0.0, 0.1, 0.2, 0.5, 0.6, 0.75]))
     assert found.rate_hz == pytest.approx(10.0)
     assert (found.gaps, found.longest_s) == (1, pytest.approx(0.3))
+    assert timing(np.array([0.0, 0.1, 0.3])).gaps == 1
     assert timing(np.array([3.0])) is None
 
 
