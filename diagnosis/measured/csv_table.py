@@ -1,5 +1,6 @@
 """A table of a measured CSV file, read strictly: known columns, finite numbers, empty cells where they may be."""
 
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite, nan
@@ -132,27 +133,30 @@ def table_of(
         InputError: The first cell or row that is not as it should be.
     """
     width = len(text.lines[first - 1].rstrip(separator).split(separator)) if first else max(places) + 1
-    numbered = list(enumerate(text.lines[first:], first + 1))
-    whole = [(i, line) for i, line in numbered if not may_break or line.count(separator) + 1 >= width]
-    kept = [i for i, _ in whole]
-    rows = [_cells(line, width, text.path, i, separator) for i, line in whole]
-    if not rows:
+    of_numbers = [(c, place) for c, place in zip(columns, places, strict=True) if isinstance(c, Column)]
+    of_words = [(c, place) for c, place in zip(columns, places, strict=True) if isinstance(c, WordColumn)]
+    values = np.full((len(text.lines) - first, len(of_numbers)), nan)
+    words: list[list[str]] = [[] for _ in of_words]
+    kept, notes = [], list(text.notes)
+    for row, line in enumerate(text.lines[first:], first + 1):
+        if may_break and line.count(separator) + 1 < width:
+            notes.append(f"{text.path.name}: row {row} is broken and left out")
+            continue
+        cells = _cells(line, width, text.path, row, separator)
+        if row == len(text.lines) and not text.is_whole:
+            notes.append(_loose_end(cells, columns, places, text))
+        for k, (column, place) in enumerate(of_numbers):
+            values[len(kept), k] = _value(cells[place], column, text.path, row)
+        for found, (column, place) in zip(words, of_words, strict=True):
+            found.append(_word(cells[place].strip(), column, text.path, row))
+        kept.append(row)
+    if not kept:
         raise InputError("has no rows below the header", where=str(text.path), cure="log again, or leave it out")
-    broken = sorted({i for i, _ in numbered} - set(kept))
-    notes = [*text.notes, *(f"{text.path.name}: row {i} is broken and left out" for i in broken)]
-    if not text.is_whole and kept[-1] == numbered[-1][0]:
-        notes.append(_loose_end(rows, columns, places, text))
-    found = {
-        column.name: _numbers([cells[place] for cells in rows], column, text.path, kept)
-        for column, place in zip(columns, places, strict=True)
-        if isinstance(column, Column)
-    }
-    words = {
-        column.name: _words([cells[place].strip() for cells in rows], column, text.path, kept)
-        for column, place in zip(columns, places, strict=True)
-        if isinstance(column, WordColumn)
-    }
-    return Table(text.path, np.array(kept), found, words, tuple(notes))
+    numbers = {column.name: values[: len(kept), k].copy() for k, (column, _) in enumerate(of_numbers)}
+    for column, _ in of_numbers:
+        _check_column(numbers[column.name], column, text.path, kept)
+    labels = {column.name: tuple(found) for found, (column, _) in zip(words, of_words, strict=True)}
+    return Table(text.path, np.array(kept), numbers, labels, tuple(notes))
 
 
 def _cells(line: str, width: int, path: Path, row: int, separator: str) -> list[str]:
@@ -167,12 +171,12 @@ def _cells(line: str, width: int, path: Path, row: int, separator: str) -> list[
     return cells
 
 
-def _loose_end(rows: list[list[str]], columns: Sequence[AnyColumn], places: Sequence[int], text: TextFile) -> str:
+def _loose_end(cells: list[str], columns: Sequence[AnyColumn], places: Sequence[int], text: TextFile) -> str:
     """Take the last cell of a file without a last line end for missing, since nobody knows how it goes on."""
-    last = len(rows[-1]) - 1
+    last = len(cells) - 1
     for column, place in zip(columns, places, strict=True):
         if place == last and isinstance(column, Column) and column.may_be_empty:
-            rows[-1][last] = ""
+            cells[last] = ""
             return (
                 f"{text.path.name} has no line end after its last row: the cell in column {column.name} may be cut "
                 "off and is taken for missing; add a line end if it is whole"
@@ -184,45 +188,39 @@ def _loose_end(rows: list[list[str]], columns: Sequence[AnyColumn], places: Sequ
     )
 
 
-def _numbers(cells: list[str], column: Column, path: Path, row: Sequence[int]) -> Array:
-    allowed = "a number or an empty cell" if column.may_be_empty else "a number"
-    values = np.full(len(cells), nan)
-    for i, cell in enumerate(cells):
-        if column.may_be_empty and not cell.strip():
-            continue
-        values[i] = number(cell, path, row[i], column.name, allowed)
-    _check_scale(values, column, path, row)
-    if column.decimals == 0:
-        fractions = np.flatnonzero(values % 1.0 > 0.0)
-        if len(fractions):
-            i = int(fractions[0])
-            where = f"{path}: row {row[i]}"
-            raise InputError(f"column {column.name}", where=where, got=float(values[i]), allowed="a whole number")
-    return values
+def _value(cell: str, column: Column, path: Path, row: int) -> float:
+    if not column.may_be_empty:
+        return number(cell, path, row, column.name)
+    return number(cell, path, row, column.name, "a number or an empty cell") if cell.strip() else nan
 
 
-def _check_scale(values: Array, column: Column, path: Path, row: Sequence[int]) -> None:
+def _word(cell: str, column: WordColumn, path: Path, row: int) -> str:
+    """The column's own word where it has some, so that a long file holds each of them once."""
+    for word in column.allowed:
+        if word == cell:
+            return word
+    if column.allowed:
+        allowed, close = f"one of {', '.join(column.allowed)}", nearest(cell, column.allowed)
+        raise InputError(f"column {column.name}", where=f"{path}: row {row}", got=cell, allowed=allowed, nearest=close)
+    if not cell:
+        raise InputError(f"column {column.name}", where=f"{path}: row {row}", got=cell, allowed="a word")
+    return sys.intern(cell)
+
+
+def _check_column(values: Array, column: Column, path: Path, row: Sequence[int]) -> None:
+    """Refuse a column in another unit, an input out of reach, and fractions among whole numbers."""
     typical = beyond_scale(values, column.reach)
     allowed = column.reach.words(column.unit)
     if typical is not None:
         cure = likely_unit(typical, column.reach, column.unit) or "check the column's unit"
         what = f"column {column.name}: most values are out of scale, in the middle {typical:.4g}"
         raise InputError(what, where=str(path), allowed=allowed, cure=cure)
-    beyond = np.flatnonzero(~column.reach.holds(values))
-    if len(beyond) and column.role is Role.INPUT:
-        i = int(beyond[0])
+    beyond = np.flatnonzero(~column.reach.holds(values)).tolist()
+    if beyond and column.role is Role.INPUT:
         cure = "mend or remove the row: what was set must be known"
-        where = f"{path}: row {row[i]}"
-        raise InputError(f"column {column.name}", where=where, got=float(values[i]), allowed=allowed, cure=cure)
-
-
-def _words(cells: list[str], column: WordColumn, path: Path, row: Sequence[int]) -> tuple[str, ...]:
-    for i, cell in enumerate(cells):
-        where = f"{path}: row {row[i]}"
-        if not cell:
-            raise InputError(f"column {column.name}", where=where, got="", allowed="a word")
-        if column.allowed and cell not in column.allowed:
-            allowed = f"one of {', '.join(column.allowed)}"
-            close = nearest(cell, column.allowed)
-            raise InputError(f"column {column.name}", where=where, got=cell, allowed=allowed, nearest=close)
-    return tuple(cells)
+        where, got = f"{path}: row {row[beyond[0]]}", float(values[beyond[0]])
+        raise InputError(f"column {column.name}", where=where, got=got, allowed=allowed, cure=cure)
+    fractions = np.flatnonzero(values % 1.0 > 0.0).tolist() if column.decimals == 0 else []
+    if fractions:
+        where, got = f"{path}: row {row[fractions[0]]}", float(values[fractions[0]])
+        raise InputError(f"column {column.name}", where=where, got=got, allowed="a whole number")

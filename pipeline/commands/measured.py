@@ -20,20 +20,35 @@ def measured(
     *,
     as_: Annotated[
         str | None,
-        typer.Option("--as", metavar="NAME", help="Importer to read it with; by default the one that recognises it."),
+        typer.Option("--as", metavar="NAME", help="Read it as this kind of data; a name that is none lists them."),
     ] = None,
 ) -> None:
-    """Say what was read from a robot's log: trials, rates, gaps, and each channel's missing and wild samples and noise.
+    """Say what is in the log of a real robot or bench, before anything is made of it.
 
-    CASE is a folder with nominal.yaml and data.csv (motor_steady, motor_step, tof_bench, drive_log), a run folder or
-    data.csv of a SyMoLo dataset, or a file or folder of OptiOdom, Algernon, Robotino or VL53L0X data. Nothing is
-    written, nothing is mended: a file that is not as it should be is refused with file, row and column, exit code 2.
+    CASE is one of these; which one is seen from its files:
 
-    Columns: rows, those MISSING, with NO TARGET and STALE, WILD ones (6 sigma off their neighbours, or off the known
-    distance), smallest and largest good value, smallest step, NOISE as found in the data (standard deviation, and
-    correlation from row to row or number of repeats), KNOWN as the source states it.
+    - a case folder: nominal.yaml and data.csv, kinds motor_steady,
+      motor_step, tof_bench and drive_log (docs/measured.md)
+
+    - a run folder or release of symolo, or a SyMoLo data.csv
+
+    - a file or folder of OptiOdom, Algernon, Robotino or VL53L0X data
+
+    - table-1, table-3 or table-4 of the paper
+
+    Printed are trials with rates and gaps, then for each channel: rows;
+    missing, without target, stale (an old value said again) and wild ones
+    (6 sigma off their neighbours, or off the known distance); smallest
+    and largest good value; the step that all lie on; noise as found in
+    the data, with its correlation from row to row or the number of
+    repeats it rests on; noise as the source states it.
+
+    Nothing is written and nothing mended. A file that is not as it should
+    be is refused with file, row and column, exit code 2.
 
     Example: symolo measured my_robot/drive_1
+
+    Example: symolo measured table-1
     """
     from diagnosis.importers.choose import read_measurement
     from diagnosis.measured.overview import overview
