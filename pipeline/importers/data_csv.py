@@ -40,7 +40,7 @@ def row_channels(rows: Rows, no_target: Mask, stale: Mask) -> tuple[Channel, ...
         ("y_m", "m", rows.pose[:, 1]),
         ("theta_rad", "rad", theta),
     ):
-        channels.append(Channel.logged(series(name, unit, values), Role.READING, clock="camera"))
+        channels.append(Channel.logged(series(name, unit, values), Role.READING))
     channels += [
         Channel.logged(series("v_m_s", units["v"], rows.twist[:, 0]), Role.READING),
         Channel.logged(series("w_rad_s", units["w"], rows.twist[:, 1]), Role.READING),

@@ -36,6 +36,7 @@ def test_a_run_of_our_own_is_read_with_voltages_and_counts(dataset):
     no_target = trial["tof_left_m"].quality == Quality.NO_TARGET
     np.testing.assert_array_equal(no_target, rows.tof_m[:, 1] == 2.0)
     assert no_target.any()
+    assert {channel.clock for channel in trial.channels} == {"log"}
 
 
 def test_a_release_is_all_of_its_runs(dataset):

@@ -41,6 +41,12 @@ def test_the_spikes_of_a_step_response_are_found_and_its_steps_are_not():
         assert np.flatnonzero(spikes(channel(values))).tolist() == planted
 
 
+def test_a_start_without_noise_is_no_spike():
+    """Rows of a robot that stands and then drives off, to six digits, as a simulation logs them."""
+    x = np.concatenate([np.zeros(30), np.round(0.01 * np.arange(30) ** 1.5, 6)])
+    assert not spikes(channel(x)).any()
+
+
 def test_what_is_marked_already_is_no_spike():
     values = 0.01 * rng(1).standard_normal(100)
     values[50] = 8.19
