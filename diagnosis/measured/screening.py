@@ -11,6 +11,8 @@ GAP = 1.5
 """Steps of time longer than so many usual ones are gaps."""
 STANDS_OUT = 6.0
 """Standard deviations; of a million normal deviates, none is expected there."""
+SAME = 0.7
+"""Of a spike's size, at which it stands out on either side."""
 
 
 @dataclass(frozen=True)
@@ -58,24 +60,27 @@ def noise_of(channel: Channel) -> Noise | None:
 
 
 def spikes(channel: Channel) -> Mask:
-    """(N,), single samples far off the lines through the two before and the two after, and to the same side of both.
+    """(N,), single samples far off the middle of their neighbours.
 
-    A step is far off one of the lines only, and the peak of a decay off one as well. Far is six standard deviations: a
-    line through two samples and the sample itself have six times the variance of the noise, which is that of the
-    second differences. It is also three times as far as 19 in 20 samples are, for where a channel moves in jerks its
-    noise says little; where it has none to speak of, nothing is said.
+    Far is six standard deviations of that difference, whose variance is 3/2 that of the noise; and three times as far
+    as 19 in 20 samples are, for where a channel moves in jerks its noise says little. To tell spikes from steps and
+    from the peaks of decays, the sample must be as far, but for 30 %, off the lines through the two before and the two
+    after, and to the same side. Where a channel has no noise to speak of, nothing is said. Beside a step, a neighbour
+    of a spike may be taken for one too.
     """
     values, whole = usable(channel), joined(channel.series.t_s)
     found = np.zeros(len(values), dtype=bool)
     noise = noise_of_differences(values, whole)
     if noise is None or noise.sd == 0.0 or len(values) < 5:
         return found
-    middle = values[2:-2]
-    before, after = middle - (2.0 * values[1:-3] - values[:-4]), middle - (2.0 * values[3:-1] - values[4:])
+    here = values[2:-2]
+    off = here - 0.5 * (values[1:-3] + values[3:-1])
+    before, after = here - (2.0 * values[1:-3] - values[:-4]), here - (2.0 * values[3:-1] - values[4:])
     together = whole[:-3] & whole[1:-2] & whole[2:-1] & whole[3:]
-    least = np.where(together & (before * after > 0.0), np.minimum(np.abs(before), np.abs(after)), 0.0)
-    bound = max(STANDS_OUT * np.sqrt(6.0) * noise.sd, 3.0 * float(np.quantile(least, 0.95)))
-    found[2:-2] = least > bound
+    size = np.where(together & np.isfinite(off + before + after), np.abs(off), 0.0)
+    bound = max(STANDS_OUT * np.sqrt(1.5) * noise.sd, 3.0 * float(np.quantile(size, 0.95)))
+    alone = np.minimum(before * np.sign(off), after * np.sign(off)) > SAME * size
+    found[2:-2] = alone & (size > bound)
     return found
 
 

@@ -18,7 +18,7 @@ from diagnosis.importers.optiodom import ENCODER_TICKS_PER_REVOLUTION, TRACK_M, 
 from diagnosis.measured.channel import Quality
 from diagnosis.measured.measurement import Kind
 from diagnosis.measured.noise import noise_of_differences, noise_of_residuals
-from diagnosis.measured.screening import noise_of, usable
+from diagnosis.measured.screening import noise_of, spikes, usable
 from diagnosis.measured.write_case import csv_of, write_case
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.stages import STAGES
@@ -178,3 +178,18 @@ def test_the_unseen_runs_of_an_example_are_read_whole(path):
     kind = Kind(path.parent.name.rpartition("_")[0])
     found = read_blind(path.parent, kind)[path.name]
     assert found.rows == found.heldout_rows == len(path.read_text().splitlines()) - 1
+
+
+def test_wild_samples_of_a_step_log_are_found_without_a_model():
+    """Those that the nominal motor shows to be eight standard deviations off, in a case without an effect."""
+    found = read(EXAMPLES / "motor_step_001")
+    robot = nominal_robot(found.nominal, draw_robot(load_section("robot", "nominal"), 1, "test")[0])
+    wild, spiky = set(), set()
+    for trial, prediction in zip(found.trials, predict_motor_step(found, robot), strict=True):
+        for series in prediction:
+            channel = trial[series.name]
+            off = np.abs(channel.values - series.values) > 8.0 * channel.noise_sd
+            wild |= {(trial.name, series.name, row) for row in np.flatnonzero(off).tolist()}
+            spiky |= {(trial.name, series.name, row) for row in np.flatnonzero(spikes(channel)).tolist()}
+    assert spiky <= wild
+    assert len(spiky) >= 0.7 * len(wild) > 4
