@@ -22,6 +22,8 @@ def read_measurement(path: Path, importers: Sequence[Importer], name: str | None
     if not path.exists() and path.as_posix() not in TABLES:
         close = nearest(path.as_posix(), TABLES)
         raise InputError("no such file or folder", where=str(path), nearest=close, cure="name a case, a log or a table")
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise InputError("is neither file nor folder", where=str(path), cure="name a case, a log or a table")
     for importer in importers:
         if importer.name == name or (name is None and importer.recognises(path)):
             return importer.read(path)

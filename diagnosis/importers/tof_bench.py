@@ -18,7 +18,7 @@ def _noise(nominal: Nominal, table: Table, name: str) -> KnownNoise | None:
         return None
     known = tuple(nominal.tof.reflectance)
     for i, material in enumerate(table.words["material"]):
-        if material not in known:
+        if material and material not in known:
             raise InputError(
                 "column material",
                 where=table.where(i),

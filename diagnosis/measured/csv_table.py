@@ -35,6 +35,7 @@ class WordColumn:
     name: str
     allowed: tuple[str, ...] = ()
     """None given: any word."""
+    may_be_empty: bool = False
 
 
 @dataclass(frozen=True)
@@ -202,7 +203,7 @@ def _word(cell: str, column: WordColumn, path: Path, row: int) -> str:
     if column.allowed:
         allowed, close = f"one of {', '.join(column.allowed)}", nearest(cell, column.allowed)
         raise InputError(f"column {column.name}", where=f"{path}: row {row}", got=cell, allowed=allowed, nearest=close)
-    if not cell:
+    if not cell and not column.may_be_empty:
         raise InputError(f"column {column.name}", where=f"{path}: row {row}", got=cell, allowed="a word")
     return sys.intern(cell)
 

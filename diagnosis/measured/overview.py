@@ -10,6 +10,7 @@ from diagnosis.measured.noise import noise_of_repeats
 from diagnosis.measured.screening import far_out, noise_of, resolution, spikes, timing, usable
 
 SAME_TEMPERATURE_K = 3.0
+NOT_NOTED = -1e9
 MOST_TRIALS = 12
 """Told one by one; of more, the first ones."""
 _HEAD = ("channel", "unit", "", "rows", "missing", "no target", "stale", "wild", "from", "to", "step", "noise", "known")
@@ -68,7 +69,7 @@ def _channels(measurement: Measurement) -> Iterator[str]:
         yield "  ".join([*names, *numbers]).rstrip()
     for label in measurement.trials[0].labels:
         words = sorted({word for trial in measurement.trials for word in trial.label(label.name).values})
-        yield f"{label.name}: {', '.join(words)}"
+        yield f"{label.name}: {', '.join(word or '(not noted)' for word in words)}"
     clocks: dict[str, list[str]] = {}
     for channel in measurement.trials[0].channels:
         clocks.setdefault(channel.clock, []).append(channel.name)
@@ -155,7 +156,8 @@ def _range_repeats(measurement: Measurement, name: str) -> str:
         z += (usable(channel) / channel.noise_sd).tolist()
         known = [trial[of].values for of in ("distance_m", "incidence_rad") if of in names]
         known += [np.floor(trial["temperature_C"].values / SAME_TEMPERATURE_K)] if "temperature_C" in names else []
-        conditions += zip(trial.label("material").values, *(values.round(6).tolist() for values in known), strict=True)
+        told = [np.nan_to_num(values, nan=NOT_NOTED).round(6).tolist() for values in known]
+        conditions += zip(trial.label("material").values, *told, strict=True)
     found = noise_of_repeats(np.array(z), conditions)
     return f"{found.sd:.2f} x known, {found.rows} repeats" if found else "-"
 

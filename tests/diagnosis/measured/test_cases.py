@@ -300,3 +300,13 @@ def test_the_overview_counts_what_is_missing_and_without_target(case, kind):
     lines = overview(read(case(kind)))
     assert lines[0].startswith(f"{kind}: {kind}, ")
     assert any(re.match(TOLD[kind], line) for line in lines), "\n".join(lines)
+
+
+def test_a_range_bench_that_noted_distances_alone_is_read(case, text):
+    """Ten times the same board, without a word of material, angle, temperature or light."""
+    rows = [f"{i},fit,{i}.0,0.2,,,,,0.2{i % 3:02}" for i in range(1, 13)]
+    found = read(case("tof_bench", data="\n".join([text("tof_bench").splitlines()[0], *rows]) + "\n"))
+    assert "not logged: incidence_rad, temperature_C, ambient_lux" in found.notes
+    lines = overview(found)
+    assert "material: (not noted)" in lines
+    assert any(re.search(r"^reading_m .* 11 repeats", line) for line in lines)
