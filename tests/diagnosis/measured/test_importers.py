@@ -169,11 +169,6 @@ def test_an_importer_that_is_not_there_names_the_nearest(tmp_path):
     assert re.search("--as: got 'optiodm'.*did you mean optiodom", refusal(tmp_path, "optiodm"))
 
 
-def test_no_two_importers_have_one_name():
-    names = [importer.name for importer in IMPORTERS]
-    assert len(set(names)) == len(names)
-
-
 def test_the_overview_of_a_session_tells_rate_gaps_and_channels(session):
     lines = overview(read(session))
     assert lines[0] == "250620202104: drive_log, 2 trials, 24 rows (none held out)"
