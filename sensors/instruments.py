@@ -14,6 +14,11 @@ def read_current_A(terms: Terms, current_A: Array) -> Array:
     return through(effects(SENSOR_TERMS, terms, Slot.CURRENT_READING), current_A)
 
 
+def read_settled_speed_rad_s(terms: Terms, speed_rad_s: Array) -> Array:
+    """Of a speed that has stayed long enough for lag and delay not to matter; of the same shape."""
+    return through(effects(SENSOR_TERMS, terms, Slot.SPEED_READING), speed_rad_s)
+
+
 def read_speed_rad_s(terms: Terms, t_s: Array, speed_rad_s: Array) -> Array:
     """Readings (N, ...) at the times (N,) of the true speeds, which the filter takes as held up to their time.
 
@@ -22,7 +27,7 @@ def read_speed_rad_s(terms: Terms, t_s: Array, speed_rad_s: Array) -> Array:
     if t_s[0] > 0.0:
         at_rest = np.zeros_like(speed_rad_s[:1])
         return read_speed_rad_s(terms, np.append(0.0, t_s), np.concatenate([at_rest, speed_rad_s]))[1:]
-    reading = through(effects(SENSOR_TERMS, terms, Slot.SPEED_READING), speed_rad_s)
+    reading = read_settled_speed_rad_s(terms, speed_rad_s)
     for low_pass in effects(SENSOR_TERMS, terms, Slot.SPEED_FILTER):
         rows = [reading[0]]
         for row, duration_s in zip(reading[1:], np.diff(t_s), strict=True):

@@ -16,7 +16,6 @@ from configs.loader import load_section
 from configs.references import shipped_names
 from configs.schema.scenario import Render
 
-
 GREY = Surface("floor", Color((0.5, 0.5, 0.5)), roughness=1.0, refractive_index=1.0)
 NO_SKY = Sky("studio", 0.0, 0.0, 10.0, 1.0)
 LOOKING_DOWN = ((1.0, 0.0, 0.0, 0.0), (0.0, -1.0, 0.0, 0.0), (0.0, 0.0, -1.0, 0.5), (0.0, 0.0, 0.0, 1.0))

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from configs.errors import InputError, nearest
-from diagnosis.benches.tof.columns import lines_of, number, range_mm
+from diagnosis.benches.tof.columns import range_mm
+from diagnosis.measured.text_file import number, read_text
 from sensors.base import Array
 
 COLUMNS = ("x", "y", "lidar")
@@ -40,8 +41,8 @@ def read_scan(path: Path) -> ScanRecord:
         InputError: A column or a number is missing or wrong, or the points have not as many readings each; the text
             names file, row and column.
     """
-    lines = lines_of(path)
-    header = [name.strip() for name in lines[0].split(",")] if lines else []
+    lines = read_text(path).lines
+    header = [name.strip() for name in lines[0].split(",")]
     for name in COLUMNS:
         if name not in header:
             raise InputError(

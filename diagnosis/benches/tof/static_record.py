@@ -7,8 +7,9 @@ import numpy as np
 
 from configs.errors import InputError
 from diagnosis.benches.tof.allan import allan_deviation, lengths_for
-from diagnosis.benches.tof.columns import lines_of, number, range_mm
+from diagnosis.benches.tof.columns import range_mm
 from diagnosis.benches.tof.stand import Bench, Stand, closed_form, target
+from diagnosis.measured.text_file import number, read_text
 from sensors.base import Array
 
 FEWEST = 1000
@@ -68,7 +69,7 @@ def read_record(path: Path) -> Record:
     Raises:
         InputError: It is not so; the text names file, row and column.
     """
-    lines = lines_of(path)
+    lines = read_text(path).lines
     if len(lines) < 3 + FEWEST:
         allowed = f"3 rows of header and at least {FEWEST} readings"
         raise InputError(f"has {len(lines)} rows", where=str(path), allowed=allowed)

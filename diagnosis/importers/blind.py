@@ -1,0 +1,30 @@
+"""Inputs of unseen runs beside a measured case, whose readings are to be predicted."""
+
+from pathlib import Path
+
+import numpy as np
+
+from diagnosis.importers.trials import trials_of
+from diagnosis.measured.case_format import BLIND, COLUMNS, channel_columns
+from diagnosis.measured.csv_table import read_csv
+from diagnosis.measured.measurement import Kind, Measurement, Source
+
+
+def read_blind(folder: Path, kind: Kind) -> dict[str, Measurement]:
+    """The unseen runs of a case by file name, in the format's order; empty where it has none.
+
+    Every row counts as held out. The pose of `blind_pose_inputs.csv` is that of its first row alone.
+
+    Raises:
+        InputError: A file is not as the format says; the text names file, row and column.
+    """
+    return {name: _read(folder / name, kind) for name in BLIND[kind] if (folder / name).is_file()}
+
+
+def _read(path: Path, kind: Kind) -> Measurement:
+    columns = [column for column in COLUMNS[kind] if column.name in BLIND[kind][path.name]]
+    table = read_csv(path, columns)
+    channels = [column for column in channel_columns(kind) if column in columns]
+    trials = trials_of(table, channels, np.ones(len(table.row), dtype=bool), {})
+    source = Source("inputs of unseen runs", (str(path),))
+    return Measurement(path.stem, kind, source, trials, notes=table.notes)

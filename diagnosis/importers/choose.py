@@ -1,0 +1,37 @@
+"""Which importer reads a file or folder: the one that is named, or the one that recognises it."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from configs.errors import InputError, nearest
+from diagnosis.importers.base import Importer
+from diagnosis.importers.paper import TABLES
+from diagnosis.measured.measurement import Measurement
+from diagnosis.measured.nominal import NOMINAL, read_nominal
+
+
+def read_measurement(path: Path, importers: Sequence[Importer], name: str | None = None) -> Measurement:
+    """Measured data, by the importer of that name or by the one that recognises the path.
+
+    Raises:
+        InputError: There is no such path or importer, nobody recognises the path, or it cannot be read as it should.
+    """
+    names = [importer.name for importer in importers]
+    if name is not None and name not in names:
+        raise InputError("--as", got=name, allowed=", ".join(names), nearest=nearest(name, names))
+    if not path.exists() and path.as_posix() not in TABLES:
+        close = nearest(path.as_posix(), TABLES)
+        raise InputError("no such file or folder", where=str(path), nearest=close, cure="name a case, a log or a table")
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise InputError("is neither file nor folder", where=str(path), cure="name a case, a log or a table")
+    for importer in importers:
+        if importer.name == name or (name is None and importer.recognises(path)):
+            return importer.read(path)
+    if (path / NOMINAL).is_file():
+        read_nominal(path / NOMINAL)  # which says what is wrong with its kind
+    raise InputError(
+        "is none of the measured data that are known",
+        where=str(path),
+        allowed=f"data for one of {', '.join(names)}",
+        cure="write nominal.yaml and data.csv as docs/measured.md says, or name the form with --as",
+    )

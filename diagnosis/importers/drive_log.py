@@ -1,0 +1,65 @@
+"""Voltages, encoder counts, ranges and camera pose of a driving robot (a measured case)."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from diagnosis.importers.case import case_importer, scale_note
+from diagnosis.importers.motor_step import check_rate
+from diagnosis.importers.trials import KnownNoise
+from diagnosis.measured.channel import Array
+from diagnosis.measured.csv_table import Table
+from diagnosis.measured.measurement import Kind, Measurement, Trial
+from diagnosis.measured.nominal import Nominal, NominalDrive
+
+ROW_S = 0.05
+
+
+def _noise(nominal: Nominal, table: Table, name: str) -> KnownNoise | None:
+    """Of the pose alone: that of a range depends on the true distance, which is not logged."""
+    if not isinstance(nominal, NominalDrive):
+        return None
+    if name in {"x_m", "y_m"}:
+        return KnownNoise.constant(nominal.noise.pose_xy_m, table)
+    return KnownNoise.constant(nominal.noise.pose_theta_rad, table) if name == "theta_rad" else None
+
+
+def _notes(nominal: Nominal, measurement: Measurement) -> Sequence[str]:
+    check_rate(measurement, ROW_S)
+    return travel_notes(nominal, measurement)
+
+
+def travel_notes(nominal: Nominal, measurement: Measurement) -> list[str]:
+    """A note where the pose travels or turns by a unit's factor more than the wheels, by the nominal robot."""
+    if not isinstance(nominal, NominalDrive):
+        return []
+    robot = nominal.robot
+    per_tick = 2.0 * np.pi * robot.wheel_radius_m.value / robot.encoder_ticks_per_revolution
+    by_pose, by_wheels = np.zeros(2), np.zeros(2)
+    for trial in measurement.trials:
+        left, right = (per_tick * _net(trial, f"enc_{side}_ticks") for side in ("left", "right"))
+        turned = np.abs(right - left) / robot.wheel_separation_m.value
+        x, y, theta = (_net(trial, name) for name in ("x_m", "y_m", "theta_rad"))
+        both = np.isfinite(x + y + left + right)
+        by_pose += np.hypot(x, y)[both].sum(), np.abs(theta)[both & np.isfinite(theta)].sum()
+        by_wheels += np.abs(left + right)[both].sum() / 2.0, turned[both & np.isfinite(theta)].sum()
+    with np.errstate(divide="ignore", invalid="ignore"):
+        travel, turn = (by_pose / by_wheels).tolist()
+    return [
+        *scale_note(travel, "x_m and y_m", "m", "the wheels' travel"),
+        *scale_note(turn, "theta_rad", "rad", "the wheels' turn"),
+    ]
+
+
+def _net(trial: Trial, name: str) -> Array:
+    """Change over each half second, in which noise is small beside the way; NaN where an end is missing."""
+    values = trial[name].values
+    return values[10:] - values[:-10]
+
+
+IMPORTER = case_importer(
+    Kind.DRIVE_LOG,
+    "measured case: a drive with voltages, counts, ranges and pose (nominal.yaml, data.csv)",
+    _noise,
+    _notes,
+)

@@ -1,0 +1,52 @@
+"""Voltage, current and speed of a motor against time, in trials from rest (a measured case)."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from configs.errors import InputError
+from diagnosis.importers.case import case_importer
+from diagnosis.importers.motor_scale import motor_scale_notes
+from diagnosis.importers.trials import KnownNoise
+from diagnosis.measured.csv_table import Table
+from diagnosis.measured.measurement import Kind, Measurement
+from diagnosis.measured.nominal import Nominal, NominalStep
+
+
+def _noise(nominal: Nominal, table: Table, name: str) -> KnownNoise | None:
+    if not isinstance(nominal, NominalStep) or name == "u_cmd_V":
+        return None
+    noise = nominal.noise
+    return KnownNoise.constant(
+        noise.current_A if name == "current_A" else noise.omega_rad_s, table, noise.lag1_correlation
+    )
+
+
+def _notes(nominal: Nominal, measurement: Measurement) -> Sequence[str]:
+    if isinstance(nominal, NominalStep):
+        check_rate(measurement, 1.0 / nominal.sample_rate_Hz)
+    return motor_scale_notes(nominal, measurement)
+
+
+def check_rate(measurement: Measurement, period_s: float) -> None:
+    """Refuse times whose rows are not about so far apart.
+
+    Raises:
+        InputError: The typical row is more than twice as long, or less than half.
+    """
+    steps = np.concatenate([np.diff(trial.t_s) for trial in measurement.trials])
+    typical_s = float(np.median(steps)) if len(steps) else period_s
+    if not 0.5 <= typical_s / period_s <= 2.0:
+        factor = typical_s / period_s
+        cure = "these look like ms: divide by 1000" if 500.0 < factor < 2000.0 else "check the unit of the times"
+        raise InputError(
+            f"column t_s: rows are {typical_s:.4g} s apart",
+            where=measurement.source.files[0],
+            allowed=f"about {period_s:.4g} s, by the rate of this kind of case",
+            cure=cure,
+        )
+
+
+IMPORTER = case_importer(
+    Kind.MOTOR_STEP, "measured case: voltage steps on a motor (nominal.yaml, data.csv)", _noise, _notes
+)

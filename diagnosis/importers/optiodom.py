@@ -1,0 +1,123 @@
+"""Drives of a small differential robot with encoder counts and motion capture (the OptiOdom data, Sousa et al. 2022).
+
+Files, one pair of session and run each: `<session>_run-NN.csv` without header, 20 Hz, columns t [s], x, y [m],
+heading [rad], counts of the right wheel in this row, counts of the left wheel; `<session>_metadata.csv` with a key and
+its values a row. Voltages and ranges were not logged. Odometry and capture had clocks of their own, put together by the
+authors at cut points; what offset is left nobody measured.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from configs.errors import InputError
+from diagnosis.importers.base import Importer
+from diagnosis.importers.order import check_increasing
+from diagnosis.measured.channel import Channel, Role
+from diagnosis.measured.csv_table import Column, table_of
+from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from diagnosis.measured.scale import Reach
+from diagnosis.measured.text_file import number, read_text
+from physics.trajectory import TimeSeries
+
+_RUN = re.compile(r"(\d+)_run-(\d+)\.csv")
+_METADATA = "*_metadata.csv"
+_PLACE = Reach(-50.0, 50.0)
+_COUNTS = Reach(-10_000.0, 10_000.0)
+COLUMNS = (
+    Column("t_s", "s", Role.INPUT, Reach(0.0, 1e6), may_be_empty=False),
+    Column("x_m", "m", Role.READING, _PLACE),
+    Column("y_m", "m", Role.READING, _PLACE),
+    Column("theta_rad", "rad", Role.READING, Reach(-1e4, 1e4)),
+    Column("ticks_right", "ticks", Role.READING, _COUNTS, 0, may_be_empty=False),
+    Column("ticks_left", "ticks", Role.READING, _COUNTS, 0, may_be_empty=False),
+)
+
+WHEEL_DIAMETER_M = 0.084
+TRACK_M = 0.2
+ENCODER_TICKS_PER_REVOLUTION = 43.7 * 64
+"""Nominal robot: gears times counts per turn of the motor. The controller of some sessions ran with other lengths."""
+
+
+def _sessions(path: Path) -> list[Path]:
+    """Folders with a metadata file: the folder itself, or up to two below it."""
+    found = {
+        file.parent for pattern in (_METADATA, f"*/{_METADATA}", f"*/*/{_METADATA}") for file in path.glob(pattern)
+    }
+    return sorted(found)
+
+
+def _recognises(path: Path) -> bool:
+    if path.is_file():
+        return _RUN.fullmatch(path.name) is not None
+    return any(_RUN.fullmatch(file.name) for session in _sessions(path) for file in session.iterdir())
+
+
+def _read(path: Path) -> Measurement:
+    if path.is_file():
+        files = [path]
+    else:
+        files = sorted(f for session in _sessions(path) for f in session.iterdir() if _RUN.fullmatch(f.name))
+    if not files:
+        raise InputError(
+            "holds no <session>_run-NN.csv", where=str(path), cure="name a session, or a folder of sessions"
+        )
+    read = [_trial(file) for file in files]
+    driven = {file.parent: _metadata(file.parent) for file in files}
+    notes = [note for _, notes in read for note in notes]
+    notes += ["not logged: voltages, ranges; nothing is marked as held out"]
+    notes += [
+        f"{folder.name} was driven with a wheel separation of {values['Li'][0]:g} m and wheel diameters of "
+        f"{values['Di'][0]:g} m in its controller; the counts do not depend on it"
+        for folder, values in driven.items()
+        if (values["Li"][0], values["Di"][0]) != (TRACK_M, WHEEL_DIAMETER_M)
+    ]
+    source = Source(
+        "OptiOdom: encoder counts and OptiTrack poses of a differential robot, INESC TEC",
+        tuple(str(file) for file in files),
+        "MIT",
+    )
+    trials = tuple(trial for trial, _ in read)
+    return Measurement(path.absolute().name, Kind.DRIVE_LOG, source, trials, notes=tuple(dict.fromkeys(notes)))
+
+
+def _trial(path: Path) -> tuple[Trial, Sequence[str]]:
+    table = table_of(read_text(path), COLUMNS, range(len(COLUMNS)), first=0)
+    check_increasing(table, "t_s")
+    t_s = table.numbers["t_s"]
+    counts = {side: np.cumsum(table.numbers[f"ticks_{side}"]) for side in ("left", "right")}
+    channels = [
+        Channel.logged(TimeSeries(f"enc_{side}_ticks", "ticks", t_s, values), Role.READING)
+        for side, values in counts.items()
+    ]
+    channels += [
+        Channel.logged(
+            TimeSeries(column.name, column.unit, t_s, table.numbers[column.name]), column.role, clock="camera"
+        )
+        for column in COLUMNS[1:4]
+    ]
+    name = f"{path.parent.parent.name}/{path.stem}"
+    return Trial(name, t_s, np.zeros(len(t_s), dtype=bool), tuple(channels)), table.notes
+
+
+def _metadata(session: Path) -> Mapping[str, tuple[float, ...]]:
+    """The numbers of the keys Li [m] and Di [m]."""
+    found = {}
+    for file in sorted(session.glob(_METADATA)):
+        for row, line in enumerate(read_text(file).lines, 1):
+            key, *cells = line.split(",")
+            if key in {"Li", "Di"}:
+                found[key] = tuple(number(cell, file, row, "2") for cell in cells if cell.strip())
+    for key in ("Li", "Di"):
+        if not found.get(key):
+            raise InputError(
+                f"there is no row {key}", where=str(session / _METADATA), cure="put its metadata file there"
+            )
+    return found
+
+
+IMPORTER = Importer(
+    "optiodom", "OptiOdom session: counts and motion capture of a differential robot", _recognises, _read
+)

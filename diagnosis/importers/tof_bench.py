@@ -1,0 +1,44 @@
+"""Readings of a range sensor at known distances, materials, angles, temperatures and light (a measured case)."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from configs.errors import InputError, nearest
+from diagnosis.importers.case import case_importer, scale_note
+from diagnosis.importers.trials import KnownNoise
+from diagnosis.measured.channel import Quality
+from diagnosis.measured.csv_table import Table
+from diagnosis.measured.measurement import Kind, Measurement
+from diagnosis.measured.nominal import Nominal, NominalTof
+
+
+def _noise(nominal: Nominal, table: Table, name: str) -> KnownNoise | None:
+    if not isinstance(nominal, NominalTof) or name != "reading_m":
+        return None
+    known = tuple(nominal.tof.reflectance)
+    for i, material in enumerate(table.words["material"]):
+        if material and material not in known:
+            raise InputError(
+                "column material",
+                where=table.where(i),
+                got=material,
+                allowed=f"one of {', '.join(known)}",
+                nearest=nearest(material, known),
+                cure="or give its reflectance in nominal.yaml",
+            )
+    return KnownNoise(nominal.noise.sd_m(table.numbers["distance_m"]))
+
+
+def _notes(nominal: Nominal, measurement: Measurement) -> Sequence[str]:
+    del nominal
+    (trial,) = measurement.trials
+    reading, distance = trial["reading_m"], trial["distance_m"].values
+    usable = (reading.quality == Quality.GOOD) & (distance > 0.0)
+    ratio = float(np.median(reading.values[usable] / distance[usable])) if usable.any() else float("nan")
+    return scale_note(ratio, "reading_m", "m", "the distance")
+
+
+IMPORTER = case_importer(
+    Kind.TOF_BENCH, "measured case: a range sensor at known distances (nominal.yaml, data.csv)", _noise, _notes
+)

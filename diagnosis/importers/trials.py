@@ -1,0 +1,101 @@
+"""The rows of a case's table as trials, in the order in which they were taken."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from configs.errors import InputError
+from diagnosis.importers.order import check_increasing
+from diagnosis.measured.case_format import CAMERA_CHANNELS, NO_TARGET_FROM_M, RANGES
+from diagnosis.measured.channel import Array, Channel, Label, Mask
+from diagnosis.measured.csv_table import Column, Table
+from diagnosis.measured.measurement import Trial
+from physics.trajectory import TimeSeries
+
+
+@dataclass(frozen=True)
+class KnownNoise:
+    """Of one channel in every row of a table, as nominal.yaml states it."""
+
+    sd: Array
+    correlation: float = 0.0
+
+    @classmethod
+    def constant(cls, sd: float, table: Table, correlation: float = 0.0) -> "KnownNoise":
+        """The same in every row."""
+        return cls(np.full(len(table.row), sd), correlation)
+
+
+def trials_of(
+    table: Table, channels: Sequence[Column], holdout: Mask, noise: Mapping[str, KnownNoise]
+) -> tuple[Trial, ...]:
+    """One trial for each sweep or trial of a table, or one for all of it where it has no such column.
+
+    Args:
+        table: With a column t_s.
+        channels: Its columns that are channels.
+        holdout: (N,), rows that are held out.
+        noise: What is known, by channel.
+
+    Raises:
+        InputError: A trial comes again, or time does not go forward.
+    """
+    group = next((name for name in ("sweep", "trial") if name in table.numbers), "")
+    numbers = table.numbers[group] if group else np.ones(len(table.row))
+    _check_order(table, numbers, group)
+    starts = [0, *(np.flatnonzero(np.diff(numbers)) + 1).tolist(), len(numbers)]
+    return tuple(
+        _trial(table, channels, holdout, noise, rows=slice(a, b), name=f"{numbers[a]:.0f}") for a, b in pairwise(starts)
+    )
+
+
+def _check_order(table: Table, numbers: Array, group: str) -> None:
+    """Rows of a trial belong together, and time goes forward within each."""
+    changes = np.flatnonzero(np.diff(numbers)) + 1
+    seen = {numbers[0]}
+    for i in changes.tolist():
+        if numbers[i] in seen:
+            cure = "sort the rows by it and by time"
+            raise InputError(f"column {group}: {numbers[i]:.0f} comes again", where=table.where(i), cure=cure)
+        seen.add(numbers[i])
+    within = np.ones(len(numbers) - 1, dtype=bool)
+    within[changes - 1] = group == "sweep"  # the time of a steady state counts on from sweep to sweep
+    check_increasing(table, "t_s", within)
+    if "row" in table.numbers:
+        check_increasing(table, "row")
+    if "session_time_s" in table.numbers:
+        check_increasing(table, "session_time_s", within)
+        back = changes[np.diff(table.numbers["session_time_s"])[changes - 1] < 0.0]
+        if len(back):
+            what = "column session_time_s: the trial begins before the one above has ended"
+            raise InputError(what, where=table.where(int(back[0])), cure="put the trials in order")
+
+
+def _trial(
+    table: Table,
+    channels: Sequence[Column],
+    holdout: Mask,
+    noise: Mapping[str, KnownNoise],
+    *,
+    rows: slice,
+    name: str,
+) -> Trial:
+    t_s = table.numbers["t_s"][rows].copy()
+    begins_s = float(table.numbers["session_time_s"][rows][0] - t_s[0]) if "session_time_s" in table.numbers else 0.0
+    logged = tuple(_channel(column, t_s, table, rows, noise.get(column.name)) for column in channels)
+    labels = tuple(Label(word, values[rows]) for word, values in table.words.items() if word != "split")
+    return Trial(name, t_s, holdout[rows].copy(), logged, labels, begins_s)
+
+
+def _channel(column: Column, t_s: Array, table: Table, rows: slice, noise: KnownNoise | None) -> Channel:
+    values = table.numbers[column.name][rows].copy()
+    return Channel.logged(
+        TimeSeries(column.name, column.unit, t_s, values),
+        column.role,
+        no_target=values >= NO_TARGET_FROM_M if column.name in RANGES else None,
+        noise_sd=noise.sd[rows].copy() if noise else None,
+        noise_correlation=noise.correlation if noise else 0.0,
+        clock="camera" if column.name in CAMERA_CHANNELS else "log",
+    )

@@ -1,0 +1,46 @@
+"""A range sensor moved over a grid, some readings at each point, in the order they were taken."""
+
+from pathlib import Path
+
+import numpy as np
+
+from diagnosis.benches.tof.scan_record import COLUMNS, read_scan
+from diagnosis.importers.base import Importer, first_line, only_log
+from diagnosis.measured.channel import Array, Channel, Role
+from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from physics.trajectory import TimeSeries
+
+
+def _is_log(path: Path) -> bool:
+    return set(COLUMNS) <= set(first_line(path).split(","))
+
+
+def _read(path: Path) -> Measurement:
+    path = only_log(path, _is_log) or path
+    scan = read_scan(path)
+    points, count = scan.reading_mm.shape
+    row = np.arange(points * count, dtype=np.float64)
+
+    def channel(name: str, values_mm: Array, role: Role) -> Channel:
+        return Channel.logged(TimeSeries(name, "m", row, 1e-3 * values_mm), role)
+
+    channels = (
+        channel("x_m", np.repeat(scan.x_mm, count), Role.INPUT),
+        channel("y_m", np.repeat(scan.y_mm, count), Role.INPUT),
+        channel("reading_m", scan.reading_mm.ravel(), Role.READING),
+    )
+    trial = Trial("1", row, np.zeros(len(row), dtype=bool), channels, is_timed=False)
+    source = Source("VL53L0X over a grid, OSUrobotics/applevision_tof_profiler", (str(path),), "MIT")
+    notes = (
+        f"{points} points with {count} readings each; the first ones after a move may be of the place before",
+        "not logged: times, distance",
+    )
+    return Measurement(path.stem, Kind.OTHER, source, (trial,), notes=notes)
+
+
+IMPORTER = Importer(
+    "vl53l0x-scan",
+    "VL53L0X over a grid: columns x, y and lidar [mm], several rows a point",
+    lambda path: only_log(path, _is_log) is not None,
+    _read,
+)

@@ -1,0 +1,37 @@
+"""A long record of a range sensor that stands still, at a distance that nobody noted: for its noise and drift."""
+
+from pathlib import Path
+
+import numpy as np
+
+from diagnosis.benches.tof.static_record import read_record
+from diagnosis.importers.base import Importer, first_line, only_log
+from diagnosis.measured.channel import Channel, Role
+from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from physics.trajectory import TimeSeries
+
+
+def _is_log(path: Path) -> bool:
+    return first_line(path).startswith("Fs,")
+
+
+def _read(path: Path) -> Measurement:
+    path = only_log(path, _is_log) or path
+    record = read_record(path)
+    t_s = np.arange(len(record.readings_mm)) / record.rate_hz
+    reading = Channel.logged(TimeSeries("reading_m", "m", t_s, 1e-3 * record.readings_mm), Role.READING)
+    trial = Trial("1", t_s, np.zeros(len(t_s), dtype=bool), (reading,))
+    source = Source("VL53L0X at rest, tomisuarez2/TimeOfFlightCalibration", (str(path),), "MIT")
+    notes = [f"times by the rate in the header, {record.rate_hz:g} Hz", "not logged: distance"]
+    if abs(len(t_s) / record.rate_hz - record.logging_s) > 0.01 * record.logging_s:
+        spanned_s = len(t_s) / record.rate_hz
+        notes.append(f"the header says {record.logging_s:g} s of logging, rows and rate make {spanned_s:.0f} s")
+    return Measurement(path.stem, Kind.OTHER, source, (trial,), notes=tuple(notes))
+
+
+IMPORTER = Importer(
+    "vl53l0x-static",
+    "VL53L0X at rest: header rows Fs, Logging time and d, then a reading [mm] a row",
+    lambda path: only_log(path, _is_log) is not None,
+    _read,
+)

@@ -1,0 +1,188 @@
+"""nominal.yaml of a measured case: the parameters of a textbook simulator, their tolerances, and the known noise."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from configs.errors import InputError, nearest
+from configs.schema.base import FromList, Section
+from configs.validation import validated
+from configs.yaml_reader import read_yaml
+
+Array = NDArray[np.float64]
+
+Positive = Annotated[float, Field(gt=0, le=1e6)]
+NotNegative = Annotated[float, Field(ge=0, le=1e6)]
+Coefficients = Annotated[tuple[float, float, float, float], FromList]
+
+
+class PositiveSpread(Section):
+    """A parameter of one unit of many: normal about the value."""
+
+    value: Positive
+    tolerance: NotNegative
+    """Standard deviation between units."""
+
+
+class Spread(Section):
+    """The same, of a parameter that may be zero or negative."""
+
+    value: float = Field(ge=-1e6, le=1e6)
+    tolerance: NotNegative
+
+
+class NominalMotor(Section):
+    """At the wheel shaft, as `configs.schema.robot.Motor`."""
+
+    winding_resistance_ohm: PositiveSpread
+    torque_constant_N_m_A: PositiveSpread
+    viscous_friction_N_m_s_rad: Spread
+    coulomb_friction_N_m: Spread
+    supply_voltage_V: Positive
+
+
+class NominalMovingMotor(NominalMotor):
+    rotor_inertia_kg_m2: PositiveSpread
+
+
+class NominalGearedMotor(NominalMovingMotor):
+    motor_side_inertia_fraction: float = Field(ge=0.01, le=0.99)
+    motor_side_friction_fraction: float = Field(ge=0, le=1)
+
+
+class NominalRobot(Section):
+    wheel_radius_m: PositiveSpread
+    wheel_separation_m: PositiveSpread
+    encoder_ticks_per_revolution: Positive
+
+
+class BenchTof(Section):
+    range_offset_m: Spread
+    range_scale: PositiveSpread
+    reference_temperature_C: float = Field(ge=-273.15, le=200)
+    resolution_m: NotNegative
+    reflectance: dict[str, Annotated[float, Field(gt=0, le=1)]] = Field(min_length=1)
+    """By material."""
+
+
+class Mount(Section):
+    """Of a range sensor in the frame of the axle."""
+
+    x_m: float
+    y_m: float
+    yaw_rad: float
+    """Counter-clockwise from straight ahead."""
+
+
+class Mounts(Section):
+    front: Mount
+    left: Mount
+    right: Mount
+
+
+class DriveTof(Section):
+    range_offset_m: Spread
+    max_range_m: Positive
+    mount: Mounts
+
+
+class Room(Section):
+    """Empty, 0 <= x <= room_x_m, 0 <= y <= room_y_m."""
+
+    room_x_m: Positive
+    room_y_m: Positive
+
+
+class MotorNoise(Section):
+    """Standard deviations of good readings."""
+
+    current_A: Positive
+    omega_rad_s: Positive
+
+
+class StepNoise(MotorNoise):
+    lag1_correlation: float = Field(gt=-1, lt=1)
+
+
+class RangeNoise(Section):
+    polynomial_mm: Coefficients
+    """p0 + p1 x + p2 x^2 + p3 x^3 with x = max(0, distance - origin) in metres."""
+    polynomial_origin_m: NotNegative
+
+    def sd_m(self, distance_m: Array) -> Array:
+        """Standard deviation of a reading [m] at these distances, of the same shape."""
+        beyond = np.maximum(distance_m - self.polynomial_origin_m, 0.0)
+        return 1e-3 * np.polynomial.polynomial.polyval(beyond, np.array(self.polynomial_mm))
+
+
+class DriveNoise(Section):
+    wheel_speed_rad_s: Positive
+    """Of a mean speed over a row, tick rounding included; correlated over about 0.1 s."""
+    pose_xy_m: Positive
+    pose_theta_rad: Positive
+    travel_m_per_sqrt_m: NotNegative
+    """Slip: each wheel's travel in a row has this times the root of it."""
+    tof_polynomial_mm: Coefficients
+    tof_polynomial_origin_m: NotNegative
+
+    @property
+    def tof(self) -> RangeNoise:
+        return RangeNoise(polynomial_mm=self.tof_polynomial_mm, polynomial_origin_m=self.tof_polynomial_origin_m)
+
+
+class NominalSteady(Section):
+    kind: Literal["motor_steady"]
+    motor: NominalMotor
+    noise: MotorNoise
+
+
+class NominalStep(Section):
+    kind: Literal["motor_step"]
+    motor: NominalGearedMotor
+    sample_rate_Hz: Positive
+    noise: StepNoise
+
+
+class NominalTof(Section):
+    kind: Literal["tof_bench"]
+    tof: BenchTof
+    noise: RangeNoise
+
+
+class NominalDrive(Section):
+    kind: Literal["drive_log"]
+    motor: NominalMovingMotor
+    robot: NominalRobot
+    tof: DriveTof
+    world: Room
+    noise: DriveNoise
+
+
+Nominal = NominalSteady | NominalStep | NominalTof | NominalDrive
+
+NOMINAL = "nominal.yaml"
+MODELS: dict[str, type[NominalSteady | NominalStep | NominalTof | NominalDrive]] = {
+    "motor_steady": NominalSteady,
+    "motor_step": NominalStep,
+    "tof_bench": NominalTof,
+    "drive_log": NominalDrive,
+}
+
+
+def read_nominal(path: Path) -> Nominal:
+    """The parameters of one case.
+
+    Raises:
+        InputError: It is not strict YAML or not of the format; the text names file, line and field.
+    """
+    root = read_yaml(path).root
+    kind = root.child("kind")
+    found = kind.plain() if kind else None
+    if not isinstance(found, str) or found not in MODELS:
+        allowed = f"one of {', '.join(MODELS)}"
+        where = kind.where if kind else root.where
+        raise InputError("kind", where=where, got=found, allowed=allowed, nearest=nearest(found, MODELS))
+    return validated(root, MODELS[found], {})

@@ -1,0 +1,179 @@
+"""What was read, for people: trials, rates and gaps, then each channel with what is missing, wild and noisy in it."""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from diagnosis.measured.channel import Array, Channel, Mask, Quality, Role
+from diagnosis.measured.measurement import Kind, Measurement, Trial
+from diagnosis.measured.noise import noise_of_repeats
+from diagnosis.measured.screening import far_out, noise_of, resolution, spikes, timing, usable
+
+SAME_TEMPERATURE_K = 3.0
+NOT_NOTED = -1e9
+MOST_TRIALS = 12
+"""Told one by one; of more, the first ones."""
+_HEAD = ("channel", "unit", "", "rows", "missing", "no target", "stale", "wild", "from", "to", "step", "noise", "known")
+
+
+def overview(measurement: Measurement) -> list[str]:
+    """A line each, without line ends."""
+    lines = [_summary(measurement), f"source: {measurement.source.origin}{_licence(measurement)}"]
+    if measurement.source.files:
+        first, *more = measurement.source.files
+        lines.append(f"read from {first}{f' and {len(more)} more' if more else ''}")
+    if measurement.nominal is None:
+        lines.append("nominal parameters: none came with the data")
+    lines += ["", *_trials(measurement), "", *_channels(measurement)]
+    lines += ["", *(f"note: {note}" for note in measurement.notes)] if measurement.notes else []
+    return lines
+
+
+def _summary(measurement: Measurement) -> str:
+    rows, held = measurement.rows, measurement.heldout_rows
+    split = f"{rows - held} to fit, {held} held out" if held else "none held out"
+    trials = len(measurement.trials)
+    return f"{measurement.name}: {measurement.kind}, {trials} trial{'s' * (trials > 1)}, {rows} rows ({split})"
+
+
+def _licence(measurement: Measurement) -> str:
+    return f" ({measurement.source.licence})" if measurement.source.licence else ""
+
+
+def _trials(measurement: Measurement) -> Iterator[str]:
+    times = f"{'begins, s':>12}{'lasts, s':>11}{'rate, Hz':>10}{'gaps':>6}{'longest, s':>12}"
+    yield f"{'trial':28}{'rows':>7}{'held out':>10}{times}"
+    for trial in measurement.trials[:MOST_TRIALS]:
+        held = int(np.count_nonzero(trial.holdout))
+        begins = "-" if trial.begins_s is None else f"{trial.begins_s + trial.t_s[0]:.3f}"
+        yield f"{trial.name:28}{len(trial.t_s):>7}{held:>10}{begins:>12}{_times(trial)}"
+    more = len(measurement.trials) - MOST_TRIALS
+    if more > 0:
+        yield f"and {more} more"
+
+
+def _times(trial: Trial) -> str:
+    found = timing(trial.t_s) if trial.is_timed else None
+    if found is None:
+        return f"{'-':>11}{'-':>10}{'-':>6}{'-':>12}"
+    lasts_s = trial.t_s[-1] - trial.t_s[0]
+    return f"{lasts_s:>11.2f}{found.rate_hz:>10.3g}{found.gaps:>6}{found.longest_s:>12.3g}"
+
+
+def _channels(measurement: Measurement) -> Iterator[str]:
+    rows = [_HEAD, *(_cells(measurement, name) for name in measurement.channel_names())]
+    widths = [max(len(row[i]) for row in rows) for i in range(len(_HEAD))]
+    for row in rows:
+        names = [cell.ljust(width) for cell, width in zip(row[:3], widths[:3], strict=True)]
+        numbers = [cell.rjust(width) for cell, width in zip(row[3:], widths[3:], strict=True)]
+        yield "  ".join([*names, *numbers]).rstrip()
+    for label in measurement.trials[0].labels:
+        words = sorted({word for trial in measurement.trials for word in trial.label(label.name).values})
+        yield f"{label.name}: {', '.join(word or '(not noted)' for word in words)}"
+    clocks: dict[str, list[str]] = {}
+    for channel in measurement.trials[0].channels:
+        clocks.setdefault(channel.clock, []).append(channel.name)
+    if len(clocks) > 1:
+        told = "; ".join(f"{clock}: {', '.join(names)}" for clock, names in clocks.items() if clock != "log")
+        yield f"stamped by a clock of their own, whose offset is not known: {told}"
+
+
+def _cells(measurement: Measurement, name: str) -> tuple[str, ...]:
+    across = measurement.across(name)
+    first = across[0]
+    values = np.concatenate([usable(channel) for channel in across])
+    given = values[np.isfinite(values)]
+    counts = [sum(channel.count(quality) for channel in across) for quality in _COUNTED]
+    is_reading = first.role is Role.READING
+    wild = sum(int(np.count_nonzero(found)) for found in _wild(measurement, name)) if is_reading else 0
+    return (
+        name,
+        first.unit or "-",
+        first.role,
+        str(len(values)),
+        *(str(count) if count else "-" for count in counts),
+        str(wild) if wild else "-",
+        f"{given.min():.4g}" if len(given) else "-",
+        f"{given.max():.4g}" if len(given) else "-",
+        f"{step:.2g}" if (step := resolution(values)) else "-",
+        _noise(measurement, name) if is_reading else "-",
+        _known(across),
+    )
+
+
+_COUNTED = (Quality.MISSING, Quality.NO_TARGET, Quality.STALE)
+
+
+def _wild(measurement: Measurement, name: str) -> Iterator[Mask]:
+    """In each trial, readings that stand out; on a range bench those far off their distance."""
+    for trial in measurement.trials:
+        channel = trial[name]
+        if measurement.kind is Kind.TOF_BENCH and name == "reading_m":
+            sd = channel.noise_sd if channel.noise_sd is not None else 1.0
+            yield far_out((usable(channel) - trial["distance_m"].values) / sd)
+        elif trial.is_timed or measurement.kind is Kind.MOTOR_STEADY:
+            yield spikes(channel)
+
+
+def _noise(measurement: Measurement, name: str) -> str:
+    """Standard deviation, with its correlation where the channel is sampled often: the median of the trials.
+
+    On benches that of repeats; in units of the stated noise where that differs from row to row.
+    """
+    repeats = _REPEATS.get(measurement.kind)
+    if repeats is not None:
+        return repeats(measurement, name)
+    if not all(trial.is_timed for trial in measurement.trials):
+        return "-"
+    found = [noise for channel in measurement.across(name) for noise in (noise_of(channel),) if noise is not None]
+    if not found:
+        return "-"
+    if not all(noise.is_separable for noise in found):
+        found = [noise for noise in found if noise.is_separable]
+        if 2 * len(found) < len(measurement.trials):
+            return "not separable"
+    sd, correlation = (float(np.median([getattr(noise, of) for noise in found])) for of in ("sd", "correlation"))
+    return f"{sd:.2g}, corr {correlation:+.2f}" if sd > 0.0 else "0"
+
+
+def _steady_repeats(measurement: Measurement, name: str) -> str:
+    """The same voltage in several sweeps of one motor."""
+    trials = measurement.trials
+    values = np.concatenate([usable(trial[name]) for trial in trials])
+    conditions = [(trial.part, voltage) for trial in trials for voltage in trial["u_cmd_V"].values.round(6).tolist()]
+    found = noise_of_repeats(values, conditions)
+    return f"{found.sd:.2g} of {found.rows} repeats" if found else "-"
+
+
+def _range_repeats(measurement: Measurement, name: str) -> str:
+    """The same target again, at about the same temperature where one was noted, in units of the stated noise."""
+    z, conditions = [], []
+    names = set(measurement.channel_names())
+    for trial in measurement.trials:
+        channel = trial[name]
+        if channel.noise_sd is None:
+            return "-"
+        z += (usable(channel) / channel.noise_sd).tolist()
+        known = [trial[of].values for of in ("distance_m", "incidence_rad") if of in names]
+        known += [np.floor(trial["temperature_C"].values / SAME_TEMPERATURE_K)] if "temperature_C" in names else []
+        told = [np.nan_to_num(values, nan=NOT_NOTED).round(6).tolist() for values in known]
+        conditions += zip(trial.label("material").values, *told, strict=True)
+    found = noise_of_repeats(np.array(z), conditions)
+    return f"{found.sd:.2f} x known, {found.rows} repeats" if found else "-"
+
+
+_REPEATS: dict[Kind, Callable[[Measurement, str], str]] = {
+    Kind.MOTOR_STEADY: _steady_repeats,
+    Kind.TOF_BENCH: _range_repeats,
+}
+
+
+def _known(across: tuple[Channel, ...]) -> str:
+    """What the source states of the noise: one number, or the smallest and largest of them."""
+    stated: list[Array] = [channel.noise_sd for channel in across if channel.noise_sd is not None]
+    if not stated:
+        return "-"
+    low, high = min(float(np.nanmin(sd)) for sd in stated), max(float(np.nanmax(sd)) for sd in stated)
+    text = f"{low:.2g}" if low == high else f"{low:.2g} to {high:.2g}"
+    correlation = across[0].noise_correlation
+    return f"{text}, corr {correlation:+.2f}" if correlation else text

@@ -1,0 +1,59 @@
+"""A measurement written as a measured case: the same rows and values, to the digits of its columns."""
+
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from diagnosis.measured.case_format import COLUMNS, DATA, HOLDOUT
+from diagnosis.measured.channel import Array
+from diagnosis.measured.csv_table import AnyColumn, Column
+from diagnosis.measured.measurement import Measurement, Trial
+from diagnosis.measured.nominal import NOMINAL
+
+
+def write_case(measurement: Measurement, folder: Path) -> None:
+    """Make `folder` and write data.csv and nominal.yaml into it.
+
+    Raises:
+        ValueError: The measurement has no nominal parameters, or is of no kind that the format knows.
+    """
+    if measurement.nominal is None or measurement.kind not in COLUMNS:
+        raise ValueError(f"{measurement.name}: a case needs nominal parameters and one of the kinds {[*COLUMNS]}")
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / DATA).write_text(csv_of(measurement), encoding="utf-8", newline="\n")
+    nominal = measurement.nominal.model_dump(mode="json")
+    (folder / NOMINAL).write_text(yaml.safe_dump(nominal, sort_keys=False), encoding="utf-8", newline="\n")
+
+
+def csv_of(measurement: Measurement) -> str:
+    """The text of data.csv."""
+    columns = COLUMNS[measurement.kind]
+    lines = [",".join(column.name for column in columns)]
+    before = 0
+    for number, trial in enumerate(measurement.trials, 1):
+        cells = [_cells(column, trial, number, before) for column in columns]
+        lines += [",".join(row) for row in zip(*cells, strict=True)]
+        before += len(trial.t_s)
+    return "\n".join(lines) + "\n"
+
+
+def _cells(column: AnyColumn, trial: Trial, number: int, before: int) -> list[str]:
+    rows = len(trial.t_s)
+    if not isinstance(column, Column):
+        if column.name == "split":
+            return [HOLDOUT if held else "fit" for held in trial.holdout]
+        return list(trial.label(column.name).values)
+    if column.name == "row":
+        return [str(before + i + 1) for i in range(rows)]
+    if column.name in {"sweep", "trial"}:
+        return [trial.name if trial.name.isdecimal() else str(number)] * rows
+    if column.name == "t_s":
+        return _texts(trial.t_s, column.decimals)
+    if column.name == "session_time_s":
+        return _texts(trial.t_s + (trial.begins_s or 0.0), column.decimals)
+    return _texts(trial[column.name].values, column.decimals)
+
+
+def _texts(values: Array, decimals: int) -> list[str]:
+    return ["" if np.isnan(value) else f"{round(value, decimals) + 0.0:.{decimals}f}" for value in values.tolist()]

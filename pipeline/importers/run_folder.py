@@ -1,0 +1,98 @@
+"""Runs of our own datasets: one run folder, or all runs of a release, as if a robot had logged them."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from configs.errors import InputError
+from diagnosis.importers.base import Importer
+from diagnosis.measured.channel import Channel, Role
+from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from physics.trajectory import TimeSeries
+from pipeline.dataset.metadata import METADATA
+from pipeline.dataset.rows import Floats, Rows, parse_table, read_rows
+from pipeline.dataset.side import TOF, WHEELS, SideTable
+from pipeline.importers.data_csv import row_channels, trial_of
+from pipeline.stages.assemble import DATA, SIDE
+from sensors.tof import TofStatus
+
+_DRIVE = {
+    "v_cmd_m_s": ("command_v", "m/s", Role.INPUT),
+    "w_cmd_rad_s": ("command_w", "rad/s", Role.INPUT),
+    "u_left_V": ("voltage_l", "V", Role.INPUT),
+    "u_right_V": ("voltage_r", "V", Role.INPUT),
+    "enc_left_ticks": ("counts_l", "ticks", Role.READING),
+    "enc_right_ticks": ("counts_r", "ticks", Role.READING),
+    "current_left_A": ("current_l", "A", Role.READING),
+    "current_right_A": ("current_r", "A", Role.READING),
+    "omega_left_rad_s": ("speed_l", "rad/s", Role.READING),
+    "omega_right_rad_s": ("speed_r", "rad/s", Role.READING),
+}
+"""Channel -> column of side/wheels.csv, unit, role."""
+_NOTE = (
+    "a voltage is what the wheel loop commanded last before its row; the loop changes it between rows, so that the "
+    "rows alone do not drive the motors"
+)
+
+
+def _runs(path: Path) -> Iterator[Path]:
+    """Run folders: the path itself, that of its data.csv, or all below a release."""
+    if path.name == DATA:
+        path = path.parent
+    if (path / DATA).is_file() and (path / SIDE / WHEELS.file).is_file():
+        yield path
+    elif (path / METADATA).is_file():
+        yield from sorted(folder.parent for folder in path.glob(f"*/*/{SIDE}") if (folder.parent / DATA).is_file())
+
+
+def _recognises(path: Path) -> bool:
+    return next(_runs(path), None) is not None
+
+
+def _read(path: Path) -> Measurement:
+    runs = list(_runs(path))
+    if not runs:
+        raise InputError(
+            "is no run of a dataset", where=str(path), cure="name a folder such as OUT/CW/test_1, or a release"
+        )
+    trials = tuple(_trial(run) for run in runs)
+    files = tuple(str(run / file) for run in runs for file in (DATA, f"{SIDE}/{WHEELS.file}", f"{SIDE}/{TOF.file}"))
+    notes = (_NOTE, "nothing is marked as held out")
+    name = path.absolute().parent.name if path.name == DATA else path.absolute().name
+    return Measurement(name, Kind.DRIVE_LOG, Source("a dataset of symolo", files), trials, notes=notes)
+
+
+def _trial(run: Path) -> Trial:
+    rows = read_rows(run / DATA)
+    wheels, tof = _side(run, WHEELS, rows), _side(run, TOF, rows)
+    t_s = 1e-3 * rows.t_ms
+    drive = [
+        Channel.logged(TimeSeries(name, unit, t_s, wheels[:, WHEELS.header.index(column)].copy()), role)
+        for name, (column, unit, role) in _DRIVE.items()
+    ]
+    status = tof[:, 1:]
+    seen = row_channels(rows, status == TofStatus.NO_TARGET, status == TofStatus.HELD)
+    return trial_of(f"{run.absolute().parent.name}/{run.absolute().name}", rows, (*drive, *seen))
+
+
+def _side(run: Path, table: SideTable, rows: Rows) -> Floats:
+    """The numbers of a side table, at the rows of data.csv.
+
+    Raises:
+        InputError: It is missing, of another form, or at other times.
+    """
+    path = run / SIDE / table.file
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", where=str(path), cure="make the run again") from None
+    numbers, faults = parse_table(data, table.header)
+    if faults:
+        raise InputError(faults[0].what, where=f"{path}: row {faults[0].line}", cure="mend or remove the row")
+    if not np.array_equal(numbers[:, 0], rows.t_ms):
+        raise InputError(f"column t is not that of {DATA}", where=str(path), cure="make the run again")
+    return numbers
+
+
+IMPORTER = Importer("run", "run folder of a dataset of symolo, or a whole release", _recognises, _read)

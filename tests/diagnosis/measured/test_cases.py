@@ -1,0 +1,312 @@
+"""The four kinds of measured case: what is read of good ones, and what is said of bad ones."""
+
+import re
+
+import numpy as np
+import pytest
+
+from configs.errors import InputError
+from diagnosis.importers import IMPORTERS
+from diagnosis.importers.choose import read_measurement
+from diagnosis.measured.channel import Quality, Role
+from diagnosis.measured.measurement import Kind
+from diagnosis.measured.overview import overview
+from diagnosis.measured.write_case import csv_of, write_case
+
+KINDS = ("motor_steady", "motor_step", "tof_bench", "drive_log")
+GOOD, MISSING, NO_TARGET = Quality.GOOD, Quality.MISSING, Quality.NO_TARGET
+
+
+def read(path):
+    return read_measurement(path, IMPORTERS)
+
+
+def refusal(path):
+    with pytest.raises(InputError) as told:
+        read(path)
+    text = str(told.value)
+    assert "\n" not in text
+    return text
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_case_is_recognised_by_its_nominal_file(case, kind):
+    found = read(case(kind))
+    assert (found.kind, found.name) == (Kind(kind), kind)
+    assert found.nominal.kind == kind
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_case_is_found_by_either_of_its_files_too(case, kind):
+    folder = case(kind)
+    assert read(folder / "data.csv").rows == read(folder / "nominal.yaml").rows == read(folder).rows
+
+
+def test_sweeps_are_trials_whose_time_counts_on(case):
+    up, down = read(case("motor_steady")).trials
+    assert (up.name, down.name) == ("1", "2")
+    np.testing.assert_array_equal(down.t_s, [9.0, 12.0])
+    assert up.begins_s == down.begins_s == 0.0
+    np.testing.assert_array_equal(up.holdout, [False, False, True])
+    np.testing.assert_array_equal(down["omega_rad_s"].quality, [MISSING, GOOD])
+    np.testing.assert_array_equal(up["current_A"].noise_sd, [0.001] * 3)
+    assert (up["u_cmd_V"].role, up["u_cmd_V"].unit, up["u_cmd_V"].noise_sd) == (Role.INPUT, "V", None)
+
+
+def test_trials_of_steps_keep_their_place_in_the_session(case):
+    first, second = read(case("motor_step")).trials
+    assert (first.begins_s, second.begins_s) == (0.0, pytest.approx(2.0))
+    assert second.holdout.all()
+    assert not first.holdout.any()
+    assert np.isnan(first["current_A"].values[2])
+    assert first["omega_rad_s"].noise_correlation == 0.3
+
+
+def test_noise_of_a_range_is_the_polynomial_at_its_distance(case):
+    (trial,) = read(case("tof_bench")).trials
+    beyond = 0.54 - 0.18
+    by_hand_m = 1e-3 * (1.4 + 4.88 * beyond + 2.51 * beyond**2 + 1.15 * beyond**3)
+    np.testing.assert_allclose(trial["reading_m"].noise_sd[[1, 2]], [1.4e-3, by_hand_m])
+    np.testing.assert_array_equal(trial["reading_m"].quality, [GOOD, MISSING, NO_TARGET])
+    assert trial["reading_m"].values[2] == 8.19
+    assert trial.label("material").values == ("wood", "plastic", "wood")
+
+
+def test_what_a_drive_did_not_see_or_log_is_marked_not_mended(case):
+    first, _ = read(case("drive_log")).trials
+    np.testing.assert_array_equal(first["tof_left_m"].quality, [MISSING, NO_TARGET, NO_TARGET])
+    np.testing.assert_array_equal(first["u_left_V"].quality, [GOOD, GOOD, MISSING])
+    np.testing.assert_array_equal(first["y_m"].quality, [GOOD, GOOD, MISSING])
+    np.testing.assert_array_equal(first["enc_right_ticks"].values, [0, 5, 11])
+    assert {name: first[name].clock for name in ("x_m", "theta_rad", "enc_left_ticks")} == {
+        "x_m": "camera",
+        "theta_rad": "camera",
+        "enc_left_ticks": "log",
+    }
+
+
+def test_channels_that_were_never_logged_are_named(case, text):
+    lines = text("drive_log").splitlines()
+    cells = [line.split(",") for line in lines[1:]]
+    data = "\n".join([lines[0], *(",".join([*row[:6], "", "", *row[8:]]) for row in cells)]) + "\n"
+    found = read(case("drive_log", data=data))
+    assert "not logged: u_left_V, u_right_V" in found.notes
+    assert not found.trials[0]["u_left_V"].is_offered
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_case_comes_back_from_what_was_written(case, kind, tmp_path):
+    found = read(case(kind))
+    write_case(found, tmp_path / "again" / kind)
+    again = read(tmp_path / "again" / kind)
+    assert again.nominal == found.nominal
+    assert csv_of(again) == csv_of(found)
+    for before, after in zip(found.trials, again.trials, strict=True):
+        assert (before.name, before.begins_s, before.labels) == (after.name, after.begins_s, after.labels)
+        np.testing.assert_array_equal(before.holdout, after.holdout)
+        for channel in before.channels:
+            np.testing.assert_array_equal(channel.values, after[channel.name].values)
+            np.testing.assert_array_equal(channel.quality, after[channel.name].quality)
+
+
+def test_columns_may_stand_in_any_order(case, text):
+    rows = [line.split(",") for line in text("motor_step").splitlines()]
+    turned = "\n".join(",".join(row[::-1]) for row in rows) + "\n"
+    assert csv_of(read(case("motor_step", data=turned))) == csv_of(read(case("motor_step")))
+
+
+def changed(row, column, value):
+    """The text of motor_step's data.csv with one cell replaced, rows and columns from 1."""
+
+    def change(text):
+        lines = [line.split(",") for line in text.splitlines()]
+        lines[row - 1][column - 1] = value
+        return "\n".join(map(",".join, lines)) + "\n"
+
+    return change
+
+
+BAD_STEPS = {
+    "misspelt column": (
+        changed(1, 6, "curent_A"),
+        "row 1: column curent_A is not known.*did you mean current_A.*rename",
+    ),
+    "column in another unit": (changed(1, 6, "current_mA"), "row 1: column current_mA.*convert it to A and rename"),
+    "column twice": (changed(1, 6, "omega_rad_s"), "row 1: column omega_rad_s is there twice"),
+    "column too many": (
+        lambda text: (
+            "\n".join(f"{line},1" if i else f"{line},extra" for i, line in enumerate(text.splitlines())) + "\n"
+        ),
+        "row 1: column extra is not known.*remove it",
+    ),
+    "column missing": (
+        lambda text: "\n".join(line.rpartition(",")[0] for line in text.splitlines()) + "\n",
+        "row 1: column omega_rad_s is missing.*empty cells",
+    ),
+    "no header": (lambda text: text.partition("\n")[2].replace("fit", "0").replace("holdout", "1"), "row 1: no header"),
+    "semicolons": (lambda text: text.replace(",", ";"), "row 1: one column.*commas, not with ';'"),
+    "nan": (changed(3, 6, "nan"), "row 3: column current_A: got 'nan'.*leave the cell empty"),
+    "inf": (changed(3, 7, "-inf"), "row 3: column omega_rad_s: got '-inf'"),
+    "null": (changed(4, 7, "null"), "row 4: column omega_rad_s: got 'null'.*leave the cell empty"),
+    "word": (changed(2, 5, "full"), "row 2: column u_cmd_V: got 'full'"),
+    "underscore": (changed(2, 5, "1_0"), "row 2: column u_cmd_V: got '1_0'"),
+    "decimal comma": (changed(3, 6, "0,98"), "row 3: 8 columns; allowed: 7.*decimals take a point"),
+    "input missing": (changed(3, 5, ""), "row 3: column u_cmd_V: got ''"),
+    "time missing": (changed(3, 4, ""), "row 3: column t_s: got ''"),
+    "unknown split": (changed(3, 2, "held"), "row 3: column split: got 'held'.*fit, holdout"),
+    "trial is no number": (changed(3, 1, "1.5"), "row 3: column trial: got 1.5.*whole number"),
+    "trial comes again": (changed(3, 1, "2"), "row 4: column trial: 1 comes again.*sort"),
+    "time repeats": (changed(3, 4, "0.005"), "row 3: column t_s: 0.005 repeats 0.005 of the row above"),
+    "time goes back": (changed(4, 4, "0.007"), "row 4: column t_s: 0.007 goes back from 0.01 of the row above"),
+    "session goes back": (changed(5, 3, "0.001"), "row 5: column session_time_s"),
+    "row cut off": (lambda text: text[: text.rindex(",")], "row 6: 6 columns; allowed: 7.*cut off"),
+    "blank row": (lambda text: text.replace("1,fit,0.010", "\n1,fit,0.010"), "row 3: 1 columns; allowed: 7"),
+    "empty file": (lambda _: "", "data.csv: is empty"),
+    "header alone": (lambda text: text.partition("\n")[0] + "\n", "has no rows below the header"),
+    "no text": (lambda _: b"\xff\xfa\x00\n", "row 1: is no UTF-8 text"),
+    "UTF-16": (lambda text: text.encode("utf-16"), "is UTF-16 text; save it as UTF-8"),
+    "old line ends": (lambda text: text.replace("\n", "\r"), "row 1: a carriage return within the row"),
+    "NUL bytes": (changed(3, 6, "0.9\x00"), "row 3: column current_A"),
+    "times in ms": (
+        lambda text: re.sub(r"(?<=fit,)([0-9.]+),([0-9.]+)", lambda m: f"{m[1]},{1000 * float(m[2]):g}", text),
+        "column t_s: rows are 5 s apart.*divide by 1000",
+    ),
+    "voltages in mV": (
+        lambda text: text.replace(",3.0,", ",3000,").replace(",-3.0,", ",-3000,"),
+        "column u_cmd_V: most values are out of scale.*this looks like mV: divide by 1000",
+    ),
+    "one voltage out of reach": (changed(3, 5, "300"), "row 3: column u_cmd_V: got 300.*allowed: -60 to 60 V"),
+}
+
+
+@pytest.mark.parametrize("fault", BAD_STEPS)
+def test_a_bad_log_is_refused_with_file_row_and_column(case, text, fault):
+    spoil, said = BAD_STEPS[fault]
+    told = refusal(case("motor_step", data=spoil(text("motor_step"))))
+    assert "data.csv" in told
+    assert re.search(said, told), told
+
+
+def test_a_huge_file_is_refused_before_it_is_read(case, monkeypatch):
+    monkeypatch.setattr("diagnosis.measured.text_file.LARGEST_BYTES", 100)
+    assert re.search(r"data.csv: is too large.*split it", refusal(case("motor_step")))
+
+
+@pytest.mark.parametrize("column", ["distance_m", "reading_m"])
+def test_millimetres_under_a_header_in_metres_are_refused(case, text, column):
+    names = text("tof_bench").splitlines()[0].split(",")
+    rows = [line.split(",") for line in text("tof_bench").splitlines()[1:]]
+    for row in rows:
+        cell = row[names.index(column)]
+        row[names.index(column)] = f"{1000 * float(cell):g}" if cell else ""
+    told = refusal(case("tof_bench", data="\n".join(map(",".join, [names, *rows])) + "\n"))
+    assert re.search(rf"column {column}: most values are out of scale.*mm.*: divide by 1000", told)
+
+
+def test_a_wild_reading_is_no_wrong_unit(case, text):
+    found = read(case("tof_bench", data=text("tof_bench").replace("902,0.321", "902,4321")))
+    assert found.trials[0]["reading_m"].values[0] == 4321
+
+
+def test_speeds_in_rpm_are_told_by_what_the_motor_can_do(case):
+    rows = [f"{i},1,fit,{i}.0,{u},0.08,{u / 0.3 * 30 / np.pi:.3f}" for i, u in enumerate((2.0, 3.0, 4.0, 5.0), 1)]
+    data = "\n".join(["row,sweep,split,t_s,u_cmd_V,current_A,omega_rad_s", *rows]) + "\n"
+    (note,) = read(case("motor_steady", data=data)).notes
+    assert re.search("CHECK THE UNIT of omega_rad_s.*9.55 times.*rpm: divide by 9.549", note)
+
+
+def test_degrees_under_a_header_in_radians_are_told_by_what_the_wheels_did(case, text):
+    """Turning on the spot: opposite counts, of which 1920 are a turn of a wheel of 30 mm at 80 mm from the middle."""
+    per_tick_deg = np.degrees(2 * 2 * np.pi * 0.03 / 1920 / 0.16)
+    rows = [
+        f"1,fit,{t:.2f},{t:.2f},,,,,{-n},{n},,,,1.0,0.8,{n * per_tick_deg:.4f}"
+        for n in range(0, 800, 20)
+        for t in [n / 400]
+    ]
+    data = "\n".join([text("drive_log").splitlines()[0], *rows]) + "\n"
+    notes = read(case("drive_log", data=data)).notes
+    assert any(re.search("CHECK THE UNIT of theta_rad.*57.3 times.*degrees", note) for note in notes)
+
+
+def test_an_unknown_material_names_its_row_and_the_nearest(case, text):
+    told = refusal(case("tof_bench", data=text("tof_bench").replace("plastic", "plastik")))
+    assert re.search("row 3: column material: got 'plastik'.*did you mean plastic", told)
+
+
+def test_a_byte_order_mark_and_windows_line_ends_are_read(case, text):
+    data = b"\xef\xbb\xbf" + text("motor_step").replace("\n", "\r\n").encode()
+    found = read(case("motor_step", data=data))
+    assert csv_of(found) == csv_of(read(case("motor_step")))
+
+
+def test_mixed_line_ends_are_read_and_said(case, text):
+    found = read(case("motor_step", data=text("motor_step").replace("\n", "\r\n", 2)))
+    assert any("mixes line ends: 2 of 6 rows" in note for note in found.notes)
+    assert found.rows == 5
+
+
+def test_a_last_number_without_line_end_is_taken_for_missing_and_said(case, text):
+    found = read(case("motor_step", data=text("motor_step").removesuffix("\n")))
+    assert found.trials[1]["omega_rad_s"].quality[-1] == MISSING
+    assert any("column omega_rad_s may be cut off" in note for note in found.notes)
+
+
+BAD_NOMINAL = {
+    "unknown kind": ("kind: motor_stedy\n", "kind: got 'motor_stedy'.*did you mean motor_steady"),
+    "no kind": ("motor: {}\n", "kind: got nothing"),
+    "unknown key": ("kind: motor_step\nmotr: 1\n", r"nominal.yaml:2: motr: unknown key.*did you mean motor"),
+    "negative resistance": (
+        lambda text: text.replace("{value: 3.0,", "{value: -3.0,"),
+        "winding_resistance_ohm.value: got -3",
+    ),
+    "no tolerance": (lambda text: text.replace(", tolerance: 0.03}", "}"), "winding_resistance_ohm.tolerance: missing"),
+    "no YAML": ("kind: [motor_step\n", "not valid YAML"),
+}
+
+
+@pytest.mark.parametrize("fault", BAD_NOMINAL)
+def test_bad_nominal_parameters_are_refused_with_line_and_field(case, fault):
+    spoil, said = BAD_NOMINAL[fault]
+    good = (case("motor_step") / "nominal.yaml").read_text()
+    told = refusal(case("motor_step", nominal=spoil(good) if callable(spoil) else spoil))
+    assert "nominal.yaml" in told
+    assert re.search(said, told), told
+
+
+def test_a_case_without_its_data_says_which_file_lacks(case):
+    folder = case("motor_step")
+    (folder / "data.csv").unlink()
+    assert "there is no data.csv" in refusal(folder)
+
+
+def test_an_unknown_folder_says_what_would_be_known(tmp_path):
+    assert re.search("is none of the measured data.*motor_steady.*nominal.yaml and data.csv", refusal(tmp_path))
+
+
+def test_a_path_that_is_not_there_is_said_to_be_so(tmp_path):
+    assert "no such file or folder" in refusal(tmp_path / "nowhere")
+
+
+TOLD = {
+    "motor_steady": r"omega_rad_s +rad/s +reading +5 +1 +- +- +- +0 +15.71 ",
+    "motor_step": r"current_A +A +reading +5 +1 +- +- +- +-0.99 +0.98 ",
+    "tof_bench": r"reading_m +m +reading +3 +1 +1 +- +- +0.321 +0.321 ",
+    "drive_log": r"tof_left_m +m +reading +5 +3 +2 +- +- +- +- ",
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_overview_counts_what_is_missing_and_without_target(case, kind):
+    lines = overview(read(case(kind)))
+    assert lines[0].startswith(f"{kind}: {kind}, ")
+    assert any(re.match(TOLD[kind], line) for line in lines), "\n".join(lines)
+
+
+def test_a_range_bench_that_noted_distances_alone_is_read(case, text):
+    """Ten times the same board, without a word of material, angle, temperature or light."""
+    rows = [f"{i},fit,{i}.0,0.2,,,,,0.2{i % 3:02}" for i in range(1, 13)]
+    found = read(case("tof_bench", data="\n".join([text("tof_bench").splitlines()[0], *rows]) + "\n"))
+    assert "not logged: incidence_rad, temperature_C, ambient_lux" in found.notes
+    lines = overview(found)
+    assert "material: (not noted)" in lines
+    assert any(re.search(r"^reading_m .* 11 repeats", line) for line in lines)

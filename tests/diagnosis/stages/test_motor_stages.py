@@ -1,0 +1,105 @@
+"""Predictions of the motor's stages against closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+
+from configs.draw import draw_robot
+from configs.loader import load_section
+from configs.schema.terms.motor import FrictionWarmup
+from diagnosis.measured.channel import Channel, Role
+from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from diagnosis.measured.nominal import NominalSteady, NominalStep
+from diagnosis.nominal_robot import nominal_robot
+from diagnosis.stages import STAGES
+from physics.trajectory import TimeSeries
+
+R, K, B, TC, J = 3.0, 0.3, 0.002, 0.02, 0.003
+DAMPING = K * K / R + B
+TAU_S = J / DAMPING
+
+
+def spread(value):
+    return {"value": value, "tolerance": 0.01 * value}
+
+
+STEADY_MOTOR = {
+    "winding_resistance_ohm": spread(R),
+    "torque_constant_N_m_A": spread(K),
+    "viscous_friction_N_m_s_rad": spread(B),
+    "coulomb_friction_N_m": spread(TC),
+    "supply_voltage_V": 7.4,
+}
+MOTOR = {
+    **STEADY_MOTOR,
+    "rotor_inertia_kg_m2": spread(J),
+    "motor_side_inertia_fraction": 0.6,
+    "motor_side_friction_fraction": 0.5,
+}
+
+
+@pytest.fixture(scope="module")
+def carrier():
+    return draw_robot(load_section("robot", "nominal"), 1, "test")[0]
+
+
+@pytest.fixture(scope="module")
+def robot(carrier):
+    noise = {"current_A": 0.01, "omega_rad_s": 0.1, "lag1_correlation": 0.3}
+    case = {"kind": "motor_step", "motor": MOTOR, "sample_rate_Hz": 200, "noise": noise}
+    return nominal_robot(NominalStep.model_validate(case), carrier)
+
+
+def trial(name, t_s, voltage, begins_s=0.0, *, is_timed=True):
+    t_s = np.array(t_s, dtype=float)
+    channel = Channel.logged(TimeSeries("u_cmd_V", "V", t_s, np.array(voltage, dtype=float)), Role.INPUT)
+    return Trial(name, t_s, np.zeros(len(t_s), dtype=bool), (channel,), begins_s=begins_s, is_timed=is_timed)
+
+
+def predict(kind, robot, *trials):
+    (stage,) = STAGES[kind]
+    measurement = Measurement("case", kind, Source("made here", ()), trials)
+    return [{series.name: series.values for series in prediction} for prediction in stage(measurement, robot)]
+
+
+def test_a_settled_motor_balances_its_torques(carrier):
+    case = {"kind": "motor_steady", "motor": STEADY_MOTOR, "noise": {"current_A": 0.001, "omega_rad_s": 0.04}}
+    robot = nominal_robot(NominalSteady.model_validate(case), carrier)
+    (found,) = predict(Kind.MOTOR_STEADY, robot, trial("1", range(5), [0.0, 0.19, 2.0, -5.0, math.nan]))
+    speed = [0.0, 0.0, (K * 2.0 / R - TC) / DAMPING, -(K * 5.0 / R - TC) / DAMPING, math.nan]
+    current = [(u - K * w) / R for u, w in zip((0.0, 0.19, 2.0, -5.0, math.nan), speed, strict=True)]
+    np.testing.assert_allclose(found["omega_rad_s"], speed, rtol=1e-9)
+    np.testing.assert_allclose(found["current_A"], current, rtol=1e-9)
+
+
+def test_a_sweep_taken_later_has_a_warmer_gear(robot):
+    """Friction is 1.5 times its value when switched on and has fallen to 1.5/e above it after 100 s."""
+    warm = robot.with_term(FrictionWarmup(amplitude=0.5, time_constant_s=100.0))
+    first, second = predict(Kind.MOTOR_STEADY, warm, trial("1", [0.0], [2.0]), trial("2", [100.0], [2.0]))
+    for found, share in ((first, 1.5), (second, 1 + 0.5 / math.e)):
+        assert found["omega_rad_s"][0] == pytest.approx((K * 2.0 / R - share * TC) / DAMPING)
+
+
+def test_a_step_from_rest_is_an_exponential(robot):
+    t = 0.005 * np.arange(1, 101)
+    (found,) = predict(Kind.MOTOR_STEP, robot, trial("1", t, np.full(100, 3.0)))
+    settled = (K * 3.0 / R - TC) / DAMPING
+    np.testing.assert_allclose(found["omega_rad_s"], settled * (1 - np.exp(-t / TAU_S)), rtol=1e-6)
+    np.testing.assert_allclose(found["current_A"], (3.0 - K * found["omega_rad_s"]) / R, rtol=1e-6)
+
+
+def test_rows_that_a_log_lacks_do_not_move_the_others(robot):
+    t, voltage = 0.005 * np.arange(1, 101), np.repeat([0.0, 4.0, -2.0, 0.0], 25)
+    kept = np.ones(100, dtype=bool)
+    kept[[7, 8, 40, 99]] = False
+    whole, gappy = predict(Kind.MOTOR_STEP, robot, trial("1", t, voltage), trial("2", t[kept], voltage[kept], 0.5))
+    np.testing.assert_array_equal(gappy["omega_rad_s"], whole["omega_rad_s"][kept])
+
+
+def test_a_missing_voltage_is_the_one_before(robot):
+    t = 0.005 * np.arange(1, 41)
+    holed = np.full(40, 3.0)
+    holed[10:12] = math.nan
+    whole, patched = predict(Kind.MOTOR_STEP, robot, trial("1", t, np.full(40, 3.0)), trial("2", t, holed))
+    np.testing.assert_array_equal(patched["omega_rad_s"], whole["omega_rad_s"])

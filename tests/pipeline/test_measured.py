@@ -1,0 +1,95 @@
+"""`symolo measured`: what is said of measured data, and what is refused."""
+
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from diagnosis.importers.choose import read_measurement
+from diagnosis.measured.channel import Quality
+from pipeline.dataset.rows import read_rows
+from pipeline.importers import IMPORTERS
+
+
+def read(path):
+    return read_measurement(path, IMPORTERS)
+
+
+def test_the_paper_s_table_is_told(symolo):
+    ended = symolo("measured", "table-1")
+    assert (ended.code, ended.err) == (0, "")
+    assert ended.out.startswith("table-1: motor_steady, 1 trial, 21 rows (none held out)\n")
+    assert re.search(r"^omega_rad_s +rad/s +reading +21 .* 0 +14.32 ", ended.out, re.MULTILINE)
+
+
+def test_a_run_of_our_own_is_read_with_voltages_and_counts(dataset):
+    run = dataset / "CW" / "test_1"
+    (trial,) = read(run).trials
+    rows = read_rows(run / "data.csv")
+    wheels = np.genfromtxt(run / "side" / "wheels.csv", delimiter=",", names=True)
+    assert trial.name == "CW/test_1"
+    np.testing.assert_array_equal(trial["x_m"].values, rows.pose[:, 0])
+    np.testing.assert_array_equal(trial["u_left_V"].values, wheels["voltage_l"])
+    np.testing.assert_array_equal(trial["enc_right_ticks"].values, wheels["counts_r"])
+    no_target = trial["tof_left_m"].quality == Quality.NO_TARGET
+    np.testing.assert_array_equal(no_target, rows.tof_m[:, 1] == 2.0)
+    assert no_target.any()
+    assert {channel.clock for channel in trial.channels} == {"log"}
+
+
+def test_a_release_is_all_of_its_runs(dataset):
+    assert [trial.name for trial in read(dataset).trials] == ["CCW/test_1", "CW/test_1"]
+
+
+def test_a_data_csv_alone_has_pose_and_ranges_but_no_voltages(dataset, tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_bytes((dataset / "CW" / "test_1" / "data.csv").read_bytes())
+    found = read(path)
+    assert any("voltages, encoder counts" in note for note in found.notes)
+    assert any("2 m, comes" in note for note in found.notes)
+    (alone,), (run,) = found.trials, read(dataset / "CW" / "test_1").trials
+    np.testing.assert_array_equal(alone["tof_left_m"].quality, run["tof_left_m"].quality)
+    np.testing.assert_array_equal(alone["theta_rad"].values, run["theta_rad"].values)
+
+
+def test_side_tables_of_another_run_are_refused(copy_of, dataset, symolo):
+    root = copy_of(dataset)
+    wheels = root / "CW" / "test_1" / "side" / "wheels.csv"
+    lines = wheels.read_text().splitlines()
+    wheels.write_text("\n".join(lines[:-1]) + "\n")
+    ended = symolo("measured", root)
+    assert ended.code == 2
+    assert "wheels.csv: column t is not that of data.csv" in ended.err
+
+
+BAD = {
+    "nowhere": (["nowhere"], "no such file or folder"),
+    "nothing known": (["."], "is none of the measured data that are known"),
+    "no such importer": (["table-1", "--as", "papre"], "did you mean paper"),
+    "wrong importer": (["table-1", "--as", "motor_step"], "there is no nominal.yaml"),
+    "a picture": (["picture.png"], "is none of the measured data"),
+}
+
+
+@pytest.mark.parametrize("kind", BAD)
+def test_bad_input_is_one_line(kind, symolo, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "picture.png").write_bytes(b"\x89PNG\r\n\x1a\n\x00\x00\xff\xfe")
+    arguments, said = BAD[kind]
+    ended = symolo("measured", *arguments)
+    assert (ended.code, ended.out) == (2, "")
+    assert ended.err.startswith("symolo: ")
+    assert ended.err.count("\n") == 1
+    assert said in ended.err
+
+
+def test_help_loads_neither_engine_nor_numbers():
+    program = (
+        "import sys, pipeline.cli; code = pipeline.cli.main(['measured', '--help']); "
+        "print(*sorted({name.partition('.')[0] for name in sys.modules}), file=sys.stderr); sys.exit(code)"
+    )
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert "nominal.yaml" in ended.stdout
+    assert set(ended.stderr.split()).isdisjoint({"pybullet", "bpy", "matplotlib", "scipy"})
