@@ -111,7 +111,7 @@ class Plan:
     def _further(self) -> str:
         """What is assumed of lenses and annotations, where there are any."""
         widest = max(run.margin for run in self.runs)
-        lens = f"; {widest:.2g} times the pixels traced, for the margin behind the lens" if widest > 1 else ""
+        lens = f"; {widest:.2f} times the pixels traced, for the margin behind the lens" if widest > 1 else ""
         if not any(run.annotated for run in self.runs):
             return lens
         own = f"{1e6 * ANNOTATION_PIXEL_S:g} us a pixel and {RENDER_FRAME_S:g} s an image on one core"

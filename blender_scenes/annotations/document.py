@@ -1,5 +1,6 @@
 """annotations.json of a run: the tables that its PNG files refer to, and every record, in the manner of COCO."""
 
+import json
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
 
@@ -15,7 +16,7 @@ from blender_scenes.description import Intrinsics, Matrix4
 from blender_scenes.frame_files import frame_name
 from configs.schema.scenario import AnnotationName
 
-FORMAT = 1
+FORMAT = 2
 DOCUMENT = "annotations.json"
 
 ENCODINGS: dict[AnnotationName, str] = {
@@ -102,6 +103,10 @@ class Document:
     @classmethod
     def from_json(cls, data: bytes) -> "Document":
         """What `to_json` wrote; raises ValueError for anything else."""
+        content = json.loads(data)
+        told = content.get("format") if isinstance(content, dict) else None
+        if told != FORMAT:
+            raise ValueError(f"format {told}, expected {FORMAT}; annotate again with this version")
         return _DOCUMENT.validate_json(data)
 
 

@@ -72,7 +72,7 @@ class KeyPoint:
 
 @dataclass(frozen=True)
 class AnnotationJob(JobText):
-    FORMAT = 1
+    FORMAT = 2
     KIND = "annotation"
 
     kinds: tuple[AnnotationName, ...]

@@ -58,8 +58,8 @@ def _screens_W(seen: Seen) -> Array:
         triangles(mesh) for mesh, category in zip(scene.meshes, categories, strict=True) if category not in ON_THE_FLOOR
     ]
     for mesh, pose in zip(scene.moving, seen.view.moving, strict=True):
-        X_WO = pose_X_WR(*pose)
-        found.append(triangles(mesh) @ X_WO[:3, :3].T + X_WO[:3, 3])
+        X_WI = pose_X_WR(*pose)
+        found.append(triangles(mesh) @ X_WI[:3, :3].T + X_WI[:3, 3])
     return np.concatenate([np.empty((0, 3, 3)), *found])
 
 

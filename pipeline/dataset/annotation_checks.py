@@ -9,6 +9,7 @@ from blender_scenes.annotations.document import DOCUMENT, ENCODINGS, Document
 from blender_scenes.annotations.instances import CATEGORIES
 from blender_scenes.annotations.job import RECORDS, picture_file
 from blender_scenes.camera import intrinsics
+from blender_scenes.frame_files import frame_name
 from configs.schema.scenario import RunSpec
 from pipeline.dataset.camera_model import camera_table
 from pipeline.dataset.metadata import RunRecord
@@ -29,6 +30,9 @@ _FORMS = {
 
 _POSE_TOLERANCE = 1e-6
 """In ms, m, and of the components of unit vectors."""
+
+_LAST_ID = 2**16 - 1
+"""Of an instance: its picture has 16 bits."""
 
 Fault = tuple[str, str]
 """A file within the folder, nothing for the folder itself, and what is wrong with it."""
@@ -55,8 +59,11 @@ def annotation_faults(folder: Path, rows: Rows, record: RunRecord, spec: RunSpec
             if spec is not None:
                 yield from _camera_faults(document, rows, spec)
             yield from _document_faults(document, numbers, known)
-            category_of = {one.id: one.category_id for one in document.instances}
-            yield from _category_faults(folder, expected & there, category_of)
+            strange = list(_instance_faults(document))
+            yield from strange
+            if not strange:
+                category_of = {one.id: one.category_id for one in document.instances}
+                yield from _category_faults(folder, expected & there, category_of)
     for name in sorted((expected & there) - {DOCUMENT}):
         fault = _picture_fault(folder / name, record, known)
         if fault:
@@ -74,7 +81,7 @@ def _expected(numbers: Sequence[int], record: RunRecord) -> Iterator[str]:
 
 def _head_faults(document: Document, record: RunRecord) -> Iterator[Fault]:
     """What all images have in common, against the run."""
-    if set(document.kinds) != set(record.annotations):
+    if sorted(document.kinds) != sorted(record.annotations):
         yield DOCUMENT, f"is of {', '.join(document.kinds)}, metadata.json names {', '.join(record.annotations)}"
     if document.encodings != {kind: ENCODINGS[kind] for kind in document.kinds}:
         yield DOCUMENT, "encodings are not those of its annotations"
@@ -83,6 +90,12 @@ def _head_faults(document: Document, record: RunRecord) -> Iterator[Fault]:
     size = record.image_width_px, record.image_height_px
     if any((image.width, image.height) != size for image in document.images):
         yield DOCUMENT, f"images are of another size than {size[0]} x {size[1]} px"
+
+
+def _instance_faults(document: Document) -> Iterator[Fault]:
+    ids = [one.id for one in document.instances]
+    if len(set(ids)) < len(ids) or not all(0 < one <= _LAST_ID for one in ids):
+        yield DOCUMENT, f"ids of instances are not different numbers from 1 to {_LAST_ID}"
     strange = [one.name for one in document.instances if not 0 < one.category_id < len(CATEGORIES)]
     if strange:
         yield DOCUMENT, f"instance {strange[0]} is of a category that is not there"
@@ -106,7 +119,7 @@ def _category_faults(folder: Path, names: set[str], category_of: dict[int, int])
         if semantic is None or semantic.ndim != 2:
             continue  # which is told elsewhere
         if instance is not None and instance.shape == semantic.shape and set(np.unique(instance)) <= {0, *category_of}:
-            table = np.zeros(2**16, np.int64)
+            table = np.zeros(_LAST_ID + 1, np.int64)
             table[list(category_of)] = list(category_of.values())
             differ = np.count_nonzero(table[instance] != semantic)
             if differ:
@@ -129,10 +142,15 @@ def _decoded(path: Path) -> np.ndarray | None:
 def _document_faults(document: Document, numbers: Sequence[int], known: set[int]) -> Iterator[Fault]:
     if [image.id for image in document.images] != list(numbers):
         yield DOCUMENT, "images are not those of data.csv"
-    images = set(numbers)
+    for image in document.images:
+        if image.file_name.rpartition("/")[2] != frame_name(image.id):
+            yield DOCUMENT, f"file of image {image.id} is not that of data.csv"
+    images, category_of = set(numbers), {one.id: one.category_id for one in document.instances}
     for one in document.annotations:
         if one.image_id not in images or one.instance_id not in known:
             yield DOCUMENT, f"annotation {one.id} is of an image or an instance that is not there"
+        elif one.category_id != category_of.get(one.instance_id):
+            yield DOCUMENT, f"annotation {one.id} is not of its instance's category"
     points = {point.id for point in document.key_points}
     strays = [one for one in document.sightings if one.image_id not in images or one.key_point_id not in points]
     if strays:

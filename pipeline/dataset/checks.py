@@ -54,8 +54,11 @@ def check_run(root: Path, record: RunRecord) -> Iterator[Finding]:
     yield from _rows_checks(data, rows, record)
     yield from _images(run / "images", f"{record.run}/images", rows, record)
     yield from _positions(run / "image_positions.txt", f"{record.run}/image_positions.txt", rows)
-    yield from _side(run / "side", f"{record.run}/side", rows, record)
-    spec = _whole(_content(run / "side/spec.json"))
+    content, spec, faults = _specification(run / "side/spec.json", f"{record.run}/side/spec.json")
+    yield from faults
+    yield from _side(run / "side", f"{record.run}/side", rows, record, spec)
+    if content is not None:
+        yield from _obstacles(run / "side", f"{record.run}/side", content, rows, record)
     for file, what in annotation_faults(run / ANNOTATIONS, rows, record, spec):
         yield Finding(f"{record.run}/{ANNOTATIONS}/{file}".rstrip("/"), what)
 
@@ -158,39 +161,28 @@ def _positions(path: Path, name: str, rows: Rows) -> Iterator[Finding]:
     )
 
 
-def _side(folder: Path, name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:
+def _specification(path: Path, name: str) -> tuple[object, RunSpec | None, list[Finding]]:
+    """What JSON a run's specification is, None where it is none, what it says where it is whole, and its fault."""
+    try:
+        content = json.loads(path.read_bytes())
+    except (OSError, ValueError) as error:
+        return None, None, [Finding(name, f"cannot be read: {error}")]
+    try:
+        return content, RunSpec.model_validate_json(json.dumps(content)), []
+    except ValidationError as error:
+        first = error.errors()[0]
+        return content, None, [Finding(name, f"{'.'.join(map(str, first['loc']))}: {first['msg']}")]
+
+
+def _side(folder: Path, name: str, rows: Rows, record: RunRecord, spec: RunSpec | None) -> Iterator[Finding]:
     for side, times in ((WHEELS, rows.t_ms), (TOF, rows.t_ms), (CAMERA, rows.t_ms[rows.image > 0])):
         table, faults = _table(folder / side.file, side.header)
         yield from _limited(f"{name}/{side.file}", faults)
         if len(table) and not np.array_equal(table[:, side.header.index("t")], times):
             yield Finding(f"{name}/{side.file}", "column t is not that of data.csv")
-    try:
-        content = json.loads((folder / "spec.json").read_bytes())
-    except (OSError, ValueError) as error:
-        yield Finding(f"{name}/spec.json", f"cannot be read: {error}")
-        content = None
-    spec = _whole(content)
     yield from _camera_model(folder / INTRINSICS, f"{name}/{INTRINSICS}", record, spec)
     if spec is not None:
         yield from _camera_poses(folder / CAMERA.file, f"{name}/{CAMERA.file}", rows, spec)
-    if content is not None:
-        yield from _obstacles(folder, name, content, rows, record)
-
-
-def _content(path: Path) -> object:
-    """Of a JSON file; None where it is damaged."""
-    try:
-        return json.loads(path.read_bytes())
-    except (OSError, ValueError):
-        return None
-
-
-def _whole(content: object) -> RunSpec | None:
-    """The run specification, None where it is damaged."""
-    try:
-        return RunSpec.model_validate_json(json.dumps(content))
-    except ValidationError:
-        return None
 
 
 def _camera_model(path: Path, name: str, record: RunRecord, spec: RunSpec | None) -> Iterator[Finding]:

@@ -161,6 +161,37 @@ DAMAGE = {
         "semantic/000001.png",
         r"differs in \d+ pixels",
     ),
+    "format": (document(lambda d: d.update(format=1)), "annotations.json", r"cannot be read: format 1, expected \d"),
+    "an id beyond 16 bits": (
+        document(lambda d: d["instances"].append({"id": 2**70, "name": "x", "category_id": 1, "moves": False})),
+        "annotations.json",
+        "ids of instances are not different numbers from 1 to 65535",
+    ),
+    "an id twice": (
+        document(lambda d: d["instances"].append(d["instances"][0])),
+        "annotations.json",
+        "ids of instances are not different",
+    ),
+    "a category of no integer's size": (
+        document(lambda d: d["instances"][0].update(category_id=2**70)),
+        "annotations.json",
+        "of a category that is not there",
+    ),
+    "category of a thing": (
+        document(
+            lambda d: d["annotations"].append(
+                {"id": 1, "image_id": 1, "category_id": 99, "instance_id": d["instances"][0]["id"]}
+            )
+        ),
+        "annotations.json",
+        "is not of its instance's category",
+    ),
+    "file of an image": (
+        document(lambda d: d["images"][1].update(file_name="images/frame_000001.jpg")),
+        "annotations.json",
+        "file of image 2 is not that of data.csv",
+    ),
+    "a kind twice": (document(lambda d: d["kinds"].append("depth")), "annotations.json", "is of depth, .* names"),
     "key point": (document(lambda d: d["key_points"].clear()), "annotations.json", "a key point that is not there"),
 }
 

@@ -176,6 +176,11 @@ CONTENT = {
         f"{RUN}/side/intrinsics.json",
         "is of pictures of 64 x 24 px, metadata.json says 32 x 24",
     ),
+    "a specification that is none": (
+        edit(f"{RUN}/side/spec.json", lambda text: re.sub(r'("focal_length_mm": ?)[0-9.]+', r"\g<1>0.0", text)),
+        f"{RUN}/side/spec.json",
+        r"robot\.camera\.focal_length_mm: Input should be",
+    ),
     "specification cut": (cut(f"{RUN}/side/spec.json", 100), f"{RUN}/side/spec.json", "cannot be read"),
     "metadata missing": (remove("metadata.json"), "metadata.json", "cannot be read"),
     "metadata is no JSON": (cut("metadata.json", 50), "metadata.json", "Invalid JSON"),
