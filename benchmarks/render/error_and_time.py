@@ -199,19 +199,21 @@ def plot(rows: list[Row], size: tuple[int, int], file: Path) -> None:
     from matplotlib import pyplot as plt  # noqa: PLC0415 - after the choice of the backend
 
     looks = list(dict.fromkeys(r.look for r in rows))
-    figure, panes = plt.subplots(1, len(looks), figsize=(5.2 * len(looks), 4.4), sharey=True, squeeze=False)
+    figure, panes = plt.subplots(1, len(looks), figsize=(5 * len(looks), 5.4), sharey=True, squeeze=False)
     for look, pane in zip(looks, panes[0], strict=True):
         here = [r for r in rows if r.look == look]
         for family, mark in (("ours", "o-"), ("plain loop", "s-"), ("BlenderProc", "^")):
             series = sorted((r.core_s, r.psnr_dB) for r in here if r.family == family)
-            pane.plot([x for x, _ in series], [y for _, y in series], mark, label=family)
+            if series:
+                pane.plot([x for x, _ in series], [y for _, y in series], mark, label=family)
         for r, line in zip((r for r in here if r.family == "yardstick"), ("-", "--", ":"), strict=True):
             pane.axhline(r.psnr_dB, color="0.5", linestyle=line, linewidth=1, label=r.contender)
         pane.set(xscale="log", title=look, xlabel=f"core-seconds a frame of {size[0]} x {size[1]} px")
         pane.grid(alpha=0.3, which="both")
+    handles, labels = panes[0][0].get_legend_handles_labels()
     panes[0][0].set_ylabel("PSNR against the reference [dB]")
-    panes[0][-1].legend(fontsize=7, loc="lower right")
-    figure.tight_layout()
+    figure.legend(handles, labels, fontsize=8, loc="lower center", ncols=3)
+    figure.tight_layout(rect=(0, 0.11, 1, 1))
     figure.savefig(file, dpi=110)
 
 

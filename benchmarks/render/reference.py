@@ -54,7 +54,7 @@ def _of_seed(job: RenderJob, samples: int, seed: int, folder: Path, threads: int
         with Painter("painter.py", job, settings, threads, sys.executable) as painter:
             for number in missing:
                 cost = painter.paint([number])
-                _keep(_clean(painter.light(number)), files[number])
+                _keep(clean(painter.light(number)), files[number])
                 print(f"  reference {number}, seed {seed}: {cost.core_s:.0f} core-s", file=sys.stderr, flush=True)
     gains = {view.number: np.array(view.light_gain, np.float32) for view in job.frames}
     return {number: np.load(file) * gains[number] for number, file in files.items()}
@@ -66,7 +66,7 @@ def _file_name(job: RenderJob, number: int, samples: int, seed: int) -> str:
     return f"{hashlib.sha256(told.encode()).hexdigest()[:24]}.npy"
 
 
-def _clean(passes: np.ndarray) -> np.ndarray:
+def clean(passes: np.ndarray) -> np.ndarray:
     """(H, W, 3) light of the (5, H, W, 3) `PASSES`."""
     of = dict(zip(PASSES, passes, strict=True))
     diffuse = of["DiffDir"] + of["DiffInd"]
