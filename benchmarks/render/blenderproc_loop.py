@@ -4,8 +4,8 @@
 
 Runs in an environment of its own, outside of this project's, made by `python3.11 -m venv DIR` and
 
-    DIR/bin/python -m pip install blenderproc "bpy==4.5.*" "numpy<2" pydantic PyYAML opencv-python-headless pandas \\
-        scipy pybullet rich trimesh imageio gitpython scikit-image scikit-learn pypng
+    DIR/bin/python -m pip install blenderproc "bpy==4.5.*" "numpy<2" pydantic PyYAML opencv-python-headless \\
+        scipy rich trimesh imageio gitpython scikit-image scikit-learn pypng
 
 `blenderproc run` starts a Blender that it downloads; release 2.8.0 takes no bpy module instead. All that comes after is
 the same, so its package is entered past its `__init__`, which asks for that start, and `init` is followed step by step
@@ -24,7 +24,7 @@ import numpy as np
 from painter_side import Asked, Paint, own_replies, serve
 
 from blender_scenes.camera import pose_X_WR
-from blender_scenes.exr import read_exr
+from configs.assets.exr import read_exr
 
 _PREFIX = "rgb_"
 _LIGHT_PATHS = ("caustics_reflective", "caustics_refractive", "sample_clamp_indirect")

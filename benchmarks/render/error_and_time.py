@@ -261,13 +261,20 @@ def main() -> None:
         views = views_of(look, tuple(asked.poses), tuple(asked.size))
         found = references(views.job, asked.reference_samples, asked.cache, asked.threads)
         rows += yardsticks(views, found) + measured(views, found, asked)
+        if asked.out:
+            keep(rows, asked)  # after each look: the whole takes hours
     tell(rows)
-    if asked.out:
-        told = {name: value for name, value in vars(asked).items() if name not in {"out", "cache", "blenderproc"}}
-        text = json.dumps({"asked": told, "rows": [asdict(r) for r in rows]}, indent=1)
-        (asked.out / "error_and_time.json").write_text(text + "\n")
-        plot(rows, tuple(asked.size), asked.out / "error_and_time.png")
+
+
+def keep(rows: list[Row], asked: argparse.Namespace) -> None:
+    told = {name: value for name, value in vars(asked).items() if name not in {"out", "cache", "blenderproc"}}
+    text = json.dumps({"asked": told, "rows": [asdict(r) for r in rows]}, indent=1)
+    (asked.out / "error_and_time.json").write_text(text + "\n")
+    plot(rows, tuple(asked.size), asked.out / "error_and_time.png")
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except ChildProcessError as error:
+        raise SystemExit(str(error)) from None

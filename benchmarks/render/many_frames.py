@@ -17,8 +17,7 @@ import numpy as np
 from views import LOOKS, POSES, views_of
 
 from blender_scenes.job import RenderJob
-from blender_scenes.protocol import Request
-from blender_scenes.renderer import blender_files
+from blender_scenes.renderer import render_job
 
 _TURN_deg = 137.5
 """The golden angle: no view comes twice."""
@@ -26,20 +25,18 @@ _TURN_deg = 137.5
 
 def memory_MB(job: RenderJob, threads: int) -> list[float]:
     """Resident memory of the Blender process after each of the job's frames."""
+    seen: list[float] = []
+
+    def note(number: int) -> None:
+        seen.append(_children_MB())
+        if number % 200 == 0:
+            print(f"  {number} frames: {seen[-1]:.0f} MB", flush=True)
+
     with tempfile.TemporaryDirectory() as scratch:
-        file, images, blender = (Path(scratch, name) for name in ("job.json", "images", "blender"))
+        file = Path(scratch, "job.json")
         file.write_text(job.to_json())
-        images.mkdir()
-        blender.mkdir()
-        numbers = tuple(view.number for view in job.frames)
-        request = Request("pictures", str(file), str(images), numbers, threads, str(blender))
-        seen = []
-        for frame in blender_files(request, job.camera.width_px * job.camera.height_px):
-            seen.append(_children_MB())
-            (images / frame.file).unlink()
-            if frame.number % 200 == 0:
-                print(f"  {frame.number} frames: {seen[-1]:.0f} MB", flush=True)
-        return seen
+        render_job(file, Path(scratch, "images"), threads=threads, on_frame=note)
+    return seen
 
 
 def _children_MB() -> float:

@@ -17,7 +17,7 @@ from painter_side import Asked, Paint, own_replies, serve
 
 from blender_scenes.camera_response import develop, encode_jpeg
 from blender_scenes.description import FrameView
-from blender_scenes.exr import read_exr
+from configs.assets.exr import read_exr
 
 PASSES = ("Combined", "DiffCol", "DiffDir", "DiffInd", "Normal")
 _METERED = 1.0

@@ -1,7 +1,8 @@
 """Whether a frame's file is the same, byte by byte, however many threads render it and whatever came before it.
 
-Renders the same frames of each look with 1, 2 and 4 threads in Blender processes of their own, each in another order,
-and compares SHA-256 of the JPEG files, camera noise included. Ends with status 1 if any differs.
+Renders the same frames of each look with 1, 2 and 4 threads, in one Blender process or in parts as after an
+interruption, in another order each time, and compares SHA-256 of the JPEG files, camera noise included. Ends with
+status 1 if any differs.
 
     python benchmarks/render/threads.py [--looks night extreme] [--size 64 48]
 """
@@ -15,24 +16,19 @@ from pathlib import Path
 from views import LOOKS, POSES, views_of
 
 from blender_scenes.job import RenderJob
-from blender_scenes.protocol import Request
-from blender_scenes.renderer import blender_files
+from blender_scenes.renderer import render_job
 
-PLANS = {1: (1, 2, 3), 2: (3, 1, 2), 4: (2, 3, 1)}
-"""Threads -> numbers of frames in the order in which they are rendered."""
+PLANS = {1: ((1, 2, 3),), 2: ((3,), (1, 2)), 4: ((2,), (1, 3))}
+"""Threads -> numbers of the frames that each of its processes renders."""
 
 
-def hashes(job: RenderJob, threads: int, numbers: tuple[int, ...]) -> dict[int, str]:
+def hashes(job: RenderJob, threads: int, parts: tuple[tuple[int, ...], ...]) -> dict[int, str]:
     """SHA-256 of each frame's file, by number."""
     with tempfile.TemporaryDirectory() as scratch:
-        file, images = Path(scratch, "job.json"), Path(scratch, "images")
+        file = Path(scratch, "job.json")
         file.write_text(job.to_json())
-        images.mkdir()
-        blender = Path(scratch, "blender")
-        blender.mkdir()
-        request = Request("pictures", str(file), str(images), numbers, threads, str(blender))
-        samples = job.camera.width_px * job.camera.height_px * job.sampling.samples
-        return {frame.number: frame.sha256 for frame in blender_files(request, samples)}
+        sets = [render_job(file, Path(scratch, "images"), threads=threads, numbers=part) for part in parts]
+        return {picture.number: picture.sha256 for frames in sets for picture in frames.files}
 
 
 def main() -> None:
@@ -45,8 +41,8 @@ def main() -> None:
     for look in asked.looks:
         job = views_of(look, POSES[: len(PLANS)], tuple(asked.size)).noisy()
         job = replace(job, sampling=replace(job.sampling, samples=asked.samples))
-        found = {threads: hashes(job, threads, numbers) for threads, numbers in PLANS.items()}
-        for number in sorted(PLANS[1]):
+        found = {threads: hashes(job, threads, parts) for threads, parts in PLANS.items()}
+        for number in sorted(found[1]):
             of_frame = {threads: found[threads][number] for threads in PLANS}
             same = len(set(of_frame.values())) == 1
             differ += not same
