@@ -50,7 +50,7 @@ def plot(seen: list[float], file: Path) -> None:
 
     figure, pane = plt.subplots(figsize=(7, 3.5))
     pane.plot(np.arange(1, len(seen) + 1), seen, linewidth=1)
-    pane.set(xlabel="frames rendered", ylabel="resident memory of the Blender process [MB]", ylim=(0, 1.1 * max(seen)))
+    pane.set(xlabel="frames rendered", ylabel="memory of Blender [MB]", ylim=(0, 1.1 * max(seen)))
     pane.grid(alpha=0.3)
     figure.tight_layout()
     figure.savefig(file, dpi=110)
