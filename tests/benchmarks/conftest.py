@@ -6,4 +6,6 @@ import pytest
 @pytest.fixture(autouse=True)
 def _benchmarks_on_the_path(monkeypatch):
     """Benchmarks are scripts that import each other as they do when they are run."""
-    monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "benchmarks"))
+    folder = Path(__file__).parents[2] / "benchmarks"
+    monkeypatch.syspath_prepend(str(folder / "render"))
+    monkeypatch.syspath_prepend(str(folder))

@@ -1,0 +1,280 @@
+"""What a picture costs and how true it is: this renderer, a plain loop of Cycles, and BlenderProc, in turns.
+
+Each contender renders the same views in a process of its own, which is asked in its turn after a warm-up with one
+sample; core-seconds are those of all its threads. Ours and the plain loop develop and encode each picture within that
+time, BlenderProc writes its own OpenEXR instead. Light of all goes through one camera without noise, and its 8-bit
+pictures are compared with a converged reference's, beside what JPEG does to that. BlenderProc's defaults leave out
+mirror images and more, which counts as error; "our light paths" sets these as ours are.
+
+    python benchmarks/render/error_and_time.py --cache refs --out bench [--looks classroom lab] [--size 320 240]
+        [--poses 0.55,-0.20,90 ...] [--reference-samples 256] [--repetitions 3] [--blenderproc DIR/bin/python]
+
+See `blenderproc_loop.py` for its environment. FLIP needs `pip install flip-evaluator`, also in a folder on PYTHONPATH.
+"""
+
+import argparse
+import json
+import os
+import sys
+from contextlib import ExitStack
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from statistics import mean, median
+from typing import Any
+
+import cv2
+import matplotlib as mpl
+import numpy as np
+from image_error import HAS_FLIP, Picture, flip, mean_square, psnr_dB, ssim
+from painters import Cost, Painter
+from reference import LEAST_SAMPLES, Reference, references
+from views import LOOKS, POSES, Views, views_of
+
+from blender_scenes.camera_response import develop, encode_jpeg, median_luminance
+
+RUN_FRAMES = 200
+"""Over which a run spreads its start."""
+_DENOISED = {"use_denoising": True, "denoiser": "OPENIMAGEDENOISE", "denoising_input_passes": "RGB_ALBEDO_NORMAL"}
+BLENDERS_DEFAULT = {**_DENOISED, "denoising_prefilter": "ACCURATE", "denoising_quality": "HIGH"}
+BLENDERPROCS = {**BLENDERS_DEFAULT, "samples": 1024, "use_adaptive_sampling": True, "adaptive_threshold": 0.01}
+
+
+@dataclass(frozen=True)
+class Contender:
+    name: str
+    family: str
+    script: str
+    settings: dict[str, Any]
+    python: str = sys.executable
+
+
+@dataclass(frozen=True)
+class Row:
+    """One contender under one look."""
+
+    look: str
+    contender: str
+    family: str
+    core_s: float
+    """A frame, median over the repetitions."""
+    wall_s: float
+    core_s_in_a_run: float
+    """A frame with its share of the start, over `RUN_FRAMES`."""
+    psnr_dB: float
+    """Of the mean square over all poses."""
+    worst_psnr_dB: float
+    ssim: float
+    flip: float | None
+
+
+def contenders(asked: argparse.Namespace) -> list[Contender]:
+    found = [
+        Contender(
+            f"ours, {samples} {prefilter}/{quality}",
+            "ours",
+            "painter.py",
+            {
+                "kind": "ours",
+                "sampling": {"samples": samples, "prefilter": prefilter, "denoise_quality": quality, "denoise": True},
+            },
+        )
+        for samples, prefilter, quality in asked.ours
+    ]
+    for samples in asked.plain:
+        settings = {"kind": "plain", "cycles": {**BLENDERS_DEFAULT, "samples": samples}}
+        found.append(Contender(f"plain loop, {samples}", "plain loop", "painter.py", settings))
+    if asked.blenderproc:
+        for paths in asked.blenderprocs_light_paths:
+            python, settings = str(asked.blenderproc), {"light_paths": paths}
+            words = "defaults" if paths == "defaults" else "our light paths"
+            found.append(Contender(f"BlenderProc, {words}", "BlenderProc", "blenderproc_loop.py", settings, python))
+    elif asked.blenderprocs_settings:
+        settings = {"kind": "plain", "cycles": BLENDERPROCS}
+        found.append(Contender("plain loop, BlenderProc's settings", "plain loop", "painter.py", settings))
+    return found
+
+
+def _denoised(text: str) -> tuple[int, str, str]:
+    samples, prefilter, quality = text.split(",")
+    return int(samples), prefilter, quality
+
+
+def measured(views: Views, found: dict[int, Reference], asked: argparse.Namespace) -> list[Row]:
+    """All contenders under one look."""
+    numbers = [view.number for view in views.job.frames]
+    metered = median_luminance(np.concatenate([found[n].light().reshape(-1, 3) for n in numbers]))
+    true = {n: develop(found[n].light(), views.job.response, metered, n) for n in numbers}
+    with ExitStack() as stack:
+        painters = [
+            (rival, stack.enter_context(Painter(rival.script, views.job, rival.settings, asked.threads, rival.python)))
+            for rival in contenders(asked)
+        ]
+        costs: dict[str, list[Cost]] = {rival.name: [] for rival, _ in painters}
+        warm = {rival.name: painter.paint(numbers, warm_up=True) for rival, painter in painters}
+        for repetition in range(asked.repetitions):
+            for rival, painter in painters:
+                if rival.family == "BlenderProc" and repetition >= asked.blenderprocs_repetitions:
+                    continue
+                costs[rival.name].append(painter.paint(numbers))
+                _say(f"  {views.look} {repetition + 1}: {rival.name} {costs[rival.name][-1].core_s:.1f} core-s")
+        rows = []
+        for rival, painter in painters:
+            pictures = {n: develop(painter.light(n), views.job.response, metered, n) for n in numbers}
+            start = painter.set_up.core_s + warm[rival.name].core_s
+            rows.append(row(views.look, rival, costs[rival.name], start, pictures, true))
+            if asked.out:
+                _keep_pictures(asked.out, views.look, rival.name, pictures, true)
+    return rows
+
+
+def row(  # noqa: PLR0917 - what a row is made of
+    look: str,
+    rival: Contender,
+    costs: list[Cost],
+    start_s: float,
+    pictures: dict[int, Picture],
+    true: dict[int, Picture],
+) -> Row:
+    squares = [mean_square(pictures[n], true[n]) for n in true]
+    flips = [flip(pictures[n], true[n]) for n in true] if HAS_FLIP else []
+    core_s = median(cost.core_s for cost in costs) / len(true)
+    return Row(
+        look=look,
+        contender=rival.name,
+        family=rival.family,
+        core_s=core_s,
+        wall_s=median(cost.wall_s for cost in costs) / len(true),
+        core_s_in_a_run=core_s + start_s / RUN_FRAMES,
+        psnr_dB=psnr_dB(mean(squares)),
+        worst_psnr_dB=psnr_dB(max(squares)),
+        ssim=mean(ssim(pictures[n], true[n]) for n in true),
+        flip=mean(f for f in flips if f is not None) if flips else None,
+    )
+
+
+def yardsticks(views: Views, found: dict[int, Reference]) -> list[Row]:
+    """What JPEG adds to the reference, and how far apart the two halves of the reference are."""
+    quality = views.job.response.jpeg_quality
+    lights = {n: reference.light() for n, reference in found.items()}
+    metered = median_luminance(np.concatenate([light.reshape(-1, 3) for light in lights.values()]))
+    rows = []
+    for name, job in (("without noise", views.job), ("with camera noise", views.noisy())):
+        true = {n: develop(light, job.response, metered, n) for n, light in lights.items()}
+        packed = {n: _decoded(encode_jpeg(picture, quality)) for n, picture in true.items()}
+        rows.append(row(views.look, _yardstick(f"JPEG {quality} {name}"), [Cost(0, 0)], 0, packed, true))
+    halves = [{n: develop(found[n].halves[i], views.job.response, metered, n) for n in found} for i in range(2)]
+    rows.append(row(views.look, _yardstick("reference, seed against seed"), [Cost(0, 0)], 0, *halves))
+    return rows
+
+
+def _yardstick(name: str) -> Contender:
+    return Contender(name, "yardstick", "", {})
+
+
+def _decoded(data: bytes) -> Picture:
+    return cv2.cvtColor(cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB)
+
+
+def _keep_pictures(folder: Path, look: str, name: str, pictures: dict[int, Picture], true: dict[int, Picture]) -> None:
+    """Picture, reference, and their difference eight times as strong about grey, side by side."""
+    for number, picture in pictures.items():
+        apart = np.clip(128 + 8.0 * (picture.astype(float) - true[number]), 0, 255).astype(np.uint8)
+        sheet = np.hstack([picture, true[number], apart])
+        file = folder / f"{look}_{number}_{''.join(c if c.isalnum() else '_' for c in name)}.png"
+        cv2.imwrite(str(file), cv2.cvtColor(sheet, cv2.COLOR_RGB2BGR))
+
+
+def tell(rows: list[Row]) -> None:
+    print(f"{'':38} core-s  in a run  wall s    PSNR   worst     SSIM    FLIP")
+    for look in dict.fromkeys(r.look for r in rows):
+        print(look)
+        for r in (r for r in rows if r.look == look):
+            cost = f"{r.core_s:8.2f}{r.core_s_in_a_run:10.2f}{r.wall_s:8.2f}" if r.core_s else " " * 26
+            seen = f"{r.flip:8.4f}" if r.flip is not None else "       -"
+            print(f"  {r.contender:36}{cost}{r.psnr_dB:8.2f}{r.worst_psnr_dB:8.2f}{r.ssim:9.5f}{seen}")
+
+
+def plot(rows: list[Row], size: tuple[int, int], file: Path) -> None:
+    mpl.use("Agg")
+    from matplotlib import pyplot as plt  # noqa: PLC0415 - after the choice of the backend
+
+    looks = list(dict.fromkeys(r.look for r in rows))
+    figure, panes = plt.subplots(1, len(looks), figsize=(5 * len(looks), 5.4), sharey=True, squeeze=False)
+    for look, pane in zip(looks, panes[0], strict=True):
+        here = [r for r in rows if r.look == look]
+        for family, mark in (("ours", "o-"), ("plain loop", "s-"), ("BlenderProc", "^")):
+            series = sorted((r.core_s, r.psnr_dB) for r in here if r.family == family)
+            if series:
+                pane.plot([x for x, _ in series], [y for _, y in series], mark, label=family)
+        for r, line in zip((r for r in here if r.family == "yardstick"), ("-", "--", ":"), strict=True):
+            pane.axhline(r.psnr_dB, color="0.5", linestyle=line, linewidth=1, label=r.contender)
+        pane.set(xscale="log", title=look, xlabel=f"core-seconds a frame of {size[0]} x {size[1]} px")
+        pane.grid(alpha=0.3, which="both")
+    handles, labels = panes[0][0].get_legend_handles_labels()
+    panes[0][0].set_ylabel("PSNR against the reference [dB]")
+    figure.legend(handles, labels, fontsize=8, loc="lower center", ncols=3)
+    figure.tight_layout(rect=(0, 0.11, 1, 1))
+    figure.savefig(file, dpi=110)
+
+
+def _pose(text: str) -> tuple[float, float, float]:
+    x, y, yaw = map(float, text.split(","))
+    return x, y, yaw
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+def asked_for() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--looks", nargs="+", choices=LOOKS, default=["classroom", "lab"])
+    parser.add_argument("--poses", nargs="+", type=_pose, default=list(POSES), help="x [m],y [m],yaw [deg]")
+    parser.add_argument("--size", nargs=2, type=int, default=[320, 240], metavar=("WIDTH", "HEIGHT"))
+    parser.add_argument("--reference-samples", type=int, default=LEAST_SAMPLES)
+    parser.add_argument("--repetitions", type=int, default=3)
+    parser.add_argument("--threads", type=int, default=os.cpu_count())
+    ours = ["1,FAST,FAST", "2,FAST,BALANCED", "4,FAST,BALANCED"]
+    parser.add_argument("--ours", nargs="*", type=_denoised, default=[_denoised(o) for o in ours])
+    parser.add_argument("--plain", nargs="*", type=int, default=[2, 4, 8, 16, 32], help="samples")
+    parser.add_argument("--blenderproc", type=Path, help="interpreter of BlenderProc's environment")
+    parser.add_argument("--blenderprocs-repetitions", type=int, default=1, help="it takes minutes a frame")
+    paths = ["defaults", "ours"]
+    parser.add_argument("--blenderprocs-light-paths", nargs="+", choices=paths, default=paths)
+    parser.add_argument("--blenderprocs-settings", action="store_true", help="in a plain loop, for want of it")
+    parser.add_argument("--cache", type=Path, default=Path("references"))
+    parser.add_argument("--out", type=Path, help="folder for JSON, plot and pictures")
+    asked = parser.parse_args()
+    if asked.reference_samples < LEAST_SAMPLES:
+        parser.error(f"--reference-samples {asked.reference_samples}: at least {LEAST_SAMPLES}")
+    if asked.blenderproc and not asked.blenderproc.exists():
+        parser.error(f"--blenderproc {asked.blenderproc}: no such interpreter; see blenderproc_loop.py")
+    return asked
+
+
+def main() -> None:
+    asked = asked_for()
+    if asked.out:
+        asked.out.mkdir(parents=True, exist_ok=True)
+    rows: list[Row] = []
+    for look in asked.looks:
+        views = views_of(look, tuple(asked.poses), tuple(asked.size))
+        found = references(views.job, asked.reference_samples, asked.cache, asked.threads)
+        rows += yardsticks(views, found) + measured(views, found, asked)
+        if asked.out:
+            keep(rows, asked)  # after each look: the whole takes hours
+    tell(rows)
+
+
+def keep(rows: list[Row], asked: argparse.Namespace) -> None:
+    told = {name: value for name, value in vars(asked).items() if name not in {"out", "cache", "blenderproc"}}
+    text = json.dumps({"asked": told, "rows": [asdict(r) for r in rows]}, indent=1)
+    (asked.out / "error_and_time.json").write_text(text + "\n")
+    plot(rows, tuple(asked.size), asked.out / "error_and_time.png")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except ChildProcessError as error:
+        raise SystemExit(str(error)) from None

@@ -1,0 +1,82 @@
+"""Whether the memory of the Blender process stays flat over many frames.
+
+Renders small frames of different views in one process and reads its resident memory after each.
+
+    python benchmarks/render/many_frames.py [--frames 2000] [--look classroom] [--size 64 48] [--plot memory.png]
+"""
+
+import argparse
+import re
+import tempfile
+import time
+from dataclasses import replace
+from pathlib import Path
+from statistics import mean
+
+import numpy as np
+from views import LOOKS, POSES, views_of
+
+from blender_scenes.job import RenderJob
+from blender_scenes.renderer import render_job
+
+_TURN_deg = 137.5
+"""The golden angle: no view comes twice."""
+
+
+def memory_MB(job: RenderJob, threads: int) -> list[float]:
+    """Resident memory of the Blender process after each of the job's frames."""
+    seen: list[float] = []
+
+    def note(number: int) -> None:
+        seen.append(_children_MB())
+        if number % 200 == 0:
+            print(f"  {number} frames: {seen[-1]:.0f} MB", flush=True)
+
+    with tempfile.TemporaryDirectory() as scratch:
+        file = Path(scratch, "job.json")
+        file.write_text(job.to_json())
+        render_job(file, Path(scratch, "images"), threads=threads, on_frame=note)
+    return seen
+
+
+def _children_MB() -> float:
+    tasks = Path("/proc/self/task").glob("*/children")
+    status = [Path(f"/proc/{pid}/status").read_text() for task in tasks for pid in task.read_text().split()]
+    return sum(int(found[1]) / 1e3 for text in status if (found := re.search(r"VmRSS:\s+(\d+) kB", text)))
+
+
+def plot(seen: list[float], file: Path) -> None:
+    from matplotlib import pyplot as plt  # noqa: PLC0415 - only where asked for
+
+    figure, pane = plt.subplots(figsize=(7, 3.5))
+    pane.plot(np.arange(1, len(seen) + 1), seen, linewidth=1)
+    pane.set(xlabel="frames rendered", ylabel="memory of Blender [MB]", ylim=(0, 1.1 * max(seen)))
+    pane.grid(alpha=0.3)
+    figure.tight_layout()
+    figure.savefig(file, dpi=110)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--frames", type=int, default=2000)
+    parser.add_argument("--look", choices=LOOKS, default="classroom")
+    parser.add_argument("--size", nargs=2, type=int, default=[64, 48], metavar=("WIDTH", "HEIGHT"))
+    parser.add_argument("--samples", type=int, default=1)
+    parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--plot", type=Path)
+    asked = parser.parse_args()
+    poses = tuple((x, y, yaw + _TURN_deg * i) for i in range(asked.frames) for x, y, yaw in [POSES[i % len(POSES)]])
+    job = views_of(asked.look, poses, tuple(asked.size)).job
+    begin = time.monotonic()
+    seen = memory_MB(replace(job, sampling=replace(job.sampling, samples=asked.samples)), asked.threads)
+    fifth = max(1, len(seen) // 5)
+    first, last = mean(seen[:fifth]), mean(seen[-fifth:])
+    print(f"{len(seen)} frames of {asked.size[0]} x {asked.size[1]} px in {time.monotonic() - begin:.0f} s")
+    print(f"memory of Blender: {first:.0f} MB in the first fifth, {last:.0f} in the last, peak {max(seen):.0f}")
+    print(f"growth from the first fifth to the last: {1e3 * (last - first) / (0.8 * len(seen)):+.1f} MB in 1000 frames")
+    if asked.plot:
+        plot(seen, asked.plot)
+
+
+if __name__ == "__main__":
+    main()

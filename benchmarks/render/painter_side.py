@@ -1,0 +1,61 @@
+"""What every process that renders for a benchmark does alike: it is told numbers of frames and says what they cost.
+
+A process gets the files of its job and settings, a folder and a number of threads. It says one line once it is ready
+and one for each line that it is told; what Blender prints goes to the standard error.
+"""
+
+import json
+import os
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TextIO
+
+import numpy as np
+
+from blender_scenes.job import RenderJob
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The arguments of such a process."""
+
+    job: RenderJob
+    settings: dict[str, Any]
+    folder: Path
+    threads: int
+
+    @classmethod
+    def from_arguments(cls, arguments: Sequence[str]) -> "Asked":
+        job, settings, folder, threads = arguments
+        return cls(RenderJob.from_json(Path(job).read_text()), json.loads(settings), Path(folder), int(threads))
+
+
+Paint = Callable[[Sequence[int], bool], dict[int, np.ndarray]]
+"""Frames' numbers, and whether they only warm up -> (H, W, 3) linear light, or (H, W, 3) of several passes."""
+
+
+def own_replies() -> TextIO:
+    """The standard output for replies alone, to be called before Blender is loaded."""
+    replies = os.fdopen(os.dup(1), "w", buffering=1)
+    os.dup2(2, 1)
+    return replies
+
+
+def serve(replies: TextIO, folder: Path, paint: Paint) -> None:
+    """Answers until nobody asks any more; pictures are left as NUMBER.npy, which is not counted."""
+    _say(replies, time.process_time(), 0.0)
+    for line in sys.stdin:
+        asked = json.loads(line)
+        wall, core = time.perf_counter(), time.process_time()
+        seen = paint(asked["numbers"], asked["warm_up"])
+        wall, core = time.perf_counter() - wall, time.process_time() - core
+        for number, light in seen.items():
+            np.save(folder / f"{number}.npy", light)
+        _say(replies, core, wall)
+
+
+def _say(replies: TextIO, core_s: float, wall_s: float) -> None:
+    replies.write(json.dumps({"core_s": core_s, "wall_s": wall_s}) + "\n")

@@ -1,0 +1,91 @@
+"""Processes that render side by side, each asked in its turn, so that all share the machine's good and bad moments."""
+
+import json
+import os
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+
+from blender_scenes.job import RenderJob
+from blender_scenes.surroundings import without_blender_settings
+
+_HERE = Path(__file__).parent
+_LOG_LINES = 15
+
+
+@dataclass(frozen=True)
+class Cost:
+    core_s: float
+    """Time of all the process' threads."""
+    wall_s: float
+
+
+class Painter:
+    """A process with a scene of its own, as `painter_side` has it; `with` ends it.
+
+    Raises:
+        ChildProcessError: It died; with the last lines of its log.
+    """
+
+    def __init__(self, script: str, job: RenderJob, settings: dict[str, Any], threads: int, python: str) -> None:
+        self._folder = tempfile.TemporaryDirectory(prefix="symolo-painter-")
+        folder = Path(self._folder.name)
+        self._log = (folder / "log").open("w+b")
+        (folder / "job.json").write_text(job.to_json())
+        command = [python, str(_HERE / script), str(folder / "job.json"), json.dumps(settings)]
+        environment = {**without_blender_settings(os.environ), "TMPDIR": str(folder)}
+        environment["PYTHONPATH"] = str(_HERE.parents[1])
+        self._child = subprocess.Popen(
+            [*command, str(folder), str(threads)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=self._log,
+            env=environment,
+            text=True,
+        )
+        self.set_up = self._heard()
+        """From the process' start to where the scene stands."""
+
+    def paint(self, numbers: Sequence[int], *, warm_up: bool = False) -> Cost:
+        """Renders frames of the job, one after the other; the cost of all of them."""
+        stdin = self._child.stdin
+        try:
+            if stdin is not None:
+                stdin.write(json.dumps({"numbers": list(numbers), "warm_up": warm_up}) + "\n")
+                stdin.flush()
+        except BrokenPipeError:
+            raise ChildProcessError(self._ended()) from None
+        return self._heard()
+
+    def light(self, number: int) -> np.ndarray:
+        """(H, W, 3) linear light of a frame that was rendered last, or its passes."""
+        return np.load(Path(self._folder.name) / f"{number}.npy")
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._child.kill()
+        self._child.communicate()
+        self._log.close()
+        self._folder.cleanup()
+
+    def _heard(self) -> Cost:
+        line = self._child.stdout.readline() if self._child.stdout is not None else ""
+        if not line:
+            raise ChildProcessError(self._ended())
+        return Cost(**json.loads(line))
+
+    def _ended(self) -> str:
+        status = self._child.wait()
+        self._log.seek(0)
+        lines = self._log.read().decode(errors="replace").splitlines()[-_LOG_LINES:]
+        return "\n".join([f"a rendering process ended with status {status}; the last lines of its log:", *lines])

@@ -1,0 +1,83 @@
+"""Pictures to measure others against, made once and kept.
+
+Even thousands of samples leave noise near 40 dB here. So the light on diffuse surfaces, which is smooth, is denoised
+apart from their colour, which is not and hardly has noise; both are multiplied again, and gloss and the rest, denoised
+by themselves, added. Two such pictures with different seeds say how good it is; the reference is their mean.
+"""
+
+import hashlib
+import json
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from oidn import denoise
+from painter import PASSES
+from painters import Painter
+
+from blender_scenes.job import RenderJob
+
+LEAST_SAMPLES = 256
+SEEDS = (101, 202)
+_METHOD = 1
+"""To be raised when what follows makes other pictures from the same job."""
+
+
+@dataclass(frozen=True)
+class Reference:
+    halves: tuple[np.ndarray, np.ndarray]
+    """(H, W, 3) linear light, one of each seed."""
+
+    def light(self) -> np.ndarray:
+        return 0.5 * (self.halves[0] + self.halves[1])
+
+
+def references(job: RenderJob, samples: int, folder: Path, threads: int) -> dict[int, Reference]:
+    """Of each of the job's frames, by number; those that lie in `folder` are taken from there.
+
+    Raises:
+        ValueError: Fewer samples than a reference must have.
+    """
+    if samples < LEAST_SAMPLES:
+        raise ValueError(f"a reference of {samples} samples is too noisy; at least {LEAST_SAMPLES}")
+    folder.mkdir(parents=True, exist_ok=True)
+    halves = {seed: _of_seed(job, samples, seed, folder, threads) for seed in SEEDS}
+    return {view.number: Reference(tuple(halves[seed][view.number] for seed in SEEDS)) for view in job.frames}
+
+
+def _of_seed(job: RenderJob, samples: int, seed: int, folder: Path, threads: int) -> dict[int, np.ndarray]:
+    files = {view.number: folder / _file_name(job, view.number, samples, seed) for view in job.frames}
+    missing = [number for number, file in files.items() if not file.exists()]
+    if missing:
+        settings = {"kind": "passes", "samples": samples, "seed": seed}
+        with Painter("painter.py", job, settings, threads, sys.executable) as painter:
+            for number in missing:
+                cost = painter.paint([number])
+                _keep(clean(painter.light(number)), files[number])
+                print(f"  reference {number}, seed {seed}: {cost.core_s:.0f} core-s", file=sys.stderr, flush=True)
+    gains = {view.number: np.array(view.light_gain, np.float32) for view in job.frames}
+    return {number: np.load(file) * gains[number] for number, file in files.items()}
+
+
+def _file_name(job: RenderJob, number: int, samples: int, seed: int) -> str:
+    one = replace(job, frames=tuple(view for view in job.frames if view.number == number))
+    told = json.dumps([_METHOD, samples, seed, one.to_json()])
+    return f"{hashlib.sha256(told.encode()).hexdigest()[:24]}.npy"
+
+
+def clean(passes: np.ndarray) -> np.ndarray:
+    """(H, W, 3) light of the (5, H, W, 3) `PASSES`."""
+    of = dict(zip(PASSES, passes, strict=True))
+    diffuse = of["DiffDir"] + of["DiffInd"]
+    rest = np.maximum(of["Combined"] - of["DiffCol"] * diffuse, 0)
+    parts = (denoise(part, of["DiffCol"], of["Normal"]) for part in (diffuse, rest))
+    smooth, remaining = parts
+    return of["DiffCol"] * smooth + remaining
+
+
+def _keep(light: np.ndarray, file: Path) -> None:
+    beside = file.with_suffix(".tmp")
+    with beside.open("wb") as stream:
+        np.save(stream, light)
+    beside.replace(file)

@@ -1,0 +1,67 @@
+"""The yardsticks of `benchmarks/render`: errors of pictures, and references to measure against."""
+
+import importlib
+
+import numpy as np
+import pytest
+
+
+@pytest.fixture
+def errors():
+    return importlib.import_module("image_error")
+
+
+@pytest.fixture
+def reference():
+    return importlib.import_module("reference")
+
+
+def grey(values):
+    return np.repeat(np.asarray(values, np.uint8)[..., None], 3, axis=-1)
+
+
+def test_one_level_of_difference_is_48_dB(errors):
+    assert errors.psnr_dB(errors.mean_square(grey(np.full((4, 5), 7)), grey(np.full((4, 5), 8)))) == pytest.approx(
+        48.1308, abs=1e-4
+    )
+    assert errors.psnr_dB(0.0) == float("inf")
+
+
+def test_ssim_of_even_pictures_is_its_term_of_luminance(errors):
+    """Eq. 13 with no variance is (2ab + C1) / (a^2 + b^2 + C1)."""
+    a, b, c1 = 60.0, 90.0, 2.55**2
+    got = errors.ssim(grey(np.full((20, 20), a)), grey(np.full((20, 20), b)))
+    assert got == pytest.approx((2 * a * b + c1) / (a * a + b * b + c1), abs=1e-9)
+
+
+def test_ssim_is_that_of_scikit_image(errors):
+    """Of release 0.26.0: structural_similarity(gaussian_weights=True, sigma=1.5, use_sample_covariance=False)."""
+    y, x = np.mgrid[0:40, 0:48]
+    plain, disturbed = grey((7 * x + 3 * y) % 256), grey((7 * x + 3 * y + (x * y) % 23) % 256)
+    assert errors.ssim(plain, disturbed) == pytest.approx(0.697010262, abs=2e-6)
+    assert errors.ssim(plain, plain) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_the_denoiser_evens_out_noise_about_a_constant():
+    denoise = importlib.import_module("oidn").denoise
+
+    noise = np.random.Generator(np.random.PCG64(1)).exponential(1.0, (64, 64, 3)).astype(np.float32)
+    guide, up = np.full_like(noise, 0.5), np.zeros_like(noise)
+    up[..., 2] = 1
+    clean = denoise(noise, guide, up)
+    assert clean.mean() == pytest.approx(noise.mean(), rel=0.03)
+    assert clean.std() < 0.1 * noise.std()
+
+
+def test_a_reference_put_together_from_its_passes_is_the_whole_picture(reference, monkeypatch):
+    """Where nothing is denoised, colour times light plus the rest is what was traced."""
+    monkeypatch.setattr(reference, "denoise", lambda colour, _albedo, _normal: colour)
+    colour, direct, indirect, gloss = np.random.Generator(np.random.PCG64(2)).random((4, 3, 4, 3)).astype(np.float32)
+    whole = colour * (direct + indirect) + gloss
+    passes = np.stack([whole, colour, direct, indirect, np.zeros_like(whole)])
+    assert reference.clean(passes) == pytest.approx(whole, abs=1e-6)
+
+
+def test_a_reference_of_few_samples_is_refused(reference, tmp_path):
+    with pytest.raises(ValueError, match="255 samples is too noisy; at least 256"):
+        reference.references(None, 255, tmp_path, 1)
