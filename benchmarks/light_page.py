@@ -44,7 +44,7 @@ def lights() -> dict[str, Settings]:
             "sun": {"illuminance_klx": 8, "elevation_deg": 25},
         }
         | NO_LAMPS,
-        "blinds, shut": {"window": {"covering": "blinds", "slat_tilt_deg": 60}, "sun": {"illuminance_klx": 8}},
+        "blinds, shut": {"window": {"covering": "blinds", "slat_tilt_deg": -60}, "sun": {"illuminance_klx": 8}},
     }
     for name in get_args(PanoramaName):
         made[f"sky {name}"] = OVERCAST | {"sky": {"panorama": name}}

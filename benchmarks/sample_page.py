@@ -51,6 +51,8 @@ def pictures(job: RenderJob, folder: Path) -> list[Picture]:
 
 def save_page(captioned: Mapping[str, Sequence[Picture]], columns: int, path: Path) -> None:
     """Cells in rows, the pictures of each below one another, its caption below them."""
+    if not captioned:
+        raise SystemExit("no such caption")
     cells = [Cell(np.vstack(own), (caption,)) for caption, own in captioned.items()]
     width_px = cells[0].picture.shape[1]
     save(stacked([row(cells[i : i + columns], width_px) for i in range(0, len(cells), columns)]), path)
