@@ -72,9 +72,7 @@ def _radiance(data: bytes) -> Light:
 
 
 def _open_exr(data: bytes) -> Light:
-    channels = read_exr(data, _check_size)
-    if not {"R", "G", "B"} <= set(channels):
-        raise ValueError(f"has the channels {', '.join(sorted(channels)[:8])}; expected R, G and B")
+    channels = read_exr(data, _check_size, "RGB")
     return np.stack([channels[name].astype(np.float32) for name in "RGB"], axis=-1)
 
 

@@ -210,3 +210,13 @@ def test_a_specification_that_somebody_else_wrote_is_refused_and_no_crash(assets
     text = json.dumps({"name": "own", "assets": assets, "floor": {"image": {"file": "a.png"}}})
     with pytest.raises(ValidationError):
         LookConfig.model_validate_json(text)
+
+
+@pytest.mark.usefixtures("photos")
+def test_a_file_that_does_not_fit_into_memory_is_refused(monkeypatch):
+    def full(*_: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr("configs.assets.pictures.read_picture", full)
+    with pytest.raises(InputError, match=r"does not fit into the memory that is free: got .*; save it smaller"):
+        load_section("look", "looks/mine.yaml")

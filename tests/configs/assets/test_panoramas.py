@@ -77,7 +77,7 @@ def test_what_is_below_zero_counts_as_zero():
         (_hdr(SPHERE).replace(b"-Y 8 +X 16", b"-Y 90000 +X 180000"), "180000 x 90000 pixels; at most 8192 x 4096"),
         (_hdr(SPHERE).replace(b"-Y 8", b"+Y 8"), "rows from top to bottom"),
         (_hdr(SPHERE).replace(b"rgbe", b"xyze"), "in RGB"),
-        (_exr(SPHERE, "UVY"), "channels U, V, Y; expected R, G and B"),
+        (_exr(SPHERE, "UVY"), "channels U, V, Y; expected R, G, B"),
         (b"\x89PNG\r\n\x1a\n", "neither a Radiance"),
         (b"", "neither a Radiance"),
     ],
