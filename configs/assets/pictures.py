@@ -27,6 +27,11 @@ LINEAR = np.where(_s <= 0.04045, _s / 12.92, ((_s + 0.055) / 1.055) ** 2.4)
 
 
 def read_picture(data: bytes) -> Bytes:
+    """What `whole_picture` reads, averaged down to `LONGEST_SIDE_PX`."""
+    return averaged_down(whole_picture(data))
+
+
+def whole_picture(data: bytes) -> Bytes:
     """(H, W, 3) sRGB of a file's bytes, first row at the top, as its EXIF orientation says; opacity is not read.
 
     Raises:
@@ -42,12 +47,16 @@ def read_picture(data: bytes) -> Bytes:
         raise ValueError("holds no pixel")
     if width * height > MOST_PIXELS:
         raise ValueError(f"has {width} x {height} pixels; at most {MOST_PIXELS // 1_000_000} million can be read")
-    pixels = np.asarray(decoded(data, cv2.IMREAD_COLOR, (width, height), is_strict=data.startswith(_JPEG)), np.uint8)
-    shrunk = LONGEST_SIDE_PX / max(pixels.shape[:2])
+    found = decoded(data, cv2.IMREAD_COLOR, (width, height), is_strict=data.startswith(_JPEG))
+    return np.asarray(found[..., ::-1], np.uint8)
+
+
+def averaged_down(picture: Bytes) -> Bytes:
+    shrunk = LONGEST_SIDE_PX / max(picture.shape[:2])
     if shrunk < 1:
-        size = [max(1, round(side * shrunk)) for side in pixels.shape[1::-1]]
-        pixels = cv2.resize(pixels, size, interpolation=cv2.INTER_AREA)
-    return np.ascontiguousarray(pixels[..., ::-1], np.uint8)
+        size = [max(1, round(side * shrunk)) for side in picture.shape[1::-1]]
+        return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
+    return np.ascontiguousarray(picture)
 
 
 def mean_of(picture: Bytes) -> tuple[float, float, float]:

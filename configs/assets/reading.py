@@ -36,8 +36,9 @@ Told = tuple[tuple[int, ...], tuple[float, float, float]]
 
 
 def _picture(data: bytes) -> Told:
-    picture = pictures.read_picture(data)
-    return picture.shape, pictures.mean_of(picture)
+    """Its own shape, not that of a strip averaged down to whole pixels, by which its height in metres would be off."""
+    picture = pictures.whole_picture(data)
+    return picture.shape, pictures.mean_of(pictures.averaged_down(picture))
 
 
 def _panorama(data: bytes) -> Told:

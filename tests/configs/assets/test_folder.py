@@ -217,6 +217,16 @@ def test_a_file_that_does_not_fit_into_memory_is_refused(monkeypatch):
     def full(*_: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr("configs.assets.pictures.read_picture", full)
+    monkeypatch.setattr("configs.assets.pictures.whole_picture", full)
     with pytest.raises(InputError, match=r"does not fit into the memory that is free: got .*; save it smaller"):
         load_section("look", "looks/mine.yaml")
+
+
+def test_a_strip_keeps_its_shape(photos: Path, monkeypatch):
+    """Averaged down to 10 pixels at most, 100 x 3 becomes 10 x 1: ten times as wide as high, and no longer 33 times."""
+    monkeypatch.setattr("configs.assets.pictures.LONGEST_SIDE_PX", 10)
+    (photos / "grey.png").write_bytes(cv2.imencode(".png", np.full((3, 100, 3), 188, np.uint8))[1].tobytes())
+    look, _ = draw_look(load_section("look", "looks/mine.yaml"), 1, "CW", 1)
+    own = look.floor.image.file
+    assert (own.width_px, own.height_px) == (100, 3)
+    assert own.mean_rgb == pytest.approx((0.502886,) * 3)  # sRGB's 188 (IEC 61966-2-1)
