@@ -230,3 +230,11 @@ def test_a_strip_keeps_its_shape(photos: Path, monkeypatch):
     own = look.floor.image.file
     assert (own.width_px, own.height_px) == (100, 3)
     assert own.mean_rgb == pytest.approx((0.502886,) * 3)  # sRGB's 188 (IEC 61966-2-1)
+
+
+def test_a_picture_called_like_a_shipped_sky_is_no_sky(photos: Path):
+    (photos / "city").write_bytes(GREY)
+    settings = ["look.floor.image.file=city", "look.sky.panorama=city"]
+    look, _ = draw_look(load_section("look", "looks/mine.yaml", settings), 1, "CW", 1)
+    assert look.floor.image.file.sha256 == _sha256(GREY)
+    assert look.sky.panorama == "city"
