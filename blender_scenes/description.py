@@ -62,7 +62,7 @@ class Panel:
     height_m: float
     radiance: RGB
     seen: bool = True
-    """False where the camera sees something else in its place; gloss has its light all the same."""
+    """False where the camera sees something else in its place, also through glass; gloss has its light all the same."""
     on_mains: bool = False
     """Whether it flickers with the alternating current."""
 

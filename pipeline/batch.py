@@ -50,6 +50,14 @@ class Batch:
         check_disk(out, Plan.of(specs, cores()).bytes_needed)
         return cls(loaded, specs, Workspace(out.absolute()), workers or cores())
 
+    def keep_own_files(self) -> None:
+        """Copy the user's own files for the renderers: before the runs are simulated, which leaves time to change them.
+
+        Raises:
+            InputError: One of them is gone or has changed.
+        """
+        keep_own_files((spec.look for spec in self.specs), self.loaded.assets, self.workspace.own_files)
+
     def simulate(self, report: Report) -> list[FailedRun]:
         return simulate_runs(self.workspace, self.specs, self.workers, report)
 
@@ -70,7 +78,6 @@ class Batch:
 
     def render(self, failures: Sequence[FailedRun], report: Report) -> list[FailedRun]:
         """Images, and then what is known of those that were rendered."""
-        keep_own_files((spec.look for spec in self.specs), self.loaded.assets, self.workspace.own_files)
         tasks: list[FrameTask] = []
         failed = render_runs(_noted(self._render_orders(failures), tasks), self.workers, report)
         orders = self._annotation_orders(tasks, failed)

@@ -25,12 +25,12 @@ def keep_own_files(looks: Iterable[LookConfig], places: Mapping[str, Path], fold
         kept = folder / digest
         if kept.is_file() and sha256_of(kept) == digest:
             continue
+        where = displayed(places[digest]) if digest in places else name
         try:
             data = places[digest].read_bytes()
         except (KeyError, OSError):
-            data = b""
+            raise InputError("is gone since it was read", where=where, cure="put it back") from None
         if sha256(data).hexdigest() != digest:
-            where = displayed(places[digest]) if digest in places else name
             raise InputError("has changed since it was read", where=where, cure="run the command again")
         folder.mkdir(parents=True, exist_ok=True)
         write_file(kept, data)

@@ -19,6 +19,7 @@ from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec
 from configs.streams import stream
+from configs.tree import dotted
 from pipeline.dataset.annotation_checks import ANNOTATIONS
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Ints, Rows, read_rows
@@ -203,11 +204,12 @@ def read_source(path: Path) -> Source:
 def _read_spec(path: Path) -> RunSpec:
     try:
         return RunSpec.model_validate_json(path.read_bytes())
-    except (OSError, ValidationError) as error:
-        reason = error.strerror if isinstance(error, OSError) else error.errors()[0]["msg"]
-        raise InputError(
-            f"cannot be read: {reason}", where=str(path), cure="name the data.csv with --arena and --robot"
-        ) from None
+    except OSError as error:
+        reason = error.strerror
+    except ValidationError as error:
+        first = error.errors()[0]
+        reason = ": ".join(filter(None, (dotted(first["loc"]), first["msg"])))
+    raise InputError(f"cannot be read: {reason}", where=str(path), cure="name the data.csv with --arena and --robot")
 
 
 def _timed(source: Source, camera_hz: float | None) -> Source:

@@ -91,7 +91,8 @@ def _panel(panel: Panel) -> None:
     light.energy = peak * np.pi * panel.width_m * panel.height_m
     made = _place(panel.name, light)
     made.matrix_world = _axes(panel.right, panel.up, panel.center)
-    made.visible_camera = panel.seen
+    # A pane of glass hands the camera's ray on as one of transmission; shadow rays, which light the floor, are others.
+    made.visible_camera = made.visible_transmission = panel.seen
 
 
 def _sun(sun: Sun) -> None:

@@ -21,7 +21,8 @@ _SUN = 20.0
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 """Weights of linear Rec. 709 components (ITU-R BT.709)."""
 _RADIANCE = (b"#?RADIANCE", b"#?RGBE")
-_RESOLUTION = re.compile(rb"\n\n-Y ([0-9]{1,7}) \+X ([0-9]{1,7})\n")
+_FORMAT = b"\nFORMAT=32-bit_rle_rgbe\n"
+_RESOLUTION = re.compile(rb"-Y ([0-9]{1,7}) \+X ([0-9]{1,7})\n")
 
 Light = NDArray[np.float32]
 
@@ -61,20 +62,21 @@ def mean_above(light: Light) -> tuple[float, float, float]:
 
 
 def _radiance(data: bytes) -> Light:
-    found = _RESOLUTION.search(data[: 1 << 16])
-    if found is None or b"32-bit_rle_xyze" in data[: found.start()]:
+    """Header lines, one that is empty, the resolution, pixels (https://radsite.lbl.gov/radiance/refer/filefmts.pdf)."""
+    end = data.find(b"\n\n", 0, 1 << 16)
+    found = _RESOLUTION.match(data, end + 2)
+    if end < 0 or found is None or _FORMAT not in data[: end + 1]:
         raise ValueError("is not a Radiance file in RGB with the rows from top to bottom (-Y H +X W)")
-    _check_size(int(found[2]), int(found[1]))
-    light = decoded(data, cv2.IMREAD_ANYDEPTH | cv2.IMREAD_COLOR)
-    if light is None or light.dtype != np.float32:
-        raise ValueError("is cut short or damaged: its pixels cannot be decoded")
+    width, height = int(found[2]), int(found[1])
+    _check_size(width, height)
+    # OpenCV reads other headers than it should, and refuses some that it need not: it is given one of ours.
+    plain = _RADIANCE[0] + _FORMAT + b"\n" + data[found.start() :]
+    light = decoded(plain, cv2.IMREAD_ANYDEPTH | cv2.IMREAD_COLOR, (width, height))
     return np.asarray(light[..., ::-1], np.float32)
 
 
 def _open_exr(data: bytes) -> Light:
-    channels = read_exr(data, _check_size)
-    if not {"R", "G", "B"} <= set(channels):
-        raise ValueError(f"has the channels {', '.join(sorted(channels)[:8])}; expected R, G and B")
+    channels = read_exr(data, _check_size, "RGB")
     return np.stack([channels[name].astype(np.float32) for name in "RGB"], axis=-1)
 
 

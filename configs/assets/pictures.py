@@ -27,6 +27,11 @@ LINEAR = np.where(_s <= 0.04045, _s / 12.92, ((_s + 0.055) / 1.055) ** 2.4)
 
 
 def read_picture(data: bytes) -> Bytes:
+    """What `whole_picture` reads, averaged down to `LONGEST_SIDE_PX`."""
+    return averaged_down(whole_picture(data))
+
+
+def whole_picture(data: bytes) -> Bytes:
     """(H, W, 3) sRGB of a file's bytes, first row at the top, as its EXIF orientation says; opacity is not read.
 
     Raises:
@@ -42,15 +47,16 @@ def read_picture(data: bytes) -> Bytes:
         raise ValueError("holds no pixel")
     if width * height > MOST_PIXELS:
         raise ValueError(f"has {width} x {height} pixels; at most {MOST_PIXELS // 1_000_000} million can be read")
-    found = decoded(data, cv2.IMREAD_COLOR)
-    if found is None or found.dtype != np.uint8:
-        raise ValueError("is damaged: its pixels cannot be decoded")
-    pixels = np.asarray(found, np.uint8)
-    shrunk = LONGEST_SIDE_PX / max(width, height)
+    found = decoded(data, cv2.IMREAD_COLOR, (width, height), is_strict=data.startswith(_JPEG))
+    return np.asarray(found[..., ::-1], np.uint8)
+
+
+def averaged_down(picture: Bytes) -> Bytes:
+    shrunk = LONGEST_SIDE_PX / max(picture.shape[:2])
     if shrunk < 1:
-        size = [max(1, round(side * shrunk)) for side in pixels.shape[1::-1]]
-        pixels = cv2.resize(pixels, size, interpolation=cv2.INTER_AREA)
-    return np.ascontiguousarray(pixels[..., ::-1], np.uint8)
+        size = [max(1, round(side * shrunk)) for side in picture.shape[1::-1]]
+        return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
+    return np.ascontiguousarray(picture)
 
 
 def mean_of(picture: Bytes) -> tuple[float, float, float]:
@@ -61,7 +67,7 @@ def mean_of(picture: Bytes) -> tuple[float, float, float]:
 
 
 def _png_size(data: bytes) -> tuple[int, int]:
-    """Width and height, once every chunk is there and its checksum holds (PNG specification, 5.3)."""
+    """Width and height, once every chunk is there and its checksum holds (PNG specification, 5.3 and 5.6)."""
     at, size = len(_PNG), (0, 0)
     while at + 12 <= len(data):
         length, kind = struct.unpack_from(">I4s", data, at)
@@ -70,6 +76,8 @@ def _png_size(data: bytes) -> tuple[int, int]:
             break
         if zlib.crc32(body) != int.from_bytes(check, "big"):
             raise ValueError("is damaged: a checksum of the PNG does not hold")
+        if (kind == b"IHDR") != (at == len(_PNG)):
+            raise ValueError("is damaged: the PNG's header is not first, or not alone")
         if kind == b"IHDR" and length == 13:
             size = struct.unpack_from(">II", body, 4)
         if kind == b"IEND":
@@ -80,22 +88,27 @@ def _png_size(data: bytes) -> tuple[int, int]:
 
 def _jpeg_size(data: bytes) -> tuple[int, int]:
     """Width and height, once the end of the picture is there (ITU-T T.81, annex B)."""
-    at, size = 2, (0, 0)
-    while at + 4 <= len(data):
-        marker, length = data[at + 1], int.from_bytes(data[at + 2 : at + 4], "big")
+    at, size = 2, None
+    while at + 2 <= len(data):
+        marker = data[at + 1]
         if data[at] != 0xFF:
             raise ValueError("is damaged: the JPEG has no marker where one should be")
         if marker == 0xFF:  # filling
             at += 1
             continue
+        if marker == 0xD9:
+            if size is None:
+                raise ValueError("is damaged: the JPEG has no frame")
+            return size
+        length = int.from_bytes(data[at + 2 : at + 4], "big")
         if marker in _SIZES and at + 9 <= len(data):
+            if size is not None:
+                raise ValueError("is damaged: the JPEG has two frames")
             height, width = struct.unpack_from(">HH", data, at + 5)
-            size = (width, height)
+            size = width, height
         at += 2 + length
         if marker == 0xDA:  # the scan's own data follow, without a length
             at = _end_of_scan(data, at)
-            if data[at : at + 2] == b"\xff\xd9":
-                return size
     raise ValueError("is cut short: the JPEG has no end")
 
 

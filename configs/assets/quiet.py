@@ -1,19 +1,63 @@
 """OpenCV's decoder, whose own words about a damaged file stay unsaid: ours are one line."""
 
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import BinaryIO
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 _SILENT = 0
+_STDERR = 2
 
 
-def decoded(data: bytes, flags: int) -> NDArray[np.generic] | None:
-    """What OpenCV makes of a file's bytes, None where it refuses them."""
+def decoded(data: bytes, flags: int, size: tuple[int, int], *, is_strict: bool = False) -> NDArray[np.generic]:
+    """(H, W, 3), blue first, as OpenCV decodes it.
+
+    Only one thread at a time may decode, and none may write to the standard error stream meanwhile.
+
+    Args:
+        data: A file's bytes.
+        flags: OpenCV's, of `imread`.
+        size: Width and height that the file tells; turned by its EXIF orientation they may be the other way round.
+        is_strict: Whether anything that the decoder says refuses the file, as libjpeg decodes whatever it finds.
+
+    Raises:
+        ValueError: It cannot be decoded, or not to that size.
+    """
     before = cv2.getLogLevel()  # pyright: ignore[reportAttributeAccessIssue]
     cv2.setLogLevel(_SILENT)  # pyright: ignore[reportAttributeAccessIssue]
     try:
-        return cv2.imdecode(np.frombuffer(data, np.uint8), flags)
+        with _stderr_kept() as said:
+            found = cv2.imdecode(np.frombuffer(data, np.uint8), flags)
+            told = said.seek(0, os.SEEK_END) > 0
     except cv2.error:
-        return None
+        found, told = None, False
     finally:
         cv2.setLogLevel(before)  # pyright: ignore[reportAttributeAccessIssue]
+    if found is None or found.shape[1::-1] not in {size, size[::-1]} or (is_strict and told):
+        raise ValueError("is cut short or damaged: its pixels cannot be decoded")
+    return found
+
+
+@contextmanager
+def _stderr_kept() -> Iterator[BinaryIO]:
+    """A file that takes what is written to the standard error stream: libpng and libjpeg go past OpenCV's log."""
+    with tempfile.TemporaryFile() as said:
+        try:
+            before = os.dup(_STDERR)
+        except OSError:  # there is none
+            yield said
+            return
+        if sys.stderr is not None:
+            sys.stderr.flush()
+        os.dup2(said.fileno(), _STDERR)
+        try:
+            yield said
+        finally:
+            os.dup2(before, _STDERR)
+            os.close(before)

@@ -19,11 +19,13 @@ def read_asset(kind: AssetKind, name: str, place: Path) -> Asset:
     Raises:
         Refusal: It cannot be read, or is not what its kind asks for.
     """
-    data = _bytes(place, pictures.MOST_BYTES if kind == "picture" else panoramas.MOST_BYTES)
     try:
+        data = _bytes(place, pictures.MOST_BYTES if kind == "picture" else panoramas.MOST_BYTES)
         (height_px, width_px, _), mean = _picture(data) if kind == "picture" else _panorama(data)
     except ValueError as error:
         raise Refusal(str(error), cure=_CURES[kind]) from None
+    except MemoryError:
+        raise Refusal("does not fit into the memory that is free", cure="save it smaller") from None
     red, green, blue = (float(f"{component:.6g}") for component in mean)  # the same on every machine
     sha256 = hashlib.sha256(data).hexdigest()
     return Asset(name=name, sha256=sha256, width_px=width_px, height_px=height_px, mean_rgb=(red, green, blue))
@@ -34,8 +36,9 @@ Told = tuple[tuple[int, ...], tuple[float, float, float]]
 
 
 def _picture(data: bytes) -> Told:
-    picture = pictures.read_picture(data)
-    return picture.shape, pictures.mean_of(picture)
+    """Its own shape, not that of a strip averaged down to whole pixels, by which its height in metres would be off."""
+    picture = pictures.whole_picture(data)
+    return picture.shape, pictures.mean_of(pictures.averaged_down(picture))
 
 
 def _panorama(data: bytes) -> Told:

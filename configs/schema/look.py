@@ -5,14 +5,14 @@ angles count counter-clockwise from +x of the world frame W.
 """
 
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import Field, model_validator
 
 from configs.schema.asset import Asset, SurfaceImages
 from configs.schema.base import FromList, Section, Slug, absent
 from configs.schema.floors import FloorLook
-from configs.schema.lighting import DeskLampsLook, LampsLook, SkyLook, SunLook
+from configs.schema.lighting import DeskLampsLook, LampsLook, PanoramaName, SkyLook, SunLook
 from configs.schema.paint import Paint
 from configs.schema.room import RoomLook, WindowLook
 
@@ -126,7 +126,8 @@ class CameraLook(Section):
     """Standard deviation of that blur."""
 
 
-_NAMES_A_FILE = ("file", "panorama")
+_NAMES_A_FILE = {"file": frozenset[str](), "panorama": frozenset(get_args(PanoramaName))}
+"""Fields, and the names that stand for no file in each."""
 
 
 class LookConfig(Section):
@@ -178,7 +179,8 @@ def _told(given: dict[str, Any], known: dict[str, Any]) -> dict[str, Any]:
     def told(key: str, value: Any) -> Any:  # noqa: ANN401 - likewise
         if isinstance(value, dict):
             return _told(value, known)
-        return known.get(value, value) if key in _NAMES_A_FILE and isinstance(value, str) else value
+        names_a_file = key in _NAMES_A_FILE and isinstance(value, str) and value not in _NAMES_A_FILE[key]
+        return known.get(value, value) if names_a_file else value
 
     return {key: told(key, value) for key, value in given.items()}
 

@@ -77,6 +77,8 @@ def _make(command: str, scenario: str, out: Path, settings: Sequence[str] | None
     if "assemble" in stages and "render" not in stages:
         failures += batch.rendered(failures)
     with batch.workspace.locked():
+        if "render" in stages:
+            batch.keep_own_files()
         if "simulate" in stages:
             failures += batch.simulate(report)
         if "render" in stages:

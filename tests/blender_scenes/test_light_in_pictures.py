@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from blender_scenes.description import FrameView, Panel, Scene, Sky, Sun
-from blender_scenes.geometry import floor
+from blender_scenes.geometry import block, floor
 from blender_scenes.job import FramePose, build_job
 from blender_scenes.renderer import render_job
 from blender_scenes.shading import Color, Surface
@@ -57,6 +57,28 @@ def test_the_sun_lights_the_floor_by_the_sine_of_its_elevation(light_of):
 def test_a_lamp_is_seen_as_bright_as_it_is_unless_something_else_is_seen_there(light_of, seen, radiance):
     lamp = replace(LAMP, width_m=1.0, height_m=1.0, seen=seen)
     assert _seen(light_of, [lamp], X_WC=LOOKING_UP) == pytest.approx(radiance)
+
+
+def test_through_a_pane_of_glass_the_sky_is_seen_and_no_panel_beside_it(light_of):
+    """Above a black floor, so that the pane has nothing to mirror; the panel still lights what lies below the pane."""
+    glass = Surface("glass", Color((1.0, 1.0, 1.0)), roughness=0.02, refractive_index=1.52, transmission=1.0)
+    pane = block("pane", (0.0, 0.0, 0.7), (2.0, 2.0, 0.006), "glass")
+    lamp = replace(LAMP, center=(0.0, 0.0, 1.0), width_m=1.0, height_m=1.0, radiance=(0.4, 0.2, 0.1))
+    # From the floor's middle to a metre's square a metre above it; a clear pane of index 1.52 lets 92 % through.
+    view_factor, transmittance = 4 / np.pi * np.sqrt(0.2) * np.arctan(np.sqrt(0.2)), 0.92
+
+    def radiance(surface, X_WC, *panels):
+        meshes = floor("floor", (-1.0, -1.0), (1.0, 1.0), 0.0, "floor"), pane
+        scene = Scene((surface, glass), meshes, robot=(), panels=panels, sun=None, sky=NO_SKY)
+        return light_of(scene, [FrameView(1, 0.0, (5.0, 5.0, 0.0), X_WC)], 5, 200.0).mean(axis=(0, 1, 2))
+
+    black = Surface("floor", Color((0.0, 0.0, 0.0)), roughness=1.0, refractive_index=1.0)
+    unseen = replace(lamp, seen=False)
+    assert radiance(black, LOOKING_UP, lamp) == pytest.approx(lamp.radiance, rel=0.15)
+    assert radiance(black, LOOKING_UP, unseen) == pytest.approx((0, 0, 0), abs=1e-3)
+    assert radiance(GREY, LOOKING_DOWN, unseen) == pytest.approx(radiance(GREY, LOOKING_DOWN, lamp), rel=1e-3)
+    lit = 0.5 * view_factor * transmittance * np.array(lamp.radiance)
+    assert radiance(GREY, LOOKING_DOWN, unseen) == pytest.approx(lit, rel=0.06)
 
 
 @pytest.mark.parametrize("refractive_index", [1.0, 1.45])

@@ -98,6 +98,16 @@ def test_a_release_hands_its_renderers_the_copies(copy_of, dataset, own, tiny, s
     assert {path.name for path in (out / ".stages/assets").iterdir()} == {sha256(RED), sha256(HALL)}
 
 
+def test_a_release_copies_them_before_it_simulates(own, tmp_path, tiny, symolo, monkeypatch):
+    def begin(workspace: Workspace, *_: object) -> list:
+        assert {path.name for path in workspace.own_files.iterdir()} == {sha256(RED), sha256(HALL)}
+        raise InputError("simulated")
+
+    monkeypatch.setattr(batch, "simulate_runs", begin)
+    ended = symolo("release", "smoke", "--out", tmp_path / "out", *tiny, "--set", f"look={own}")
+    assert (ended.code, ended.err.strip().splitlines()[-1]) == (2, "symolo: simulated")
+
+
 def test_a_damaged_copy_is_made_again_and_a_file_that_changes_meanwhile_is_refused(own, tmp_path):
     section = load_section("look", str(own))
     look, _ = draw_look(section, 1, "CW", 1)
@@ -109,6 +119,9 @@ def test_a_damaged_copy_is_made_again_and_a_file_that_changes_meanwhile_is_refus
     (kept / sha256(RED)).unlink()
     (tmp_path / "photos/floor.png").write_bytes(BLUE)
     with pytest.raises(InputError, match=r"photos/floor\.png: has changed since it was read"):
+        keep_own_files((look,), section.assets, kept)
+    (tmp_path / "photos/floor.png").unlink()
+    with pytest.raises(InputError, match=r"photos/floor\.png: is gone since it was read; put it back"):
         keep_own_files((look,), section.assets, kept)
     assert not (kept / sha256(RED)).exists()
 

@@ -1,5 +1,6 @@
 """Pictures for a stored trajectory: the same ones again, other looks, and a SyMoLo data.csv with nothing beside it."""
 
+import re
 import shutil
 import sys
 
@@ -122,6 +123,22 @@ def test_a_damaged_trajectory_is_one_clear_line(dataset, copy_of, tmp_path, symo
     assert (ended.code, ended.err.count("\n")) == (2, 1)
     assert "trajectory.npz: cannot be read" in ended.err
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("whole", "damaged", "told"),
+    [
+        ('"mass_kg":', '"mass_kg":"much","_":', "robot.chassis.mass_kg: Input should be a valid number"),
+        ('"mass_kg":', '"mass":', "robot.chassis.mass_kg: Field required"),
+        ("{", "", "Invalid JSON"),
+    ],
+)
+def test_a_damaged_specification_is_told_by_its_field(dataset, copy_of, tmp_path, symolo, whole, damaged, told):
+    path = copy_of(dataset) / RUN / "side/spec.json"
+    path.write_text(re.sub(f"{whole}\\s*", damaged, path.read_text(), count=1))
+    ended = symolo("rerender", path.parents[1], "--look", "lab", "--out", tmp_path / "out")
+    assert (ended.code, ended.err.count("\n")) == (2, 1)
+    assert f"spec.json: cannot be read: {told}" in ended.err
 
 
 @pytest.mark.parametrize("stages", [True, False])

@@ -2,6 +2,8 @@ import os
 import struct
 import subprocess
 import sys
+import tracemalloc
+import zlib
 
 import numpy as np
 import pytest
@@ -136,3 +138,48 @@ def test_a_size_that_is_refused_is_not_read(by_opencv):
     huge = by_opencv["ZIP"].replace(struct.pack("<4i", 0, 0, 34, 19), struct.pack("<4i", 0, 0, 10**9, 10**9))
     with pytest.raises(ValueError, match="too large"):
         read_exr(huge, _at_most_a_thousand)
+
+
+def _zipped(size: tuple[int, int], names: list[bytes]) -> bytes:
+    """Floats of bytes that are all zero, in blocks of 16 lines: a first byte of 0, differences of 128."""
+    width, height = size
+    listed = b"".join(name + struct.pack("<xiIii", 2, 0, 1, 1) for name in names) + b"\0"
+    window = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    head = struct.pack("<ii", 20000630, 2)
+    for name, data in ((b"channels", listed), (b"compression", b"\3"), (b"dataWindow", window)):
+        head += name + b"\0x\0" + struct.pack("<i", len(data)) + data
+    block = zlib.compress(b"\0" + b"\x80" * (16 * 4 * width * len(names) - 1))
+    starts = [len(head) + 1 + 8 * (height // 16) + number * (8 + len(block)) for number in range(height // 16)]
+    blocks = b"".join(struct.pack("<ii", 16 * number, len(block)) + block for number in range(height // 16))
+    return head + b"\0" + struct.pack(f"<{len(starts)}Q", *starts) + blocks
+
+
+def test_channels_that_nobody_wants_take_no_memory():
+    """Twelve more than the three, of 1 MiB each."""
+    data = _zipped((512, 512), [b"B", b"G", b"R", *(b"c%02d" % number for number in range(12))])
+    tracemalloc.start()
+    found = read_exr(data, wanted="RGB")
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert {name: values.shape for name, values in found.items()} == dict.fromkeys("RGB", (512, 512))
+    assert not any(values.any() for values in found.values())
+    assert most < 7 << 20
+
+
+@pytest.mark.parametrize(
+    ("names", "told"),
+    [
+        ([b"B", b"G", b"R", *(b"c%03d" % number for number in range(300))], "of 303 channels; at most 16"),
+        ([b"B", b"G", b"R", b"R"], "no channels, or two of one name"),
+        ([], "no channels, or two of one name"),
+        ([b"\x1b[2J\nX", b"\xff\xfe"], r"channels \\x1b\[2J\\nX, \\xff\\xfe; expected R, G, B"),
+    ],
+)
+def test_channels_that_cannot_be_used_are_refused_in_one_line_that_any_terminal_can_show(names, told):
+    with pytest.raises(ValueError, match=told) as caught:
+        read_exr(_zipped((64, 32), names), wanted="RGB")
+    assert str(caught.value).isprintable()
+
+
+def test_a_name_in_no_alphabet_is_a_name():
+    assert set(read_exr(_zipped((64, 32), [b"B", b"\xff\xfe"]))) == {"B", "\xff\xfe"}

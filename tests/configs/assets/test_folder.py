@@ -210,3 +210,31 @@ def test_a_specification_that_somebody_else_wrote_is_refused_and_no_crash(assets
     text = json.dumps({"name": "own", "assets": assets, "floor": {"image": {"file": "a.png"}}})
     with pytest.raises(ValidationError):
         LookConfig.model_validate_json(text)
+
+
+@pytest.mark.usefixtures("photos")
+def test_a_file_that_does_not_fit_into_memory_is_refused(monkeypatch):
+    def full(*_: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr("configs.assets.pictures.whole_picture", full)
+    with pytest.raises(InputError, match=r"does not fit into the memory that is free: got .*; save it smaller"):
+        load_section("look", "looks/mine.yaml")
+
+
+def test_a_strip_keeps_its_shape(photos: Path, monkeypatch):
+    """Averaged down to 10 pixels at most, 100 x 3 becomes 10 x 1: ten times as wide as high, and no longer 33 times."""
+    monkeypatch.setattr("configs.assets.pictures.LONGEST_SIDE_PX", 10)
+    (photos / "grey.png").write_bytes(cv2.imencode(".png", np.full((3, 100, 3), 188, np.uint8))[1].tobytes())
+    look, _ = draw_look(load_section("look", "looks/mine.yaml"), 1, "CW", 1)
+    own = look.floor.image.file
+    assert (own.width_px, own.height_px) == (100, 3)
+    assert own.mean_rgb == pytest.approx((0.502886,) * 3)  # sRGB's 188 (IEC 61966-2-1)
+
+
+def test_a_picture_called_like_a_shipped_sky_is_no_sky(photos: Path):
+    (photos / "city").write_bytes(GREY)
+    settings = ["look.floor.image.file=city", "look.sky.panorama=city"]
+    look, _ = draw_look(load_section("look", "looks/mine.yaml", settings), 1, "CW", 1)
+    assert look.floor.image.file.sha256 == _sha256(GREY)
+    assert look.sky.panorama == "city"

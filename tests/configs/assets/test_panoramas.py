@@ -77,7 +77,8 @@ def test_what_is_below_zero_counts_as_zero():
         (_hdr(SPHERE).replace(b"-Y 8 +X 16", b"-Y 90000 +X 180000"), "180000 x 90000 pixels; at most 8192 x 4096"),
         (_hdr(SPHERE).replace(b"-Y 8", b"+Y 8"), "rows from top to bottom"),
         (_hdr(SPHERE).replace(b"rgbe", b"xyze"), "in RGB"),
-        (_exr(SPHERE, "UVY"), "channels U, V, Y; expected R, G and B"),
+        (_hdr(SPHERE).replace(b"-Y 8 +X 16", b"-Y  90000 +X 180000\n\n-Y 8 +X 16"), "rows from top to bottom"),
+        (_exr(SPHERE, "UVY"), "channels U, V, Y; expected R, G, B"),
         (b"\x89PNG\r\n\x1a\n", "neither a Radiance"),
         (b"", "neither a Radiance"),
     ],
@@ -93,6 +94,14 @@ def test_a_file_cut_anywhere_is_refused(whole, capfd):
         with pytest.raises(ValueError, match=r"cut short|truncated|neither|not a Radiance"):
             read_panorama(whole[:length])
     assert capfd.readouterr().err == ""
+
+
+def test_other_lines_in_a_header_change_nothing():
+    whole = _hdr(SPHERE)
+    plain = b"FORMAT=32-bit_rle_rgbe\n"
+    assert plain in whole
+    told = whole.replace(plain, b"# by a camera\n" + plain + b"EXPOSURE=1.0\nGAMMA=1.0\n")
+    np.testing.assert_array_equal(read_panorama(told), read_panorama(whole))
 
 
 def test_a_wide_panorama_is_averaged_down(monkeypatch):

@@ -1,6 +1,8 @@
 """What is made of PNG and JPEG files, whole and broken."""
 
 import struct
+import subprocess
+import sys
 import zlib
 
 import cv2
@@ -85,7 +87,7 @@ def test_a_file_with_any_byte_damaged_is_read_or_refused(whole, capfd):
             refusals.append(str(error))
     assert len(refusals) > 5
     assert all(len(text.splitlines()) == 1 for text in refusals)
-    assert "imdecode" not in capfd.readouterr().err
+    assert capfd.readouterr().err == ""
 
 
 def _chunk(kind: bytes, body: bytes) -> bytes:
@@ -112,3 +114,71 @@ def test_a_large_picture_is_averaged_down():
 def test_other_files_are_refused_by_their_content(data):
     with pytest.raises(ValueError, match="neither a PNG nor a JPEG"):
         read_picture(data)
+
+
+def _jpeg_parts() -> tuple[bytes, bytes, bytes, bytes]:
+    """Up to the frame's header, that, what follows, and the marker of the end."""
+    whole = _jpeg(QUARTERS)
+    at = whole.index(b"\xff\xc0")
+    end = at + 2 + int.from_bytes(whole[at + 2 : at + 4], "big")
+    return whole[:at], whole[at:end], whole[end:-2], whole[-2:]
+
+
+def test_a_comment_behind_the_pixels_does_no_harm():
+    """Segments may stand before any marker that is not of a scan's own data (ITU-T T.81, B.1.1.2 and B.2.4.5)."""
+    *parts, end = _jpeg_parts()
+    commented = b"".join(parts) + b"\xff\xfe\x00\x04hi" + end
+    np.testing.assert_array_equal(read_picture(commented), read_picture(_jpeg(QUARTERS)))
+
+
+def test_a_second_frame_does_not_hide_the_size_of_the_first():
+    before, frame, rest, end = _jpeg_parts()
+    large = frame[:5] + struct.pack(">HH", 60_000, 60_000) + frame[9:]
+    with pytest.raises(ValueError, match="the JPEG has two frames"):
+        read_picture(before + large + rest + frame + end)
+    with pytest.raises(ValueError, match="at most 64 million"):
+        read_picture(before + large + rest + end)
+    with pytest.raises(ValueError, match="the JPEG has no frame"):
+        read_picture(before + end)
+
+
+def test_a_png_has_one_header_at_its_beginning():
+    """PNG specification, 5.6."""
+    whole = _png(QUARTERS)
+    head, rest = whole[8:33], whole[33:]
+    small = _chunk(b"IHDR", struct.pack(">IIBBBBB", 1, 1, 8, 2, 0, 0, 0))
+    text = _chunk(b"tEXt", b"Title\0none")
+    assert read_picture(whole[:8] + head + text + rest).shape == (16, 32, 3)
+    for chunks in (head + rest[:-12] + small + rest[-12:], text + head + rest, head + head + rest):
+        with pytest.raises(ValueError, match="header is not first, or not alone"):
+            read_picture(whole[:8] + chunks)
+
+
+def test_a_picture_that_decodes_to_another_size_than_it_tells_is_refused(monkeypatch):
+    monkeypatch.setattr("cv2.imdecode", lambda *_: np.zeros((17, 32, 3), np.uint8))
+    with pytest.raises(ValueError, match="cannot be decoded"):
+        read_picture(_png(QUARTERS))
+
+
+def test_a_jpeg_without_half_of_its_pixels_is_refused_and_nothing_else_is_said(capfd):
+    """libjpeg makes up what is missing, with a line of its own about corrupt data."""
+    noise = _jpeg(np.random.default_rng(1).integers(0, 256, (40, 60, 3)).astype(np.uint8))
+    with pytest.raises(ValueError, match="cannot be decoded"):
+        read_picture(noise[: len(noise) // 2] + b"\xff\xd9")
+    assert capfd.readouterr().err == ""
+
+
+def test_what_libpng_says_of_a_broken_stream_stays_unsaid(capfd):
+    head = _chunk(b"IHDR", struct.pack(">IIBBBBB", 30, 20, 8, 0, 0, 0, 0))
+    body = zlib.compress(np.random.default_rng(1).bytes(20 * 31))[:300]
+    with pytest.raises(ValueError, match="cannot be decoded"):
+        read_picture(b"\x89PNG\r\n\x1a\n" + head + _chunk(b"IDAT", body) + _chunk(b"IEND", b""))
+    assert capfd.readouterr().err == ""
+
+
+def test_a_process_without_a_standard_error_stream_reads_pictures(tmp_path):
+    (tmp_path / "a.png").write_bytes(_png(QUARTERS))
+    program = "import os, sys; os.close(2); from pathlib import Path; from configs.assets.pictures import read_picture;"
+    program += "print(read_picture(Path(sys.argv[1]).read_bytes()).shape)"
+    done = subprocess.run([sys.executable, "-c", program, tmp_path / "a.png"], stdout=subprocess.PIPE, check=True)
+    assert done.stdout == b"(16, 32, 3)\n"
