@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from configs.errors import InputError
-from diagnosis.importers.base import Importer
+from diagnosis.importers.base import Importer, is_file
 from diagnosis.importers.trials import KnownNoise, trials_of
 from diagnosis.measured.case_format import COLUMNS, DATA, HOLDOUT, SPLIT, channel_columns
 from diagnosis.measured.csv_table import Table, read_csv
@@ -31,7 +31,7 @@ def case_importer(kind: Kind, what: str, noise_of: NoiseOf, notes_of: NotesOf) -
 def _recognises(kind: Kind, path: Path) -> bool:
     """By nominal.yaml's own word, faulty or not, so that its faults are told by the reader it belongs to."""
     file = _folder(path) / NOMINAL
-    if not file.is_file():
+    if not is_file(file):
         return False
     try:
         with file.open(encoding="utf-8-sig", errors="replace") as opened:
