@@ -136,7 +136,8 @@ def _log(path: Path) -> tuple[Trial, tuple[str, ...]]:
     for symbol, quantity in form.items():
         values = quantity.factor * table.numbers[symbol]
         if symbol == "ang":
-            values = np.unwrap(values)
+            given = np.isfinite(values)
+            values[given] = np.unwrap(values[given])  # one NaN would go on to all later rows
         series = TimeSeries(quantity.channel, quantity.to_unit, t_s, values)
         clock = "camera" if symbol in _CAMERA else "log"
         channels.append(Channel.logged(series, quantity.role, clock=clock))
