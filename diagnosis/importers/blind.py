@@ -26,6 +26,6 @@ def _read(path: Path, kind: Kind) -> Measurement:
     columns = [column for column in COLUMNS[kind] if column.name in BLIND[kind][path.name]]
     table = read_csv(path, columns)
     channels = [column for column in channel_columns(kind) if column in columns]
-    trials = trials_of(table, channels, np.ones(len(table.row), dtype=bool), {})
+    trials = trials_of(table, channels, np.ones(len(table.row), dtype=bool), {}, from_rest=kind is Kind.MOTOR_STEP)
     source = Source("inputs of unseen runs", (str(path),))
     return Measurement(path.stem, kind, source, trials, notes=table.notes)

@@ -58,7 +58,9 @@ def _read(kind: Kind, noise_of: NoiseOf, notes_of: NotesOf, path: Path) -> Measu
     source = Source("a measured case", (str(folder / DATA), str(folder / NOMINAL)))
     channels = channel_columns(kind)
     noise = {c.name: known for c in channels for known in (noise_of(nominal, table, c.name),) if known is not None}
-    trials = trials_of(table, channels, np.array(table.words[SPLIT.name]) == HOLDOUT, noise)
+    trials = trials_of(
+        table, channels, np.array(table.words[SPLIT.name]) == HOLDOUT, noise, from_rest=kind is Kind.MOTOR_STEP
+    )
     measurement = Measurement(folder.absolute().name, kind, source, trials, nominal, table.notes)
     notes = (*table.notes, *_absent(measurement), *notes_of(nominal, measurement))
     return Measurement(measurement.name, kind, source, trials, nominal, notes)

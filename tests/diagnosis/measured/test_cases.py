@@ -171,6 +171,22 @@ BAD_STEPS = {
         lambda text: re.sub(r"(?<=fit,)([0-9.]+),([0-9.]+)", lambda m: f"{m[1]},{1000 * float(m[2]):g}", text),
         "column t_s: rows are 5 s apart.*divide by 1000",
     ),
+    "trial that begins late": (
+        lambda text: re.sub(r"(?<=2,holdout,)2.0(..),0.0", r"102.0\1,100.0", text),
+        "row 5: column t_s: trial 2 begins at 100.005 s.*starts at rest at t_s = 0",
+    ),
+    "trial that begins before rest": (
+        lambda text: text.replace("1,fit,0.005,0.005", "1,fit,-5,-5"),
+        "row 2: column t_s: trial 1 begins at -5 s.*starts at rest at t_s = 0",
+    ),
+    "session in ms": (
+        lambda text: re.sub(r"(?<=fit,)([0-9.]+)|(?<=holdout,)([0-9.]+)", lambda m: f"{1000 * float(m[0]):g}", text),
+        "row 3: column session_time_s.*this looks like ms: divide by 1000",
+    ),
+    "session that jumps within a trial": (
+        changed(4, 3, "0.9"),
+        "row 4: column session_time_s: goes 0.89 s on from the row above, and t_s 0.01 s",
+    ),
     "voltages in mV": (
         lambda text: text.replace(",3.0,", ",3000,").replace(",-3.0,", ",-3000,"),
         "column u_cmd_V: most values are out of scale.*this looks like mV: divide by 1000",
