@@ -326,3 +326,36 @@ def test_a_range_bench_that_noted_distances_alone_is_read(case, text):
     lines = overview(found)
     assert "material: (not noted)" in lines
     assert any(re.search(r"^reading_m .* 11 repeats", line) for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("kind", "coefficients", "said"),
+    [
+        ("tof_bench", "[-1.4, 4.88, 2.51, 1.15]", r"noise\.polynomial_mm: .* -1.4 mm at 0.14 m.*above 0"),
+        ("tof_bench", "[0, 0, 0, 0]", r"noise\.polynomial_mm: .* 0 mm at 0.14 m.*above 0"),
+        ("drive_log", "[1.4, -4.88, 0, 0]", r"noise\.tof_polynomial_mm: .* -0.\d+ mm at 0.46[78] m.*above 0"),
+    ],
+)
+def test_a_noise_that_is_not_above_zero_at_the_distances_is_refused(case, kind, coefficients, said):
+    """1.4 - 4.88 x is 0 at x = 0.287, that is at 0.467 m."""
+    nominal = (case(kind) / "nominal.yaml").read_text().replace("[1.4, 4.88, 2.51, 1.15]", coefficients)
+    told = refusal(case(kind, nominal=nominal))
+    assert "nominal.yaml" in told
+    assert re.search(said, told), told
+
+
+def test_a_noise_that_is_negative_beyond_the_distances_is_read(case):
+    """1.4 - 2 x is above 0 up to 0.88 m; the bench goes to 0.54 m."""
+    nominal = (case("tof_bench") / "nominal.yaml").read_text().replace("[1.4, 4.88, 2.51, 1.15]", "[1.4, -2, 0, 0]")
+    (trial,) = read(case("tof_bench", nominal=nominal)).trials
+    assert trial["reading_m"].noise_sd[2] == pytest.approx((1.4 - 2 * 0.36) / 1000)
+
+
+def test_a_heading_that_wraps_is_refused_at_its_row(case, text):
+    """0.1 rad a row, given within half a turn: the fourth row goes from 3.1 to -3.08."""
+    rows = [
+        f"1,fit,{0.05 * k:.2f},{0.05 * k:.2f},,,,,{k},{k},,,,1.0,0.8,{theta}"
+        for k, theta in enumerate((2.9, 3.0, 3.1, -3.08, -2.98))
+    ]
+    told = refusal(case("drive_log", data="\n".join([text("drive_log").splitlines()[0], *rows]) + "\n"))
+    assert re.search(r"row 5: column theta_rad: goes from 3.1 to -3.08.*unwrap the angle", told), told
