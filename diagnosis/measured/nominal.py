@@ -191,6 +191,16 @@ MODELS: dict[str, type[NominalSteady | NominalStep | NominalTof | NominalDrive]]
 }
 
 
+def kind_of(path: Path) -> object:
+    """What stands under `kind`, whatever the rest is like; None where nothing does.
+
+    Raises:
+        InputError: It is not strict YAML.
+    """
+    kind = read_yaml(path).root.child("kind")
+    return kind.plain() if kind else None
+
+
 def read_nominal(path: Path) -> Nominal:
     """The parameters of one case.
 

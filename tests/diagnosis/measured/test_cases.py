@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+import yaml
 
 from configs.errors import InputError
 from diagnosis.importers import IMPORTERS
@@ -359,3 +360,30 @@ def test_a_heading_that_wraps_is_refused_at_its_row(case, text):
     ]
     told = refusal(case("drive_log", data="\n".join([text("drive_log").splitlines()[0], *rows]) + "\n"))
     assert re.search(r"row 5: column theta_rad: goes from 3.1 to -3.08.*unwrap the angle", told), told
+
+
+@pytest.mark.parametrize("spelling", ["'kind': motor_step", "kind : motor_step", '"kind": "motor_step"'])
+def test_any_spelling_of_the_kind_that_is_yaml_is_known(case, spelling):
+    nominal = (case("motor_step") / "nominal.yaml").read_text().replace("kind: motor_step", spelling)
+    assert read(case("motor_step", nominal=nominal)).kind is Kind.MOTOR_STEP
+
+
+def test_a_nominal_file_in_flow_style_is_known(case):
+    nominal = yaml.safe_load((case("motor_step") / "nominal.yaml").read_text())
+    flow = yaml.safe_dump(nominal, default_flow_style=True, width=10_000)
+    assert flow.startswith("{")
+    assert read(case("motor_step", nominal=flow)).kind is Kind.MOTOR_STEP
+
+
+def test_digits_beyond_the_usual_ones_come_back_from_what_was_written(case, text, tmp_path):
+    """150 Hz to nine decimals, a voltage to six: the same numbers, not their roundings."""
+    rows = [f"1,fit,{k / 150:.9f},{k / 150:.9f},3.123456,0.12345678,1.1234567" for k in range(1, 20)]
+    nominal = (case("motor_step") / "nominal.yaml").read_text().replace("200", "150")
+    data = "\n".join([text("motor_step").splitlines()[0], *rows]) + "\n"
+    found = read(case("motor_step", data=data, nominal=nominal))
+    write_case(found, tmp_path / "again")
+    again = read(tmp_path / "again")
+    (before,), (after,) = found.trials, again.trials
+    np.testing.assert_array_equal(after.t_s, before.t_s)
+    for channel in before.channels:
+        np.testing.assert_array_equal(after[channel.name].values, channel.values)
