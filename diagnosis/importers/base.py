@@ -19,9 +19,25 @@ class Importer:
     """Reads all of it strictly, or raises InputError that names file, row and column."""
 
 
+def is_file(path: Path) -> bool:
+    """Whether there is such a file within reach; false, and no PermissionError, in a folder without permission."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
+def is_folder(path: Path) -> bool:
+    """The same of a folder."""
+    try:
+        return path.is_dir()
+    except OSError:
+        return False
+
+
 def only_log(path: Path, is_log: Callable[[Path], bool]) -> Path | None:
     """The file itself, or the only file of a folder that looks like a log; None where there is none or several."""
-    if not path.is_dir():
+    if not is_folder(path):
         return path if is_log(path) else None
     found = [file for file in path.glob("*.csv") if is_log(file)]
     return found[0] if len(found) == 1 else None
@@ -29,7 +45,7 @@ def only_log(path: Path, is_log: Callable[[Path], bool]) -> Path | None:
 
 def first_line(path: Path) -> str:
     """Of a file, without spaces; empty for a folder or what cannot be read."""
-    if not path.is_file():  # nor a pipe or a device, on which one would wait
+    if not is_file(path):  # nor a pipe or a device, on which one would wait
         return ""
     try:
         with path.open(encoding="utf-8-sig", errors="replace") as file:

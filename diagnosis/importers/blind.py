@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from diagnosis.importers.base import is_file
 from diagnosis.importers.trials import trials_of
 from diagnosis.measured.case_format import BLIND, COLUMNS, channel_columns
 from diagnosis.measured.csv_table import read_csv
@@ -18,13 +19,13 @@ def read_blind(folder: Path, kind: Kind) -> dict[str, Measurement]:
     Raises:
         InputError: A file is not as the format says; the text names file, row and column.
     """
-    return {name: _read(folder / name, kind) for name in BLIND[kind] if (folder / name).is_file()}
+    return {name: _read(folder / name, kind) for name in BLIND[kind] if is_file(folder / name)}
 
 
 def _read(path: Path, kind: Kind) -> Measurement:
     columns = [column for column in COLUMNS[kind] if column.name in BLIND[kind][path.name]]
     table = read_csv(path, columns)
     channels = [column for column in channel_columns(kind) if column in columns]
-    trials = trials_of(table, channels, np.ones(len(table.row), dtype=bool), {})
+    trials = trials_of(table, channels, np.ones(len(table.row), dtype=bool), {}, from_rest=kind is Kind.MOTOR_STEP)
     source = Source("inputs of unseen runs", (str(path),))
     return Measurement(path.stem, kind, source, trials, notes=table.notes)

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from configs.errors import InputError
-from diagnosis.importers.base import Importer
+from diagnosis.importers.base import Importer, is_file
 from diagnosis.importers.trials import KnownNoise, trials_of
 from diagnosis.measured.case_format import COLUMNS, DATA, HOLDOUT, SPLIT, channel_columns
 from diagnosis.measured.csv_table import Table, read_csv
 from diagnosis.measured.measurement import Kind, Measurement, Source
-from diagnosis.measured.nominal import NOMINAL, Nominal, read_nominal
+from diagnosis.measured.nominal import NOMINAL, Nominal, kind_of, read_nominal
 from diagnosis.measured.scale import mixed_up_unit
 
 NoiseOf = Callable[[Nominal, Table, str], KnownNoise | None]
@@ -29,10 +29,14 @@ def case_importer(kind: Kind, what: str, noise_of: NoiseOf, notes_of: NotesOf) -
 
 
 def _recognises(kind: Kind, path: Path) -> bool:
-    """By nominal.yaml's own word, faulty or not, so that its faults are told by the reader it belongs to."""
+    """By nominal.yaml's own word, be it YAML or nearly so, so that its faults are told by the reader it belongs to."""
     file = _folder(path) / NOMINAL
-    if not file.is_file():
+    if not is_file(file):
         return False
+    try:
+        return kind_of(file) == kind.value
+    except InputError:
+        pass
     try:
         with file.open(encoding="utf-8-sig", errors="replace") as opened:
             text = opened.read(100_000)
@@ -58,7 +62,9 @@ def _read(kind: Kind, noise_of: NoiseOf, notes_of: NotesOf, path: Path) -> Measu
     source = Source("a measured case", (str(folder / DATA), str(folder / NOMINAL)))
     channels = channel_columns(kind)
     noise = {c.name: known for c in channels for known in (noise_of(nominal, table, c.name),) if known is not None}
-    trials = trials_of(table, channels, np.array(table.words[SPLIT.name]) == HOLDOUT, noise)
+    trials = trials_of(
+        table, channels, np.array(table.words[SPLIT.name]) == HOLDOUT, noise, from_rest=kind is Kind.MOTOR_STEP
+    )
     measurement = Measurement(folder.absolute().name, kind, source, trials, nominal, table.notes)
     notes = (*table.notes, *_absent(measurement), *notes_of(nominal, measurement))
     return Measurement(measurement.name, kind, source, trials, nominal, notes)

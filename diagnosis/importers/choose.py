@@ -16,6 +16,14 @@ def read_measurement(path: Path, importers: Sequence[Importer], name: str | None
     Raises:
         InputError: There is no such path or importer, nobody recognises the path, or it cannot be read as it should.
     """
+    try:
+        return _read_measurement(path, importers, name)
+    except OSError as error:
+        where = str(error.filename or path)
+        raise InputError(f"cannot be read: {error.strerror}", where=where, cure="check its permissions") from None
+
+
+def _read_measurement(path: Path, importers: Sequence[Importer], name: str | None) -> Measurement:
     names = [importer.name for importer in importers]
     if name is not None and name not in names:
         raise InputError("--as", got=name, allowed=", ".join(names), nearest=nearest(name, names))

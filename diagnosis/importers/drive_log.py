@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from configs.errors import InputError
 from diagnosis.importers.case import case_importer, scale_note
 from diagnosis.importers.motor_step import check_rate
 from diagnosis.importers.trials import KnownNoise
@@ -13,6 +14,10 @@ from diagnosis.measured.measurement import Kind, Measurement, Trial
 from diagnosis.measured.nominal import Nominal, NominalDrive
 
 ROW_S = 0.05
+WRAP_WITHIN_RAD = 1.0
+"""Of a whole turn, that a jump is a wrapped angle."""
+LONGEST_STEP_S = 0.25
+"""Over which a robot does not turn about."""
 
 
 def _noise(nominal: Nominal, table: Table, name: str) -> KnownNoise | None:
@@ -26,7 +31,33 @@ def _noise(nominal: Nominal, table: Table, name: str) -> KnownNoise | None:
 
 def _notes(nominal: Nominal, measurement: Measurement) -> Sequence[str]:
     check_rate(measurement, ROW_S)
+    _check_heading(measurement)
+    if isinstance(nominal, NominalDrive):
+        distance_m = np.linspace(0.0, nominal.tof.max_range_m, 1000)
+        nominal.noise.tof.check(distance_m, field="noise.tof_polynomial_mm", where=measurement.source.files[1])
     return travel_notes(nominal, measurement)
+
+
+def _check_heading(measurement: Measurement) -> None:
+    """Refuse a heading that is kept within a turn, by its jumps of about one in a step of time.
+
+    Raises:
+        InputError: With the row of the first jump.
+    """
+    row = 2  # below the header
+    for trial in measurement.trials:
+        theta = trial["theta_rad"].values
+        given = np.flatnonzero(np.isfinite(theta))
+        turned = np.diff(theta[given])
+        jumps = (np.abs(np.abs(turned) - 2.0 * np.pi) < WRAP_WITHIN_RAD) & (np.diff(trial.t_s[given]) < LONGEST_STEP_S)
+        if jumps.any() and np.median(np.abs(turned)) < WRAP_WITHIN_RAD:
+            before, i = given[int(np.argmax(jumps)) :][:2].tolist()
+            raise InputError(
+                f"column theta_rad: goes from {theta[before]:.6g} to {theta[i]:.6g}",
+                where=f"{measurement.source.files[0]}: row {row + i}",
+                cure="unwrap the angle: it counts on beyond a turn",
+            )
+        row += len(theta)
 
 
 def travel_notes(nominal: Nominal, measurement: Measurement) -> list[str]:

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from configs.errors import InputError
-from diagnosis.importers.base import Importer
+from diagnosis.importers.base import Importer, is_file, is_folder
 from diagnosis.importers.order import check_increasing
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.csv_table import Column, table_of
@@ -50,13 +50,15 @@ def _sessions(path: Path) -> list[Path]:
 
 
 def _recognises(path: Path) -> bool:
-    if path.is_file():
+    if is_file(path):
         return _RUN.fullmatch(path.name) is not None
-    return any(_RUN.fullmatch(file.name) for session in _sessions(path) for file in session.iterdir())
+    return is_folder(path) and any(
+        _RUN.fullmatch(file.name) for session in _sessions(path) for file in session.iterdir()
+    )
 
 
 def _read(path: Path) -> Measurement:
-    if path.is_file():
+    if is_file(path):
         files = [path]
     else:
         files = sorted(f for session in _sessions(path) for f in session.iterdir() if _RUN.fullmatch(f.name))

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from configs.errors import InputError
-from diagnosis.importers.base import Importer, first_line
+from diagnosis.importers.base import Importer, first_line, is_folder
 from diagnosis.importers.order import check_increasing
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.csv_table import Column, check_header, table_of
@@ -93,11 +93,11 @@ def _is_log(path: Path) -> bool:
 
 
 def _recognises(path: Path) -> bool:
-    return _is_log(path) or (path.is_dir() and any(_is_log(file) for file in path.glob("*.csv")))
+    return _is_log(path) or (is_folder(path) and any(_is_log(file) for file in path.glob("*.csv")))
 
 
 def _read(path: Path) -> Measurement:
-    files = sorted(file for file in path.glob("*.csv") if _is_log(file)) if path.is_dir() else [path]
+    files = sorted(file for file in path.glob("*.csv") if _is_log(file)) if is_folder(path) else [path]
     if not files:
         raise InputError("holds no such log", where=str(path), cure="name a file, or a folder of one floor")
     read = [_log(file) for file in files]
@@ -136,7 +136,8 @@ def _log(path: Path) -> tuple[Trial, tuple[str, ...]]:
     for symbol, quantity in form.items():
         values = quantity.factor * table.numbers[symbol]
         if symbol == "ang":
-            values = np.unwrap(values)
+            given = np.isfinite(values)
+            values[given] = np.unwrap(values[given])  # one NaN would go on to all later rows
         series = TimeSeries(quantity.channel, quantity.to_unit, t_s, values)
         clock = "camera" if symbol in _CAMERA else "log"
         channels.append(Channel.logged(series, quantity.role, clock=clock))

@@ -10,7 +10,7 @@ from diagnosis.importers.trials import KnownNoise
 from diagnosis.measured.channel import Quality
 from diagnosis.measured.csv_table import Table
 from diagnosis.measured.measurement import Kind, Measurement
-from diagnosis.measured.nominal import Nominal, NominalTof
+from diagnosis.measured.nominal import NOMINAL, Nominal, NominalTof
 
 
 def _noise(nominal: Nominal, table: Table, name: str) -> KnownNoise | None:
@@ -27,7 +27,9 @@ def _noise(nominal: Nominal, table: Table, name: str) -> KnownNoise | None:
                 nearest=nearest(material, known),
                 cure="or give its reflectance in nominal.yaml",
             )
-    return KnownNoise(nominal.noise.sd_m(table.numbers["distance_m"]))
+    distance_m = table.numbers["distance_m"]
+    nominal.noise.check(distance_m, field="noise.polynomial_mm", where=str(table.path.with_name(NOMINAL)))
+    return KnownNoise(nominal.noise.sd_m(distance_m))
 
 
 def _notes(nominal: Nominal, measurement: Measurement) -> Sequence[str]:

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from configs.errors import InputError
-from diagnosis.importers.order import check_increasing
+from diagnosis.importers.order import check_from_rest, check_increasing, check_session
 from diagnosis.measured.case_format import CAMERA_CHANNELS, NO_TARGET_FROM_M, RANGES
 from diagnosis.measured.channel import Array, Channel, Label, Mask
 from diagnosis.measured.csv_table import Column, Table
@@ -29,7 +29,7 @@ class KnownNoise:
 
 
 def trials_of(
-    table: Table, channels: Sequence[Column], holdout: Mask, noise: Mapping[str, KnownNoise]
+    table: Table, channels: Sequence[Column], holdout: Mask, noise: Mapping[str, KnownNoise], *, from_rest: bool
 ) -> tuple[Trial, ...]:
     """One trial for each sweep or trial of a table, or one for all of it where it has no such column.
 
@@ -38,14 +38,17 @@ def trials_of(
         channels: Its columns that are channels.
         holdout: (N,), rows that are held out.
         noise: What is known, by channel.
+        from_rest: Whether each trial starts at rest at `t_s` = 0.
 
     Raises:
-        InputError: A trial comes again, or time does not go forward.
+        InputError: A trial comes again, time does not go forward, or does not count from the trial's start.
     """
     group = next((name for name in ("sweep", "trial") if name in table.numbers), "")
     numbers = table.numbers[group] if group else np.ones(len(table.row))
     _check_order(table, numbers, group)
     starts = [0, *(np.flatnonzero(np.diff(numbers)) + 1).tolist(), len(numbers)]
+    if from_rest:
+        check_from_rest(table, starts[:-1], np.diff(numbers) == 0.0)
     return tuple(
         _trial(table, channels, holdout, noise, rows=slice(a, b), name=f"{numbers[a]:.0f}") for a, b in pairwise(starts)
     )
@@ -71,6 +74,8 @@ def _check_order(table: Table, numbers: Array, group: str) -> None:
         if len(back):
             what = "column session_time_s: the trial begins before the one above has ended"
             raise InputError(what, where=table.where(int(back[0])), cure="put the trials in order")
+        if group == "trial":
+            check_session(table, within)
 
 
 def _trial(

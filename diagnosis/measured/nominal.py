@@ -117,6 +117,25 @@ class RangeNoise(Section):
         beyond = np.maximum(distance_m - self.polynomial_origin_m, 0.0)
         return 1e-3 * np.polynomial.polynomial.polyval(beyond, np.array(self.polynomial_mm))
 
+    def check(self, distance_m: Array, *, field: str, where: str) -> None:
+        """Refuse a polynomial that is not above zero at these distances, of any shape.
+
+        Args:
+            distance_m: Where readings are; NaN are left out.
+            field: Its path in nominal.yaml.
+            where: That file.
+
+        Raises:
+            InputError: With the shortest of them at which it is not.
+        """
+        given_m = np.unique(distance_m[np.isfinite(distance_m)])
+        sd_m = self.sd_m(given_m)
+        wrong = np.flatnonzero(~(sd_m > 0.0)).tolist()
+        if wrong:
+            told = f"{1e3 * sd_m[wrong[0]]:.3g} mm at {given_m[wrong[0]]:.3g} m"
+            cure = "mend its coefficients, p0 to p3 in mm"
+            raise InputError(f"{field}: a standard deviation of {told}", where=where, allowed="above 0", cure=cure)
+
 
 class DriveNoise(Section):
     wheel_speed_rad_s: Positive
@@ -170,6 +189,16 @@ MODELS: dict[str, type[NominalSteady | NominalStep | NominalTof | NominalDrive]]
     "tof_bench": NominalTof,
     "drive_log": NominalDrive,
 }
+
+
+def kind_of(path: Path) -> object:
+    """What stands under `kind`, whatever the rest is like; None where nothing does.
+
+    Raises:
+        InputError: It is not strict YAML.
+    """
+    kind = read_yaml(path).root.child("kind")
+    return kind.plain() if kind else None
 
 
 def read_nominal(path: Path) -> Nominal:

@@ -128,10 +128,10 @@ def _noise(measurement: Measurement, name: str) -> str:
     found = [noise for channel in measurement.across(name) for noise in (noise_of(channel),) if noise is not None]
     if not found:
         return "-"
-    if not all(noise.is_separable for noise in found):
-        found = [noise for noise in found if noise.is_separable]
-        if 2 * len(found) < len(measurement.trials):
-            return "not separable"
+    if 2 * sum(not noise.is_resolved for noise in found) > len(found):
+        return "below resolution"
+    if 2 * sum(noise.is_separable for noise in found) < len(measurement.trials):
+        return "not separable"
     sd, correlation = (float(np.median([getattr(noise, of) for noise in found])) for of in ("sd", "correlation"))
     return f"{sd:.2g}, corr {correlation:+.2f}" if sd > 0.0 else "0"
 

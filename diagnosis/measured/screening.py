@@ -55,8 +55,12 @@ def usable(channel: Channel) -> Array:
 
 
 def noise_of(channel: Channel) -> Noise | None:
-    """Of a channel that is sampled often."""
-    return noise_of_differences(usable(channel), joined(channel.series.t_s))
+    """Of a channel that is sampled often, at least that of the rounding to its resolution (uniform: step^2/12)."""
+    values = usable(channel)
+    found, step = noise_of_differences(values, joined(channel.series.t_s)), resolution(values)
+    if found is None or step is None or found.sd**2 >= step**2 / 12.0:
+        return found
+    return Noise(float(step / np.sqrt(12.0)), 0.0, found.rows, is_resolved=False)
 
 
 def spikes(channel: Channel) -> Mask:

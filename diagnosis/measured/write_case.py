@@ -1,4 +1,4 @@
-"""A measurement written as a measured case: the same rows and values, to the digits of its columns."""
+"""A measurement written as a measured case: the same rows and values, with as many digits as that takes."""
 
 from pathlib import Path
 
@@ -10,6 +10,11 @@ from diagnosis.measured.channel import Array
 from diagnosis.measured.csv_table import AnyColumn, Column
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.measured.nominal import NOMINAL
+
+MOST_DECIMALS = 12
+"""Beyond which a number is written as the shortest that reads back equal."""
+SUM_S = 1e-9
+"""Error of a session time, the sum of a trial's start and a time in it, which is rounded."""
 
 
 def write_case(measurement: Measurement, folder: Path) -> None:
@@ -51,9 +56,18 @@ def _cells(column: AnyColumn, trial: Trial, number: int, before: int) -> list[st
     if column.name == "t_s":
         return _texts(trial.t_s, column.decimals)
     if column.name == "session_time_s":
-        return _texts(trial.t_s + (trial.begins_s or 0.0), column.decimals)
+        return _texts(trial.t_s + (trial.begins_s or 0.0), column.decimals, within=SUM_S)
     return _texts(trial[column.name].values, column.decimals)
 
 
-def _texts(values: Array, decimals: int) -> list[str]:
-    return ["" if np.isnan(value) else f"{round(value, decimals) + 0.0:.{decimals}f}" for value in values.tolist()]
+def _texts(values: Array, decimals: int, within: float = 0.0) -> list[str]:
+    return ["" if np.isnan(value) else _text(value, decimals, within) for value in values.tolist()]
+
+
+def _text(value: float, decimals: int, within: float) -> str:
+    """With these decimals, or more where it would not read back as the value within so much."""
+    for digits in range(decimals, MOST_DECIMALS + 1):
+        text = f"{round(value, digits) + 0.0:.{digits}f}"
+        if abs(float(text) - value) <= within:
+            return text
+    return repr(value)

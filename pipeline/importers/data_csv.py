@@ -13,7 +13,11 @@ from pipeline.dataset.rows import COLUMNS, HEADER, Floats, Ints, Rows, read_rows
 
 RANGES = {"tof_front_m": 0, "tof_left_m": 1, "tof_right_m": 2}
 OFTEN = 3
-"""So many readings of exactly the largest range, and it is the code for "no target"."""
+"""So many readings of exactly the largest range, and it may be the code for "no target"."""
+NEAREST_CODE_M = 1.0
+"""Of any sensor."""
+DETACHED_M = 0.05
+"""From the next lower reading, that it is no wall seen from nearer and nearer."""
 
 
 def row_channels(rows: Rows, no_target: Mask, stale: Mask) -> tuple[Channel, ...]:
@@ -54,15 +58,22 @@ def trial_of(name: str, rows: Rows, channels: Sequence[Channel]) -> Trial:
     return Trial(name, 1e-3 * rows.t_ms, np.zeros(len(rows.t_ms), dtype=bool), tuple(channels))
 
 
+def no_target_code_m(tof_m: Floats) -> float | None:
+    """The largest of all ranges, if it comes often, is far off, and no other is near it."""
+    largest = float(tof_m.max())
+    others = tof_m[tof_m < largest]
+    is_detached = not len(others) or largest - others.max() >= DETACHED_M
+    is_code = is_detached and largest >= NEAREST_CODE_M and np.count_nonzero(tof_m == largest) >= OFTEN
+    return largest if is_code else None
+
+
 def _read(path: Path) -> Measurement:
     rows = read_rows(path)
-    largest = rows.tof_m.max()
-    code = rows.tof_m == largest
-    if np.count_nonzero(code) < OFTEN:
-        code = np.zeros_like(code)
-        told = "no reading is taken for no target"
-    else:
-        told = f"the largest range, {largest:g} m, comes {np.count_nonzero(code)} times and is taken for no target"
+    code_m = no_target_code_m(rows.tof_m)
+    code = np.zeros(rows.tof_m.shape, dtype=bool) if code_m is None else rows.tof_m == code_m
+    told = "no reading is taken for no target"
+    if code_m is not None:
+        told = f"the largest range, {code_m:g} m, comes {np.count_nonzero(code)} times and is taken for no target"
     trial = trial_of("1", rows, row_channels(rows, code, np.zeros_like(code)))
     notes = ("not logged: voltages, encoder counts", told, "nothing is marked as held out")
     return Measurement(path.stem, Kind.DRIVE_LOG, Source("a SyMoLo data.csv", (str(path),)), (trial,), notes=notes)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from configs.errors import InputError
-from diagnosis.importers.base import Importer
+from diagnosis.importers.base import Importer, is_file
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from physics.trajectory import TimeSeries
@@ -40,10 +40,10 @@ def _runs(path: Path) -> Iterator[Path]:
     """Run folders: the path itself, that of its data.csv, or all below a release."""
     if path.name == DATA:
         path = path.parent
-    if (path / DATA).is_file() and (path / SIDE / WHEELS.file).is_file():
+    if is_file(path / DATA) and is_file(path / SIDE / WHEELS.file):
         yield path
-    elif (path / METADATA).is_file():
-        yield from sorted(folder.parent for folder in path.glob(f"*/*/{SIDE}") if (folder.parent / DATA).is_file())
+    elif is_file(path / METADATA):
+        yield from sorted(folder.parent for folder in path.glob(f"*/*/{SIDE}") if is_file(folder.parent / DATA))
 
 
 def _recognises(path: Path) -> bool:

@@ -1,6 +1,8 @@
 """What holds for every importer of measured data."""
 
+import errno
 import os
+from pathlib import Path
 
 import pytest
 
@@ -33,6 +35,42 @@ def test_an_importer_refuses_in_one_line_what_it_is_named_for_and_cannot_read(im
             read_measurement(path, IMPORTERS, importer.name)
         assert "\n" not in str(told.value)
         assert path.name in str(told.value)
+
+
+@pytest.fixture
+def locked(tmp_path, monkeypatch):
+    """A folder whose names can be listed and whose files cannot be reached; root may reach any, hence no mode."""
+    folder = tmp_path / "locked"
+    folder.mkdir()
+    for name in ("data.csv", "nominal.yaml", "metadata.json", "1_metadata.csv", "1_run-01.csv"):
+        (folder / name).write_text("1,2\n")
+    stat = Path.stat
+
+    def refusing(path, *, follow_symlinks=True):
+        if path.parent == folder:
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+        return stat(path, follow_symlinks=follow_symlinks)
+
+    monkeypatch.setattr(Path, "stat", refusing)
+    return folder
+
+
+@pytest.mark.parametrize("importer", IMPORTERS, ids=lambda importer: importer.name)
+def test_asking_an_importer_about_a_folder_without_permission_never_raises(importer, locked):
+    assert importer.recognises(locked) in {True, False}
+    assert not importer.recognises(locked / "data.csv")
+
+
+def test_a_folder_without_permission_is_refused_in_one_line_that_says_so(locked):
+    for path in (locked, locked / "data.csv"):
+        with pytest.raises(InputError, match=r"locked.*cannot be read: Permission denied"):
+            read_measurement(path, IMPORTERS)
+
+
+@pytest.mark.parametrize("importer", IMPORTERS, ids=lambda importer: importer.name)
+def test_an_importer_named_for_a_folder_without_permission_refuses_it(importer, locked):
+    with pytest.raises(InputError, match="locked"):
+        read_measurement(locked, IMPORTERS, importer.name)
 
 
 def test_importers_have_names_of_their_own_and_say_what_they_read():

@@ -11,6 +11,7 @@ from diagnosis.importers.choose import read_measurement
 from diagnosis.measured.channel import Quality
 from pipeline.dataset.rows import read_rows
 from pipeline.importers import IMPORTERS
+from pipeline.importers.data_csv import no_target_code_m
 
 
 def read(path):
@@ -52,6 +53,19 @@ def test_a_data_csv_alone_has_pose_and_ranges_but_no_voltages(dataset, tmp_path)
     (alone,), (run,) = found.trials, read(dataset / "CW" / "test_1").trials
     np.testing.assert_array_equal(alone["tof_left_m"].quality, run["tof_left_m"].quality)
     np.testing.assert_array_equal(alone["theta_rad"].values, run["theta_rad"].values)
+
+
+@pytest.mark.parametrize(
+    ("ranges_m", "code_m"),
+    [
+        ([0.41, 0.52, 0.6, 0.6, 0.6], None),  # a small arena: no sensor ends at 0.6 m
+        ([1.31, 1.33, 1.35, 1.35, 1.35], None),  # a wall that is seen from there as from nearer
+        ([0.41, 0.52, 1.2, 1.2, 1.2], 1.2),
+        ([0.41, 0.52, 0.6, 2.0, 2.0], None),
+    ],
+)
+def test_the_largest_range_means_no_target_only_far_off_and_by_itself(ranges_m, code_m):
+    assert no_target_code_m(np.array([ranges_m])) == code_m
 
 
 def test_side_tables_of_another_run_are_refused(copy_of, dataset, symolo):

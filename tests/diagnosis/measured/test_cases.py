@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+import yaml
 
 from configs.errors import InputError
 from diagnosis.importers import IMPORTERS
@@ -171,6 +172,22 @@ BAD_STEPS = {
         lambda text: re.sub(r"(?<=fit,)([0-9.]+),([0-9.]+)", lambda m: f"{m[1]},{1000 * float(m[2]):g}", text),
         "column t_s: rows are 5 s apart.*divide by 1000",
     ),
+    "trial that begins late": (
+        lambda text: re.sub(r"(?<=2,holdout,)2.0(..),0.0", r"102.0\1,100.0", text),
+        "row 5: column t_s: trial 2 begins at 100.005 s.*starts at rest at t_s = 0",
+    ),
+    "trial that begins before rest": (
+        lambda text: text.replace("1,fit,0.005,0.005", "1,fit,-5,-5"),
+        "row 2: column t_s: trial 1 begins at -5 s.*starts at rest at t_s = 0",
+    ),
+    "session in ms": (
+        lambda text: re.sub(r"(?<=fit,)([0-9.]+)|(?<=holdout,)([0-9.]+)", lambda m: f"{1000 * float(m[0]):g}", text),
+        "row 3: column session_time_s.*this looks like ms: divide by 1000",
+    ),
+    "session that jumps within a trial": (
+        changed(4, 3, "0.9"),
+        "row 4: column session_time_s: goes 0.89 s on from the row above, and t_s 0.01 s",
+    ),
     "voltages in mV": (
         lambda text: text.replace(",3.0,", ",3000,").replace(",-3.0,", ",-3000,"),
         "column u_cmd_V: most values are out of scale.*this looks like mV: divide by 1000",
@@ -310,3 +327,63 @@ def test_a_range_bench_that_noted_distances_alone_is_read(case, text):
     lines = overview(found)
     assert "material: (not noted)" in lines
     assert any(re.search(r"^reading_m .* 11 repeats", line) for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("kind", "coefficients", "said"),
+    [
+        ("tof_bench", "[-1.4, 4.88, 2.51, 1.15]", r"noise\.polynomial_mm: .* -1.4 mm at 0.14 m.*above 0"),
+        ("tof_bench", "[0, 0, 0, 0]", r"noise\.polynomial_mm: .* 0 mm at 0.14 m.*above 0"),
+        ("drive_log", "[1.4, -4.88, 0, 0]", r"noise\.tof_polynomial_mm: .* -0.\d+ mm at 0.46[78] m.*above 0"),
+    ],
+)
+def test_a_noise_that_is_not_above_zero_at_the_distances_is_refused(case, kind, coefficients, said):
+    """1.4 - 4.88 x is 0 at x = 0.287, that is at 0.467 m."""
+    nominal = (case(kind) / "nominal.yaml").read_text().replace("[1.4, 4.88, 2.51, 1.15]", coefficients)
+    told = refusal(case(kind, nominal=nominal))
+    assert "nominal.yaml" in told
+    assert re.search(said, told), told
+
+
+def test_a_noise_that_is_negative_beyond_the_distances_is_read(case):
+    """1.4 - 2 x is above 0 up to 0.88 m; the bench goes to 0.54 m."""
+    nominal = (case("tof_bench") / "nominal.yaml").read_text().replace("[1.4, 4.88, 2.51, 1.15]", "[1.4, -2, 0, 0]")
+    (trial,) = read(case("tof_bench", nominal=nominal)).trials
+    assert trial["reading_m"].noise_sd[2] == pytest.approx((1.4 - 2 * 0.36) / 1000)
+
+
+def test_a_heading_that_wraps_is_refused_at_its_row(case, text):
+    """0.1 rad a row, given within half a turn: the fourth row goes from 3.1 to -3.08."""
+    rows = [
+        f"1,fit,{0.05 * k:.2f},{0.05 * k:.2f},,,,,{k},{k},,,,1.0,0.8,{theta}"
+        for k, theta in enumerate((2.9, 3.0, 3.1, -3.08, -2.98))
+    ]
+    told = refusal(case("drive_log", data="\n".join([text("drive_log").splitlines()[0], *rows]) + "\n"))
+    assert re.search(r"row 5: column theta_rad: goes from 3.1 to -3.08.*unwrap the angle", told), told
+
+
+@pytest.mark.parametrize("spelling", ["'kind': motor_step", "kind : motor_step", '"kind": "motor_step"'])
+def test_any_spelling_of_the_kind_that_is_yaml_is_known(case, spelling):
+    nominal = (case("motor_step") / "nominal.yaml").read_text().replace("kind: motor_step", spelling)
+    assert read(case("motor_step", nominal=nominal)).kind is Kind.MOTOR_STEP
+
+
+def test_a_nominal_file_in_flow_style_is_known(case):
+    nominal = yaml.safe_load((case("motor_step") / "nominal.yaml").read_text())
+    flow = yaml.safe_dump(nominal, default_flow_style=True, width=10_000)
+    assert flow.startswith("{")
+    assert read(case("motor_step", nominal=flow)).kind is Kind.MOTOR_STEP
+
+
+def test_digits_beyond_the_usual_ones_come_back_from_what_was_written(case, text, tmp_path):
+    """150 Hz to nine decimals, a voltage to six: the same numbers, not their roundings."""
+    rows = [f"1,fit,{k / 150:.9f},{k / 150:.9f},3.123456,0.12345678,1.1234567" for k in range(1, 20)]
+    nominal = (case("motor_step") / "nominal.yaml").read_text().replace("200", "150")
+    data = "\n".join([text("motor_step").splitlines()[0], *rows]) + "\n"
+    found = read(case("motor_step", data=data, nominal=nominal))
+    write_case(found, tmp_path / "again")
+    again = read(tmp_path / "again")
+    (before,), (after,) = found.trials, again.trials
+    np.testing.assert_array_equal(after.t_s, before.t_s)
+    for channel in before.channels:
+        np.testing.assert_array_equal(after[channel.name].values, channel.values)

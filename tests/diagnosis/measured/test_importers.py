@@ -9,6 +9,7 @@ import pytest
 from configs.errors import InputError
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
+from diagnosis.importers.robotino import FORMS
 from diagnosis.measured.channel import Quality
 from diagnosis.measured.measurement import Kind
 from diagnosis.measured.overview import overview
@@ -129,6 +130,20 @@ def test_three_header_rows_and_milliseconds_of_the_robotino(tmp_path):
     np.testing.assert_allclose(trial.t_s, [0.0005, 0.0305])
     np.testing.assert_array_equal(trial["motor_3_A"].values, [0.3, 0.3])
     np.testing.assert_array_equal(trial["motor_1_set_rad_s"].values, [100, 100])
+
+
+def test_an_angle_of_the_robotino_that_is_missing_leaves_the_others(tmp_path):
+    """170, 178, none, -166, -158 degrees: a steady turn of 8 a row, over half a turn and a hole."""
+    symbols = {"t": "ms", **{symbol: quantity.unit for symbol, quantity in FORMS[-1].items()}}
+    rows = [
+        ";".join(str(32 * k) if symbol == "t" else angle if symbol == "ang" else "0" for symbol in symbols)
+        for k, angle in enumerate(("170", "178", "", "-166", "-158"))
+    ]
+    path = tmp_path / "tracked.csv"
+    names = ";".join("Time" if symbol == "t" else symbol for symbol in symbols)
+    path.write_text("\n".join([names, ";".join(symbols.values()), ";".join(symbols), *rows]) + "\n")
+    theta = read(path).trials[0]["theta_rad"]
+    np.testing.assert_allclose(theta.values, np.radians([170, 178, np.nan, 194, 202]))
 
 
 def test_another_unit_of_the_robotino_is_refused(tmp_path):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from diagnosis.measured.channel import Channel, Quality, Role
-from diagnosis.measured.screening import far_out, resolution, spikes, timing
+from diagnosis.measured.screening import far_out, noise_of, resolution, spikes, timing
 from physics.trajectory import TimeSeries
 
 
@@ -74,3 +74,22 @@ def test_a_channel_is_refused_whose_marks_contradict_its_values():
         Channel(series, Role.READING, np.array([Quality.GOOD] * 3, dtype=np.int8))
     with pytest.raises(ValueError, match="shape"):
         Channel.logged(series, Role.READING, noise_sd=np.ones(2))
+
+
+@pytest.mark.parametrize("steps_of_sd", [2.0, 3.0, 4.0, 5.0])
+def test_noise_finer_than_the_resolution_is_never_told_too_small(steps_of_sd):
+    """At rest; a value that may lie anywhere in a step of q is known to a variance of q^2/12 and no better."""
+    fresh = np.random.Generator(np.random.PCG64(9)).standard_normal(4000)
+    t = 0.005 * np.arange(4000)
+    values = np.rint(fresh / steps_of_sd) * steps_of_sd
+    found = noise_of(Channel.logged(TimeSeries("x", "m", t, values), Role.READING))
+    assert found.sd >= steps_of_sd / np.sqrt(12) * (1 - 1e-12)
+    assert found.sd < 1.6 * np.hypot(1.0, steps_of_sd / np.sqrt(12))
+
+
+def test_a_channel_that_seldom_changes_by_a_step_has_noise_below_its_resolution():
+    t = 0.005 * np.arange(400)
+    found = noise_of(Channel.logged(TimeSeries("x", "m", t, np.repeat([0.2, 0.3], 200)), Role.READING))
+    assert not found.is_resolved
+    assert found.sd == pytest.approx(0.1 / np.sqrt(12))
+    assert (found.correlation, found.sd_error) == (0.0, None)

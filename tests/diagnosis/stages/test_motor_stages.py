@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from configs.draw import draw_robot
+from configs.errors import InputError
 from configs.loader import load_section
 from configs.schema.terms.motor import FrictionWarmup
 from diagnosis.measured.channel import Channel, Role
@@ -13,6 +14,7 @@ from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.nominal import NominalSteady, NominalStep
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.stages import STAGES
+from diagnosis.stages.motor_step import predict_motor_step
 from physics.trajectory import TimeSeries
 
 R, K, B, TC, J = 3.0, 0.3, 0.002, 0.02, 0.003
@@ -103,3 +105,55 @@ def test_a_missing_voltage_is_the_one_before(robot):
     holed[10:12] = math.nan
     whole, patched = predict(Kind.MOTOR_STEP, robot, trial("1", t, np.full(40, 3.0)), trial("2", t, holed))
     np.testing.assert_array_equal(patched["omega_rad_s"], whole["omega_rad_s"])
+
+
+@pytest.mark.parametrize("states_rate", [True, False])
+@pytest.mark.parametrize(("rate_hz", "decimals"), [(150, 4), (30, 3)])
+def test_rounded_times_do_not_drift(robot, rate_hz, decimals, states_rate):
+    """6 s at rates whose period is no round number, 3 V and 5 V in turns, against the exponential of each piece."""
+    number = np.arange(1, 6 * rate_hz + 1)
+    voltage = np.where((number // rate_hz) % 2 == 0, 3.0, 5.0)
+    speed, expected = 0.0, []
+    for settled in (K * voltage / R - TC) / DAMPING:
+        speed = settled + (speed - settled) * math.exp(-1 / (rate_hz * TAU_S))
+        expected.append(speed)
+    log = trial("1", np.round(number / rate_hz, decimals), voltage)
+    noise = {"current_A": 0.01, "omega_rad_s": 0.1, "lag1_correlation": 0.3}
+    case = {"kind": "motor_step", "motor": MOTOR, "sample_rate_Hz": rate_hz, "noise": noise}
+    nominal = NominalStep.model_validate(case) if states_rate else None
+    ((_, found),) = predict_motor_step(
+        Measurement("m", Kind.MOTOR_STEP, Source("made here", ()), (log,), nominal), robot
+    )
+    np.testing.assert_allclose(found.values, expected, atol=1e-5 if states_rate else 5e-3)
+
+
+def test_a_log_whose_clock_is_not_the_stated_one_keeps_its_own(robot):
+    """199 Hz where 200 Hz are stated: at the end of 2 s the log is two rows away from the stated grid."""
+    t = np.arange(1, 399) / 199
+    noise = {"current_A": 0.01, "omega_rad_s": 0.1, "lag1_correlation": 0.3}
+    case = {"kind": "motor_step", "motor": MOTOR, "sample_rate_Hz": 200, "noise": noise}
+    log = Measurement(
+        "m",
+        Kind.MOTOR_STEP,
+        Source("made here", ()),
+        (trial("1", t, np.full(398, 3.0)),),
+        NominalStep.model_validate(case),
+    )
+    ((_, found),) = predict_motor_step(log, robot)
+    settled = (K * 3.0 / R - TC) / DAMPING
+    np.testing.assert_allclose(found.values, settled * (1 - np.exp(-t / TAU_S)), rtol=1e-6)
+
+
+def test_a_row_at_time_0_is_the_state_at_rest(robot):
+    t = 0.005 * np.arange(0, 101)
+    (found,) = predict(Kind.MOTOR_STEP, robot, trial("1", t, np.full(101, 3.0)))
+    settled = (K * 3.0 / R - TC) / DAMPING
+    np.testing.assert_allclose(found["omega_rad_s"], settled * (1 - np.exp(-t / TAU_S)), rtol=1e-6)
+    assert found["current_A"][0] == 0.0
+
+
+def test_two_rows_at_one_sample_are_refused_by_their_times(robot):
+    t = 0.005 * np.arange(1, 41)
+    t[20] = t[19] + 0.001
+    with pytest.raises(InputError, match=r"column t_s: 0\.1 and 0\.101 of trial 1.*same sample.*keep one"):
+        predict(Kind.MOTOR_STEP, robot, trial("1", t, np.full(40, 3.0)))
