@@ -4,6 +4,7 @@ The arena's own edges are projected through the camera model and compared with t
 0.3 px, is mostly the shade beside a tape 0.13 mm thick; with surfaces that shine by themselves it is 0.02 to 0.1 px.
 """
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
@@ -73,12 +74,15 @@ def _rendered(folder: Path, arena, robot, look: LookConfig, drives: list[Drive])
 
 @pytest.fixture(scope="module")
 def frames(tmp_path_factory, arena, robot) -> dict[str, tuple[RenderJob, Path]]:
-    """A job and its pictures by the kind of line."""
-    made = {}
-    for look in (TAPE, PAINT):
+    """A job and its pictures by the kind of line, made side by side."""
+
+    def made(look: LookConfig) -> tuple[RenderJob, Path]:
         drives = [(i + 1, *POSES[i]) for line, i in CASES if line == look.line]
-        made[look.line] = _rendered(tmp_path_factory.mktemp(look.line), arena, robot, look, drives)
-    return made
+        return _rendered(tmp_path_factory.mktemp(look.line), arena, robot, look, drives)
+
+    looks = TAPE, PAINT
+    with ThreadPoolExecutor(len(looks)) as pool:
+        return {look.line: own for look, own in zip(looks, pool.map(made, looks), strict=True)}
 
 
 def _errors(job: RenderJob, images: Path, arena, index: int) -> np.ndarray:
