@@ -4,11 +4,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from diagnosis.measured.measurement import Kind
-from diagnosis.stages.base import Stage
-from diagnosis.stages.motor_steady import predict_motor_steady
-from diagnosis.stages.motor_step import predict_motor_step
+from diagnosis.stages.base import Binder
+from diagnosis.stages.motor_steady import motor_steady_stages
 
-STAGES: Mapping[Kind, tuple[Stage, ...]] = MappingProxyType(
-    {Kind.MOTOR_STEADY: (predict_motor_steady,), Kind.MOTOR_STEP: (predict_motor_step,)}
-)
-"""Of each kind of measurement that can be predicted, along the signal chain."""
+STAGES: Mapping[Kind, Binder] = MappingProxyType({Kind.MOTOR_STEADY: motor_steady_stages})
+"""Of each kind of measurement that can be predicted."""

@@ -1,28 +1,68 @@
 """Voltage -> current and speed of a motor that has settled, as current sensor and tachometer of the bench say them."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from configs.schema.robot import RobotConfig
+from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Measurement, Trial
-from diagnosis.stages.base import Prediction, predicted
+from diagnosis.stages.base import Covariate, Observed, Predicted, Shape, Stage
+from diagnosis.stages.rows import joined, observed_channel
 from physics.motor_bench import steady_states
 from physics.robot_model import RobotModel
 from sensors.instruments import read_current_A, read_settled_speed_rad_s
 
-
-def predict_motor_steady(measurement: Measurement, robot: RobotConfig) -> tuple[Prediction, ...]:
-    """`current_A` and `omega_rad_s` of each row from its `u_cmd_V` and the time since the motor was switched on."""
-    model = RobotModel.from_config(robot)
-    return tuple(_of_trial(trial, model, robot) for trial in measurement.trials)
+NEAR_BREAKAWAY = 2.2
+"""Breakaway voltages up to which a small change of friction decides whether the wheel moves at all: such a row says
+much of a stuck wheel and little of a running one, so that it is left to the reading of stuck and moving rows."""
 
 
-def _of_trial(trial: Trial, model: RobotModel, robot: RobotConfig) -> Prediction:
-    voltage = trial["u_cmd_V"].values
-    given = np.isfinite(voltage)
-    since_on_s = trial.t_s + (trial.begins_s or 0.0) if trial.is_timed else np.zeros_like(trial.t_s)
-    current, speed = np.full_like(voltage, np.nan), np.full_like(voltage, np.nan)
-    current[given], speed[given] = steady_states(model, voltage[given], since_on_s[given])
-    return (
-        predicted(trial, "current_A", "A", read_current_A(robot.terms, current)),
-        predicted(trial, "omega_rad_s", "rad/s", read_settled_speed_rad_s(robot.terms, speed)),
-    )
+class MotorSteady:
+    """All rows of a bench at once."""
+
+    name = "motor"
+
+    def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
+        trials = measurement.trials
+        self._voltage_V = joined(trial["u_cmd_V"].values for trial in trials)
+        self._since_on_s = joined(_since_on_s(trial) for trial in trials)
+        self._given = np.isfinite(self._voltage_V)
+        current, speed = (of[0] for of in self._means([nominal]))
+        motor = nominal.motor
+        breakaway_V = motor.winding_resistance_ohm * motor.coulomb_friction_N_m / motor.torque_constant_N_m_A
+        size_V = np.abs(self._voltage_V)
+        clear = self._given & ((size_V == 0.0) | (size_V > NEAR_BREAKAWAY * breakaway_V))
+        covariates = (
+            Covariate("omega_rad_s", speed),
+            Covariate("current_A", current),
+            Covariate("u_cmd_V", self._voltage_V),
+            Covariate("t_s", self._since_on_s),
+            Covariate("sweep", joined(np.full(len(t.t_s), float(k)) for k, t in enumerate(trials)), Shape.CATEGORY),
+        )
+        self.observed: tuple[Observed, ...] = tuple(
+            observed_channel(measurement, name, clear, covariates) for name in ("current_A", "omega_rad_s")
+        )
+
+    def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
+        return tuple(
+            Predicted(mean, of.sd) for mean, of in zip(self._means(robots), self.observed, strict=True)
+        )
+
+    def _means(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
+        current, speed = (np.full((len(robots), len(self._given)), np.nan) for _ in range(2))
+        for k, robot in enumerate(robots):
+            model = RobotModel.from_config(robot)
+            amperes, rad_s = steady_states(model, self._voltage_V[self._given], self._since_on_s[self._given])
+            current[k, self._given] = read_current_A(robot.terms, amperes)
+            speed[k, self._given] = read_settled_speed_rad_s(robot.terms, rad_s)
+        return current, speed
+
+
+def _since_on_s(trial: Trial) -> Array:
+    return trial.t_s + (trial.begins_s or 0.0) if trial.is_timed else np.zeros_like(trial.t_s)
+
+
+def motor_steady_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[Stage, ...]:
+    """The one stage of the bench."""
+    return (MotorSteady(measurement, nominal),)
