@@ -1,0 +1,173 @@
+"""The whole diagnosis of one measurement: what is wrong, how sure that is, what stays open, and what it gains."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from configs.draw import draw_robot
+from configs.errors import InputError
+from configs.loader import load_section
+from configs.schema.robot import RobotConfig
+from diagnosis.inference.adequacy import Adequacy, Structure, adequacy, survivors
+from diagnosis.inference.candidates import Candidates, candidates
+from diagnosis.inference.evidence import Evidence
+from diagnosis.inference.fit import Fit, fits
+from diagnosis.inference.gain import Gain, gain
+from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
+from diagnosis.inference.rivals import Standing, standing
+from diagnosis.inference.selection import Selection, select
+from diagnosis.measured.measurement import Measurement
+from diagnosis.nominal_robot import nominal_robot
+from diagnosis.nuisances import nuisances
+from diagnosis.stages import STAGES
+
+
+@dataclass(frozen=True)
+class Named:
+    """One effect that the real robot has."""
+
+    effect: Effect
+    values: dict[str, float]
+    std: dict[str, float]
+    standing: Standing
+
+    @property
+    def name(self) -> str:
+        return self.effect.term.name
+
+    @property
+    def parameters(self) -> dict[str, str | float]:
+        """Choices and numbers."""
+        return {**dict(self.effect.choices), **self.values}
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    measurement: Measurement
+    evidence: Evidence
+    nominal: RobotConfig
+    candidates: Candidates
+    selection: Selection
+    fit: Fit
+    """With the effects that are named."""
+    named: tuple[Named, ...]
+    withdrawn: tuple[str, ...]
+    """Names that were chosen and then given up, since structure remains that they do not account for."""
+    adequacy: Adequacy
+    """Of the selected model, before anything was withdrawn."""
+    gain: Gain | None
+    """Of the extended model over the nominal one."""
+    calibrated: Gain | None
+    """Of the nominal model with its nuisances fitted, and no effect: plain calibration."""
+
+    @property
+    def unexplained(self) -> Structure | None:
+        """What no name accounts for."""
+        return None if self.adequacy.is_adequate else self.adequacy.worst
+
+    @property
+    def extended(self) -> RobotConfig:
+        """The robot with its nuisances as fitted and the effects that are named."""
+        return self.fit.hypothesis.robot(self.fit.x)
+
+    def answer(self) -> dict[str, object]:
+        """As GAP_FORMAT has it, ready for JSON."""
+        found: dict[str, object] = {
+            "effects": [
+                {
+                    "name": named.name,
+                    "parameters": named.parameters,
+                    "std": named.std,
+                    "confidence": round(named.standing.confidence, 4),
+                    "ambiguous_with": list(named.standing.ambiguous_with),
+                }
+                for named in self.named
+            ],
+            "unexplained": self.unexplained is not None,
+        }
+        if self.unexplained is not None:
+            found["unexplained_where"] = {
+                "channel": self.unexplained.channel,
+                "covariate": self.unexplained.covariate,
+            }
+        if self.gain is not None:
+            found["heldout_gain"] = self.gain.value
+            found["heldout_gain_ci"] = [self.gain.low, self.gain.high]
+        return found
+
+
+def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Diagnosis:
+    """What the simulation gets wrong about a measurement.
+
+    Args:
+        measurement: Of a kind that a stage predicts, with nominal parameters.
+        nominal: The robot that a textbook simulation would run; that of the measurement's own parameters by default,
+            with the shipped robot `nominal` for all they do not speak of.
+
+    Raises:
+        InputError: No stage of the simulator predicts such data, or nothing of it can be used.
+    """
+    where = next(iter(measurement.source.files), measurement.name)
+    if measurement.kind not in STAGES:
+        allowed = ", ".join(STAGES)
+        raise InputError(f"no stage predicts data of kind {measurement.kind}", where=where, allowed=allowed)
+    robot = nominal or _nominal(measurement)
+    evidence = Evidence(STAGES[measurement.kind](measurement, robot))
+    if not evidence.fit.any():
+        raise InputError("no usable sample to fit", where=where, cure="log inputs and readings in the same rows")
+    bare = Hypothesis(robot, nuisances(measurement.nominal) if measurement.nominal is not None else ())
+    library = candidates(measurement, evidence, bare)
+    selection = select(evidence, bare, library.testable)
+    left = adequacy(evidence, selection.fit)
+    fit = selection.fit if left.is_adequate else _without_stand_ins(evidence, selection, left)
+    standings = [standing(evidence, fit, effect, library.testable) for effect in fit.hypothesis.effects]
+    fit, standings = _best_named(evidence, fit, standings, library.testable)
+    kept = {effect.name for effect in fit.hypothesis.effects}
+    extended = fit.hypothesis.robot(fit.x)
+    calibrated = selection.nominal.hypothesis.robot(selection.nominal.x)
+    return Diagnosis(
+        measurement=measurement,
+        evidence=evidence,
+        nominal=robot,
+        candidates=library,
+        selection=selection,
+        fit=fit,
+        named=tuple(
+            Named(of.effect, dict(fit.hypothesis.values(of.effect, fit.x)), fit.std(of.effect), of)
+            for of in standings
+        ),
+        withdrawn=tuple(e.name for e in selection.fit.hypothesis.effects if not left.is_adequate and e.name not in kept),
+        adequacy=left,
+        gain=gain(evidence, robot, extended),
+        calibrated=gain(evidence, robot, calibrated),
+    )
+
+
+def _nominal(measurement: Measurement) -> RobotConfig:
+    """A shipped robot with the measurement's own nominal parameters in it."""
+    carrier, _ = draw_robot(load_section("robot", "nominal"), 0, "diagnosis")
+    return carrier if measurement.nominal is None else nominal_robot(measurement.nominal, carrier)
+
+
+def _without_stand_ins(evidence: Evidence, selection: Selection, left: Adequacy) -> Fit:
+    """The fit with only those effects that are needed beside what remains unexplained."""
+    fit = selection.fit
+    drop = selection.nominal.cost - fit.cost
+    keep = tuple(survivors(evidence, fit, left.worst, drop))
+    if len(keep) == len(fit.hypothesis.effects):
+        return fit
+    if not keep:
+        return selection.nominal
+    fewer = Hypothesis(fit.hypothesis.nominal, fit.hypothesis.nuisances, keep)
+    (found,) = fits(evidence, [(fewer, moved(fit.x, fit.hypothesis, fewer))])
+    return found
+
+
+def _best_named(
+    evidence: Evidence, fit: Fit, standings: Sequence[Standing], effects: Sequence[Effect]
+) -> tuple[Fit, Sequence[Standing]]:
+    """Where a rival turned out to explain more than a named effect, the rival is named."""
+    better = [of.rivals[0] for of in standings if of.rivals and of.rivals[0].worse < 0.0]
+    if not better:
+        return fit, standings
+    best = min(better, key=lambda rival: rival.worse).fit
+    return best, [standing(evidence, best, effect, effects) for effect in best.hypothesis.effects]

@@ -1,0 +1,164 @@
+"""Is the best named model adequate, or does structure remain that no name accounts for?
+
+A flexible competitor decides: for each observed quantity and each covariate, functions of the covariate are held against
+what the model leaves (score test; Godfrey, Misspecification Tests in Econometrics, 1988). Residuals are clipped, and both
+they and the functions are projected against all that is fitted, priors included, so that a misfit which a parameter could
+still take is none. The share of the residual in the functions' span, over what remains outside, has the F distribution
+where the model is adequate, whatever the level of the noise; p-values are combined by Bonferroni over all tests.
+
+Where structure remains, a name is kept only if it is needed beside the flexible functions: an effect that merely stood
+in for the unknown cause loses its significance when they take its place.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import f as f_distribution
+
+from diagnosis.inference.bases import Basis, bases
+from diagnosis.inference.evidence import Evidence
+from diagnosis.inference.fit import Fit
+from diagnosis.inference.hypothesis import Effect
+from diagnosis.measured.channel import Array
+
+LEVEL = 0.003
+"""Probability, over all tests together, of calling an adequate model inadequate."""
+CLIP = 3.0
+"""Sigmas at which residuals are clipped."""
+NEEDED = 16.0
+"""Fall of the cost beside the flexible functions, four standard errors, by which a name is kept."""
+EXPLAINED = 0.8
+"""Share of what can be explained at all that names must explain to be kept."""
+
+
+@dataclass(frozen=True)
+class Structure:
+    """What remains in one observed quantity along one covariate."""
+
+    observed: str
+    channel: str
+    covariate: str
+    what: str
+    p: float
+    """Of all tests, after Bonferroni; at most 1."""
+    explainable: float
+    """Fall of the cost that the flexible functions would bring beyond chance."""
+    basis: Array
+    """(N, k), the functions over all samples, 0 outside the quantity and the rows of the fit."""
+
+
+@dataclass(frozen=True)
+class Adequacy:
+    structures: tuple[Structure, ...]
+    """The best of each quantity and covariate, the most significant first."""
+
+    @property
+    def is_adequate(self) -> bool:
+        return not self.structures or self.structures[0].p >= LEVEL
+
+    @property
+    def worst(self) -> Structure:
+        return self.structures[0]
+
+
+def adequacy(evidence: Evidence, fit: Fit) -> Adequacy:
+    """What is left of a fit."""
+    tangents = _Tangents(evidence, fit)
+    found: list[tuple[Structure, int]] = []
+    for quantity, place in zip(evidence.observed, evidence.places, strict=True):
+        rows = evidence.fit[place]
+        if np.count_nonzero(rows) < 8:
+            continue
+        for covariate in quantity.covariates:
+            best: Structure | None = None
+            for basis in bases(covariate, rows):
+                p, gain, columns = tangents.test(place, rows, basis)
+                p = min(1.0, p * basis.tries)
+                if best is None or p < best.p:
+                    best = Structure(
+                        quantity.name, quantity.channel, covariate.name, basis.what, p, gain, columns
+                    )
+            if best is not None:
+                found.append((best, 1))
+    tests = max(1, len(found))
+    whole = [
+        Structure(s.observed, s.channel, s.covariate, s.what, min(1.0, s.p * tests), s.explainable, s.basis)
+        for s, _ in found
+    ]
+    return Adequacy(tuple(sorted(whole, key=lambda s: (s.p, -s.explainable))))
+
+
+class _Tangents:
+    """Directions of all that is fitted, with rows for the priors."""
+
+    def __init__(self, evidence: Evidence, fit: Fit) -> None:
+        self._evidence = evidence
+        self._root = np.sqrt(evidence.weight) * evidence.fit
+        self._residual = self._root * np.clip(fit.z, -CLIP, CLIP)
+        prior = np.zeros((fit.hypothesis.size, fit.hypothesis.size))
+        nuisances = len(fit.hypothesis.nuisances)
+        prior[range(nuisances), range(nuisances)] = 1.0
+        self._whole = np.concatenate([(fit.slopes * self._root).T, prior])
+        self._basis = orthonormal(self._whole)
+        padded = np.concatenate([self._residual, -fit.hypothesis.prior(fit.x), np.zeros(fit.hypothesis.size - nuisances)])
+        self._left = padded - self._basis @ (self._basis.T @ padded)
+
+    def test(self, place: slice, rows: Array, basis: Basis) -> tuple[float, float, Array]:
+        """p-value, fall of the cost beyond chance, and the columns over all samples."""
+        columns = np.zeros((len(self._root), basis.columns.shape[1]))
+        inside = np.arange(place.start, place.stop)[rows]
+        columns[inside] = basis.columns
+        padded = np.concatenate(
+            [columns * self._root[:, None], np.zeros((self._whole.shape[1], columns.shape[1]))]
+        )
+        free = orthonormal(padded - self._basis @ (self._basis.T @ padded))
+        k = free.shape[1]
+        if k == 0:
+            return 1.0, 0.0, columns
+        along = free.T @ self._left
+        explained = float(along @ along)
+        here = self._left[: len(self._root)][inside] - (free @ along)[: len(self._root)][inside]
+        weight = float(self._evidence.weight[inside[0]])
+        degrees = max(1, len(inside) - k - 1)
+        level = float(here @ here) / weight / degrees
+        p = float(f_distribution.sf(explained / k / max(level, 1e-12), k, degrees))
+        return p, max(0.0, explained - k * level), columns
+
+
+def orthonormal(columns: Array) -> Array:
+    """A basis of their span; columns that add nothing are left out."""
+    if columns.shape[1] == 0:
+        return columns
+    left, sizes, _ = np.linalg.svd(columns, full_matrices=False)
+    return left[:, sizes > 1e-7 * max(float(sizes.max(initial=0.0)), 1e-300)]
+
+
+def survivors(evidence: Evidence, fit: Fit, structure: Structure, drop: float) -> Iterator[Effect]:
+    """The effects of a fit that are needed beside a structure that they do not explain.
+
+    Args:
+        evidence: What was observed.
+        fit: With the effects.
+        structure: What remains.
+        drop: Of the cost, by all effects together.
+    """
+    if drop < EXPLAINED * (drop + structure.explainable):
+        return
+    root = np.sqrt(evidence.weight) * evidence.fit
+    prior = np.zeros((fit.hypothesis.size, fit.hypothesis.size))
+    nuisances = len(fit.hypothesis.nuisances)
+    prior[range(nuisances), range(nuisances)] = 1.0
+    tangents = np.concatenate([(fit.slopes * root).T, prior])
+    flexible = np.concatenate([structure.basis * root[:, None], np.zeros((len(prior), structure.basis.shape[1]))])
+    for effect in fit.hypothesis.effects:
+        places = fit.hypothesis.parameters(effect)
+        inside = range(places.start, places.stop)
+        others = orthonormal(np.concatenate([np.delete(tangents, list(inside), axis=1), flexible], axis=1))
+        amplitudes = [k for k, c in zip(inside, effect.coordinates, strict=True) if c.null is not None]
+        own = tangents[:, amplitudes]
+        own = own - others @ (others.T @ own)
+        away = np.array([fit.x[k] - fit.hypothesis.coordinates[k].null for k in amplitudes])  # pyright: ignore[reportOperatorIssue]
+        moved = own @ away
+        if float(moved @ moved) >= NEEDED:
+            yield effect

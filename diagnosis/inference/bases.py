@@ -1,0 +1,99 @@
+"""Flexible functions of a covariate, as columns: what a residual could look like if nothing were known of its cause."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diagnosis.measured.channel import Array
+from diagnosis.stages.base import Covariate, Shape
+
+KNOTS = 8
+FEW_KNOTS = 4
+FEW_ROWS = 30
+HARMONICS = 3
+CATEGORIES = 30
+"""Beyond these, categories are as good as rows."""
+CELLS = 4
+"""Along each side of a place's grid."""
+LEAST_ROWS = 4
+"""That a column must be about."""
+SCANNED_ROWS = 60
+"""From which waves are looked for."""
+WAVES_IN_RANGE = (1.5, 40.0)
+"""Of a covariate's range, fewest and most."""
+
+
+@dataclass(frozen=True)
+class Basis:
+    """Columns (n, k), over the rows where the covariate is known; 0 elsewhere."""
+
+    columns: Array
+    what: str
+    """`trend` or `wave of LENGTH`, for reports."""
+    tries: int = 1
+    """Bases of which this is one, all looked at."""
+
+
+def bases(covariate: Covariate, rows: NDArray[np.bool_]) -> Iterator[Basis]:
+    """Of a covariate, over some of its rows."""
+    values = covariate.values[rows]
+    known = np.isfinite(values)
+    if np.count_nonzero(known) < 2 * LEAST_ROWS:
+        return
+    if covariate.second is not None:
+        yield from _kept(_grid(values, covariate.second[rows]), "place")
+    elif covariate.shape is Shape.CATEGORY:
+        names = np.unique(values[known])
+        if 2 <= len(names) <= CATEGORIES:
+            yield from _kept(np.where(known[:, None], values[:, None] == names, 0.0).astype(float), "category")
+    elif covariate.shape is Shape.PERIODIC:
+        turns = np.arange(1, HARMONICS + 1)
+        angle = np.where(known, values, 0.0)[:, None] * turns
+        yield from _kept(np.concatenate([np.cos(angle), np.sin(angle)], axis=1) * known[:, None], "turn")
+    else:
+        yield from _kept(_hats(values, known), "trend")
+        yield from _waves(values, known)
+
+
+def _kept(columns: Array, what: str) -> Iterator[Basis]:
+    about = np.count_nonzero(np.abs(columns) > 1e-9, axis=0) >= LEAST_ROWS
+    if about.any():
+        yield Basis(columns[:, about], what)
+
+
+def _hats(values: Array, known: NDArray[np.bool_]) -> Array:
+    """Linear B-splines on quantiles."""
+    knots = KNOTS if np.count_nonzero(known) >= FEW_ROWS else FEW_KNOTS
+    places = np.unique(np.quantile(values[known], np.linspace(0.0, 1.0, knots)))
+    if len(places) < 2:
+        return np.zeros((len(values), 0))
+    at = np.where(known, values, places[0])
+    return np.stack([np.interp(at, places, row) for row in np.eye(len(places))], axis=1) * known[:, None]
+
+
+def _grid(x: Array, y: Array) -> Array:
+    """Products of hats along both coordinates of a place."""
+    known = np.isfinite(x) & np.isfinite(y)
+    sides = []
+    for values in (x, y):
+        places = np.linspace(values[known].min(), values[known].max() + 1e-9, CELLS)
+        sides.append(np.stack([np.interp(np.where(known, values, 0.0), places, row) for row in np.eye(CELLS)], axis=1))
+    along, across = sides
+    return (along[:, :, None] * across[:, None, :]).reshape(len(x), -1) * known[:, None]
+
+
+def _waves(values: Array, known: NDArray[np.bool_]) -> Iterator[Basis]:
+    """Sine and cosine of each wavelength that the rows can show."""
+    given = values[known]
+    distinct = len(np.unique(given))
+    reach = float(np.ptp(given))
+    if len(given) < SCANNED_ROWS or distinct < SCANNED_ROWS / 2 or reach <= 0.0:
+        return
+    most = min(WAVES_IN_RANGE[1], distinct / 4.0)
+    counts = np.arange(WAVES_IN_RANGE[0], most, 0.5)
+    for count in counts.tolist():
+        angle = 2.0 * np.pi * count * np.where(known, values, 0.0) / reach
+        columns = np.stack([np.cos(angle), np.sin(angle)], axis=1) * known[:, None]
+        yield Basis(columns, f"wave of {reach / count:.3g}", tries=len(counts))

@@ -1,0 +1,73 @@
+"""All that was observed, of all stages, as one vector of samples; and its predictions by many robots at once."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from configs.schema.robot import RobotConfig
+from diagnosis.measured.channel import Array, Mask
+from diagnosis.stages.base import Observed, Stage
+
+AT_ONCE = 48
+"""Robots predicted in one pass: more of them save nothing and take memory."""
+
+
+@dataclass(frozen=True)
+class Prediction:
+    mean: Array
+    """(M, N)."""
+    sd: Array
+    """(M, N)."""
+
+
+class Evidence:
+    """N samples; those of each observed quantity lie together, in the order of the stages."""
+
+    def __init__(self, stages: Sequence[Stage]) -> None:
+        self.stages = tuple(stages)
+        self.observed: tuple[Observed, ...] = tuple(of for stage in stages for of in stage.observed)
+        self.values = np.concatenate([of.values for of in self.observed])
+        self.sd = np.concatenate([of.sd for of in self.observed])
+        """(N,), by the nominal robot."""
+        holdout = np.concatenate([of.holdout for of in self.observed])
+        usable = np.concatenate([of.usable for of in self.observed])
+        self.fit: Mask = usable & ~holdout
+        """(N,), samples that may choose and fit."""
+        self.heldout: Mask = usable & holdout
+        self.weight = np.concatenate([np.full(len(of.values), _independent(of.correlation)) for of in self.observed])
+        """(N,), independent samples that one is worth, for noise that lasts longer than a row says less."""
+
+    @cached_property
+    def places(self) -> tuple[slice, ...]:
+        """Where each observed quantity stands in the vector."""
+        ends = np.cumsum([len(of.values) for of in self.observed]).tolist()
+        return tuple(slice(end - len(of.values), end) for of, end in zip(self.observed, ends, strict=True))
+
+    @cached_property
+    def of_stage(self) -> NDArray[np.int64]:
+        """(N,), which stage a sample is of."""
+        counts = [sum(len(of.values) for of in stage.observed) for stage in self.stages]
+        return np.repeat(np.arange(len(self.stages)), counts)
+
+    @cached_property
+    def trial(self) -> NDArray[np.int64]:
+        """(N,)."""
+        return np.concatenate([of.trial for of in self.observed])
+
+    def of(self, robots: Sequence[RobotConfig]) -> Prediction:
+        """By each robot; a sample that is not usable is predicted as NaN or anything."""
+        means, sds = [], []
+        for first in range(0, len(robots), AT_ONCE):
+            some = robots[first : first + AT_ONCE]
+            found = [predicted for stage in self.stages for predicted in stage.predict(some)]
+            means.append(np.concatenate([p.mean for p in found], axis=1))
+            sds.append(np.concatenate([np.broadcast_to(p.sd, p.mean.shape) for p in found], axis=1))
+        return Prediction(np.concatenate(means), np.concatenate(sds))
+
+
+def _independent(correlation: float) -> float:
+    """Of AR(1) noise: the variance of a mean of many samples is (1 + p)/(1 - p) times that of independent ones."""
+    return (1.0 - correlation) / (1.0 + correlation)

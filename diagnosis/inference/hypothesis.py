@@ -1,0 +1,132 @@
+"""A hypothesis: the nominal robot with its tolerances, and the effects that the real one is said to have.
+
+Its numbers are one vector: first the nominal parameters that differ from unit to unit, each with a normal prior of its
+tolerance, then those of the effects, without a prior. A deviation within tolerance is thereby no discovery: the
+nuisances are fitted beside every effect, and take it.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from configs.schema.robot import RobotConfig
+from diagnosis.inference.coordinate import Coordinate
+from diagnosis.measured.channel import Array
+from diagnosis.nuisances import Nuisance
+from physics.terms.base import Term
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A term with its discrete choices, its numbers open."""
+
+    term: Term
+    choices: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def name(self) -> str:
+        """Canonical, `tof_mount_yaw[left]` where it has a choice."""
+        choice = ",".join(value for _, value in self.choices)
+        return f"{self.term.name}[{choice}]" if choice else self.term.name
+
+    @cached_property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        return tuple(Coordinate.of_parameter(name, number) for name, number in self.term.numbers.items())
+
+    def on(self, robot: RobotConfig, values: Mapping[str, float]) -> RobotConfig:
+        """The robot with this effect. Bounds are those of the coordinates, so that nothing is checked again."""
+        section = self.term.parameters.model_construct(**dict(self.choices), **values)
+        return robot.with_term(section)
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    nominal: RobotConfig
+    nuisances: tuple[Nuisance, ...]
+    effects: tuple[Effect, ...] = ()
+
+    @cached_property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """(P,), nuisances first."""
+        spreads = (Coordinate.of_spread(n.name, n.value, n.tolerance) for n in self.nuisances)
+        return (*spreads, *(c for effect in self.effects for c in effect.coordinates))
+
+    @property
+    def size(self) -> int:
+        return len(self.coordinates)
+
+    def prior(self, x: Array) -> Array:
+        """Standardised deviations of the nuisances, (..., number of nuisances), of coordinates (..., P)."""
+        return x[..., : len(self.nuisances)]
+
+    def clipped(self, x: Array) -> Array:
+        """Coordinates (..., P) within their bounds."""
+        low = np.array([c.low for c in self.coordinates])
+        high = np.array([c.high for c in self.coordinates])
+        return np.clip(x, low, high)
+
+    def null(self) -> Array:
+        """(P,), of no effect; shapes at their start."""
+        return np.array([c.start if c.null is None else c.null for c in self.coordinates])
+
+    def robot(self, x: Array) -> RobotConfig:
+        """Of one vector of coordinates, (P,)."""
+        robot, k = self.nominal, len(self.nuisances)
+        for nuisance, deviation in zip(self.nuisances, x[:k].tolist(), strict=True):
+            robot = nuisance.applied(robot, nuisance.value + deviation * nuisance.tolerance)
+        for effect in self.effects:
+            numbers = {c.name: float(c.value(x[k + i])) for i, c in enumerate(effect.coordinates)}
+            k += len(numbers)
+            robot = effect.on(robot, numbers)
+        return robot
+
+    def robots(self, x: Array) -> list[RobotConfig]:
+        """Of vectors (M, P)."""
+        return [self.robot(row) for row in x]
+
+    def parameters(self, effect: Effect) -> slice:
+        """Where an effect's numbers stand in the vector."""
+        k = len(self.nuisances)
+        for other in self.effects:
+            if other == effect:
+                return slice(k, k + len(effect.coordinates))
+            k += len(other.coordinates)
+        raise KeyError(effect.name)
+
+    def values(self, effect: Effect, x: Array) -> Mapping[str, float]:
+        """An effect's numbers in their units."""
+        found = x[self.parameters(effect)]
+        return MappingProxyType({c.name: float(c.value(v)) for c, v in zip(effect.coordinates, found, strict=True)})
+
+    def with_effect(self, effect: Effect) -> "Hypothesis":
+        return Hypothesis(self.nominal, self.nuisances, (*self.effects, effect))
+
+    def without(self, effect: Effect) -> "Hypothesis":
+        return Hypothesis(self.nominal, self.nuisances, tuple(e for e in self.effects if e != effect))
+
+    def extended(self, x: Array) -> RobotConfig:
+        """The nominal robot with its effects at x, checked against their bounds; nuisances stay nominal."""
+        robot = self.nominal
+        for effect in self.effects:
+            choices: dict[str, Any] = dict(effect.choices)
+            robot = robot.with_term(effect.term.values(self.values(effect, x), choices))
+        return robot
+
+
+def moved(x: Array, of: Hypothesis, to: Hypothesis) -> Array:
+    """Coordinates of one hypothesis as those of another; effects that it lacked at their null."""
+    found = to.null()
+    nuisances = len(to.nuisances)
+    found[:nuisances] = x[:nuisances]
+    for effect in to.effects:
+        if effect in of.effects:
+            found[to.parameters(effect)] = x[of.parameters(effect)]
+    return found
+
+
+def by_name(effects: Sequence[Effect]) -> Mapping[str, Effect]:
+    return MappingProxyType({effect.name: effect for effect in effects})

@@ -1,0 +1,51 @@
+"""How badly a hypothesis explains the data: a robust twice-negative log-likelihood, with the prior of the nuisances.
+
+A sample costs the pseudo-Huber loss of its standardised residual z (Charbonnier et al., IEEE Trans. Image Process. 6
+(1997) 298-311; Hartley and Zisserman, Multiple View Geometry, 2nd ed., A6.8): z^2 near zero, |z| beyond CORNER, so that
+an outlier costs what it is worth and no more. Where an effect changes the noise, the normal density's log sd joins it,
+times the mean of z psi(z), without which wide noise would be too cheap.
+"""
+
+from math import sqrt
+
+import numpy as np
+from scipy.integrate import quad
+from scipy.stats import norm
+
+from diagnosis.inference.evidence import Evidence, Prediction
+from diagnosis.measured.channel import Array, Mask
+
+CORNER = 3.0
+"""Sigmas from which the loss is linear; costs a twentieth of the information of normal noise."""
+
+
+def loss(z: Array) -> Array:
+    return 2.0 * CORNER**2 * (np.sqrt(1.0 + (z / CORNER) ** 2) - 1.0)
+
+
+def robust_weight(z: Array) -> Array:
+    """psi(z)/z, by which a sample counts in a least-squares step."""
+    return 1.0 / np.sqrt(1.0 + (z / CORNER) ** 2)
+
+
+SPREAD: float = quad(lambda z: z * z / sqrt(1.0 + (z / CORNER) ** 2) * float(norm.pdf(z)), -12.0, 12.0)[0]
+"""Mean of z psi(z) over standard normal z."""
+
+
+def residuals(evidence: Evidence, prediction: Prediction) -> Array:
+    """(M, N), standardised; 0 at samples that are not usable."""
+    z = (evidence.values - prediction.mean) / prediction.sd
+    return np.where(np.isfinite(z), z, 0.0)
+
+
+def sample_costs(evidence: Evidence, prediction: Prediction) -> Array:
+    """(M, N), of each sample; 0 at those not usable."""
+    z = residuals(evidence, prediction)
+    wider = np.log(prediction.sd / evidence.sd)
+    usable = np.isfinite(evidence.values)
+    return np.where(usable, evidence.weight * (loss(z) + 2.0 * SPREAD * np.where(usable, wider, 0.0)), 0.0)
+
+
+def cost(evidence: Evidence, prediction: Prediction, prior: Array, rows: Mask) -> Array:
+    """(M,), over some of the samples, with priors (M, Q) in standard deviations."""
+    return sample_costs(evidence, prediction)[:, rows].sum(axis=1) + (prior**2).sum(axis=1)

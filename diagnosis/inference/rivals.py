@@ -1,0 +1,51 @@
+"""Which other names explain the data as well, and how sure a name is.
+
+Every promising candidate is fitted in the place of a named effect, all else fitted anew. What costs at most AS_GOOD more
+cannot be told apart by these data, and is said. The confidence of a name is its weight among all that were tried, each
+by exp(-cost/2) (Akaike weights: Burnham and Anderson, Model Selection and Multimodel Inference, 2nd ed., section 2.9).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import exp
+
+from diagnosis.inference.evidence import Evidence
+from diagnosis.inference.fit import Fit
+from diagnosis.inference.hypothesis import Effect
+from diagnosis.inference.selection import PER_NUMBER, replaced
+
+AS_GOOD = 6.0
+"""Cost more, three units of log-likelihood, up to which a rival explains the data as well."""
+
+
+@dataclass(frozen=True)
+class Rival:
+    effect: Effect
+    worse: float
+    """Cost more than with the named effect, numbers counted."""
+    fit: Fit
+
+
+@dataclass(frozen=True)
+class Standing:
+    """A named effect among its rivals."""
+
+    effect: Effect
+    confidence: float
+    rivals: tuple[Rival, ...]
+    """All that were tried, the closest first."""
+
+    @property
+    def ambiguous_with(self) -> tuple[str, ...]:
+        return tuple(rival.effect.name for rival in self.rivals if rival.worse < AS_GOOD)
+
+
+def standing(evidence: Evidence, fit: Fit, effect: Effect, effects: Sequence[Effect]) -> Standing:
+    """Of one effect of a fit, among all candidates."""
+    tried = []
+    for found in replaced(evidence, fit, effect, effects):
+        (other,) = (e for e in found.hypothesis.effects if e not in fit.hypothesis.effects)
+        more = len(other.coordinates) - len(effect.coordinates)
+        tried.append(Rival(other, found.cost - fit.cost + PER_NUMBER * more, found))
+    weights = [exp(-0.5 * max(rival.worse, -50.0)) for rival in tried]
+    return Standing(effect, 1.0 / (1.0 + sum(weights)), tuple(sorted(tried, key=lambda rival: rival.worse)))

@@ -1,0 +1,119 @@
+"""A first look at every candidate: how much would the cost fall, were it added to what is fitted already?
+
+Each effect is switched on at several sizes and shapes, and one prediction of each tells two things: the cost itself as
+it stands, and, by the change of the prediction taken as a direction, how far it would fall at the best size after all
+fitted numbers have moved along (the score test of Rao with a chord in place of the tangent, since dead zones, limits
+and play have no slope at nothing). Full fits follow for the promising ones alone.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from diagnosis.inference.coordinate import Coordinate
+from diagnosis.inference.evidence import Evidence, Prediction
+from diagnosis.inference.fit import Fit
+from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
+from diagnosis.inference.likelihood import robust_weight, sample_costs
+from diagnosis.measured.channel import Array
+
+SIZES = (1.0, 0.25, -0.25, -1.0)
+"""Of the start value's distance from the null value; those beyond a bound are left out."""
+SHAPES = (0.1, 0.3, 1.0, 3.0, 10.0)
+"""Times the start value, of a shape or a ceiling."""
+FURTHEST = 4.0
+"""Times the size tried, to which a straight line is believed."""
+
+
+@dataclass(frozen=True)
+class Prospect:
+    """One effect on top of a fit."""
+
+    effect: Effect
+    start: Array
+    """Coordinates of the fit's hypothesis with the effect, (P,)."""
+    drop: float
+    """Of the cost, expected from the start's prediction."""
+
+
+def scan(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> list[Prospect]:
+    """The best prospect of each effect, the most promising first."""
+    tries = [(effect, numbers) for effect in effects for numbers in _tries(effect)]
+    hypotheses = {effect: fit.hypothesis.with_effect(effect) for effect in effects}
+    starts = [_placed(hypotheses[effect], fit, effect, numbers) for effect, numbers in tries]
+    robots = [hypotheses[effect].robot(x) for (effect, _), x in zip(tries, starts, strict=True)]
+    (here,) = sample_costs(evidence, evidence.of([fit.hypothesis.robot(fit.x)]))
+    there = evidence.of(robots)
+    lines = _Lines(evidence, fit)
+    best: dict[Effect, Prospect] = {}
+    for k, ((effect, _), x) in enumerate(zip(tries, starts, strict=True)):
+        only = Prediction(there.mean[k : k + 1], there.sd[k : k + 1])
+        at_once = float((here - sample_costs(evidence, only)[0])[evidence.fit].sum())
+        drop, size = lines.drop(only)
+        found = Prospect(effect, x, at_once)
+        if drop > at_once:
+            found = Prospect(effect, _scaled(hypotheses[effect], effect, x, size), drop)
+        if effect not in best or found.drop > best[effect].drop:
+            best[effect] = found
+    return sorted(best.values(), key=lambda prospect: -prospect.drop)
+
+
+class _Lines:
+    """Falls of the cost along directions, all that is fitted moving along."""
+
+    def __init__(self, evidence: Evidence, fit: Fit) -> None:
+        self._rows = evidence.fit
+        z = fit.z[self._rows]
+        self._root = np.sqrt(evidence.weight[self._rows] * robust_weight(z))
+        self._residual = self._root * z
+        self._mean = evidence.values[self._rows] - z * fit.sd[self._rows]
+        self._sd = fit.sd[self._rows]
+        prior = np.zeros((fit.hypothesis.size, fit.hypothesis.size))
+        nuisances = len(fit.hypothesis.nuisances)
+        prior[range(nuisances), range(nuisances)] = 1.0
+        tangents = np.concatenate([(fit.slopes[:, self._rows] * self._root).T, prior])
+        self._basis, _ = np.linalg.qr(tangents) if tangents.shape[1] else (tangents, None)
+
+    def drop(self, there: Prediction) -> tuple[float, float]:
+        """Fall of the cost at the best multiple of a change of the prediction, and that multiple."""
+        change = self._root * (there.mean[0, self._rows] - self._mean) / self._sd
+        change = np.where(np.isfinite(change), change, 0.0)
+        padded = np.concatenate([change, np.zeros(len(self._basis) - len(change))])
+        padded = padded - self._basis @ (self._basis.T @ padded)
+        square = float(padded @ padded)
+        if square <= 0.0:
+            return 0.0, 0.0
+        along = float(padded[: len(change)] @ self._residual)
+        size = float(np.clip(along / square, 0.0, FURTHEST))
+        return 2.0 * size * along - size**2 * square, size
+
+
+def _tries(effect: Effect) -> Iterator[tuple[float, ...]]:
+    """Coordinates of an effect's numbers to look at."""
+    yield from product(*(_values(coordinate) for coordinate in effect.coordinates))
+
+
+def _values(coordinate: Coordinate) -> list[float]:
+    if coordinate.null is None or coordinate.is_ceiling:
+        found = [coordinate.start + float(np.log(factor)) for factor in SHAPES]
+    else:
+        found = [coordinate.null + size * (coordinate.start - coordinate.null) for size in SIZES]
+    return [x for x in found if coordinate.low <= x <= coordinate.high]
+
+
+def _placed(hypothesis: Hypothesis, fit: Fit, effect: Effect, numbers: Sequence[float]) -> Array:
+    x = moved(fit.x, fit.hypothesis, hypothesis)
+    x[hypothesis.parameters(effect)] = numbers
+    return x
+
+
+def _scaled(hypothesis: Hypothesis, effect: Effect, x: Array, size: float) -> Array:
+    """With the amplitudes of the effect that many times as far from nothing."""
+    found = x.copy()
+    places = hypothesis.parameters(effect)
+    for place, coordinate in zip(range(places.start, places.stop), effect.coordinates, strict=True):
+        if coordinate.null is not None and not coordinate.is_ceiling:
+            found[place] = coordinate.null + size * (x[place] - coordinate.null)
+    return hypothesis.clipped(found)

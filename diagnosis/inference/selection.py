@@ -1,0 +1,178 @@
+"""Which effects the data ask for: forward selection with joint refits, then swaps and removals.
+
+At each round every candidate is looked at, the promising are fitted together with all that is in already, and the best
+enters if the cost falls by more than THRESHOLD, plus PER_NUMBER for each number beyond the first. The threshold is that
+of the greatest fall over the whole library where nothing is hidden (`benchmarks/diagnosis`), not that of one test:
+dozens of effects are tried. Afterwards each effect is held against every other in its place, and against its absence,
+for what entered first may have stood in for two that came later.
+
+Three guards keep an outlier story from becoming a discovery: the fall must come from several samples, and what chose the
+effect must not be contradicted by the held-out rows. Wider noise is believed only of a mean without structure. Data cannot vote where more than half of the fall is the prior
+relaxing: then a nuisance was bent far out of its tolerance to do the effect's work, in held-out rows as well.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from diagnosis.inference.adequacy import adequacy
+from diagnosis.inference.evidence import Evidence
+from diagnosis.inference.fit import Fit, fits
+from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
+from diagnosis.inference.likelihood import sample_costs
+from diagnosis.inference.scan import Prospect, scan
+from diagnosis.measured.channel import Array
+
+THRESHOLD = 15.0
+PER_NUMBER = 3.0
+MOST = 3
+"""Effects in a model; with more, names mean little."""
+PROMISING = 5
+"""Candidates that are fitted in each round, at least."""
+NEARLY = 0.7
+"""Share of the best prospect's fall from which a candidate is fitted too."""
+ROWS = 6.0
+"""Effective number of samples that a fall must come from."""
+WORSE = 2.0
+"""Rise of the cost of held-out rows that a fitted effect is allowed."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One step of the selection, for whoever asks why."""
+
+    effect: Effect
+    drop: float
+    accepted: bool
+    reason: str
+    """What decided."""
+
+
+@dataclass(frozen=True)
+class Selection:
+    nominal: Fit
+    """With the nuisances alone."""
+    fit: Fit
+    """With the effects that entered."""
+    entries: tuple[Entry, ...]
+
+
+def needed(effect: Effect) -> float:
+    """Fall of the cost from which an effect is believed."""
+    return THRESHOLD + PER_NUMBER * (len(effect.coordinates) - 1)
+
+
+def select(evidence: Evidence, nominal: Hypothesis, effects: Sequence[Effect]) -> Selection:
+    """The hypothesis that the rows of the fit ask for."""
+    (base,) = fits(evidence, [(nominal, nominal.null())])
+    fit, entries = base, []
+    while len(fit.hypothesis.effects) < MOST:
+        found, tried = _entered(evidence, fit, effects)
+        entries += tried
+        if found is None:
+            break
+        fit = _pruned(evidence, _swapped(evidence, found, effects))
+        if fit.cost >= base.cost or len(fit.hypothesis.effects) == 0:
+            break
+    return Selection(base, fit, tuple(entries))
+
+
+def _entered(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> tuple[Fit | None, list[Entry]]:
+    """The fit with the best effect more, if any is believed."""
+    names = {effect.term.name for effect in fit.hypothesis.effects}
+    prospects = scan(evidence, fit, [effect for effect in effects if effect.term.name not in names])
+    entries: list[Entry] = []
+    for tried in sorted(_fitted(evidence, fit, promising(prospects)), key=lambda found: found.cost + _toll(found)):
+        (effect,) = (e for e in tried.hypothesis.effects if e not in fit.hypothesis.effects)
+        drop = fit.cost - tried.cost
+        reason = refusal(evidence, fit, tried, effect)
+        entries.append(Entry(effect, drop, not reason, reason or f"the cost falls by {drop:.1f}"))
+        if not reason:
+            return tried, entries
+        if drop < needed(effect):
+            break
+    return None, entries
+
+
+def promising(prospects: Sequence[Prospect]) -> list[Prospect]:
+    """Those worth a fit; prospects come best first."""
+    if not prospects:
+        return []
+    worth = max(NEARLY * prospects[0].drop, 0.0)
+    return [p for k, p in enumerate(prospects) if k < PROMISING or p.drop >= worth]
+
+
+def _fitted(evidence: Evidence, fit: Fit, prospects: Sequence[Prospect]) -> list[Fit]:
+    return fits(evidence, [(fit.hypothesis.with_effect(p.effect), p.start) for p in prospects])
+
+
+def _toll(fit: Fit) -> float:
+    return sum(PER_NUMBER * len(effect.coordinates) for effect in fit.hypothesis.effects)
+
+
+def refusal(evidence: Evidence, before: Fit, after: Fit, effect: Effect) -> str:
+    """Why an effect is not believed; empty if it is."""
+    drop = before.cost - after.cost
+    if drop < needed(effect):
+        return f"the cost falls by {drop:.1f}, and {needed(effect):.0f} are needed"
+    falls = _costs(evidence, before) - _costs(evidence, after)
+    of_fit = np.maximum(falls[evidence.fit], 0.0)
+    from_prior = before.prior_cost - after.prior_cost
+    if from_prior > 0.5 * drop:
+        return ""
+    if _is_of_noise(after, effect) and not adequacy(evidence, before).is_adequate:
+        return "structure of the mean comes before the noise"
+    rows = float(of_fit.sum() ** 2 / max(float((of_fit**2).sum()), 1e-300))
+    if rows < ROWS:
+        return f"the fall of {drop:.1f} comes from {rows:.1f} samples"
+    rise = -float(falls[evidence.heldout].sum())
+    if evidence.heldout.any() and rise > WORSE:
+        return f"the held-out rows are explained worse, by {rise:.1f}"
+    return ""
+
+
+def _is_of_noise(fit: Fit, effect: Effect) -> bool:
+    """Whether an effect changes the noise alone."""
+    return not fit.slopes[fit.hypothesis.parameters(effect)].any()
+
+
+def _costs(evidence: Evidence, fit: Fit) -> Array:
+    (found,) = sample_costs(evidence, evidence.of([fit.hypothesis.robot(fit.x)]))
+    return found
+
+
+def replaced(evidence: Evidence, fit: Fit, effect: Effect, effects: Sequence[Effect]) -> list[Fit]:
+    """Fits with each of the other promising candidates in the place of one effect, the best first."""
+    others = [e for e in fit.hypothesis.effects if e != effect]
+    names = {e.term.name for e in others}
+    without = fit.hypothesis.without(effect)
+    (base,) = fits(evidence, [(without, moved(fit.x, fit.hypothesis, without))])
+    prospects = scan(evidence, base, [e for e in effects if e.term.name not in names and e != effect])
+    return sorted(_fitted(evidence, base, promising(prospects)), key=lambda found: found.cost + _toll(found))
+
+
+def _swapped(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> Fit:
+    """With each effect replaced by another that explains more."""
+    if len(fit.hypothesis.effects) < 2:
+        return fit
+    for effect in fit.hypothesis.effects[:-1]:
+        rivals = replaced(evidence, fit, effect, effects)
+        if rivals and rivals[0].cost + _toll(rivals[0]) < fit.cost + _toll(fit):
+            fit = rivals[0]
+    return fit
+
+
+def _pruned(evidence: Evidence, fit: Fit) -> Fit:
+    """Without the effects whose absence costs too little."""
+    while len(fit.hypothesis.effects) > 1:
+        without = [fit.hypothesis.without(effect) for effect in fit.hypothesis.effects]
+        found = fits(evidence, [(h, moved(fit.x, fit.hypothesis, h)) for h in without])
+        rises = [
+            of.cost - fit.cost - needed(effect) for of, effect in zip(found, fit.hypothesis.effects, strict=True)
+        ]
+        worst = int(np.argmin(rises))
+        if rises[worst] >= 0.0:
+            break
+        fit = found[worst]
+    return fit
