@@ -13,12 +13,18 @@ from diagnosis.inference.evidence import Evidence
 from diagnosis.inference.fit import Fit, fits
 from diagnosis.inference.gain import Gain, gain
 from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
+from diagnosis.inference.noise_level import combined, found_noises
 from diagnosis.inference.rivals import Standing, standing
 from diagnosis.inference.selection import Selection, select
 from diagnosis.measured.measurement import Measurement
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
 from diagnosis.stages import STAGES
+from diagnosis.stages.base import Stage
+from diagnosis.usual_tolerances import usual
+
+NOISE_ROUNDS = 2
+"""Fits after which an unknown noise has settled: the first guess may be far off."""
 
 
 @dataclass(frozen=True)
@@ -111,10 +117,10 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
         allowed = ", ".join(STAGES)
         raise InputError(f"no stage predicts data of kind {measurement.kind}", where=where, allowed=allowed)
     robot = nominal or _nominal(measurement)
-    evidence = Evidence(STAGES[measurement.kind](measurement, robot))
+    bare = Hypothesis(robot, nuisances(measurement.nominal) if measurement.nominal is not None else usual(robot))
+    evidence = _evidence(STAGES[measurement.kind](measurement, robot), bare)
     if not evidence.fit.any():
         raise InputError("no usable sample to fit", where=where, cure="log inputs and readings in the same rows")
-    bare = Hypothesis(robot, nuisances(measurement.nominal) if measurement.nominal is not None else ())
     library = candidates(measurement, evidence, bare)
     selection = select(evidence, bare, library.testable)
     left = adequacy(evidence, selection.fit)
@@ -132,14 +138,25 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
         selection=selection,
         fit=fit,
         named=tuple(
-            Named(of.effect, dict(fit.hypothesis.values(of.effect, fit.x)), fit.std(of.effect), of)
-            for of in standings
+            Named(of.effect, dict(fit.hypothesis.values(of.effect, fit.x)), fit.std(of.effect), of) for of in standings
         ),
-        withdrawn=tuple(e.name for e in selection.fit.hypothesis.effects if not left.is_adequate and e.name not in kept),
+        withdrawn=tuple(
+            e.name for e in selection.fit.hypothesis.effects if not left.is_adequate and e.name not in kept
+        ),
         adequacy=left,
         gain=gain(evidence, robot, extended),
         calibrated=gain(evidence, robot, calibrated),
     )
+
+
+def _evidence(stages: Sequence[Stage], bare: Hypothesis) -> Evidence:
+    """What was observed, with its noise as stated or else as the nominal model finds it."""
+    evidence = Evidence(stages)
+    if evidence.fit.any() and not all(of.noise_is_stated for of in evidence.observed):
+        for _ in range(NOISE_ROUNDS):
+            (fit,) = fits(evidence, [(bare, bare.null())])
+            evidence = Evidence(stages, combined(evidence, found_noises(evidence, fit)))
+    return evidence
 
 
 def _nominal(measurement: Measurement) -> RobotConfig:

@@ -76,9 +76,7 @@ def adequacy(evidence: Evidence, fit: Fit) -> Adequacy:
                 p, gain, columns = tangents.test(place, rows, basis)
                 p = min(1.0, p * basis.tries)
                 if best is None or p < best.p:
-                    best = Structure(
-                        quantity.name, quantity.channel, covariate.name, basis.what, p, gain, columns
-                    )
+                    best = Structure(quantity.name, quantity.channel, covariate.name, basis.what, p, gain, columns)
             if best is not None:
                 found.append((best, 1))
     tests = max(1, len(found))
@@ -101,7 +99,9 @@ class _Tangents:
         prior[range(nuisances), range(nuisances)] = 1.0
         self._whole = np.concatenate([(fit.slopes * self._root).T, prior])
         self._basis = orthonormal(self._whole)
-        padded = np.concatenate([self._residual, -fit.hypothesis.prior(fit.x), np.zeros(fit.hypothesis.size - nuisances)])
+        padded = np.concatenate(
+            [self._residual, -fit.hypothesis.prior(fit.x), np.zeros(fit.hypothesis.size - nuisances)]
+        )
         self._left = padded - self._basis @ (self._basis.T @ padded)
 
     def test(self, place: slice, rows: Array, basis: Basis) -> tuple[float, float, Array]:
@@ -109,9 +109,7 @@ class _Tangents:
         columns = np.zeros((len(self._root), basis.columns.shape[1]))
         inside = np.arange(place.start, place.stop)[rows]
         columns[inside] = basis.columns
-        padded = np.concatenate(
-            [columns * self._root[:, None], np.zeros((self._whole.shape[1], columns.shape[1]))]
-        )
+        padded = np.concatenate([columns * self._root[:, None], np.zeros((self._whole.shape[1], columns.shape[1]))])
         free = orthonormal(padded - self._basis @ (self._basis.T @ padded))
         k = free.shape[1]
         if k == 0:

@@ -52,7 +52,7 @@ def candidates(measurement: Measurement, evidence: Evidence, hypothesis: Hypothe
         x = np.array([c.start for c in having.coordinates])
         robots += having.robots(x[None])
     found = evidence.of(robots)
-    moves = np.abs(found.mean - nominal.mean).max(axis=1, initial=0.0, where=evidence.fit) if len(effects) else []
+    moves = np.abs(found.mean - nominal.mean).max(axis=1, initial=0.0, where=evidence.fit) if effects else []
     moves = np.abs((found.mean - nominal.mean) / evidence.sd)[:, evidence.fit].max(axis=1, initial=0.0)
     spreads = np.abs(np.log(found.sd / nominal.sd))[:, evidence.fit].max(axis=1, initial=0.0)
     seen = (moves > VISIBLE) | (spreads > VISIBLE)

@@ -1,8 +1,9 @@
 """All that was observed, of all stages, as one vector of samples; and its predictions by many robots at once."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,15 @@ AT_ONCE = 48
 
 
 @dataclass(frozen=True)
+class FoundNoise:
+    """Of one observed quantity, where its source states none."""
+
+    factor: float
+    """On the guess of the standard deviation that the stage made."""
+    correlation: float
+
+
+@dataclass(frozen=True)
 class Prediction:
     mean: Array
     """(M, N)."""
@@ -26,18 +36,23 @@ class Prediction:
 class Evidence:
     """N samples; those of each observed quantity lie together, in the order of the stages."""
 
-    def __init__(self, stages: Sequence[Stage]) -> None:
+    def __init__(self, stages: Sequence[Stage], noises: Mapping[str, FoundNoise] = MappingProxyType({})) -> None:
         self.stages = tuple(stages)
+        self.noises = noises
+        """Of the quantities whose source states none."""
+        self._factors = {name: found.factor for name, found in noises.items()}
         self.observed: tuple[Observed, ...] = tuple(of for stage in stages for of in stage.observed)
         self.values = np.concatenate([of.values for of in self.observed])
-        self.sd = np.concatenate([of.sd for of in self.observed])
+        self.sd = np.concatenate([of.sd * self._factors.get(of.name, 1.0) for of in self.observed])
         """(N,), by the nominal robot."""
         holdout = np.concatenate([of.holdout for of in self.observed])
         usable = np.concatenate([of.usable for of in self.observed])
         self.fit: Mask = usable & ~holdout
         """(N,), samples that may choose and fit."""
         self.heldout: Mask = usable & holdout
-        self.weight = np.concatenate([np.full(len(of.values), _independent(of.correlation)) for of in self.observed])
+        lasting = [noises[of.name].correlation if of.name in noises else of.correlation for of in self.observed]
+        worth = [np.full(len(of.values), _independent(p)) for of, p in zip(self.observed, lasting, strict=True)]
+        self.weight = np.concatenate(worth)
         """(N,), independent samples that one is worth, for noise that lasts longer than a row says less."""
 
     @cached_property
@@ -64,7 +79,9 @@ class Evidence:
             some = robots[first : first + AT_ONCE]
             found = [predicted for stage in self.stages for predicted in stage.predict(some)]
             means.append(np.concatenate([p.mean for p in found], axis=1))
-            sds.append(np.concatenate([np.broadcast_to(p.sd, p.mean.shape) for p in found], axis=1))
+            factors = [self._factors.get(of.name, 1.0) for of in self.observed]
+            wide = [f * np.broadcast_to(p.sd, p.mean.shape) for f, p in zip(factors, found, strict=True)]
+            sds.append(np.concatenate(wide, axis=1))
         return Prediction(np.concatenate(means), np.concatenate(sds))
 
 

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from configs.schema.robot import RobotConfig
 from diagnosis.inference.evidence import Evidence
 from diagnosis.measured.channel import Array
-from configs.schema.robot import RobotConfig
 
 KEPT = 0.97
 TRIALS = 5

@@ -40,6 +40,8 @@ class Prospect:
 
 def scan(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> list[Prospect]:
     """The best prospect of each effect, the most promising first."""
+    if not effects:
+        return []
     tries = [(effect, numbers) for effect in effects for numbers in _tries(effect)]
     hypotheses = {effect: fit.hypothesis.with_effect(effect) for effect in effects}
     starts = [_placed(hypotheses[effect], fit, effect, numbers) for effect, numbers in tries]

@@ -168,9 +168,7 @@ def _pruned(evidence: Evidence, fit: Fit) -> Fit:
     while len(fit.hypothesis.effects) > 1:
         without = [fit.hypothesis.without(effect) for effect in fit.hypothesis.effects]
         found = fits(evidence, [(h, moved(fit.x, fit.hypothesis, h)) for h in without])
-        rises = [
-            of.cost - fit.cost - needed(effect) for of, effect in zip(found, fit.hypothesis.effects, strict=True)
-        ]
+        rises = [of.cost - fit.cost - needed(effect) for of, effect in zip(found, fit.hypothesis.effects, strict=True)]
         worst = int(np.argmin(rises))
         if rises[worst] >= 0.0:
             break

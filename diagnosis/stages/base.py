@@ -69,6 +69,8 @@ class Observed:
     usable: Mask
     """(n,), false for missing samples and codes, and where the nominal prediction is not one-valued."""
     covariates: tuple[Covariate, ...] = field(default=())
+    noise_is_stated: bool = True
+    """Whether `sd` and `correlation` are the source's; else they are a guess, to be found from what a model leaves."""
 
     def __post_init__(self) -> None:
         rows = len(self.values)

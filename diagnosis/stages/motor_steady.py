@@ -45,9 +45,7 @@ class MotorSteady:
         )
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
-        return tuple(
-            Predicted(mean, of.sd) for mean, of in zip(self._means(robots), self.observed, strict=True)
-        )
+        return tuple(Predicted(mean, of.sd) for mean, of in zip(self._means(robots), self.observed, strict=True))
 
     def _means(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
         current, speed = (np.full((len(robots), len(self._given)), np.nan) for _ in range(2))

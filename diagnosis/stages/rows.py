@@ -41,6 +41,7 @@ def observed_channel(
         holdout=joined(trial.holdout for trial in trials),
         usable=usable,
         covariates=covariates,
+        noise_is_stated=all(channel.noise_sd is not None for channel in channels),
     )
 
 

@@ -1,0 +1,83 @@
+"""A made-up bench whose answers are closed forms: a current proportional to x, read through the sensor's own terms."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from configs.draw import draw_robot
+from configs.loader import load_section
+from diagnosis.inference.evidence import Evidence
+from diagnosis.inference.hypothesis import Effect, Hypothesis
+from diagnosis.nuisances import Nuisance
+from diagnosis.stages.base import Covariate, Observed, Predicted
+from physics.robot_model import RobotModel
+from physics.terms import PHYSICS_TERMS
+from sensors.instruments import read_current_A
+from sensors.terms import SENSOR_TERMS
+
+TOLERANCE = 0.02
+SD_A = 0.01
+
+
+def scaled(robot, value):
+    return robot.model_copy(update={"motor": robot.motor.model_copy(update={"torque_constant_N_m_A": value})})
+
+
+@dataclass
+class Bench:
+    """I = x K/K_nominal, read by the current sensor."""
+
+    observed: tuple
+    x: np.ndarray
+    nominal_constant: float
+    name: str = "motor"
+
+    def predict(self, robots):
+        constants = [RobotModel.from_config(robot).motors.right.torque_constant_N_m_A for robot in robots]
+        rows = [
+            read_current_A(robot.terms, self.x * constant / self.nominal_constant)
+            for robot, constant in zip(robots, constants, strict=True)
+        ]
+        return (Predicted(np.array(rows), self.observed[0].sd),)
+
+
+@pytest.fixture(scope="session")
+def robot():
+    return draw_robot(load_section("robot", "nominal"), 1, "test")[0]
+
+
+@pytest.fixture(scope="session")
+def hypothesis(robot):
+    constant = robot.motor.torque_constant_N_m_A
+    return Hypothesis(robot, (Nuisance("motor.torque_constant_N_m_A", constant, TOLERANCE * constant, scaled),))
+
+
+@pytest.fixture(scope="session")
+def effect():
+    terms = {term.name: term for term in (*PHYSICS_TERMS, *SENSOR_TERMS)}
+    return lambda name, **choices: Effect(terms[name], tuple(choices.items()))
+
+
+@pytest.fixture(scope="session")
+def evidence_of(robot):
+    """Evidence of readings at x, the last `heldout` rows held out."""
+
+    def make(x, readings, heldout=0, trials=1, **covariates):
+        n = len(x)
+        observed = Observed(
+            name="current_A",
+            channel="current_A",
+            unit="A",
+            values=np.array(readings, dtype=float),
+            sd=np.full(n, SD_A),
+            correlation=0.0,
+            trial=np.arange(n) * trials // n,
+            t_s=np.arange(n, dtype=float),
+            holdout=np.arange(n) >= n - heldout,
+            usable=np.isfinite(readings),
+            covariates=(Covariate("x", np.array(x)), *(Covariate(k, np.array(v)) for k, v in covariates.items())),
+        )
+        return Evidence((Bench((observed,), np.array(x), robot.motor.torque_constant_N_m_A),))
+
+    return make

@@ -1,0 +1,74 @@
+import numpy as np
+import pytest
+
+from diagnosis.inference.adequacy import adequacy, survivors
+from diagnosis.inference.fit import fits
+
+SD_A = 0.01
+X = np.linspace(-1.0, 1.0, 160)
+
+
+def noise(seed, n=len(X)):
+    return SD_A * np.random.default_rng(seed).standard_normal(n)
+
+
+def fitted(evidence, hypothesis):
+    (fit,) = fits(evidence, [(hypothesis, hypothesis.null())])
+    return fit
+
+
+def test_an_adequate_model_is_rarely_called_inadequate(evidence_of, hypothesis):
+    """At a level of 0.003, four or more of 150 happen once in some 1000 times; outliers, one in 50, change nothing."""
+    alarms = 0
+    for seed in range(150):
+        readings = X + noise(seed)
+        readings[np.random.default_rng(seed + 1000).random(len(X)) < 0.02] += 0.5
+        evidence = evidence_of(X, readings, when=np.random.default_rng(seed).permutation(len(X)))
+        alarms += not adequacy(evidence, fitted(evidence, hypothesis)).is_adequate
+    assert alarms <= 4
+
+
+@pytest.mark.parametrize("level", [0.3, 1.0, 3.0])
+def test_the_level_of_the_noise_does_not_matter(evidence_of, hypothesis, level):
+    assert all(
+        adequacy(evidence, fitted(evidence, hypothesis)).is_adequate
+        for evidence in (evidence_of(X, X + level * noise(seed)) for seed in range(20))
+    )
+
+
+@pytest.mark.parametrize(
+    ("hidden", "covariate"),
+    [
+        (lambda x, when: 0.02 * np.exp(-((x - 0.3) ** 2) / 0.02), "x"),
+        (lambda x, when: 0.02 * (when > 100), "when"),
+        (lambda x, when: 0.015 * np.sin(2 * np.pi * x / 0.11), "x"),
+    ],
+)
+def test_structure_is_found_along_its_covariate(evidence_of, hypothesis, hidden, covariate):
+    when = np.random.default_rng(1).permutation(len(X)).astype(float)
+    evidence = evidence_of(X, X + hidden(X, when) + noise(9), when=when)
+    found = adequacy(evidence, fitted(evidence, hypothesis))
+    assert not found.is_adequate
+    assert found.worst.covariate == covariate
+
+
+def test_what_a_parameter_could_take_is_no_structure(evidence_of, hypothesis):
+    """K off by four tolerances: fitted at a cost of the prior, but no shape remains."""
+    evidence = evidence_of(X, 1.08 * X + noise(11))
+    assert adequacy(evidence, fitted(evidence, hypothesis)).is_adequate
+
+
+def test_a_name_that_stood_in_for_the_unknown_is_given_up_and_another_is_kept(evidence_of, hypothesis, effect):
+    """An offset lies in the span of any function of x; a gain cannot be what happened to a third of the rows."""
+    when = np.random.default_rng(1).permutation(len(X)).astype(float)
+    cases = [
+        (effect("current_sensor_offset"), X + 0.05 * np.exp(-((X - 0.5) ** 2) / 0.1), False),
+        (effect("current_sensor_gain"), 1.4 * X + 0.02 * (when > 100), True),
+    ]
+    for hidden, readings, is_kept in cases:
+        evidence = evidence_of(X, readings + noise(12), when=when)
+        fit, base = fitted(evidence, hypothesis.with_effect(hidden)), fitted(evidence, hypothesis)
+        left = adequacy(evidence, fit)
+        assert not left.is_adequate
+        kept = list(survivors(evidence, fit, left.worst, base.cost - fit.cost))
+        assert kept == ([hidden] if is_kept else [])

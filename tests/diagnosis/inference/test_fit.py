@@ -1,0 +1,64 @@
+"""Fits of a linear bench against the closed form of a least-squares fit with a prior."""
+
+import numpy as np
+import pytest
+
+from diagnosis.inference.fit import fits
+from diagnosis.inference.hypothesis import moved
+
+SD_A, TOLERANCE = 0.01, 0.02
+X = np.linspace(0.2, 1.0, 40)
+
+
+def ridge(readings):
+    """Mean and covariance of (deviation of K in tolerances, offset [A]) by the normal equations."""
+    design = np.stack([X * TOLERANCE, np.ones_like(X)], axis=1) / SD_A
+    information = design.T @ design + np.diag([1.0, 0.0])
+    return np.linalg.solve(information, design.T @ ((readings - X) / SD_A)), np.linalg.inv(information)
+
+
+def test_a_fit_is_the_closed_form_of_least_squares_with_a_prior(evidence_of, hypothesis, effect):
+    readings = X * 1.01 + 0.003
+    offset = effect("current_sensor_offset")
+    model = hypothesis.with_effect(offset)
+    (fit,) = fits(evidence_of(X, readings), [(model, model.null())])
+    (deviation, shift), covariance = ridge(readings)
+    assert fit.x[0] == pytest.approx(deviation, rel=0.02)
+    assert model.values(offset, fit.x)["offset_A"] == pytest.approx(shift, rel=0.02)
+    assert fit.std(offset)["offset_A"] == pytest.approx(np.sqrt(covariance[1, 1]), rel=0.02)
+
+
+def test_rows_held_out_do_not_matter(evidence_of, hypothesis):
+    spoilt = np.append(X[:30], X[30:] + 5.0)
+    (whole,) = fits(evidence_of(X[:30], X[:30] * 1.02), [(hypothesis, hypothesis.null())])
+    (held,) = fits(evidence_of(X, np.append(X[:30] * 1.02, spoilt[30:]), heldout=10), [(hypothesis, hypothesis.null())])
+    assert held.x == pytest.approx(whole.x)
+
+
+def test_a_wild_reading_moves_the_fit_by_no_more_than_its_corner_allows(evidence_of, hypothesis, effect):
+    """The pull of a sample is at most 3 sigmas, so that of one in 40 on their mean is at most 3/40 sigma and a little."""
+    readings = X.copy()
+    readings[7] += 100.0
+    offset = effect("current_sensor_offset")
+    model = hypothesis.with_effect(offset)
+    (fit,) = fits(evidence_of(X, readings), [(model, model.null())])
+    assert abs(model.values(offset, fit.x)["offset_A"]) < 4.0 * 3.0 / 40.0 * SD_A
+
+
+def test_many_fits_side_by_side_are_each_alone(evidence_of, hypothesis, effect):
+    evidence = evidence_of(X, X * 0.97 + 0.02)
+    models = [
+        hypothesis,
+        *(hypothesis.with_effect(effect(n)) for n in ("current_sensor_offset", "current_sensor_gain")),
+    ]
+    together = fits(evidence, [(model, model.null()) for model in models])
+    for model, fit in zip(models, together, strict=True):
+        (alone,) = fits(evidence, [(model, model.null())])
+        np.testing.assert_allclose(fit.x, alone.x, rtol=1e-9)
+
+
+def test_coordinates_of_one_hypothesis_are_found_again_in_another(hypothesis, effect):
+    gain, offset = effect("current_sensor_gain"), effect("current_sensor_offset")
+    of, to = hypothesis.with_effect(gain), hypothesis.with_effect(offset).with_effect(gain)
+    x = np.array([0.7, 0.1])
+    assert moved(x, of, to) == pytest.approx([0.7, 0.0, 0.1])

@@ -1,0 +1,77 @@
+"""Which effects are chosen on a bench where a gain and an offset can be told apart, and K from the gain cannot."""
+
+import numpy as np
+import pytest
+
+from diagnosis.inference.fit import fits
+from diagnosis.inference.rivals import standing
+from diagnosis.inference.scan import scan
+from diagnosis.inference.selection import select
+
+SD_A = 0.01
+X = np.linspace(-1.0, 1.0, 120)
+
+
+@pytest.fixture
+def effects(effect):
+    return [effect("current_sensor_offset"), effect("current_sensor_gain")]
+
+
+def noise(seed):
+    return SD_A * np.random.default_rng(seed).standard_normal(len(X))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_where_nothing_is_hidden_nothing_is_named(evidence_of, hypothesis, effects, seed):
+    within_tolerance = X * (1.0 + 0.02 * np.random.default_rng(seed).standard_normal())
+    found = select(evidence_of(X, within_tolerance + noise(seed + 100), heldout=30), hypothesis, effects)
+    assert found.fit.hypothesis.effects == ()
+
+
+def test_the_hidden_effect_is_named_with_its_size(evidence_of, hypothesis, effects):
+    found = select(evidence_of(X, X + 0.02 + noise(1), heldout=30), hypothesis, effects)
+    (offset,) = found.fit.hypothesis.effects
+    assert offset.name == "current_sensor_offset"
+    value, std = found.fit.hypothesis.values(offset, found.fit.x)["offset_A"], found.fit.std(offset)["offset_A"]
+    assert abs(value - 0.02) < 3.0 * std
+    design = np.stack([0.02 * X[:90], np.ones(90)], axis=1) / SD_A
+    covariance = np.linalg.inv(design.T @ design + np.diag([1.0, 0.0]))
+    assert std == pytest.approx(np.sqrt(covariance[1, 1]), rel=0.1)
+
+
+def test_both_of_two_are_named(evidence_of, hypothesis, effects):
+    found = select(evidence_of(X, 1.4 * X + 0.05 + noise(2), heldout=30), hypothesis, effects)
+    assert {e.name for e in found.fit.hypothesis.effects} == {"current_sensor_offset", "current_sensor_gain"}
+
+
+def test_a_few_wild_rows_are_no_effect(evidence_of, hypothesis, effects):
+    readings = X + noise(3)
+    readings[[10, 50]] += 5.0
+    found = select(evidence_of(X, readings, heldout=30), hypothesis, effects)
+    assert found.fit.hypothesis.effects == ()
+
+
+def test_what_held_out_rows_contradict_is_not_believed(evidence_of, hypothesis, effects):
+    """An offset in the rows of the fit alone."""
+    readings = X + np.where(np.arange(120) < 90, 0.02, 0.0) + noise(4)
+    found = select(evidence_of(X, readings, heldout=30), hypothesis, effects)
+    assert found.fit.hypothesis.effects == ()
+
+
+def test_the_look_ahead_foresees_the_fall_of_a_linear_effect(evidence_of, hypothesis, effects):
+    evidence = evidence_of(X, X + 0.004 + 0.1 * noise(5))
+    (base,) = fits(evidence, [(hypothesis, hypothesis.null())])
+    prospect = next(p for p in scan(evidence, base, effects) if p.effect.name == "current_sensor_offset")
+    model = hypothesis.with_effect(prospect.effect)
+    (fit,) = fits(evidence, [(model, prospect.start)])
+    assert prospect.drop == pytest.approx(base.cost - fit.cost, rel=0.02)
+
+
+def test_a_rival_that_does_the_same_is_told(evidence_of, hypothesis, effect):
+    """With I proportional to x alone, a gain of the sensor and a constant of the motor are one."""
+    gain, other = effect("current_sensor_gain"), effect("torque_constant_scale")
+    evidence = evidence_of(X, 1.3 * X + noise(6), heldout=30)
+    fit = select(evidence, hypothesis, [gain]).fit
+    found = standing(evidence, fit, gain, [gain, other])
+    assert found.ambiguous_with == ("torque_constant_scale",)
+    assert found.confidence == pytest.approx(0.5, abs=0.05)
