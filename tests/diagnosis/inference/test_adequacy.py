@@ -63,7 +63,7 @@ def test_a_name_that_stood_in_for_the_unknown_is_given_up_and_another_is_kept(ev
     when = np.random.default_rng(1).permutation(len(X)).astype(float)
     cases = [
         (effect("current_sensor_offset"), X + 0.05 * np.exp(-((X - 0.5) ** 2) / 0.1), False),
-        (effect("current_sensor_gain"), 1.4 * X + 0.02 * (when > 100), True),
+        (effect("current_sensor_gain"), 1.8 * X + 0.02 * (when > 100), True),
     ]
     for hidden, readings, is_kept in cases:
         evidence = evidence_of(X, readings + noise(12), when=when)
