@@ -140,9 +140,7 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
         named=tuple(
             Named(of.effect, dict(fit.hypothesis.values(of.effect, fit.x)), fit.std(of.effect), of) for of in standings
         ),
-        withdrawn=tuple(
-            e.name for e in selection.fit.hypothesis.effects if not left.is_adequate and e.name not in kept
-        ),
+        withdrawn=() if left.is_adequate else tuple(n for n in selection.names if n not in kept),
         adequacy=left,
         gain=gain(evidence, robot, extended),
         calibrated=gain(evidence, robot, calibrated),

@@ -1,10 +1,11 @@
 """Is the best named model adequate, or does structure remain that no name accounts for?
 
-A flexible competitor decides: for each observed quantity and each covariate, functions of the covariate are held against
-what the model leaves (score test; Godfrey, Misspecification Tests in Econometrics, 1988). Residuals are clipped, and both
-they and the functions are projected against all that is fitted, priors included, so that a misfit which a parameter could
-still take is none. The share of the residual in the functions' span, over what remains outside, has the F distribution
-where the model is adequate, whatever the level of the noise; p-values are combined by Bonferroni over all tests.
+A flexible competitor decides: for each observed quantity and each covariate, functions of the covariate are held
+against what the model leaves (score test; Godfrey, Misspecification Tests in Econometrics, 1988). Residuals are
+clipped, and both they and the functions are projected against all that is fitted, priors included, so that a misfit
+which a parameter could still take is none. The share of the residual in the functions' span, over what remains outside,
+has the F distribution where the model is adequate, whatever the level of the noise; p-values are combined by Bonferroni
+over all tests.
 
 Where structure remains, a name is kept only if it is needed beside the flexible functions: an effect that merely stood
 in for the unknown cause loses its significance when they take its place.

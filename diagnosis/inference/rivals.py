@@ -1,8 +1,8 @@
 """Which other names explain the data as well, and how sure a name is.
 
-Every promising candidate is fitted in the place of a named effect, all else fitted anew. What costs at most AS_GOOD more
-cannot be told apart by these data, and is said. The confidence of a name is its weight among all that were tried, each
-by exp(-cost/2) (Akaike weights: Burnham and Anderson, Model Selection and Multimodel Inference, 2nd ed., section 2.9).
+Every promising candidate is fitted in the place of a named effect, all else fitted anew. What costs at most AS_GOOD
+more cannot be told apart by these data, and is said. The confidence of a name is its weight among all that were tried,
+each by exp(-cost/2) (Akaike weights: Burnham and Anderson, Model Selection and Multimodel Inference, 2nd ed., 2.9).
 """
 
 from collections.abc import Sequence

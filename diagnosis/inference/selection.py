@@ -6,9 +6,10 @@ of the greatest fall over the whole library where nothing is hidden (`benchmarks
 dozens of effects are tried. Afterwards each effect is held against every other in its place, and against its absence,
 for what entered first may have stood in for two that came later.
 
-Three guards keep an outlier story from becoming a discovery: the fall must come from several samples, and what chose the
-effect must not be contradicted by the held-out rows. Wider noise is believed only of a mean without structure. Data cannot vote where more than half of the fall is the prior
-relaxing: then a nuisance was bent far out of its tolerance to do the effect's work, in held-out rows as well.
+Three guards keep an outlier story from becoming a discovery. The fall must come from several samples. The held-out
+rows must not contradict it. Wider noise is believed only of a mean without structure. Data cannot vote where more than
+half of the fall is the prior relaxing: then a nuisance was bent far out of its tolerance to do the effect's work, in
+held-out rows as well.
 """
 
 from collections.abc import Sequence
@@ -56,6 +57,11 @@ class Selection:
     fit: Fit
     """With the effects that entered."""
     entries: tuple[Entry, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the effects that entered."""
+        return tuple(effect.name for effect in self.fit.hypothesis.effects)
 
 
 def needed(effect: Effect) -> float:

@@ -36,7 +36,7 @@ def test_rows_held_out_do_not_matter(evidence_of, hypothesis):
 
 
 def test_a_wild_reading_moves_the_fit_by_no_more_than_its_corner_allows(evidence_of, hypothesis, effect):
-    """The pull of a sample is at most 3 sigmas, so that of one in 40 on their mean is at most 3/40 sigma and a little."""
+    """The pull of a sample is at most 3 sigmas, so that one in 40 moves their mean by 3/40 sigma and a little."""
     readings = X.copy()
     readings[7] += 100.0
     offset = effect("current_sensor_offset")
