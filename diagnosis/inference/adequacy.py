@@ -21,7 +21,7 @@ from diagnosis.inference.bases import Basis, bases
 from diagnosis.inference.evidence import Evidence
 from diagnosis.inference.fit import Fit
 from diagnosis.inference.hypothesis import Effect
-from diagnosis.measured.channel import Array
+from diagnosis.measured.channel import Array, Mask
 
 LEVEL = 0.003
 """Probability, over all tests together, of calling an adequate model inadequate."""
@@ -105,7 +105,7 @@ class _Tangents:
         )
         self._left = padded - self._basis @ (self._basis.T @ padded)
 
-    def test(self, place: slice, rows: Array, basis: Basis) -> tuple[float, float, Array]:
+    def test(self, place: slice, rows: Mask, basis: Basis) -> tuple[float, float, Array]:
         """p-value, fall of the cost beyond chance, and the columns over all samples."""
         columns = np.zeros((len(self._root), basis.columns.shape[1]))
         inside = np.arange(place.start, place.stop)[rows]

@@ -51,7 +51,7 @@ def bases(covariate: Covariate, rows: NDArray[np.bool_]) -> Iterator[Basis]:
     elif covariate.shape is Shape.PERIODIC:
         turns = np.arange(1, HARMONICS + 1)
         angle = np.where(known, values, 0.0)[:, None] * turns
-        yield from _kept(np.concatenate([np.cos(angle), np.sin(angle)], axis=1) * known[:, None], "turn")
+        yield from _kept(np.concatenate([np.cos(angle), np.sin(angle)], axis=1) * known[:, None].astype(float), "turn")
     else:
         yield from _kept(_hats(values, known), "trend")
         yield from _waves(values, known)
@@ -70,7 +70,7 @@ def _hats(values: Array, known: NDArray[np.bool_]) -> Array:
     if len(places) < 2:
         return np.zeros((len(values), 0))
     at = np.where(known, values, places[0])
-    return np.stack([np.interp(at, places, row) for row in np.eye(len(places))], axis=1) * known[:, None]
+    return np.stack([np.interp(at, places, row) for row in np.eye(len(places))], axis=1) * known[:, None].astype(float)
 
 
 def _grid(x: Array, y: Array) -> Array:
@@ -81,7 +81,7 @@ def _grid(x: Array, y: Array) -> Array:
         places = np.linspace(values[known].min(), values[known].max() + 1e-9, CELLS)
         sides.append(np.stack([np.interp(np.where(known, values, 0.0), places, row) for row in np.eye(CELLS)], axis=1))
     along, across = sides
-    return (along[:, :, None] * across[:, None, :]).reshape(len(x), -1) * known[:, None]
+    return (along[:, :, None] * across[:, None, :]).reshape(len(x), -1) * known[:, None].astype(float)
 
 
 def _waves(values: Array, known: NDArray[np.bool_]) -> Iterator[Basis]:
@@ -95,5 +95,5 @@ def _waves(values: Array, known: NDArray[np.bool_]) -> Iterator[Basis]:
     counts = np.arange(WAVES_IN_RANGE[0], most, 0.5)
     for count in counts.tolist():
         angle = 2.0 * np.pi * count * np.where(known, values, 0.0) / reach
-        columns = np.stack([np.cos(angle), np.sin(angle)], axis=1) * known[:, None]
+        columns = np.stack([np.cos(angle), np.sin(angle)], axis=1) * known[:, None].astype(float)
         yield Basis(columns, f"wave of {reach / count:.3g}", tries=len(counts))

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.evidence import Evidence
@@ -72,7 +73,7 @@ def _trimmed(size: Array) -> float:
     return float(np.sqrt(np.mean(kept**2)))
 
 
-def _blocks(evidence: Evidence) -> Array:
+def _blocks(evidence: Evidence) -> NDArray[np.int64]:
     """(N,), a number for each trial, or for each block of rows of one."""
     heldout = len(np.unique(evidence.trial[evidence.heldout]))
     if heldout >= TRIALS:
@@ -84,7 +85,7 @@ def _blocks(evidence: Evidence) -> Array:
     return evidence.trial * 1_000_000 + np.floor(t_s / length_s).astype(np.int64)
 
 
-def _resampled(blocks: Array, generator: np.random.Generator) -> Array:
+def _resampled(blocks: NDArray[np.int64], generator: np.random.Generator) -> NDArray[np.int64]:
     """Indices of rows of as many blocks, drawn with replacement."""
     order = np.argsort(blocks, kind="stable")
     _, starts = np.unique(blocks[order], return_index=True)

@@ -39,7 +39,8 @@ class Effect:
 
     def on(self, robot: RobotConfig, values: Mapping[str, float]) -> RobotConfig:
         """The robot with this effect. Bounds are those of the coordinates, so that nothing is checked again."""
-        section = self.term.parameters.model_construct(**dict(self.choices), **values)
+        numbers: dict[str, Any] = {**dict(self.choices), **values}
+        section = self.term.parameters.model_construct(**numbers)
         return robot.with_term(section)
 
 

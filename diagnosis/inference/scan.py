@@ -69,11 +69,13 @@ class _Lines:
         self._rows = evidence.fit
         z = fit.z[self._rows]
         self._root = np.sqrt(evidence.weight[self._rows] * robust_weight(z))
-        self._residual = self._root * z
+        nuisances = len(fit.hypothesis.nuisances)
+        of_prior = np.zeros(fit.hypothesis.size)
+        of_prior[:nuisances] = -fit.hypothesis.prior(fit.x)
+        self._residual = np.concatenate([self._root * z, of_prior])
         self._mean = evidence.values[self._rows] - z * fit.sd[self._rows]
         self._sd = fit.sd[self._rows]
         prior = np.zeros((fit.hypothesis.size, fit.hypothesis.size))
-        nuisances = len(fit.hypothesis.nuisances)
         prior[range(nuisances), range(nuisances)] = 1.0
         tangents = np.concatenate([(fit.slopes[:, self._rows] * self._root).T, prior])
         self._basis, _ = np.linalg.qr(tangents) if tangents.shape[1] else (tangents, None)
@@ -87,7 +89,7 @@ class _Lines:
         square = float(padded @ padded)
         if square <= 0.0:
             return 0.0, 0.0
-        along = float(padded[: len(change)] @ self._residual)
+        along = float(padded @ self._residual)
         size = float(np.clip(along / square, 0.0, FURTHEST))
         return 2.0 * size * along - size**2 * square, size
 

@@ -75,3 +75,11 @@ def test_a_rival_that_does_the_same_is_told(evidence_of, hypothesis, effect):
     found = standing(evidence, fit, gain, [gain, other])
     assert found.ambiguous_with == ("torque_constant_scale",)
     assert found.confidence == pytest.approx(0.5, abs=0.05)
+
+
+def test_a_nuisance_bent_far_out_of_its_tolerance_is_named(evidence_of, hypothesis, effect):
+    """K off by 30 %, 15 of its tolerances: the data fit as well with or without a name, the prior does not."""
+    scale = effect("torque_constant_scale")
+    found = select(evidence_of(X, 1.3 * X + noise(7), heldout=30), hypothesis, [scale])
+    assert found.fit.hypothesis.effects == (scale,)
+    assert found.fit.hypothesis.values(scale, found.fit.x)["scale"] == pytest.approx(1.3, abs=0.01)
