@@ -6,6 +6,9 @@ from types import MappingProxyType
 from diagnosis.measured.measurement import Kind
 from diagnosis.stages.base import Binder
 from diagnosis.stages.motor_steady import motor_steady_stages
+from diagnosis.stages.motor_step import motor_step_stages
 
-STAGES: Mapping[Kind, Binder] = MappingProxyType({Kind.MOTOR_STEADY: motor_steady_stages})
+STAGES: Mapping[Kind, Binder] = MappingProxyType(
+    {Kind.MOTOR_STEADY: motor_steady_stages, Kind.MOTOR_STEP: motor_step_stages}
+)
 """Of each kind of measurement that can be predicted."""
