@@ -1,25 +1,102 @@
 """The robot of a textbook simulation of a measured case: a shipped robot with the case's nominal parameters in it."""
 
-from configs.schema.robot import RobotConfig
-from diagnosis.measured.nominal import NominalGearedMotor, NominalSteady, NominalStep
+from collections.abc import Mapping
+from math import degrees
+from types import MappingProxyType
+
+from configs.schema.base import Section
+from configs.schema.robot import RobotConfig, TofMount
+from configs.schema.terms.range_bench import RangeOffset, RangeScale
+from configs.schema.terms.table import Terms
+from diagnosis.measured.nominal import (
+    BenchTof,
+    Mount,
+    Nominal,
+    NominalDrive,
+    NominalGearedMotor,
+    NominalMotor,
+    NominalMovingMotor,
+    NominalTof,
+)
+
+PLAIN_RANGE: Mapping[str, float] = MappingProxyType(
+    {"error_scale": 0.0, "noise_scale": 1.0, "rays": 1, "field_of_view_deg": 1e-3}
+)
+"""A single ray along the axis, without the error of Eq. 24."""
 
 
-def nominal_robot(nominal: NominalSteady | NominalStep, carrier: RobotConfig) -> RobotConfig:
-    """The robot on the motor bench: motor and supply are nominal, what the case does not speak of is `carrier`'s."""
-    motor = nominal.motor
+def nominal_robot(nominal: Nominal, carrier: RobotConfig) -> RobotConfig:
+    """The robot that the case speaks of, and otherwise `carrier`, without that one's terms.
+
+    A range sensor is a bare ray with the case's offset and scale, without the cone of the shipped one and its error.
+    """
+    robot = carrier.model_copy(update={"terms": Terms()})
+    match nominal:
+        case NominalTof():
+            return _with_bench_tof(robot, nominal.tof)
+        case NominalDrive():
+            return _with_motor(_with_drive(robot, nominal), nominal.motor)
+        case _:
+            return _with_motor(robot, nominal.motor)
+
+
+def _with_motor(robot: RobotConfig, motor: NominalMotor) -> RobotConfig:
     numbers = {
         "winding_resistance_ohm": motor.winding_resistance_ohm.value,
         "torque_constant_N_m_A": motor.torque_constant_N_m_A.value,
         "viscous_friction_N_m_s_rad": motor.viscous_friction_N_m_s_rad.value,
         "coulomb_friction_N_m": motor.coulomb_friction_N_m.value,
     }
-    if isinstance(motor, NominalGearedMotor):
+    if isinstance(motor, NominalMovingMotor):
         numbers["rotor_inertia_kg_m2"] = motor.rotor_inertia_kg_m2.value
+    if isinstance(motor, NominalGearedMotor):
         numbers["motor_side_inertia_fraction"] = motor.motor_side_inertia_fraction
         numbers["motor_side_friction_fraction"] = motor.motor_side_friction_fraction
     supply = {"battery_voltage_V": motor.supply_voltage_V, "motor_voltage_limit_V": motor.supply_voltage_V}
-    sections = {
-        "motor": carrier.motor.model_copy(update=numbers),
-        "power": carrier.power.model_copy(update=supply),
+    sections: dict[str, Section] = {
+        "motor": robot.motor.model_copy(update=numbers),
+        "power": robot.power.model_copy(update=supply),
     }
-    return carrier.model_copy(update=sections)
+    return robot.model_copy(update=sections)
+
+
+def _with_bench_tof(robot: RobotConfig, tof: BenchTof) -> RobotConfig:
+    robot = _with_range(robot, tof.range_offset_m.value, tof.range_scale.value)
+    numbers = {
+        **PLAIN_RANGE,
+        "quantisation_m": tof.resolution_m,
+        "reference_temperature_C": tof.reference_temperature_C,
+        "temperature_C": tof.reference_temperature_C,
+    }
+    return robot.model_copy(update={"tof": robot.tof.model_copy(update=numbers)})
+
+
+def _with_drive(robot: RobotConfig, nominal: NominalDrive) -> RobotConfig:
+    robot = _with_range(robot, nominal.tof.range_offset_m.value, 1.0)
+    mounts = {name: _mounted(getattr(robot.tof.mounts, name), mount) for name, mount in nominal.tof.mount}
+    ranges = {
+        **PLAIN_RANGE,
+        "mounts": robot.tof.mounts.model_copy(update=mounts),
+        "max_range_m": nominal.tof.max_range_m,
+    }
+    wheels = nominal.robot
+    drive = {"wheel_diameter_m": 2.0 * wheels.wheel_radius_m.value, "track_m": wheels.wheel_separation_m.value}
+    counts = wheels.encoder_ticks_per_revolution
+    encoder = {"counts_per_revolution": int(counts) if counts == int(counts) else counts}
+    sections: dict[str, Section] = {
+        "drive": robot.drive.model_copy(update=drive),
+        "encoder": robot.encoder.model_copy(update=encoder),
+        "tof": robot.tof.model_copy(update=ranges),
+    }
+    return robot.model_copy(update=sections)
+
+
+def _mounted(mount: TofMount, nominal: Mount) -> TofMount:
+    numbers = {"x_m": nominal.x_m, "y_m": nominal.y_m, "yaw_deg": degrees(nominal.yaw_rad), "pitch_up_deg": 0.0}
+    return mount.model_copy(update=numbers)
+
+
+def _with_range(robot: RobotConfig, offset_m: float, scale: float) -> RobotConfig:
+    if offset_m != 0.0:
+        robot = robot.with_term(RangeOffset(offset_m=offset_m))
+    return robot if scale == 1.0 else robot.with_term(RangeScale(scale=scale))

@@ -1,34 +1,90 @@
-"""temporary"""
+"""Numbers in which one robot of many differs from the nominal one without anything being wrong with it.
 
-from collections.abc import Callable
+A measured case gives them as a value and a tolerance, the standard deviation between units. A fit has each of them as a
+parameter with that prior, beside whatever effect it looks for.
+"""
+
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
+from configs.schema.base import Section
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.nominal import Nominal
+from configs.schema.terms.range_bench import RangeOffset, RangeScale
+from diagnosis.measured.nominal import Nominal, NominalDrive, NominalTof, PositiveSpread, Spread
+
+Number = float | NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Nuisance:
     name: str
+    """As in nominal.yaml."""
     value: float
+    """Of the nominal robot."""
     tolerance: float
-    applied: Callable[[RobotConfig, float], RobotConfig]
+    """Standard deviation between units."""
+    unit: str
+    change: Callable[[RobotConfig, Number], RobotConfig]
 
+    def applied(self, robot: RobotConfig, value: Number) -> RobotConfig:
+        """The robot as that unit; what its terms add or scale stays on top of it.
 
-def _motor(key):
-    return lambda robot, value: robot.model_copy(update={"motor": robot.motor.model_copy(update={key: value})})
+        Args:
+            robot: Nominal, with the terms of all effects: one of the same name, added later, would take its place.
+            value: A number, or an array for many robots at once (`physics.robot_stack`).
+        """
+        return self.change(robot, value)
 
 
 def nuisances(nominal: Nominal) -> tuple[Nuisance, ...]:
-    found = []
-    for key in (
-        "winding_resistance_ohm",
-        "torque_constant_N_m_A",
-        "viscous_friction_N_m_s_rad",
-        "coulomb_friction_N_m",
-        "rotor_inertia_kg_m2",
-    ):
-        spread = getattr(nominal.motor, key, None)
-        if spread is not None:
-            found.append(Nuisance(f"motor.{key}", spread.value, spread.tolerance, _motor(key)))
-    return tuple(found)
+    """Every number of a case that has a tolerance above 0."""
+    return tuple(of for of in _all(nominal) if of.tolerance > 0.0)
+
+
+def _all(nominal: Nominal) -> Iterator[Nuisance]:
+    if isinstance(nominal, NominalTof):
+        yield _range_offset(nominal.tof.range_offset_m)
+        yield _range_scale(nominal.tof.range_scale)
+        return
+    for name, field in nominal.motor:
+        if isinstance(field, (PositiveSpread, Spread)):
+            yield _number("motor", name, name, field, 1.0)
+    if isinstance(nominal, NominalDrive):
+        yield _number("drive", "wheel_diameter_m", "wheel_radius_m", nominal.robot.wheel_radius_m, 2.0)
+        yield _number("drive", "track_m", "wheel_separation_m", nominal.robot.wheel_separation_m, 1.0)
+        yield _range_offset(nominal.tof.range_offset_m)
+
+
+UNITS = {"ohm": "ohm", "N_m_A": "N m/A", "N_m_s_rad": "N m s/rad", "N_m": "N m", "kg_m2": "kg m2", "m": "m"}
+
+
+def _number(section: str, key: str, name: str, spread: PositiveSpread | Spread, factor: float) -> Nuisance:
+    """A number of the robot's configuration, which is `factor` times that of the case."""
+
+    def change(robot: RobotConfig, value: Number) -> RobotConfig:
+        changed: Section = getattr(robot, section).model_copy(update={key: factor * value})
+        return robot.model_copy(update={section: changed})
+
+    unit = next(unit for end, unit in UNITS.items() if name.endswith(f"_{end}"))
+    return Nuisance(name, spread.value, spread.tolerance, unit, change)
+
+
+def _range_offset(spread: Spread) -> Nuisance:
+    def change(robot: RobotConfig, value: Number) -> RobotConfig:
+        present = robot.terms.range_offset
+        before = spread.value if present is None else present.offset_m
+        return robot.with_term(RangeOffset.model_construct(offset_m=before + (value - spread.value)))
+
+    return Nuisance("range_offset_m", spread.value, spread.tolerance, "m", change)
+
+
+def _range_scale(spread: PositiveSpread) -> Nuisance:
+    def change(robot: RobotConfig, value: Number) -> RobotConfig:
+        present = robot.terms.range_scale
+        before = spread.value if present is None else present.scale
+        return robot.with_term(RangeScale.model_construct(scale=before * (value / spread.value)))
+
+    return Nuisance("range_scale", spread.value, spread.tolerance, "1", change)

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from functools import reduce
 from typing import Any, TypeVar
 
+import numpy as np
+
 from configs.errors import InputError
 from configs.schema.base import Section
 from configs.schema.robot import RobotConfig
@@ -59,7 +61,7 @@ class RobotModel:
     def has_play(self) -> bool:
         """Whether motor side and load side of the gears can move against each other."""
         backlash = self.config.terms.gear_backlash
-        return backlash is not None and backlash.gap_rad > 0.0
+        return backlash is not None and bool(np.any(backlash.gap_rad > 0.0))
 
     def require_rigid_gears(self, place: str) -> None:
         """Refuse play in the gears where a wheel is one mass, so that it is never left out in silence.

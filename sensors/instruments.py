@@ -1,4 +1,7 @@
-"""What current sensor and tachometer of the motors say, from what is true; without terms the same to the bit."""
+"""What current sensor and tachometer of the motors say, from what is true; without terms the same to the bit.
+
+The numbers of many robots may be stacked, to be broadcast against the readings (`physics.robot_stack`).
+"""
 
 import numpy as np
 
@@ -30,11 +33,17 @@ def read_speed_rad_s(terms: Terms, t_s: Array, speed_rad_s: Array) -> Array:
     reading = read_settled_speed_rad_s(terms, speed_rad_s)
     for low_pass in effects(SENSOR_TERMS, terms, Slot.SPEED_FILTER):
         rows = [reading[0]]
-        for row, duration_s in zip(reading[1:], np.diff(t_s), strict=True):
-            rows.append(low_pass(rows[-1], row, float(duration_s)))
-        reading = np.stack(rows)
+        for row, duration_s in zip(reading[1:], np.diff(t_s).tolist(), strict=True):
+            rows.append(low_pass(rows[-1], row, duration_s))
+        reading = np.stack(np.broadcast_arrays(*rows))
     delay_s = through(effects(SENSOR_TERMS, terms, Slot.SPEED_DELAY), 0.0)
-    if delay_s == 0.0:
-        return reading
-    columns = [np.interp(t_s - delay_s, t_s, column) for column in reading.reshape(len(t_s), -1).T]
-    return np.stack(columns, axis=-1).reshape(reading.shape)
+    return reading if np.all(delay_s == 0.0) else _earlier(reading, t_s, delay_s)
+
+
+def _earlier(reading: Array, t_s: Array, delay_s: float | Array) -> Array:
+    """Readings (N, ...) so much earlier than the times (N,), on lines between them and never before the first."""
+    wanted_s = np.maximum(t_s.reshape(-1, *(1,) * (reading.ndim - 1)) - delay_s, t_s[0])
+    after = np.clip(np.searchsorted(t_s, wanted_s), 1, len(t_s) - 1)
+    after, share = np.broadcast_arrays(after, (wanted_s - t_s[after - 1]) / (t_s[after] - t_s[after - 1]))
+    before, later = (np.take_along_axis(reading, index, axis=0) for index in (after - 1, after))
+    return before + share * (later - before)

@@ -17,6 +17,7 @@ from physics.robot_model import through
 from physics.surfaces import SURFACES
 from physics.terms.base import Slot, effects
 from sensors.base import Array, Sampling, Sensor, World, quantise
+from sensors.range_effects import RangeEffects
 from sensors.range_log import NEAR_LIMIT_M, log_beyond_near
 from sensors.range_view import RangeView
 from sensors.terms import SENSOR_TERMS
@@ -48,9 +49,7 @@ class TofArray(Sensor):
     ) -> None:
         delay_s = through(effects(SENSOR_TERMS, terms, Slot.RANGE_DELAY), config.delay_s)
         self.sampling = Sampling.from_seconds(config.period_s, delay_s, physics_hz)
-        self._range_terms = effects(SENSOR_TERMS, terms, Slot.RANGE)
-        self._noise_terms = effects(SENSOR_TERMS, terms, Slot.RANGE_NOISE)
-        self._limits = effects(SENSOR_TERMS, terms, Slot.RANGE_LIMIT)
+        self._effects = RangeEffects.of(terms)
         self._config = config
         self._rng = rng
         angle, roll = ray_pattern(config.rays, np.radians(config.field_of_view_deg))
@@ -89,11 +88,10 @@ class TofArray(Sensor):
         offset, surface_sd = (share * self._offset_and_sd_m.take(surface, axis=1)).sum(axis=2)
         sd = noise_sd_m(surface_sd, true_range) * config.noise_scale
         reading = true_range + offset + config.error_scale * log_error_m(true_range)
-        if self._range_terms or self._noise_terms:
-            view = self._view(world, true_range, share, surface, normal)
-            reading, sd = through(self._range_terms, reading, view), through(self._noise_terms, sd, view)
+        if self._effects.look:
+            reading, sd = self._effects.seen(reading, sd, self._view(world, true_range, share, surface, normal))
         noise = sd * self._rng.standard_normal(3)
-        reading = through(self._limits, quantise(reading + noise, config.quantisation_m))
+        reading = self._effects.limited(quantise(reading + noise, config.quantisation_m))
         fresh = [self._judged(*pair) for pair in zip(signal.tolist(), reading.tolist(), strict=True)]
         lost = (self._rng.random(3) < config.dropout_probability).tolist()
         self._last = [

@@ -6,11 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.benches.motor_steps import time_constant_s
-from physics.motor_bench import SUBSTEP_S, step_responses
+from physics.motor_bench import step_responses
 from physics.robot_model import RobotModel
 
 Array = NDArray[np.float64]
 
+ROW_S = 5e-4
 LEG_S = 2.0
 """From 0 V to the highest voltage of the ramp."""
 BREAKAWAYS = 2.5
@@ -56,12 +57,12 @@ def stiction_bench(model: RobotModel) -> StictionBench:
     motor = model.motors.right
     breakaway_V = motor.resistance_ohm * motor.coulomb_N_m / motor.torque_constant_N_m_A
     held_V = breakaway_V * np.array(HELD_SHARES)
-    _, held = step_responses(model, np.tile(held_V, (round(HELD_S / SUBSTEP_S), 1)), SUBSTEP_S)
+    _, held = step_responses(model, np.tile(held_V, (round(HELD_S / ROW_S), 1)), ROW_S)
     top_V = max(BREAKAWAYS * breakaway_V, LOWEST_TOP_V)
-    rows = round(LEG_S / SUBSTEP_S)
+    rows = round(LEG_S / ROW_S)
     corners = np.array([0.0, top_V, -top_V, 0.0])
     voltage = np.interp(np.arange(1, 4 * rows + 1), [0, rows, 3 * rows, 4 * rows], corners)
-    _, speed = step_responses(model, voltage[:, None], SUBSTEP_S)
+    _, speed = step_responses(model, voltage[:, None], ROW_S)
     speed = speed[:, 0]
     kept = np.unique(np.linspace(0, len(voltage) - 1, KEPT_ROWS).round().astype(int))
     starts, reversals = starts_and_reversals(speed)

@@ -6,6 +6,14 @@ from types import MappingProxyType
 from diagnosis.measured.measurement import Kind
 from diagnosis.stages.base import Binder
 from diagnosis.stages.motor_steady import motor_steady_stages
+from diagnosis.stages.motor_step import motor_step_stages
+from diagnosis.stages.tof_bench import tof_bench_stages
 
-STAGES: Mapping[Kind, Binder] = MappingProxyType({Kind.MOTOR_STEADY: motor_steady_stages})
+STAGES: Mapping[Kind, Binder] = MappingProxyType(
+    {
+        Kind.MOTOR_STEADY: motor_steady_stages,
+        Kind.MOTOR_STEP: motor_step_stages,
+        Kind.TOF_BENCH: tof_bench_stages,
+    }
+)
 """Of each kind of measurement that can be predicted."""

@@ -11,6 +11,7 @@ from diagnosis.stages.base import Covariate, Observed, Predicted, Shape, Stage
 from diagnosis.stages.rows import joined, observed_channel
 from physics.motor_bench import steady_states
 from physics.robot_model import RobotModel
+from physics.robot_stack import alike, stacked, stacked_terms
 from sensors.instruments import read_current_A, read_settled_speed_rad_s
 
 NEAR_BREAKAWAY = 2.2
@@ -49,11 +50,14 @@ class MotorSteady:
 
     def _means(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
         current, speed = (np.full((len(robots), len(self._given)), np.nan) for _ in range(2))
-        for k, robot in enumerate(robots):
-            model = RobotModel.from_config(robot)
+        for group in alike(robots):
+            several = [robots[k] for k in group]
+            model = RobotModel.from_config(stacked(several, axes=2))
+            terms = stacked_terms(several, axes=1)
             amperes, rad_s = steady_states(model, self._voltage_V[self._given], self._since_on_s[self._given])
-            current[k, self._given] = read_current_A(robot.terms, amperes)
-            speed[k, self._given] = read_settled_speed_rad_s(robot.terms, rad_s)
+            given = np.ix_(np.array(group), np.flatnonzero(self._given))
+            current[given] = read_current_A(terms, amperes)
+            speed[given] = read_settled_speed_rad_s(terms, rad_s)
         return current, speed
 
 

@@ -1,5 +1,7 @@
 """Voltage -> current and speed of a motor against time, from rest at the start of each trial."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,9 +11,11 @@ from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.measured.nominal import NominalStep
 from diagnosis.measured.screening import GAP, usual
-from diagnosis.stages.base import Prediction, predicted
+from diagnosis.stages.base import Covariate, Observed, Predicted, Shape, Stage
+from diagnosis.stages.rows import joined, observed_channel
 from physics.motor_bench import step_responses
 from physics.robot_model import RobotModel
+from physics.robot_stack import alike, stacked, stacked_terms
 from sensors.instruments import read_current_A, read_speed_rad_s
 
 OFF_GRID = 0.25
@@ -19,32 +23,87 @@ OFF_GRID = 0.25
 evenly spread, less rounding."""
 
 
-def predict_motor_step(measurement: Measurement, robot: RobotConfig) -> tuple[Prediction, ...]:
-    """`current_A` and `omega_rad_s` at each row from the `u_cmd_V` of all rows up to it.
+class MotorStep:
+    """All trials of a log side by side on one grid of samples, one period apart from rest at time 0.
 
-    The trials run side by side on one grid of samples, one period of the log apart from rest at time 0. Over samples
-    that the log lacks, and where a voltage is missing, the one before is held.
+    Over samples that the log lacks, and where a voltage is missing, the one before is held.
 
     Raises:
         InputError: Two rows of a trial fall on the same sample.
     """
-    trials = measurement.trials
-    period_s = _period_s(measurement)
-    places = [_places(trial, period_s, measurement) for trial in trials]
-    samples = max(1, *(int(place[-1]) for place in places)) + 1
-    voltage = np.stack([_held(trial, place, samples) for trial, place in zip(trials, places, strict=True)], axis=1)
-    begins_s = np.array([trial.begins_s or 0.0 for trial in trials])
-    moving = step_responses(RobotModel.from_config(robot), voltage[1:], period_s, begins_s)
-    current, speed = (np.concatenate([np.zeros_like(of[:1]), of]) for of in moving)
-    current = read_current_A(robot.terms, current)
-    speed = read_speed_rad_s(robot.terms, period_s * np.arange(samples), speed)
-    return tuple(
-        (
-            predicted(trial, "current_A", "A", current[place, k]),
-            predicted(trial, "omega_rad_s", "rad/s", speed[place, k]),
+
+    name = "motor"
+
+    def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
+        trials = measurement.trials
+        self._period_s = _period_s(measurement)
+        self._places = [_places(trial, self._period_s, measurement) for trial in trials]
+        samples = max(1, *(int(place[-1]) for place in self._places)) + 1
+        held = [_held(trial, place, samples) for trial, place in zip(trials, self._places, strict=True)]
+        self._voltage_V = np.stack(held, axis=1)
+        self._begins_s = np.array([trial.begins_s or 0.0 for trial in trials])
+        current, speed = (of[0] for of in self._means([nominal]))
+        voltage_V = self._of_rows(self._voltage_V)
+        since_s, angle_rad = self._of_rows(self._since_step_s()), self._of_rows(self._angle_rad(speed))
+        since_start_s = joined(trial.t_s for trial in trials)
+        trial_of = joined(np.full(len(trial.t_s), float(k)) for k, trial in enumerate(trials))
+        covariates = (
+            Covariate("t_s", since_start_s),
+            Covariate("time_since_step_s", since_s),
+            Covariate("omega_rad_s", speed),
+            Covariate("current_A", current),
+            Covariate("u_cmd_V", voltage_V),
+            Covariate("angle_rad", angle_rad, Shape.PERIODIC),
+            Covariate("session_time_s", since_start_s + self._begins_s[trial_of.astype(int)]),
+            Covariate("trial", trial_of, Shape.CATEGORY, labels=tuple(trial.name for trial in trials)),
         )
-        for k, (trial, place) in enumerate(zip(trials, places, strict=True))
-    )
+        everywhere = np.ones(len(voltage_V), dtype=bool)
+        self.observed: tuple[Observed, ...] = tuple(
+            observed_channel(measurement, name, everywhere, covariates) for name in ("current_A", "omega_rad_s")
+        )
+
+    def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
+        return tuple(Predicted(mean, of.sd) for mean, of in zip(self._means(robots), self.observed, strict=True))
+
+    def _means(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
+        rows = sum(len(place) for place in self._places)
+        current, speed = np.empty((len(robots), rows)), np.empty((len(robots), rows))
+        t_s = self._period_s * np.arange(len(self._voltage_V))
+        for group in alike(robots):
+            several = [robots[k] for k in group]
+            model, terms = RobotModel.from_config(stacked(several, axes=2)), stacked_terms(several, axes=1)
+            moving = step_responses(model, self._voltage_V[1:], self._period_s, self._begins_s)
+            amperes, rad_s = (np.concatenate([np.zeros_like(of[:1]), of]) for of in moving)
+            current[group] = self._of_rows(read_current_A(terms, amperes))
+            speed[group] = self._of_rows(read_speed_rad_s(terms, t_s, rad_s))
+        return current, speed
+
+    def _of_rows(self, samples: Array) -> Array:
+        """Samples (T, ..., N) at the rows of all trials, (..., n)."""
+        return np.concatenate([samples[place, ..., k].T for k, place in enumerate(self._places)], axis=-1)
+
+    def _since_step_s(self) -> Array:
+        """Time since the voltage last changed, (T, N); it was 0 V up to time 0."""
+        number = np.arange(len(self._voltage_V))[:, None]
+        changes = np.diff(self._voltage_V, axis=0, prepend=0.0) != 0.0
+        # A voltage is held over the period that ends at its sample, and so began one sample earlier.
+        return self._period_s * (number - np.maximum.accumulate(np.where(changes, number - 1, 0)))
+
+    def _angle_rad(self, speed_rad_s: Array) -> Array:
+        """Turned since the start of each trial by the speeds of its rows (n,), between them on lines; (T, N)."""
+        number, begin = np.arange(len(self._voltage_V)), 0
+        columns = []
+        for place in self._places:
+            of_trial = speed_rad_s[begin : begin + len(place)]
+            known = np.interp(number, np.append(0, place), np.append(0.0, of_trial))
+            columns.append(self._period_s * np.append(0.0, np.cumsum(0.5 * (known[1:] + known[:-1]))))
+            begin += len(place)
+        return np.stack(columns, axis=1)
+
+
+def motor_step_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[Stage, ...]:
+    """The one stage of the bench."""
+    return (MotorStep(measurement, nominal),)
 
 
 def _period_s(measurement: Measurement) -> float:

@@ -1,16 +1,20 @@
 """Rows of all trials as one array, and channels of a log as what a stage observed."""
 
 from collections.abc import Iterable
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from diagnosis.measured.channel import Array, Channel, Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.screening import noise_of
 from diagnosis.stages.base import Covariate, Observed
 
+Scalar = TypeVar("Scalar", bound=np.generic)
 
-def joined(parts: Iterable[Array]) -> Array:
+
+def joined(parts: Iterable[NDArray[Scalar]]) -> NDArray[Scalar]:
     """Arrays of all trials one after the other."""
     return np.concatenate(list(parts))
 

@@ -22,7 +22,6 @@ from diagnosis.measured.screening import noise_of, spikes, usable
 from diagnosis.measured.write_case import csv_of, write_case
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.stages import STAGES
-from diagnosis.stages.motor_step import predict_motor_step
 
 SHARED = Path(__file__).parents[4] / "shared"
 MEASURED, EXAMPLES = SHARED / "measured", SHARED / "gap_examples"
@@ -134,39 +133,29 @@ def trimmed_rms(z):
     return np.sqrt(np.mean(z[: round(0.97 * len(z))] ** 2))
 
 
-@pytest.fixture(scope="module")
-def unexplained():
-    """Measured less predicted in a case without an effect, and the stated noise, of the fit rows of each trial."""
-    found = read(EXAMPLES / "motor_step_001")
+def nominal_residuals(case):
+    """The measurement, and of each quantity what was observed and measured less predicted, at every row."""
+    found = read(EXAMPLES / case)
     robot = nominal_robot(found.nominal, draw_robot(load_section("robot", "nominal"), 1, "test")[0])
-    return [
-        (series.name, (trial[series.name].values - series.values)[rows], trial[series.name].noise_sd[rows])
-        for trial, prediction in zip(found.trials, predict_motor_step(found, robot), strict=True)
-        for series in prediction
-        for rows in (~trial.holdout,)
-        if rows.any()
-    ]
+    (stage,) = STAGES[found.kind](found, robot)
+    both = zip(stage.observed, stage.predict([robot]), strict=True)
+    return found, [(o, np.concatenate([c.values for c in found.across(o.name)]) - p.mean[0]) for o, p in both]
 
 
 @pytest.mark.parametrize("case", sorted(name for name in ANSWERS if name.startswith("motor")))
 def test_the_nominal_motor_is_as_far_off_as_its_answer_says(case):
     """The answer has the gain of the true model, which leaves noise alone: 0.91 sigma with the largest 3 % left out."""
-    found = read(EXAMPLES / case)
-    robot = nominal_robot(found.nominal, draw_robot(load_section("robot", "nominal"), 1, "test")[0])
-    (stage,) = STAGES[found.kind]
-    z = [
-        ((trial[series.name].values - series.values) / trial[series.name].noise_sd)[trial.holdout]
-        for trial, prediction in zip(found.trials, stage(found, robot), strict=True)
-        for series in prediction
-    ]
+    _, residuals = nominal_residuals(case)
+    z = [(left / of.sd)[of.holdout] for of, left in residuals]
     left = trimmed_rms(np.concatenate(z)) * (1.0 - ANSWERS[case]["oracle_gain"])
     assert left == pytest.approx(0.91, abs=0.09)
 
 
-def test_what_the_nominal_motor_leaves_has_the_stated_noise(unexplained):
+def test_what_the_nominal_motor_leaves_has_the_stated_noise():
     """0.012 A, 0.1 rad/s and a correlation of 0.3, to which a deviation within tolerance adds."""
-    for name, sd in (("current_A", 0.012), ("omega_rad_s", 0.1)):
-        noise = noise_of_residuals(np.concatenate([left for channel, left, _ in unexplained if channel == name]))
+    _, residuals = nominal_residuals("motor_step_001")
+    for (of, left), sd in zip(residuals, (0.012, 0.1), strict=True):
+        noise = noise_of_residuals(left[~of.holdout])
         assert noise.sd == pytest.approx(sd, rel=0.1)
         assert noise.correlation == pytest.approx(0.3, abs=0.1)
 
@@ -182,14 +171,14 @@ def test_the_unseen_runs_of_an_example_are_read_whole(path):
 
 def test_wild_samples_of_a_step_log_are_found_without_a_model():
     """Those that the nominal motor shows to be eight standard deviations off, in a case without an effect."""
-    found = read(EXAMPLES / "motor_step_001")
-    robot = nominal_robot(found.nominal, draw_robot(load_section("robot", "nominal"), 1, "test")[0])
-    wild, spiky = set(), set()
-    for trial, prediction in zip(found.trials, predict_motor_step(found, robot), strict=True):
-        for series in prediction:
-            channel = trial[series.name]
-            off = np.abs(channel.values - series.values) > 8.0 * channel.noise_sd
-            wild |= {(trial.name, series.name, row) for row in np.flatnonzero(off).tolist()}
-            spiky |= {(trial.name, series.name, row) for row in np.flatnonzero(spikes(channel)).tolist()}
+    found, residuals = nominal_residuals("motor_step_001")
+    wild, spiky, begin = set(), set(), 0
+    for k, trial in enumerate(found.trials):
+        rows = slice(begin, begin + len(trial.t_s))
+        for of, left in residuals:
+            off = np.abs(left[rows]) > 8.0 * of.sd[rows]
+            wild |= {(k, of.name, row) for row in np.flatnonzero(off).tolist()}
+            spiky |= {(k, of.name, row) for row in np.flatnonzero(spikes(trial[of.name])).tolist()}
+        begin = rows.stop
     assert spiky <= wild
     assert len(spiky) >= 0.7 * len(wild) > 4

@@ -8,15 +8,17 @@ import pytest
 from configs.draw import draw_robot
 from configs.errors import InputError
 from configs.loader import load_section
-from configs.schema.terms.motor import FrictionWarmup
+from configs.schema.terms.motor import FrictionWarmup, InputDelay, SpeedTimeOffset, StribeckFriction
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.nominal import NominalSteady, NominalStep
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.stages import STAGES
-from diagnosis.stages.motor_step import predict_motor_step
+from physics.terms import PHYSICS_TERMS
 from physics.trajectory import TimeSeries
+from sensors.terms import SENSOR_TERMS
 
+TERMS = (*PHYSICS_TERMS, *SENSOR_TERMS)
 R, K, B, TC, J = 3.0, 0.3, 0.002, 0.02, 0.003
 DAMPING = K * K / R + B
 TAU_S = J / DAMPING
@@ -55,14 +57,27 @@ def robot(carrier):
 
 def trial(name, t_s, voltage, begins_s=0.0, *, is_timed=True):
     t_s = np.array(t_s, dtype=float)
-    channel = Channel.logged(TimeSeries("u_cmd_V", "V", t_s, np.array(voltage, dtype=float)), Role.INPUT)
-    return Trial(name, t_s, np.zeros(len(t_s), dtype=bool), (channel,), begins_s=begins_s, is_timed=is_timed)
+    channels = [Channel.logged(TimeSeries("u_cmd_V", "V", t_s, np.array(voltage, dtype=float)), Role.INPUT)]
+    channels += [
+        Channel.logged(TimeSeries(name, unit, t_s, np.zeros(len(t_s))), Role.READING)
+        for name, unit in (("current_A", "A"), ("omega_rad_s", "rad/s"))
+    ]
+    return Trial(name, t_s, np.zeros(len(t_s), dtype=bool), tuple(channels), begins_s=begins_s, is_timed=is_timed)
 
 
-def predict(kind, robot, *trials):
-    (stage,) = STAGES[kind]
-    measurement = Measurement("case", kind, Source("made here", ()), trials)
-    return [{series.name: series.values for series in prediction} for prediction in stage(measurement, robot)]
+def bound(kind, robot, *trials, nominal=None):
+    (stage,) = STAGES[kind](Measurement("case", kind, Source("made here", ()), trials, nominal), robot)
+    return stage
+
+
+def predict(kind, robot, *trials, nominal=None):
+    """By trial, the predicted values of each quantity."""
+    stage = bound(kind, robot, *trials, nominal=nominal)
+    predicted = stage.predict([robot])
+    return [
+        {of.name: p.mean[0][of.trial == k] for of, p in zip(stage.observed, predicted, strict=True)}
+        for k in range(len(trials))
+    ]
 
 
 def test_a_settled_motor_balances_its_torques(carrier):
@@ -121,10 +136,8 @@ def test_rounded_times_do_not_drift(robot, rate_hz, decimals, states_rate):
     noise = {"current_A": 0.01, "omega_rad_s": 0.1, "lag1_correlation": 0.3}
     case = {"kind": "motor_step", "motor": MOTOR, "sample_rate_Hz": rate_hz, "noise": noise}
     nominal = NominalStep.model_validate(case) if states_rate else None
-    ((_, found),) = predict_motor_step(
-        Measurement("m", Kind.MOTOR_STEP, Source("made here", ()), (log,), nominal), robot
-    )
-    np.testing.assert_allclose(found.values, expected, atol=1e-5 if states_rate else 5e-3)
+    (found,) = predict(Kind.MOTOR_STEP, robot, log, nominal=nominal)
+    np.testing.assert_allclose(found["omega_rad_s"], expected, atol=1e-5 if states_rate else 5e-3)
 
 
 def test_a_log_whose_clock_is_not_the_stated_one_keeps_its_own(robot):
@@ -132,16 +145,10 @@ def test_a_log_whose_clock_is_not_the_stated_one_keeps_its_own(robot):
     t = np.arange(1, 399) / 199
     noise = {"current_A": 0.01, "omega_rad_s": 0.1, "lag1_correlation": 0.3}
     case = {"kind": "motor_step", "motor": MOTOR, "sample_rate_Hz": 200, "noise": noise}
-    log = Measurement(
-        "m",
-        Kind.MOTOR_STEP,
-        Source("made here", ()),
-        (trial("1", t, np.full(398, 3.0)),),
-        NominalStep.model_validate(case),
-    )
-    ((_, found),) = predict_motor_step(log, robot)
+    log = trial("1", t, np.full(398, 3.0))
+    (found,) = predict(Kind.MOTOR_STEP, robot, log, nominal=NominalStep.model_validate(case))
     settled = (K * 3.0 / R - TC) / DAMPING
-    np.testing.assert_allclose(found.values, settled * (1 - np.exp(-t / TAU_S)), rtol=1e-6)
+    np.testing.assert_allclose(found["omega_rad_s"], settled * (1 - np.exp(-t / TAU_S)), rtol=1e-6)
 
 
 def test_a_row_at_time_0_is_the_state_at_rest(robot):
@@ -157,3 +164,63 @@ def test_two_rows_at_one_sample_are_refused_by_their_times(robot):
     t[20] = t[19] + 0.001
     with pytest.raises(InputError, match=r"column t_s: 0\.1 and 0\.101 of trial 1.*same sample.*keep one"):
         predict(Kind.MOTOR_STEP, robot, trial("1", t, np.full(40, 3.0)))
+
+
+def mixed_robots(robot):
+    """Robots that differ in numbers, in terms and in choices."""
+    stronger = robot.model_copy(update={"motor": robot.motor.model_copy(update={"torque_constant_N_m_A": 1.1 * K})})
+    found = [robot, stronger]
+    for term in TERMS:
+        choices = {name: options[0] if options else "wood" for name, options in term.options.items()}
+        found += [robot.with_term(term.start(choices)), stronger.with_term(term.start(choices))]
+    return found
+
+
+@pytest.mark.parametrize("kind", [Kind.MOTOR_STEADY, Kind.MOTOR_STEP])
+def test_many_robots_at_once_are_each_of_them_alone(robot, kind):
+    t = 0.005 * np.arange(1, 61)
+    logs = trial("1", t, np.repeat([0.0, 4.0, -2.0], 20)), trial("2", t, np.repeat([3.0, 0.0, 1.0], 20), 30.0)
+    stage, robots = bound(kind, robot, *logs), mixed_robots(robot)
+    together = stage.predict(robots)
+    for k, one in enumerate(robots):
+        for many, alone in zip(together, stage.predict([one]), strict=True):
+            np.testing.assert_allclose(many.mean[k], alone.mean[0], rtol=1e-9, atol=1e-9, err_msg=str(one.terms))
+
+
+def central_slopes(stage, robots_of, value, step):
+    """Derivative of the predicted speeds by a parameter, by two widths of step."""
+    found = []
+    for h in (step, 0.5 * step):
+        above, below = (stage.predict([robots_of(value + s)])[1].mean[0] for s in (h, -h))
+        found.append((above - below) / (2 * h))
+    return found
+
+
+@pytest.mark.parametrize("delay_s", [0.0012, 0.0113])
+def test_a_delay_is_a_smooth_parameter_with_the_slope_of_the_exponential(robot, delay_s):
+    """The speed is w(t - d), whose derivative by d is minus the acceleration."""
+    t = 0.005 * np.arange(1, 61)
+    stage = bound(Kind.MOTOR_STEP, robot, trial("1", t, np.full(60, 3.0)))
+    settled = (K * 3.0 / R - TC) / DAMPING
+    later = t > delay_s + 0.001
+    expected = -settled / TAU_S * np.exp(-(t - delay_s) / TAU_S)
+    for slope in central_slopes(stage, lambda d: robot.with_term(InputDelay(delay_s=d)), delay_s, 1e-4):
+        np.testing.assert_allclose(slope[later], expected[later], rtol=1e-3)
+
+
+def test_a_late_speed_log_is_interpolated_along_the_samples(robot):
+    t = 0.005 * np.arange(1, 61)
+    stage = bound(Kind.MOTOR_STEP, robot, trial("1", t, np.full(60, 3.0)))
+    settled = (K * 3.0 / R - TC) / DAMPING
+    (_, speed) = stage.predict([robot.with_term(SpeedTimeOffset(delay_s=0.0083))])
+    found = np.interp(t - 0.0083, np.append(0.0, t), settled * (1 - np.exp(-np.append(0.0, t) / TAU_S)))
+    np.testing.assert_allclose(speed.mean[0], found, rtol=1e-9, atol=1e-12)
+
+
+def test_terms_of_friction_come_to_the_same_at_rows_of_any_length(robot):
+    """Stribeck friction through a start, a stop and a reversal: rows of 5 ms against rows of 0.25 ms."""
+    sticky = robot.with_term(StribeckFriction(extra_torque_N_m=0.01, stribeck_speed_rad_s=1.5))
+    voltage = np.repeat([0.5, 4.0, 0.0, -3.0, 2.0], 40)
+    (long,) = predict(Kind.MOTOR_STEP, sticky, trial("1", 0.005 * np.arange(1, 201), voltage))
+    (short,) = predict(Kind.MOTOR_STEP, sticky, trial("1", 0.00025 * np.arange(1, 4001), np.repeat(voltage, 20)))
+    np.testing.assert_allclose(long["omega_rad_s"], short["omega_rad_s"][19::20], atol=0.004)

@@ -1,0 +1,59 @@
+"""Wheels that are one mass each with their motors and feel each other through the supply alone, over stretches of time.
+
+Bare motors take one exact step. What terms add to torque and friction is the mean of both ends of a step, by the speed
+that a step with the first end's alone comes to (Heun's method about the exact step; of second order). Where the two
+differ by more than the tolerance, the stretch is taken in quarters; at null values they are equal to the bit.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physics.driveline import Driveline
+from physics.held_rows import HeldPart
+from physics.motor_arrays import HeldDrive
+
+Array = NDArray[np.float64]
+
+TOLERANCE_RAD_S = 0.02
+TOLERANCE = 2e-3
+"""Of the speed."""
+PARTS = 4
+DEEPEST = 6
+
+
+class RigidWheels:
+    def __init__(self, driveline: Driveline) -> None:
+        self._driveline = driveline
+
+    def moved(self, part: HeldPart, speed_rad_s: Array) -> tuple[Array, Array]:
+        """Speed [rad/s] after a stretch and angle [rad] turned in it."""
+        driveline = self._driveline
+        stall = driveline.stall_torque_N_m(part.voltage_V)
+        if driveline.is_bare:
+            return self._held(stall, driveline.coulomb_N_m).step(speed_rad_s, part.duration_s)
+        return self._with_terms(part, stall, speed_rad_s, DEEPEST)
+
+    def _held(self, torque_N_m: Array, friction_N_m: Array) -> HeldDrive:
+        return HeldDrive(torque_N_m, self._driveline.damping_N_m_s_rad, friction_N_m, self._driveline.inertia_kg_m2)
+
+    def _with_terms(self, part: HeldPart, stall: Array, speed_rad_s: Array, deeper: int) -> tuple[Array, Array]:
+        torque, friction = self._loads(part.voltage_V, stall, speed_rad_s, part.begin_s)
+        ahead, _ = self._held(torque, friction).step(speed_rad_s, part.duration_s)
+        torque_ahead, friction_ahead = self._loads(part.voltage_V, stall, ahead, part.begin_s + part.duration_s)
+        both = self._held(0.5 * (torque + torque_ahead), 0.5 * (friction + friction_ahead))
+        speed, angle = both.step(speed_rad_s, part.duration_s)
+        rough = np.abs(speed - ahead) > TOLERANCE_RAD_S + TOLERANCE * np.abs(speed)
+        if not deeper or not rough.any():
+            return speed, angle
+        fine_speed, fine_angle = speed_rad_s, np.zeros(())
+        duration_s = part.duration_s / PARTS
+        for k in range(PARTS):
+            quarter = HeldPart(part.voltage_V, part.begin_s + k * duration_s, duration_s)
+            fine_speed, further = self._with_terms(quarter, stall, fine_speed, deeper - 1)
+            fine_angle = fine_angle + further
+        return np.where(rough, fine_speed, speed), np.where(rough, fine_angle, angle)
+
+    def _loads(self, voltage_V: Array, stall: Array, speed_rad_s: Array, time_s: Array) -> tuple[Array, Array]:
+        """Torque at rest and dry friction [N m]."""
+        torque = stall + self._driveline.extra_torque_N_m(voltage_V, speed_rad_s)
+        return torque, self._driveline.friction_N_m(torque, speed_rad_s, time_s)

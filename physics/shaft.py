@@ -1,0 +1,65 @@
+"""Rotor and gearbox of a motor on a bench, as one mass or as two with play between them."""
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physics.driveline import Driveline
+from physics.held_rows import HeldPart
+from physics.rigid_wheels import RigidWheels
+from physics.robot_model import RobotModel
+from physics.terms.base import Slot
+from physics.two_mass import Load, TwoMass
+
+Array = NDArray[np.float64]
+
+SUBSTEP_S = 1e-4
+
+
+class Shaft(Protocol):
+    def moved(self, part: HeldPart, state: TwoMass) -> TwoMass:
+        """The state after a stretch of time."""
+        ...
+
+
+def shaft_of(model: RobotModel, driveline: Driveline) -> Shaft:
+    """With play where the robot has any."""
+    return PlayingShaft(model, driveline) if model.has_play else RigidShaft(driveline)
+
+
+class RigidShaft:
+    def __init__(self, driveline: Driveline) -> None:
+        self._wheels = RigidWheels(driveline)
+
+    def moved(self, part: HeldPart, state: TwoMass) -> TwoMass:
+        speed, _ = self._wheels.moved(part, state.motor_rad_s)
+        return TwoMass(speed, speed, state.slack_rad)
+
+
+class PlayingShaft:
+    def __init__(self, model: RobotModel, driveline: Driveline) -> None:
+        self._driveline = driveline
+        self._config = model.config.motor
+        self._play = model.effects(Slot.GEARBOX)
+
+    def moved(self, part: HeldPart, state: TwoMass) -> TwoMass:
+        substeps = max(1, round(float(np.max(part.duration_s)) / SUBSTEP_S))
+        duration_s = part.duration_s / substeps
+        for k in range(substeps):
+            state = self._step(part.voltage_V, state, part.begin_s + k * duration_s, duration_s)
+        return state
+
+    def _step(self, voltage_V: Array, state: TwoMass, time_s: Array, duration_s: float | Array) -> TwoMass:
+        driveline, speed = self._driveline, state.motor_rad_s
+        torque = driveline.stall_torque_N_m(voltage_V) + driveline.extra_torque_N_m(voltage_V, speed)
+        friction = driveline.friction_N_m(torque, speed, time_s)
+        share, inertia = self._config.motor_side_friction_fraction, self._config.motor_side_inertia_fraction
+        viscous, whole = driveline.viscous_N_m_s_rad, driveline.inertia_kg_m2
+        winding = driveline.damping_N_m_s_rad - viscous
+        of_load = (1.0 - share) * driveline.friction_N_m(torque, state.load_rad_s, time_s)
+        motor_side = Load(torque, winding + share * viscous, share * friction, inertia * whole)
+        load_side = Load(np.zeros_like(torque), (1.0 - share) * viscous, of_load, (1.0 - inertia) * whole)
+        for play in self._play:
+            state = play(state, motor_side, load_side, duration_s)
+        return state

@@ -1,0 +1,57 @@
+"""What a robot's terms do to a range reading, its noise and its limit: in the simulation, and to what is expected."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from configs.schema.terms.table import Terms
+from physics.robot_model import through
+from physics.terms.base import Slot, effects
+from sensors.base import Array
+from sensors.range_view import RangeView
+from sensors.terms import SENSOR_TERMS
+
+_NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(15)
+NODES, WEIGHTS = _NODES.tolist(), (_WEIGHTS / _WEIGHTS.sum()).tolist()
+"""Standard normal deviates and their weights, for means over the noise."""
+
+Functions = tuple[Callable[..., Any], ...]
+
+
+@dataclass(frozen=True)
+class RangeEffects:
+    """In the order in which they act; numbers of many robots may be stacked, to be broadcast against the readings."""
+
+    reading: Functions
+    noise: Functions
+    limit: Functions
+
+    @classmethod
+    def of(cls, terms: Terms) -> "RangeEffects":
+        slots = (Slot.RANGE, Slot.RANGE_NOISE, Slot.RANGE_LIMIT)
+        return cls(*(effects(SENSOR_TERMS, terms, slot) for slot in slots))
+
+    @property
+    def look(self) -> bool:
+        """Whether any of them needs a view."""
+        return bool(self.reading or self.noise)
+
+    def seen(self, reading_m: Array, sd_m: Array, view: RangeView) -> tuple[Array, Array]:
+        """Reading without noise [m] and standard deviation of the noise [m]."""
+        return through(self.reading, reading_m, view), through(self.noise, sd_m, view)
+
+    def limited(self, reading_m: Array) -> Array:
+        """A reading with its noise, rounded."""
+        return through(self.limit, reading_m)
+
+    def expected(self, reading_m: Array, sd_m: Array, view: RangeView, resolution_m: float) -> tuple[Array, Array]:
+        """Mean and standard deviation [m] of readings that are rounded to a resolution, which adds its square / 12."""
+        mean, sd = self.seen(reading_m, sd_m, view)
+        if self.limit:
+            drawn = [self.limited(mean + node * sd) for node in NODES]
+            mean = sum((weight * value for weight, value in zip(WEIGHTS, drawn, strict=True)), np.zeros(()))
+            squares = (weight * (value - mean) ** 2 for weight, value in zip(WEIGHTS, drawn, strict=True))
+            sd = np.sqrt(sum(squares, np.zeros(())))
+        return mean, np.sqrt(sd**2 + resolution_m**2 / 12.0)

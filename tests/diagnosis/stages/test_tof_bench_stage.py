@@ -1,0 +1,147 @@
+"""Predictions of the range bench against the format's definitions."""
+
+import math
+
+import numpy as np
+import pytest
+
+from configs.draw import draw_robot
+from configs.loader import load_section
+from configs.schema.terms import range_bench as terms
+from diagnosis.measured.channel import Channel, Label, Role
+from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from diagnosis.measured.nominal import NominalTof
+from diagnosis.nominal_robot import nominal_robot
+from diagnosis.stages import STAGES
+from physics.trajectory import TimeSeries
+from sensors.terms import SENSOR_TERMS
+
+REFLECTANCE = {"wood": 0.45, "black_card": 0.05}
+NOMINAL = NominalTof.model_validate(
+    {
+        "kind": "tof_bench",
+        "tof": {
+            "range_offset_m": {"value": 0.004, "tolerance": 0.0005},
+            "range_scale": {"value": 1.01, "tolerance": 0.002},
+            "reference_temperature_C": 20.0,
+            "resolution_m": 0.001,
+            "reflectance": REFLECTANCE,
+        },
+        "noise": {"polynomial_mm": [1.4, 4.88, 2.51, 1.15], "polynomial_origin_m": 0.18},
+    }
+)
+D = np.array([0.05, 0.18, 0.4, 1.0, 0.4])
+T_S = np.array([0.0, 10.0, 20.0, 30.0, 40.0])
+COLUMNS = {
+    "distance_m": D,
+    "incidence_rad": np.array([0.0, 0.3, 0.6, 0.0, math.nan]),
+    "temperature_C": np.array([20.0, 25.0, 30.0, 15.0, 20.0]),
+    "ambient_lux": np.array([0.0, 1000.0, 500.0, 4000.0, 100.0]),
+    "reading_m": np.array([0.05, 8.19, 0.4, math.nan, 0.4]),
+}
+MATERIALS = ("wood", "black_card", "wood", "black_card", "black_card")
+RHO = np.array([REFLECTANCE[name] for name in MATERIALS])
+NOISE_M = 1e-3 * np.array([np.polyval([1.15, 2.51, 4.88, 1.4], max(d - 0.18, 0.0)) for d in D])
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return nominal_robot(NOMINAL, draw_robot(load_section("robot", "nominal"), 1, "test")[0])
+
+
+@pytest.fixture(scope="module")
+def stage(robot):
+    channels = tuple(
+        Channel.logged(
+            TimeSeries(name, "", T_S, values),
+            Role.READING if name == "reading_m" else Role.INPUT,
+            no_target=values > 8.0 if name == "reading_m" else None,
+        )
+        for name, values in COLUMNS.items()
+    )
+    trial = Trial("1", T_S, np.zeros(5, dtype=bool), channels, (Label("material", MATERIALS),), begins_s=100.0)
+    (bound,) = STAGES[Kind.TOF_BENCH](Measurement("m", Kind.TOF_BENCH, Source("here", ()), (trial,), NOMINAL), robot)
+    return bound
+
+
+def predicted(stage, robot, *several):
+    for term in several:
+        robot = robot.with_term(term)
+    (found,) = stage.predict([robot])
+    return found.mean[0], found.sd[0]
+
+
+def test_the_nominal_reading_is_offset_and_scale_of_the_distance_alone(stage, robot):
+    mean, sd = predicted(stage, robot)
+    np.testing.assert_allclose(mean, 0.004 + 1.01 * D, rtol=1e-12)
+    np.testing.assert_allclose(sd, np.sqrt(NOISE_M**2 + 1e-6 / 12.0), rtol=1e-12)
+    np.testing.assert_allclose(stage.observed[0].sd, sd, rtol=1e-12)
+
+
+def test_codes_and_missing_readings_are_not_usable(stage):
+    (of,) = stage.observed
+    assert of.usable.tolist() == [True, False, True, False, True]
+    assert np.isnan(of.values).tolist() == [False, True, False, True, False]
+
+
+@pytest.mark.parametrize(
+    ("term", "change"),
+    [
+        (terms.LogRangeError(coefficient_m=0.02), 0.02 * np.log(np.maximum(D / 0.18, 1.0))),
+        (terms.TemperatureDrift(coefficient_m_per_K=1e-3), 1e-3 * (COLUMNS["temperature_C"] - 20.0)),
+        (terms.MaterialBias(material="wood", offset_m=0.01), np.array([0.01, 0.0, 0.01, 0.0, 0.0])),
+        (terms.IncidenceBias(coefficient=0.1), 0.1 * D * np.sin(COLUMNS["incidence_rad"]) ** 2),
+        (terms.NearFieldError(amplitude_m=0.02, decay_length_m=0.1), 0.02 * np.exp(-D / 0.1)),
+        (terms.WarmupDrift(amplitude_m=0.01, time_constant_s=50.0), 0.01 * np.exp(-(100.0 + T_S) / 50.0)),
+    ],
+)
+def test_what_a_term_adds_is_the_definition_and_nan_where_an_input_misses(stage, robot, term, change):
+    np.testing.assert_allclose(predicted(stage, robot, term)[0], 0.004 + 1.01 * D + change, rtol=1e-12)
+
+
+def test_crosstalk_divides_by_the_strength_over_the_reflectance_of_the_case(stage, robot):
+    mean, _ = predicted(stage, robot, terms.CoverCrosstalk(strength_per_m2=0.05))
+    np.testing.assert_allclose(mean - 0.004, 1.01 * D / (1.0 + 0.05 * D**2 / RHO), rtol=1e-12)
+
+
+def test_noise_terms_scale_deviation_and_variance(stage, robot):
+    _, sd = predicted(stage, robot, terms.NoiseScale(scale=2.0), terms.AmbientNoise(coefficient_per_klux=0.5))
+    variance = (2.0 * NOISE_M) ** 2 * (1.0 + 0.5 * COLUMNS["ambient_lux"] / 1000.0)
+    np.testing.assert_allclose(sd, np.sqrt(variance + 1e-6 / 12.0), rtol=1e-12)
+
+
+def test_a_saturated_reading_is_flat_and_without_noise_far_beyond_and_a_clipped_normal_deviate_at_the_limit(
+    stage, robot
+):
+    """Half a normal deviate is lost at its own mean: sd / root(2 pi) off the mean, sd root(1/2 - 1/(2 pi)) wide."""
+    at = 0.004 + 1.01 * 0.4
+    mean, sd = predicted(stage, robot, terms.RangeSaturation(saturation_m=at))
+    rounding = 1e-6 / 12.0
+    assert (mean[3], sd[3]) == pytest.approx((at, math.sqrt(rounding)))
+    assert mean[2] == pytest.approx(at - NOISE_M[2] / math.sqrt(2.0 * math.pi), abs=0.1 * NOISE_M[2])
+    clipped = NOISE_M[2] ** 2 * (0.5 - 0.5 / math.pi)
+    assert sd[2] == pytest.approx(math.sqrt(clipped + rounding), rel=0.1)
+    np.testing.assert_allclose(mean[:2], 0.004 + 1.01 * D[:2], rtol=1e-9)
+
+
+def test_many_robots_at_once_are_each_of_them_alone(stage, robot):
+    robots = [robot]
+    for term in SENSOR_TERMS:
+        choices = {name: options[0] if options else "wood" for name, options in term.options.items()}
+        first, second = term.start(choices), term.null(choices)
+        robots += [robot.with_term(first), robot.with_term(second)]
+    (together,) = stage.predict(robots)
+    for k, one in enumerate(robots):
+        (alone,) = stage.predict([one])
+        np.testing.assert_allclose(together.mean[k], alone.mean[0], rtol=1e-12)
+        np.testing.assert_allclose(together.sd[k], alone.sd[0], rtol=1e-12)
+
+
+def test_covariates_name_what_a_reading_may_depend_on(stage):
+    found = {covariate.name: covariate for covariate in stage.observed[0].covariates}
+    assert set(found) == {
+        "distance_m", "material", "incidence_rad", "temperature_C", "ambient_lux", "t_s", "row", "previous_distance_m"
+    }  # fmt: skip
+    assert [found["material"].labels[int(k)] for k in found["material"].values] == list(MATERIALS)
+    np.testing.assert_array_equal(found["previous_distance_m"].values, [math.nan, *D[:-1]])
+    np.testing.assert_array_equal(found["t_s"].values, 100.0 + T_S)

@@ -1,0 +1,83 @@
+"""What may differ between units, as nominal.yaml of the examples says it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from configs.draw import draw_robot
+from configs.loader import load_section
+from configs.schema.terms.range_bench import RangeOffset, RangeScale
+from diagnosis.measured.nominal import read_nominal
+from diagnosis.nominal_robot import nominal_robot
+from diagnosis.nuisances import nuisances
+
+EXAMPLES = Path(__file__).parents[3] / "shared" / "gap_examples"
+MOTOR = {"winding_resistance_ohm", "torque_constant_N_m_A", "viscous_friction_N_m_s_rad", "coulomb_friction_N_m"}
+NAMES = {
+    "motor_steady_001": MOTOR,
+    "motor_step_001": MOTOR | {"rotor_inertia_kg_m2"},
+    "tof_bench_001": {"range_offset_m", "range_scale"},
+    "drive_log_001": MOTOR | {"rotor_inertia_kg_m2", "wheel_radius_m", "wheel_separation_m", "range_offset_m"},
+}
+
+
+def spreads(tree):
+    """Every mapping of value and tolerance in a YAML tree, by its key."""
+    for key, below in tree.items():
+        if isinstance(below, dict):
+            if set(below) == {"value", "tolerance"}:
+                yield key, (below["value"], below["tolerance"])
+            else:
+                yield from spreads(below)
+
+
+@pytest.fixture(scope="module")
+def carrier():
+    return draw_robot(load_section("robot", "nominal"), 1, "test")[0]
+
+
+@pytest.mark.parametrize("case", NAMES)
+def test_every_number_with_a_tolerance_is_one_and_the_nominal_robot_has_its_value(case, carrier):
+    path = EXAMPLES / case / "nominal.yaml"
+    nominal = read_nominal(path)
+    found = nuisances(nominal)
+    assert {of.name: (of.value, of.tolerance) for of in found} == dict(spreads(yaml.safe_load(path.read_text())))
+    assert {of.name for of in found} == NAMES[case]
+    robot = nominal_robot(nominal, carrier)
+    for of in found:
+        if not of.name.startswith("range"):
+            assert of.applied(robot, of.value) == robot
+
+
+def test_they_change_motor_and_geometry_of_the_robot(carrier):
+    nominal = read_nominal(EXAMPLES / "drive_log_001" / "nominal.yaml")
+    robot = nominal_robot(nominal, carrier)
+    by_name = {of.name: of for of in nuisances(nominal)}
+    assert by_name["coulomb_friction_N_m"].applied(robot, 0.03).motor.coulomb_friction_N_m == 0.03
+    assert by_name["wheel_radius_m"].applied(robot, 0.04).drive.wheel_diameter_m == 0.08
+    assert by_name["wheel_separation_m"].applied(robot, 0.2).drive.track_m == 0.2
+    many = by_name["wheel_separation_m"].applied(robot, np.array([0.2, 0.3]))
+    assert many.drive.track_m.tolist() == [0.2, 0.3]
+
+
+def test_the_nominal_robot_of_a_drive_has_the_numbers_of_the_case(carrier):
+    nominal = read_nominal(EXAMPLES / "drive_log_001" / "nominal.yaml")
+    robot = nominal_robot(nominal, carrier)
+    assert robot.drive.wheel_diameter_m == pytest.approx(2 * 0.03038)
+    assert (robot.drive.track_m, robot.encoder.counts_per_revolution) == (0.1604, 1920)
+    assert (robot.motor.rotor_inertia_kg_m2, robot.power.battery_voltage_V) == (0.002991, 7.4)
+    left = robot.tof.mounts.left
+    assert (left.x_m, left.y_m, left.yaw_deg) == (0.045, 0.05, pytest.approx(45.0))
+    assert (robot.tof.max_range_m, robot.tof.error_scale, robot.tof.rays) == (1.2, 0.0, 1)
+    assert robot.model_dump()["terms"] == {}
+
+
+def test_an_effect_of_the_same_kind_stays_on_top_of_the_units_own_offset_and_scale(carrier):
+    nominal = read_nominal(EXAMPLES / "tof_bench_001" / "nominal.yaml")
+    robot = nominal_robot(nominal, carrier).with_term(RangeOffset(offset_m=0.02)).with_term(RangeScale(scale=1.1))
+    offset, scale = nuisances(nominal)
+    changed = scale.applied(offset.applied(robot, 0.001), 0.99).terms
+    assert changed.range_offset.offset_m == pytest.approx(0.021)
+    assert changed.range_scale.scale == pytest.approx(1.1 * 0.99)
