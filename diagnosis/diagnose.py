@@ -1,7 +1,7 @@
 """The whole diagnosis of one measurement: what is wrong, how sure that is, what stays open, and what it gains."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from configs.draw import draw_robot
 from configs.errors import InputError
@@ -15,7 +15,7 @@ from diagnosis.inference.gain import Gain, gain
 from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
 from diagnosis.inference.noise_level import combined, found_noises
 from diagnosis.inference.rivals import Standing, standing
-from diagnosis.inference.selection import Selection, select
+from diagnosis.inference.selection import Selection, rescued, select
 from diagnosis.measured.measurement import Measurement
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
@@ -124,9 +124,13 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     library = candidates(measurement, evidence, bare)
     selection = select(evidence, bare, library.testable)
     left = adequacy(evidence, selection.fit)
+    if not left.is_adequate and (better := rescued(evidence, selection.fit, library.testable)) is not None:
+        selection = replace(selection, fit=better)
+        left = adequacy(evidence, better)
     fit = selection.fit if left.is_adequate else _without_stand_ins(evidence, selection, left)
     standings = [standing(evidence, fit, effect, library.testable) for effect in fit.hypothesis.effects]
-    fit, standings = _best_named(evidence, fit, standings, library.testable)
+    if left.is_adequate:
+        fit, standings = _best_named(evidence, fit, standings, library.testable)
     kept = {effect.name for effect in fit.hypothesis.effects}
     extended = fit.hypothesis.robot(fit.x)
     calibrated = selection.nominal.hypothesis.robot(selection.nominal.x)
@@ -166,8 +170,8 @@ def _nominal(measurement: Measurement) -> RobotConfig:
 def _without_stand_ins(evidence: Evidence, selection: Selection, left: Adequacy) -> Fit:
     """The fit with only those effects that are needed beside what remains unexplained."""
     fit = selection.fit
-    drop = selection.nominal.cost - fit.cost
-    keep = tuple(survivors(evidence, fit, left.worst, drop))
+    kept = survivors(evidence, selection.nominal, fit, left.worst)
+    keep = tuple(effect for effect in fit.hypothesis.effects if effect in kept)
     if len(keep) == len(fit.hypothesis.effects):
         return fit
     if not keep:

@@ -11,16 +11,16 @@ Where structure remains, a name is kept only if it is needed beside the flexible
 in for the unknown cause loses its significance when they take its place.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import f as f_distribution
 
-from diagnosis.inference.bases import Basis, bases
+from diagnosis.inference.bases import Basis, any_function, bases
 from diagnosis.inference.evidence import Evidence
 from diagnosis.inference.fit import Fit
-from diagnosis.inference.hypothesis import Effect
+from diagnosis.inference.hypothesis import Effect, moved
+from diagnosis.inference.likelihood import robust_weight
 from diagnosis.measured.channel import Array, Mask
 
 LEVEL = 0.003
@@ -133,31 +133,68 @@ def orthonormal(columns: Array) -> Array:
     return left[:, sizes > 1e-7 * max(float(sizes.max(initial=0.0)), 1e-300)]
 
 
-def survivors(evidence: Evidence, fit: Fit, structure: Structure, drop: float) -> Iterator[Effect]:
-    """The effects of a fit that are needed beside a structure that they do not explain.
+def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) -> list[Effect]:
+    """The effects of a fit that are needed beside a structure that they do not explain, the most needed first.
+
+    What the nominal model leaves is explained anew, linearly and with the weights of the fit: first by the flexible
+    functions, then by one effect after the other, each at its fitted size, as long as one is needed. An effect of the
+    noise is none of the mean, and falls with the first structure of it.
 
     Args:
         evidence: What was observed.
+        nominal: Without effects.
         fit: With the effects.
-        structure: What remains.
-        drop: Of the cost, by all effects together.
+        structure: What remains of the fit.
     """
+    drop = nominal.cost - fit.cost
     if drop < EXPLAINED * (drop + structure.explainable):
-        return
-    root = np.sqrt(evidence.weight) * evidence.fit
-    prior = np.zeros((fit.hypothesis.size, fit.hypothesis.size))
-    nuisances = len(fit.hypothesis.nuisances)
+        return []
+    root = np.sqrt(evidence.weight * robust_weight(fit.z)) * evidence.fit
+    size, nuisances = nominal.hypothesis.size, len(nominal.hypothesis.nuisances)
+    prior = np.zeros((size, size))
     prior[range(nuisances), range(nuisances)] = 1.0
-    tangents = np.concatenate([(fit.slopes * root).T, prior])
-    flexible = np.concatenate([structure.basis * root[:, None], np.zeros((len(prior), structure.basis.shape[1]))])
-    for effect in fit.hypothesis.effects:
-        places = fit.hypothesis.parameters(effect)
-        inside = range(places.start, places.stop)
-        others = orthonormal(np.concatenate([np.delete(tangents, list(inside), axis=1), flexible], axis=1))
-        amplitudes = [k for k, c in zip(inside, effect.coordinates, strict=True) if c.null is not None]
-        own = tangents[:, amplitudes]
-        own = own - others @ (others.T @ own)
-        away = np.array([fit.x[k] - fit.hypothesis.coordinates[k].null for k in amplitudes])  # pyright: ignore[reportOperatorIssue]
-        moved = own @ away
-        if float(moved @ moved) >= NEEDED:
-            yield effect
+    functions = np.concatenate([structure.basis, _functions(evidence, structure)], axis=1)
+    flexible = np.concatenate([functions * root[:, None], np.zeros((size, functions.shape[1]))])
+    taken = [np.concatenate([(nominal.slopes * root).T, prior]), flexible]
+    residual = np.concatenate([root * nominal.z, -nominal.x])
+    kept: list[Effect] = []
+    left = {effect: _change(evidence, nominal, fit, effect, root) for effect in fit.hypothesis.effects}
+    while left:
+        basis = orthonormal(np.concatenate(taken, axis=1))
+        falls = {effect: _fall(residual, change, basis) for effect, change in left.items()}
+        best = max(falls, key=lambda effect: falls[effect])
+        if falls[best] < NEEDED:
+            break
+        kept.append(best)
+        taken.append(left.pop(best)[:, None])
+    return kept
+
+
+def _functions(evidence: Evidence, structure: Structure) -> Array:
+    """Any function of the structure's covariate in every quantity of its channel that has it, (N, k)."""
+    found = []
+    for quantity, place in zip(evidence.observed, evidence.places, strict=True):
+        for covariate in quantity.covariates:
+            if quantity.channel == structure.channel and covariate.name == structure.covariate:
+                of = any_function(covariate, evidence.fit[place])
+                columns = np.zeros((len(evidence.values), of.shape[1]))
+                columns[place] = of
+                found.append(columns)
+    return np.concatenate(found, axis=1)
+
+
+def _change(evidence: Evidence, nominal: Fit, fit: Fit, effect: Effect, root: Array) -> Array:
+    """Of the weighted residual by one effect at its fitted size, with rows of the prior; (N + size,)."""
+    alone = nominal.hypothesis.with_effect(effect)
+    x = moved(nominal.x, nominal.hypothesis, alone)
+    x[alone.parameters(effect)] = fit.x[fit.hypothesis.parameters(effect)]
+    found = evidence.of([nominal.hypothesis.robot(nominal.x), alone.robot(x)]).mean
+    change = np.where(evidence.fit, (found[1] - found[0]) / nominal.sd, 0.0)
+    return np.concatenate([root * change, np.zeros(nominal.hypothesis.size)])
+
+
+def _fall(residual: Array, change: Array, basis: Array) -> float:
+    """Of the squares, by the best multiple of a change, beside all that is in a basis."""
+    free = change - basis @ (basis.T @ change)
+    square = float(free @ free)
+    return float(free @ residual) ** 2 / square if square > 1e-9 * float(change @ change) else 0.0

@@ -13,6 +13,8 @@ KNOTS = 8
 FEW_KNOTS = 4
 FEW_ROWS = 30
 HARMONICS = 3
+JUMPS = 40
+"""Steps at quantiles, among any functions."""
 CATEGORIES = 30
 """Beyond these, categories are as good as rows."""
 CELLS = 4
@@ -55,6 +57,22 @@ def bases(covariate: Covariate, rows: NDArray[np.bool_]) -> Iterator[Basis]:
     else:
         yield from _kept(_hats(values, known), "trend")
         yield from _waves(values, known)
+
+
+def any_function(covariate: Covariate, rows: NDArray[np.bool_]) -> Array:
+    """Columns (n, k) that come near any function of a covariate, jumps and waves too, to stand beside a named effect.
+
+    Over all samples, 0 where the covariate is not known and at rows that are not asked for.
+    """
+    found = [basis.columns for basis in bases(covariate, rows) if basis.tries == 1]
+    if covariate.shape is Shape.SMOOTH and covariate.second is None:
+        values = covariate.values[rows]
+        known = np.isfinite(values)
+        edges = np.unique(np.quantile(values[known], np.linspace(0.0, 1.0, JUMPS + 1)[1:-1])) if known.any() else []
+        found.append(np.where(known[:, None], values[:, None] >= np.array(edges), 0.0).astype(float))
+    columns = np.zeros((len(rows), sum(part.shape[1] for part in found)))
+    columns[rows] = np.concatenate(found, axis=1) if found else 0.0
+    return columns
 
 
 def _kept(columns: Array, what: str) -> Iterator[Basis]:

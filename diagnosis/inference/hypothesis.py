@@ -77,12 +77,12 @@ class Hypothesis:
     def robot(self, x: Array) -> RobotConfig:
         """Of one vector of coordinates, (P,)."""
         robot, k = self.nominal, len(self.nuisances)
-        for nuisance, deviation in zip(self.nuisances, x[:k].tolist(), strict=True):
-            robot = nuisance.applied(robot, nuisance.value + deviation * nuisance.tolerance)
         for effect in self.effects:
             numbers = {c.name: float(c.value(x[k + i])) for i, c in enumerate(effect.coordinates)}
             k += len(numbers)
             robot = effect.on(robot, numbers)
+        for nuisance, deviation in zip(self.nuisances, x.tolist(), strict=False):
+            robot = nuisance.applied(robot, nuisance.value + deviation * nuisance.tolerance)
         return robot
 
     def robots(self, x: Array) -> list[RobotConfig]:

@@ -1,12 +1,11 @@
 """How badly a hypothesis explains the data: a robust twice-negative log-likelihood, with the prior of the nuisances.
 
-A sample costs the pseudo-Huber loss of its standardised residual z (Charbonnier et al., IEEE Trans. Image Process. 6
-(1997) 298-311; Hartley and Zisserman, Multiple View Geometry, 2nd ed., A6.8): z^2 near zero, |z| beyond CORNER, so that
-an outlier costs what it is worth and no more. Where an effect changes the noise, the normal density's log sd joins it,
-times the mean of z psi(z), without which wide noise would be too cheap.
+A sample costs the Cauchy loss of its standardised residual z (Holland and Welsch, Commun. Stat. 6 (1977) 813-827): z^2
+near zero, and the logarithm of it beyond CORNER, so that one wild reading of hundreds of sigmas costs no more than a
+few of three. A linear loss would let it buy ten times the noise. Unlike a loss that levels off, it still pulls where a
+whole model is far away. Where an effect changes the noise, the normal density's log sd joins it, times the mean of
+z psi(z), without which wide noise would be too cheap.
 """
-
-from math import sqrt
 
 import numpy as np
 from scipy.integrate import quad
@@ -16,19 +15,19 @@ from diagnosis.inference.evidence import Evidence, Prediction
 from diagnosis.measured.channel import Array, Mask
 
 CORNER = 3.0
-"""Sigmas from which the loss is linear; costs a twentieth of the information of normal noise."""
+"""Sigmas at which a sample counts half; costs a twentieth of the information of normal noise."""
 
 
 def loss(z: Array) -> Array:
-    return 2.0 * CORNER**2 * (np.sqrt(1.0 + (z / CORNER) ** 2) - 1.0)
+    return CORNER**2 * np.log1p((z / CORNER) ** 2)
 
 
 def robust_weight(z: Array) -> Array:
     """psi(z)/z, by which a sample counts in a least-squares step."""
-    return 1.0 / np.sqrt(1.0 + (z / CORNER) ** 2)
+    return 1.0 / (1.0 + (z / CORNER) ** 2)
 
 
-SPREAD: float = quad(lambda z: z * z / sqrt(1.0 + (z / CORNER) ** 2) * float(norm.pdf(z)), -12.0, 12.0)[0]
+SPREAD: float = quad(lambda z: z * z / (1.0 + (z / CORNER) ** 2) * float(norm.pdf(z)), -12.0, 12.0)[0]
 """Mean of z psi(z) over standard normal z."""
 
 

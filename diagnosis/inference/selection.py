@@ -24,9 +24,16 @@ from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
 from diagnosis.inference.likelihood import sample_costs
 from diagnosis.inference.scan import Prospect, scan
 from diagnosis.measured.channel import Array
+from physics.terms.base import Slot
 
 THRESHOLD = 15.0
 PER_NUMBER = 3.0
+"""Added to it for each number of an effect beyond the first."""
+TOLL = 6.0
+"""For each number, when effects are held against each other: the logarithm of some hundreds of rows, as in the Bayesian
+information criterion (Schwarz, Ann. Statist. 6 (1978) 461-464)."""
+RESCUE = 9.0
+"""Fall that is enough where a model is known to be inadequate and the effect makes it adequate."""
 MOST = 3
 """Effects in a model; with more, names mean little."""
 PROMISING = 5
@@ -101,6 +108,24 @@ def _entered(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> tuple[F
     return None, entries
 
 
+def rescued(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> Fit | None:
+    """With an effect more that makes an inadequate model adequate, though it is not believed by itself.
+
+    That something is wrong is known by then, and but one of many reasons is asked for, not whether there is any.
+    """
+    names = {effect.term.name for effect in fit.hypothesis.effects}
+    if len(names) == MOST:
+        return None
+    prospects = scan(evidence, fit, [e for e in effects if e.term.name not in names])
+    for tried in sorted(_fitted(evidence, fit, promising(prospects)), key=lambda found: found.cost + _toll(found)):
+        (effect,) = (e for e in tried.hypothesis.effects if e not in fit.hypothesis.effects)
+        if refusal(evidence, fit, tried, effect, RESCUE + PER_NUMBER * (len(effect.coordinates) - 1)):
+            continue
+        if adequacy(evidence, tried).is_adequate:
+            return tried
+    return None
+
+
 def promising(prospects: Sequence[Prospect]) -> list[Prospect]:
     """Those worth a fit; prospects come best first."""
     if not prospects:
@@ -114,20 +139,20 @@ def _fitted(evidence: Evidence, fit: Fit, prospects: Sequence[Prospect]) -> list
 
 
 def _toll(fit: Fit) -> float:
-    return sum(PER_NUMBER * len(effect.coordinates) for effect in fit.hypothesis.effects)
+    return sum(TOLL * len(effect.coordinates) for effect in fit.hypothesis.effects)
 
 
-def refusal(evidence: Evidence, before: Fit, after: Fit, effect: Effect) -> str:
-    """Why an effect is not believed; empty if it is."""
-    drop = before.cost - after.cost
-    if drop < needed(effect):
-        return f"the cost falls by {drop:.1f}, and {needed(effect):.0f} are needed"
+def refusal(evidence: Evidence, before: Fit, after: Fit, effect: Effect, least: float | None = None) -> str:
+    """Why an effect is not believed; empty if it is. `least` is the fall that is needed, by default the usual."""
+    drop, least = before.cost - after.cost, needed(effect) if least is None else least
+    if drop < least:
+        return f"the cost falls by {drop:.1f}, and {least:.0f} are needed"
     falls = _costs(evidence, before) - _costs(evidence, after)
     of_fit = np.maximum(falls[evidence.fit], 0.0)
     from_prior = before.prior_cost - after.prior_cost
     if from_prior > 0.5 * drop:
         return ""
-    if _is_of_noise(after, effect) and not adequacy(evidence, before).is_adequate:
+    if is_of_noise(after, effect) and not adequacy(evidence, before).is_adequate:
         return "structure of the mean comes before the noise"
     rows = float(of_fit.sum() ** 2 / max(float((of_fit**2).sum()), 1e-300))
     if rows < ROWS:
@@ -138,7 +163,7 @@ def refusal(evidence: Evidence, before: Fit, after: Fit, effect: Effect) -> str:
     return ""
 
 
-def _is_of_noise(fit: Fit, effect: Effect) -> bool:
+def is_of_noise(fit: Fit, effect: Effect) -> bool:
     """Whether an effect changes the noise alone."""
     return not fit.slopes[fit.hypothesis.parameters(effect)].any()
 
@@ -152,6 +177,9 @@ def replaced(evidence: Evidence, fit: Fit, effect: Effect, effects: Sequence[Eff
     """Fits with each of the other promising candidates in the place of one effect, the best first."""
     others = [e for e in fit.hypothesis.effects if e != effect]
     names = {e.term.name for e in others}
+    # Noise may stand in for any structure of the mean, and is no rival of what explains that.
+    if not is_of_noise(fit, effect):
+        effects = [e for e in effects if e.term.slot is not Slot.RANGE_NOISE]
     without = fit.hypothesis.without(effect)
     (base,) = fits(evidence, [(without, moved(fit.x, fit.hypothesis, without))])
     prospects = scan(evidence, base, [e for e in effects if e.term.name not in names and e != effect])

@@ -73,7 +73,9 @@ class MotorStep:
             several = [robots[k] for k in group]
             model, terms = RobotModel.from_config(stacked(several, axes=2)), stacked_terms(several, axes=1)
             moving = step_responses(model, self._voltage_V[1:], self._period_s, self._begins_s)
-            amperes, rad_s = (np.concatenate([np.zeros_like(of[:1]), of]) for of in moving)
+            # Robots that differ in what their instruments say alone share one motion.
+            each = (of if of.ndim > self._voltage_V.ndim else of[:, None] for of in moving)
+            amperes, rad_s = (np.concatenate([np.zeros_like(of[:1]), of]) for of in each)
             current[group] = self._of_rows(read_current_A(terms, amperes))
             speed[group] = self._of_rows(read_speed_rad_s(terms, t_s, rad_s))
         return current, speed

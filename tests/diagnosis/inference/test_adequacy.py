@@ -70,5 +70,5 @@ def test_a_name_that_stood_in_for_the_unknown_is_given_up_and_another_is_kept(ev
         fit, base = fitted(evidence, hypothesis.with_effect(hidden)), fitted(evidence, hypothesis)
         left = adequacy(evidence, fit)
         assert not left.is_adequate
-        kept = list(survivors(evidence, fit, left.worst, base.cost - fit.cost))
+        kept = survivors(evidence, base, fit, left.worst)
         assert kept == ([hidden] if is_kept else [])

@@ -8,9 +8,10 @@ def test_near_zero_the_loss_is_that_of_least_squares():
     assert loss(np.array([0.05])) == pytest.approx(0.05**2, rel=1e-3)
 
 
-def test_far_out_it_rises_by_twice_the_corner_for_each_sigma():
-    far = loss(np.array([1000.0, 1001.0]))
-    assert far[1] - far[0] == pytest.approx(2.0 * CORNER, rel=1e-4)
+def test_far_out_ten_times_as_far_costs_the_same_again():
+    far = loss(np.array([1e3, 1e4, 1e5]))
+    assert far[2] - far[1] == pytest.approx(far[1] - far[0], rel=1e-4)
+    assert far[1] - far[0] == pytest.approx(2.0 * CORNER**2 * np.log(10.0), rel=1e-4)
 
 
 def test_the_weight_is_half_the_slope_of_the_loss_over_z():
