@@ -5,6 +5,7 @@ from types import MappingProxyType
 
 from diagnosis.measured.measurement import Kind
 from diagnosis.stages.base import Binder
+from diagnosis.stages.drive_log import drive_log_stages
 from diagnosis.stages.motor_steady import motor_steady_stages
 from diagnosis.stages.motor_step import motor_step_stages
 from diagnosis.stages.tof_bench import tof_bench_stages
@@ -14,6 +15,7 @@ STAGES: Mapping[Kind, Binder] = MappingProxyType(
         Kind.MOTOR_STEADY: motor_steady_stages,
         Kind.MOTOR_STEP: motor_step_stages,
         Kind.TOF_BENCH: tof_bench_stages,
+        Kind.DRIVE_LOG: drive_log_stages,
     }
 )
 """Of each kind of measurement that can be predicted."""

@@ -1,0 +1,80 @@
+"""Distances from range sensors on a robot to the walls of an empty rectangular room, along each sensor's axis."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diagnosis.measured.channel import Array, Mask
+from diagnosis.measured.nominal import Room
+
+WALLS = ("x = 0", "x = room_x_m", "y = 0", "y = room_y_m")
+
+
+@dataclass(frozen=True)
+class RoomRanges:
+    """Of S sensors; all (..., n, S)."""
+
+    distance_m: Array
+    incidence_rad: Array
+    """Between axis and normal of the wall."""
+    wall: NDArray[np.int64]
+    """Index in WALLS."""
+    by_x: Array
+    """Change of the distance with the robot's place along x [m/m]; so along y, and with its heading [m/rad]."""
+    by_y: Array
+    by_yaw: Array
+    hit_x_m: Array
+    hit_y_m: Array
+    axis_rad: Array
+    """Direction of the sensor's axis in W."""
+
+
+def room_ranges(room: Room, pose: Array, mount_x_m: Array, mount_y_m: Array, mount_yaw_rad: Array) -> RoomRanges:
+    """Walls as the axes meet them.
+
+    Args:
+        room: 0 <= x <= room_x_m, 0 <= y <= room_y_m.
+        pose: (..., n, 3) of the axle: x [m], y [m], yaw [rad].
+        mount_x_m: (S,) or broadcast: forward of the axle.
+        mount_y_m: (S,) or broadcast: to the left.
+        mount_yaw_rad: (S,) or broadcast: counter-clockwise from straight ahead.
+    """
+    yaw = pose[..., 2:]
+    cos_yaw, sin_yaw = np.cos(yaw), np.sin(yaw)
+    ahead_x, ahead_y = cos_yaw * mount_x_m - sin_yaw * mount_y_m, sin_yaw * mount_x_m + cos_yaw * mount_y_m
+    x, y, axis = pose[..., :1] + ahead_x, pose[..., 1:2] + ahead_y, yaw + mount_yaw_rad
+    c, s = np.cos(axis), np.sin(axis)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        to_x = (np.where(c > 0.0, room.room_x_m, 0.0) - x) / c
+        to_y = (np.where(s > 0.0, room.room_y_m, 0.0) - y) / s
+    is_x = ~(to_y < to_x)
+    distance = np.where(is_x, to_x, to_y)
+    along = np.where(is_x, c, s)
+    # The mount swings with the robot, and the axis sweeps the wall.
+    swing = np.where(is_x, ahead_y / c, -ahead_x / s) + distance * np.where(is_x, s, -c) / along
+    zero = np.zeros_like(distance)
+    return RoomRanges(
+        distance_m=distance,
+        incidence_rad=np.arccos(np.clip(np.abs(along), 0.0, 1.0)),
+        wall=np.where(is_x, np.where(c > 0.0, 1, 0), np.where(s > 0.0, 3, 2)),
+        by_x=np.where(is_x, -1.0 / c, zero),
+        by_y=np.where(is_x, zero, -1.0 / s),
+        by_yaw=swing,
+        hit_x_m=x + distance * c,
+        hit_y_m=y + distance * s,
+        axis_rad=axis,
+    )
+
+
+def near_corner(room: Room, ranges: RoomRanges, within_m: float, within_rad: float) -> Mask:
+    """Whether a ray ends so near a corner, or points so nearly at one, (..., n, S)."""
+    c, s = np.cos(ranges.axis_rad), np.sin(ranges.axis_rad)
+    found = np.zeros(ranges.distance_m.shape, dtype=bool)
+    for corner_x in (0.0, room.room_x_m):
+        for corner_y in (0.0, room.room_y_m):
+            off_x, off_y = corner_x - ranges.hit_x_m, corner_y - ranges.hit_y_m
+            found |= np.hypot(off_x, off_y) < within_m
+            to_x, to_y = off_x + ranges.distance_m * c, off_y + ranges.distance_m * s
+            found |= np.abs(np.arctan2(c * to_y - s * to_x, c * to_x + s * to_y)) < within_rad
+    return found

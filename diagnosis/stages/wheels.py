@@ -1,0 +1,96 @@
+"""Voltages -> mean speeds of both wheels between rows, as the encoders count them."""
+
+from collections.abc import Sequence
+from math import pi
+
+import numpy as np
+
+from configs.schema.robot import RobotConfig
+from diagnosis.importers.drive_log import ROW_S
+from diagnosis.measured.channel import Array
+from diagnosis.measured.measurement import Measurement
+from diagnosis.measured.nominal import NominalDrive
+from diagnosis.stages.base import Covariate, Observed, Predicted, Shape
+from diagnosis.stages.grid import Grid
+from diagnosis.stages.rows import given, joined, rows_after, session_time_s, trial_of_rows
+from physics.robot_model import RobotModel
+from physics.robot_stack import alike, stacked
+from physics.wheel_turns import counted_turns
+
+SIDES = ("left", "right")
+CORRELATION = 0.0
+"""Of neighbours: rounded ticks make it negative, disturbances of torque positive. Over more rows there is some, for
+which the stated noise has room: a log without effect had 0.75 of it, correlated by 0.0, 0.18, 0.08 over 1, 2, 3 rows."""
+UNSTATED_RAD_S = 0.05
+"""Noise where nobody states it."""
+
+
+class Wheels:
+    """One motor for each wheel, from rest at the start of each trial. Row k speaks of the time from it to row k + 1."""
+
+    name = "wheels"
+
+    def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
+        is_case = isinstance(measurement.nominal, NominalDrive)
+        self._grid = Grid.of(measurement, 1.0 / ROW_S if is_case else None)
+        held = [self._grid.held(measurement.trials, f"u_{side}_V") for side in SIDES]
+        self._voltage_V = np.stack([held[1], held[0]], axis=-1)[:-1]
+        self._counts = nominal.encoder.counts_per_revolution
+        self._first, self._next = rows_after(measurement, 1)
+        numbers = np.concatenate(self._grid.places)
+        self._lasts_s = self._grid.period_s * (numbers[self._next] - numbers[self._first])
+        speeds = [of[0] for of in self._speeds([nominal])]
+        sd = measurement.nominal.noise.wheel_speed_rad_s if isinstance(measurement.nominal, NominalDrive) else None
+        self.observed: tuple[Observed, ...] = tuple(
+            self._observed(measurement, side, speed, sd or UNSTATED_RAD_S)
+            for side, speed in zip(SIDES, speeds, strict=True)
+        )
+
+    def _observed(self, measurement: Measurement, side: str, predicted: Array, sd: float) -> Observed:
+        voltage_V = given(measurement, f"u_{side}_V")
+        angle_rad = 2.0 * pi / self._counts * given(measurement, f"enc_{side}_ticks")
+        speed = np.full(len(predicted), np.nan)
+        speed[self._first] = (angle_rad[self._next] - angle_rad[self._first]) / self._lasts_s
+        usable = np.isfinite(speed) & np.isfinite(voltage_V)
+        trial = trial_of_rows(measurement)
+        covariates = (
+            Covariate("omega_rad_s", predicted),
+            Covariate("u_V", voltage_V),
+            Covariate("wheel_angle_rad", angle_rad, Shape.PERIODIC),
+            Covariate("t_s", joined(of.t_s for of in measurement.trials)),
+            Covariate("session_time_s", session_time_s(measurement)),
+            Covariate("trial", trial.astype(float), Shape.CATEGORY, labels=tuple(t.name for t in measurement.trials)),
+            Covariate("theta_rad", given(measurement, "theta_rad"), Shape.PERIODIC),
+        )
+        return Observed(
+            name=f"wheel_{side}_rad_s",
+            channel="wheel_speed_rad_s",
+            unit="rad/s",
+            values=np.where(usable, speed, np.nan),
+            sd=np.full(len(speed), sd),
+            correlation=CORRELATION,
+            trial=trial,
+            t_s=joined(of.t_s for of in measurement.trials),
+            holdout=joined(of.holdout for of in measurement.trials),
+            usable=usable,
+            covariates=tuple(of for of in covariates if np.isfinite(of.values).any()),
+        )
+
+    def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
+        return tuple(Predicted(mean, of.sd) for mean, of in zip(self._speeds(robots), self.observed, strict=True))
+
+    def _speeds(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
+        """Of the left and the right wheel, (M, n) each; NaN in the last row of a trial."""
+        rows = sum(len(place) for place in self._grid.places)
+        left, right = (np.full((len(robots), rows), np.nan) for _ in SIDES)
+        for group in alike(robots):
+            model = RobotModel.from_config(stacked([robots[k] for k in group], axes=2))
+            turned = counted_turns(model, self._voltage_V, self._grid.period_s, self._grid.begins_s)
+            # Speeds are worked out from ticks by the nominal number of them in a turn.
+            turned = turned * (model.counts_per_revolution / self._counts)
+            counted = np.concatenate([np.zeros_like(turned[:1]), np.cumsum(turned, axis=0)])
+            for of_side, wheel in ((left, 1), (right, 0)):
+                angle = self._grid.of_rows(counted[..., wheel])
+                speed = (angle[..., self._next] - angle[..., self._first]) / self._lasts_s
+                of_side[np.ix_(np.array(group), self._first)] = speed
+        return left, right

@@ -1,0 +1,65 @@
+"""Both wheels of a robot from their commanded voltages, each with its motor's own inertia, as the encoders count them.
+
+The body weighs on no wheel here: what it adds to the inertia is taken to be in the motor's, as on a stand or in a log
+whose motor parameters were found with the whole robot. `physics.kinematic` has the wheels under a body.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physics.driveline import Driveline
+from physics.finite import require_finite
+from physics.held_rows import held_rows
+from physics.rigid_wheels import RigidWheels
+from physics.robot_model import RobotModel, through
+from physics.terms.base import Slot
+
+Array = NDArray[np.float64]
+
+
+def counted_turns(model: RobotModel, voltage_V: Array, row_s: float, begin_s: Array) -> Array:
+    """Angles [rad] that the encoders count in each row, from rest; (T, N, 2) or (T, M, N, 2), right and left.
+
+    Args:
+        model: The robot, or M of them whose numbers are stacked, (M, 1, 1) each.
+        voltage_V: (T, N, 2), right and left, each held for a row.
+        row_s: Length of a row.
+        begin_s: (N,), time of each trial's start since the robot was switched on.
+
+    Raises:
+        ValueError: A voltage is no finite number.
+        InputError: The robot has play in its gears.
+    """
+    require_finite(voltage_V, "voltage_V", ("row", "trial", "wheel"))
+    model.require_rigid_gears("a driving robot")
+    driveline = Driveline.of_robot(model)
+    wheels, counting = RigidWheels(driveline), model.effects(Slot.COUNTING)
+    speed = np.zeros_like(voltage_V[0])
+    rows = []
+    for row in held_rows(driveline, voltage_V, row_s, model.input_delay_s, begin_s[:, None]):
+        turned = np.zeros(())
+        for part in row.parts:
+            speed, further = wheels.moved(part, speed)
+            turned = turned + further
+        rows.append(through(counting, turned, row_s))
+    return np.stack(np.broadcast_arrays(*rows))
+
+
+SOLVED_AFTER = 12
+"""Steps in which the share that is counted is found for a speed that is not known; each leaves a third at most."""
+
+
+def uncounted(model: RobotModel, counted_rad: Array, row_s: Array) -> Array:
+    """Angles [rad] that the wheels have turned where the encoders counted so much in each row.
+
+    Args:
+        model: The robot, or M of them whose numbers are stacked, (M, 1, 1) each.
+        counted_rad: (..., n, 2), right and left.
+        row_s: (n, 1), length of each row.
+    """
+    counting = model.effects(Slot.COUNTING)
+    turned = counted_rad
+    for _ in range(SOLVED_AFTER if counting else 0):
+        again = through(counting, turned, row_s)
+        turned = turned * np.divide(counted_rad, again, out=np.ones(again.shape), where=again != 0.0)
+    return turned
