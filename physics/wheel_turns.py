@@ -45,12 +45,15 @@ def counted_turns(model: RobotModel, voltage_V: Array, row_s: float, begin_s: Ar
     return np.stack(np.broadcast_arrays(*rows))
 
 
-SOLVED_AFTER = 12
-"""Steps in which the share that is counted is found for a speed that is not known; each leaves a third at most."""
+SOLVED_AFTER = 16
+"""Steps in which the share that is counted is found for a speed that is not known; with a tenth lost, each leaves a third
+of the error or less."""
 
 
 def uncounted(model: RobotModel, counted_rad: Array, row_s: Array) -> Array:
     """Angles [rad] that the wheels have turned where the encoders counted so much in each row.
+
+    Where two speeds give the same counts, for so many are lost at the faster one, it is the slower one.
 
     Args:
         model: The robot, or M of them whose numbers are stacked, (M, 1, 1) each.

@@ -13,7 +13,7 @@ from math import pi
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.channel import Array
+from diagnosis.measured.channel import Array, Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.measured.screening import noise_of
@@ -128,7 +128,7 @@ class Pose:
         angle_rad = 2.0 * pi / nominal.encoder.counts_per_revolution * self._ticks[middle]
         trial = trial_of_rows(measurement)[first]
         covariates = (
-            Covariate("ds", np.hypot(predicted[:, 0], predicted[:, 1]) * np.sign(predicted[:, 0])),
+            Covariate("ds", np.copysign(np.hypot(predicted[:, 0], predicted[:, 1]), predicted[:, 0])),
             Covariate("dtheta", predicted[:, 2]),
             Covariate("theta_rad", log[first, 2], Shape.PERIODIC),
             Covariate("position", log[first, 0], second=log[first, 1]),
@@ -140,7 +140,7 @@ class Pose:
         )
         sds, correlations = self._noise(measurement, nominal)
         holdout = joined(t.holdout for t in measurement.trials)
-        usable = self._complete & np.isfinite(values).all(axis=-1)
+        usable: Mask = self._complete & np.isfinite(values).all(axis=-1)
         return tuple(
             Observed(
                 name=name,
@@ -168,7 +168,11 @@ class Pose:
         of_place, of_heading = 0.5 * q, 2.0 * q / nominal.drive.track_m**2
         place = 2.0 * noise.xy_m**2 + (LEVER_M * noise.theta_rad) ** 2 + of_place
         heading = 2.0 * noise.theta_rad**2 + of_heading
-        shared = tuple(0.5 * float(np.mean(a) / np.mean(b)) for a, b in ((of_place, place), (of_heading, heading)))
+        # Half of a window's travel, and so of its slip, is the next one's too.
+        shared = (
+            0.5 * float(of_place.sum() / (place.sum() or 1.0)),
+            0.5 * float(of_heading.sum() / (heading.sum() or 1.0)),
+        )
         sd = np.sqrt(place)
         return (sd, sd, np.sqrt(heading)), (shared[0], shared[0], shared[1])
 

@@ -9,6 +9,8 @@ from diagnosis.measured.channel import Array, Mask
 from diagnosis.measured.nominal import Room
 
 WALLS = ("x = 0", "x = room_x_m", "y = 0", "y = room_y_m")
+PARALLEL = 1e-12
+"""Sine of the angle to a wall below which an axis runs along it."""
 
 
 @dataclass(frozen=True)
@@ -44,19 +46,18 @@ def room_ranges(room: Room, pose: Array, mount_x_m: Array, mount_y_m: Array, mou
     cos_yaw, sin_yaw = np.cos(yaw), np.sin(yaw)
     ahead_x, ahead_y = cos_yaw * mount_x_m - sin_yaw * mount_y_m, sin_yaw * mount_x_m + cos_yaw * mount_y_m
     x, y, axis = pose[..., :1] + ahead_x, pose[..., 1:2] + ahead_y, yaw + mount_yaw_rad
-    c, s = np.cos(axis), np.sin(axis)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        to_x = (np.where(c > 0.0, room.room_x_m, 0.0) - x) / c
-        to_y = (np.where(s > 0.0, room.room_y_m, 0.0) - y) / s
+    # An axis along a wall meets it so far away that another one is taken.
+    c, s = (np.where(np.abs(of) < PARALLEL, PARALLEL, of) for of in (np.cos(axis), np.sin(axis)))
+    to_x = (np.where(c > 0.0, room.room_x_m, 0.0) - x) / c
+    to_y = (np.where(s > 0.0, room.room_y_m, 0.0) - y) / s
     is_x = ~(to_y < to_x)
     distance = np.where(is_x, to_x, to_y)
-    along = np.where(is_x, c, s)
     # The mount swings with the robot, and the axis sweeps the wall.
-    swing = np.where(is_x, ahead_y / c, -ahead_x / s) + distance * np.where(is_x, s, -c) / along
+    swing = np.where(is_x, (ahead_y + distance * s) / c, -(ahead_x + distance * c) / s)
     zero = np.zeros_like(distance)
     return RoomRanges(
         distance_m=distance,
-        incidence_rad=np.arccos(np.clip(np.abs(along), 0.0, 1.0)),
+        incidence_rad=np.arccos(np.clip(np.abs(np.where(is_x, c, s)), 0.0, 1.0)),
         wall=np.where(is_x, np.where(c > 0.0, 1, 0), np.where(s > 0.0, 3, 2)),
         by_x=np.where(is_x, -1.0 / c, zero),
         by_y=np.where(is_x, zero, -1.0 / s),

@@ -20,7 +20,7 @@ from physics.wheel_turns import counted_turns
 SIDES = ("left", "right")
 CORRELATION = 0.0
 """Of neighbours: rounded ticks make it negative, disturbances of torque positive. Over more rows there is some, for
-which the stated noise has room: a log without effect had 0.75 of it, correlated by 0.0, 0.18, 0.08 over 1, 2, 3 rows."""
+which the stated noise has room: a log without effect had 0.75 of it, correlated 0.0, 0.18, 0.08 over 1, 2, 3 rows."""
 UNSTATED_RAD_S = 0.05
 """Noise where nobody states it."""
 
@@ -87,7 +87,8 @@ class Wheels:
             model = RobotModel.from_config(stacked([robots[k] for k in group], axes=2))
             turned = counted_turns(model, self._voltage_V, self._grid.period_s, self._grid.begins_s)
             # Speeds are worked out from ticks by the nominal number of them in a turn.
-            turned = turned * (model.counts_per_revolution / self._counts)
+            scale = np.asarray(model.counts_per_revolution / self._counts)
+            turned = (turned[:, None] if scale.ndim > turned.ndim - 1 else turned) * scale
             counted = np.concatenate([np.zeros_like(turned[:1]), np.cumsum(turned, axis=0)])
             for of_side, wheel in ((left, 1), (right, 0)):
                 angle = self._grid.of_rows(counted[..., wheel])

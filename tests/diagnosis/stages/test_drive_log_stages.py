@@ -1,0 +1,451 @@
+"""Wheels, pose increments and ranges of a drive against closed forms, and which of them an effect shows in."""
+
+import math
+
+import numpy as np
+import pytest
+
+from configs.draw import draw_robot
+from configs.loader import load_section
+from configs.schema.terms import drive, motor, range_bench
+from diagnosis.measured.channel import Channel, Role
+from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from diagnosis.measured.nominal import NominalDrive
+from diagnosis.nominal_robot import nominal_robot
+from diagnosis.stages import STAGES
+from physics.terms import PHYSICS_TERMS
+from physics.trajectory import TimeSeries
+from sensors.terms import SENSOR_TERMS
+
+R, K, B, TC, J = 3.0, 0.3, 0.002, 0.02, 0.003
+DAMPING = K * K / R + B
+TAU_S = J / DAMPING
+RADIUS, BASE, TICKS = 0.03, 0.16, 2000
+ROOM = (2.0, 1.6)
+ROW_S = 0.05
+MOUNTS = {"front": (0.06, 0.0, 0.0), "left": (0.045, 0.05, math.pi / 4), "right": (0.045, -0.05, -math.pi / 4)}
+
+
+def spread(value, share=0.01):
+    return {"value": value, "tolerance": share * value if value else 0.0005}
+
+
+NOMINAL = NominalDrive.model_validate(
+    {
+        "kind": "drive_log",
+        "motor": {
+            "winding_resistance_ohm": spread(R),
+            "torque_constant_N_m_A": spread(K),
+            "viscous_friction_N_m_s_rad": spread(B),
+            "coulomb_friction_N_m": spread(TC),
+            "rotor_inertia_kg_m2": spread(J),
+            "supply_voltage_V": 7.4,
+        },
+        "robot": {
+            "wheel_radius_m": spread(RADIUS),
+            "wheel_separation_m": spread(BASE),
+            "encoder_ticks_per_revolution": TICKS,
+        },
+        "tof": {
+            "range_offset_m": spread(0.0),
+            "max_range_m": 1.2,
+            "mount": {name: {"x_m": x, "y_m": y, "yaw_rad": yaw} for name, (x, y, yaw) in MOUNTS.items()},
+        },
+        "world": {"room_x_m": ROOM[0], "room_y_m": ROOM[1]},
+        "noise": {
+            "wheel_speed_rad_s": 0.045,
+            "pose_xy_m": 0.001,
+            "pose_theta_rad": 0.003,
+            "travel_m_per_sqrt_m": 0.0006,
+            "tof_polynomial_mm": [1.4, 4.88, 2.51, 1.15],
+            "tof_polynomial_origin_m": 0.18,
+        },
+    }
+)
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return nominal_robot(NOMINAL, draw_robot(load_section("robot", "nominal"), 1, "test")[0])
+
+
+def trial(name, begins_s=0.0, rows=None, **columns):
+    rows = rows or len(next(iter(columns.values())))
+    t_s = ROW_S * np.arange(rows)
+    channels = tuple(
+        Channel.logged(
+            TimeSeries(key, "", t_s, np.array(values, dtype=float)), Role.INPUT if key[0] == "u" else Role.READING
+        )
+        for key, values in columns.items()
+    )
+    return Trial(name, t_s, np.zeros(rows, dtype=bool), channels, begins_s=begins_s)
+
+
+def stages(robot, *trials, nominal=NOMINAL):
+    found = STAGES[Kind.DRIVE_LOG](Measurement("m", Kind.DRIVE_LOG, Source("here", ()), trials, nominal), robot)
+    return {stage.name: stage for stage in found}
+
+
+def means(stage, robot, *several):
+    for term in several:
+        robot = robot.with_term(term)
+    return [predicted.mean[0] for predicted in stage.predict([robot])]
+
+
+def pose_columns(pose):
+    return {name: pose[:, k] for k, name in enumerate(("x_m", "y_m", "theta_rad"))}
+
+
+def ticks_of(left_rad, right_rad):
+    """Of wheels that have turned so far at each row, not rounded."""
+    return {"enc_left_ticks": TICKS / math.tau * left_rad, "enc_right_ticks": TICKS / math.tau * right_rad}
+
+
+class TestWheels:
+    U = 3.0
+    ROWS = 21
+    FINAL = (K * U / R - TC) / DAMPING
+    SESSION_S = 600.0
+
+    @pytest.fixture
+    def wheels(self, robot):
+        voltage = np.append(np.full(self.ROWS - 1, self.U), math.nan)
+        turned = {name: np.zeros(self.ROWS) for name in ("enc_left_ticks", "enc_right_ticks")}
+        log = trial("1", self.SESSION_S, u_left_V=-voltage, u_right_V=voltage, **turned)
+        return stages(robot, log)["wheels"]
+
+    def run_up(self, final=FINAL, tau_s=TAU_S, late_s=0.0):
+        """Mean speeds between rows: w = final (1 - exp(-t / tau)), integrated."""
+        t = np.maximum(ROW_S * np.arange(self.ROWS) - late_s, 0.0)
+        angle = final * (t - tau_s * (1.0 - np.exp(-t / tau_s)))
+        return np.append(np.diff(angle) / ROW_S, math.nan)
+
+    def test_a_step_from_rest_is_the_mean_of_an_exponential_and_no_row_follows_the_last(self, wheels, robot):
+        left, right = means(wheels, robot)
+        np.testing.assert_allclose(right, self.run_up(), rtol=1e-9)
+        np.testing.assert_allclose(left, -self.run_up(), rtol=1e-9)
+
+    def test_inertia_and_delay_act_on_the_run_up(self, wheels, robot):
+        _, right = means(wheels, robot, motor.RotorInertiaScale(scale=1.4))
+        np.testing.assert_allclose(right, self.run_up(tau_s=1.4 * TAU_S), rtol=1e-9)
+        _, right = means(wheels, robot, motor.InputDelay(delay_s=0.073))
+        np.testing.assert_allclose(right, self.run_up(late_s=0.073), rtol=1e-9)
+
+    def test_a_mismatch_takes_from_one_wheel_what_it_gives_the_other(self, wheels, robot):
+        left, right = means(wheels, robot, motor.TorqueConstantMismatch(mismatch=0.1))
+        for found, k in ((-left, 1.05 * K), (right, 0.95 * K)):
+            damping = k * k / R + B
+            expected = self.run_up((k * self.U / R - TC) / damping, J / damping)
+            np.testing.assert_allclose(found, expected, rtol=1e-9)
+
+    def test_the_battery_declines_with_the_time_of_the_session(self, wheels, robot):
+        left_over = 1.0 - 0.02 * self.SESSION_S / 60.0
+        _, right = means(wheels, robot, motor.BatteryDecline(fraction_per_minute=0.02))
+        expected = self.run_up((K * self.U * left_over / R - TC) / DAMPING)
+        np.testing.assert_allclose(right, expected, rtol=1e-3)
+
+    def test_a_bridge_takes_its_drop_off_the_voltage(self, wheels, robot):
+        _, right = means(wheels, robot, motor.BridgeVoltageDrop(drop_V=0.4))
+        np.testing.assert_allclose(right, self.run_up((K * (self.U - 0.4) / R - TC) / DAMPING), rtol=3e-4)
+
+    def test_a_sagging_supply_serves_both_motors(self, wheels, robot):
+        """Settled: u - r duty (2 duty I) = R I + K w on each, K I = B w + Tc."""
+        _, right = means(wheels, robot, motor.SupplySag(source_resistance_ohm=0.6))
+        duty = self.U / 7.4
+        resistance = R + 2.0 * 0.6 * duty**2
+        settled = (K * self.U / resistance - TC) / (K * K / resistance + B)
+        assert right[-2] == pytest.approx(settled, rel=1e-4)
+
+    def test_more_ticks_in_a_turn_are_read_as_more_speed(self, wheels, robot):
+        _, right = means(wheels, robot, drive.EncoderTicksScale(scale=1.07))
+        np.testing.assert_allclose(right, 1.07 * self.run_up(), rtol=1e-9)
+
+    def test_missed_ticks_are_lost_beyond_the_threshold_with_a_soft_edge(self, wheels, robot):
+        left, right = means(wheels, robot, drive.EncoderMissedTicks(side="left", fraction=0.1, threshold_rad_s=5.0))
+        np.testing.assert_allclose(right, self.run_up(), rtol=1e-9)
+        lost = 0.1 / (1.0 + np.exp(-(self.run_up() - 5.0) / 0.3))
+        np.testing.assert_allclose(-left, self.run_up() * (1.0 - lost), rtol=1e-9)
+
+    def test_measured_speeds_are_ticks_between_rows(self, robot):
+        voltage = np.zeros(4)
+        ticks = {"enc_left_ticks": [0.0, 10.0, math.nan, 40.0], "enc_right_ticks": [0.0, -20.0, -20.0, -60.0]}
+        left, right = stages(robot, trial("1", u_left_V=voltage, u_right_V=voltage, **ticks))["wheels"].observed
+        per_tick = math.tau / TICKS / ROW_S
+        np.testing.assert_allclose(left.values, [10.0 * per_tick, math.nan, math.nan, math.nan])
+        np.testing.assert_allclose(right.values, [-20.0 * per_tick, 0.0, -40.0 * per_tick, math.nan])
+        assert (left.name, right.name, left.channel) == ("wheel_left_rad_s", "wheel_right_rad_s", "wheel_speed_rad_s")
+        assert set(left.sd.tolist()) == {0.045}
+
+
+class TestPose:
+    """A circle: right wheel 6 rad/s, left 4 rad/s, in 40 rows from (0.5, 0.6) at a heading of 0.4 rad."""
+
+    ROWS = 41
+    T = ROW_S * np.arange(ROWS)
+    V, W = RADIUS * 5.0, RADIUS * 2.0 / BASE
+    FIRST = np.arange(0, 31, 5)
+
+    def circle(self, v=V, w=W, late_s=0.0, marker_m=0.0):
+        yaw = 0.4 + w * (self.T - late_s)
+        x = 0.5 + v / w * (np.sin(yaw) - math.sin(0.4)) + marker_m * np.cos(yaw)
+        y = 0.6 - v / w * (np.cos(yaw) - math.cos(0.4)) + marker_m * np.sin(yaw)
+        return np.stack([x, y, yaw], axis=-1)
+
+    def windows(self, pose):
+        """Over ten rows in the frame of the body at the first."""
+        change = pose[self.FIRST + 10] - pose[self.FIRST]
+        c, s = np.cos(pose[self.FIRST, 2]), np.sin(pose[self.FIRST, 2])
+        return [c * change[:, 0] + s * change[:, 1], c * change[:, 1] - s * change[:, 0], change[:, 2]]
+
+    @pytest.fixture
+    def pose(self, robot):
+        columns = {**ticks_of(4.0 * self.T, 6.0 * self.T), **pose_columns(self.circle())}
+        return stages(robot, trial("1", **columns))["pose"]
+
+    def check(self, found, expected, atol=2e-5):
+        for a, b in zip(found, self.windows(expected), strict=True):
+            np.testing.assert_allclose(a, b, atol=atol)
+
+    def test_a_circle_is_the_same_arc_seen_from_every_window(self, pose, robot):
+        self.check(means(pose, robot), self.circle())
+        for of, expected in zip(pose.observed, self.windows(self.circle()), strict=True):
+            np.testing.assert_allclose(of.values, expected, atol=1e-12)
+
+    def test_noise_is_the_formats(self, pose):
+        q = 0.0006**2 * RADIUS * 5.0 * 10 * ROW_S
+        place = 2.0 * 0.001**2 + (0.12 * 0.003) ** 2 + q / 2.0
+        heading = 2.0 * 0.003**2 + 2.0 * q / BASE**2
+        for of, variance in zip(pose.observed, (place, place, heading), strict=True):
+            np.testing.assert_allclose(of.sd**2, variance, rtol=1e-9)
+        assert pose.observed[0].correlation == pytest.approx(0.25 * q / place)
+
+    @pytest.mark.parametrize(
+        ("term", "changed"),
+        [
+            (drive.WheelRadiusScale(scale=1.1), {"v": 1.1 * V, "w": 1.1 * W}),
+            (drive.WheelbaseScale(scale=1.1), {"w": W / 1.1}),
+            (drive.EncoderTicksScale(scale=1.1), {"v": V / 1.1, "w": W / 1.1}),
+            (drive.TurnSlip(coefficient_s2_m=0.8), {"w": W / (1.0 + 0.8 * V * W)}),
+            (
+                drive.WheelRadiusAsymmetry(asymmetry=0.1),
+                {"v": RADIUS * (0.95 * 6 + 1.05 * 4) / 2, "w": RADIUS * (0.95 * 6 - 1.05 * 4) / BASE},
+            ),
+            (drive.MarkerOffset(offset_m=0.03), {"marker_m": 0.03}),
+        ],
+        ids=lambda value: type(value).__name__,
+    )
+    def test_effects_bend_the_circle_by_their_definition(self, pose, robot, term, changed):
+        self.check(means(pose, robot, term), self.circle(**changed))
+
+    def test_an_old_pose_lags_behind_the_wheels(self, pose, robot):
+        """But in the first window, which begins at rest."""
+        found = means(pose, robot, drive.PoseTimeOffset(delay_s=0.083))
+        late = self.windows(self.circle(late_s=0.083))
+        for a, b in zip(found, late, strict=True):
+            np.testing.assert_allclose(a[1:], b[1:], atol=1e-4)
+        assert found[2][0] == pytest.approx(self.W * (0.5 - 0.083))
+
+    def test_ticks_that_were_missed_are_put_back(self, robot):
+        """Of the right wheel a tenth is missed at its 6 rad/s, of which the threshold's edge is 20 widths away."""
+        term = drive.EncoderMissedTicks(side="right", fraction=0.1, threshold_rad_s=0.05)
+        kept = 1.0 - 0.1 / (1.0 + math.exp(-(6.0 - 0.05) / 0.3))
+        columns = {**ticks_of(4.0 * self.T, kept * 6.0 * self.T), **pose_columns(self.circle())}
+        self.check(means(stages(robot, trial("1", **columns))["pose"], robot, term), self.circle())
+
+    @pytest.mark.parametrize("speed", [2.6, 3.0, 3.4])
+    def test_missed_ticks_are_put_back_also_at_the_edge(self, robot, speed):
+        term = drive.EncoderMissedTicks(side="right", fraction=0.2, threshold_rad_s=3.0)
+        kept = 1.0 - 0.2 / (1.0 + math.exp(-(speed - 3.0) / 0.3))
+        columns = {**ticks_of(0.0 * self.T, kept * speed * self.T), **pose_columns(self.circle())}
+        found = means(stages(robot, trial("1", **columns))["pose"], robot, term)
+        np.testing.assert_allclose(found[2], RADIUS * speed / BASE * 10 * ROW_S, rtol=1e-3)
+
+    def test_a_window_without_a_tick_or_a_pose_is_not_used(self, robot):
+        columns = {**ticks_of(4.0 * self.T, 6.0 * self.T), **pose_columns(self.circle())}
+        columns["x_m"][15] = math.nan
+        columns["enc_left_ticks"][36] = math.nan
+        (of, *_) = stages(robot, trial("1", **columns))["pose"].observed
+        assert of.usable.tolist() == [True, False, True, False, True, True, False]
+
+    def test_trials_do_not_run_into_each_other(self, robot):
+        columns = {**ticks_of(4.0 * self.T, 6.0 * self.T), **pose_columns(self.circle())}
+        both = stages(robot, trial("1", **columns), trial("2", 10.0, **columns))["pose"]
+        assert both.observed[0].trial.tolist() == [0] * 7 + [1] * 7
+        for found in means(both, robot, drive.PoseTimeOffset(delay_s=0.06)):
+            np.testing.assert_allclose(found[7:], found[:7], atol=1e-12)
+
+
+class TestRanges:
+    POSES = np.array([[1.0, 0.8, 0.0], [1.0, 0.8, 0.3], [0.6, 0.5, -2.0], [1.2, 1.0, 1.3], [0.9, 0.7, 3.0]])
+
+    @pytest.fixture
+    def ranges(self, robot):
+        columns = pose_columns(self.POSES) | {f"tof_{name}_m": np.full(5, 0.5) for name in MOUNTS}
+        return stages(robot, trial("1", **columns))["tof"]
+
+    @staticmethod
+    def cast(pose, mount):
+        """By marching along the axis in steps of a tenth of a millimetre until it leaves the room."""
+        x, y, yaw = pose
+        mx, my, turn = mount
+        px, py = x + math.cos(yaw) * mx - math.sin(yaw) * my, y + math.sin(yaw) * mx + math.cos(yaw) * my
+        s = 1e-4 * np.arange(40_000)
+        qx, qy = px + s * math.cos(yaw + turn), py + s * math.sin(yaw + turn)
+        return s[np.argmax((qx < 0) | (qx > ROOM[0]) | (qy < 0) | (qy > ROOM[1]))]
+
+    def expected(self, poses, mounts=MOUNTS):
+        return np.array([[self.cast(pose, mount) for mount in mounts.values()] for pose in poses]).T
+
+    def test_distances_are_those_of_a_march_to_the_walls(self, ranges, robot):
+        np.testing.assert_allclose(means(ranges, robot), self.expected(self.POSES), atol=2e-4)
+
+    def test_a_turned_mount_looks_elsewhere(self, ranges, robot):
+        turned = MOUNTS | {"left": (0.045, 0.05, math.pi / 4 + 0.1)}
+        found = means(ranges, robot, drive.TofMountYaw(sensor="left", angle_rad=0.1))
+        np.testing.assert_allclose(found, self.expected(self.POSES, turned), atol=2e-4)
+
+    def test_offset_and_scale_act_on_the_reading(self, ranges, robot):
+        true = np.array(means(ranges, robot))
+        found = means(
+            ranges, robot, drive.TofRangeOffset(sensor="right", offset_m=0.02), drive.TofRangeScale(scale=1.1)
+        )
+        np.testing.assert_allclose(found, 1.1 * true + np.array([[0.0], [0.0], [0.02]]), rtol=1e-12)
+
+    def test_a_marker_ahead_of_the_axle_moves_the_sensors_back(self, ranges, robot):
+        back = self.POSES.copy()
+        back[:, :2] -= 0.03 * np.stack([np.cos(back[:, 2]), np.sin(back[:, 2])], axis=-1)
+        found = means(ranges, robot, drive.MarkerOffset(offset_m=0.03))
+        np.testing.assert_allclose(found, self.expected(back), atol=2e-4)
+
+    def test_old_ranges_are_those_of_an_earlier_pose_and_old_poses_of_a_later_one(self, robot):
+        t = ROW_S * np.arange(20)
+        poses = np.stack([0.8 + 0.2 * t, np.full(20, 0.8), np.zeros(20)], axis=-1)
+        stage = stages(robot, trial("1", **pose_columns(poses)))["tof"]
+        front = means(stage, robot)[0]
+        old = means(stage, robot, drive.TofTimeOffset(delay_s=0.12))[0]
+        np.testing.assert_allclose(old[3:], front[3:] + 0.2 * 0.12, rtol=1e-9)
+        late = means(stage, robot, drive.PoseTimeOffset(delay_s=0.12))[0]
+        np.testing.assert_allclose(late[:-3], front[:-3] - 0.2 * 0.12, rtol=1e-9)
+
+    @staticmethod
+    def head_on_m(yaw):
+        """From x = 1 m to the wall in front."""
+        return (2.0 - 1.0 - 0.06 * math.cos(yaw)) / math.cos(yaw)
+
+    def test_noise_is_that_of_the_reading_and_of_the_pose(self, robot):
+        """Head-on to a wall, place counts in full and heading not at all."""
+        poses = np.array([[1.4, 0.8, 0.0], [1.0, 0.8, 0.3]])
+        front = stages(robot, trial("1", **pose_columns(poses)))["tof"].observed[0]
+        by_polynomial = 1e-3 * np.polyval([1.15, 2.51, 4.88, 1.4], 2.0 - 1.46 - 0.18)
+        assert front.sd[0] == pytest.approx(math.hypot(by_polynomial, 0.001), rel=1e-9)
+        h = 1e-5
+        by_yaw = (self.head_on_m(0.3 + h) - self.head_on_m(0.3 - h)) / (2 * h)
+        by_polynomial = 1e-3 * np.polyval([1.15, 2.51, 4.88, 1.4], self.head_on_m(0.3) - 0.18)
+        variance = by_polynomial**2 + (0.001 / math.cos(0.3)) ** 2 + (0.003 * by_yaw) ** 2
+        assert front.sd[1] == pytest.approx(math.sqrt(variance), rel=1e-6)
+
+    def test_rays_near_corners_and_near_the_end_of_the_range_are_left_out(self, robot):
+        """Straight into a corner; 0.06 rad beside it and so 54 mm off; 1.16 m and 1.18 m from a wall."""
+        corner = math.atan2(0.3, 0.4)
+        at = np.array([2.0 - 0.4, 1.6 - 0.3])
+        poses = [(*(at - 0.06 * np.array([math.cos(a), math.sin(a)])), a) for a in (corner, corner + 0.08)]
+        poses += [(2.0 - 0.06 - d, 0.8, 0.0) for d in (1.16, 1.18)]
+        columns = pose_columns(np.array(poses)) | {"tof_front_m": np.full(4, 0.5)}
+        front = stages(robot, trial("1", **columns))["tof"].observed[0]
+        assert front.usable.tolist() == [False, True, True, False]
+
+
+def test_what_misses_leaves_its_stage_out(robot):
+    t = ROW_S * np.arange(21)
+    ticks, pose = ticks_of(t, t), pose_columns(np.zeros((21, 3)) + 0.5)
+    volts = {"u_left_V": np.zeros(21), "u_right_V": np.zeros(21)}
+    assert set(stages(robot, trial("1", **ticks, **pose))) == {"pose", "tof"}
+    assert set(stages(robot, trial("1", **ticks, **pose), nominal=None)) == {"pose"}
+    assert set(stages(robot, trial("1", **volts, **ticks))) == {"wheels", "pose"}
+    unlogged = {name: np.full(21, math.nan) for name in volts}
+    assert set(stages(robot, trial("1", **unlogged, **ticks, **pose))) == {"pose", "tof"}
+    assert set(stages(robot, trial("1", **volts))) == {"wheels"}
+    assert set(stages(robot, trial("1", **pose))) == {"tof"}
+
+
+WHEELS, TOF = "wheels", "tof"
+DX, DY, TURN = "pose_dx_m", "pose_dy_m", "pose_dtheta_rad"
+SIGNATURES = [
+    (drive.WheelRadiusScale(scale=1.05), set(), {DX, TURN}),
+    (drive.EncoderTicksScale(scale=1.05), {WHEELS}, {DX, TURN}),
+    (drive.WheelbaseScale(scale=1.05), set(), {TURN}),
+    (drive.TurnSlip(coefficient_s2_m=0.5), set(), {TURN}),
+    (drive.WheelRadiusAsymmetry(asymmetry=0.05), set(), {TURN}),
+    (drive.EncoderMissedTicks(side="left", fraction=0.1, threshold_rad_s=3.0), {WHEELS}, {DX, TURN}),
+    (drive.MarkerOffset(offset_m=0.02), {TOF}, {DX, DY}),
+    (drive.PoseTimeOffset(delay_s=0.05), {TOF}, {DX, DY, TURN}),
+    (drive.TofRangeOffset(sensor="left", offset_m=0.012), {TOF}, set()),
+    (drive.TofRangeScale(scale=1.05), {TOF}, set()),
+    (drive.TofMountYaw(sensor="left", angle_rad=0.1), {TOF}, set()),
+    (drive.TofTimeOffset(delay_s=0.05), {TOF}, set()),
+    (range_bench.RangeOffset(offset_m=0.01), {TOF}, set()),
+    (motor.WindingResistanceScale(scale=1.15), {WHEELS}, set()),
+    (motor.TorqueConstantScale(scale=1.15), {WHEELS}, set()),
+    (motor.TorqueConstantMismatch(mismatch=0.1), {WHEELS}, set()),
+    (motor.ViscousFrictionScale(scale=1.5), {WHEELS}, set()),
+    (motor.CoulombFrictionScale(scale=1.3), {WHEELS}, set()),
+    (motor.RotorInertiaScale(scale=1.15), {WHEELS}, set()),
+    (motor.BridgeVoltageDrop(drop_V=0.3), {WHEELS}, set()),
+    (motor.SupplySag(source_resistance_ohm=0.5), {WHEELS}, set()),
+    (motor.BatteryDecline(fraction_per_minute=0.03), {WHEELS}, set()),
+    (motor.InputDelay(delay_s=0.04), {WHEELS}, set()),
+]
+"""The fault signature matrix of the method: other stages and components of the pose that an effect shows in."""
+
+
+@pytest.fixture(scope="module")
+def tour(robot):
+    """Ten minutes into a session: straight on, spins and bends, stops between them, by the stages' own wheels."""
+    legs = [(4.0, 4.0), (0.0, 0.0), (-2.5, 2.5), (2.0, -2.0), (3.0, 4.5), (0.0, 0.0), (4.5, 3.0), (2.0, 2.0)]
+    left, right = (np.repeat(np.array(volts), 20) for volts in zip(*legs, strict=True))
+    still = {name: np.zeros(160) for name in ("enc_left_ticks", "enc_right_ticks")}
+    speeds = means(stages(robot, trial("1", u_left_V=left, u_right_V=right, **still))["wheels"], robot)
+    turned = [ROW_S * np.concatenate([[0.0], np.cumsum(speed[:-1])]) for speed in speeds]
+    ds, dyaw = (RADIUS * np.diff(side, prepend=0.0) for side in ((turned[0] + turned[1]) / 2, turned[1] - turned[0]))
+    dyaw = dyaw / BASE
+    yaw = np.cumsum(dyaw)
+    x, y = (np.cumsum(ds * f(yaw - dyaw / 2)) for f in (np.cos, np.sin))
+    pose = np.stack([0.6 + x, 0.7 + y, yaw], axis=-1)
+    columns = ticks_of(*turned) | pose_columns(pose) | {"u_left_V": left, "u_right_V": right}
+    columns |= {f"tof_{name}_m": np.full(160, 0.5) for name in MOUNTS}
+    return stages(robot, trial("1", 600.0, **columns))
+
+
+@pytest.mark.parametrize(("term", "stages_but_pose", "of_pose"), SIGNATURES, ids=lambda of: type(of).__name__)
+def test_an_effect_shows_where_the_signature_matrix_says(tour, robot, term, stages_but_pose, of_pose):
+    """Changes of more than half a standard deviation, and no change at all in any other stage.
+
+    A sideways change of a bend is of second order in the turn; only its largest component is held against the matrix.
+    """
+    largest = {}
+    for stage in tour.values():
+        bare, changed = (stage.predict([of]) for of in (robot, robot.with_term(term)))
+        for of, a, b in zip(stage.observed, bare, changed, strict=True):
+            key = of.name if stage.name == "pose" else stage.name
+            size = np.max((np.abs(b.mean[0] - a.mean[0]) / of.sd)[of.usable])
+            largest[key] = max(largest.get(key, 0.0), float(size))
+    shown = {name for name, size in largest.items() if size > 0.5}
+    assert shown - {DX, DY, TURN} == stages_but_pose
+    assert of_pose <= shown
+    pose = {name: largest[name] for name in (DX, DY, TURN)}
+    assert max(pose, key=pose.__getitem__) in of_pose if of_pose else set(pose.values()) == {0.0}
+    assert all(largest[name] == 0.0 for name in {WHEELS, TOF} - stages_but_pose)
+
+
+def test_many_robots_at_once_are_each_of_them_alone(tour, robot):
+    robots = [robot]
+    for term in (*PHYSICS_TERMS, *SENSOR_TERMS):
+        if term.name != "gear_backlash":
+            choices = {name: options[0] if options else "wood" for name, options in term.options.items()}
+            robots += [robot.with_term(term.start(choices)), robot.with_term(term.null(choices))]
+    for stage in tour.values():
+        together = stage.predict(robots)
+        for k in range(0, len(robots), 3):
+            for many, alone in zip(together, stage.predict([robots[k]]), strict=True):
+                np.testing.assert_allclose(many.mean[k], alone.mean[0], rtol=1e-9, atol=1e-9)
+                np.testing.assert_allclose(np.broadcast_to(many.sd, many.mean.shape)[k], alone.sd, rtol=1e-9)
