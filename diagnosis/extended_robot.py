@@ -4,10 +4,10 @@ The file builds on the shipped robot `nominal` and says only what differs: the c
 fitted, and the terms that are named, each number with its source and standard error in a comment. It reads back equal.
 
 A second file draws the terms anew in each run, as far as the fit leaves them open. A scenario draws every number by
-itself, while fitted numbers lean on each other: a torque constant that is a little too high and a scale that is a little
-too low predict the same. Hence the nuisances stay as fitted, and the spread of a term's number is that which is left once
-they are held, from the inverse of the terms' own part of the information matrix (Bishop, Pattern Recognition and Machine
-Learning, 2006, eq. 2.96): it is narrower than the standard error of the number alone, and fits the data as well.
+itself, while fitted numbers lean on each other: a torque constant that is a little too high and a scale that is a
+little too low predict the same. Hence the nuisances stay as fitted, and the spread of a term's number is that which is
+left once they are held, from the inverse of the terms' own part of the information matrix (Bishop, Pattern Recognition
+and Machine Learning, 2006, eq. 2.73): narrower than the standard error of the number alone, and as true to the data.
 """
 
 import json
@@ -148,12 +148,10 @@ def _comments(diagnosis: Diagnosis) -> dict[FieldPath, str]:
     bare = hypothesis.nominal
     for k, nuisance in enumerate(hypothesis.nuisances):
         at = nuisance.value + 3.0 * nuisance.tolerance
-        text = (
-            f"nominal {nuisance.value:g}, tolerance {nuisance.tolerance:g}; fitted {round(float(fit.x[k]), 2) + 0.0:+.2f} tolerances off, "
-            f"standard error {errors[k] * nuisance.tolerance:.2g}"
-        )
-        for path in _paths(_differing(nuisance.applied(bare, at).model_dump(mode="json"), bare.model_dump(mode="json"))):
-            found[path] = text
+        off = f"fitted {round(float(fit.x[k]), 2) + 0.0:+.2f} tolerances off"
+        text = f"nominal {nuisance.value:g}, tolerance {nuisance.tolerance:g}; {off}, standard error"
+        moved = _differing(nuisance.applied(bare, at).model_dump(mode="json"), bare.model_dump(mode="json"))
+        found |= dict.fromkeys(_paths(moved), f"{text} {errors[k] * nuisance.tolerance:.2g}")
     for named in diagnosis.named:
         for name in named.effect.term.numbers:
             error = named.std[name]
@@ -203,7 +201,7 @@ def _varied(diagnosis: Diagnosis, config: RobotConfig) -> str:
         return ""
     head = [
         f"# {FILE} beside this file, its terms drawn anew in each run as far as the fit leaves them open, with all",
-        f"# nominal parameters held as fitted. Limits lie at {REACH_SD:g} standard deviations, or where a term's bounds are.",
+        f"# nominal parameters held as fitted. Limits lie at {REACH_SD:g} standard deviations, or at a term's bounds.",
         f"extends: {FILE}",
         f"name: {json.dumps(_slug(config.name[:57] + '_varied'))}",
     ]

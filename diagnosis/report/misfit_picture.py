@@ -48,9 +48,7 @@ def _telling(found: Findings, of: Observed) -> Covariate | None:
     return of.covariates[0] if of.covariates else None
 
 
-def _values(
-    axes: Axes, of: Observed, means: list[Array], last: tuple[str, str, int], z: Array
-) -> None:
+def _values(axes: Axes, of: Observed, means: list[Array], last: tuple[str, str, int], z: Array) -> None:
     """Measured and predicted: along what a bench sweeps, or against time in the trial that shows most."""
     swept = next((c for name in INPUTS for c in of.covariates if c.name == name), None)
     is_bench = swept is not None and not _is_log(of)

@@ -1,11 +1,11 @@
 """How each effect would show in these data: how far it moves each quantity, and which effects look alike.
 
-Every testable effect is switched on at its start value, on top of the nominal robot, and the change of each prediction is
-taken in sigmas. What the tolerances of the nominal parameters could take up is projected out, as in the score test; the
-root of what is left, squared and summed, is how many standard errors stand between the effect and nothing, and from it
-follows, as on a straight line, the smallest size that these data would show. Two effects whose changes then point the same way
-cannot be told apart by these data, whatever is found (isolability: Gertler, Fault Detection and Diagnosis in Engineering
-Systems, 1998, ch. 4).
+Every testable effect is switched on at its start value, on top of the nominal robot, and the change of each prediction
+is taken in sigmas. What the tolerances of the nominal parameters could take up is projected out, as in the score test;
+the root of what is left, squared and summed, is how many standard errors stand between the effect and nothing, and from
+it follows, as on a straight line, the smallest size that these data would show. Two effects whose changes then point
+the same way cannot be told apart by these data, whatever is found (isolability: Gertler, Fault Detection and Diagnosis
+in Engineering Systems, 1998, ch. 4).
 """
 
 from collections.abc import Sequence

@@ -8,11 +8,12 @@ from diagnosis.inference.adequacy import Structure
 from diagnosis.inference.gain import Gain
 from diagnosis.inference.selection import Entry, needed
 from diagnosis.report.findings import Findings
-from diagnosis.report.quantities import along, confidence, percent
+from diagnosis.report.quantities import along, confidence, meaning, percent, with_error
 from diagnosis.report.quantities import named as in_words
 
-HINT = 6.0
-"""Fall of the cost from which an effect that is not believed is worth a word, three units of log-likelihood."""
+HINT = 10.0
+"""Fall of the cost from which an effect that is not believed is worth a word: less, the best of a library often reaches
+where nothing is hidden."""
 BENT = 4.0
 """Tolerances from which a nominal parameter is called bent."""
 
@@ -31,7 +32,9 @@ def headline(diagnosis: Diagnosis) -> str:
     left = diagnosis.unexplained
     if not names and left is None:
         return "The nominal simulation explains these data, within the tolerances of its parameters."
-    where = f"{left.channel} depends on {along(left.covariate)} in a way that no known effect accounts for" if left else ""
+    where = ""
+    if left is not None:
+        where = f"{left.channel} depends on {along(left.covariate)} in a way that no known effect accounts for"
     if not names:
         return f"Something is wrong that has no name here: {where}."
     found = f"The real robot differs from the nominal one by {_listed(names)}"
@@ -45,6 +48,15 @@ def _listed(names: list[str]) -> str:
 def cause(named: Named) -> str:
     """What in a robot brings an effect about."""
     return named.effect.term.cause
+
+
+def in_a_sentence(named: Named) -> str:
+    """Name, numbers, what that means, and what brings it about."""
+    numbers = []
+    for name, value in named.values.items():
+        unit = named.effect.term.numbers[name].unit
+        numbers.append(f"{name} = {with_error(value, named.std[name])}{'' if unit == '1' else f' {unit}'}")
+    return f"{named.name}: {', '.join(numbers)}. {meaning(named.effect.term)} It comes of: {cause(named)}."
 
 
 def certainty(named: Named) -> str:
