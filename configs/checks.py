@@ -54,6 +54,12 @@ def check_robot(robot: RobotConfig, root: Node) -> None:
     _refuse(_robot_faults(robot), root)
 
 
+def robot_faults(robot: RobotConfig) -> Iterator[Fault]:
+    """What keeps a robot from being driven by the engine in any arena."""
+    yield from _robot_faults(robot)
+    yield from _engine_faults(robot)
+
+
 def check_look(look: LookConfig, root: Node) -> None:
     _refuse(_look_faults(look), root)
 
@@ -66,8 +72,7 @@ def _refuse(faults: Iterable[Fault], root: Node, note: str = "") -> None:
 def _scenario_faults(scenario: Scenario, routes: Iterable[int]) -> Iterator[Fault]:
     yield from _route_name_faults(scenario.routes)
     yield from _arena_faults(scenario.arena)
-    yield from _robot_faults(scenario.robot)
-    yield from _engine_faults(scenario.robot)
+    yield from robot_faults(scenario.robot)
     yield from _lens_faults(scenario)
     yield from _look_faults(scenario.look)
     yield from _period_faults(scenario.rates, scenario.robot)

@@ -112,10 +112,8 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     Raises:
         InputError: No stage of the simulator predicts such data, or nothing of it can be used.
     """
-    where = next(iter(measurement.source.files), measurement.name)
-    if measurement.kind not in STAGES:
-        allowed = ", ".join(STAGES)
-        raise InputError(f"no stage predicts data of kind {measurement.kind}", where=where, allowed=allowed)
+    check_kind(measurement)
+    where = _where(measurement)
     robot = nominal or _nominal(measurement)
     bare = Hypothesis(robot, nuisances(measurement.nominal) if measurement.nominal is not None else usual(robot))
     evidence = _evidence(STAGES[measurement.kind](measurement, robot), bare)
@@ -159,6 +157,18 @@ def _evidence(stages: Sequence[Stage], bare: Hypothesis) -> Evidence:
             (fit,) = fits(evidence, [(bare, bare.null())])
             evidence = Evidence(stages, combined(evidence, found_noises(evidence, fit)))
     return evidence
+
+
+def check_kind(measurement: Measurement) -> None:
+    """Raise InputError where no stage of the simulator predicts such data."""
+    if measurement.kind not in STAGES:
+        allowed = ", ".join(STAGES)
+        what = f"no stage predicts data of kind {measurement.kind}"
+        raise InputError(what, where=_where(measurement), allowed=allowed)
+
+
+def _where(measurement: Measurement) -> str:
+    return next(iter(measurement.source.files), measurement.name)
 
 
 def _nominal(measurement: Measurement) -> RobotConfig:

@@ -18,6 +18,7 @@ MADE_BY = {
     Kind.PICTURES: "rerender --look",
     Kind.LOOKS: "rerender --looks",
     Kind.BENCH: "bench",
+    Kind.DIAGNOSIS: "diagnose",
 }
 
 

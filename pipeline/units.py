@@ -1,4 +1,4 @@
-"""The unit of work, one run simulated or one block of frames rendered, and what a worker says while doing it."""
+"""The unit of work, such as a run to simulate or a block of frames to render, and what a worker says while doing it."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
 from blender_scenes.protocol import Work
-from configs.errors import RunFailed
+from configs.errors import InputError, RunFailed
 
 
 class Message(BaseModel):
@@ -61,7 +61,33 @@ class RenderUnit(Message):
             raise RunFailed(str(error)) from error
 
 
-Unit = Annotated[SimulateUnit | RenderUnit, Field(discriminator="kind")]
+class DiagnoseUnit(Message):
+    kind: Literal["diagnose"] = "diagnose"
+    name: str
+    case: Path
+    """As the user typed it; it may be a table of the paper."""
+    importer: str | None
+    """What `--as` says."""
+    nominal: str
+    """The nominal robot as JSON text; empty for that of the case's own parameters."""
+    folder: Path
+    alone: bool
+    """Whether it is the only case, so that what is wrong with it is wrong with the command."""
+
+    def run(self, progress: Callable[[float], None]) -> None:
+        from pipeline.diagnosing import diagnose_into  # noqa: PLC0415 - scipy and matplotlib, in the worker alone
+
+        del progress
+        try:
+            diagnose_into(self.case, self.importer, self.nominal, self.folder)
+        except InputError as error:
+            if self.alone:
+                raise
+            raise RunFailed(str(error)) from error
+
+
+AnyUnit = SimulateUnit | RenderUnit | DiagnoseUnit
+Unit = Annotated[AnyUnit, Field(discriminator="kind")]
 
 
 class Progress(Message):
@@ -82,5 +108,5 @@ class Failed(Message):
 
 Event = Annotated[Progress | Finished | Failed, Field(discriminator="kind")]
 
-UNITS: TypeAdapter[SimulateUnit | RenderUnit] = TypeAdapter(Unit)
+UNITS: TypeAdapter[AnyUnit] = TypeAdapter(Unit)
 EVENTS: TypeAdapter[Progress | Finished | Failed] = TypeAdapter(Event)

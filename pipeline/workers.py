@@ -14,17 +14,17 @@ import tempfile
 import threading
 import traceback
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import IO
 
 from pydantic import ValidationError
 
 from blender_scenes.surroundings import without_blender_settings
 from configs.errors import EnvironmentLacking, InputError
-from pipeline.units import EVENTS, Failed, Finished, Progress, RenderUnit, SimulateUnit
+from pipeline.units import EVENTS, AnyUnit, Failed, Finished, Progress
 
-AnyUnit = SimulateUnit | RenderUnit
 AnyEvent = Progress | Finished | Failed
 
 
@@ -44,7 +44,10 @@ class UnitFailure:
 
 
 def run_units(
-    units: Sequence[AnyUnit], workers: int, on_event: Callable[[AnyUnit, AnyEvent], None]
+    units: Sequence[AnyUnit],
+    workers: int,
+    on_event: Callable[[AnyUnit, AnyEvent], None],
+    environment: Mapping[str, str] = MappingProxyType({}),
 ) -> list[UnitFailure]:
     """Do all units, at most `workers` at once, and return those that failed.
 
@@ -52,12 +55,13 @@ def run_units(
         units: In the order in which they are started; the result must not depend on it.
         workers: Number of children at a time.
         on_event: Called in this thread for each thing that a worker says.
+        environment: Variables of the children beside those of this process.
 
     Raises:
         EnvironmentLacking, InputError: As soon as one worker says so; it would hit every unit.
         WorkerError: After the other units are done.
     """
-    slots = _Slots(deque(units))
+    slots = _Slots(deque(units), environment)
     failures: list[UnitFailure] = []
     bugs: list[str] = []
     threads = [threading.Thread(target=slots.work, daemon=True) for _ in range(max(1, min(workers, len(units))))]
@@ -93,6 +97,7 @@ class _Slots:
     """State shared by the threads, one of which stands behind each running child."""
 
     waiting: deque[AnyUnit]
+    environment: Mapping[str, str]
     events: "queue.SimpleQueue[tuple[AnyUnit, AnyEvent]]" = field(default_factory=queue.SimpleQueue)
     running: set[int] = field(default_factory=set)
     stopped: bool = False
@@ -130,7 +135,7 @@ class _Slots:
                     stderr=log,
                     start_new_session=True,
                     # Safe path, for a folder `configs` where the user stands is not ours.
-                    env={**without_blender_settings(os.environ), "PYTHONSAFEPATH": "1"},
+                    env={**without_blender_settings(os.environ), "PYTHONSAFEPATH": "1", **self.environment},
                 )
                 self.running.add(child.pid)
             with child:

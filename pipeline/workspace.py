@@ -37,6 +37,8 @@ class Kind(enum.StrEnum):
     """Output of `symolo rerender --looks`: a folder of pictures for each draw."""
     BENCH = "bench"
     """Output of `symolo bench`."""
+    DIAGNOSIS = "diagnosis"
+    """Output of `symolo diagnose`: of one case, or a folder for each of several."""
 
 
 class Done(BaseModel):

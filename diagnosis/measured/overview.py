@@ -18,7 +18,7 @@ _HEAD = ("channel", "unit", "", "rows", "missing", "no target", "stale", "wild",
 
 def overview(measurement: Measurement) -> list[str]:
     """A line each, without line ends."""
-    lines = [_summary(measurement), f"source: {measurement.source.origin}{_licence(measurement)}"]
+    lines = [summary_line(measurement), f"source: {measurement.source.origin}{_licence(measurement)}"]
     if measurement.source.files:
         first, *more = measurement.source.files
         lines.append(f"read from {first}{f' and {len(more)} more' if more else ''}")
@@ -29,7 +29,8 @@ def overview(measurement: Measurement) -> list[str]:
     return lines
 
 
-def _summary(measurement: Measurement) -> str:
+def summary_line(measurement: Measurement) -> str:
+    """Name, kind, trials and rows."""
     rows, held = measurement.rows, measurement.heldout_rows
     split = f"{rows - held} to fit, {held} held out" if held else "none held out"
     trials = len(measurement.trials)

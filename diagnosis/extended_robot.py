@@ -1,0 +1,220 @@
+"""The extended model as a robot file: what a diagnosis found, as keys that every simulation takes.
+
+The file builds on the shipped robot `nominal` and says only what differs: the case's own parameters, the nuisances as
+fitted, and the terms that are named, each number with its source and standard error in a comment. It reads back equal.
+
+A second file draws the terms anew in each run, as far as the fit leaves them open. A scenario draws every number by
+itself, while fitted numbers lean on each other: a torque constant that is a little too high and a scale that is a
+little too low predict the same. Hence the nuisances stay as fitted, and the spread of a term's number is that which is
+left once they are held, from the inverse of the terms' own part of the information matrix (Bishop, Pattern Recognition
+and Machine Learning, 2006, eq. 2.73): narrower than the standard error of the number alone, and as true to the data.
+"""
+
+import json
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from configs.checks import robot_faults
+from configs.draw import draw_robot
+from configs.loader import load_section
+from configs.schema.robot import RobotConfig
+from configs.tree import FieldPath
+from diagnosis.diagnose import Diagnosis
+from diagnosis.inference.hypothesis import Effect
+
+BASE = "nominal"
+FILE, VARIED_FILE = "extended.yaml", "extended_varied.yaml"
+DIGITS = 7
+"""Of a number in the file: the seventh is far below any standard error."""
+REACH_SD = 3.0
+"""Standard deviations up to which a varied number is drawn."""
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """A term that the engine cannot simulate, and why."""
+
+    name: str
+    why: str
+
+
+@dataclass(frozen=True)
+class ExtendedRobot:
+    config: RobotConfig
+    """What the file says, the terms that are left out missing."""
+    text: str
+    """Of extended.yaml."""
+    varied_text: str
+    """Of extended_varied.yaml, which stands beside it; empty where no number can be varied."""
+    left_out: tuple[LeftOut, ...]
+    problem: str
+    """Why no simulation takes the robot even so, such as a motor that cannot turn; empty if one does."""
+
+
+def extended_robot(diagnosis: Diagnosis) -> ExtendedRobot:
+    """The extended model of a diagnosis as robot files."""
+    config = _within_bounds(diagnosis)
+    left_out: list[LeftOut] = []
+    problem = ""
+    for fault in robot_faults(config):
+        why = ", ".join(part for part in (fault.problem, f"allowed: {fault.allowed}" if fault.allowed else "") if part)
+        if fault.path[:2] == ("robot", "terms"):
+            left_out.append(LeftOut(str(fault.path[2]), why))
+        elif not problem:
+            problem = ".".join(map(str, fault.path)) + f": {why}"
+    for gone in left_out:
+        config = config.model_copy(update={"terms": config.terms.model_copy(update={gone.name: None})})
+    measured = diagnosis.measurement
+    told = f"{measured.name} ({measured.kind})"
+    named = ", ".join(f.name for f in diagnosis.named) or "no effect"
+    config = config.model_copy(
+        update={"name": _slug(measured.name), "description": f"Fitted to {told}: {named} beside the nominal model"}
+    )
+    config = _rounded(config)
+    head = [
+        f"# The robot that symolo diagnose fitted to {told}. What is not here is that of the shipped robot {BASE}.",
+        "# Standard errors are those of each number with all others fitted anew.",
+        *(f"# LEFT OUT, for no drive can simulate it: {gone.name} ({gone.why})" for gone in left_out),
+        *([f"# NOT YET A ROBOT THAT DRIVES: {problem}"] if problem else []),
+        f"extends: {BASE}",
+    ]
+    tree = _difference(config)
+    comments = {path: "of the nominal model" for path in _paths(tree) if len(path) > 1} | _comments(diagnosis)
+    text = "\n".join([*head, *_lines(tree, comments)]) + "\n"
+    return ExtendedRobot(config, text, _varied(diagnosis, config), tuple(left_out), problem)
+
+
+def _within_bounds(diagnosis: Diagnosis) -> RobotConfig:
+    """The fitted robot; a logarithm and back may leave a bound by a rounding."""
+    config = diagnosis.extended
+    for named in diagnosis.named:
+        numbers = {
+            name: min(max(value, of.low), of.high)
+            for name, of in named.effect.term.numbers.items()
+            for value in (named.values[name],)
+        }
+        config = config.with_term(named.effect.term.values(numbers, dict(named.effect.choices)))
+    return config
+
+
+def _rounded(config: RobotConfig) -> RobotConfig:
+    """With as many digits in what differs as any fit can hold, so that the file can be read by people."""
+
+    def shortened(tree: Mapping[str, Any], differing: Mapping[str, Any]) -> dict[str, Any]:
+        found = dict(tree)
+        for key, value in differing.items():
+            if isinstance(value, Mapping):
+                found[key] = shortened(tree[key], value)
+            elif isinstance(value, float):
+                found[key] = float(f"{value:.{DIGITS}g}")
+        return found
+
+    return RobotConfig.model_validate(shortened(config.model_dump(mode="json"), _difference(config)))
+
+
+def _slug(name: str) -> str:
+    found = re.sub(r"[^A-Za-z0-9_-]+", "_", name).strip("_-")[:64]
+    return found or "measured"
+
+
+def _difference(config: RobotConfig) -> dict[str, Any]:
+    base, _ = draw_robot(load_section("robot", BASE), 0, "diagnosis")
+    return _differing(config.model_dump(mode="json"), base.model_dump(mode="json"))
+
+
+def _differing(found: Mapping[str, Any], base: Mapping[str, Any]) -> dict[str, Any]:
+    """Keys of `found` that `base` has not, or has with other values; keys of the base alone become null."""
+    kept: dict[str, Any] = {}
+    for key, value in found.items():
+        other = base.get(key)
+        if isinstance(value, Mapping) and isinstance(other, Mapping):
+            if inner := _differing(value, other):
+                kept[key] = inner
+        elif key not in base or value != other:
+            kept[key] = value
+    return kept | {key: None for key in base if key not in found}
+
+
+def _comments(diagnosis: Diagnosis) -> dict[FieldPath, str]:
+    """By field path: where a number comes from, and how far it is known."""
+    hypothesis, fit = diagnosis.fit.hypothesis, diagnosis.fit
+    errors = np.sqrt(np.diag(fit.covariance)).tolist()
+    found: dict[FieldPath, str] = {}
+    bare = hypothesis.nominal
+    for k, nuisance in enumerate(hypothesis.nuisances):
+        at = nuisance.value + 3.0 * nuisance.tolerance
+        off = f"fitted {round(float(fit.x[k]), 2) + 0.0:+.2f} tolerances off"
+        text = f"nominal {nuisance.value:g}, tolerance {nuisance.tolerance:g}; {off}, standard error"
+        moved = _differing(nuisance.applied(bare, at).model_dump(mode="json"), bare.model_dump(mode="json"))
+        found |= dict.fromkeys(_paths(moved), f"{text} {errors[k] * nuisance.tolerance:.2g}")
+    for named in diagnosis.named:
+        for name in named.effect.term.numbers:
+            error = named.std[name]
+            known = f"standard error {error:.2g}" if isfinite(error) and error > 0.0 else "not held by these data"
+            found["terms", named.effect.term.name, name] = f"named by the diagnosis; {known}"
+    return found
+
+
+def _paths(tree: Mapping[str, Any], above: FieldPath = ()) -> Iterator[FieldPath]:
+    for key, value in tree.items():
+        if isinstance(value, Mapping):
+            yield from _paths(value, (*above, key))
+        else:
+            yield (*above, key)
+
+
+def _lines(tree: Mapping[str, Any], comments: Mapping[FieldPath, str], above: FieldPath = ()) -> Iterator[str]:
+    """YAML, two spaces a level, a comment after each leaf that has one."""
+    for key, value in tree.items():
+        path = (*above, key)
+        indent = "  " * len(above)
+        if isinstance(value, Mapping) and value:
+            yield f"{indent}{key}:"
+            yield from _lines(value, comments, path)
+        else:
+            comment = f"  # {comments[path]}" if path in comments else ""
+            yield f"{indent}{key}: {json.dumps(value, ensure_ascii=False)}{comment}"
+
+
+def _varied(diagnosis: Diagnosis, config: RobotConfig) -> str:
+    """Of each number of a term that is left, a Gaussian about its value."""
+    terms: dict[str, Any] = {}
+    for effect, spreads in _spreads(diagnosis):
+        section = getattr(config.terms, effect.term.name)
+        if section is None:
+            continue
+        numbers: dict[str, Any] = {}
+        for (name, bounds), sd in zip(effect.term.numbers.items(), spreads, strict=True):
+            mean = float(getattr(section, name))
+            if isfinite(sd) and sd > 0.0:
+                low, high = max(mean - REACH_SD * sd, bounds.low), min(mean + REACH_SD * sd, bounds.high)
+                normal = {"mean": mean, "sd": sd, "low": low, "high": high}
+                numbers[name] = {"normal": {key: float(f"{value:.{DIGITS}g}") for key, value in normal.items()}}
+        if numbers:
+            terms[effect.term.name] = numbers
+    if not terms:
+        return ""
+    head = [
+        f"# {FILE} beside this file, its terms drawn anew in each run as far as the fit leaves them open, with all",
+        f"# nominal parameters held as fitted. Limits lie at {REACH_SD:g} standard deviations, or at a term's bounds.",
+        f"extends: {FILE}",
+        f"name: {json.dumps(_slug(config.name[:57] + '_varied'))}",
+    ]
+    return "\n".join([*head, *_lines({"terms": terms}, {})]) + "\n"
+
+
+def _spreads(diagnosis: Diagnosis) -> Iterator[tuple[Effect, Sequence[float]]]:
+    """Standard deviation of each number of each effect, the nuisances held."""
+    fit, hypothesis = diagnosis.fit, diagnosis.fit.hypothesis
+    first = len(hypothesis.nuisances)
+    variance = np.diag(np.linalg.pinv(fit.information[first:, first:], rcond=1e-12, hermitian=True))
+    for effect in hypothesis.effects:
+        at = hypothesis.parameters(effect)
+        sd = np.sqrt(np.maximum(variance[at.start - first : at.stop - first], 0.0)).tolist()
+        x = fit.x[at].tolist()
+        yield effect, [abs(c.slope(v)) * s for c, v, s in zip(effect.coordinates, x, sd, strict=True)]

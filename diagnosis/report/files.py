@@ -1,0 +1,43 @@
+"""The files of a diagnosis, by name: answer, robots, page, pictures, and texts for a terminal."""
+
+import json
+from collections.abc import Mapping
+
+from diagnosis.diagnose import Diagnosis
+from diagnosis.extended_robot import FILE, VARIED_FILE
+from diagnosis.report.findings import Findings, findings
+from diagnosis.report.gain_picture import gain_picture
+from diagnosis.report.misfit_picture import misfit_picture
+from diagnosis.report.page import page
+from diagnosis.report.summary import reasoning, summary
+from diagnosis.report.unexplained_picture import unexplained_picture
+
+ANSWER, PAGE, SUMMARY, REASONING = "answer.json", "report.html", "summary.txt", "reasoning.txt"
+PLOTS = "plots"
+
+
+def files(diagnosis: Diagnosis) -> Mapping[str, bytes]:
+    """Contents by path inside the output folder; the same bytes for the same diagnosis."""
+    found = findings(diagnosis)
+    pictures = _pictures(found)
+    made = {
+        ANSWER: json.dumps(diagnosis.answer(), indent=2, ensure_ascii=False) + "\n",
+        FILE: found.robot.text,
+        VARIED_FILE: found.robot.varied_text,
+        PAGE: page(found, pictures),
+        SUMMARY: "\n".join(summary(found)) + "\n",
+        REASONING: "\n".join(reasoning(found)) + "\n",
+    }
+    return {name: text.encode() for name, text in made.items() if text} | {
+        f"{PLOTS}/{name}.png": png for name, png in pictures.items()
+    }
+
+
+def _pictures(found: Findings) -> dict[str, bytes]:
+    diagnosis = found.diagnosis
+    made = {of.name: misfit_picture(found, k) for k, of in enumerate(diagnosis.evidence.observed)}
+    if found.by_quantity:
+        made["gain"] = gain_picture(found)
+    if diagnosis.unexplained is not None:
+        made["unexplained"] = unexplained_picture(found, diagnosis.unexplained)
+    return made

@@ -1,0 +1,112 @@
+"""What the report shows beyond the diagnosis itself: each effect taken away in turn, gains by quantity, signatures."""
+
+import copy
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from configs.schema.robot import RobotConfig
+from diagnosis.diagnose import Diagnosis
+from diagnosis.extended_robot import ExtendedRobot, extended_robot
+from diagnosis.inference.adequacy import Structure, adequacy
+from diagnosis.inference.evidence import Evidence
+from diagnosis.inference.fit import Fit, fits
+from diagnosis.inference.gain import Gain, gain
+from diagnosis.inference.hypothesis import moved
+from diagnosis.measured.channel import Array, Mask
+from diagnosis.report.signatures import Signatures, signatures
+
+
+@dataclass(frozen=True)
+class Without:
+    """The extended model without one of its effects, everything else fitted anew."""
+
+    name: str
+    rise: float
+    """Of the cost."""
+    gain: Gain | None
+    """Over the nominal robot, of what is left."""
+
+
+@dataclass(frozen=True)
+class QuantityGain:
+    name: str
+    calibrated: Gain
+    extended: Gain
+
+
+@dataclass(frozen=True)
+class Findings:
+    diagnosis: Diagnosis
+    robot: ExtendedRobot
+    before: tuple[Structure, ...]
+    """What the nominal robot with its nuisances fitted leaves, the best covariate of each observed quantity."""
+    without: tuple[Without, ...]
+    by_quantity: tuple[QuantityGain, ...]
+    signatures: Signatures
+    means: tuple[Array, Array, Array]
+    """(N,) each: predicted by the nominal robot as it stands, with its nuisances fitted, and by the extended one."""
+    z: tuple[Array, Array, Array]
+    """(N,) each: their residuals, in sigmas of the nominal noise; NaN where not usable."""
+
+
+def findings(diagnosis: Diagnosis) -> Findings:
+    """All that is shown of a diagnosis."""
+    evidence, nominal = diagnosis.evidence, diagnosis.selection.nominal
+    robots = (diagnosis.nominal, calibrated(diagnosis), diagnosis.extended)
+    prediction = evidence.of(robots)
+    usable = evidence.fit | evidence.heldout
+    z = np.where(usable, (evidence.values - prediction.mean) / evidence.sd, np.nan)
+    return Findings(
+        diagnosis=diagnosis,
+        robot=extended_robot(diagnosis),
+        before=tuple(_best(evidence, nominal)),
+        without=tuple(_without(diagnosis)),
+        by_quantity=tuple(_by_quantity(evidence, robots)),
+        signatures=signatures(evidence, nominal, diagnosis.candidates.testable),
+        means=(prediction.mean[0], prediction.mean[1], prediction.mean[2]),
+        z=(z[0], z[1], z[2]),
+    )
+
+
+def calibrated(diagnosis: Diagnosis) -> RobotConfig:
+    """The nominal robot with its nuisances fitted, and no effect."""
+    nominal = diagnosis.selection.nominal
+    return nominal.hypothesis.robot(nominal.x)
+
+
+def _best(evidence: Evidence, fit: Fit) -> Iterator[Structure]:
+    """The most telling structure of each observed quantity that has any covariate."""
+    found = adequacy(evidence, fit).structures
+    for of in evidence.observed:
+        own = [structure for structure in found if structure.observed == of.name]
+        if own:
+            yield own[0]
+
+
+def _without(diagnosis: Diagnosis) -> Iterator[Without]:
+    fit, evidence = diagnosis.fit, diagnosis.evidence
+    fewer = [fit.hypothesis.without(named.effect) for named in diagnosis.named]
+    found = fits(evidence, [(left, moved(fit.x, fit.hypothesis, left)) for left in fewer])
+    for named, left in zip(diagnosis.named, found, strict=True):
+        robot = left.hypothesis.robot(left.x)
+        yield Without(named.name, left.cost - fit.cost, gain(evidence, diagnosis.nominal, robot))
+
+
+def _by_quantity(evidence: Evidence, robots: tuple[RobotConfig, RobotConfig, RobotConfig]) -> Iterator[QuantityGain]:
+    nominal, adjusted, extended = robots
+    for of, place in zip(evidence.observed, evidence.places, strict=True):
+        own = np.zeros(len(evidence.values), dtype=bool)
+        own[place] = True
+        alone = _restricted(evidence, own)
+        was, has = gain(alone, nominal, adjusted), gain(alone, nominal, extended)
+        if was is not None and has is not None:
+            yield QuantityGain(of.name, was, has)
+
+
+def _restricted(evidence: Evidence, rows: Mask) -> Evidence:
+    """The same evidence, of whose held-out rows only some count."""
+    found = copy.copy(evidence)
+    found.heldout = evidence.heldout & rows
+    return found

@@ -1,0 +1,135 @@
+"""The command `symolo diagnose`: what the simulation gets wrong about measured data, why, and what mending it gains."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from configs.errors import InputError
+from pipeline.commands.options import Out, Workers, checked_input
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Sequence
+
+    from pipeline.diagnosing import Case
+
+CASE_FAILED = 3
+
+
+def _checked(paths: list[Path]) -> list[Path]:
+    return [checked_input(path) for path in paths]
+
+
+def diagnose(
+    cases: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="CASE...",
+            callback=_checked,
+            help="Case folders, logs, runs of a dataset, or table-1, table-3, table-4 of the paper.",
+        ),
+    ],
+    *,
+    out: Out,
+    as_: Annotated[
+        str | None,
+        typer.Option("--as", metavar="NAME", help="Read them as this kind of data; a name that is none lists them."),
+    ] = None,
+    nominal: Annotated[
+        str | None,
+        typer.Option(metavar="ROBOT", help="What a textbook would simulate: a shipped robot, or a YAML file."),
+    ] = None,
+    workers: Workers = None,
+    explain: Annotated[bool, typer.Option("--explain", help="Print how the verdict was reached, too.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the answers as JSON, and nothing else.")] = False,
+) -> int:
+    """Say what the simulation gets wrong about a real robot or bench, and why.
+
+    Names the effects that the real robot has and the simulated one lacks,
+    with parameters, how sure that is, what these data cannot tell apart,
+    what stays unexplained, and what it gains on rows that nothing was fitted
+    to. Which CASE can be read: symolo measured --help. What the verdict
+    means: docs/diagnosis.md.
+
+    Written into DIR, of several cases into DIR/CASE each:
+
+    - report.html: one page that tells all; begin there
+
+    - answer.json: the verdict as in docs/diagnosis.md
+
+    - extended.yaml: the robot that was found, for --set robot=FILE, and
+      extended_varied.yaml, drawn anew in each run as far as it is open
+
+    - summary.txt, reasoning.txt, plots/
+
+    Of several cases those that cannot be diagnosed are named and the others
+    finished: exit code 3.
+
+    Example: symolo diagnose my_robot/bench_1 --out diagnosis
+
+    Example: symolo diagnose my_robot/* --out diagnosis --workers 4
+    """
+    from pipeline.diagnosing import cases_of, diagnose_cases, nominal_json
+    from pipeline.output import check_out
+    from pipeline.progress import report_here
+    from pipeline.workers import cores
+    from pipeline.workspace import Kind, Workspace
+
+    if explain and as_json:
+        raise InputError("--explain and --json", cure="ask for one of them; reasoning.txt is written in any case")
+    found = cases_of(cases)
+    robot = nominal_json(nominal)
+    check_out(out, Kind.DIAGNOSIS)
+    if len(found) == 1:
+        _check(found[0], as_)
+    with Workspace(out.absolute(), Kind.DIAGNOSIS).locked():
+        report = report_here()
+        failures = diagnose_cases(found, as_, robot, out=out.absolute(), workers=workers or cores(), report=report)
+    failed = {failure.unit.name: failure.text for failure in failures}
+    if as_json:
+        _print_json(found, out, failed)
+    else:
+        _print(found, out, failed, explain=explain)
+    return CASE_FAILED if failed else 0
+
+
+def _check(case: "Case", importer: str | None) -> None:
+    """Refuse the only case before anything is written."""
+    from diagnosis.diagnose import check_kind
+    from diagnosis.importers.choose import read_measurement
+    from pipeline.importers import IMPORTERS
+
+    check_kind(read_measurement(case.path, IMPORTERS, importer))
+
+
+def _print(cases: "Sequence[Case]", out: Path, failed: "Collection[str]", *, explain: bool) -> None:
+    from pipeline.diagnosing import folder_of
+    from pipeline.diagnosis_table import diagnosis_table
+
+    alone = len(cases) == 1
+    finished = [(case.name, folder_of(case, out, alone=alone)) for case in cases if case.name not in failed]
+    for name, folder in finished if alone or explain else ():
+        if not alone:
+            typer.echo(f"== {name}\n")
+        typer.echo((folder / "summary.txt").read_text(encoding="utf-8"))
+        if explain:
+            typer.echo((folder / "reasoning.txt").read_text(encoding="utf-8"))
+    if not alone:
+        for line in diagnosis_table(cases, out, failed):
+            typer.echo(line)
+    elif finished:
+        typer.echo(f"{out / 'report.html'}, {out / 'answer.json'}, {out / 'extended.yaml'}")
+
+
+def _print_json(cases: "Sequence[Case]", out: Path, failed: "Collection[str]") -> None:
+    import json
+
+    from pipeline.diagnosing import folder_of
+
+    alone = len(cases) == 1
+    answers = {
+        case.name: json.loads((folder_of(case, out, alone=alone) / "answer.json").read_bytes())
+        for case in cases
+        if case.name not in failed
+    }
+    typer.echo(json.dumps(next(iter(answers.values())) if alone and answers else answers, indent=2, ensure_ascii=False))

@@ -1,0 +1,128 @@
+"""Cases of measured data diagnosed side by side, each into a folder of its own, whatever the number of workers."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+
+from configs.draw import draw_robot
+from configs.errors import InputError
+from configs.loader import load_section
+from configs.schema.robot import RobotConfig
+from diagnosis.importers.choose import read_measurement
+from diagnosis.measured.case_format import DATA
+from diagnosis.measured.nominal import NOMINAL
+from pipeline.files import write_file
+from pipeline.importers import IMPORTERS
+from pipeline.progress import Report
+from pipeline.units import DiagnoseUnit, Failed, Finished
+from pipeline.workers import AnyEvent, AnyUnit, UnitFailure, run_units
+from pipeline.workspace import STAGES
+
+ONE_THREAD = MappingProxyType({"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"})
+"""Sums of a linear algebra that shares its work among threads depend on their number, and workers fill the cores."""
+
+
+@dataclass(frozen=True)
+class Case:
+    path: Path
+    name: str
+    """Of its folder in the output."""
+
+
+def cases_of(paths: Sequence[Path]) -> list[Case]:
+    """The cases with their names.
+
+    Raises:
+        InputError: Two of them would go into one folder.
+    """
+    found: dict[str, Case] = {}
+    for path in paths:
+        case = Case(path, _name(path))
+        other = found.setdefault(case.name.lower(), case)
+        if other is not case:
+            cure = "diagnose them into two folders"
+            raise InputError(f"another case has the name {case.name}: {other.path}", where=str(path), cure=cure)
+    return list(found.values())
+
+
+def _name(path: Path) -> str:
+    whole = path.absolute()
+    if whole.name in {DATA, NOMINAL}:
+        return whole.parent.name
+    name = whole.stem if path.is_file() else whole.name
+    return f"{name}_" if name in {"", STAGES} else name
+
+
+def nominal_json(name: str | None) -> str:
+    """A robot by name or file as JSON text; empty for none.
+
+    Raises:
+        InputError: There is no such robot, or it is no single one.
+    """
+    if name is None:
+        return ""
+    section = load_section("robot", name, option="--nominal")
+    if section.placed:
+        field = ".".join(map(str, next(iter(section.placed))))
+        cure = "write a number in its place"
+        raise InputError(f"{field}: a nominal robot has no distributions", where=f"--nominal {name}", cure=cure)
+    robot, _ = draw_robot(section, 0, "diagnosis")
+    return robot.model_dump_json()
+
+
+def diagnose_cases(
+    cases: Sequence[Case], importer: str | None, nominal: str, *, out: Path, workers: int, report: Report
+) -> list[UnitFailure]:
+    """Diagnose all cases and return those that failed, in their order.
+
+    Raises:
+        InputError: The only case is bad.
+    """
+    alone = len(cases) == 1
+    units = [
+        DiagnoseUnit(
+            name=case.name,
+            case=case.path,
+            importer=importer,
+            nominal=nominal,
+            folder=folder_of(case, out, alone=alone),
+            alone=alone,
+        )
+        for case in cases
+    ]
+    with report.stage("diagnose", len(units), "cases" if len(units) > 1 else "case") as stage:
+
+        def on_event(unit: AnyUnit, event: AnyEvent) -> None:
+            if isinstance(event, Finished | Failed):
+                stage.update(unit.name, 1.0)
+            if isinstance(event, Failed) and not alone:
+                stage.say(f"{unit.name}: {event.text}")
+
+        failures = run_units(units, workers, on_event, ONE_THREAD)
+    order = [case.name for case in cases]
+    return sorted(failures, key=lambda failure: order.index(failure.unit.name))
+
+
+def folder_of(case: Case, out: Path, *, alone: bool) -> Path:
+    """Where a case's files lie: in `out` itself if it is the only one."""
+    return out if alone else out / case.name
+
+
+def diagnose_into(path: Path, importer: str | None, nominal: str, folder: Path) -> None:
+    """Diagnose one case and put its files in place; those of an earlier diagnosis that it has not are removed.
+
+    Raises:
+        InputError: The case cannot be read, or holds nothing that can be diagnosed.
+    """
+    from diagnosis.diagnose import diagnose  # noqa: PLC0415 - scipy and matplotlib, in the worker alone
+    from diagnosis.report.files import PLOTS, VARIED_FILE, files  # noqa: PLC0415 - as above
+
+    robot = RobotConfig.model_validate_json(nominal) if nominal else None
+    made = files(diagnose(read_measurement(path, IMPORTERS, importer), robot))
+    (folder / PLOTS).mkdir(parents=True, exist_ok=True)
+    for old in (folder / VARIED_FILE, *(folder / PLOTS).iterdir()):
+        if old.relative_to(folder).as_posix() not in made:
+            old.unlink(missing_ok=True)
+    for name, data in made.items():
+        write_file(folder / name, data)
