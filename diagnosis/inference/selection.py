@@ -36,8 +36,10 @@ RESCUE = 9.0
 """Fall that is enough where a model is known to be inadequate and the effect makes it adequate."""
 MOST = 3
 """Effects in a model; with more, names mean little."""
-PROMISING = 5
-"""Candidates that are fitted in each round, at least."""
+PROMISING = 4
+"""Candidates that are fitted in each round, at least, if they promise anything."""
+HOPELESS = 4.0
+"""Expected fall up to which a fit is not worth its time."""
 NEARLY = 0.7
 """Share of the best prospect's fall from which a candidate is fitted too."""
 ROWS = 6.0
@@ -130,8 +132,8 @@ def promising(prospects: Sequence[Prospect]) -> list[Prospect]:
     """Those worth a fit; prospects come best first."""
     if not prospects:
         return []
-    worth = max(NEARLY * prospects[0].drop, 0.0)
-    return [p for k, p in enumerate(prospects) if k < PROMISING or p.drop >= worth]
+    worth = NEARLY * prospects[0].drop
+    return [p for k, p in enumerate(prospects) if p.drop > HOPELESS and (k < PROMISING or p.drop >= worth)]
 
 
 def _fitted(evidence: Evidence, fit: Fit, prospects: Sequence[Prospect]) -> list[Fit]:
