@@ -7,25 +7,60 @@ import numpy as np
 
 from configs.schema.base import Section
 from configs.schema.robot import RobotConfig
+from configs.schema.terms.parameter import Parameter
 from configs.schema.terms.table import Terms
 
 UNPHYSICAL = frozenset({"name", "description"})
 
 
 def alike(robots: Sequence[RobotConfig]) -> list[list[int]]:
-    """Indices of robots that have the same terms with the same choices, and so differ in numbers alone."""
-    found: dict[tuple[object, ...], list[int]] = {}
+    """Indices of robots that can be stacked: none has a term that another has with another choice.
+
+    A term that only some of them have is there for the others with its null value, which changes nothing. Play in the
+    gears is a matter of its own, for it asks for far shorter steps.
+    """
+    found: list[tuple[bool, dict[str, tuple[str, ...]], list[int]]] = []
     for index, robot in enumerate(robots):
-        found.setdefault(_terms_and_choices(robot.terms), []).append(index)
-    return list(found.values())
+        chosen = {name: _choices(values) for name, values in robot.terms.present()}
+        has_play = robot.terms.gear_backlash is not None
+        for with_play, of_group, group in found:
+            if with_play == has_play and all(of_group.get(name, choice) == choice for name, choice in chosen.items()):
+                of_group.update(chosen)
+                group.append(index)
+                break
+        else:
+            found.append((has_play, chosen, [index]))
+    return [group for _, _, group in found]
 
 
-def _terms_and_choices(terms: Terms) -> tuple[object, ...]:
-    return tuple((name, *(value for _, value in values if isinstance(value, str))) for name, values in terms.present())
+def _choices(values: Section) -> tuple[str, ...]:
+    return tuple(value for _, value in values if isinstance(value, str))
+
+
+def _with_same_terms(robots: Sequence[RobotConfig]) -> list[Terms]:
+    """Terms of robots that are alike, each with those of all of them."""
+    some = {name: values for robot in robots for name, values in robot.terms.present()}
+    return [
+        robot.terms.model_copy(
+            update={name: _null(values) for name, values in some.items() if getattr(robot.terms, name) is None}
+        )
+        for robot in robots
+    ]
+
+
+def _null(values: Section) -> Section:
+    """The same term without effect."""
+    numbers = {
+        name: parameter.start if parameter.null is None else parameter.null
+        for name, field in type(values).model_fields.items()
+        for parameter in field.metadata
+        if isinstance(parameter, Parameter)
+    }
+    return values.model_copy(update=numbers)
 
 
 def stacked(robots: Sequence[RobotConfig], axes: int) -> RobotConfig:
-    """One configuration for M robots with the same terms and choices.
+    """One configuration for M robots that are alike.
 
     Args:
         robots: At least one.
@@ -41,14 +76,15 @@ def stacked(robots: Sequence[RobotConfig], axes: int) -> RobotConfig:
     changed = {
         name: _joined([getattr(robot, name) for robot in robots], axes, f"robot.{name}")
         for name in RobotConfig.model_fields
-        if name not in UNPHYSICAL
+        if name not in UNPHYSICAL and name != "terms"
     }
+    changed["terms"] = stacked_terms(robots, axes)
     return robots[0].model_copy(update=changed)
 
 
 def stacked_terms(robots: Sequence[RobotConfig], axes: int) -> Terms:
     """The terms of `stacked` alone."""
-    return _joined([robot.terms for robot in robots], axes, "robot.terms")
+    return _joined(_with_same_terms(robots), axes, "robot.terms")
 
 
 def _joined(values: Sequence[Any], axes: int, path: str) -> Any:  # noqa: ANN401

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from configs.schema.terms.motor import TorqueConstantMismatch
+from configs.schema.terms.drive import TorqueConstantMismatch
 from physics.motor import Motors
 from physics.terms.base import Slot, Term
 

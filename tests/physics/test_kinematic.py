@@ -44,7 +44,7 @@ def in_twin(robot, step_s=0.005):
 
 WORN = (
     motor.CoulombFrictionScale(scale=1.4),
-    motor.TorqueConstantMismatch(mismatch=0.05),
+    drive.TorqueConstantMismatch(mismatch=0.05),
     motor.SupplySag(source_resistance_ohm=0.5),
     motor.BridgeVoltageDrop(drop_V=0.2),
     motor.InputDelay(delay_s=0.03),

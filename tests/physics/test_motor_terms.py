@@ -72,7 +72,7 @@ class TestSteadyStates:
         assert steady(motor, terms.CoulombFrictionScale(scale=1.5), 4.0) == linear(4.0, tc=0.03)
 
     def test_mismatch_is_shared_by_left_and_right(self, motor):
-        motors = RobotModel.from_config(motor.with_term(terms.TorqueConstantMismatch(mismatch=0.1))).motors
+        motors = RobotModel.from_config(motor.with_term(TorqueConstantMismatch(mismatch=0.1))).motors
         assert (motors.left.torque_constant_N_m_A, motors.right.torque_constant_N_m_A) == pytest.approx((0.315, 0.285))
 
     @pytest.mark.parametrize("voltage", [4.0, -1.0])

@@ -46,7 +46,7 @@ class TestMotorsOffLoad:
         [
             (motor.WindingResistanceScale(scale=1.3), 1.3, 1.0, 1.0, 1.0),
             (motor.TorqueConstantScale(scale=0.9), 1.0, 0.9, 1.0, 1.0),
-            (motor.TorqueConstantMismatch(mismatch=0.2), 1.0, 0.9, 1.0, 1.0),
+            (drive.TorqueConstantMismatch(mismatch=0.2), 1.0, 0.9, 1.0, 1.0),
             (motor.ViscousFrictionScale(scale=2.0), 1.0, 1.0, 2.0, 1.0),
             (motor.CoulombFrictionScale(scale=1.8), 1.0, 1.0, 1.0, 1.8),
             (motor.FrictionWarmup(amplitude=0.5, time_constant_s=10_000.0), 1.0, 1.0, 1.0, 1.5),

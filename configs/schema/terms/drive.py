@@ -9,6 +9,11 @@ Side = Literal["left", "right"]
 RangeSensor = Literal["front", "left", "right"]
 
 
+class TorqueConstantMismatch(Section):
+    mismatch: Asymmetry
+    """K_left = K (1 + mismatch/2), K_right = K (1 - mismatch/2)."""
+
+
 class WheelRadiusScale(Section):
     scale: GeometryScale
     """Both radii * scale."""

@@ -16,11 +16,6 @@ class TorqueConstantScale(Section):
     """K_true = scale * K, in torque and back-EMF."""
 
 
-class TorqueConstantMismatch(Section):
-    mismatch: Asymmetry
-    """K_left = K (1 + mismatch/2), K_right = K (1 - mismatch/2)."""
-
-
 class ViscousFrictionScale(Section):
     scale: Scale
     """B_true = scale * B."""

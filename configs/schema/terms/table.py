@@ -22,7 +22,7 @@ class Terms(Section):
 
     winding_resistance_scale: motor.WindingResistanceScale | None = Field(default_factory=absent)
     torque_constant_scale: motor.TorqueConstantScale | None = Field(default_factory=absent)
-    torque_constant_mismatch: motor.TorqueConstantMismatch | None = Field(default_factory=absent)
+    torque_constant_mismatch: drive.TorqueConstantMismatch | None = Field(default_factory=absent)
     viscous_friction_scale: motor.ViscousFrictionScale | None = Field(default_factory=absent)
     coulomb_friction_scale: motor.CoulombFrictionScale | None = Field(default_factory=absent)
     rotor_inertia_scale: motor.RotorInertiaScale | None = Field(default_factory=absent)

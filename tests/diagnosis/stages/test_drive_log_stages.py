@@ -132,7 +132,7 @@ class TestWheels:
         np.testing.assert_allclose(right, self.run_up(late_s=0.073), rtol=1e-9)
 
     def test_a_mismatch_takes_from_one_wheel_what_it_gives_the_other(self, wheels, robot):
-        left, right = means(wheels, robot, motor.TorqueConstantMismatch(mismatch=0.1))
+        left, right = means(wheels, robot, drive.TorqueConstantMismatch(mismatch=0.1))
         for found, k in ((-left, 1.05 * K), (right, 0.95 * K)):
             damping = k * k / R + B
             expected = self.run_up((k * self.U / R - TC) / damping, J / damping)
@@ -386,7 +386,7 @@ SIGNATURES = [
     (range_bench.RangeOffset(offset_m=0.01), {TOF}, set()),
     (motor.WindingResistanceScale(scale=1.15), {WHEELS}, set()),
     (motor.TorqueConstantScale(scale=1.15), {WHEELS}, set()),
-    (motor.TorqueConstantMismatch(mismatch=0.1), {WHEELS}, set()),
+    (drive.TorqueConstantMismatch(mismatch=0.1), {WHEELS}, set()),
     (motor.ViscousFrictionScale(scale=1.5), {WHEELS}, set()),
     (motor.CoulombFrictionScale(scale=1.3), {WHEELS}, set()),
     (motor.RotorInertiaScale(scale=1.15), {WHEELS}, set()),
