@@ -59,9 +59,14 @@ class Driveline:
         return bool(self._actuator)
 
     @property
+    def adds_torque(self) -> bool:
+        """Whether terms can change the torque of the bare windings."""
+        return bool(self._bridge or self._supply or self._limit)
+
+    @property
     def is_bare(self) -> bool:
         """Whether torque and friction are those of the bare motors, at any speed and time."""
-        return not (self._bridge or self._supply or self._limit or self._friction)
+        return not (self.adds_torque or self._friction)
 
     def voltage_V(
         self, held_V: Array, command_V: Array, time_s: float | Array, duration_s: float
@@ -105,7 +110,7 @@ class Driveline:
 
     def extra_torque_N_m(self, voltage_V: Array, speed_rad_s: Array) -> Array:
         """By terms, on top of that of the bare winding at this voltage and speed."""
-        if not (self._bridge or self._supply or self._limit):
+        if not self.adds_torque:
             return np.zeros_like(speed_rad_s)
         bare_A = (voltage_V - self.torque_constant_N_m_A * speed_rad_s) / self.resistance_ohm
         return self.torque_constant_N_m_A * (self.current_A(voltage_V, speed_rad_s) - bare_A)

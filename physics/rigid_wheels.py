@@ -42,8 +42,11 @@ class RigidWheels:
         torque_ahead, friction_ahead = self._loads(part.voltage_V, stall, ahead, part.begin_s + part.duration_s)
         both = self._held(0.5 * (torque + torque_ahead), 0.5 * (friction + friction_ahead))
         speed, angle = both.step(speed_rad_s, part.duration_s)
-        rough = np.abs(speed - ahead) > TOLERANCE_RAD_S + TOLERANCE * np.abs(speed)
-        if not deeper or not rough.any():
+        off = np.abs(speed - ahead)
+        if not deeper or off.max() <= TOLERANCE_RAD_S:
+            return speed, angle
+        rough = off > TOLERANCE_RAD_S + TOLERANCE * np.abs(speed)
+        if not rough.any():
             return speed, angle
         fine_speed, fine_angle = speed_rad_s, np.zeros(())
         duration_s = part.duration_s / PARTS
@@ -55,5 +58,6 @@ class RigidWheels:
 
     def _loads(self, voltage_V: Array, stall: Array, speed_rad_s: Array, time_s: Array) -> tuple[Array, Array]:
         """Torque at rest and dry friction [N m]."""
-        torque = stall + self._driveline.extra_torque_N_m(voltage_V, speed_rad_s)
-        return torque, self._driveline.friction_N_m(torque, speed_rad_s, time_s)
+        driveline = self._driveline
+        torque = stall + driveline.extra_torque_N_m(voltage_V, speed_rad_s) if driveline.adds_torque else stall
+        return torque, driveline.friction_N_m(torque, speed_rad_s, time_s)

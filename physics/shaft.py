@@ -1,5 +1,6 @@
 """Rotor and gearbox of a motor on a bench, as one mass or as two with play between them."""
 
+from math import ceil
 from typing import Protocol
 
 import numpy as np
@@ -14,7 +15,9 @@ from physics.two_mass import Load, TwoMass
 
 Array = NDArray[np.float64]
 
-SUBSTEP_S = 1e-4
+LONGEST_S, SHARE = 5e-3, 0.25
+"""Longest step with play, in which the sides meet or part at most once; also in time constants of the motor side.
+At 5 ms speeds are within 0.006 rad/s of those at 0.02 ms, for a motor of 60 ms and a gap of 0.05 rad."""
 
 
 class Shaft(Protocol):
@@ -42,9 +45,11 @@ class PlayingShaft:
         self._driveline = driveline
         self._config = model.config.motor
         self._play = model.effects(Slot.GEARBOX)
+        motor_side = model.config.motor.motor_side_inertia_fraction * driveline.inertia_kg_m2
+        self._longest_s = min(LONGEST_S, SHARE * float(np.min(motor_side / driveline.damping_N_m_s_rad)))
 
     def moved(self, part: HeldPart, state: TwoMass) -> TwoMass:
-        substeps = max(1, round(float(np.max(part.duration_s)) / SUBSTEP_S))
+        substeps = max(1, ceil(float(np.max(part.duration_s)) / self._longest_s - 1e-9))
         duration_s = part.duration_s / substeps
         for k in range(substeps):
             state = self._step(part.voltage_V, state, part.begin_s + k * duration_s, duration_s)

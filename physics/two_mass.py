@@ -5,7 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from physics.motor_arrays import HeldDrive
+
 Array = NDArray[np.float64]
+
+LEAST_DAMPING_N_M_S_RAD = 1e-12
+"""Stands for none."""
 
 
 @dataclass(frozen=True)
@@ -26,12 +31,11 @@ class Load:
     friction_N_m: Array
     inertia_kg_m2: Array
 
-    def moved(self, speed_rad_s: Array, duration_s: float) -> Array:
-        """Speed after a short step, damping taken at its end; friction stops a mass and never turns it round."""
-        heavier = self.inertia_kg_m2 + duration_s * self.damping_N_m_s_rad
-        free: Array = (self.inertia_kg_m2 * speed_rad_s + duration_s * self.torque_N_m) / heavier
-        grip: Array = duration_s * self.friction_N_m / heavier
-        return np.copysign(np.maximum(np.abs(free) - grip, 0.0), free)
+    def moved(self, speed_rad_s: Array, duration_s: float | Array) -> tuple[Array, Array]:
+        """Speed [rad/s] after a while and angle [rad] turned meanwhile; exact, through a stop and a start."""
+        damping = np.maximum(self.damping_N_m_s_rad, LEAST_DAMPING_N_M_S_RAD)
+        held = HeldDrive(self.torque_N_m, damping, self.friction_N_m, self.inertia_kg_m2)
+        return held.step(speed_rad_s, duration_s)
 
     def __add__(self, other: "Load") -> "Load":
         """Both as one mass."""

@@ -46,8 +46,8 @@ def counted_turns(model: RobotModel, voltage_V: Array, row_s: float, begin_s: Ar
 
 
 SOLVED_AFTER = 16
-"""Steps in which the share that is counted is found for a speed that is not known; with a tenth lost, each leaves a third
-of the error or less."""
+"""Steps in which the share that is counted is found for an unknown speed; with a tenth lost, each leaves a third of the
+error or less."""
 
 
 def uncounted(model: RobotModel, counted_rad: Array, row_s: Array) -> Array:

@@ -3,19 +3,32 @@
 import numpy as np
 
 from configs.schema.terms.motor import GearBacklash
+from physics.motion import Array
 from physics.terms.base import Slot, Term
 from physics.two_mass import Load, TwoMass
 
 
-def played(values: GearBacklash, state: TwoMass, motor: Load, load: Load, duration_s: float) -> TwoMass:
-    """One short step (0.1 ms is fine). Sides move as one while they push each other; contact is inelastic."""
+def played(values: GearBacklash, state: TwoMass, motor: Load, load: Load, duration_s: float | Array) -> TwoMass:
+    """One step in which the sides meet at most once: apart, then, with the momentum of both, as one.
+
+    The moment at which they meet is that of relative motion at its mean speed over the step; contact is inelastic.
+    """
     half = 0.5 * values.gap_rad
-    motor_rad_s, load_rad_s = motor.moved(state.motor_rad_s, duration_s), load.moved(state.load_rad_s, duration_s)
-    slack_rad = state.slack_rad + duration_s * (motor_rad_s - load_rad_s)
-    pushing = (np.abs(slack_rad) >= half) & ((motor_rad_s - load_rad_s) * np.sign(slack_rad) >= 0.0)
-    both = motor + load
-    momentum = motor.inertia_kg_m2 * state.motor_rad_s + load.inertia_kg_m2 * state.load_rad_s
-    together = both.moved(momentum / both.inertia_kg_m2, duration_s)
+    motor_rad_s, motor_rad = motor.moved(state.motor_rad_s, duration_s)
+    load_rad_s, load_rad = load.moved(state.load_rad_s, duration_s)
+    gained_rad = motor_rad - load_rad
+    slack_rad = state.slack_rad + gained_rad
+    side = np.sign(slack_rad)
+    pushing = np.abs(slack_rad) >= half
+    if not pushing.any():
+        return TwoMass(motor_rad_s, load_rad_s, slack_rad)
+    nearer = np.where(gained_rad == 0.0, 1.0, gained_rad)
+    apart = np.clip((half * side - state.slack_rad) / nearer, 0.0, 1.0)
+    at_contact = (
+        motor.inertia_kg_m2 * (state.motor_rad_s + apart * (motor_rad_s - state.motor_rad_s))
+        + load.inertia_kg_m2 * (state.load_rad_s + apart * (load_rad_s - state.load_rad_s))
+    ) / (motor.inertia_kg_m2 + load.inertia_kg_m2)
+    together, _ = (motor + load).moved(at_contact, (1.0 - apart) * duration_s)
     return TwoMass(
         np.where(pushing, together, motor_rad_s),
         np.where(pushing, together, load_rad_s),

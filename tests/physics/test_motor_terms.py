@@ -222,7 +222,7 @@ class TestStepResponses:
         load = Load(nothing, nothing, nothing, mass)
         before = TwoMass(np.array([4.0]), np.array([8.0]), np.array([0.05]))
         after = played(terms.GearBacklash(gap_rad=0.1), before, load, load, 1e-3)
-        assert (after.motor_rad_s[0], after.load_rad_s[0]) == (4.0, 8.0)
+        assert (after.motor_rad_s[0], after.load_rad_s[0]) == pytest.approx((4.0, 8.0))
         assert after.slack_rad[0] == pytest.approx(0.046)
 
     def test_a_tiny_gap_is_a_rigid_gearbox(self, motor):

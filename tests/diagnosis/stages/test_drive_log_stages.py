@@ -448,4 +448,5 @@ def test_many_robots_at_once_are_each_of_them_alone(tour, robot):
         for k in range(0, len(robots), 3):
             for many, alone in zip(together, stage.predict([robots[k]]), strict=True):
                 np.testing.assert_allclose(many.mean[k], alone.mean[0], rtol=1e-9, atol=1e-9)
-                np.testing.assert_allclose(np.broadcast_to(many.sd, many.mean.shape)[k], alone.sd, rtol=1e-9)
+                sd = np.broadcast_to(many.sd, many.mean.shape)[k]
+                np.testing.assert_allclose(sd, np.broadcast_to(alone.sd, alone.mean.shape)[0], rtol=1e-9)

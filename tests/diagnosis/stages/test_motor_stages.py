@@ -8,7 +8,7 @@ import pytest
 from configs.draw import draw_robot
 from configs.errors import InputError
 from configs.loader import load_section
-from configs.schema.terms.motor import FrictionWarmup, InputDelay, SpeedTimeOffset, StribeckFriction
+from configs.schema.terms.motor import FrictionWarmup, GearBacklash, InputDelay, SpeedTimeOffset, StribeckFriction
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.nominal import NominalSteady, NominalStep
@@ -19,6 +19,7 @@ from physics.trajectory import TimeSeries
 from sensors.terms import SENSOR_TERMS
 
 TERMS = (*PHYSICS_TERMS, *SENSOR_TERMS)
+ROWS_S = 0.005 * np.arange(1, 201)
 R, K, B, TC, J = 3.0, 0.3, 0.002, 0.02, 0.003
 DAMPING = K * K / R + B
 TAU_S = J / DAMPING
@@ -217,10 +218,38 @@ def test_a_late_speed_log_is_interpolated_along_the_samples(robot):
     np.testing.assert_allclose(speed.mean[0], found, rtol=1e-9, atol=1e-12)
 
 
-def test_terms_of_friction_come_to_the_same_at_rows_of_any_length(robot):
-    """Stribeck friction through a start, a stop and a reversal: rows of 5 ms against rows of 0.25 ms."""
-    sticky = robot.with_term(StribeckFriction(extra_torque_N_m=0.01, stribeck_speed_rad_s=1.5))
-    voltage = np.repeat([0.5, 4.0, 0.0, -3.0, 2.0], 40)
-    (long,) = predict(Kind.MOTOR_STEP, sticky, trial("1", 0.005 * np.arange(1, 201), voltage))
-    (short,) = predict(Kind.MOTOR_STEP, sticky, trial("1", 0.00025 * np.arange(1, 4001), np.repeat(voltage, 20)))
-    np.testing.assert_allclose(long["omega_rad_s"], short["omega_rad_s"][19::20], atol=0.004)
+@pytest.mark.parametrize(
+    "term", [StribeckFriction(extra_torque_N_m=0.01, stribeck_speed_rad_s=1.5), GearBacklash(gap_rad=0.08)]
+)
+def test_rows_of_5_ms_come_to_the_same_as_much_shorter_ones(robot, term):
+    """Through a start, a stop and a reversal, within a tenth of the noise."""
+    changed, voltage = robot.with_term(term), np.repeat([0.5, 4.0, 0.0, -3.0, 2.0], 30)
+    (long,) = predict(Kind.MOTOR_STEP, changed, trial("1", 0.005 * np.arange(1, 151), voltage))
+    (short,) = predict(Kind.MOTOR_STEP, changed, trial("1", 0.0005 * np.arange(1, 1501), np.repeat(voltage, 10)))
+    np.testing.assert_allclose(long["omega_rad_s"], short["omega_rad_s"][9::10], atol=0.01)
+
+
+def test_the_load_lets_a_gearbox_with_play_catch_up(robot):
+    """Two masses and a gap by the definition, in explicit steps of 10 microseconds: run-up, brake, reversal."""
+    gap, voltage = 0.06, np.repeat([4.0, 0.0, -3.0], 24)
+    (found,) = predict(Kind.MOTOR_STEP, robot.with_term(GearBacklash(gap_rad=gap)), trial("1", ROWS_S[:72], voltage))
+    h, side_j, side_f = 1e-5, (0.6 * J, 0.4 * J), 0.5
+    motor = load = slack = 0.0
+    expected = []
+    for u in voltage:
+        for _ in range(500):
+            torque = K * (u - K * motor) / R
+            speeds = []
+            for speed, drive, j in ((motor, torque, side_j[0]), (load, 0.0, side_j[1])):
+                after = speed + h * (drive - side_f * B * speed) / j
+                grip = h * side_f * TC / j
+                speeds.append(math.copysign(max(abs(after) - grip, 0.0), after))
+            after = slack + h * (speeds[0] - speeds[1])
+            if abs(after) >= gap / 2 and (speeds[0] - speeds[1]) * after >= 0.0:
+                joint = side_j[0] / J * motor + side_j[1] / J * load
+                moved = joint + h * (torque - B * joint) / J
+                both = math.copysign(max(abs(moved) - h * TC / J, 0.0), moved)
+                speeds, after = [both, both], math.copysign(gap / 2, after)
+            (motor, load), slack = speeds, after
+        expected.append(motor)
+    np.testing.assert_allclose(found["omega_rad_s"], expected, atol=0.02)
