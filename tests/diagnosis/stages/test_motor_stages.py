@@ -8,7 +8,7 @@ import pytest
 from configs.draw import draw_robot
 from configs.errors import InputError
 from configs.loader import load_section
-from configs.schema.terms.motor import FrictionWarmup, InputDelay, SpeedTimeOffset, StribeckFriction
+from configs.schema.terms.motor import CurrentSensorGain, FrictionWarmup, InputDelay, SpeedTimeOffset, StribeckFriction
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.nominal import NominalSteady, NominalStep
@@ -185,6 +185,16 @@ def test_many_robots_at_once_are_each_of_them_alone(robot, kind):
     for k, one in enumerate(robots):
         for many, alone in zip(together, stage.predict([one]), strict=True):
             np.testing.assert_allclose(many.mean[k], alone.mean[0], rtol=1e-9, atol=1e-9, err_msg=str(one.terms))
+
+
+@pytest.mark.parametrize("kind", [Kind.MOTOR_STEADY, Kind.MOTOR_STEP])
+def test_robots_that_only_read_differently_move_as_one(robot, kind):
+    t = 0.005 * np.arange(1, 61)
+    logs = trial("1", t, np.full(60, 4.0)), trial("2", t, np.full(60, -3.0), 30.0)
+    gains = (1.0, 1.1, 0.8)
+    current, _ = bound(kind, robot, *logs).predict([robot.with_term(CurrentSensorGain(gain=gain)) for gain in gains])
+    for mean, gain in zip(current.mean, gains, strict=True):
+        np.testing.assert_allclose(mean, gain * current.mean[0], rtol=1e-12)
 
 
 def central_slopes(stage, robots_of, value, step):
