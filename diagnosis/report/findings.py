@@ -9,7 +9,7 @@ import numpy as np
 from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis
 from diagnosis.extended_robot import ExtendedRobot, extended_robot
-from diagnosis.inference.adequacy import Structure, adequacy
+from diagnosis.inference.adequacy import LEVEL, Structure, adequacy
 from diagnosis.inference.evidence import Evidence
 from diagnosis.inference.fit import Fit, fits
 from diagnosis.inference.gain import Gain, gain
@@ -77,12 +77,13 @@ def calibrated(diagnosis: Diagnosis) -> RobotConfig:
 
 
 def _best(evidence: Evidence, fit: Fit) -> Iterator[Structure]:
-    """The most telling structure of each observed quantity that has any covariate."""
+    """Of each observed quantity, the covariate that takes most of what is left; else the one least due to chance."""
     found = adequacy(evidence, fit).structures
     for of in evidence.observed:
         own = [structure for structure in found if structure.observed == of.name]
+        sure = [structure for structure in own if structure.p < LEVEL]
         if own:
-            yield own[0]
+            yield max(sure, key=lambda structure: structure.explainable) if sure else own[0]
 
 
 def _without(diagnosis: Diagnosis) -> Iterator[Without]:

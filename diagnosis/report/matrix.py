@@ -18,8 +18,8 @@ def matrix(found: Findings) -> Iterator[Html]:
     signatures = found.signatures
     told = (
         "Each effect switched on at the size in the second column: how far it moves each quantity on average, in "
-        "sigmas of the noise (× is a factor on the noise itself). The last column is the distance from nothing, of the first "
-        "number, from which rows like these would name it, were it alone; what the tolerances of the nominal "
+        "sigmas of the noise (× is a factor on the noise itself). The last column is the distance from nothing, of the "
+        "first number, from which rows like these would name it, were it alone; what the tolerances of the nominal "
         "parameters can take up does not count."
     )
     yield tag("p", told, class_="note")

@@ -26,7 +26,11 @@ def misfit_picture(found: Findings, k: int) -> bytes:
     if found.diagnosis.named:
         models.append(("extended", AFTER, 2))
     panels = 1 + len(models)
-    figure = Figure(figsize=(SIZE_IN[0] * panels, SIZE_IN[1]), layout="constrained")
+    is_map = covariate is not None and covariate.second is not None
+    figure = Figure(figsize=(SIZE_IN[0] * panels, SIZE_IN[1]), layout="constrained" if is_map else None)
+    if not is_map:  # the layout engine takes as long as all the drawing
+        side = 0.62 / (SIZE_IN[0] * panels)
+        figure.subplots_adjust(left=side, right=1.0 - 0.2 * side, bottom=0.17, top=0.9, wspace=0.24)
     axes = figure.subplots(1, panels, squeeze=False)[0]
     last = models[-1]
     _values(axes[0], of, [found.means[0][place], found.means[last[2]][place]], last, found.z[1][place])

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from configs.schema.terms import motor as terms
+from configs.schema.terms.drive import TorqueConstantMismatch
 from physics.driveline import Driveline
 from physics.motor_bench import steady_states, step_responses
 from physics.robot_model import RobotModel

@@ -1,6 +1,7 @@
 """Predictions of the motor's stages against closed forms."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,14 +9,24 @@ import pytest
 from configs.draw import draw_robot
 from configs.errors import InputError
 from configs.loader import load_section
-from configs.schema.terms.motor import FrictionWarmup, GearBacklash, InputDelay, SpeedTimeOffset, StribeckFriction
+from configs.schema.terms import drive, motor
+from configs.schema.terms.motor import (
+    CurrentSensorGain,
+    FrictionWarmup,
+    GearBacklash,
+    InputDelay,
+    SpeedTimeOffset,
+    StribeckFriction,
+)
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.nominal import NominalSteady, NominalStep
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.stages import STAGES
 from physics.terms import PHYSICS_TERMS
+from physics.terms import PHYSICS_TERMS
 from physics.trajectory import TimeSeries
+from sensors.terms import SENSOR_TERMS
 from sensors.terms import SENSOR_TERMS
 
 TERMS = (*PHYSICS_TERMS, *SENSOR_TERMS)
@@ -188,6 +199,16 @@ def test_many_robots_at_once_are_each_of_them_alone(robot, kind):
             np.testing.assert_allclose(many.mean[k], alone.mean[0], rtol=1e-9, atol=1e-9, err_msg=str(one.terms))
 
 
+@pytest.mark.parametrize("kind", [Kind.MOTOR_STEADY, Kind.MOTOR_STEP])
+def test_robots_that_only_read_differently_move_as_one(robot, kind):
+    t = 0.005 * np.arange(1, 61)
+    logs = trial("1", t, np.full(60, 4.0)), trial("2", t, np.full(60, -3.0), 30.0)
+    gains = (1.0, 1.1, 0.8)
+    current, _ = bound(kind, robot, *logs).predict([robot.with_term(CurrentSensorGain(gain=gain)) for gain in gains])
+    for mean, gain in zip(current.mean, gains, strict=True):
+        np.testing.assert_allclose(mean, gain * current.mean[0], rtol=1e-12)
+
+
 def central_slopes(stage, robots_of, value, step):
     """Derivative of the predicted speeds by a parameter, by two widths of step."""
     found = []
@@ -253,3 +274,24 @@ def test_the_load_lets_a_gearbox_with_play_catch_up(robot):
             (motor, load), slack = speeds, after
         expected.append(motor)
     np.testing.assert_allclose(found["omega_rad_s"], expected, atol=0.02)
+
+
+@pytest.mark.parametrize("kind", [Kind.MOTOR_STEADY, Kind.MOTOR_STEP])
+def test_robots_of_different_terms_in_one_pass_are_each_as_alone(robot, carrier, kind):
+    terms = [
+        *(term.start() for term in (*PHYSICS_TERMS, *SENSOR_TERMS) if term.parameters.__module__ == motor.__name__),
+        drive.TorqueConstantMismatch(mismatch=0.1),
+    ]
+    robots = [robot, *(robot.with_term(values) for values in terms)]
+    t, voltage = 0.005 * np.arange(1, 121), np.repeat([0.0, 4.0, -3.0, 0.3, 0.0, 6.0], 20)
+    measurement = Measurement("m", kind, Source("made here", ()), (trial("1", t, voltage),))
+    readings = tuple(
+        Channel.logged(TimeSeries(name, unit, t, np.zeros(120)), Role.READING)
+        for name, unit in (("current_A", "A"), ("omega_rad_s", "rad/s"))
+    )
+    whole = replace(measurement.trials[0], channels=(*measurement.trials[0].channels, *readings))
+    (stage,) = STAGES[kind](replace(measurement, trials=(whole,)), robot)
+    together = stage.predict(robots)
+    for k, one in enumerate(robots):
+        for many, alone in zip(together, stage.predict([one]), strict=True):
+            np.testing.assert_allclose(many.mean[k], alone.mean[0], rtol=1e-6, atol=1e-6, err_msg=str(one.terms))

@@ -1,0 +1,130 @@
+"""The robot files of a diagnosis: what they say is what was fitted, and what no drive can have stays out."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from configs.draw import draw_robot
+from configs.loader import load_section
+from diagnosis.diagnose import Named
+from diagnosis.extended_robot import FILE, VARIED_FILE, extended_robot
+from diagnosis.inference.fit import Fit
+from diagnosis.inference.hypothesis import Effect, Hypothesis
+from diagnosis.inference.rivals import Standing
+from physics.motor_bench import steady_states
+from physics.robot_model import RobotModel
+from physics.terms import PHYSICS_TERMS
+from sensors.terms import SENSOR_TERMS
+
+TERMS = {term.name: term for term in (*PHYSICS_TERMS, *SENSOR_TERMS)}
+
+
+@pytest.fixture
+def loaded(tmp_path):
+    """The robot of a file, drawn, beside the file that it builds on."""
+
+    def load(robot, name=FILE, seed=0):
+        (tmp_path / FILE).write_text(robot.text)
+        (tmp_path / VARIED_FILE).write_text(robot.varied_text)
+        return draw_robot(load_section("robot", str(tmp_path / name)), seed, "test")[0]
+
+    return load
+
+
+def with_effect(diagnosis, name, choices=(), **values):
+    """The diagnosis as if it had named this effect and nothing else."""
+    effect = Effect(TERMS[name], choices)
+    hypothesis = Hypothesis(diagnosis.nominal, (), (effect,))
+    x = np.array([c.coordinate(values[c.name]) for c in effect.coordinates])
+    nothing = np.zeros((len(x), len(diagnosis.evidence.values)))
+    fit = Fit(hypothesis, x, 0.0, nothing[0], nothing[0] + 1.0, nothing, nothing, 1e4 * np.eye(len(x)))
+    named = Named(effect, dict(hypothesis.values(effect, x)), fit.std(effect), Standing(effect, 0.9, ()))
+    return replace(diagnosis, fit=fit, named=(named,))
+
+
+def test_the_file_reads_back_as_the_robot_that_was_fitted(diagnosis_of, loaded):
+    diagnosis = diagnosis_of("weak")
+    robot = extended_robot(diagnosis)
+    found = loaded(robot)
+    assert found == robot.config
+    assert found.motor.winding_resistance_ohm == pytest.approx(
+        diagnosis.extended.motor.winding_resistance_ohm, rel=1e-6
+    )
+    assert found.terms.torque_constant_scale.scale == pytest.approx(diagnosis.named[0].values["scale"], rel=1e-6)
+
+
+def test_the_robot_of_the_file_turns_as_the_real_one(diagnosis_of, loaded):
+    """A weaker magnet runs faster off load: (K u / R - Tc) / (K^2 / R + B) with the real K of 0.27."""
+    model = RobotModel.from_config(loaded(extended_robot(diagnosis_of("weak"))))
+    _, speed = steady_states(model, np.array([2.0, 5.0]), np.zeros(2))
+    expected = [(0.27 * volts / 3.0 - 0.02) / (0.27**2 / 3.0 + 0.002) for volts in (2.0, 5.0)]
+    np.testing.assert_allclose(speed, expected, atol=0.04)
+
+
+def test_each_number_says_where_it_comes_from(diagnosis_of):
+    text = extended_robot(diagnosis_of("weak")).text
+    for line in text.splitlines():
+        if line.startswith(" ") and not line.endswith(":"):
+            assert "  # " in line, line
+    assert "# named by the diagnosis; standard error 0.006" in text
+    assert "nominal 0.3, tolerance 0.002; fitted " in text
+
+
+def test_the_varied_robot_is_drawn_about_the_fitted_one(diagnosis_of, loaded):
+    robot = extended_robot(diagnosis_of("weak"))
+    scales = [loaded(robot, VARIED_FILE, seed).terms.torque_constant_scale.scale for seed in range(8)]
+    fitted = robot.config.terms.torque_constant_scale.scale
+    std = diagnosis_of("weak").named[0].std["scale"]
+    assert len(set(scales)) == 8
+    assert max(abs(scale - fitted) for scale in scales) < 3.0 * std
+    assert loaded(robot, VARIED_FILE, 1).motor == robot.config.motor
+
+
+def test_a_diagnosis_without_effects_varies_nothing(diagnosis_of, loaded):
+    robot = extended_robot(diagnosis_of("plain"))
+    assert robot.varied_text == ""
+    assert list(loaded(robot).terms.present()) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "choices", "values", "why"),
+    [
+        ("gear_backlash", (), {"gap_rad": 0.05}, "one mass"),
+        ("material_bias", (("material", "felt"),), {"offset_m": 0.01}, "no such surface"),
+    ],
+)
+def test_what_no_drive_can_have_is_left_out_and_said(diagnosis_of, loaded, name, choices, values, why):
+    robot = extended_robot(with_effect(diagnosis_of("plain"), name, choices, **values))
+    assert [gone.name for gone in robot.left_out] == [name]
+    assert why in robot.left_out[0].why
+    assert f"# LEFT OUT, for no drive can simulate it: {name} (" in robot.text
+    assert getattr(loaded(robot).terms, name) is None
+    assert robot.varied_text == ""
+
+
+def test_a_number_at_its_bound_is_within_it_when_read_back(diagnosis_of, loaded):
+    """exp(log(100)) is 100.00000000000004, and a saturation at 100 m the highest."""
+    robot = extended_robot(with_effect(diagnosis_of("plain"), "range_saturation", saturation_m=100.0))
+    assert math.exp(math.log(100.0)) > 100.0
+    assert loaded(robot).terms.range_saturation.saturation_m == 100.0
+    assert loaded(robot, VARIED_FILE).terms.range_saturation.saturation_m <= 100.0
+
+
+def test_a_robot_that_cannot_turn_is_said_to_be_none(diagnosis_of):
+    robot = extended_robot(with_effect(diagnosis_of("plain"), "viscous_friction_scale", scale=2.0))
+    assert robot.problem == ""
+    stuck = diagnosis_of("plain")
+    motor = stuck.nominal.motor.model_copy(update={"coulomb_friction_N_m": 5.0})
+    bad = replace(stuck, nominal=stuck.nominal.model_copy(update={"motor": motor}))
+    found = extended_robot(with_effect(bad, "viscous_friction_scale", scale=2.0))
+    assert "cannot overcome its friction" in found.problem
+    assert "# NOT YET A ROBOT THAT DRIVES: robot.motor.coulomb_friction_N_m" in found.text
+
+
+@pytest.mark.parametrize("name", ["a b/c", "<b>", "...", "x" * 200])
+def test_any_name_of_a_case_makes_a_robot_that_loads(diagnosis_of, loaded, name):
+    diagnosis = diagnosis_of("plain")
+    named = replace(diagnosis, measurement=replace(diagnosis.measurement, name=name))
+    assert loaded(extended_robot(named)).motor == extended_robot(diagnosis).config.motor

@@ -1,0 +1,102 @@
+"""The page: it stands alone, is well formed whatever is written in the data, and says what was found."""
+
+import json
+import re
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+
+import pytest
+
+from diagnosis.extended_robot import FILE
+from diagnosis.report.files import ANSWER, PAGE, REASONING, SUMMARY
+from diagnosis.report.page import page
+
+BENCHES = ("weak", "plain", "bumped")
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+def text_of(html):
+    return " ".join("".join(ET.fromstring(html).itertext()).split())  # noqa: S314 - our own page
+
+
+@pytest.mark.parametrize("name", BENCHES)
+def test_the_page_is_well_formed_and_asks_nobody_for_anything(files_of, name):
+    html = files_of(name)[PAGE].decode()
+    root = ET.fromstring(html)  # noqa: S314 - our own page
+    for element in root.iter():
+        assert element.tag not in {"script", "link", "iframe", "object", "form", "base"}
+        links = {key: value for key, value in element.attrib.items() if key in {"src", "href", "action", "data"}}
+        assert all(value.startswith("data:image/png;base64,") for value in links.values())
+        assert not any(key.startswith("on") for key in element.attrib)
+    assert re.search(r"https?:|//|@import|url\(", re.sub(r"base64,[^\"]*", "", html)) is None
+
+
+@pytest.mark.parametrize("name", BENCHES)
+def test_every_picture_says_in_words_what_it_shows(files_of, name):
+    pictures = list(ET.fromstring(files_of(name)[PAGE].decode()).iter("img"))  # noqa: S314 - our own page
+    plots = {path for path in files_of(name) if path.startswith("plots/")}
+    assert len(pictures) == len(plots) >= 3
+    assert all(len(picture.attrib["alt"]) > 10 for picture in pictures)
+    assert all(files_of(name)[path].startswith(PNG) for path in plots)
+
+
+def test_an_effect_is_told_with_value_cause_and_gain(files_of, diagnosis_of):
+    told = text_of(files_of("weak")[PAGE].decode())
+    (named,) = diagnosis_of("weak").named
+    assert named.name == "torque_constant_scale"
+    assert "The real robot differs from the nominal one by torque_constant_scale." in told
+    assert f"scale = {named.values['scale']:.4f} ± " in told
+    assert "It comes of: another or an aged magnet, another gear ratio." in told
+    assert "On rows that nothing was fitted to, the error falls from " in told
+    assert "but moves parameters further than their tolerances allow" in told
+
+
+def test_what_has_no_name_is_told_with_channel_covariate_and_picture(files_of, diagnosis_of):
+    told = text_of(files_of("bumped")[PAGE].decode())
+    left = diagnosis_of("bumped").unexplained
+    assert left.channel == "current_A"
+    assert f"What is left in current_A has structure along predicted {left.covariate}" in told
+    assert "plots/unexplained.png" in files_of("bumped")
+
+
+def test_a_bench_without_effects_says_so(files_of):
+    told = text_of(files_of("plain")[PAGE].decode())
+    assert "The nominal simulation explains these data, within the tolerances of its parameters." in told
+    assert "plots/unexplained.png" not in files_of("plain")
+
+
+def test_effects_that_cannot_show_in_steady_states_are_listed(files_of):
+    told = text_of(files_of("plain")[PAGE].decode())
+    assert re.search(r"nothing is said of: [^.]*rotor_inertia_scale, [^.]*gear_backlash", told)
+
+
+HOSTILE = "<b>\"&'</td><script>alert(1)</script>"
+
+
+def test_markup_in_the_data_is_text(findings_of, files_of):
+    found = findings_of("weak")
+    measurement = found.diagnosis.measurement
+    source = replace(measurement.source, origin=HOSTILE, files=(f"{HOSTILE}.csv",), licence=HOSTILE)
+    hostile = replace(measurement, name=HOSTILE, source=source, notes=(HOSTILE,))
+    pictures = {name[6:-4]: data for name, data in files_of("weak").items() if name.startswith("plots/")}
+    html = page(replace(found, diagnosis=replace(found.diagnosis, measurement=hostile)), pictures)
+    assert {element.tag for element in ET.fromstring(html).iter()}.isdisjoint({"b", "script"})  # noqa: S314 - our own page
+    assert text_of(html).count("alert(1)") >= 4
+
+
+def test_the_answer_is_that_of_the_format(files_of):
+    answer = json.loads(files_of("weak")[ANSWER])
+    (effect,) = answer["effects"]
+    assert effect.keys() == {"name", "parameters", "std", "confidence", "ambiguous_with"}
+    assert effect["parameters"]["scale"] == pytest.approx(0.9, abs=3 * effect["std"]["scale"])
+    assert answer["unexplained"] is False
+    assert answer["heldout_gain_ci"][0] <= answer["heldout_gain"] <= answer["heldout_gain_ci"][1]
+
+
+@pytest.mark.parametrize("name", BENCHES)
+def test_texts_fit_a_terminal(files_of, name):
+    summary = files_of(name)[SUMMARY].decode()
+    assert max(map(len, summary.splitlines())) <= 120
+    assert summary.isascii()
+    assert "Selection: " in files_of(name)[REASONING].decode()
+    assert files_of(name)[FILE].startswith(b"# The robot that symolo diagnose fitted to ")

@@ -1,0 +1,87 @@
+"""`symolo diagnose`: what is written and printed, side by side and alone, and what is refused."""
+
+import json
+
+import pytest
+
+from configs.loader import load_scenario
+
+
+@pytest.fixture(scope="module")
+def benches(motor_bench_case, tmp_path_factory):
+    root = tmp_path_factory.mktemp("benches")
+    motor_bench_case(root / "weak", strength=0.9)
+    motor_bench_case(root / "plain")
+    motor_bench_case(root / "broken")
+    data = root / "broken" / "data.csv"
+    data.write_text(data.read_text().replace("\n5,1,", "\n5,one,"))
+    return root
+
+
+def bytes_of(folder):
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file() and ".stages" not in path.parts
+    }
+
+
+def test_a_bad_case_is_named_and_the_others_are_finished_as_if_alone(symolo, benches, tmp_path):
+    many, one = tmp_path / "many", tmp_path / "one"
+    names = ("weak", "broken", "plain")
+    ended = symolo("diagnose", *(benches / name for name in names), "--out", many, "--workers", 2)
+    assert ended.code == 3
+    assert "broken/data.csv: row 6: column sweep" in ended.err
+    assert "Traceback" not in ended.err
+    lines = ended.out.splitlines()
+    assert [line.split()[0] for line in lines[1:4]] == ["weak", "broken", "plain"]
+    assert "torque_constant_scale" in lines[1]
+    assert lines[2].endswith("FAILED, see above")
+    assert lines[3].endswith("nothing")
+    assert not (many / "broken").exists()
+
+    alone = symolo("diagnose", benches / "weak", "--out", one, "--explain")
+    assert alone.code == 0
+    assert bytes_of(one) == bytes_of(many / "weak")
+    told = bytes_of(one)
+    assert told.keys() >= {"answer.json", "extended.yaml", "extended_varied.yaml", "report.html", "plots/gain.png"}
+    assert alone.out.startswith(told["summary.txt"].decode())
+    assert told["reasoning.txt"].decode() in alone.out
+
+
+def test_the_answers_are_printed_as_json_and_a_simulation_takes_the_robot(symolo, benches, tmp_path, tiny):
+    out = tmp_path / "weak"
+    ended = symolo("diagnose", benches / "weak" / "data.csv", "--out", out, "--json", "--nominal", "nominal")
+    assert ended.code == 0
+    assert json.loads(ended.out) == json.loads((out / "answer.json").read_bytes())
+    for name in ("extended.yaml", "extended_varied.yaml"):
+        load_scenario("smoke", [f"robot={out / name}"])
+    robot = f"robot={out / 'extended.yaml'}"
+    driven = symolo("simulate", "smoke", "--out", tmp_path / "driven", "--set", robot, *tiny, "--workers", "1")
+    assert driven.code == 0, driven.err
+
+
+BAD = {
+    "nowhere": (["nowhere", "--out", "OUT"], "no such file or folder"),
+    "no case": (["--out", "OUT"], "CASE"),
+    "no folder": (["HERE/plain"], "--out"),
+    "a broken case alone": (["HERE/broken", "--out", "OUT"], "data.csv: row 6: column sweep"),
+    "two of one name": (["HERE/plain", "HERE/plain/data.csv", "--out", "OUT"], "another case has the name plain"),
+    "no such importer": (["HERE/plain", "--as", "motor_stedy", "--out", "OUT"], "did you mean motor_steady"),
+    "no such robot": (["HERE/plain", "--nominal", "nomnal", "--out", "OUT"], "did you mean nominal"),
+    "a robot that is drawn": (["HERE/plain", "--nominal", "fleet", "--out", "OUT"], "no distributions"),
+    "output holds other files": (["HERE/plain", "--out", "HERE"], "did not make"),
+    "both ways to print": (["HERE/plain", "--out", "OUT", "--json", "--explain"], "ask for one of them"),
+}
+
+
+@pytest.mark.parametrize("kind", BAD)
+def test_bad_input_is_one_line_and_nothing_is_written(kind, symolo, benches, tmp_path):
+    arguments, said = BAD[kind]
+    placed = [a.replace("HERE", str(benches)).replace("OUT", str(tmp_path / "out")) for a in arguments]
+    ended = symolo("diagnose", *placed)
+    assert (ended.code, ended.out) == (2, "")
+    assert ended.err.startswith("symolo: ")
+    assert ended.err.count("\n") == 1
+    assert said in ended.err
+    assert not (tmp_path / "out").exists()
