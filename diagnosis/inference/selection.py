@@ -45,7 +45,7 @@ NEARLY = 0.7
 ROWS = 6.0
 """Effective number of samples that a fall must come from."""
 WORSE = 2.0
-"""Rise of the cost of held-out rows that a fitted effect is allowed."""
+"""Rise of the cost of held-out rows that an effect is allowed, in standard deviations of their sum."""
 
 
 @dataclass(frozen=True)
@@ -159,8 +159,9 @@ def refusal(evidence: Evidence, before: Fit, after: Fit, effect: Effect, least: 
     rows = float(of_fit.sum() ** 2 / max(float((of_fit**2).sum()), 1e-300))
     if rows < ROWS:
         return f"the fall of {drop:.1f} comes from {rows:.1f} samples"
-    rise = -float(falls[evidence.heldout].sum())
-    if evidence.heldout.any() and rise > WORSE:
+    of_heldout = falls[evidence.heldout]
+    rise = -float(of_heldout.sum())
+    if rise > WORSE * float(np.sqrt((of_heldout**2).sum())):
         return f"the held-out rows are explained worse, by {rise:.1f}"
     return ""
 

@@ -24,9 +24,7 @@ from diagnosis.measured.nominal import NominalSteady, NominalStep
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.stages import STAGES
 from physics.terms import PHYSICS_TERMS
-from physics.terms import PHYSICS_TERMS
 from physics.trajectory import TimeSeries
-from sensors.terms import SENSOR_TERMS
 from sensors.terms import SENSOR_TERMS
 
 TERMS = (*PHYSICS_TERMS, *SENSOR_TERMS)
