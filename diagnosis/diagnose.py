@@ -23,6 +23,8 @@ from diagnosis.stages import STAGES
 from diagnosis.stages.base import Stage
 from diagnosis.usual_tolerances import usual
 
+CLEARLY = 0.5
+"""Cost by which a rival must explain more to be named in an effect's place."""
 NOISE_ROUNDS = 2
 """Fits after which an unknown noise has settled: the first guess may be far off."""
 
@@ -195,7 +197,7 @@ def _best_named(
     evidence: Evidence, fit: Fit, standings: Sequence[Standing], effects: Sequence[Effect]
 ) -> tuple[Fit, Sequence[Standing]]:
     """Where a rival turned out to explain more than a named effect, the rival is named."""
-    better = [of.rivals[0] for of in standings if of.rivals and of.rivals[0].worse < 0.0]
+    better = [of.rivals[0] for of in standings if of.rivals and of.rivals[0].worse < -CLEARLY]
     if not better:
         return fit, standings
     best = min(better, key=lambda rival: rival.worse).fit

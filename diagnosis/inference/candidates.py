@@ -15,7 +15,7 @@ from diagnosis.inference.evidence import Evidence
 from diagnosis.inference.hypothesis import Effect, Hypothesis
 from diagnosis.measured.measurement import Kind, Measurement
 from physics.terms import PHYSICS_TERMS
-from physics.terms.base import Term
+from physics.terms.base import Slot, Term
 from sensors.terms import SENSOR_TERMS
 
 FAMILIES = {
@@ -25,7 +25,7 @@ FAMILIES = {
     Kind.DRIVE_LOG: (motor.__name__, drive.__name__),
 }
 """Which parts of the schema of terms are about a kind of measurement. A drive's ranges have effects of their own, by
-sensor; those of the bench would be the same under another name."""
+sensor; those of the bench would be the same under another name. Play in the gears acts on the bench alone."""
 VISIBLE = 1e-3
 """Sigmas by which a prediction must move, at the start values, for an effect to be testable."""
 
@@ -43,6 +43,7 @@ def candidates(measurement: Measurement, evidence: Evidence, hypothesis: Hypothe
         Effect(term, choices)
         for term in (*PHYSICS_TERMS, *SENSOR_TERMS)
         if term.parameters.__module__ in FAMILIES[measurement.kind]
+        if not (measurement.kind is Kind.DRIVE_LOG and term.slot is Slot.GEARBOX)
         for choices in _choices(term, measurement)
     )
     nominal = evidence.of(hypothesis.robots(hypothesis.null()[None]))

@@ -50,7 +50,9 @@ def robot():
 @pytest.fixture(scope="session")
 def hypothesis(robot):
     constant = robot.motor.torque_constant_N_m_A
-    return Hypothesis(robot, (Nuisance("motor.torque_constant_N_m_A", constant, TOLERANCE * constant, scaled),))
+    return Hypothesis(
+        robot, (Nuisance("motor.torque_constant_N_m_A", constant, TOLERANCE * constant, "N m/A", scaled),)
+    )
 
 
 @pytest.fixture(scope="session")
