@@ -259,8 +259,8 @@ def test_the_load_lets_a_gearbox_with_play_catch_up(robot):
         for _ in range(500):
             torque = K * (u - K * motor) / R
             speeds = []
-            for speed, drive, j in ((motor, torque, side_j[0]), (load, 0.0, side_j[1])):
-                after = speed + h * (drive - side_f * B * speed) / j
+            for speed, pull, j in ((motor, torque, side_j[0]), (load, 0.0, side_j[1])):
+                after = speed + h * (pull - side_f * B * speed) / j
                 grip = h * side_f * TC / j
                 speeds.append(math.copysign(max(abs(after) - grip, 0.0), after))
             after = slack + h * (speeds[0] - speeds[1])
@@ -275,7 +275,7 @@ def test_the_load_lets_a_gearbox_with_play_catch_up(robot):
 
 
 @pytest.mark.parametrize("kind", [Kind.MOTOR_STEADY, Kind.MOTOR_STEP])
-def test_robots_of_different_terms_in_one_pass_are_each_as_alone(robot, carrier, kind):
+def test_robots_of_different_terms_in_one_pass_are_each_as_alone(robot, kind):
     terms = [
         *(term.start() for term in (*PHYSICS_TERMS, *SENSOR_TERMS) if term.parameters.__module__ == motor.__name__),
         drive.TorqueConstantMismatch(mismatch=0.1),
