@@ -80,12 +80,17 @@ class Pose:
             )
         return tuple(Predicted(found[..., k], of.sd) for k, of in enumerate(self.observed))
 
-    def path(self, robot: RobotConfig) -> Array:
-        """The logged poses of every row, (n, 3), as far as ticks tell: each trial from x = y = 0 and heading 0.
+    def path(self, robot: RobotConfig, starts: Array) -> Array:
+        """Poses of all rows as the log would have them, (n, 3), from the first one of each trial and the ticks.
 
-        Of the tracked point; at the start the axle is at the origin.
+        Args:
+            robot: One.
+            starts: (N, 3), logged pose x [m], y [m], yaw [rad] in the first row of each trial.
         """
-        return self._paths([robot])[1]
+        _, seen = self._paths([robot])
+        begin = np.repeat(seen[self._starts], self._trials, axis=0)
+        from_w = np.repeat(starts, self._trials, axis=0)
+        return from_w + seen_from_body(-from_w[:, 2], seen - begin)
 
     def _paths(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
         """Of axle and tracked point at the times that the log says, (n, 3) or (M, n, 3) each."""

@@ -237,6 +237,15 @@ class TestPose:
     def test_effects_bend_the_circle_by_their_definition(self, pose, robot, term, changed):
         self.check(means(pose, robot, term), self.circle(**changed))
 
+    def test_a_whole_path_goes_on_from_the_first_logged_pose(self, robot):
+        """Of an unseen run, which has no other pose; the tracked point is 30 mm ahead of the axle."""
+        log = np.full((self.ROWS, 3), math.nan)
+        log[0] = self.circle(marker_m=0.03)[0]
+        columns = {**ticks_of(4.0 * self.T, 6.0 * self.T), **pose_columns(log)}
+        stage = stages(robot, trial("1", **columns))["pose"]
+        found = stage.path(robot.with_term(drive.MarkerOffset(offset_m=0.03)), log[:1])
+        np.testing.assert_allclose(found, self.circle(marker_m=0.03), atol=5e-5)
+
     def test_an_old_pose_lags_behind_the_wheels(self, pose, robot):
         """But in the first window, which begins at rest."""
         found = means(pose, robot, drive.PoseTimeOffset(delay_s=0.083))
@@ -445,7 +454,7 @@ def test_many_robots_at_once_are_each_of_them_alone(tour, robot):
             robots += [robot.with_term(term.start(choices)), robot.with_term(term.null(choices))]
     for stage in tour.values():
         together = stage.predict(robots)
-        for k in range(0, len(robots), 3):
+        for k in range(0, len(robots), 6):
             for many, alone in zip(together, stage.predict([robots[k]]), strict=True):
                 np.testing.assert_allclose(many.mean[k], alone.mean[0], rtol=1e-9, atol=1e-9)
                 sd = np.broadcast_to(many.sd, many.mean.shape)[k]
