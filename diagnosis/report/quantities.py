@@ -90,6 +90,11 @@ def confidence(probability: float) -> str:
     return "over 99.9 %" if probability >= 0.999 else percent(probability)
 
 
+def interval(low: float, high: float) -> str:
+    """Of a gain; where it has no width, there was but one block to draw from."""
+    return f"95 % interval {percent(low)} to {percent(high)}" if high > low else "too few rows for an interval"
+
+
 def percent(share: float) -> str:
     """Of a gain or a probability."""
     shown = 100.0 * share

@@ -8,7 +8,7 @@ from diagnosis.inference.adequacy import Structure
 from diagnosis.inference.gain import Gain
 from diagnosis.inference.selection import Entry, needed
 from diagnosis.report.findings import Findings
-from diagnosis.report.quantities import along, confidence, meaning, percent, with_error
+from diagnosis.report.quantities import along, confidence, interval, meaning, percent, with_error
 from diagnosis.report.quantities import named as in_words
 
 HINT = 10.0
@@ -133,4 +133,4 @@ def gained(found: Findings) -> list[str]:
 
 
 def _interval(gain: Gain) -> str:
-    return f"{percent(gain.value)} (95 % interval {percent(gain.low)} to {percent(gain.high)})"
+    return f"{percent(gain.value)} ({interval(gain.low, gain.high)})"
