@@ -7,7 +7,7 @@ laser-cut bodies with rubber tyres. A source that knows better says so in its no
 from functools import partial
 
 from configs.schema.robot import RobotConfig
-from diagnosis.nuisances import Nuisance
+from diagnosis.nuisances import UNITS, Nuisance, Number
 
 SHARES = {
     "winding_resistance_ohm": 0.05,
@@ -22,9 +22,14 @@ def usual(robot: RobotConfig) -> tuple[Nuisance, ...]:
     """Of the motor."""
     values = {name: float(getattr(robot.motor, name)) for name in SHARES}
     return tuple(
-        Nuisance(f"motor.{name}", value, SHARES[name] * value, partial(_motor, name)) for name, value in values.items()
+        Nuisance(name, value, SHARES[name] * value, _unit(name), partial(_motor, name))
+        for name, value in values.items()
     )
 
 
-def _motor(name: str, robot: RobotConfig, value: float) -> RobotConfig:
+def _unit(name: str) -> str:
+    return next(unit for end, unit in UNITS.items() if name.endswith(f"_{end}"))
+
+
+def _motor(name: str, robot: RobotConfig, value: Number) -> RobotConfig:
     return robot.model_copy(update={"motor": robot.motor.model_copy(update={name: value})})

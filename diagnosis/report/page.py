@@ -89,7 +89,7 @@ def _effects(found: Findings) -> Iterator[Html]:
 
 
 def _effect(named: Named, without: Without) -> Iterator[Html]:
-    yield tag("h3", tag("code", named.name))
+    yield tag("h3", tag("code", named.effect.name))
     yield tag("p", f"{meaning(named.effect.term)} Such a thing comes of: {cause(named)}.")
     units = named.effect.term.numbers
     rows = [
@@ -132,7 +132,7 @@ def _open(found: Findings) -> Iterator[Html]:
     diagnosis = found.diagnosis
     for named in diagnosis.named:
         if rivals := [_rival(of) for of in named.standing.rivals]:
-            yield tag("h3", "In place of ", tag("code", named.name))
+            yield tag("h3", "In place of ", tag("code", named.effect.name))
             if not named.standing.ambiguous_with:
                 yield tag("p", "Every other effect that comes near explains these data clearly worse.")
             yield table(["effect", "cost more", "told apart"], rivals)

@@ -28,7 +28,7 @@ class Bent:
 
 def headline(diagnosis: Diagnosis) -> str:
     """What is wrong, in a sentence."""
-    names = [of.name for of in diagnosis.named]
+    names = [of.effect.name for of in diagnosis.named]
     left = diagnosis.unexplained
     if not names and left is None:
         return "The nominal simulation explains these data, within the tolerances of its parameters."
@@ -56,7 +56,7 @@ def in_a_sentence(named: Named) -> str:
     for name, value in named.values.items():
         unit = named.effect.term.numbers[name].unit
         numbers.append(f"{name} = {with_error(value, named.std[name])}{'' if unit == '1' else f' {unit}'}")
-    return f"{named.name}: {', '.join(numbers)}. {meaning(named.effect.term)} It comes of: {cause(named)}."
+    return f"{named.effect.name}: {', '.join(numbers)}. {meaning(named.effect.term)} It comes of: {cause(named)}."
 
 
 def certainty(named: Named) -> str:
