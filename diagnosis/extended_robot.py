@@ -14,7 +14,7 @@ import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import isfinite
+from math import ceil, isfinite
 from typing import Any
 
 import numpy as np
@@ -26,11 +26,14 @@ from configs.schema.robot import RobotConfig
 from configs.tree import FieldPath
 from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.hypothesis import Effect
+from diagnosis.nuisances import Nuisance
 
 BASE = "nominal"
 FILE, VARIED_FILE = "extended.yaml", "extended_varied.yaml"
 DIGITS = 7
 """Of a number in the file: the seventh is far below any standard error."""
+UNTOUCHED = 5e-3
+"""Tolerances by which a fit without data may be off by rounding."""
 REACH_SD = 3.0
 """Standard deviations up to which a varied number is drawn."""
 
@@ -58,7 +61,7 @@ class ExtendedRobot:
 
 def extended_robot(diagnosis: Diagnosis) -> ExtendedRobot:
     """The extended model of a diagnosis as robot files."""
-    config = _within_bounds(diagnosis)
+    config = _enclosing(_within_bounds(diagnosis))
     left_out: list[LeftOut] = []
     problem = ""
     for fault in robot_faults(config):
@@ -93,13 +96,19 @@ def _within_bounds(diagnosis: Diagnosis) -> RobotConfig:
     """The fitted robot; a logarithm and back may leave a bound by a rounding."""
     config = diagnosis.extended
     for named in diagnosis.named:
-        numbers = {
-            name: min(max(value, of.low), of.high)
-            for name, of in named.effect.term.numbers.items()
-            for value in (named.values[name],)
-        }
-        config = config.with_term(named.effect.term.values(numbers, dict(named.effect.choices)))
+        section, term = getattr(config.terms, named.effect.term.name), named.effect.term
+        numbers = {name: min(max(float(getattr(section, name)), of.low), of.high) for name, of in term.numbers.items()}
+        config = config.with_term(term.values(numbers, dict(named.effect.choices)))
     return config
+
+
+def _enclosing(config: RobotConfig) -> RobotConfig:
+    """With a chassis that covers the wheels: a case tells their distance, and not how wide the body is."""
+    needed_m = config.drive.track_m + config.drive.wheel_width_m
+    if config.chassis.width_m >= needed_m:
+        return config
+    chassis = config.chassis.model_copy(update={"width_m": ceil(1e3 * needed_m) / 1e3})
+    return config.model_copy(update={"chassis": chassis})
 
 
 def _rounded(config: RobotConfig) -> RobotConfig:
@@ -148,16 +157,26 @@ def _comments(diagnosis: Diagnosis) -> dict[FieldPath, str]:
     bare = hypothesis.nominal
     for k, nuisance in enumerate(hypothesis.nuisances):
         at = nuisance.value + 3.0 * nuisance.tolerance
-        off = f"fitted {round(float(fit.x[k]), 2) + 0.0:+.2f} tolerances off"
-        text = f"nominal {nuisance.value:g}, tolerance {nuisance.tolerance:g}; {off}, standard error"
         moved = _differing(nuisance.applied(bare, at).model_dump(mode="json"), bare.model_dump(mode="json"))
-        found |= dict.fromkeys(_paths(moved), f"{text} {errors[k] * nuisance.tolerance:.2g}")
+        told = _nuisance_told(nuisance, float(fit.x[k]), errors[k])
+        found |= {path: told if path[-1] == nuisance.name else f"{nuisance.name}: {told}" for path in _paths(moved)}
     for named in diagnosis.named:
         for name in named.effect.term.numbers:
             error = named.std[name]
             known = f"standard error {error:.2g}" if isfinite(error) and error > 0.0 else "not held by these data"
             found["terms", named.effect.term.name, name] = f"named by the diagnosis; {known}"
+        for name, _ in named.effect.choices:
+            found["terms", named.effect.term.name, name] = "named by the diagnosis"
+    found["chassis", "width_m"] = "widened to cover the wheels"
     return found
+
+
+def _nuisance_told(nuisance: Nuisance, off: float, error: float) -> str:
+    """Its prior and what was fitted; offset and standard error in tolerances."""
+    prior = f"nominal {nuisance.value:g}, tolerance {nuisance.tolerance:g}"
+    if error > 1.0 - UNTOUCHED and abs(off) < UNTOUCHED:
+        return f"{prior}; these data do not touch it"
+    return f"{prior}; fitted {off:+.2f} tolerances off, standard error {error * nuisance.tolerance:.2g}"
 
 
 def _paths(tree: Mapping[str, Any], above: FieldPath = ()) -> Iterator[FieldPath]:

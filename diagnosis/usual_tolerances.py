@@ -7,7 +7,7 @@ laser-cut bodies with rubber tyres. A source that knows better says so in its no
 from functools import partial
 
 from configs.schema.robot import RobotConfig
-from diagnosis.nuisances import Nuisance, Number
+from diagnosis.nuisances import UNITS, Nuisance, Number
 
 SHARES = {
     "winding_resistance_ohm": 0.05,
@@ -17,22 +17,18 @@ SHARES = {
     "rotor_inertia_kg_m2": 0.10,
 }
 
-UNITS = {
-    "winding_resistance_ohm": "ohm",
-    "torque_constant_N_m_A": "N m/A",
-    "viscous_friction_N_m_s_rad": "N m s/rad",
-    "coulomb_friction_N_m": "N m",
-    "rotor_inertia_kg_m2": "kg m2",
-}
-
 
 def usual(robot: RobotConfig) -> tuple[Nuisance, ...]:
     """Of the motor."""
     values = {name: float(getattr(robot.motor, name)) for name in SHARES}
     return tuple(
-        Nuisance(name, value, SHARES[name] * value, UNITS[name], partial(_motor, name))
+        Nuisance(name, value, SHARES[name] * value, _unit(name), partial(_motor, name))
         for name, value in values.items()
     )
+
+
+def _unit(name: str) -> str:
+    return next(unit for end, unit in UNITS.items() if name.endswith(f"_{end}"))
 
 
 def _motor(name: str, robot: RobotConfig, value: Number) -> RobotConfig:

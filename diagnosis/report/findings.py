@@ -92,7 +92,7 @@ def _without(diagnosis: Diagnosis) -> Iterator[Without]:
     found = fits(evidence, [(left, moved(fit.x, fit.hypothesis, left)) for left in fewer])
     for named, left in zip(diagnosis.named, found, strict=True):
         robot = left.hypothesis.robot(left.x)
-        yield Without(named.name, left.cost - fit.cost, gain(evidence, diagnosis.nominal, robot))
+        yield Without(named.effect.name, left.cost - fit.cost, gain(evidence, diagnosis.nominal, robot))
 
 
 def _by_quantity(evidence: Evidence, robots: tuple[RobotConfig, RobotConfig, RobotConfig]) -> Iterator[QuantityGain]:

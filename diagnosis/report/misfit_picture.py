@@ -11,7 +11,7 @@ from diagnosis.report.panels import AFTER, BEFORE, CALIBRATED, MEASURED, residua
 from diagnosis.report.quantities import axis
 from diagnosis.stages.base import Covariate, Observed
 
-SIZE_IN = (3.4, 3.1)
+SIZE_IN = (3.1, 3.1)
 """Of a panel."""
 INPUTS = ("distance_m", "u_cmd_V")
 """Along which a bench is swept."""
@@ -29,8 +29,8 @@ def misfit_picture(found: Findings, k: int) -> bytes:
     is_map = covariate is not None and covariate.second is not None
     figure = Figure(figsize=(SIZE_IN[0] * panels, SIZE_IN[1]), layout="constrained" if is_map else None)
     if not is_map:  # the layout engine takes as long as all the drawing
-        side = 0.62 / (SIZE_IN[0] * panels)
-        figure.subplots_adjust(left=side, right=1.0 - 0.2 * side, bottom=0.17, top=0.9, wspace=0.24)
+        width = SIZE_IN[0] * panels
+        figure.subplots_adjust(left=0.72 / width, right=1.0 - 0.1 / width, bottom=0.16, top=0.84, wspace=0.31)
     axes = figure.subplots(1, panels, squeeze=False)[0]
     last = models[-1]
     _values(axes[0], of, [found.means[0][place], found.means[last[2]][place]], last, found.z[1][place])
@@ -62,7 +62,7 @@ def _values(axes: Axes, of: Observed, means: list[Array], last: tuple[str, str, 
     axes.plot(x[shown], of.values[shown], ".", color=MEASURED, markersize=4 if is_bench else 2.5, label="measured")
     line = "none" if is_bench else "-"
     for mean, name, colour, marker in zip(means, ("nominal", last[0]), (BEFORE, last[1]), ("x", "+"), strict=True):
-        good = rows & np.isfinite(mean)
+        good = shown & np.isfinite(mean)
         axes.plot(
             x[good],
             mean[good],
@@ -74,7 +74,8 @@ def _values(axes: Axes, of: Observed, means: list[Array], last: tuple[str, str, 
             label=name,
         )
     title = of.name if is_bench else f"{of.name}, trial {_worst(of, z) + 1}"
-    finished(axes, title, axis(swept.name) if is_bench and swept is not None else "time [s]", axis(of.name))
+    along = axis(swept.name) if is_bench and swept is not None else "time [s]"
+    finished(axes, title, along, axis(of.name), beside=True)
 
 
 def _is_log(of: Observed) -> bool:

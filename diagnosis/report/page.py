@@ -11,7 +11,7 @@ from diagnosis.report.compared import compared
 from diagnosis.report.findings import Findings, Without
 from diagnosis.report.markup import Html, picture, table, tag
 from diagnosis.report.matrix import matrix
-from diagnosis.report.quantities import along, meaning, percent, with_error
+from diagnosis.report.quantities import along, interval, meaning, percent, with_error
 from diagnosis.report.style import STYLE
 from diagnosis.report.summary import reasoning
 from diagnosis.report.verdict import cause, certainty, gained, headline, hints, in_a_sentence, left_over, to_measure
@@ -89,7 +89,7 @@ def _effects(found: Findings) -> Iterator[Html]:
 
 
 def _effect(named: Named, without: Without) -> Iterator[Html]:
-    yield tag("h3", tag("code", named.name))
+    yield tag("h3", tag("code", named.effect.name))
     yield tag("p", f"{meaning(named.effect.term)} Such a thing comes of: {cause(named)}.")
     units = named.effect.term.numbers
     rows = [
@@ -112,7 +112,7 @@ def _gain(found: Findings, pictures: Mapping[str, bytes]) -> Iterator[Html]:
         [of.name, f"{of.extended.before:.3g}", *_cells(of.calibrated), *_cells(of.extended)] for of in found.by_quantity
     ]
     fitted, extended = "nominal, fitted [σ]", "extended [σ]"
-    head = ["quantity", "nominal [σ]", fitted, "gain (95 % interval)", extended, "gain (95 % interval)"]
+    head = ["quantity", "nominal [σ]", fitted, "gain", extended, "gain"]
     if not found.diagnosis.named:
         head, rows = head[:4], [row[:4] for row in rows]
     yield table(head, rows)
@@ -125,14 +125,14 @@ def _gain(found: Findings, pictures: Mapping[str, bytes]) -> Iterator[Html]:
 
 
 def _cells(gain: Gain) -> list[str]:
-    return [f"{gain.after:.3g}", f"{percent(gain.value)} ({percent(gain.low)} to {percent(gain.high)})"]
+    return [f"{gain.after:.3g}", f"{percent(gain.value)} ({interval(gain.low, gain.high)})"]
 
 
 def _open(found: Findings) -> Iterator[Html]:
     diagnosis = found.diagnosis
     for named in diagnosis.named:
         if rivals := [_rival(of) for of in named.standing.rivals]:
-            yield tag("h3", "In place of ", tag("code", named.name))
+            yield tag("h3", "In place of ", tag("code", named.effect.name))
             if not named.standing.ambiguous_with:
                 yield tag("p", "Every other effect that comes near explains these data clearly worse.")
             yield table(["effect", "cost more", "told apart"], rivals)

@@ -51,12 +51,17 @@ PREDICTED = frozenset({"omega_rad_s", "current_A"})
 
 
 def named(column: str) -> tuple[str, str]:
-    """What a column is, in words, and its unit; the name itself and nothing where neither is known."""
+    """What a column is, in words, and its unit; the name itself and nothing where neither is known.
+
+    One of several, such as `wheel_angle_rad[left]`, keeps that in words.
+    """
+    column, _, which = column.removesuffix("]").partition("[")
+    of = f", {which}" if which else ""
     for end, unit in UNITS.items():
         stem = column.removesuffix(f"_{end}")
         if stem != column:
-            return NAMES.get(stem, stem.replace("_", " ")), unit
-    return column.replace("_", " "), ""
+            return NAMES.get(stem, stem.replace("_", " ")) + of, unit
+    return column.replace("_", " ") + of, ""
 
 
 def axis(column: str) -> str:
@@ -88,6 +93,11 @@ def with_error(value: float, error: float, between: str = "±") -> str:
 def confidence(probability: float) -> str:
     """In percent, and never certainty."""
     return "over 99.9 %" if probability >= 0.999 else percent(probability)
+
+
+def interval(low: float, high: float) -> str:
+    """Of a gain; where it has no width, there was but one block to draw from."""
+    return f"95 % interval {percent(low)} to {percent(high)}" if high > low else "too few rows for an interval"
 
 
 def percent(share: float) -> str:

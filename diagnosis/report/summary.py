@@ -48,7 +48,7 @@ def summary(found: Findings) -> list[str]:
 
 
 def _effect(named: Named, without: Without) -> Iterator[str]:
-    yield named.name
+    yield named.effect.name
     for name, value in named.values.items():
         yield from _entry(f"  {name}", with_error(value, named.std[name], "+-"))
     yield from _entry("  means", meaning(named.effect.term))
@@ -75,7 +75,7 @@ def reasoning(found: Findings) -> list[str]:
         for entry in diagnosis.selection.entries
     ] or ["  nothing was promising"]
     for named in diagnosis.named:
-        lines += [f"Rivals of {named.name}: cost more in its place; up to {AS_GOOD:g} cannot be told apart"]
+        lines += [f"Rivals of {named.effect.name}: cost more in its place; up to {AS_GOOD:g} cannot be told apart"]
         lines += [f"  {rival.effect.name:36} {rival.worse:+.1f}" for rival in named.standing.rivals] or ["  none"]
     lines += [f"What the selected model leaves, most telling first; structure from p < {LEVEL:g}"]
     lines += [

@@ -8,7 +8,7 @@ from diagnosis.inference.adequacy import Structure
 from diagnosis.inference.gain import Gain
 from diagnosis.inference.selection import Entry, needed
 from diagnosis.report.findings import Findings
-from diagnosis.report.quantities import along, confidence, meaning, percent, with_error
+from diagnosis.report.quantities import along, confidence, interval, meaning, percent, with_error
 from diagnosis.report.quantities import named as in_words
 
 HINT = 10.0
@@ -28,7 +28,7 @@ class Bent:
 
 def headline(diagnosis: Diagnosis) -> str:
     """What is wrong, in a sentence."""
-    names = [of.name for of in diagnosis.named]
+    names = [of.effect.name for of in diagnosis.named]
     left = diagnosis.unexplained
     if not names and left is None:
         return "The nominal simulation explains these data, within the tolerances of its parameters."
@@ -56,7 +56,7 @@ def in_a_sentence(named: Named) -> str:
     for name, value in named.values.items():
         unit = named.effect.term.numbers[name].unit
         numbers.append(f"{name} = {with_error(value, named.std[name])}{'' if unit == '1' else f' {unit}'}")
-    return f"{named.name}: {', '.join(numbers)}. {meaning(named.effect.term)} It comes of: {cause(named)}."
+    return f"{named.effect.name}: {', '.join(numbers)}. {meaning(named.effect.term)} It comes of: {cause(named)}."
 
 
 def certainty(named: Named) -> str:
@@ -133,4 +133,4 @@ def gained(found: Findings) -> list[str]:
 
 
 def _interval(gain: Gain) -> str:
-    return f"{percent(gain.value)} (95 % interval {percent(gain.low)} to {percent(gain.high)})"
+    return f"{percent(gain.value)} ({interval(gain.low, gain.high)})"

@@ -123,6 +123,16 @@ def test_a_robot_that_cannot_turn_is_said_to_be_none(diagnosis_of):
     assert "# NOT YET A ROBOT THAT DRIVES: robot.motor.coulomb_friction_N_m" in found.text
 
 
+def test_the_body_is_as_wide_as_its_wheels_stand_apart(diagnosis_of, loaded):
+    """A case tells the wheels' distance alone; the shipped robot is 0.17 m wide, its wheels 0.02 m."""
+    plain = diagnosis_of("plain")
+    apart = plain.nominal.model_copy(update={"drive": plain.nominal.drive.model_copy(update={"track_m": 0.2})})
+    robot = extended_robot(with_effect(replace(plain, nominal=apart), "wheelbase_scale", scale=1.02))
+    assert robot.problem == ""
+    assert loaded(robot).chassis.width_m == pytest.approx(0.22, abs=1e-3)
+    assert "width_m: 0.22  # widened to cover the wheels" in robot.text
+
+
 @pytest.mark.parametrize("name", ["a b/c", "<b>", "...", "x" * 200])
 def test_any_name_of_a_case_makes_a_robot_that_loads(diagnosis_of, loaded, name):
     diagnosis = diagnosis_of("plain")

@@ -41,6 +41,7 @@ def test_axes_have_words_and_units():
     assert axis("u_cmd_V") == "voltage commanded [V]"
     assert axis("ambient_lux") == "ambient light [lx]"
     assert axis("wheel_angle_rad") == "angle of the wheel [rad]"
+    assert axis("wheel_angle_rad[left]") == "angle of the wheel, left [rad]"
     assert axis("trial") == "trial"
     assert covariate_axis("omega_rad_s") == "predicted speed of the wheel [rad/s]"
 
