@@ -149,7 +149,7 @@ def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) 
     drop = nominal.cost - fit.cost
     if drop < EXPLAINED * (drop + structure.explainable):
         return []
-    root = np.sqrt(evidence.weight * robust_weight(fit.z)) * evidence.fit
+    root = np.where(evidence.fit, np.sqrt(evidence.weight * robust_weight(fit.z)), 0.0)
     size, nuisances = nominal.hypothesis.size, len(nominal.hypothesis.nuisances)
     prior = np.zeros((size, size))
     prior[range(nuisances), range(nuisances)] = 1.0

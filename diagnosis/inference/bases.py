@@ -4,9 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from diagnosis.measured.channel import Array
+from diagnosis.measured.channel import Array, Mask
 from diagnosis.stages.base import Covariate, Shape
 
 KNOTS = 8
@@ -38,7 +37,7 @@ class Basis:
     """Bases of which this is one, all looked at."""
 
 
-def bases(covariate: Covariate, rows: NDArray[np.bool_]) -> Iterator[Basis]:
+def bases(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
     """Of a covariate, over some of its rows."""
     values = covariate.values[rows]
     known = np.isfinite(values)
@@ -53,13 +52,13 @@ def bases(covariate: Covariate, rows: NDArray[np.bool_]) -> Iterator[Basis]:
     elif covariate.shape is Shape.PERIODIC:
         turns = np.arange(1, HARMONICS + 1)
         angle = np.where(known, values, 0.0)[:, None] * turns
-        yield from _kept(np.concatenate([np.cos(angle), np.sin(angle)], axis=1) * known[:, None].astype(float), "turn")
+        yield from _kept(_where(known, np.concatenate([np.cos(angle), np.sin(angle)], axis=1)), "turn")
     else:
         yield from _kept(_hats(values, known), "trend")
         yield from _waves(values, known)
 
 
-def any_function(covariate: Covariate, rows: NDArray[np.bool_]) -> Array:
+def any_function(covariate: Covariate, rows: Mask) -> Array:
     """Columns (n, k) that come near any function of a covariate, jumps and waves too, to stand beside a named effect.
 
     Over all samples, 0 where the covariate is not known and at rows that are not asked for.
@@ -81,14 +80,19 @@ def _kept(columns: Array, what: str) -> Iterator[Basis]:
         yield Basis(columns[:, about], what)
 
 
-def _hats(values: Array, known: NDArray[np.bool_]) -> Array:
+def _where(known: Mask, columns: Array) -> Array:
+    """The columns, 0 in rows where the covariate is not known."""
+    return np.where(known[:, None], columns, 0.0)
+
+
+def _hats(values: Array, known: Mask) -> Array:
     """Linear B-splines on quantiles."""
     knots = KNOTS if np.count_nonzero(known) >= FEW_ROWS else FEW_KNOTS
     places = np.unique(np.quantile(values[known], np.linspace(0.0, 1.0, knots)))
     if len(places) < 2:
         return np.zeros((len(values), 0))
     at = np.where(known, values, places[0])
-    return np.stack([np.interp(at, places, row) for row in np.eye(len(places))], axis=1) * known[:, None].astype(float)
+    return _where(known, np.stack([np.interp(at, places, row) for row in np.eye(len(places))], axis=1))
 
 
 def _grid(x: Array, y: Array) -> Array:
@@ -99,10 +103,10 @@ def _grid(x: Array, y: Array) -> Array:
         places = np.linspace(values[known].min(), values[known].max() + 1e-9, CELLS)
         sides.append(np.stack([np.interp(np.where(known, values, 0.0), places, row) for row in np.eye(CELLS)], axis=1))
     along, across = sides
-    return (along[:, :, None] * across[:, None, :]).reshape(len(x), -1) * known[:, None].astype(float)
+    return _where(known, (along[:, :, None] * across[:, None, :]).reshape(len(x), -1))
 
 
-def _waves(values: Array, known: NDArray[np.bool_]) -> Iterator[Basis]:
+def _waves(values: Array, known: Mask) -> Iterator[Basis]:
     """Sine and cosine of each wavelength that the rows can show."""
     given = values[known]
     distinct = len(np.unique(given))
@@ -113,5 +117,5 @@ def _waves(values: Array, known: NDArray[np.bool_]) -> Iterator[Basis]:
     counts = np.arange(WAVES_IN_RANGE[0], most, 0.5)
     for count in counts.tolist():
         angle = 2.0 * np.pi * count * np.where(known, values, 0.0) / reach
-        columns = np.stack([np.cos(angle), np.sin(angle)], axis=1) * known[:, None].astype(float)
+        columns = _where(known, np.stack([np.cos(angle), np.sin(angle)], axis=1))
         yield Basis(columns, f"wave of {reach / count:.3g}", tries=len(counts))
