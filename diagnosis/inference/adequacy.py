@@ -23,7 +23,7 @@ from diagnosis.inference.hypothesis import Effect, moved
 from diagnosis.inference.likelihood import robust_weight
 from diagnosis.measured.channel import Array, Mask
 
-LEVEL = 0.003
+LEVEL = 0.001
 """Probability, over all tests together, of calling an adequate model inadequate."""
 CLIP = 3.0
 """Sigmas at which residuals are clipped."""

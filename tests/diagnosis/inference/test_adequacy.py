@@ -18,14 +18,14 @@ def fitted(evidence, hypothesis):
 
 
 def test_an_adequate_model_is_rarely_called_inadequate(evidence_of, hypothesis):
-    """At a level of 0.003, four or more of 150 happen once in some 1000 times; outliers, one in 50, change nothing."""
+    """At a level of 0.001, three or more of 150 happen once in some 2000 times; outliers, one in 50, change nothing."""
     alarms = 0
     for seed in range(150):
         readings = X + noise(seed)
         readings[np.random.default_rng(seed + 1000).random(len(X)) < 0.02] += 0.5
         evidence = evidence_of(X, readings, when=np.random.default_rng(seed).permutation(len(X)))
         alarms += not adequacy(evidence, fitted(evidence, hypothesis)).is_adequate
-    assert alarms <= 4
+    assert alarms <= 2
 
 
 @pytest.mark.parametrize("level", [0.3, 1.0, 3.0])
