@@ -18,14 +18,21 @@ class HeldDrive:
     friction_N_m: Array
     inertia_kg_m2: Array
 
-    def step(self, speed_rad_s: Array, duration_s: float | Array) -> tuple[Array, Array]:
-        """Speed [rad/s] after the step and angle [rad] turned meanwhile, through a stop and a start within it."""
+    def step(self, speed_rad_s: Array, duration_s: float | Array, behind: Array | None = None) -> tuple[Array, Array]:
+        """Speed [rad/s] after the step and angle [rad] turned meanwhile, through a stop and a start within it.
+
+        Args:
+            speed_rad_s: Before it.
+            duration_s: Of the step.
+            behind: `share_behind` of the step, where it is known already.
+        """
         torque, friction, damping = self.torque_N_m, self.friction_N_m, self.damping_N_m_s_rad
         time_constant = self.inertia_kg_m2 / damping
         standing = speed_rad_s == 0.0
         final = (torque - np.copysign(friction, np.where(standing, torque, speed_rad_s))) / damping
         final = np.where(standing & (np.abs(torque) <= friction), 0.0, final)
-        speed, angle = _relaxed(speed_rad_s, final, duration_s, time_constant)
+        behind = share_behind(duration_s, time_constant) if behind is None else behind
+        speed, angle = _relaxed(speed_rad_s, final, duration_s, time_constant, behind)
         if not (speed * speed_rad_s < 0.0).any():
             return speed, angle
         return self._through_stops(speed_rad_s, final, duration_s, time_constant)
@@ -37,14 +44,22 @@ class HeldDrive:
         ratio = np.divide(speed_rad_s, final, out=np.zeros(final.shape), where=comes_to_rest)
         stops_after = np.where(comes_to_rest, time_constant * np.log1p(-ratio), np.inf)
         first_s = np.minimum(stops_after, duration_s)
-        speed, angle = _relaxed(speed_rad_s, final, first_s, time_constant)
+        speed, angle = _relaxed(speed_rad_s, final, first_s, time_constant, share_behind(first_s, time_constant))
         stops = stops_after <= duration_s
         starts = stops & (np.abs(self.torque_N_m) > self.friction_N_m)
         final = (self.torque_N_m - np.copysign(self.friction_N_m, self.torque_N_m)) / self.damping_N_m_s_rad
-        started, further = _relaxed(np.zeros_like(speed), final, duration_s - first_s, time_constant)
+        left_s = duration_s - first_s
+        behind = share_behind(left_s, time_constant)
+        started, further = _relaxed(np.zeros_like(speed), final, left_s, time_constant, behind)
         return np.where(starts, started, np.where(stops, 0.0, speed)), angle + np.where(starts, further, 0.0)
 
 
-def _relaxed(start: Array, final: Array, duration_s: float | Array, time_constant_s: Array) -> tuple[Array, Array]:
-    lost = -np.expm1(-duration_s / time_constant_s)
-    return start + (final - start) * lost, final * duration_s + (start - final) * time_constant_s * lost
+def share_behind(duration_s: float | Array, time_constant_s: Array) -> Array:
+    """Share of the way to its final speed that a wheel has gone after a while."""
+    return -np.expm1(-duration_s / time_constant_s)
+
+
+def _relaxed(
+    start: Array, final: Array, duration_s: float | Array, time_constant_s: Array, behind: Array
+) -> tuple[Array, Array]:
+    return start + (final - start) * behind, final * duration_s + (start - final) * time_constant_s * behind

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from physics.driveline import Driveline
 from physics.held_rows import HeldPart
-from physics.motor_arrays import HeldDrive
+from physics.motor_arrays import HeldDrive, share_behind
 
 Array = NDArray[np.float64]
 
@@ -24,24 +24,36 @@ DEEPEST = 6
 class RigidWheels:
     def __init__(self, driveline: Driveline) -> None:
         self._driveline = driveline
+        self._time_constant_s = driveline.inertia_kg_m2 / driveline.damping_N_m_s_rad
+        self._known: dict[float, Array] = {}
 
     def moved(self, part: HeldPart, speed_rad_s: Array) -> tuple[Array, Array]:
         """Speed [rad/s] after a stretch and angle [rad] turned in it."""
         driveline = self._driveline
         stall = driveline.stall_torque_N_m(part.voltage_V)
         if driveline.is_bare:
-            return self._held(stall, driveline.coulomb_N_m).step(speed_rad_s, part.duration_s)
+            behind = self._behind(part.duration_s)
+            return self._held(stall, driveline.coulomb_N_m).step(speed_rad_s, part.duration_s, behind)
         return self._with_terms(part, stall, speed_rad_s, DEEPEST)
+
+    def _behind(self, duration_s: float | Array) -> Array:
+        """Worked out once for each length of a step that comes again and again."""
+        if isinstance(duration_s, np.ndarray):
+            return share_behind(duration_s, self._time_constant_s)
+        if duration_s not in self._known:
+            self._known[duration_s] = share_behind(duration_s, self._time_constant_s)
+        return self._known[duration_s]
 
     def _held(self, torque_N_m: Array, friction_N_m: Array) -> HeldDrive:
         return HeldDrive(torque_N_m, self._driveline.damping_N_m_s_rad, friction_N_m, self._driveline.inertia_kg_m2)
 
     def _with_terms(self, part: HeldPart, stall: Array, speed_rad_s: Array, deeper: int) -> tuple[Array, Array]:
         torque, friction = self._loads(part.voltage_V, stall, speed_rad_s, part.begin_s)
-        ahead, _ = self._held(torque, friction).step(speed_rad_s, part.duration_s)
+        behind = self._behind(part.duration_s)
+        ahead, _ = self._held(torque, friction).step(speed_rad_s, part.duration_s, behind)
         torque_ahead, friction_ahead = self._loads(part.voltage_V, stall, ahead, part.begin_s + part.duration_s)
         both = self._held(0.5 * (torque + torque_ahead), 0.5 * (friction + friction_ahead))
-        speed, angle = both.step(speed_rad_s, part.duration_s)
+        speed, angle = both.step(speed_rad_s, part.duration_s, behind)
         off = np.abs(speed - ahead)
         if not deeper or off.max() <= TOLERANCE_RAD_S:
             return speed, angle

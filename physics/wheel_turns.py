@@ -1,12 +1,15 @@
-"""Both wheels of a robot from their commanded voltages, each with its motor's own inertia, as the encoders count them.
+"""Both wheels of a robot from their commanded voltages, each with an inertia of its own, as the encoders count them.
 
-The body weighs on no wheel here: what it adds to the inertia is taken to be in the motor's, as on a stand or in a log
-whose motor parameters were found with the whole robot. `physics.kinematic` has the wheels under a body.
+What a body adds to the inertia may be in the motors' already, as on a stand or in a log whose motor parameters were
+found with the whole robot. `physics.kinematic` has wheels that feel each other through the body.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from physics.body_inertia import BodyOnWheels
 from physics.driveline import Driveline
 from physics.finite import require_finite
 from physics.held_rows import held_rows
@@ -17,7 +20,27 @@ from physics.terms.base import Slot
 Array = NDArray[np.float64]
 
 
-def counted_turns(model: RobotModel, voltage_V: Array, row_s: float, begin_s: Array) -> Array:
+@dataclass(frozen=True)
+class WheelLoad:
+    """What a body asks of each wheel, on top of its motor's own."""
+
+    inertia_kg_m2: float = 0.0
+    friction_N_m: float = 0.0
+    """Dry, of its caster."""
+
+    @classmethod
+    def of_body(cls, model: RobotModel) -> "WheelLoad":
+        """Of the robot's body, but for what one wheel asks of the other: little where mass is spread out."""
+        body, radius_m = BodyOnWheels.from_model(model), model.geometry.right_radius_m
+        return cls(float(body.wheel_inertia_kg_m2[0, 0]), 0.5 * radius_m * body.caster_force_N)
+
+
+NO_LOAD = WheelLoad()
+
+
+def counted_turns(
+    model: RobotModel, voltage_V: Array, row_s: float, begin_s: Array, load: WheelLoad = NO_LOAD
+) -> Array:
     """Angles [rad] that the encoders count in each row, from rest; (T, N, 2) or (T, M, N, 2), right and left.
 
     Args:
@@ -25,6 +48,7 @@ def counted_turns(model: RobotModel, voltage_V: Array, row_s: float, begin_s: Ar
         voltage_V: (T, N, 2), right and left, each held for a row.
         row_s: Length of a row.
         begin_s: (N,), time of each trial's start since the robot was switched on.
+        load: By the body, as far as it is not in the motors' numbers.
 
     Raises:
         ValueError: A voltage is no finite number.
@@ -33,6 +57,8 @@ def counted_turns(model: RobotModel, voltage_V: Array, row_s: float, begin_s: Ar
     require_finite(voltage_V, "voltage_V", ("row", "trial", "wheel"))
     model.require_rigid_gears("a driving robot")
     driveline = Driveline.of_robot(model)
+    driveline.inertia_kg_m2 = driveline.inertia_kg_m2 + load.inertia_kg_m2
+    driveline.coulomb_N_m = driveline.coulomb_N_m + load.friction_N_m
     wheels, counting = RigidWheels(driveline), model.effects(Slot.COUNTING)
     speed = np.zeros_like(voltage_V[0])
     rows = []

@@ -13,7 +13,7 @@ from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.measured.nominal import NominalTof
 from diagnosis.stages.base import Covariate, Observed, Predicted, Shape, Stage
-from diagnosis.stages.rows import joined, observed_channel
+from diagnosis.stages.rows import given, joined, observed_channel
 from physics.robot_stack import alike, stacked, stacked_terms
 from sensors.range_effects import RangeEffects
 from sensors.range_view import RangeView
@@ -32,9 +32,18 @@ class TofBench:
         trials = measurement.trials
         known = measurement.nominal.tof.reflectance if isinstance(measurement.nominal, NominalTof) else {}
         materials = [name for trial in trials for name in _materials(trial)]
-        self._distance_m, self._incidence_rad, self._temperature_C, self._ambient_lux = (
-            joined(_given(trial, name) for trial in trials)
-            for name in ("distance_m", "incidence_rad", "temperature_C", "ambient_lux")
+        distance_m, incidence_rad, temperature_C, ambient_lux = (
+            given(measurement, name) for name in ("distance_m", "incidence_rad", "temperature_C", "ambient_lux")
+        )
+        self._distance_m = distance_m
+        # What nobody noted is as it was when the sensor was calibrated.
+        self._incidence_rad, self._temperature_C, self._ambient_lux = (
+            np.where(np.isfinite(values), values, neutral)
+            for values, neutral in (
+                (incidence_rad, 0.0),
+                (temperature_C, nominal.tof.reference_temperature_C),
+                (ambient_lux, 0.0),
+            )
         )
         self._since_on_s = joined(trial.t_s + (trial.begins_s or 0.0) for trial in trials)
         self._materials = np.array(materials)
@@ -44,18 +53,20 @@ class TofBench:
         covariates = (
             Covariate("distance_m", self._distance_m),
             Covariate("material", np.array([float(names.index(m)) for m in materials]), Shape.CATEGORY, labels=names),
-            Covariate("incidence_rad", self._incidence_rad),
-            Covariate("temperature_C", self._temperature_C),
-            Covariate("ambient_lux", self._ambient_lux),
+            Covariate("incidence_rad", incidence_rad),
+            Covariate("temperature_C", temperature_C),
+            Covariate("ambient_lux", ambient_lux),
             Covariate("t_s", self._since_on_s),
             Covariate("row", np.arange(1.0, len(materials) + 1.0)),
             Covariate("previous_distance_m", joined(_previous(trial["distance_m"].values) for trial in trials)),
         )
-        predictable = np.isfinite(self._distance_m)
+        # A row without an input that other rows have could show its effect or not.
+        noted = [of for of in (incidence_rad, temperature_C, ambient_lux) if np.isfinite(of).any()]
+        predictable = np.isfinite(distance_m) & np.all([np.isfinite(of) for of in noted], axis=0)
         offered = tuple(of for of in covariates if np.isfinite(of.values).any())
         reading = observed_channel(measurement, "reading_m", predictable, offered)
         sd = self._expected([nominal])[1][0]
-        self.observed: tuple[Observed, ...] = (replace(reading, sd=np.where(predictable, sd, reading.sd)),)
+        self.observed: tuple[Observed, ...] = (replace(reading, sd=np.where(np.isfinite(distance_m), sd, reading.sd)),)
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
         return (Predicted(*self._expected(robots)),)
@@ -87,12 +98,6 @@ class TofBench:
 def _materials(trial: Trial) -> tuple[str, ...]:
     known = [label.values for label in trial.labels if label.name == "material"]
     return known[0] if known else ("",) * len(trial.t_s)
-
-
-def _given(trial: Trial, name: str) -> Array:
-    """(N,), NaN where the log does not say."""
-    known = [channel.values for channel in trial.channels if channel.name == name]
-    return known[0] if known else np.full(len(trial.t_s), np.nan)
 
 
 def _previous(values: Array) -> Array:

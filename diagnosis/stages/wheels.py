@@ -15,7 +15,7 @@ from diagnosis.stages.grid import Grid
 from diagnosis.stages.rows import given, joined, rows_after, session_time_s, trial_of_rows
 from physics.robot_model import RobotModel
 from physics.robot_stack import alike, stacked
-from physics.wheel_turns import counted_turns
+from physics.wheel_turns import NO_LOAD, WheelLoad, counted_turns
 
 SIDES = ("left", "right")
 CORRELATION = 0.0
@@ -33,6 +33,8 @@ class Wheels:
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         is_case = isinstance(measurement.nominal, NominalDrive)
         self._grid = Grid.of(measurement, 1.0 / ROW_S if is_case else None)
+        # A case has the whole robot in its motor's numbers, a robot's own file has not.
+        self._load = NO_LOAD if is_case else WheelLoad.of_body(RobotModel.from_config(nominal))
         held = [self._grid.held(measurement.trials, f"u_{side}_V") for side in SIDES]
         self._voltage_V = np.stack([held[1], held[0]], axis=-1)[:-1]
         self._counts = nominal.encoder.counts_per_revolution
@@ -85,7 +87,7 @@ class Wheels:
         left, right = (np.full((len(robots), rows), np.nan) for _ in SIDES)
         for group in alike(robots):
             model = RobotModel.from_config(stacked([robots[k] for k in group], axes=2))
-            turned = counted_turns(model, self._voltage_V, self._grid.period_s, self._grid.begins_s)
+            turned = counted_turns(model, self._voltage_V, self._grid.period_s, self._grid.begins_s, self._load)
             # Speeds are worked out from ticks by the nominal number of them in a turn.
             scale = np.asarray(model.counts_per_revolution / self._counts)
             turned = (turned[:, None] if scale.ndim > turned.ndim - 1 else turned) * scale

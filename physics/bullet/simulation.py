@@ -48,6 +48,9 @@ class BulletSimulation:
         )
         self._set_points: tuple[float, float] | None = (0.0, 0.0)
         self._voltages = (0.0, 0.0)
+        self._volt_steps = np.zeros(2)
+        """Sum over the steps since the last mean was taken, as far as the voltages were counted."""
+        self._mean_since = self._counted_until = 0
         self._torques = [0.0, 0.0]
         self._look_every = max(1, round(REACTION_PERIOD_S * rates.physics_hz))
         looks_hz = rates.physics_hz / self._look_every
@@ -173,6 +176,7 @@ class BulletSimulation:
     def _drive(self, right_V: float, left_V: float) -> None:
         limit = self._limit_V
         right_V, left_V = min(max(right_V, -limit), limit), min(max(left_V, -limit), limit)
+        self._count_voltages()
         self._voltages = (right_V, left_V)
         if self._terms is not None:
             self._terms.command(self._steps, self._voltages)
@@ -233,6 +237,19 @@ class BulletSimulation:
     def voltages(self) -> tuple[float, float]:
         """As commanded to the driver, right and left [V]; at the motors where no term is in between."""
         return self._voltages
+
+    def take_mean_voltages(self) -> tuple[float, float]:
+        """Means of the commanded voltages since the last call, right and left [V]; the present ones over no time."""
+        self._count_voltages()
+        steps = self._steps - self._mean_since
+        right_V, left_V = (self._volt_steps / steps).tolist() if steps else self._voltages
+        self._volt_steps[:] = 0.0
+        self._mean_since = self._steps
+        return right_V, left_V
+
+    def _count_voltages(self) -> None:
+        self._volt_steps += (self._steps - self._counted_until) * np.array(self._voltages)
+        self._counted_until = self._steps
 
     def currents(self) -> tuple[float, float]:
         """Through the windings, right and left [A]."""

@@ -37,13 +37,15 @@ POSITIONS_DECIMALS = (0, 6, 6, 6)
 
 WHEELS = SideTable(
     "wheels.csv",
-    "drive at each row of data.csv; r is the right wheel, l the left; odometry counts from (0, 0, 0) at the start pose",
+    "drive at each row of data.csv; mean voltages are those since the row before; r is the right wheel, l the left; "
+    "odometry counts from (0, 0, 0) at the start pose",
     (
         SideColumn("t", "ms", 0),
         SideColumn("command_v", "m/s", 5),
         SideColumn("command_w", "rad/s", 5),
         *(SideColumn(f"speed_{side}", "rad/s", 5) for side in "rl"),
         *(SideColumn(f"voltage_{side}", "V", 5) for side in "rl"),
+        *(SideColumn(f"mean_voltage_{side}", "V", 5) for side in "rl"),
         *(SideColumn(f"current_{side}", "A", 5) for side in "rl"),
         *(SideColumn(f"counts_{side}", "encoder counts", 0) for side in "rl"),
         SideColumn("odometry_x", "m", 6),
@@ -51,7 +53,7 @@ WHEELS = SideTable(
         SideColumn("odometry_theta", "rad", 6),
     ),
 )
-DRIVE_SERIES = ("command", "wheel_speed_rad_s", "voltage_V", "current_A", "encoder_counts")
+DRIVE_SERIES = ("command", "wheel_speed_rad_s", "voltage_V", "mean_voltage_V", "current_A", "encoder_counts")
 TOF = SideTable(
     "tof.csv",
     "status of each ToF sensor at each row of data.csv: "

@@ -20,8 +20,6 @@ from sensors.tof import TofStatus
 _DRIVE = {
     "v_cmd_m_s": ("command_v", "m/s", Role.INPUT),
     "w_cmd_rad_s": ("command_w", "rad/s", Role.INPUT),
-    "u_left_V": ("voltage_l", "V", Role.INPUT),
-    "u_right_V": ("voltage_r", "V", Role.INPUT),
     "enc_left_ticks": ("counts_l", "ticks", Role.READING),
     "enc_right_ticks": ("counts_r", "ticks", Role.READING),
     "current_left_A": ("current_l", "A", Role.READING),
@@ -30,9 +28,11 @@ _DRIVE = {
     "omega_right_rad_s": ("speed_r", "rad/s", Role.READING),
 }
 """Channel -> column of side/wheels.csv, unit, role."""
+_VOLTAGES = {"u_left_V": "mean_voltage_l", "u_right_V": "mean_voltage_r"}
+"""Channel -> its column, whose rows speak of the time since the row before; a channel's of the time to the next one."""
 _NOTE = (
-    "a voltage is what the wheel loop commanded last before its row; the loop changes it between rows, so that the "
-    "rows alone do not drive the motors"
+    "a voltage is the mean from its row to the next, between which the wheel loop changes it; it drives a motor to the "
+    "same place as the loop does but for its ripple"
 )
 
 
@@ -71,6 +71,9 @@ def _trial(run: Path) -> Trial:
         Channel.logged(TimeSeries(name, unit, t_s, wheels[:, WHEELS.header.index(column)].copy()), role)
         for name, (column, unit, role) in _DRIVE.items()
     ]
+    for name, column in _VOLTAGES.items():
+        mean_V = np.append(wheels[1:, WHEELS.header.index(column)], np.nan)
+        drive.append(Channel.logged(TimeSeries(name, "V", t_s, mean_V), Role.INPUT))
     status = tof[:, 1:]
     seen = row_channels(rows, status == TofStatus.NO_TARGET, status == TofStatus.HELD)
     return trial_of(f"{run.absolute().parent.name}/{run.absolute().name}", rows, (*drive, *seen))

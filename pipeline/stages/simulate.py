@@ -134,6 +134,7 @@ class _Run:
         rows.add("odometry", "m, m, rad", self._believed)
         rows.add("wheel_speed_rad_s", "rad/s", world.wheel_speeds())
         rows.add("voltage_V", "V", world.voltages())
+        rows.add("mean_voltage_V", "V", world.take_mean_voltages())
         rows.add("current_A", "A", world.currents())
         rows.add("command", "m/s, rad/s", (command.v_m_s, command.w_rad_s))
         rows.add("line_lost", "1", self._controller.line_lost_count)

@@ -114,6 +114,17 @@ class TestMotorInTheEngine:
         simulation.advance(20)
         assert simulation.voltages() == (4.5, -4.5)
 
+    def test_mean_voltages_are_those_of_the_steps_since_they_were_last_taken(self, simulate):
+        simulation = simulate()
+        assert simulation.take_mean_voltages() == (0.0, 0.0)
+        simulation.set_voltages(3.0, -1.0)
+        simulation.advance(30)
+        simulation.set_voltages(1.0, 2.0)
+        simulation.advance(10)
+        assert simulation.take_mean_voltages() == pytest.approx((2.5, -0.25))
+        simulation.advance(20)
+        assert simulation.take_mean_voltages() == pytest.approx((1.0, 2.0))
+
 
 class TestDriving:
     # Bullet's friction is not quite the same in all directions, so that the heading is part of the case.
