@@ -175,7 +175,7 @@ def _nuisance_told(nuisance: Nuisance, off: float, error: float) -> str:
     """Its prior and what was fitted; offset and standard error in tolerances."""
     prior = f"nominal {nuisance.value:g}, tolerance {nuisance.tolerance:g}"
     if error > 1.0 - UNTOUCHED and abs(off) < UNTOUCHED:
-        return f"{prior}; these data do not touch it"
+        return f"{prior}; held by its tolerance alone"
     return f"{prior}; fitted {off:+.2f} tolerances off, standard error {error * nuisance.tolerance:.2g}"
 
 

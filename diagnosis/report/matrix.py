@@ -39,7 +39,7 @@ def _row(of: Signature, *, named: bool) -> list[str]:
 
 
 def _cell(moved: float, wider: float) -> Html:
-    if abs(wider - 1.0) > STILL:
+    if moved < STILL and abs(wider - 1.0) > STILL:
         return tag("td", f"× {wider:.2f}", style=_shade(SPREAD * abs(wider - 1.0)))
     if moved < STILL:
         return tag("td", "·")

@@ -11,7 +11,7 @@ from diagnosis.report.compared import compared
 from diagnosis.report.findings import Findings, Without
 from diagnosis.report.markup import Html, picture, table, tag
 from diagnosis.report.matrix import matrix
-from diagnosis.report.quantities import along, interval, meaning, percent, with_error
+from diagnosis.report.quantities import along, cost, interval, meaning, percent, with_error
 from diagnosis.report.style import STYLE
 from diagnosis.report.summary import reasoning
 from diagnosis.report.verdict import cause, certainty, gained, headline, hints, in_a_sentence, left_over, to_measure
@@ -98,7 +98,7 @@ def _effect(named: Named, without: Without) -> Iterator[Html]:
     ]
     yield table(["parameter", "value and standard error", "unit"], rows)
     yield tag("p", tag("strong", "Confidence: "), certainty(named), ".")
-    text = f"Without it the cost rises by {without.rise:.1f}"
+    text = f"Without it the cost rises by {cost(without.rise)}"
     if without.gain is not None:
         text += f", and the gain on held-out rows is {percent(without.gain.value)}"
     yield tag("p", f"{text}, everything else fitted anew.")

@@ -9,7 +9,7 @@ from diagnosis.report.quantities import covariate_axis
 from diagnosis.stages.base import Covariate, Shape
 
 BEFORE, CALIBRATED, AFTER, MEASURED = VERMILION, ORANGE, BLUE, BLACK
-MOST_POINTS = 1500
+MOST_POINTS = 1000
 """In a panel; of more, every so-manieth."""
 BINS = 20
 LEAST_IN_BIN = 3
@@ -45,9 +45,10 @@ def residual_panel(axes: Axes, covariate: Covariate, z: Array, heldout: Mask, co
     for rows, face in ((shown & ~heldout & ~beyond, colour), (shown & heldout & ~beyond, "none")):
         some = np.flatnonzero(rows)
         some = some[:: max(1, len(some) // MOST_POINTS)]
-        axes.scatter(at[some], z[some], s=11, facecolors=face, edgecolors=colour, linewidths=0.7, alpha=faint)
+        dots = {"markersize": 3.3, "markerfacecolor": face, "markeredgecolor": colour, "markeredgewidth": 0.7}
+        axes.plot(at[some], z[some], "o", alpha=faint, **dots)
     for rows, marker, edge in ((shown & (z > reach), "^", 0.95), (shown & (z < -reach), "v", -0.95)):
-        axes.scatter(at[rows], np.full(np.count_nonzero(rows), edge * reach), s=16, marker=marker, color=colour)
+        axes.plot(at[rows], np.full(np.count_nonzero(rows), edge * reach), marker, markersize=4, color=colour)
     middle, median, error = binned(covariate, x[shown], z[shown])
     if len(middle) > 1 and np.count_nonzero(shown) > 2 * BINS:
         axes.errorbar(middle, median, 2.0 * error, color=BLACK, linewidth=1.0, linestyle="none", capsize=2, marker=".")

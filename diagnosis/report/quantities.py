@@ -39,8 +39,6 @@ NAMES = {
     "pose_dx": "way ahead",
     "pose_dy": "way to the left",
     "pose_dtheta": "turn",
-    "ds": "way of a row",
-    "dtheta": "turn of a row",
     "tof_front": "range ahead",
     "tof_left": "range to the left",
     "tof_right": "range to the right",
@@ -50,11 +48,17 @@ PREDICTED = frozenset({"omega_rad_s", "current_A"})
 """Covariates that have the name of a reading: a reading tells nothing of its own error, so they are its prediction."""
 
 
+WHOLE = {"ds": ("way by the wheels", "m"), "dtheta": ("turn by the wheels", "rad"), "wall": ("wall that is met", "")}
+"""Names that carry no unit."""
+
+
 def named(column: str) -> tuple[str, str]:
     """What a column is, in words, and its unit; the name itself and nothing where neither is known.
 
     One of several, such as `wheel_angle_rad[left]`, keeps that in words.
     """
+    if column in WHOLE:
+        return WHOLE[column]
     column, _, which = column.removesuffix("]").partition("[")
     of = f", {which}" if which else ""
     for end, unit in UNITS.items():
@@ -104,6 +108,11 @@ def percent(share: float) -> str:
     """Of a gain or a probability."""
     shown = 100.0 * share
     return f"{shown:.3g} %" if abs(shown) >= 1.0 or shown == 0.0 else f"{shown:.1f} %"
+
+
+def cost(of: float) -> str:
+    """With tenths where they mean something."""
+    return f"{of:.1f}" if abs(of) < 100.0 else f"{of:.0f}"
 
 
 def meaning(term: Term) -> str:

@@ -35,5 +35,7 @@ summary { cursor: pointer; font-weight: 600; }
 .card h3 { margin-top: 0; }
 @media print { html { font-size: 11px; }
   body { max-width: none; font-size: 1rem; padding: 0; } h2 { break-after: avoid; }
-  figure, .card, tr { break-inside: avoid; } .wide { overflow: visible; } }
+  figure, .card, tr { break-inside: avoid; } .wide { overflow: visible; }
+  table { font-size: .8rem; } th, td, .matrix td { padding-right: .35rem; } .matrix td { padding-left: .2rem; }
+  pre { white-space: pre-wrap; } }
 """

@@ -8,7 +8,7 @@ from diagnosis.inference.adequacy import LEVEL
 from diagnosis.inference.rivals import AS_GOOD
 from diagnosis.measured.overview import summary_line
 from diagnosis.report.findings import Findings, Without
-from diagnosis.report.quantities import meaning, with_error
+from diagnosis.report.quantities import cost, meaning, with_error
 from diagnosis.report.verdict import (
     cause,
     certainty,
@@ -54,7 +54,7 @@ def _effect(named: Named, without: Without) -> Iterator[str]:
     yield from _entry("  means", meaning(named.effect.term))
     yield from _entry("  comes of", cause(named))
     yield from _entry("  sure to", certainty(named))
-    yield from _entry("  without it", f"the cost rises by {without.rise:.1f}")
+    yield from _entry("  without it", f"the cost rises by {cost(without.rise)}")
     for name, excitation in to_measure(named):
         yield from _entry(f"  {name} shows in", excitation)
 

@@ -69,7 +69,7 @@ def test_each_number_says_where_it_comes_from(diagnosis_of):
         if line.startswith(" ") and not line.endswith(":"):
             assert "  # " in line, line
     assert "# named by the diagnosis; standard error 0.006" in text
-    assert "nominal 0.3, tolerance 0.002; fitted " in text
+    assert "nominal 3, tolerance 0.03; fitted " in text
 
 
 def test_the_varied_robot_is_drawn_about_the_fitted_one(diagnosis_of, loaded):

@@ -64,9 +64,7 @@ def test_a_wild_residual_stands_at_the_edge_of_its_panel():
     axes = panel(Covariate("t_s", np.arange(200.0)), z)
     low, high = axes.get_ylim()
     assert (low, high) == (-3.5, 3.5)
-    shown = np.concatenate(
-        [np.asarray(points.get_offsets()) for points in axes.collections[1:] if points.get_offsets().size]
-    )
+    shown = np.concatenate([np.stack(line.get_data(), axis=1) for line in axes.lines])
     assert np.any((shown[:, 0] == 7.0) & (shown[:, 1] > 3.0) & (shown[:, 1] < high))
 
 
