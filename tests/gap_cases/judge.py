@@ -1,0 +1,228 @@
+"""What can be known from a case, by the model it was made with: the yardstick for what a program finds in it.
+
+An effect shows as far as the nominal model with its tolerances cannot imitate it: the expected drop of chi-square is
+|P W (mu_with - mu_without) / sigma|^2 over the rows that may be fitted, with W whitening the noise and P projecting out
+what deviations of the toleranced parameters can do, each at the price of its prior. The noise of a range sensor may be
+the effect; its drop is twice the expected gain in log-likelihood, sum(v - 1 - ln v) over ratios v of variances.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from types import ModuleType
+
+import numpy as np
+
+from . import tof_bench
+from .case import Array, Bench, Case, Effect, Frame, World
+from .make import KINDS
+from .sizes import rivals
+
+DETECTABLE = 40.0
+"""Expected drop above which an effect counts as detectable. With some 20 candidates of up to two parameters, noise
+alone takes 15 or so from one of them in one case of a hundred; a drop of expectation 40 has a standard deviation of
+2 sqrt(40) = 13, so that 97 of 100 such effects take more than 15."""
+SAME_COSINE = 0.98
+SAME_DROP = 9.0
+"""What is left of an effect after the best size of another may be noise: three standard deviations."""
+NUISANCE_STEP = 0.5
+"""Tolerances."""
+WORST_SHARE = 0.03
+"""Of residuals, left out of E."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Attributes:
+
+    drops: Of each effect, the chi-square it is expected to take from the model with all the others.
+    equivalent: Of each effect, the variants of names that these data cannot tell from it.
+    beyond: Drop of the outside effect, 0 without one.
+    nameless: Of that, what no single name can take.
+    gain: 1 - E(true model) / E(nominal) on the hold-out rows.
+    """
+
+    drops: tuple[float, ...]
+    equivalent: tuple[tuple[str, ...], ...]
+    beyond: float
+    nameless: float
+    gain: float
+
+
+@dataclass(frozen=True)
+class _Space:
+    """Differences of predictions in whitened sigmas, with the part that nuisances imitate taken out."""
+
+    frame: Frame
+    rows: Array
+    correlation: Array
+    basis: Array
+    nuisances: int
+
+    def projected(self, difference: Array) -> Array:
+        """(K, n) differences, and below them the prior's rows."""
+        white = _white(difference / self.frame.sigma, self.rows, self.frame.run, self.correlation)
+        padded = np.concatenate([white, np.zeros((len(white), self.nuisances))], axis=1)
+        return padded - (padded @ self.basis) @ self.basis.T
+
+
+def judge(case: Case, rival_draws: int = 4) -> Verdict:
+    """Drops, equivalents and gain; without `rival_draws`, nothing is told about rivals."""
+    kind, bench, world = KINDS[case.bench.kind], case.bench, case.world
+    frame = kind.frame(bench, case.columns)
+    hidden = [*world.effects, *([world.outside] if world.outside else [])]
+    without = [_without(world, each) for each in hidden]
+    others = list(rivals(bench, rival_draws)) if rival_draws and hidden else []
+    varied = [_nudged(bench, world, name) for name in bench.spreads()]
+    worlds = [world, bench.textbook(), *varied, *without]
+    means = kind.predict(bench, case.columns, worlds)
+    gain = 1.0 - error(frame, means[0]) / error(frame, means[1])
+    slopes = (means[2 : 2 + len(varied)] - means[0]) / NUISANCE_STEP
+    drops, same, nameless = [], [], 0.0
+    for k, each in enumerate(hidden):
+        bare = means[2 + len(varied) + k]
+        rest = [other for other in world.effects if other is not each]
+        free = [_bent(world, other, name) for other in rest for name in _numbers(other)]
+        bent = kind.predict(bench, case.columns, free) - means[0] if free else np.zeros((0, len(bare)))
+        space = _space(frame, means[0], slopes, bent)
+        shape = space.projected((means[0] - bare)[None])[0]
+        drop = float(shape @ shape) + _of_spread(bench, case, without[k])
+        drops.append(drop)
+        taken = _rivals(case, kind, space, (without[k], bare), others, shape) if others else {}
+        close = {name: (cosine, drop * (1.0 - cosine**2)) for name, cosine in taken.items()}
+        if isinstance(each, Effect):
+            like = [n for n, (cosine, left) in close.items() if cosine > SAME_COSINE and left < SAME_DROP]
+            noisy = _noise_rivals(bench, case, each, without[k], drop)
+            same.append(tuple(sorted({*like, *noisy} - {each.variant, *(other.variant for other in rest)})))
+        else:
+            nameless = min((left for _, left in close.values()), default=drop)
+    own = len(world.effects)
+    return Verdict(tuple(drops[:own]), tuple(same), drops[own] if world.outside else 0.0, nameless, gain)
+
+
+def error(frame: Frame, predicted: Array) -> float:
+    """E of the format: per stage, the root mean square residual in sigmas without the largest, over the stages."""
+    squares = []
+    for stage in np.unique(frame.stage):
+        counted = (frame.stage == stage) & frame.holdout & np.isfinite(frame.measured) & np.isfinite(predicted)
+        z = np.sort(np.abs((frame.measured - predicted) / frame.sigma)[counted])
+        kept = z[: len(z) - int(WORST_SHARE * len(z))]
+        if len(kept):
+            squares.append(float(np.mean(kept**2)))
+    return float(np.sqrt(np.mean(squares)))
+
+
+def _space(frame: Frame, true: Array, slopes: Array, bent: Array) -> _Space:
+    residual = (frame.measured - true) / frame.sigma
+    rows = ~frame.holdout & np.isfinite(residual) & frame.usable
+    correlation = frame.correlation.copy()
+    for stage in np.unique(frame.stage[np.isnan(correlation)]):
+        of = frame.stage == stage
+        z = np.where(rows, np.clip(residual, -4.0, 4.0), 0.0)
+        pairs = of[1:] & rows[1:] & rows[:-1] & (frame.run[1:] == frame.run[:-1])
+        correlation[of] = np.sum(z[1:][pairs] * z[:-1][pairs]) / np.sum(z[1:][pairs] ** 2)
+    nuisances = len(slopes)
+    white = _white(np.concatenate([slopes, bent]) / frame.sigma, rows, frame.run, correlation)
+    prior = np.eye(len(white), nuisances)
+    columns = np.concatenate([white, prior], axis=1).T
+    length = np.linalg.norm(columns, axis=0)
+    basis = np.linalg.qr(columns[:, length > 0.0] / length[length > 0.0])[0]
+    return _Space(frame, rows, correlation, basis, nuisances)
+
+
+def _white(values: Array, rows: Array, run: Array, correlation: Array) -> Array:
+    """(K, n) with the correlation of neighbours taken out, 0 outside `rows`."""
+    follows = np.concatenate([[False], rows[1:] & rows[:-1] & (run[1:] == run[:-1])])
+    rho = np.where(follows, correlation, 0.0)
+    values = np.where(rows, values, 0.0)
+    before = np.concatenate([np.zeros((len(values), 1)), values[:, :-1]], axis=1)
+    return np.where(rows, (values - rho * before) / np.sqrt(1.0 - rho**2), 0.0)
+
+
+def _rivals(
+    case: Case, kind: ModuleType, space: _Space, without: tuple[World, Array], others: Sequence[Effect], shape: Array
+) -> dict[str, float]:
+    """Of every variant of a name, the best cosine of what it does to the data with what the effect did."""
+    world, bare = without
+    best: dict[str, float] = {}
+    others = [each for each in others if each.variant not in {hidden.variant for hidden in world.effects}]
+    for resized in (False, True):
+        means = kind.predict(case.bench, case.columns, [_with(world, each) for each in others])
+        done = space.projected(means - bare)
+        power = np.sum(done**2, axis=1)
+        inner = done @ shape
+        cosine = inner / np.sqrt(np.maximum(power * (shape @ shape), 1e-300))
+        for each, value in zip(others, cosine.tolist(), strict=True):
+            best[each.variant] = max(best.get(each.variant, 0.0), value)
+        if not resized:
+            factor = inner / np.maximum(power, 1e-300)
+            near = [(each, float(f)) for each, f, c in zip(others, factor, cosine, strict=True) if c > 0.9]
+            others = [_resized(each, f) for each, f in near]
+        if not others:
+            break
+    return best
+
+
+def _resized(effect: Effect, factor: float) -> Effect:
+    """So many times as large: the first number of the effect is the one that says how large it is."""
+    name = _numbers(effect)[0]
+    if name in {"limit_A", "saturation_m"}:
+        return effect
+    neutral = 1.0 if name in {"scale", "gain"} else 0.0
+    value = neutral + min(factor, 10.0) * (float(effect.parameters[name]) - neutral)
+    return Effect(effect.name, {**effect.parameters, name: max(value, 0.05) if neutral else value})
+
+
+def _of_spread(bench: Bench, case: Case, without: World) -> float:
+    if bench.kind != "tof_bench":
+        return 0.0
+    return _deviance(_spread(case, case.world) / _spread(case, without))
+
+
+def _spread(case: Case, world: World) -> Array:
+    frame = tof_bench.frame(case.bench, case.columns)
+    counted = ~frame.holdout & np.isfinite(frame.measured)
+    return tof_bench.sd(case.columns, [world])[0][counted]
+
+
+def _deviance(ratio: Array) -> float:
+    return float(np.sum(ratio**2 - 1.0 - 2.0 * np.log(ratio)))
+
+
+def _noise_rivals(bench: Bench, case: Case, effect: Effect, without: World, drop: float) -> list[str]:
+    """Which of the two effects on the noise of a range sensor does as well as the other."""
+    keys = {"noise_scale": "scale", "ambient_noise": "coefficient_per_klux"}
+    if bench.kind != "tof_bench" or effect.name not in keys:
+        return []
+    true, found = _spread(case, case.world), []
+    for name, key in keys.items():
+        sizes = np.geomspace(0.02, 50.0, 200) if name == "ambient_noise" else np.geomspace(0.3, 4.0, 200)
+        worlds = [_with(without, Effect(name, {key: float(size)})) for size in sizes]
+        left = min(_deviance(true / _spread(case, each)) for each in worlds)
+        if left < SAME_DROP and left < (1.0 - SAME_COSINE**2) * drop:
+            found.append(name)
+    return found
+
+
+def _numbers(effect: Effect) -> list[str]:
+    return [name for name, value in effect.parameters.items() if not isinstance(value, str)]
+
+
+def _with(world: World, effect: Effect) -> World:
+    return replace(world, effects=(*world.effects, effect))
+
+
+def _without(world: World, hidden: object) -> World:
+    if hidden is world.outside:
+        return replace(world, outside=None)
+    return replace(world, effects=tuple(each for each in world.effects if each is not hidden))
+
+
+def _nudged(bench: Bench, world: World, name: str) -> World:
+    own = {**world.own, name: world.own[name] + NUISANCE_STEP * bench.spreads()[name][1]}
+    return replace(world, own=own)
+
+
+def _bent(world: World, effect: Effect, name: str) -> World:
+    """The world with one number of an effect changed by a hundredth."""
+    changed = Effect(effect.name, {**effect.parameters, name: 1.01 * float(effect.parameters[name])})
+    return replace(world, effects=tuple(changed if each is effect else each for each in world.effects))

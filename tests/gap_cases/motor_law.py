@@ -1,0 +1,132 @@
+"""The motor of the format with every effect that bears on it, for many worlds at once."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .case import Array, World
+
+
+@dataclass(frozen=True)
+class Motors:
+    """Each (V, 1): one row per world. Names as in the format; `source_ohm` is the resistance of the supply."""
+
+    resistance: Array
+    constant: Array
+    viscous: Array
+    coulomb: Array
+    inertia: Array
+    extra: Array
+    extra_speed: Array
+    drag: Array
+    asymmetry: Array
+    warm: Array
+    warm_s: Array
+    drop: Array
+    source_ohm: Array
+    limit: Array
+    bump: Array
+    bump_speed: Array
+    bump_width: Array
+    change: Array
+    change_s: Array
+    supply_V: float
+
+    @classmethod
+    def of(cls, worlds: Sequence[World], supply_V: float) -> "Motors":
+        def own(name: str, effect: str) -> Array:
+            return column([w.own.get(name, np.nan) * w.value(effect, "scale", 1.0) for w in worlds])
+
+        def effect(name: str, parameter: str, absent: float = 0.0) -> Array:
+            return column([w.value(name, parameter, absent) for w in worlds])
+
+        def beyond(name: str, parameter: str, absent: float = 0.0) -> Array:
+            return column([w.beyond(name, parameter, absent) for w in worlds])
+
+        return cls(
+            resistance=own("winding_resistance_ohm", "winding_resistance_scale"),
+            constant=own("torque_constant_N_m_A", "torque_constant_scale"),
+            viscous=own("viscous_friction_N_m_s_rad", "viscous_friction_scale"),
+            coulomb=own("coulomb_friction_N_m", "coulomb_friction_scale"),
+            inertia=own("rotor_inertia_kg_m2", "rotor_inertia_scale"),
+            extra=effect("stribeck_friction", "extra_torque_N_m"),
+            extra_speed=effect("stribeck_friction", "stribeck_speed_rad_s", 1.0),
+            drag=effect("quadratic_drag", "coefficient_N_m_s2_rad2"),
+            asymmetry=effect("friction_asymmetry", "asymmetry"),
+            warm=effect("friction_warmup", "amplitude"),
+            warm_s=effect("friction_warmup", "time_constant_s", 1.0),
+            drop=effect("bridge_voltage_drop", "drop_V"),
+            source_ohm=effect("supply_sag", "source_resistance_ohm"),
+            limit=effect("current_limit", "limit_A", np.inf),
+            bump=beyond("brush_film_bump", "torque_N_m"),
+            bump_speed=beyond("brush_film_bump", "speed_rad_s"),
+            bump_width=beyond("brush_film_bump", "width_rad_s", 1.0),
+            change=beyond("session_change", "fraction"),
+            change_s=beyond("session_change", "begins_s", np.inf),
+            supply_V=supply_V,
+        )
+
+    def pick(self, chosen: Sequence[int]) -> "Motors":
+        """Those worlds only."""
+        arrays = {name: each[list(chosen)] for name, each in vars(self).items() if isinstance(each, np.ndarray)}
+        return Motors(**arrays, supply_V=self.supply_V)
+
+    def current_A(self, voltage_V: Array, speed_rad_s: Array) -> Array:
+        """I = sgn(e) max(|e| - drop, 0) / (R + r duty^2) with e = u - K w, and no more than the limit."""
+        driving = voltage_V - self.constant * speed_rad_s
+        if self.drop.any():
+            driving = np.sign(driving) * np.maximum(np.abs(driving) - self.drop, 0.0)
+        resistance = self.resistance
+        if self.source_ohm.any():
+            resistance = resistance + self.source_ohm * (voltage_V / self.supply_V) ** 2
+        return np.clip(driving / resistance, -self.limit, self.limit)
+
+    def friction_N_m(self, direction: Array, speed_rad_s: Array, session_s: Array) -> Array:
+        """Dry friction against a motion in that direction (+1 or -1) at that speed; at speed 0, breakaway torque."""
+        friction = self.coulomb * (1.0 - self.asymmetry * direction)
+        if self.warm.any():
+            friction = friction * (1.0 + self.warm * np.exp(-session_s / self.warm_s))
+        if self.change.any():
+            friction = friction * (1.0 + self.change * (session_s >= self.change_s))
+        if self.extra.any():
+            friction = friction + self.extra * np.exp(-((speed_rad_s / self.extra_speed) ** 2))
+        if self.bump.any():
+            beside = (np.abs(speed_rad_s) - self.bump_speed) / self.bump_width
+            friction = friction + self.bump * np.exp(-(beside**2))
+        return friction
+
+    def surplus_N_m(self, voltage_V: Array, direction: Array, speed_rad_s: Array, session_s: Array) -> Array:
+        """Accelerating torque in the direction of motion; `speed_rad_s` is signed."""
+        drive = self.constant * self.current_A(voltage_V, speed_rad_s)
+        resisting = self.viscous * speed_rad_s
+        if self.drag.any():
+            resisting = resisting + self.drag * speed_rad_s * np.abs(speed_rad_s)
+        return direction * (drive - resisting) - self.friction_N_m(direction, speed_rad_s, session_s)
+
+
+def column(values: Sequence[float]) -> Array:
+    return np.array(values, dtype=np.float64)[:, None]
+
+
+def steady_states(motors: Motors, voltage_V: Array, session_s: Array) -> tuple[Array, Array]:
+    """Current [A] and speed [rad/s], (V, N) each: the first speed from rest upwards at which nothing accelerates."""
+    direction = np.where(voltage_V < 0.0, -1.0, 1.0)
+    top = np.abs(voltage_V) / motors.constant
+    low = np.zeros_like(top)
+    running = motors.surplus_N_m(voltage_V, direction, low, session_s) > 0.0
+    high, is_found = top.copy(), ~running
+    grid = np.linspace(0.0, 1.0, 401) ** 2
+    for fraction in grid[1:]:
+        speed = fraction * top
+        slows = motors.surplus_N_m(voltage_V, direction, direction * speed, session_s) <= 0.0
+        new = slows & ~is_found
+        high = np.where(new, speed, high)
+        is_found |= slows
+        low = np.where(is_found, low, speed)
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        faster = motors.surplus_N_m(voltage_V, direction, direction * middle, session_s) > 0.0
+        low, high = np.where(faster, middle, low), np.where(faster, high, middle)
+    speed = np.where(running, direction * 0.5 * (low + high), 0.0)
+    return motors.current_A(voltage_V, speed), speed
