@@ -4,15 +4,18 @@
 from them; `write` puts them into the files of the format.
 """
 
+from .beyond import BEYOND
 from .case import Case, Effect, Outside, World
 from .files import write
-from .judge import DETECTABLE, Verdict, judge
+from .judge import DETECTABLE, NAMELESS, Verdict, judge
 from .make import KINDS, draw_bench, draw_effect, draw_outside, make_case
-from .sizes import SIZES
+from .sizes import SIZES, names
 
 __all__ = [
+    "BEYOND",
     "DETECTABLE",
     "KINDS",
+    "NAMELESS",
     "SIZES",
     "Case",
     "Effect",
@@ -24,5 +27,6 @@ __all__ = [
     "draw_outside",
     "judge",
     "make_case",
+    "names",
     "write",
 ]

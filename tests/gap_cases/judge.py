@@ -21,6 +21,9 @@ DETECTABLE = 40.0
 """Expected drop above which an effect counts as detectable. With some 20 candidates of up to two parameters, noise
 alone takes 15 or so from one of them in one case of a hundred; a drop of expectation 40 has a standard deviation of
 2 sqrt(40) = 13, so that 97 of 100 such effects take more than 15."""
+NAMELESS = 60.0
+"""The same for what is in no table: nobody knows its shape, and a test of some eight shapes at once that is to be right
+on effect-free data needs about 30 of it."""
 SAME_COSINE = 0.98
 SAME_DROP = 9.0
 """What is left of an effect after the best size of another may be noise: three standard deviations."""

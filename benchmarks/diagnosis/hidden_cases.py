@@ -1,0 +1,85 @@
+"""Which cases are made: a mix of one effect, two, none and one outside the tables, over all names, kinds and sizes."""
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
+
+from gap_cases import BEYOND, DETECTABLE, KINDS, NAMELESS, Case, draw_bench, judge, make_case, names, write
+
+__all__ = ["KINDS", "Case", "Plan", "hidden_case", "judge", "plans", "write"]
+
+PATTERN = ("single", "pair", "single", "outside", "single", "pair", "none", "single", "outside", "single")
+PATTERN += ("pair", "single", "none", "outside", "pair", "single", "none", "single", "pair", "outside")
+"""Of twenty: eight, five, three and four."""
+FEW = {"motor_steady": 0.25, "motor_step": 0.4, "tof_bench": 0.3, "drive_log": 0.3}
+"""Share of cases with few rows."""
+TRIES = 12
+"""Sizes that are drawn until one is detectable; after half of them, of another name."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """One case to make; the same plan is the same case."""
+
+    number: int
+    category: str
+    kind: str
+    turn: int
+    """Which of its category and kind it is: names go round."""
+    seed: int
+
+    @property
+    def name(self) -> str:
+        return f"{self.number:04d}_{self.category}_{self.kind}"
+
+
+def plans(cases: int, seed: int, kinds: Sequence[str]) -> list[Plan]:
+    """The first so many of an endless series."""
+    turns: dict[str, int] = {}
+    found = []
+    for number in range(cases):
+        category = PATTERN[number % len(PATTERN)]
+        count = turns.setdefault(category, 0)
+        turns[category] = count + 1
+        found.append(Plan(number, category, kinds[count % len(kinds)], count // len(kinds), seed))
+    return found
+
+
+def hidden_case(plan: Plan) -> Case:
+    """The case; what is hidden in it is detectable by itself, unless no size tried was."""
+    case = _drawn(plan, 0)
+    for attempt in range(1, TRIES):
+        if _shows(case):
+            break
+        case = _drawn(plan, attempt)
+    return case
+
+
+def _shows(case: Case) -> bool:
+    verdict = judge(case, 4 if case.world.outside else 0)
+    named = all(drop > DETECTABLE for drop in verdict.drops)
+    return named and (case.world.outside is None or verdict.nameless > NAMELESS)
+
+
+def _drawn(plan: Plan, attempt: int) -> Case:
+    rows = "few" if np.random.default_rng([plan.seed, plan.number]).random() < FEW[plan.kind] else "usual"
+    rng = np.random.default_rng([plan.seed, plan.number, attempt])
+    seed = int(rng.integers(2**31))
+    bench = draw_bench(plan.kind, seed, rows)
+    library, strange = names(bench), list(BEYOND[plan.kind])
+    turn = plan.turn if 2 * attempt < TRIES else int(rng.integers(1000))
+    match plan.category:
+        case "none":
+            return make_case(plan.kind, seed, rows=rows)
+        case "outside":
+            return make_case(plan.kind, seed, outside=strange[turn % len(strange)], rows=rows)
+        case "single":
+            return make_case(plan.kind, seed, [(library[turn % len(library)], None)], rows=rows)
+        case _:
+            pair = rng.choice(library, 2, replace=False).tolist()
+            return make_case(plan.kind, seed, [(name, None) for name in pair], rows=rows)

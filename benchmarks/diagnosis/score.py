@@ -1,0 +1,150 @@
+"""How right an answer is, in the form of the format, against the world that a case was made with."""
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from hidden_cases import Case, judge
+
+LARGEST_SET = 3
+LARGE_DROP = 400.0
+"""Ten times as much as a detectable effect takes: the size itself ought to be right within a tenth."""
+GAIN_ERROR = 0.05
+STD_ERRORS = 3.0
+
+
+@dataclass(frozen=True)
+class Score:
+    """What is said of one case; None where the question does not arise.
+
+    Attributes:
+        category: What was hidden.
+        kind: Of data.
+        truth: Names, with their discrete parameters.
+        drops: Expected, of each.
+        nameless: What no single name can take of an outside effect.
+        right: The names, each or a member of its set of at most three, and no other.
+        exact: The names themselves, or what these data cannot tell from them.
+        named: Whether any name was given.
+        unexplained: Whether structure was said to remain.
+        place: Whether it was placed in the right channel and covariate.
+        within: Of every parameter of an effect that was named by its own name, whether it is within three standard
+            errors.
+        close: Of those of large effects, whether it is within a tenth.
+        gain_error: Of the held-out gain.
+        seconds: That the diagnosis took.
+        failed: Text of an exception.
+        told: The answer in short.
+        sizes: Parameters of what was hidden.
+    """
+
+    category: str
+    kind: str
+    truth: tuple[str, ...] = ()
+    drops: tuple[float, ...] = ()
+    nameless: float = 0.0
+    right: bool | None = None
+    exact: bool | None = None
+    named: bool = False
+    unexplained: bool = False
+    place: bool | None = None
+    within: tuple[bool, ...] = ()
+    close: tuple[bool, ...] = ()
+    gain_error: float | None = None
+    seconds: float = 0.0
+    failed: str = ""
+    told: str = ""
+    sizes: tuple[str, ...] = ()
+
+
+def score(case: Case, category: str, answer: Mapping | None, seconds: float = 0.0, failed: str = "") -> Score:
+    """Of an answer, or of none where the diagnosis `failed`."""
+    hidden = [*case.world.effects, *([case.world.outside] if case.world.outside else [])]
+    truth = tuple(each.variant if hasattr(each, "variant") else each.name for each in hidden)
+    verdict = judge(case)
+    drops = (*verdict.drops, *([verdict.beyond] if case.world.outside else []))
+    sizes = tuple(_short(each.parameters) for each in hidden)
+    expects_names = category in {"single", "pair"}
+    known = Score(category, case.bench.kind, truth, drops, verdict.nameless, seconds=seconds, sizes=sizes)
+    if answer is None:
+        wrong = False if expects_names else None
+        return replace(known, right=wrong, exact=wrong, failed=failed or "no answer")
+    effects = answer["effects"]
+    told = [variant(each) for each in effects]
+    sets = [{name, *each.get("ambiguous_with", ())} for name, each in zip(told, effects, strict=True)]
+    within, close = _parameters(case, drops, effects)
+    gain = answer.get("heldout_gain")
+    return replace(
+        known,
+        right=_matches([{name} for name in truth], sets, LARGEST_SET) if expects_names else None,
+        exact=_exact(truth, verdict.equivalent, told) if expects_names else None,
+        named=bool(effects),
+        unexplained=bool(answer["unexplained"]),
+        place=_placed(case, answer),
+        within=within,
+        close=close,
+        gain_error=abs(gain - verdict.gain) if gain is not None and category != "outside" else None,
+        told=_told(answer, told),
+    )
+
+
+def variant(effect: Mapping) -> str:
+    """Name of an effect of an answer, with its discrete parameter."""
+    words = [value for value in effect.get("parameters", {}).values() if isinstance(value, str)]
+    return f"{effect['name']}[{words[0]}]" if words else effect["name"]
+
+
+def _matches(truths: Sequence[set[str]], sets: Sequence[set[str]], largest: int) -> bool:
+    """Whether there is one set for every truth, in some order, with a name of it inside."""
+    if len(truths) != len(sets) or any(len(each) > largest for each in sets):
+        return False
+    return any(all(a & b for a, b in zip(truths, order, strict=True)) for order in itertools.permutations(sets))
+
+
+def _exact(truth: Sequence[str], equivalent: Sequence[Sequence[str]], told: Sequence[str]) -> bool:
+    accepted = [{name, *same} for name, same in zip(truth, equivalent, strict=True)]
+    return _matches(accepted, [{name} for name in told], 1)
+
+
+def _placed(case: Case, answer: Mapping) -> bool | None:
+    outside = case.world.outside
+    if outside is None or not answer["unexplained"]:
+        return None
+    where = answer.get("unexplained_where", {})
+    return where.get("channel") in outside.channels and where.get("covariate") in outside.covariates
+
+
+def _parameters(
+    case: Case, drops: Sequence[float], effects: Sequence[Mapping]
+) -> tuple[tuple[bool, ...], tuple[bool, ...]]:
+    within, close = [], []
+    for true, drop in zip(case.world.effects, drops, strict=False):
+        for each in effects:
+            if variant(each) != true.variant:
+                continue
+            for name, value in true.parameters.items():
+                if isinstance(value, str):
+                    continue
+                error = abs(float(each["parameters"][name]) - value)
+                std = each.get("std", {}).get(name)
+                if std is not None:
+                    within.append(error <= STD_ERRORS * std)
+                if drop > LARGE_DROP:
+                    neutral = 1.0 if name in {"scale", "gain"} else 0.0
+                    close.append(error <= 0.1 * abs(value - neutral))
+    return tuple(within), tuple(close)
+
+
+def _told(answer: Mapping, told: Sequence[str]) -> str:
+    parts = []
+    for name, each in zip(told, answer["effects"], strict=True):
+        rivals = each.get("ambiguous_with", ())
+        parts.append(f"{name} {_short(each['parameters'])}" + (f" or {' or '.join(rivals)}" if rivals else ""))
+    if answer["unexplained"]:
+        where = answer.get("unexplained_where", {})
+        parts.append(f"unexplained {where.get('channel')} by {where.get('covariate')}")
+    return "; ".join(parts) or "nothing"
+
+
+def _short(parameters: Mapping) -> str:
+    return " ".join(f"{k}={v}" if isinstance(v, str) else f"{k}={float(v):.4g}" for k, v in parameters.items())

@@ -1,0 +1,156 @@
+"""Scores of made-up answers to made-up cases, and the figures of made-up scores."""
+
+import importlib
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _scripts_on_the_path():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(ROOT / "tests"))
+        patch.syspath_prepend(str(ROOT / "benchmarks" / "diagnosis"))
+        yield
+
+
+@pytest.fixture(scope="module")
+def gap():
+    return importlib.import_module("gap_cases")
+
+
+@pytest.fixture(scope="module")
+def scoring():
+    return importlib.import_module("score")
+
+
+@pytest.fixture(scope="module")
+def bent(gap):
+    """An offset that is as good as a bias of the one material there is."""
+    return gap.make_case("tof_bench", 1, [("range_offset", {"offset_m": 0.01})], rows="few")
+
+
+@pytest.fixture(scope="module")
+def twice(gap):
+    effects = [("temperature_drift", {"coefficient_m_per_K": 0.001}), ("incidence_bias", {"coefficient": 0.1})]
+    return gap.make_case("tof_bench", 1, effects)
+
+
+def named(name, parameters, *ambiguous, std=None):
+    return {"name": name, "parameters": parameters, "std": std or {}, "ambiguous_with": list(ambiguous)}
+
+
+def answer(*effects, where=None):
+    found = {"effects": list(effects), "unexplained": where is not None, "heldout_gain": 0.5}
+    return found | ({"unexplained_where": dict(zip(("channel", "covariate"), where, strict=True))} if where else {})
+
+
+OFFSET = named("range_offset", {"offset_m": 0.0102}, std={"offset_m": 0.0001})
+
+
+@pytest.mark.parametrize(
+    ("effects", "right", "exact"),
+    [
+        ((OFFSET,), True, True),
+        ((), False, False),
+        ((named("range_scale", {"scale": 1.02}, "range_offset", "log_range_error"),), True, False),
+        ((named("range_scale", {"scale": 1.02}, "range_offset", "a", "b"),), False, False),
+        ((OFFSET, named("range_scale", {"scale": 1.02})), False, False),
+        ((named("material_bias", {"material": "white_paper", "offset_m": 0.01}),), False, True),
+        ((named("material_bias", {"material": "wood", "offset_m": 0.01}),), False, False),
+    ],
+    ids=["right", "nothing", "in its set", "in too large a set", "one too many", "equivalent", "of another material"],
+)
+def test_one_effect_is_right_by_its_name_or_in_a_small_set(scoring, bent, effects, right, exact):
+    told = scoring.score(bent, "single", answer(*effects))
+    assert (told.right, told.exact) == (right, exact)
+
+
+def test_two_effects_are_right_in_either_order_and_only_together(scoring, twice):
+    drift = named("temperature_drift", {"coefficient_m_per_K": 0.00101})
+    tilt = named("incidence_bias", {"coefficient": 0.099})
+    for effects, right in (((drift, tilt), True), ((tilt, drift), True), ((drift,), False), ((drift, drift), False)):
+        assert scoring.score(twice, "pair", answer(*effects)).right is right
+
+
+def test_parameters_are_held_against_their_errors_and_sizes(scoring, bent):
+    """0.0102 instead of 0.01: two standard errors of 0.0001, and within a tenth."""
+    told = scoring.score(bent, "single", answer(OFFSET))
+    assert told.within == (True,)
+    far = named("range_offset", {"offset_m": 0.0104}, std={"offset_m": 0.0001})
+    assert scoring.score(bent, "single", answer(far)).within == (False,)
+    assert scoring.score(bent, "single", answer(named("range_scale", {"scale": 1.0}))).within == ()
+
+
+def test_large_effects_are_to_be_right_within_a_tenth_of_what_they_differ_by(scoring, gap):
+    """1.2 is 0.2 off neutral: 0.02 is a tenth of it."""
+    case = gap.make_case("tof_bench", 1, [("range_scale", {"scale": 1.2})])
+    for value, close in ((1.219, True), (1.221, False)):
+        told = scoring.score(case, "single", answer(named("range_scale", {"scale": value})))
+        assert told.drops[0] > scoring.LARGE_DROP
+        assert told.close == (close,)
+
+
+def test_what_is_in_no_table_is_to_be_placed(scoring, gap):
+    case = gap.make_case("tof_bench", 1, outside="memory")
+    placed = scoring.score(case, "outside", answer(where=("reading_m", "previous_distance_m")))
+    assert (placed.unexplained, placed.place, placed.named, placed.gain_error) == (True, True, False, None)
+    assert scoring.score(case, "outside", answer(where=("reading_m", "t_s"))).place is False
+    assert scoring.score(case, "outside", answer()).place is None
+    assert scoring.score(case, "outside", answer(OFFSET)).named
+
+
+def test_the_gain_is_held_against_the_true_models(scoring, gap, bent):
+    gain = gap.judge(bent, 0).gain
+    assert scoring.score(bent, "single", answer(OFFSET)).gain_error == pytest.approx(abs(gain - 0.5))
+
+
+def test_a_diagnosis_that_raised_is_a_wrong_one(scoring, bent):
+    told = scoring.score(bent, "single", None, 1.0, "Traceback: boom")
+    assert (told.right, told.exact, told.failed) == (False, False, "Traceback: boom")
+
+
+def test_the_figures_count_what_they_say(scoring):
+    figures = importlib.import_module("figures")
+    single = scoring.Score("single", "tof_bench", right=True, exact=False, within=(True, True, False), gain_error=0.04)
+    none = scoring.Score("none", "tof_bench", gain_error=0.06, seconds=3.0)
+    failed = replace(none, failed="boom", gain_error=None)
+    outside = scoring.Score("outside", "motor_step", unexplained=True, place=False, named=True)
+    lines = figures.table([single, replace(single, right=False), none, failed, outside])
+    shares = {line[:34].strip(): line[43:].split("(")[0].strip() for line in lines[1:-2]}
+    assert shares["one: right name, or in a set of 3"] == "50 % of 2"
+    assert shares["one: top name exact"] == "0 % of 2"
+    assert shares["none: a name was given"] == "50 % of 2"
+    assert shares["outside: said to be unexplained"] == "100 % of 1"
+    assert shares["of those: channel and covariate"] == "0 % of 1"
+    assert shares["outside: a name was given"] == "100 % of 1"
+    assert shares["parameters within 3 std errors"] == "67 % of 6"
+    assert shares["gain within 0.05 of the true one"] == "50 % of 4"
+    assert shares["cases that failed"] == "20 % of 5"
+    assert lines[-1].startswith("tof_bench: median 1.50 s, worst 3.00 s")
+
+
+def test_the_interval_is_wilsons():
+    """8 of 10: 0.490 to 0.943, as in Brown, Cai and DasGupta (2001)."""
+    assert importlib.import_module("figures").interval(8, 10) == pytest.approx((0.490, 0.943), abs=0.001)
+
+
+def test_the_mix_is_as_asked_and_longer_runs_begin_alike():
+    cases = importlib.import_module("hidden_cases")
+    plans = cases.plans(400, 1, list(cases.KINDS))
+    shares = {
+        kind: sum(plan.category == kind for plan in plans) / 400 for kind in ("single", "pair", "none", "outside")
+    }
+    assert shares == {"single": 0.4, "pair": 0.25, "none": 0.15, "outside": 0.2}
+    assert plans[:30] == cases.plans(30, 1, list(cases.KINDS))
+
+
+def test_a_planned_case_is_detectable_and_comes_out_the_same(gap):
+    cases = importlib.import_module("hidden_cases")
+    plan = cases.Plan(7, "single", "tof_bench", 3, 1)
+    case = cases.hidden_case(plan)
+    assert gap.judge(case, 0).drops[0] > gap.DETECTABLE
+    assert cases.hidden_case(plan).world == case.world
