@@ -61,7 +61,7 @@ def hidden_case(plan: Plan) -> Case:
 
 
 def _shows(case: Case) -> bool:
-    verdict = judge(case, 4 if case.world.outside else 0)
+    verdict = judge(case, with_rivals=case.world.outside is not None)
     named = all(drop > DETECTABLE for drop in verdict.drops)
     return named and (case.world.outside is None or verdict.nameless > NAMELESS)
 

@@ -104,7 +104,7 @@ def test_what_is_in_no_table_is_to_be_placed(scoring, gap):
 
 
 def test_the_gain_is_held_against_the_true_models(scoring, gap, bent):
-    gain = gap.judge(bent, 0).gain
+    gain = gap.judge(bent, with_rivals=False).gain
     assert scoring.score(bent, "single", answer(OFFSET)).gain_error == pytest.approx(abs(gain - 0.5))
 
 
@@ -152,5 +152,5 @@ def test_a_planned_case_is_detectable_and_comes_out_the_same(gap):
     cases = importlib.import_module("hidden_cases")
     plan = cases.Plan(7, "single", "tof_bench", 3, 1)
     case = cases.hidden_case(plan)
-    assert gap.judge(case, 0).drops[0] > gap.DETECTABLE
+    assert gap.judge(case, with_rivals=False).drops[0] > gap.DETECTABLE
     assert cases.hidden_case(plan).world == case.world

@@ -112,6 +112,48 @@ def memory(rng: np.random.Generator, bench: Bench) -> Outside:
     return Outside("memory", {"share": rng.uniform(0.006, 0.04)}, ("reading_m",), ("previous_distance_m",))
 
 
+def slippery_patch(rng: np.random.Generator, bench: Bench) -> Outside:
+    """Wheels that get less far on some of the floor."""
+    room = bench.nominal["world"]
+    parameters = {
+        "share": rng.uniform(0.08, 0.3),
+        "x_m": rng.uniform(0.35, 0.65) * room["room_x_m"],
+        "y_m": rng.uniform(0.4, 0.6) * room["room_y_m"],
+        "radius_m": rng.uniform(0.12, 0.25),
+    }
+    return Outside("slippery_patch", parameters, POSE, ("position", "x_m", "y_m"))
+
+
+def floor_slope(rng: np.random.Generator, bench: Bench) -> Outside:
+    """A drift downhill whatever the heading."""
+    del bench
+    parameters = {"share": rng.uniform(0.01, 0.05), "direction_rad": rng.uniform(-np.pi, np.pi)}
+    return Outside("floor_slope", parameters, POSE, ("theta_rad",))
+
+
+def wheel_eccentricity(rng: np.random.Generator, bench: Bench) -> Outside:
+    """Of the left wheel."""
+    del bench
+    parameters = {"share": rng.uniform(0.02, 0.08), "phase_rad": rng.uniform(-np.pi, np.pi)}
+    return Outside("wheel_eccentricity", parameters, POSE, ("wheel_angle_rad", "angle_rad"))
+
+
+def moved_wall(rng: np.random.Generator, bench: Bench) -> Outside:
+    """The far one in x."""
+    del bench
+    parameters = {"moved_m": rng.choice([-1.0, 1.0]) * rng.uniform(0.008, 0.05)}
+    return Outside("moved_wall", parameters, RANGES, ("wall", "position", "x_m", "y_m", "theta_rad"))
+
+
+def glass_wall(rng: np.random.Generator, bench: Bench) -> Outside:
+    """One through which a sensor looks too far."""
+    del bench
+    parameters = {"share": rng.uniform(0.015, 0.1), "wall": float(rng.integers(4))}
+    return Outside("glass_wall", parameters, RANGES, ("wall", "position", "x_m", "y_m", "theta_rad"))
+
+
+POSE = ("pose_increment", "x_m", "y_m", "theta_rad")
+RANGES = ("tof_m", "tof_front_m", "tof_left_m", "tof_right_m")
 BEYOND: dict[str, dict[str, Sampler]] = {
     "motor_steady": {each.__name__: each for each in (brush_film_bump, session_change, current_range_switch)},
     "motor_step": {
@@ -119,4 +161,7 @@ BEYOND: dict[str, dict[str, Sampler]] = {
         for each in (brush_film_bump, session_change, torsional_ringing, gear_error, encoder_glitches)
     },
     "tof_bench": {each.__name__: each for each in (cyclic_error, local_bump, bumped, memory)},
+    "drive_log": {
+        each.__name__: each for each in (slippery_patch, floor_slope, wheel_eccentricity, moved_wall, glass_wall)
+    },
 }

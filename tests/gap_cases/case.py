@@ -115,7 +115,7 @@ class Case:
     name: Of its folder.
     bench: What was known before.
     columns: Of data.csv.
-    blind: Outputs of the runs that nobody sees, without noise, by the file name of their inputs.
+    blind: Inputs of the runs that nobody sees, by file name.
     world: The robot the data come from.
     """
 

@@ -48,7 +48,7 @@ def write(case: Case, folder: Path) -> None:
     nominal = yaml.safe_dump(dict(case.bench.nominal), sort_keys=False)
     (folder / "nominal.yaml").write_text(nominal, encoding="utf-8", newline="\n")
     _write_csv(folder / "data.csv", case.columns, HEADERS[case.bench.kind].split(","))
-    for name, inputs in case.bench.blind.items():
+    for name, inputs in case.blind.items():
         _write_csv(folder / name, inputs, list(inputs))
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from . import tof_bench
 from .case import Array, Bench, Case, Effect, Frame, World
 from .make import KINDS
-from .sizes import rivals
+from .sizes import is_two_sided, rivals
 
 DETECTABLE = 40.0
 """Expected drop above which an effect counts as detectable. With some 20 candidates of up to two parameters, noise
@@ -25,6 +25,8 @@ NAMELESS = 60.0
 """The same for what is in no table: nobody knows its shape, and a test of some eight shapes at once that is to be right
 on effect-free data needs about 30 of it."""
 SAME_COSINE = 0.98
+NEAR_COSINE = 0.7
+"""From which another size is worth a try."""
 SAME_DROP = 9.0
 """What is left of an effect after the best size of another may be noise: three standard deviations."""
 NUISANCE_STEP = 0.5
@@ -68,13 +70,13 @@ class _Space:
         return padded - (padded @ self.basis) @ self.basis.T
 
 
-def judge(case: Case, rival_draws: int = 4) -> Verdict:
-    """Drops, equivalents and gain; without `rival_draws`, nothing is told about rivals."""
+def judge(case: Case, *, with_rivals: bool = True) -> Verdict:
+    """Drops, equivalents and gain; without rivals, nothing is equivalent and all of an outside effect is nameless."""
     kind, bench, world = KINDS[case.bench.kind], case.bench, case.world
     frame = kind.frame(bench, case.columns)
     hidden = [*world.effects, *([world.outside] if world.outside else [])]
     without = [_without(world, each) for each in hidden]
-    others = list(rivals(bench, rival_draws)) if rival_draws and hidden else []
+    others = rivals(bench) if with_rivals and hidden else []
     varied = [_nudged(bench, world, name) for name in bench.spreads()]
     worlds = [world, bench.textbook(), *varied, *without]
     means = kind.predict(bench, case.columns, worlds)
@@ -158,11 +160,16 @@ def _rivals(
             best[each.variant] = max(best.get(each.variant, 0.0), value)
         if not resized:
             factor = inner / np.maximum(power, 1e-300)
-            near = [(each, float(f)) for each, f, c in zip(others, factor, cosine, strict=True) if c > 0.9]
-            others = [_resized(each, f) for each, f in near]
+            near = zip(others, factor.tolist(), cosine.tolist(), strict=True)
+            others = [_resized(each, f) for each, f, c in near if _may_be(each, c, case.bench)]
         if not others:
             break
     return best
+
+
+def _may_be(rival: Effect, cosine: float, bench: Bench) -> bool:
+    """Whether, in another size, it may do what the effect did."""
+    return cosine > NEAR_COSINE or (cosine < -NEAR_COSINE and is_two_sided(rival.name, bench))
 
 
 def _resized(effect: Effect, factor: float) -> Effect:
@@ -171,7 +178,7 @@ def _resized(effect: Effect, factor: float) -> Effect:
     if name in {"limit_A", "saturation_m"}:
         return effect
     neutral = 1.0 if name in {"scale", "gain"} else 0.0
-    value = neutral + min(factor, 10.0) * (float(effect.parameters[name]) - neutral)
+    value = neutral + float(np.clip(factor, -10.0, 10.0)) * (float(effect.parameters[name]) - neutral)
     return Effect(effect.name, {**effect.parameters, name: max(value, 0.05) if neutral else value})
 
 

@@ -5,7 +5,7 @@ from types import ModuleType
 
 import numpy as np
 
-from . import motor_steady, motor_step, tof_bench
+from . import drive_log, motor_steady, motor_step, tof_bench
 from .beyond import BEYOND
 from .case import Bench, Case, Effect, Outside, Value, World
 from .sizes import sample
@@ -14,6 +14,7 @@ KINDS: Mapping[str, ModuleType] = {
     "motor_steady": motor_steady,
     "motor_step": motor_step,
     "tof_bench": tof_bench,
+    "drive_log": drive_log,
 }
 
 

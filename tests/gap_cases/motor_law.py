@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -72,19 +73,44 @@ class Motors:
         arrays = {name: each[list(chosen)] for name, each in vars(self).items() if isinstance(each, np.ndarray)}
         return Motors(**arrays, supply_V=self.supply_V)
 
+    # Steps are many and arrays small: what no world has costs nothing.
+
+    @cached_property
+    def _has_drop(self) -> bool:
+        return bool(self.drop.any())
+
+    @cached_property
+    def _has_source(self) -> bool:
+        return bool(self.source_ohm.any())
+
+    @cached_property
+    def _has_limit(self) -> bool:
+        return bool(np.isfinite(self.limit).any())
+
+    @cached_property
+    def _has_drag(self) -> bool:
+        return bool(self.drag.any())
+
+    @cached_property
+    def _is_unusual(self) -> bool:
+        return any(bool(each.any()) for each in (self.warm, self.change, self.extra, self.bump))
+
     def current_A(self, voltage_V: Array, speed_rad_s: Array) -> Array:
         """I = sgn(e) max(|e| - drop, 0) / (R + r duty^2) with e = u - K w, and no more than the limit."""
         driving = voltage_V - self.constant * speed_rad_s
-        if self.drop.any():
+        if self._has_drop:
             driving = np.sign(driving) * np.maximum(np.abs(driving) - self.drop, 0.0)
         resistance = self.resistance
-        if self.source_ohm.any():
+        if self._has_source:
             resistance = resistance + self.source_ohm * (voltage_V / self.supply_V) ** 2
-        return np.clip(driving / resistance, -self.limit, self.limit)
+        current = driving / resistance
+        return np.clip(current, -self.limit, self.limit) if self._has_limit else current
 
     def friction_N_m(self, direction: Array, speed_rad_s: Array, session_s: Array) -> Array:
         """Dry friction against a motion in that direction (+1 or -1) at that speed; at speed 0, breakaway torque."""
         friction = self.coulomb * (1.0 - self.asymmetry * direction)
+        if not self._is_unusual:
+            return friction
         if self.warm.any():
             friction = friction * (1.0 + self.warm * np.exp(-session_s / self.warm_s))
         if self.change.any():
@@ -100,7 +126,7 @@ class Motors:
         """Accelerating torque in the direction of motion; `speed_rad_s` is signed."""
         drive = self.constant * self.current_A(voltage_V, speed_rad_s)
         resisting = self.viscous * speed_rad_s
-        if self.drag.any():
+        if self._has_drag:
             resisting = resisting + self.drag * speed_rad_s * np.abs(speed_rad_s)
         return direction * (drive - resisting) - self.friction_N_m(direction, speed_rad_s, session_s)
 

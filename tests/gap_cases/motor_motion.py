@@ -93,9 +93,10 @@ def _one_mass(motors: Motors, voltage: Array, lag: Array, begin_s: Array) -> tup
 def step(motors: Motors, speed: Array, voltages: tuple[Array, Array, Array], time: Array, step_s: float) -> Array:
     """Speed after one step of the midpoint rule; `voltages` are those at its beginning, middle and end."""
     first, middle, end = voltages
-    direction = np.where(speed == 0.0, np.sign(motors.current_A(first, speed)), np.sign(speed))
+    rests = speed == 0.0
+    direction = np.sign(np.where(rests, first, speed))
     surplus = motors.surplus_N_m(first, direction, speed, time)
-    held = (speed == 0.0) & (surplus <= 0.0)
+    held = rests & (surplus <= 0.0)
     half = speed + 0.5 * step_s * direction * surplus / motors.inertia
     after = speed + step_s * direction * motors.surplus_N_m(middle, direction, half, time) / motors.inertia
     crossed = (direction * after < 0.0) & ~held
@@ -105,7 +106,7 @@ def step(motors: Motors, speed: Array, voltages: tuple[Array, Array, Array], tim
     # It stops where it crosses zero, and goes on the other way if the motor is strong enough for that.
     before_rest = np.where(crossed, speed / np.where(crossed, speed - after, 1.0), 0.0)
     zero = np.zeros_like(speed)
-    pull = np.sign(motors.current_A(end, zero))
+    pull = np.sign(end)
     onward = np.maximum(motors.surplus_N_m(end, pull, zero, time), 0.0)
     return np.where(crossed, pull * onward * (1.0 - before_rest) * step_s / motors.inertia, after)
 

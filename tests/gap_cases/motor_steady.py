@@ -1,6 +1,6 @@
 """Steady states of a motor, row by row."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -78,7 +78,7 @@ def instruments(worlds: Sequence[World], current: Array, speed: Array) -> tuple[
     return current, effect("speed_scale", "scale", 1.0) * speed
 
 
-def observe(bench: Bench, world: World, rng: np.random.Generator) -> tuple[Columns, dict[str, Columns]]:
+def observe(bench: Bench, world: World, rng: np.random.Generator) -> tuple[Columns, Mapping[str, Columns]]:
     noise = bench.nominal["noise"]
     lost, odd = share(rng, 0.03), share(rng, 0.02)
     current, speed = (each[0] for each in mean(bench, bench.inputs, [world]))
@@ -90,9 +90,7 @@ def observe(bench: Bench, world: World, rng: np.random.Generator) -> tuple[Colum
         "current_A": with_dropouts(rng, with_outliers(rng, current, noise["current_A"], odd), lost),
         "omega_rad_s": with_dropouts(rng, with_outliers(rng, speed, noise["omega_rad_s"], odd), lost),
     }
-    blind = bench.blind["blind_inputs.csv"]
-    unseen = (each[0] for each in mean(bench, blind, [world]))
-    return columns, {"blind_inputs.csv": dict(zip(("current_A", "omega_rad_s"), unseen, strict=True))}
+    return columns, bench.blind
 
 
 def frame(bench: Bench, columns: Columns) -> Frame:

@@ -1,6 +1,6 @@
 """Steps of voltage on a motor, in trials from rest."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from scipy.signal import lfilter
@@ -120,7 +120,7 @@ def _ringing(world: World, times: Array, command: Array) -> Array:
     return found
 
 
-def observe(bench: Bench, world: World, rng: np.random.Generator) -> tuple[Columns, dict[str, Columns]]:
+def observe(bench: Bench, world: World, rng: np.random.Generator) -> tuple[Columns, Mapping[str, Columns]]:
     noise = bench.nominal["noise"]
     lost, odd = share(rng, 0.03), share(rng, 0.02)
     columns = dict(bench.inputs)
@@ -129,8 +129,7 @@ def observe(bench: Bench, world: World, rng: np.random.Generator) -> tuple[Colum
         good = per_trial + noise[name] * correlated(rng, per_trial.shape, noise["lag1_correlation"])
         good = RESOLUTION[name] * np.round(good / RESOLUTION[name])
         columns[name] = with_dropouts(rng, with_outliers(rng, good, noise[name], odd), lost).ravel()
-    blind = mean(bench, bench.blind["blind_inputs.csv"], [world])
-    return columns, {"blind_inputs.csv": {name: each[0] for name, each in zip(RESOLUTION, blind, strict=True)}}
+    return columns, bench.blind
 
 
 def _glitched(world: World, speed: Array) -> Array:

@@ -1,6 +1,6 @@
 """How large effects are drawn: from hardly more than the tolerance of a unit hides, to what nobody overlooks."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -148,6 +148,8 @@ SIZES: dict[str, dict[str, Sampler]] = {
         "tof_time_offset": _positive("delay_s", 0.02, 0.15),
     },
 }
+SHAPES = 4
+"""Sizes that are tried of an effect whose first number is not all there is to it."""
 WORDS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "material_bias": ("material", tuple(REFLECTANCE)),
     "encoder_missed_ticks": ("side", SIDES),
@@ -178,9 +180,20 @@ def sample(name: str, bench: Bench, rng: np.random.Generator, word: str | None =
     return Effect(name, {key: word or str(rng.choice(words)), **parameters})
 
 
-def rivals(bench: Bench, draws: int) -> Iterator[Effect]:
-    """Every effect of the kind, with every word, in several sizes and of both signs."""
+def rivals(bench: Bench) -> list[Effect]:
+    """Every effect of the kind with every word: of one size, or of several where it has a shape too."""
+    found = []
     for name in names(bench):
         for word in WORDS[name][1] if name in WORDS else (None,):
             rng = np.random.default_rng(7)
-            yield from (sample(name, bench, rng, word) for _ in range(draws))
+            draws = 1 if len(SIZES[bench.kind][name](rng, bench)) == 1 else SHAPES
+            found += [sample(name, bench, rng, word) for _ in range(draws)]
+    return found
+
+
+def is_two_sided(name: str, bench: Bench) -> bool:
+    """Whether the effect comes with both signs."""
+    rng = np.random.default_rng(1)
+    drawn = [next(iter(SIZES[bench.kind][name](rng, bench).items())) for _ in range(20)]
+    above = [value > (1.0 if key in {"scale", "gain"} else 0.0) for key, value in drawn]
+    return any(above) and not all(above)

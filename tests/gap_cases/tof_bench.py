@@ -1,6 +1,6 @@
 """A range sensor before targets."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -119,7 +119,7 @@ def sd(inputs: Columns, worlds: Sequence[World]) -> Array:
     return nominal * scale * np.sqrt(1.0 + light * inputs["ambient_lux"] / 1000.0)
 
 
-def observe(bench: Bench, world: World, rng: np.random.Generator) -> tuple[Columns, dict[str, Columns]]:
+def observe(bench: Bench, world: World, rng: np.random.Generator) -> tuple[Columns, Mapping[str, Columns]]:
     lost, odd = share(rng, 0.03), share(rng, 0.02)
     spread = sd(bench.inputs, [world])[0]
     reading = unlimited(bench.inputs, [world])[0] + spread * rng.standard_normal(len(spread))
@@ -129,8 +129,7 @@ def observe(bench: Bench, world: World, rng: np.random.Generator) -> tuple[Colum
     reading = np.where(hit < 0.5 * odd, reading + far * spread, reading)
     reading = np.where((hit >= 0.5 * odd) & (hit < odd), NO_TARGET_M, reading)
     reading = np.where(rng.random(len(reading)) < lost, np.nan, np.round(np.maximum(reading, 0.0), 3))
-    unseen = {"reading_m": mean(bench.blind["blind_inputs.csv"], [world])[0]}
-    return {**bench.inputs, "reading_m": reading}, {"blind_inputs.csv": unseen}
+    return {**bench.inputs, "reading_m": reading}, bench.blind
 
 
 def frame(bench: Bench, columns: Columns) -> Frame:
