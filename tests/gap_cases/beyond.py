@@ -116,7 +116,7 @@ def slippery_patch(rng: np.random.Generator, bench: Bench) -> Outside:
     """Wheels that get less far on some of the floor."""
     room = bench.nominal["world"]
     parameters = {
-        "share": rng.uniform(0.08, 0.3),
+        "share": rng.uniform(0.03, 0.25),
         "x_m": rng.uniform(0.35, 0.65) * room["room_x_m"],
         "y_m": rng.uniform(0.4, 0.6) * room["room_y_m"],
         "radius_m": rng.uniform(0.12, 0.25),
@@ -127,21 +127,21 @@ def slippery_patch(rng: np.random.Generator, bench: Bench) -> Outside:
 def floor_slope(rng: np.random.Generator, bench: Bench) -> Outside:
     """A drift downhill whatever the heading."""
     del bench
-    parameters = {"share": rng.uniform(0.01, 0.05), "direction_rad": rng.uniform(-np.pi, np.pi)}
+    parameters = {"share": rng.uniform(0.012, 0.05), "direction_rad": rng.uniform(-np.pi, np.pi)}
     return Outside("floor_slope", parameters, POSE, ("theta_rad",))
 
 
 def wheel_eccentricity(rng: np.random.Generator, bench: Bench) -> Outside:
     """Of the left wheel."""
     del bench
-    parameters = {"share": rng.uniform(0.02, 0.08), "phase_rad": rng.uniform(-np.pi, np.pi)}
+    parameters = {"share": rng.uniform(0.02, 0.07), "phase_rad": rng.uniform(-np.pi, np.pi)}
     return Outside("wheel_eccentricity", parameters, POSE, ("wheel_angle_rad", "angle_rad"))
 
 
 def moved_wall(rng: np.random.Generator, bench: Bench) -> Outside:
     """The far one in x."""
     del bench
-    parameters = {"moved_m": rng.choice([-1.0, 1.0]) * rng.uniform(0.008, 0.05)}
+    parameters = {"moved_m": rng.choice([-1.0, 1.0]) * rng.uniform(0.004, 0.04)}
     return Outside("moved_wall", parameters, RANGES, ("wall", "position", "x_m", "y_m", "theta_rad"))
 
 

@@ -124,7 +124,7 @@ def _space(frame: Frame, true: Array, slopes: Array, bent: Array) -> _Space:
         of = frame.stage == stage
         z = np.where(rows, np.clip(residual, -4.0, 4.0), 0.0)
         pairs = of[1:] & rows[1:] & rows[:-1] & (frame.run[1:] == frame.run[:-1])
-        correlation[of] = np.sum(z[1:][pairs] * z[:-1][pairs]) / np.sum(z[1:][pairs] ** 2)
+        correlation[of] = np.sum(z[1:][pairs] * z[:-1][pairs]) / max(np.sum(z[1:][pairs] ** 2), 1.0)
     nuisances = len(slopes)
     white = _white(np.concatenate([slopes, bent]) / frame.sigma, rows, frame.run, correlation)
     prior = np.eye(len(white), nuisances)
