@@ -14,13 +14,33 @@ def test_there_are_samples_and_a_denoiser_for_every_quality_and_a_better_one_tak
     assert tuple(QUALITIES) == get_args(RenderQuality) == ("draft", "standard", "high", "reference")
     samples = [quality.samples for quality in QUALITIES.values()]
     assert samples == sorted(set(samples))
-    assert QUALITIES["reference"].samples == 2048
+
+
+@pytest.mark.parametrize(
+    ("width_px", "height_px", "times"), [(640, 480, 1), (1280, 960, 1), (320, 240, 2), (80, 60, 2)]
+)
+def test_a_picture_of_a_quarter_of_the_pixels_takes_twice_the_samples(width_px, height_px, times):
+    """What four times the pixels are worth: docs/render_benchmarks.md. No conclusion is drawn beyond the two sizes."""
+    for name in ("draft", "standard", "high"):
+        found = sampling(Render(quality=name, width_px=width_px, height_px=height_px), seed=1)
+        assert found.samples == times * QUALITIES[name].samples
+
+
+def test_a_reference_has_2048_samples_whatever_its_size():
+    for width_px in (64, 640, 2000):
+        assert sampling(Render(quality="reference", width_px=width_px), seed=1).samples == 2048
+
+
+def test_in_between_samples_are_rounded_up():
+    """Half the pixels: the root of two times as many."""
+    found = sampling(Render(quality="high", width_px=640, height_px=240), seed=1)
+    assert QUALITIES["high"].samples * 2**0.5 <= found.samples < QUALITIES["high"].samples * 2**0.5 + 1
 
 
 @pytest.mark.parametrize("name", get_args(RenderQuality))
 def test_a_quality_reaches_the_tracer_whole(name):
     asked = QUALITIES[name]
-    found = sampling(Render(quality=name), seed=7)
+    found = sampling(Render(quality=name, width_px=640, height_px=480), seed=7)
     assert (found.samples, found.prefilter, found.denoise_quality) == (
         asked.samples,
         asked.prefilter,
