@@ -29,15 +29,15 @@ class Quality:
     samples: int
     """Light paths per pixel of a picture of 640 x 480."""
     prefilter: str
-    """Of the denoiser's guides, in Cycles' words: ACCURATE denoises them first, at the price of ten samples."""
+    """Of the denoiser's guides, in Cycles' words: ACCURATE denoises them first, at the price of two samples."""
     denoise_quality: str
     """HIGH differs from BALANCED only behind ACCURATE guides (Open Image Denoise has larger weights for clean ones)."""
 
 
 QUALITIES: dict[RenderQuality, Quality] = {
     "draft": Quality(1, "FAST", "FAST"),
-    "standard": Quality(3, "FAST", "BALANCED"),
-    "high": Quality(24, "ACCURATE", "HIGH"),
+    "standard": Quality(4, "FAST", "BALANCED"),
+    "high": Quality(48, "ACCURATE", "HIGH"),
     "reference": Quality(2048, "ACCURATE", "HIGH"),
 }
 
