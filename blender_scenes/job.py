@@ -8,10 +8,12 @@ import numpy as np
 from blender_scenes.camera import intrinsics, pose_X_RC
 from blender_scenes.camera_response import CameraResponse
 from blender_scenes.description import INSTANT, FrameView, Intrinsics, Scene, Shutter
+from blender_scenes.devices import DeviceKind
 from blender_scenes.frame_files import frame_name
 from blender_scenes.job_text import JobText
 from blender_scenes.lighting.flicker import frame_gains
 from blender_scenes.lighting.illuminance import on_the_floor
+from blender_scenes.sampling import Sampling, sampling
 from blender_scenes.scene import arena_bounds, describe
 from blender_scenes.shading import RGB
 from blender_scenes.shutter import Window, exposed, moment, window
@@ -33,22 +35,6 @@ class FramePose:
     x_m: float
     y_m: float
     yaw_rad: float
-
-
-@dataclass(frozen=True)
-class Sampling:
-    """How the light is traced; nothing of it is left to Blender's defaults."""
-
-    seed: int
-    samples: int
-    denoise: bool
-    prefilter: str = "FAST"
-    """Of the denoiser's guides; ACCURATE costs 2.5 s a frame at 640 x 480 whatever the samples."""
-    denoise_quality: str = "BALANCED"
-    diffuse_bounces: int = 3
-    glossy_bounces: int = 3
-    transmission_bounces: int = 6
-    filter_width_px: float = 1.5
 
 
 @dataclass(frozen=True)
@@ -76,6 +62,7 @@ def build_job(  # noqa: PLR0917 - a run's pictures depend on all of these
     frames: Sequence[FramePose],
     seed: int,
     path: RobotPath | None = None,
+    device: DeviceKind = "CPU",
 ) -> RenderJob:
     """The rendering of a run; the same arguments give the same job.
 
@@ -96,7 +83,7 @@ def build_job(  # noqa: PLR0917 - a run's pictures depend on all of these
         scene=scene,
         camera=camera,
         frames=_views(arena, robot, frames, gains, window(shutter, camera), path),
-        sampling=Sampling(seed=seed, samples=render.samples, denoise=render.denoise),
+        sampling=sampling(render, seed, device),
         response=CameraResponse.from_look(look.camera, light, seed, render.jpeg_quality),
         shutter=shutter,
     )

@@ -55,7 +55,7 @@ class Failed:
     """The child gives up; `lacking` is what the machine has too little of, nothing where that is not the cause."""
 
     message: str
-    lacking: Literal["", "libraries", "space"]
+    lacking: Literal["", "libraries", "space", "device"]
     kind: Literal["failed"] = "failed"
 
 

@@ -19,13 +19,15 @@ from blender_scenes.annotations.job import AnnotationJob
 from blender_scenes.frame_files import FrameFile, Ledger
 from blender_scenes.job import RenderJob
 from blender_scenes.protocol import MESSAGE, REQUEST, Failed, Finished, FrameDone, Message, Request, Work
-from blender_scenes.surroundings import without_blender_settings
+from blender_scenes.surroundings import SYSTEM_PACKAGES, without_blender_settings
 from configs.errors import EnvironmentLacking
 
-SYSTEM_PACKAGES = "libgl1 libsm6 libx11-6 libxext6 libxfixes3 libxi6 libxkbcommon0 libxrender1"
-"""Debian packages of the shared libraries that bpy loads: what its `DT_NEEDED` entries name, followed through."""
-
 _JOBS: dict[Work, type[RenderJob] | type[AnnotationJob]] = {"pictures": RenderJob, "annotations": AnnotationJob}
+_CURES = {
+    "space": "free some space and run the command again",
+    "libraries": f"run `apt-get install -y {SYSTEM_PACKAGES}`",
+    "device": "render on the machine that has it, or give --device cpu",
+}
 _LOG_LINES = 15
 _SILENCE_S = 300.0
 _SILENCE_PER_SAMPLE_S = 2e-4
@@ -62,7 +64,7 @@ def render_job(
     place. `own_files` is the folder that holds the user's own files by their SHA-256, for a job that shows some.
 
     Raises:
-        EnvironmentLacking: bpy cannot be loaded, or the disk is full.
+        EnvironmentLacking: bpy cannot be loaded, the disk is full, or the job's graphics card is not there.
         RenderError: The Blender process failed.
         ValueError: The job is damaged or has no such frame.
     """
@@ -139,10 +141,8 @@ def _converse(
         if isinstance(message, FrameDone):
             yield message.frame
         elif isinstance(message, Failed):
-            if message.lacking == "space":
-                raise EnvironmentLacking(f"{message.message}; free some space and run the command again")
-            if message.lacking == "libraries":
-                raise EnvironmentLacking(f"{message.message}: run `apt-get install -y {SYSTEM_PACKAGES}`")
+            if message.lacking:
+                raise EnvironmentLacking(f"{message.message}; {_CURES[message.lacking]}")
             raise RenderError(f"{message.message}{_tail(log)}")
         elif isinstance(message, Finished):
             return

@@ -1,4 +1,4 @@
-"""What the machine may do to the Blender process: variables that change its pixels, and a disk that is full."""
+"""What of the machine the Blender process meets: libraries it needs, variables that change its pixels, a full disk."""
 
 import errno
 import os
@@ -8,6 +8,9 @@ from pathlib import Path
 
 DISK_FULL = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
 """EFBIG too: a limit on the size of files stops a picture as a full disk does."""
+
+SYSTEM_PACKAGES = "libgl1 libsm6 libx11-6 libxext6 libxfixes3 libxi6 libxkbcommon0 libxrender1"
+"""Debian packages of the shared libraries that bpy loads: what its `DT_NEEDED` entries name, followed through."""
 
 _SETTINGS = ("OCIO", "BLENDER_", "CYCLES_", "OIDN_", "OPENIMAGEIO_", "EMBREE_")
 """Beginnings of the variables from which Blender and its libraries take colour transforms, start-up files, devices."""

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from blender_scenes.devices import DeviceKind, device_for
 from configs.errors import InputError
 from configs.loader import LoadedScenario, load_scenario
 from configs.schema.scenario import RunSpec
@@ -35,20 +36,31 @@ class Batch:
     specs: tuple[RunSpec, ...]
     workspace: Workspace
     workers: int
+    device: DeviceKind = "CPU"
 
     @classmethod
-    def open(cls, scenario: str, overrides: Sequence[str], out: Path, workers: int | None, report: Report) -> "Batch":
-        """Load and draw the scenario and see that there is room for it.
+    def open(
+        cls,
+        scenario: str,
+        overrides: Sequence[str],
+        out: Path,
+        workers: int | None,
+        report: Report,
+        *,
+        pictured: bool = True,
+    ) -> "Batch":
+        """Load and draw the scenario and see that there is room for it, and what it is rendered on where `pictured`.
 
         Raises:
             InputError: The scenario or the output folder cannot be used.
-            EnvironmentLacking: The disk is too full.
+            EnvironmentLacking: The disk is too full, or a graphics card is asked for and there is none.
         """
         loaded = load_scenario(scenario, overrides)
         specs = draw_reported(loaded, report)
         check_out(out, Kind.DATASET)
         check_disk(out, Plan.of(specs, cores()).bytes_needed)
-        return cls(loaded, specs, Workspace(out.absolute()), workers or cores())
+        device = device_for(specs[0].render.device) if pictured else "CPU"
+        return cls(loaded, specs, Workspace(out.absolute()), workers or cores(), device)
 
     def keep_own_files(self) -> None:
         """Copy the user's own files for the renderers: before the runs are simulated, which leaves time to change them.
@@ -106,12 +118,12 @@ class Batch:
             if spec.key not in failed:
                 rows = Rows.from_recording(read_recording(self.workspace.simulate(spec.key).path))
                 folder, own_files = self.workspace.render(spec.key), self.workspace.own_files
-                yield RenderTask.of(spec.key, Appearance.of(spec), rows, folder, own_files)
+                yield RenderTask.of(spec.key, Appearance.of(spec, self.device), rows, folder, own_files)
 
     def _annotation_orders(self, pictures: Sequence[FrameTask], failures: Sequence[FailedRun]) -> Iterator[Order]:
         """None where the scenario asks for no annotations."""
         failed = {failure.run for failure in failures}
-        wanted = {spec.key: Appearance.of(spec) for spec in self.specs if spec.render.annotations}
+        wanted = {spec.key: Appearance.of(spec, self.device) for spec in self.specs if spec.render.annotations}
         for task in pictures:
             if task.run in wanted and task.run not in failed:
                 yield AnnotationTask.of(task, wanted[task.run], self.workspace.annotate(task.run))

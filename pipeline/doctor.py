@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from blender_scenes.surroundings import SYSTEM_PACKAGES
 from pipeline.versions import installed_version
 
 PACKAGES = (
@@ -25,22 +26,16 @@ PACKAGES = (
 )
 LOCK = Path(__file__).resolve().parents[1] / "requirements.lock"
 INSTALL = "run ./setup in the repository"
+APT_LINE = f"run apt-get install -y {SYSTEM_PACKAGES}"
 LEAST_DISK_MB = 1000
 LEAST_MEMORY_MB = 2000
 CHILD_TIMEOUT_S = 120
 
-# Device types in the order of preference; bpy's own names.
 ASK_BLENDER = """
 import bpy
-preferences = bpy.context.preferences.addons["cycles"].preferences
-names = []
-for kind in ("OPTIX", "CUDA", "HIP", "ONEAPI"):
-    try:
-        names += [f"{d.name} ({kind})" for d in preferences.get_devices_for_type(kind) if d.type == kind]
-    except Exception:
-        pass
+from blender_scenes.bpy_side.gpus import listed
 print("version " + bpy.app.version_string)
-print("devices " + ", ".join(names))
+print("devices " + ", ".join(f"{name} ({kind})" for kind, names in listed().items() for name in names))
 """
 
 
@@ -111,26 +106,19 @@ def _system_libraries() -> Check:
     binary = binary if binary.suffix == ".so" else binary.with_name("__init__.so")
     listing = subprocess.run([ldd, str(binary)], capture_output=True, text=True, check=False).stdout
     missing = sorted(set(re.findall(r"^\s*(\S+) => not found", listing, re.MULTILINE)))
-    return Check(name, not missing, ", ".join(missing) or "all that bpy loads", _apt_line())
-
-
-def _apt_line() -> str:
-    try:
-        from blender_scenes.renderer import SYSTEM_PACKAGES  # noqa: PLC0415 - needs opencv, which may be what is missing
-    except ImportError:
-        return INSTALL
-    return f"run apt-get install -y {SYSTEM_PACKAGES}"
+    return Check(name, not missing, ", ".join(missing) or "all that bpy loads", APT_LINE)
 
 
 def _blender() -> Iterator[Check]:
     code, out, error = _child(ASK_BLENDER)
     facts = dict(line.split(" ", 1) for line in out.splitlines() if line.startswith(("version ", "devices ")))
     if code or "version" not in facts:
-        yield Check("Blender", ok=False, found=error or "does not start", cure=_apt_line())
+        yield Check("Blender", ok=False, found=error or "does not start", cure=APT_LINE)
         return
     yield Check("Blender", ok=True, found=f"{facts['version']} starts")
     found = facts.get("devices", "") or "none"
-    yield Check("graphics card", ok=True, found=f"{found}; not used yet, pictures are rendered on the CPU")
+    how = "used with --device auto or gpu; the CPU is the default" if facts.get("devices") else "the CPU renders"
+    yield Check("graphics card", ok=True, found=f"{found}; {how}")
 
 
 def _pybullet() -> Check:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from blender_scenes.camera import intrinsics
 from blender_scenes.lens_warp import pinhole_picture
+from blender_scenes.sampling import Sampling, sampling
 from configs.schema.scenario import RunSpec
 from pipeline.progress import seconds
 
@@ -18,6 +19,8 @@ RENDER_FRAME_S = 0.05
 """Per image whatever its size, on one core."""
 RENDER_SAMPLE_S = 8.5e-6
 """Per pixel and sample on one core."""
+DENOISE_S = {"FAST": 4e-6, "ACCURATE": 2e-5}
+"""Per pixel on one core, by the prefilter of the denoiser's guides."""
 BYTES_PER_PIXEL = 0.2
 """Of a JPEG of quality 92."""
 ANNOTATION_PIXEL_S = 1.5e-6
@@ -44,6 +47,8 @@ class PlannedRun:
     width_px: int
     height_px: int
     annotated: bool
+    quality: str
+    sampling: Sampling
     margin: float
     """Pixels that are traced, to those of the picture: more behind a lens."""
     render_core_s: float
@@ -97,16 +102,27 @@ class Plan:
             "",
             f"runs       {len(self.runs)}",
             f"images     {self.images}",
+            f"quality    {self._quality()}",
             f"disk       about {self.bytes_needed / 1e6:.0f} MB, stages included",
             f"simulate   about {seconds(self.simulation_s)}",
             f"render     about {seconds(self.render_s)}",
             "",
             f"Assumed: {self.cores} cores without a graphics card; {REAL_TIME_FACTOR:g} simulated seconds a second and"
-            f" core; {1e6 * RENDER_SAMPLE_S:g} us a pixel and sample and {RENDER_FRAME_S:g} s an image on one core;"
-            f" {BYTES_PER_PIXEL:g} bytes a pixel{self._further()}"
+            f" core; {1e6 * RENDER_SAMPLE_S:g} us a pixel and sample, {self._denoising()}{RENDER_FRAME_S:g} s an image"
+            f" on one core; {BYTES_PER_PIXEL:g} bytes a pixel{self._further()}"
             + (f"; a lap of {LAP_S:g} s, which depends on arena and robot." if self.runs[0].lap else "."),
         ]
         return "\n".join(lines)
+
+    def _quality(self) -> str:
+        """Of the pictures; several where the scenario draws it."""
+        kinds = {f"{run.quality}, {run.sampling.samples} samples a pixel": None for run in self.runs}
+        return " or ".join(kinds)
+
+    def _denoising(self) -> str:
+        """What is assumed of the denoiser, where there is one."""
+        costs = sorted({DENOISE_S[run.sampling.prefilter] for run in self.runs if run.sampling.denoise})
+        return f"{' or '.join(f'{1e6 * cost:g}' for cost in costs)} us a pixel to denoise, and " if costs else "and "
 
     def _further(self) -> str:
         """What is assumed of lenses and annotations, where there are any."""
@@ -118,6 +134,11 @@ class Plan:
         return f"{lens}; all annotations {own}, and {ANNOTATION_BYTES_PER_PIXEL:g} bytes a pixel"
 
 
+def pixel_s(sampled: Sampling) -> float:
+    """Of one core for a pixel that is traced, denoising included [s]."""
+    return sampled.samples * RENDER_SAMPLE_S + (DENOISE_S[sampled.prefilter] if sampled.denoise else 0.0)
+
+
 def _planned(spec: RunSpec) -> PlannedRun:
     duration_s = min(LAP_S, spec.stop.time_limit_s) if spec.stop.lap else spec.stop.time_limit_s
     images = int(duration_s * spec.rates.camera_hz) + 1
@@ -125,7 +146,8 @@ def _planned(spec: RunSpec) -> PlannedRun:
     pixels, annotated = render.width_px * render.height_px, bool(render.annotations)
     pinhole = pinhole_picture(intrinsics(spec.robot.camera, render.width_px, render.height_px)).camera
     traced = pinhole.width_px * pinhole.height_px
-    image_s = RENDER_FRAME_S + traced * render.samples * RENDER_SAMPLE_S
+    sampled = sampling(render, spec.seed)
+    image_s = RENDER_FRAME_S + traced * pixel_s(sampled)
     annotation_s = RENDER_START_S + images * (RENDER_FRAME_S + traced * ANNOTATION_PIXEL_S) if annotated else 0.0
     return PlannedRun(
         run=spec.key,
@@ -136,6 +158,8 @@ def _planned(spec: RunSpec) -> PlannedRun:
         width_px=render.width_px,
         height_px=render.height_px,
         annotated=annotated,
+        quality=render.quality,
+        sampling=sampled,
         margin=traced / pixels,
         render_core_s=RENDER_START_S + images * image_s + annotation_s,
     )

@@ -10,6 +10,7 @@ from zipfile import BadZipFile
 import numpy as np
 from pydantic import ValidationError
 
+from blender_scenes.devices import device_for
 from blender_scenes.frame_files import frame_name
 from configs.draw import draw_arena, draw_look, draw_render, draw_robot
 from configs.errors import InputError
@@ -170,6 +171,7 @@ def prepare(source: Path, request: Request) -> tuple[Source, tuple[Draw, ...]]:
 
     Raises:
         InputError: The trajectory, the look or another part of the request cannot be used.
+        EnvironmentLacking: A graphics card is asked for, and there is none.
     """
     for text in request.overrides:
         if text.strip().partition("=")[0].partition(".")[0] not in SECTIONS:
@@ -246,14 +248,14 @@ def _draws(source: Source, request: Request) -> tuple[Draw, ...]:
         raise InputError(
             f"robot.camera.distortion: {problem}", cure="take smaller coefficients or a longer focal length"
         )
-    draws = []
+    draws, device = [], device_for(render.device)
     for name in request.looks:
         section = load_section("look", name, request.of("look"), request.option)
         for k in range(1, request.draws + 1):
             own = draw_seed(seed, k)
             look, drawn = draw_look(section, own, route, run)
             record = {"draw": k, "seed": own, "drawn": drawn, "look": look.model_dump(mode="json")}
-            appearance = Appearance(arena, robot, look, render, picture_seed(own, route, run))
+            appearance = Appearance(arena, robot, look, render, picture_seed(own, route, run), device)
             draws.append(Draw(f"{look.name}_{k}", appearance, canonical_json(record), section.assets))
     names = [draw.name for draw in draws]
     if twice := sorted({name for name in names if names.count(name) > 1}):
@@ -285,7 +287,7 @@ def _refuse_overrides(request: Request, section: str) -> None:
 
 
 def _render(spec: RunSpec | None, request: Request, seed: int, route: str, run: int) -> Render:
-    own = spec.render.model_dump(mode="json") if spec else {}
+    own = spec.render.model_dump(mode="json", exclude_none=True) if spec else {}
     settings = [f"render.{name}={str(value).lower()}" for name, value in own.items()]
     return draw_render(load_scenario(CARRIER, [*settings, *request.of("render")]), seed, route, run)
 

@@ -31,6 +31,7 @@ from reference import LEAST_SAMPLES, Reference, references
 from views import LOOKS, POSES, Views, views_of
 
 from blender_scenes.camera_response import develop, encode_jpeg, median_luminance
+from blender_scenes.sampling import QUALITIES, Quality
 
 RUN_FRAMES = 200
 """Over which a run spreads its start."""
@@ -69,16 +70,8 @@ class Row:
 
 def contenders(asked: argparse.Namespace) -> list[Contender]:
     found = [
-        Contender(
-            f"ours, {samples} {prefilter}/{quality}",
-            "ours",
-            "painter.py",
-            {
-                "kind": "ours",
-                "sampling": {"samples": samples, "prefilter": prefilter, "denoise_quality": quality, "denoise": True},
-            },
-        )
-        for samples, prefilter, quality in asked.ours
+        Contender(f"ours, {name}", "ours", "painter.py", {"kind": "ours", "sampling": {**asdict(own), "denoise": True}})
+        for name, own in asked.ours
     ]
     for samples in asked.plain:
         settings = {"kind": "plain", "cycles": {**BLENDERS_DEFAULT, "samples": samples}}
@@ -94,9 +87,12 @@ def contenders(asked: argparse.Namespace) -> list[Contender]:
     return found
 
 
-def _denoised(text: str) -> tuple[int, str, str]:
-    samples, prefilter, quality = text.split(",")
-    return int(samples), prefilter, quality
+def _quality(text: str) -> tuple[str, Quality]:
+    """With what it is called."""
+    if text in QUALITIES:
+        return text, QUALITIES[text]
+    samples, prefilter, denoise_quality = text.split(",")
+    return f"{samples} {prefilter}/{denoise_quality}", Quality(int(samples), prefilter, denoise_quality)
 
 
 def measured(views: Views, found: dict[int, Reference], asked: argparse.Namespace) -> list[Row]:
@@ -234,8 +230,9 @@ def asked_for() -> argparse.Namespace:
     parser.add_argument("--reference-samples", type=int, default=LEAST_SAMPLES)
     parser.add_argument("--repetitions", type=int, default=3)
     parser.add_argument("--threads", type=int, default=os.cpu_count())
-    ours = ["1,FAST,FAST", "2,FAST,BALANCED", "4,FAST,BALANCED"]
-    parser.add_argument("--ours", nargs="*", type=_denoised, default=[_denoised(o) for o in ours])
+    ours = [_quality(name) for name in ("draft", "standard", "high")]
+    words = "qualities, or samples and denoiser such as 8,FAST,BALANCED"
+    parser.add_argument("--ours", nargs="*", type=_quality, default=ours, help=words)
     parser.add_argument("--plain", nargs="*", type=int, default=[2, 4, 8, 16, 32], help="samples")
     parser.add_argument("--blenderproc", type=Path, help="interpreter of BlenderProc's environment")
     parser.add_argument("--blenderprocs-repetitions", type=int, default=1, help="it takes minutes a frame")
@@ -268,6 +265,7 @@ def main() -> None:
 
 def keep(rows: list[Row], asked: argparse.Namespace) -> None:
     told = {name: value for name, value in vars(asked).items() if name not in {"out", "cache", "blenderproc"}}
+    told["ours"] = {name: asdict(own) for name, own in asked.ours}
     text = json.dumps({"asked": told, "rows": [asdict(r) for r in rows]}, indent=1)
     (asked.out / "error_and_time.json").write_text(text + "\n")
     plot(rows, tuple(asked.size), asked.out / "error_and_time.png")

@@ -4,19 +4,23 @@ Renders the same frames of each look with 1, 2 and 4 threads, in one Blender pro
 interruption, in another order each time, and compares SHA-256 of the JPEG files, camera noise included. Ends with
 status 1 if any differs.
 
-    python benchmarks/render/threads.py [--looks night extreme] [--size 64 48]
+    python benchmarks/render/threads.py [--looks night extreme] [--qualities draft high] [--size 64 48] [--samples 2]
+
+Of a quality the denoiser is taken; the samples are `--samples`.
 """
 
 import argparse
 import sys
 import tempfile
-from dataclasses import replace
+from dataclasses import asdict, replace
+from itertools import product
 from pathlib import Path
 
 from views import LOOKS, POSES, views_of
 
 from blender_scenes.job import RenderJob
 from blender_scenes.renderer import render_job
+from blender_scenes.sampling import QUALITIES
 
 PLANS = {1: ((1, 2, 3),), 2: ((3,), (1, 2)), 4: ((2,), (1, 3))}
 """Threads -> numbers of the frames that each of its processes renders."""
@@ -34,20 +38,22 @@ def hashes(job: RenderJob, threads: int, parts: tuple[tuple[int, ...], ...]) -> 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--looks", nargs="+", choices=LOOKS, default=list(LOOKS))
+    parser.add_argument("--qualities", nargs="+", choices=QUALITIES, default=["draft", "standard", "high"])
     parser.add_argument("--size", nargs=2, type=int, default=[64, 48], metavar=("WIDTH", "HEIGHT"))
     parser.add_argument("--samples", type=int, default=2)
     asked = parser.parse_args()
     differ = 0
-    for look in asked.looks:
+    for look, name in product(asked.looks, asked.qualities):
         job = views_of(look, POSES[: len(PLANS)], tuple(asked.size)).noisy()
-        job = replace(job, sampling=replace(job.sampling, samples=asked.samples))
+        own = replace(QUALITIES[name], samples=asked.samples)
+        job = replace(job, sampling=replace(job.sampling, **asdict(own)))
         found = {threads: hashes(job, threads, parts) for threads, parts in PLANS.items()}
         for number in sorted(found[1]):
             of_frame = {threads: found[threads][number] for threads in PLANS}
             same = len(set(of_frame.values())) == 1
             differ += not same
             told = of_frame[1][:16] if same else "  ".join(f"{n} threads {h[:16]}" for n, h in of_frame.items())
-            print(f"{look:10} frame {number}: {'same' if same else 'DIFFERS'}  {told}", flush=True)
+            print(f"{look:10} {name:9} frame {number}: {'same' if same else 'DIFFERS'}  {told}", flush=True)
     print(f"{differ} frames differ" if differ else "every frame is the same with 1, 2 and 4 threads, in any order")
     sys.exit(bool(differ))
 

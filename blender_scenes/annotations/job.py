@@ -10,8 +10,9 @@ import numpy as np
 from blender_scenes.annotations.instances import Instances, instances
 from blender_scenes.camera import Array, pose_X_WR
 from blender_scenes.description import FrameView, Intrinsics, Mesh, PlanarPose, Point3, Scene, Shutter, Sky
-from blender_scenes.job import RenderJob, Sampling
+from blender_scenes.job import RenderJob
 from blender_scenes.job_text import JobText
+from blender_scenes.sampling import Sampling
 from blender_scenes.shading import Color, Surface
 from configs.schema.scenario import AnnotationName
 from physics.arena import Arena, Box

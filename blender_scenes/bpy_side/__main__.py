@@ -30,6 +30,9 @@ def main() -> int:
         return 1
     try:
         _WORK[request.work](request, replies)
+    except LookupError as error:
+        _say(replies, Failed(str(error), lacking="device"))
+        raise
     except (OSError, ValueError, RuntimeError) as error:
         full = isinstance(error, OSError) and error.errno in DISK_FULL
         _say(replies, Failed(str(error), lacking="space" if full else ""))

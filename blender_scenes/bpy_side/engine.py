@@ -5,12 +5,14 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from blender_scenes.bpy_side import gpus
 from blender_scenes.bpy_side.placing import open_shutter, place
 from blender_scenes.description import FrameView
-from blender_scenes.job import RenderJob, Sampling
+from blender_scenes.job import RenderJob
 from blender_scenes.lens_warp import pinhole_picture, through_lens
 from blender_scenes.metering import metered_views, metering_camera
 from blender_scenes.read_out import lateness
+from blender_scenes.sampling import Sampling
 from blender_scenes.shutter import window
 from blender_scenes.surroundings import require_room
 from configs.assets.exr import read_exr
@@ -24,7 +26,13 @@ _EXR_EXTRA_BYTES = 2**17
 
 
 def configure(job: RenderJob, threads: int, scratch: Path) -> None:
-    """Sets the scene up for the job; the picture's size is set for each view."""
+    """Sets the scene up for the job; the picture's size is set for each view.
+
+    Raises:
+        LookupError: The job is for a graphics card that is not there.
+    """
+    if job.sampling.device != "CPU":
+        gpus.enable(job.sampling.device)
     scene = bpy.context.scene
     render = scene.render
     render.engine = "CYCLES"
@@ -49,7 +57,7 @@ def configure(job: RenderJob, threads: int, scratch: Path) -> None:
 
 def _cycles(cycles: bpy.types.PropertyGroup, sampling: Sampling) -> None:
     settings = {
-        "device": "CPU",
+        "device": "CPU" if sampling.device == "CPU" else "GPU",
         "feature_set": "SUPPORTED",
         "shading_system": False,
         "samples": sampling.samples,
@@ -63,7 +71,7 @@ def _cycles(cycles: bpy.types.PropertyGroup, sampling: Sampling) -> None:
         "denoising_input_passes": "RGB_ALBEDO_NORMAL",
         "denoising_prefilter": sampling.prefilter,
         "denoising_quality": sampling.denoise_quality,
-        "denoising_use_gpu": False,
+        "denoising_use_gpu": sampling.device != "CPU",
         "use_light_tree": False,
         "light_sampling_threshold": 0.0,
         "use_guiding": False,

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field, model_validator
 
 from configs.schema.arena import ArenaConfig
-from configs.schema.base import PLANNED, FromList, Section, Slug, disagreement
+from configs.schema.base import PLANNED, Fixed, FromList, Section, Slug, disagreement
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 
@@ -62,11 +62,20 @@ AnnotationName = Literal[
 """`blender_scenes.annotations` has a member for every one."""
 
 
+RenderQuality = Literal["draft", "standard", "high", "reference"]
+"""`blender_scenes.sampling` says what each is."""
+RenderDevice = Literal["auto", "cpu", "gpu"]
+
+
 class Render(Section):
     width_px: Annotated[int, PLANNED] = Field(default=640, ge=16, le=8192)
     height_px: Annotated[int, PLANNED] = Field(default=480, ge=16, le=8192)
-    samples: int = Field(default=2, ge=1, le=65_536)
-    """Light paths per pixel; each costs about 0.9 s at 640 x 480 on two cores. Denoised, 2 are hard to tell from 16."""
+    quality: RenderQuality = "standard"
+    """How true the picture is to its light: `standard` errs by no more than JPEG adds, `draft` is for looking."""
+    samples: int | None = Field(default=None, ge=1, le=65_536)
+    """Light paths per pixel, in place of those of the quality."""
+    device: Annotated[RenderDevice, Fixed("it is the machine's, for the whole command")] = "cpu"
+    """`auto` takes a graphics card where Cycles lists one; the CPU alone gives the same bytes on every machine."""
     denoise: bool = True
     """Off only for many samples, or to measure noise."""
     jpeg_quality: int = Field(default=92, ge=1, le=100)

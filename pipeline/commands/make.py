@@ -7,7 +7,17 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from configs.errors import InputError
-from pipeline.commands.options import Out, Scenario, Settings, Workers, checked_input, names
+from pipeline.commands.options import (
+    Device,
+    OnDevice,
+    Out,
+    Scenario,
+    Settings,
+    Workers,
+    checked_input,
+    names,
+    with_device,
+)
 
 if TYPE_CHECKING:
     from pipeline.dataset.metadata import FailedRun
@@ -19,7 +29,7 @@ STAGES = ("simulate", "render", "assemble")
 def plan(scenario: Scenario, settings: Settings = None) -> None:
     """Say what a scenario would make, how large and how long; write nothing.
 
-    Example: symolo plan symolo --set render.samples=16
+    Example: symolo plan symolo --set render.quality=high
     """
     from configs.loader import load_scenario
     from pipeline.drawing import draw_reported
@@ -39,40 +49,54 @@ def simulate(scenario: Scenario, out: Out, settings: Settings = None, workers: W
     return _make("simulate", scenario, out, settings, workers)
 
 
-def render(scenario: Scenario, out: Out, settings: Settings = None, workers: Workers = None) -> int:
+def render(
+    scenario: Scenario, out: Out, *, settings: Settings = None, workers: Workers = None, device: OnDevice = None
+) -> int:
     """Second stage: render the images of every simulated run in Blender, and annotate them where asked for.
 
     Example: symolo render smoke --out data
     """
-    return _make("render", scenario, out, settings, workers)
+    return _make("render", scenario, out, settings, workers, device)
 
 
-def assemble(scenario: Scenario, out: Out, settings: Settings = None, workers: Workers = None) -> int:
+def assemble(
+    scenario: Scenario, out: Out, *, settings: Settings = None, workers: Workers = None, device: OnDevice = None
+) -> int:
     """Third stage: put the dataset together, with description, metadata and checksums.
 
     Example: symolo assemble smoke --out data
     """
-    return _make("assemble", scenario, out, settings, workers)
+    return _make("assemble", scenario, out, settings, workers, device)
 
 
-def release(scenario: Scenario, out: Out, settings: Settings = None, workers: Workers = None) -> int:
+def release(
+    scenario: Scenario, out: Out, *, settings: Settings = None, workers: Workers = None, device: OnDevice = None
+) -> int:
     """All stages: from a scenario to a dataset. Given again, it continues where it stopped.
 
     Example: symolo release smoke --out data
 
     What is done and unchanged is not done again: with another look only the images are made anew.
     """
-    return _make("release", scenario, out, settings, workers)
+    return _make("release", scenario, out, settings, workers, device)
 
 
-def _make(command: str, scenario: str, out: Path, settings: Sequence[str] | None, workers: int | None) -> int:
+def _make(  # noqa: PLR0917 - the options of the commands
+    command: str,
+    scenario: str,
+    out: Path,
+    settings: Sequence[str] | None,
+    workers: int | None,
+    device: Device | None = None,
+) -> int:
     """Do one stage, or all for `release`."""
     from pipeline.batch import Batch
     from pipeline.progress import report_here
 
     stages = STAGES if command == "release" else (command,)
     report = report_here()
-    batch = Batch.open(scenario, settings or (), out, workers, report)
+    overrides, pictured = with_device(settings, device), command != "simulate"
+    batch = Batch.open(scenario, overrides, out, workers, report, pictured=pictured)
     failures = batch.simulated() if "simulate" not in stages else []
     if "assemble" in stages and "render" not in stages:
         failures += batch.rendered(failures)
@@ -119,6 +143,7 @@ def rerender(
     ] = None,
     settings: Settings = None,
     workers: Workers = None,
+    device: OnDevice = None,
 ) -> int:
     """Render a stored trajectory again under other looks, without simulating.
 
@@ -137,7 +162,7 @@ def rerender(
 
     chosen = _chosen_looks(look, looks, draws)
     option = "--look" if looks is None else "--looks"
-    request = Request(chosen, draws or 1, arena, robot, camera_hz, seed, tuple(settings or ()), option)
+    request = Request(chosen, draws or 1, arena, robot, camera_hz, seed, with_device(settings, device), option)
     found, drawn = prepare(source, request)
     with open_folders(found, drawn, out, apart=looks is not None) as folders:
         failures = render_source(found, drawn, folders, workers or cores(), report_here())

@@ -1,5 +1,7 @@
 """Arguments and options that several commands share."""
 
+from collections.abc import Sequence
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -48,7 +50,7 @@ Settings = Annotated[
     typer.Option(
         "--set",
         metavar="PATH=VALUE",
-        help="Override one field, such as render.samples=16; may be given again. The value is YAML and may be a "
+        help="Override one field, such as render.quality=high; may be given again. The value is YAML and may be a "
         "distribution, such as '{uniform: [4, 8]}'.",
     ),
 ]
@@ -56,6 +58,29 @@ Workers = Annotated[
     int | None,
     typer.Option("--workers", min=1, max=256, metavar="N", help="Child processes at a time; all cores by default."),
 ]
+
+
+class Device(StrEnum):
+    """What renders."""
+
+    AUTO = "auto"
+    CPU = "cpu"
+    GPU = "gpu"
+
+
+OnDevice = Annotated[
+    Device | None,
+    typer.Option(
+        "--device",
+        help="What renders: cpu gives the same bytes on every machine; auto takes a graphics card where Cycles lists "
+        "one (OptiX, CUDA, HIP, Metal, oneAPI); gpu insists on it. In place of the scenario's render.device.",
+    ),
+]
+
+
+def with_device(settings: Sequence[str] | None, device: Device | None) -> tuple[str, ...]:
+    """The overrides with that of `--device`, which comes last and so counts."""
+    return (*(settings or ()), *([f"render.device={device}"] if device else []))
 
 
 def names(text: str, where: str) -> tuple[str, ...]:

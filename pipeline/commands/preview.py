@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from pipeline.commands.options import OutPicture, Scenario, Settings, Workers, names
+from pipeline.commands.options import OnDevice, OutPicture, Scenario, Settings, Workers, names, with_device
 from pipeline.preview import Engine
 
 RUN_FAILED = 3
@@ -18,7 +18,7 @@ def preview(
     count: Annotated[int, typer.Option("-n", "--n", min=1, max=1000, metavar="N", help="Pictures on the sheet.")] = 24,
     engine: Annotated[
         Engine,
-        typer.Option(help="cycles: path-traced as in a release, at 2 samples; flat: without Blender, in seconds."),
+        typer.Option(help="cycles: path-traced as in a release, at quality draft; flat: without Blender, in seconds."),
     ] = Engine.CYCLES,
     look: Annotated[
         str | None,
@@ -28,6 +28,7 @@ def preview(
     width_px: Annotated[int, typer.Option(min=32, max=_MOST_WIDE_PX, help="Width of each picture.")] = 320,
     columns: Annotated[int, typer.Option(min=1, max=100, help="Pictures in a row.")] = 6,
     workers: Workers = None,
+    device: OnDevice = None,
 ) -> int:
     """Show what a scenario's pictures would look like, on one sheet; simulates nothing and stores nothing else.
 
@@ -50,7 +51,7 @@ def preview(
     from pipeline.workers import cores
 
     looks = names(look, "--look") if look is not None else ()
-    drawn = views(scenario, settings or (), looks, count, width_px)
+    drawn = views(scenario, with_device(settings, device), looks, count, width_px)
     first = next(drawn)
     check_size(first, count, columns)
     chosen = [first, *drawn]

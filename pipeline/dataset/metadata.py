@@ -57,6 +57,8 @@ class RunRecord(Record):
     rates: Rates
     image_width_px: int
     image_height_px: int
+    render_device: str = "CPU"
+    """As Cycles calls it: what the images were rendered on."""
     rows: int
     images: int
     duration_s: float
@@ -74,7 +76,14 @@ class RunRecord(Record):
     annotations: tuple[AnnotationName, ...] = Field(default=(), exclude_if=lambda kinds: not kinds)
 
     @classmethod
-    def of(cls, spec: RunSpec, rows: Rows, lap_time_s: float | None, warnings: Sequence[str] = ()) -> "RunRecord":
+    def of(
+        cls,
+        spec: RunSpec,
+        rows: Rows,
+        lap_time_s: float | None,
+        warnings: Sequence[str] = (),
+        render_device: str = "CPU",
+    ) -> "RunRecord":
         changes = np.flatnonzero(np.diff(rows.state)) + 1
         steps = np.linalg.norm(np.diff(rows.pose[:, :2], axis=0), axis=1)
         # Limits may be drawn; data.csv holds them to the digits of its columns, and `verify` compares with these.
@@ -86,6 +95,7 @@ class RunRecord(Record):
             rates=spec.rates,
             image_width_px=spec.render.width_px,
             image_height_px=spec.render.height_px,
+            render_device=render_device,
             rows=len(rows.t_ms),
             images=int(np.count_nonzero(rows.image)),
             duration_s=float(rows.t_ms[-1]) / 1000,

@@ -15,7 +15,7 @@ from pipeline.output import check_scratch
 from pipeline.own_files import keep_own_files
 from pipeline.plan import pictures_bytes
 from pipeline.preview import Engine
-from pipeline.preview.views import View
+from pipeline.preview.views import View, on_device
 from pipeline.progress import Report
 from pipeline.sheet import LINE_PX, Cell, Pixels, check_side, row, stacked
 from pipeline.stages.render import IMAGES, RenderTask, render_runs
@@ -71,6 +71,7 @@ def _cycles(views: Sequence[View], folder: Path, own_files: Path, workers: int, 
     render = views[0].look.render
     each = pictures_bytes(1, render.width_px * render.height_px, annotated=False)
     check_scratch(len(views) * each, "ask for fewer pictures by -n")
+    views = on_device(views)
     folders = {view.number: StageFolder(folder / str(view.number)) for view in views}
     orders = (RenderTask.order(view.name, folders[view.number], view.job(), (view.frame,), own_files) for view in views)
     failures = render_runs(orders, workers, report)

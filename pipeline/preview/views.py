@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from blender_scenes.job import FramePose, RenderJob, build_job
+from blender_scenes.devices import device_for
+from blender_scenes.job import FramePose, RenderJob
 from configs.draw import draw_run
 from configs.loader import LoadedScenario, load_scenario
 from configs.schema.look import LookConfig
@@ -17,7 +18,7 @@ from physics.robot_path import RobotPath
 from pipeline.preview.way import Way
 from pipeline.stages.render import Appearance
 
-_DRAFT = "render.samples=2"
+_DRAFT = "render.quality=draft"
 """Under what `--set` says."""
 _GOLDEN = 0.618033988749895
 """Steps of this share of the way spread evenly, however many are taken (Weyl's sequence)."""
@@ -40,8 +41,17 @@ class View:
     def job(self) -> RenderJob:
         """Made when it is needed: it is some megabytes."""
         arena = Arena.from_config(self.look.arena)
-        own = self.look
-        return build_job(arena, own.robot, own.look, own.render, [self.frame], own.seed, _standing(self.frame))
+        return self.look.job(arena, [self.frame], _standing(self.frame))
+
+
+def on_device(views: Sequence[View]) -> list[View]:
+    """The same to be rendered on what the first one asks for.
+
+    Raises:
+        EnvironmentLacking: It asks for a graphics card, and there is none.
+    """
+    device = device_for(views[0].look.render.device)
+    return [replace(view, look=replace(view.look, device=device)) for view in views]
 
 
 def views(scenario: str, overrides: Sequence[str], looks: Sequence[str], count: int, width_px: int) -> Iterator[View]:

@@ -18,7 +18,7 @@ from pipeline.dataset.side import CAMERA, TOF, WHEELS, image_positions, tof_csv,
 from pipeline.files import hashes_of, holds, remove_folder, replace_folder, sha256_of, write_file
 from pipeline.progress import Report
 from pipeline.stages.annotate import copy_released
-from pipeline.stages.render import IMAGES, picture_warnings
+from pipeline.stages.render import IMAGES, Rendered
 from pipeline.stages.simulate_runs import SPEC, read_outcome, read_recording, spec_text
 from pipeline.versions import versions
 from pipeline.workspace import PARTIAL, STAGES, Workspace, input_key, mark_done
@@ -52,8 +52,9 @@ def assemble(
             hashes |= {f"{spec.key}/{name}": digest for name, digest in _release_run(workspace, spec).items()}
             simulated = workspace.simulate(spec.key).path
             rows = Rows.from_recording(read_recording(simulated))
-            warnings = picture_warnings(workspace.render(spec.key).path)
-            records.append(RunRecord.of(spec, rows, read_outcome(simulated).lap_time_s, warnings))
+            pictures = Rendered.read(workspace.render(spec.key).path)
+            lap_time_s = read_outcome(simulated).lap_time_s
+            records.append(RunRecord.of(spec, rows, lap_time_s, pictures.warnings, pictures.device))
             stage.update(spec.key, 1)
     if not good:
         _remove_files(workspace.out, (MANIFEST, METADATA, DESCRIPTION))

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
+from blender_scenes.annotations.job import AnnotationJob
+from blender_scenes.devices import DeviceKind
 from blender_scenes.exposure_guard import Extremes, all_black, exposure_warnings
 from blender_scenes.frame_files import frame_name
-from blender_scenes.job import FramePose, build_job
-from blender_scenes.job_text import JobText
+from blender_scenes.job import FramePose, RenderJob, build_job
 from blender_scenes.protocol import Work
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
@@ -43,10 +44,17 @@ class Appearance:
     render: Render
     seed: int
     """Of the run, not of the scenario: no two runs share their stains and their noise."""
+    device: DeviceKind = "CPU"
+    """What `render.device` comes to on this machine."""
 
     @classmethod
-    def of(cls, spec: RunSpec) -> "Appearance":
-        return cls(spec.arena, spec.robot, spec.look, spec.render, picture_seed(spec.seed, spec.route, spec.run))
+    def of(cls, spec: RunSpec, device: DeviceKind = "CPU") -> "Appearance":
+        seed = picture_seed(spec.seed, spec.route, spec.run)
+        return cls(spec.arena, spec.robot, spec.look, spec.render, seed, device)
+
+    def job(self, arena: Arena, frames: Sequence[FramePose], path: RobotPath) -> RenderJob:
+        """The rendering of these frames in the arena, which is that of `self.arena`."""
+        return build_job(arena, self.robot, self.look, self.render, frames, self.seed, path, self.device)
 
 
 def picture_seed(seed: int, route: str, run: int) -> int:
@@ -80,18 +88,21 @@ class FrameTask(ABC):
     frames: tuple[FramePose, ...]
     own_files: Path | None = None
     """Folder of the user's own files by their SHA-256; None where none is shown."""
+    device: DeviceKind = "CPU"
+    """On which the files are made."""
 
     @classmethod
     def order(
         cls,
         run: str,
         folder: StageFolder,
-        job: JobText,
+        job: RenderJob | AnnotationJob,
         frames: tuple[FramePose, ...],
         own_files: Path | None = None,
     ) -> "Order":
         text = job.to_json()
-        return Order(cls(run, folder, hashlib.sha256(text.encode()).hexdigest(), frames, own_files), text)
+        digest = hashlib.sha256(text.encode()).hexdigest()
+        return Order(cls(run, folder, digest, frames, own_files, job.sampling.device), text)
 
     @property
     def key(self) -> str:
@@ -128,7 +139,7 @@ class RenderTask(FrameTask):
         frames = frame_poses(rows)
         arena = Arena.from_config(appearance.arena)
         path = RobotPath(rows.t_ms / 1000, rows.pose, rows.twist)
-        job = build_job(arena, appearance.robot, appearance.look, appearance.render, frames, appearance.seed, path)
+        job = appearance.job(arena, frames, path)
         return cls.order(run, folder, job, frames, own_files)
 
     def finish(self) -> Findings:
@@ -151,7 +162,8 @@ class RenderTask(FrameTask):
             for frame in self.frames
         ]
         warnings = exposure_warnings(seen)
-        write_file(self.folder.path / FRAMES, canonical_json({"frames": records, "warnings": list(warnings)}))
+        told = {"device": self.device, "frames": records, "warnings": list(warnings)}
+        write_file(self.folder.path / FRAMES, canonical_json(told))
         pictures = {record["file"]: record["sha256"] for record in records}
         texts = {name: sha256_of(self.folder.path / name) for name in (JOB, FRAMES)}
         mark_done(self.folder.path, self.key, {**texts, **pictures})
@@ -244,6 +256,16 @@ def _prepare(order: Order) -> None:
     write_file(path / INPUTS, inputs)
 
 
-def picture_warnings(folder: Path) -> list[str]:
-    """What was found wrong with the exposure of the pictures in a finished folder of this stage."""
-    return list(json.loads((folder / FRAMES).read_bytes())["warnings"])
+@dataclass(frozen=True)
+class Rendered:
+    """What a finished folder of this stage says of its pictures as a whole."""
+
+    device: str
+    """On which they were rendered, as Cycles calls it."""
+    warnings: tuple[str, ...]
+    """What was found wrong with their exposure."""
+
+    @classmethod
+    def read(cls, folder: Path) -> "Rendered":
+        told = json.loads((folder / FRAMES).read_bytes())
+        return cls(told["device"], tuple(told["warnings"]))

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from typer.main import get_command
 
-from blender_scenes.renderer import SYSTEM_PACKAGES
+from blender_scenes.surroundings import SYSTEM_PACKAGES
 from configs.loader import load_scenario, load_section
 from pipeline.cli import command_line
 

@@ -12,7 +12,8 @@ import yaml
 import configs
 from blender_scenes.camera_response import CameraResponse
 from blender_scenes.description import INSTANT, FrameView, Intrinsics, Scene, Shutter
-from blender_scenes.job import RenderJob, Sampling
+from blender_scenes.job import RenderJob
+from blender_scenes.sampling import Sampling
 from configs.lens import NO_DISTORTION, Coefficients
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import CameraLook

@@ -16,7 +16,7 @@ import pytest
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from pipeline.plan import RENDER_SAMPLE_S, Plan
+from pipeline.plan import RENDER_FRAME_S, RENDER_SAMPLE_S, RENDER_START_S, Plan, pixel_s
 from pipeline.units import SimulateUnit
 from pipeline.workers import WorkerError, run_units
 
@@ -52,6 +52,10 @@ BAD = {
         ["release", "smoke", "--out", "OUT", "--set", "render.samples={uniform: [8, 1]}"],
         "render.samples",
     ),
+    "misspelt quality": (["plan", "smoke", "--set", "render.quality=standart"], "did you mean standard"),
+    "misspelt device": (["plan", "smoke", "--set", "render.device=gpus"], "did you mean gpu"),
+    "device that varies": (["plan", "smoke", "--set", "render.device={choice: [cpu, gpu]}"], "the whole command"),
+    "device by a wrong option": (["release", "smoke", "--out", "OUT", "--device", "gpus"], "'gpu'"),
     "set of rates that do not divide": (["release", "smoke", "--out", "OUT", "--set", "rates.camera_hz=7"], "7"),
     "set of a look that is not there": (["release", "smoke", "--out", "OUT", "--set", "look=palace"], "palace"),
     "output is a file": (["release", "smoke", "--out", "HERE/data.csv"], "is a file"),
@@ -297,7 +301,7 @@ def test_plan_counts_the_margin_behind_a_lens_and_says_what_annotations_are_take
     corner = 0.5 * 42.33 / 30 * 1.25
     roots = np.roots([0.1, 0, -0.3, 0, 1, -corner])
     times = (min(root.real for root in roots if abs(root.imag) < 1e-9) / corner) ** 2
-    traced_s = 201 * 640 * 480 * 2 * RENDER_SAMPLE_S
+    traced_s = 201 * 640 * 480 * pixel_s(own.sampling)
     # At each side come up to three spare pixels, which are less than a fiftieth.
     assert (wider.render_core_s - own.render_core_s) / traced_s == pytest.approx(times - 1, abs=0.03)
     assert "times the pixels traced, for the margin behind the lens" in behind.text()
@@ -305,6 +309,36 @@ def test_plan_counts_the_margin_behind_a_lens_and_says_what_annotations_are_take
     assert "all annotations 1.5 us a pixel" in annotated.text()
     assert "annotations" not in plain.text()
     assert annotated.render_s > plain.render_s
+
+
+def test_plan_takes_its_time_from_the_quality_and_says_which(symolo):
+
+    def planned(*settings):
+        return Plan.of([draw_run(load_scenario("symolo", settings), "CW", 1)], 1)
+
+    plain, fewer = planned(), planned("render.samples=1", "render.denoise=false")
+    traced_s, shared_s = 201 * 640 * 480 * RENDER_SAMPLE_S, RENDER_START_S + 201 * RENDER_FRAME_S
+    assert fewer.render_s == pytest.approx(traced_s + shared_s)
+    assert planned("render.quality=reference").render_s > 2048 * traced_s > 100 * plain.render_s
+    assert f"quality    standard, {plain.runs[0].sampling.samples} samples a pixel" in plain.text()
+    assert "to denoise" in plain.text()
+    assert "to denoise" not in fewer.text()
+    assert (
+        "quality    draft, 9 samples"
+        in symolo("plan", "smoke", "--set=render.quality=draft", "--set=render.samples=9").out
+    )
+
+
+def test_a_graphics_card_that_is_not_there_is_refused_before_the_work_starts(here, symolo, monkeypatch):
+    monkeypatch.setattr("blender_scenes.devices.listed_gpus", tuple)
+    before = files_in(here)
+    lists = ("release", "smoke", "--out", "OUT"), ("rerender", "HERE/data.csv", "--look", "lab", "--out", "OUT")
+    for arguments in (*lists, ("preview", "smoke", "-n", "1", "--out", "OUT.png")):
+        ended = symolo(*arguments, "--device", "gpu")
+        assert ended.code == 5
+        assert ended.err.count("\n") == 1
+        assert "give --device cpu" in ended.err
+    assert files_in(here) == before
 
 
 def test_plan_of_smoke_counts_to_the_image(dataset, tiny, symolo):

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
+from blender_scenes.devices import DeviceKind
 from blender_scenes.job import FramePose
 from configs.draw import draw_run
 from configs.errors import RunFailed
@@ -16,7 +17,7 @@ from pipeline.dataset.description import markdown
 from pipeline.dataset.metadata import FailedRun, RunRecord, describe
 from pipeline.dataset.rows import Rows
 from pipeline.progress import LineReport
-from pipeline.stages.render import FRAMES, Order, RenderTask, picture_warnings, render_runs
+from pipeline.stages.render import FRAMES, Order, Rendered, RenderTask, render_runs
 from pipeline.units import RenderUnit
 from pipeline.workspace import StageFolder
 
@@ -25,9 +26,9 @@ from pipeline.workspace import StageFolder
 def render(tmp_path, monkeypatch):
     """Renders a run of pictures of one grey each, with hands of its own in place of Blender's."""
 
-    def rendered(*greys: int) -> tuple[RenderTask, list[FailedRun]]:
+    def rendered(*greys: int, device: DeviceKind = "CPU") -> tuple[RenderTask, list[FailedRun]]:
         frames = tuple(FramePose(number, 0.0, 0.0, 0.0, 0.0) for number in range(1, len(greys) + 1))
-        task = RenderTask("CW/test_1", StageFolder(tmp_path), "of a job", frames)
+        task = RenderTask("CW/test_1", StageFolder(tmp_path), "of a job", frames, device=device)
 
         def paint(*_: object) -> list[object]:
             for frame, grey in zip(frames, greys, strict=True):
@@ -44,12 +45,17 @@ def test_a_black_image_among_others_is_a_warning_told_and_kept(render, capsys):
     task, failed = render(128, 0)
     assert failed == []
     assert task.folder.is_done(task.key)
-    (warning,) = picture_warnings(task.folder.path)
+    (warning,) = Rendered.read(task.folder.path).warnings
     assert "1 of 2 images are black" in warning
     assert "the worst, 000002.jpg, in 100%" in warning
     assert f"render: CW/test_1: {warning}" in capsys.readouterr().err
     shares = [frame["black_share"] for frame in json.loads((task.folder.path / FRAMES).read_text())["frames"]]
     assert shares == [0.0, 1.0]
+
+
+def test_what_rendered_the_pictures_is_kept(render):
+    task, _ = render(128, device="HIP")
+    assert Rendered.read(task.folder.path).device == "HIP"
 
 
 def test_a_run_of_black_images_alone_has_failed(render):

@@ -52,6 +52,7 @@ def test_metadata_holds_every_drawn_value_and_nothing_of_this_machine(dataset):
         spec = json.loads((dataset / run["run"] / "side" / "spec.json").read_text())
         assert run["drawn"] == spec["drawn"]
         assert run["drawn"], "the shipped look draws its lights"
+        assert run["render_device"] == "CPU"
         for path, value in run["drawn"].items():
             node = spec
             for key in path.split("."):

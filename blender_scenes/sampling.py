@@ -1,0 +1,70 @@
+"""The qualities of pictures: samples and denoiser of each. docs/render_benchmarks.md has what they cost and miss."""
+
+import math
+from dataclasses import dataclass
+
+from blender_scenes.devices import DeviceKind
+from configs.schema.scenario import Render, RenderQuality
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """How the light is traced; nothing of it is left to Blender's defaults."""
+
+    seed: int
+    samples: int
+    denoise: bool
+    prefilter: str = "FAST"
+    """Of the denoiser's guides."""
+    denoise_quality: str = "BALANCED"
+    diffuse_bounces: int = 3
+    glossy_bounces: int = 3
+    transmission_bounces: int = 6
+    filter_width_px: float = 1.5
+    device: DeviceKind = "CPU"
+
+
+@dataclass(frozen=True)
+class Quality:
+    samples: int
+    """Light paths per pixel of a picture of 640 x 480."""
+    prefilter: str
+    """Of the denoiser's guides, in Cycles' words: ACCURATE denoises them first, at the price of two samples."""
+    denoise_quality: str
+    """HIGH differs from BALANCED only behind ACCURATE guides (Open Image Denoise has larger weights for clean ones)."""
+
+
+QUALITIES: dict[RenderQuality, Quality] = {
+    "draft": Quality(1, "FAST", "FAST"),
+    "standard": Quality(4, "FAST", "BALANCED"),
+    "high": Quality(48, "ACCURATE", "HIGH"),
+    "reference": Quality(2048, "ACCURATE", "HIGH"),
+}
+
+_SIZE_PX = 640 * 480
+_MOST_TIMES = 2.0
+
+
+def sampling(render: Render, seed: int, device: DeviceKind = "CPU") -> Sampling:
+    """Of a run's settings: `render.samples` stands above those of its quality and size."""
+    quality = QUALITIES[render.quality]
+    return Sampling(
+        seed=seed,
+        samples=_samples(render) if render.samples is None else render.samples,
+        denoise=render.denoise,
+        prefilter=quality.prefilter,
+        denoise_quality=quality.denoise_quality,
+        device=device,
+    )
+
+
+def _samples(render: Render) -> int:
+    """Small pictures take more: the denoiser has fewer pixels to go by, and texture is finer than they are.
+
+    Four times the pixels were worth twice the samples between 320 x 240 and 640 x 480, which is not carried further.
+    """
+    samples = QUALITIES[render.quality].samples
+    if render.quality == "reference":
+        return samples
+    times = math.sqrt(_SIZE_PX / (render.width_px * render.height_px))
+    return math.ceil(samples * min(max(times, 1.0), _MOST_TIMES))

@@ -1,0 +1,70 @@
+"""What renders: the processor, or a graphics card where Blender finds one."""
+
+from dataclasses import replace
+from typing import get_args
+
+import numpy as np
+import pytest
+
+from blender_scenes import devices
+from blender_scenes.devices import GPU_KINDS, DeviceKind, device_for
+from blender_scenes.job import FramePose, build_job
+from blender_scenes.renderer import render_job
+from configs.errors import EnvironmentLacking
+from configs.schema.look import LookConfig
+from configs.schema.scenario import Render
+
+
+def _has(*kinds: DeviceKind):
+    return lambda: kinds
+
+
+def test_every_kind_of_card_that_cycles_knows_is_looked_for():
+    assert set(GPU_KINDS) == {"OPTIX", "CUDA", "HIP", "METAL", "ONEAPI"} == set(get_args(DeviceKind)) - {"CPU"}
+
+
+@pytest.mark.parametrize("asked", ["auto", "gpu"])
+def test_a_card_is_taken_by_its_fastest_way(asked):
+    """An NVIDIA card with ray-tracing cores is listed under both; OptiX is what Blender's manual recommends for it."""
+    assert device_for(asked, _has("CUDA", "OPTIX")) == "OPTIX"
+    assert device_for(asked, _has("ONEAPI")) == "ONEAPI"
+
+
+def test_without_a_card_auto_is_the_processor_and_gpu_is_refused_with_a_way_out():
+    assert device_for("auto", _has()) == "CPU"
+    with pytest.raises(EnvironmentLacking, match=r"OptiX.*--device cpu") as caught:
+        device_for("gpu", _has())
+    assert "\n" not in str(caught.value)
+
+
+def test_for_the_processor_nobody_is_asked():
+    def asked():
+        raise AssertionError
+
+    assert device_for("cpu", asked) == "CPU"
+
+
+def test_blender_is_asked_for_the_cards_of_this_machine():
+    """Whatever this machine has; no machine has both Apple's and NVIDIA's."""
+    found = devices.listed_gpus()
+    assert set(found) <= set(GPU_KINDS)
+    assert not {"METAL", "CUDA"} <= set(found)
+
+
+def test_a_blender_that_does_not_start_is_the_machines_fault(tmp_path, monkeypatch):
+    (tmp_path / "bpy.py").write_text("raise ImportError('libXrender.so.1: cannot open shared object file')")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    with pytest.raises(EnvironmentLacking, match=r"libXrender\.so\.1.*apt-get install"):
+        devices.listed_gpus()
+
+
+def test_a_job_for_a_card_that_is_not_there_is_the_machines_fault(arena, robot, tmp_path):
+    absent = next(kind for kind in GPU_KINDS if kind not in devices.listed_gpus())
+    pose = FramePose(number=1, t_s=0.0, x_m=0.55, y_m=-0.5, yaw_rad=np.pi / 2)
+    job = build_job(
+        arena, robot, LookConfig(name="plain"), Render(width_px=16, height_px=16, samples=1), [pose], seed=1
+    )
+    path = tmp_path / "job.json"
+    path.write_text(replace(job, sampling=replace(job.sampling, device=absent)).to_json())
+    with pytest.raises(EnvironmentLacking, match=f"{absent}.*--device cpu"):
+        render_job(path, tmp_path / "images")

@@ -1,0 +1,64 @@
+"""The user's knob for samples and denoiser, and what may be said beside it."""
+
+from typing import get_args
+
+import pytest
+
+from blender_scenes.job import FramePose, build_job
+from blender_scenes.sampling import QUALITIES, sampling
+from configs.schema.look import LookConfig
+from configs.schema.scenario import Render, RenderQuality
+
+
+def test_there_are_samples_and_a_denoiser_for_every_quality_and_a_better_one_takes_more():
+    assert tuple(QUALITIES) == get_args(RenderQuality) == ("draft", "standard", "high", "reference")
+    samples = [quality.samples for quality in QUALITIES.values()]
+    assert samples == sorted(set(samples))
+
+
+@pytest.mark.parametrize(
+    ("width_px", "height_px", "times"), [(640, 480, 1), (1280, 960, 1), (320, 240, 2), (80, 60, 2)]
+)
+def test_a_picture_of_a_quarter_of_the_pixels_takes_twice_the_samples(width_px, height_px, times):
+    """What four times the pixels are worth: docs/render_benchmarks.md. No conclusion is drawn beyond the two sizes."""
+    for name in ("draft", "standard", "high"):
+        found = sampling(Render(quality=name, width_px=width_px, height_px=height_px), seed=1)
+        assert found.samples == times * QUALITIES[name].samples
+
+
+def test_a_reference_has_2048_samples_whatever_its_size():
+    for width_px in (64, 640, 2000):
+        assert sampling(Render(quality="reference", width_px=width_px), seed=1).samples == 2048
+
+
+def test_in_between_samples_are_rounded_up():
+    """Half the pixels: the root of two times as many."""
+    found = sampling(Render(quality="high", width_px=640, height_px=240), seed=1)
+    assert QUALITIES["high"].samples * 2**0.5 <= found.samples < QUALITIES["high"].samples * 2**0.5 + 1
+
+
+@pytest.mark.parametrize("name", get_args(RenderQuality))
+def test_a_quality_reaches_the_tracer_whole(name):
+    asked = QUALITIES[name]
+    found = sampling(Render(quality=name, width_px=640, height_px=480), seed=7)
+    assert (found.samples, found.prefilter, found.denoise_quality) == (
+        asked.samples,
+        asked.prefilter,
+        asked.denoise_quality,
+    )
+    assert (found.seed, found.denoise, found.device) == (7, True, "CPU")
+
+
+def test_samples_said_aloud_take_the_place_of_those_of_the_quality_and_nothing_else_of_it():
+    whole, fewer = sampling(Render(quality="high"), seed=1), sampling(Render(quality="high", samples=3), seed=1)
+    assert fewer.samples == 3
+    assert (fewer.prefilter, fewer.denoise_quality) == (whole.prefilter, whole.denoise_quality)
+    assert not sampling(Render(quality="high", denoise=False), seed=1).denoise
+
+
+def test_a_run_is_rendered_at_its_quality_and_on_its_device(arena, robot):
+    pose = FramePose(number=1, t_s=0.0, x_m=0.55, y_m=0.0, yaw_rad=0.0)
+    render = Render(quality="high", width_px=32, height_px=24)
+    job = build_job(arena, robot, LookConfig(name="plain"), render, [pose], seed=5, device="CUDA")
+    assert job.sampling == sampling(render, seed=5, device="CUDA")
+    assert job.sampling.device == "CUDA"
