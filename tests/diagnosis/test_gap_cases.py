@@ -599,12 +599,14 @@ def test_a_drive_is_what_its_own_robot_predicts_from_its_log(gap, part, short_dr
         assert np.sqrt(np.mean(before**2)) > 1.5 * np.sqrt(np.mean(left**2))
 
 
-def test_drives_visit_the_room_and_are_written_with_the_columns_of_the_format(gap, tmp_path):
-    case = gap.make_case("drive_log", 2, rows="few")
+def test_drives_visit_the_room_and_are_written_with_the_columns_of_the_format(gap, part, short_drive, tmp_path):
+    bench = short_drive(2, 241)
+    robot = bench.textbook()
+    case = gap.Case("drive", bench, *part("drive_log").observe(bench, robot, np.random.default_rng(2)), robot)
     gap.write(case, tmp_path)
     header, *lines = (tmp_path / "data.csv").read_text().splitlines()
     assert header.startswith("trial,split,session_time_s,t_s,v_cmd_m_s,w_cmd_rad_s,u_left_V,u_right_V,enc_left_ticks")
-    assert len(lines) == 2 * 601
+    assert len(lines) == 2 * 241
     x, theta = case.columns["x_m"], case.columns["theta_rad"]
     assert np.nanmin(x) > 0.2
     assert np.nanmax(x) < 1.8

@@ -7,7 +7,7 @@ import numpy as np
 from .case import Bench, Outside
 
 Sampler = Callable[[np.random.Generator, Bench], Outside]
-SPEED = ("omega_rad_s", "u_cmd_V", "current_A")
+SPEED = ("omega_rad_s", "u_cmd_V")
 SESSION = ("row", "t_s", "session_time_s", "sweep", "trial")
 MOTOR = ("current_A", "omega_rad_s")
 
@@ -42,7 +42,7 @@ def current_range_switch(rng: np.random.Generator, bench: Bench) -> Outside:
         "gain": 1.0 + rng.choice([-1.0, 1.0]) * rng.uniform(0.05, 0.2),
         "above_A": dry * rng.uniform(1.3, 1.7),
     }
-    return Outside("current_range_switch", parameters, ("current_A",), SPEED)
+    return Outside("current_range_switch", parameters, ("current_A",), (*SPEED, "current_A"))
 
 
 def torsional_ringing(rng: np.random.Generator, bench: Bench) -> Outside:
