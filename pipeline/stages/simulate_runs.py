@@ -16,6 +16,9 @@ from pipeline.versions import versions
 from pipeline.workers import AnyEvent, AnyUnit, UnitFailure, run_units
 from pipeline.workspace import StageFolder, Workspace, input_key, mark_done
 
+FORMAT = 2
+"""Of what a simulation leaves for the later stages: from 2 on with the mean voltages of the wheels."""
+
 SPEC, TRAJECTORY, OUTCOME = "spec.json", "trajectory.npz", "outcome.json"
 
 
@@ -42,7 +45,7 @@ def simulation_inputs(spec: RunSpec) -> dict:
 
 def simulation_key(spec: RunSpec) -> str:
     programs = versions("symolo", "pybullet", "numpy", "scipy")
-    return input_key("simulate", run=simulation_inputs(spec), versions=programs)
+    return input_key("simulate", format=FORMAT, run=simulation_inputs(spec), versions=programs)
 
 
 def simulate_runs(workspace: Workspace, specs: Sequence[RunSpec], workers: int, report: Report) -> list[FailedRun]:
