@@ -108,15 +108,15 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
 
     Args:
         measurement: Of a kind that a stage predicts, with nominal parameters.
-        nominal: The robot that a textbook simulation would run; that of the measurement's own parameters by default,
-            with the shipped robot `nominal` for all they do not speak of.
+        nominal: The robot that a textbook simulation would run, in all that the measurement's own nominal parameters do
+            not speak of; the shipped robot `nominal` by default.
 
     Raises:
         InputError: No stage of the simulator predicts such data, or nothing of it can be used.
     """
     check_kind(measurement)
     where = _where(measurement)
-    robot = nominal or _nominal(measurement)
+    robot = _nominal(measurement, nominal)
     bare = Hypothesis(robot, nuisances(measurement.nominal) if measurement.nominal is not None else usual(robot))
     evidence = _evidence(STAGES[measurement.kind](measurement, robot), bare)
     if not evidence.fit.any():
@@ -173,9 +173,9 @@ def _where(measurement: Measurement) -> str:
     return next(iter(measurement.source.files), measurement.name)
 
 
-def _nominal(measurement: Measurement) -> RobotConfig:
-    """A shipped robot with the measurement's own nominal parameters in it."""
-    carrier, _ = draw_robot(load_section("robot", "nominal"), 0, "diagnosis")
+def _nominal(measurement: Measurement, given: RobotConfig | None) -> RobotConfig:
+    """The robot given, or a shipped one, with the measurement's own nominal parameters in it."""
+    carrier = given or draw_robot(load_section("robot", "nominal"), 0, "diagnosis")[0]
     return carrier if measurement.nominal is None else nominal_robot(measurement.nominal, carrier)
 
 

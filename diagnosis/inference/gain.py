@@ -49,7 +49,7 @@ def gain(evidence: Evidence, nominal: RobotConfig, extended: RobotConfig) -> Gai
     parts = [z[:, stage] for stage in stages if stage.any()]
     blocks = [_blocks(evidence)[stage] for stage in stages if stage.any()]
     before, after = _error([p[0] for p in parts]), _error([p[1] for p in parts])
-    generator = np.random.default_rng(_SEED)
+    generator = np.random.Generator(np.random.PCG64(_SEED))
     drawn = []
     for _ in range(RESAMPLED):
         taken = [_resampled(of, generator) for of in blocks]

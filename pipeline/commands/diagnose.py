@@ -37,7 +37,7 @@ def diagnose(
     ] = None,
     nominal: Annotated[
         str | None,
-        typer.Option(metavar="ROBOT", help="What a textbook would simulate: a shipped robot, or a YAML file."),
+        typer.Option(metavar="ROBOT", help="Nominal robot in all that CASE does not tell: shipped, or a YAML file."),
     ] = None,
     workers: Workers = None,
     explain: Annotated[bool, typer.Option("--explain", help="Print how the verdict was reached, too.")] = False,

@@ -8,8 +8,10 @@ import pytest
 
 from configs.draw import draw_robot
 from configs.loader import load_section
-from diagnosis.diagnose import Named
+from diagnosis.diagnose import Named, diagnose
 from diagnosis.extended_robot import FILE, VARIED_FILE, extended_robot
+from diagnosis.importers import IMPORTERS
+from diagnosis.importers.choose import read_measurement
 from diagnosis.inference.fit import Fit
 from diagnosis.inference.hypothesis import Effect, Hypothesis
 from diagnosis.inference.rivals import Standing
@@ -138,3 +140,14 @@ def test_any_name_of_a_case_makes_a_robot_that_loads(diagnosis_of, loaded, name)
     diagnosis = diagnosis_of("plain")
     named = replace(diagnosis, measurement=replace(diagnosis.measurement, name=name))
     assert loaded(extended_robot(named)).motor == extended_robot(diagnosis).config.motor
+
+
+def test_another_nominal_robot_stands_in_for_what_a_case_does_not_tell(motor_bench_case, tmp_path, loaded):
+    """Its body and controller stay; the motor is that of the case."""
+    classroom, _ = draw_robot(load_section("robot", "classroom"), 0, "test")
+    other = classroom.model_copy(update={"drive": classroom.drive.model_copy(update={"caster_friction": 0.05})})
+    measured = read_measurement(motor_bench_case(tmp_path / "plain"), IMPORTERS)
+    found = loaded(extended_robot(diagnose(measured, other)))
+    assert found.drive.caster_friction == 0.05
+    assert found.motor.winding_resistance_ohm == pytest.approx(3.0, rel=0.03)
+    assert found.controller == other.controller
