@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from configs.schema.base import Section
 from configs.schema.robot import RobotConfig
+from configs.schema.terms.motor import InputDelay
 from configs.schema.terms.range_bench import RangeOffset, RangeScale
 from diagnosis.measured.nominal import Nominal, NominalDrive, NominalTof, PositiveSpread, Spread
 
@@ -56,6 +57,21 @@ def _all(nominal: Nominal) -> Iterator[Nuisance]:
         yield _number("drive", "wheel_diameter_m", "wheel_radius_m", nominal.robot.wheel_radius_m, 2.0)
         yield _number("drive", "track_m", "wheel_separation_m", nominal.robot.wheel_separation_m, 1.0)
         yield _range_offset(nominal.tof.range_offset_m)
+        yield _command_timing()
+
+
+TIMING_S = 1e-3
+"""How much later than logged a voltage may act without anything being wrong: rounded times, a loop between two samples,
+and in a simulation the way of integrating. A delay that matters in rows of 50 ms is many times that."""
+
+
+def _command_timing() -> Nuisance:
+    def change(robot: RobotConfig, value: Number) -> RobotConfig:
+        present = robot.terms.input_delay
+        before = 0.0 if present is None else present.delay_s
+        return robot.with_term(InputDelay.model_construct(delay_s=before + np.maximum(value, 0.0)))
+
+    return Nuisance("command_timing_s", 0.0, TIMING_S, "s", change)
 
 
 UNITS = {"ohm": "ohm", "N_m_A": "N m/A", "N_m_s_rad": "N m s/rad", "N_m": "N m", "kg_m2": "kg m2", "m": "m"}

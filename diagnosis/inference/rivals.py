@@ -12,7 +12,7 @@ from math import exp
 from diagnosis.inference.evidence import Evidence
 from diagnosis.inference.fit import Fit
 from diagnosis.inference.hypothesis import Effect
-from diagnosis.inference.selection import TOLL, replaced
+from diagnosis.inference.selection import TOLL, is_negligible, replaced
 
 AS_GOOD = 6.0
 """Cost more, three units of log-likelihood, up to which a rival explains the data as well."""
@@ -45,6 +45,8 @@ def standing(evidence: Evidence, fit: Fit, effect: Effect, effects: Sequence[Eff
     tried = []
     for found in replaced(evidence, fit, effect, effects):
         (other,) = (e for e in found.hypothesis.effects if e not in fit.hypothesis.effects)
+        if is_negligible(found, other):
+            continue
         more = len(other.coordinates) - len(effect.coordinates)
         tried.append(Rival(other, found.cost - fit.cost + TOLL * more, found))
     weights = [exp(-0.5 * max(rival.worse, -50.0)) for rival in tried]

@@ -164,7 +164,7 @@ def refusal(evidence: Evidence, before: Fit, after: Fit, effect: Effect, least: 
     drop, least = before.cost - after.cost, needed(effect) if least is None else least
     if drop < least:
         return f"the cost falls by {drop:.1f}, and {least:.0f} are needed"
-    if _is_negligible(after, effect):
+    if is_negligible(after, effect):
         return "the effect is smaller than a simulation in steps resolves"
     falls = _costs(evidence, before) - _costs(evidence, after)
     of_fit = np.maximum(falls[evidence.fit], 0.0)
@@ -183,7 +183,7 @@ def refusal(evidence: Evidence, before: Fit, after: Fit, effect: Effect, least: 
     return ""
 
 
-def _is_negligible(fit: Fit, effect: Effect) -> bool:
+def is_negligible(fit: Fit, effect: Effect) -> bool:
     """Whether all its amplitudes are, beside a plausible visible effect."""
     at = fit.x[fit.hypothesis.parameters(effect)].tolist()
     sizes = [
