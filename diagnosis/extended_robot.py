@@ -18,6 +18,7 @@ from math import ceil, isfinite
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
 from configs.checks import robot_faults
 from configs.draw import draw_robot
@@ -78,7 +79,7 @@ def extended_robot(diagnosis: Diagnosis) -> ExtendedRobot:
     config = config.model_copy(
         update={"name": _slug(measured.name), "description": f"Fitted to {told}: {named} beside the nominal model"}
     )
-    config = _rounded(config)
+    config, moved = _rounded(config, diagnosis.nominal)
     head = [
         f"# The robot that symolo diagnose fitted to {told}. What is not here is that of the shipped robot {BASE}.",
         "# Standard errors are those of each number with all others fitted anew.",
@@ -87,7 +88,7 @@ def extended_robot(diagnosis: Diagnosis) -> ExtendedRobot:
         f"extends: {BASE}",
     ]
     tree = _difference(config)
-    comments = {path: "of the nominal model" for path in _paths(tree) if len(path) > 1} | _comments(diagnosis)
+    comments = {path: "of the nominal model" for path in _paths(tree) if len(path) > 1} | _comments(diagnosis) | moved
     text = "\n".join([*head, *_lines(tree, comments)]) + "\n"
     return ExtendedRobot(config, text, _varied(diagnosis, config), tuple(left_out), problem)
 
@@ -111,8 +112,16 @@ def _enclosing(config: RobotConfig) -> RobotConfig:
     return config.model_copy(update={"chassis": chassis})
 
 
-def _rounded(config: RobotConfig) -> RobotConfig:
-    """With as many digits in what differs as any fit can hold, so that the file can be read by people."""
+def _rounded(config: RobotConfig, nominal: RobotConfig) -> tuple[RobotConfig, dict[FieldPath, str]]:
+    """With as many digits in what differs as any fit can hold, for people to read, and within the schema's bounds.
+
+    Args:
+        config: As fitted; a tolerance has no bounds, so that friction may have come out below zero.
+        nominal: Whose number stands in for one that has no nearest value within its bounds.
+
+    Returns:
+        The robot, and by field what was done to a number beyond its bounds.
+    """
 
     def shortened(tree: Mapping[str, Any], differing: Mapping[str, Any]) -> dict[str, Any]:
         found = dict(tree)
@@ -123,7 +132,20 @@ def _rounded(config: RobotConfig) -> RobotConfig:
                 found[key] = float(f"{value:.{DIGITS}g}")
         return found
 
-    return RobotConfig.model_validate(shortened(config.model_dump(mode="json"), _difference(config)))
+    tree = shortened(config.model_dump(mode="json"), _difference(config))
+    moved: dict[FieldPath, str] = {}
+    try:
+        return RobotConfig.model_validate(tree), moved
+    except ValidationError as error:
+        for fault in error.errors():
+            section, own = tree, nominal.model_dump(mode="json")
+            *above, last = map(str, fault["loc"])
+            for key in above:
+                section, own = section[key], own[key]
+            limits = fault.get("ctx", {})
+            moved[*above, last] = f"moved within its bounds; the fit asks for {section[last]:.3g}"
+            section[last] = float(limits.get("ge", limits.get("le", own[last])))
+    return RobotConfig.model_validate(tree), moved
 
 
 def _slug(name: str) -> str:

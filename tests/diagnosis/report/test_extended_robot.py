@@ -125,6 +125,15 @@ def test_a_robot_that_cannot_turn_is_said_to_be_none(diagnosis_of):
     assert "# NOT YET A ROBOT THAT DRIVES: robot.motor.coulomb_friction_N_m" in found.text
 
 
+def test_friction_that_was_fitted_below_zero_is_none(diagnosis_of, loaded):
+    plain = diagnosis_of("plain")
+    motor = plain.nominal.motor.model_copy(update={"viscous_friction_N_m_s_rad": -0.003})
+    below = replace(plain, nominal=plain.nominal.model_copy(update={"motor": motor}))
+    robot = extended_robot(with_effect(below, "speed_scale", scale=1.1))
+    assert loaded(robot).motor.viscous_friction_N_m_s_rad == 0.0
+    assert "viscous_friction_N_m_s_rad: 0.0  # moved within its bounds; the fit asks for -0.003" in robot.text
+
+
 def test_the_body_is_as_wide_as_its_wheels_stand_apart(diagnosis_of, loaded):
     """A case tells the wheels' distance alone; the shipped robot is 0.17 m wide, its wheels 0.02 m."""
     plain = diagnosis_of("plain")
