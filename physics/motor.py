@@ -75,7 +75,8 @@ class HeldWheel:
         angle, left_s, lost = 0.0, self._duration_s, self._lost
         if speed_rad_s != 0.0:
             final = (torque_N_m - copysign(self._friction, speed_rad_s)) / self._damping
-            if final * speed_rad_s >= 0.0:
+            # By sign: the product of a speed that is nearly nothing would vanish, and the wheel be driven by friction.
+            if (final >= 0.0) if speed_rad_s > 0.0 else (final <= 0.0):
                 return self._relaxed(speed_rad_s, final, left_s, lost)
             stops_s = self._time_constant_s * log1p(-speed_rad_s / final)
             if stops_s > left_s:

@@ -33,14 +33,14 @@ class HeldDrive:
         final = np.where(standing & (np.abs(torque) <= friction), 0.0, final)
         behind = share_behind(duration_s, time_constant) if behind is None else behind
         speed, angle = _relaxed(speed_rad_s, final, duration_s, time_constant, behind)
-        if not (speed * speed_rad_s < 0.0).any():
+        if not (np.sign(speed) * speed_rad_s < 0.0).any():
             return speed, angle
         return self._through_stops(speed_rad_s, final, duration_s, time_constant)
 
     def _through_stops(
         self, speed_rad_s: Array, final: Array, duration_s: float | Array, time_constant: Array
     ) -> tuple[Array, Array]:
-        comes_to_rest = final * speed_rad_s < 0.0
+        comes_to_rest = np.sign(final) * speed_rad_s < 0.0
         ratio = np.divide(speed_rad_s, final, out=np.zeros(final.shape), where=comes_to_rest)
         stops_after = np.where(comes_to_rest, time_constant * np.log1p(-ratio), np.inf)
         first_s = np.minimum(stops_after, duration_s)

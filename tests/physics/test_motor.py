@@ -1,7 +1,7 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from physics.motor import MotorModel
@@ -75,6 +75,7 @@ def test_eq_20_settles_with_its_mechanical_time_constant():
     duration=st.floats(1e-3, 0.3),
     share=st.floats(0.05, 0.95),
 )
+@example(voltage=0.0, speed=5e-324, duration=0.25, share=0.5)
 def test_two_short_steps_make_one_long_one(voltage, speed, duration, share):
     halfway, turned = MOTOR.step(voltage, speed, share * duration)
     end, further = MOTOR.step(voltage, halfway, (1.0 - share) * duration)
