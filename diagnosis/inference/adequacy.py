@@ -28,7 +28,8 @@ LEVEL = 0.001
 CLIP = 3.0
 """Sigmas at which residuals are clipped."""
 NEEDED = 16.0
-"""Fall of the cost beside the flexible functions, four standard errors, by which a name is kept."""
+"""Fall of the cost beside the flexible functions, four standard errors, by which a name is kept; and no less than what
+they explain beyond it, else the name may be another face of the unknown."""
 EXPLAINED = 0.8
 """Share of what can be explained at all that names must explain to be kept."""
 
@@ -163,7 +164,7 @@ def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) 
         basis = orthonormal(np.concatenate(taken, axis=1))
         falls = {effect: _fall(residual, change, basis) for effect, change in left.items()}
         best = max(falls, key=lambda effect: falls[effect])
-        if falls[best] < NEEDED:
+        if falls[best] < max(NEEDED, structure.explainable):
             break
         kept.append(best)
         taken.append(left.pop(best)[:, None])
@@ -171,11 +172,11 @@ def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) 
 
 
 def _functions(evidence: Evidence, structure: Structure) -> Array:
-    """Any function of the structure's covariate in every quantity of its channel that has it, (N, k)."""
+    """Any function of the structure's covariate in every quantity that has it, for a cause shows in several; (N, k)."""
     found = []
     for quantity, place in zip(evidence.observed, evidence.places, strict=True):
         for covariate in quantity.covariates:
-            if quantity.channel == structure.channel and covariate.name == structure.covariate:
+            if covariate.name == structure.covariate:
                 of = any_function(covariate, evidence.fit[place])
                 columns = np.zeros((len(evidence.values), of.shape[1]))
                 columns[place] = of

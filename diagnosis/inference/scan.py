@@ -22,7 +22,9 @@ from diagnosis.measured.channel import Array
 SIZES = (1.0, 0.25, -0.25, -1.0)
 """Of the start value's distance from the null value; those beyond a bound are left out."""
 SHAPES = (0.1, 0.3, 1.0, 3.0, 10.0)
-"""Times the start value, of a shape or a ceiling."""
+"""Times the start value, of a shape."""
+CEILINGS = tuple(np.geomspace(0.1, 10.0, 25).tolist())
+"""Times the start value, of a limit, which does nothing where it is a little too high and much where too low."""
 FURTHEST = 4.0
 """Times the size tried, to which a straight line is believed."""
 
@@ -101,7 +103,8 @@ def _tries(effect: Effect) -> Iterator[tuple[float, ...]]:
 
 def _values(coordinate: Coordinate) -> list[float]:
     if coordinate.null is None or coordinate.is_ceiling:
-        found = [coordinate.start + float(np.log(factor)) for factor in SHAPES]
+        factors = CEILINGS if coordinate.is_ceiling else SHAPES
+        found = [coordinate.start + float(np.log(factor)) for factor in factors]
     else:
         found = [coordinate.null + size * (coordinate.start - coordinate.null) for size in SIZES]
     return [x for x in found if coordinate.low <= x <= coordinate.high]

@@ -46,7 +46,8 @@ HOPELESS = 4.0
 NEARLY = 0.7
 """Share of the best prospect's fall from which a candidate is fitted too."""
 ROWS = 6.0
-"""Effective number of samples that a fall must come from."""
+"""Effective number of samples that a fall must come from; of few data SHARE_OF_ROWS of them."""
+SHARE_OF_ROWS = 0.125
 WORSE = 2.0
 """Rise of the cost of held-out rows that an effect is allowed, in standard deviations of their sum."""
 
@@ -174,7 +175,7 @@ def refusal(evidence: Evidence, before: Fit, after: Fit, effect: Effect, least: 
     if is_of_noise(after, effect) and not adequacy(evidence, before).is_adequate:
         return "structure of the mean comes before the noise"
     rows = float(of_fit.sum() ** 2 / max(float((of_fit**2).sum()), 1e-300))
-    if rows < ROWS:
+    if rows < min(ROWS, SHARE_OF_ROWS * np.count_nonzero(evidence.fit)):
         return f"the fall of {drop:.1f} comes from {rows:.1f} samples"
     of_heldout = falls[evidence.heldout]
     rise = -float(of_heldout.sum())
