@@ -11,7 +11,7 @@ Where structure remains, a name is kept only if it is needed beside the flexible
 in for the unknown cause loses its significance when they take its place.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import f as f_distribution
@@ -30,6 +30,8 @@ CLIP = 3.0
 NEEDED = 16.0
 """Fall of the cost beside the flexible functions, four standard errors, by which a name is kept; and no less than what
 they explain beyond it, else the name may be another face of the unknown."""
+AS_MUCH = 0.8
+"""Share of what another covariate explains, from which two tell the same."""
 EXPLAINED = 0.8
 """Share of what can be explained at all that names must explain to be kept."""
 
@@ -46,6 +48,8 @@ class Structure:
     """Of all tests, after Bonferroni; at most 1."""
     explainable: float
     """Fall of the cost that the flexible functions would bring beyond chance."""
+    rank: int
+    """Of the covariate in its quantity's list."""
     basis: Array
     """(N, k), the functions over all samples, 0 outside the quantity and the rows of the fit."""
 
@@ -61,31 +65,32 @@ class Adequacy:
 
     @property
     def worst(self) -> Structure:
-        return self.structures[0]
+        """The most significant; of covariates that tell the same of a quantity, the first as the stage lists them."""
+        top = self.structures[0]
+        same = [s for s in self.structures if s.observed == top.observed and s.p < LEVEL]
+        alike = [s for s in same if s.explainable >= AS_MUCH * top.explainable]
+        return min(alike, key=lambda s: s.rank) if self.structures[0].p < LEVEL else top
 
 
 def adequacy(evidence: Evidence, fit: Fit) -> Adequacy:
     """What is left of a fit."""
     tangents = _Tangents(evidence, fit)
-    found: list[tuple[Structure, int]] = []
+    found: list[Structure] = []
     for quantity, place in zip(evidence.observed, evidence.places, strict=True):
         rows = evidence.fit[place]
         if np.count_nonzero(rows) < 8:
             continue
-        for covariate in quantity.covariates:
+        for rank, covariate in enumerate(quantity.covariates):
             best: Structure | None = None
             for basis in bases(covariate, rows):
                 p, gain, columns = tangents.test(place, rows, basis)
                 p = min(1.0, p * basis.tries)
                 if best is None or p < best.p:
-                    best = Structure(quantity.name, quantity.channel, covariate.name, basis.what, p, gain, columns)
+                    names = (quantity.name, quantity.channel, covariate.name)
+                    best = Structure(*names, basis.what, p, gain, rank, columns)
             if best is not None:
-                found.append((best, 1))
-    tests = max(1, len(found))
-    whole = [
-        Structure(s.observed, s.channel, s.covariate, s.what, min(1.0, s.p * tests), s.explainable, s.basis)
-        for s, _ in found
-    ]
+                found.append(best)
+    whole = [replace(structure, p=min(1.0, structure.p * len(found))) for structure in found]
     return Adequacy(tuple(sorted(whole, key=lambda s: (s.p, -s.explainable))))
 
 

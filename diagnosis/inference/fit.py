@@ -17,8 +17,9 @@ from diagnosis.inference.hypothesis import Effect, Hypothesis
 from diagnosis.inference.likelihood import SPREAD, cost, residuals, robust_weight
 from diagnosis.measured.channel import Array
 
-DAMPINGS = (0.0, 0.03, 1.0, 30.0)
-"""Of the diagonal: a full step, or one nearer to steepest descent."""
+DAMPINGS = ((0.0, 1.0), (0.0, 0.4), (0.0, 0.1), (0.03, 1.0), (1.0, 1.0))
+"""Of the diagonal, and the share of the step that is taken: the full step, parts of it for bent valleys, and steps
+nearer to steepest descent."""
 SETTLED = 0.02
 """Change of the cost at which a fit ends; chances of a name change at some units."""
 STEPS = 15
@@ -155,9 +156,9 @@ def _steps(evidence: Evidence, fit: Fit) -> Array:
     free &= diagonal > 0.0
     tried = np.repeat(x[None], len(DAMPINGS), axis=0)
     inside = np.ix_(free, free)
-    for k, damping in enumerate(DAMPINGS):
+    for k, (damping, share) in enumerate(DAMPINGS):
         damped = fit.information[inside] + np.diag((damping + 1e-9) * diagonal[free])
-        tried[k, free] += np.linalg.solve(damped, downhill[free])
+        tried[k, free] += share * np.linalg.solve(damped, downhill[free])
     return hypothesis.clipped(tried)
 
 

@@ -8,6 +8,7 @@ nuisances are fitted beside every effect, and take it.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import exp
 from types import MappingProxyType
 from typing import Any
 
@@ -18,6 +19,9 @@ from diagnosis.inference.coordinate import Coordinate
 from diagnosis.measured.channel import Array
 from diagnosis.nuisances import Nuisance
 from physics.terms.base import Term
+
+RELATIVE = 3.0
+"""Tolerances from which a value is positive by nature."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +86,7 @@ class Hypothesis:
             k += len(numbers)
             robot = effect.on(robot, numbers)
         for nuisance, deviation in zip(self.nuisances, x.tolist(), strict=False):
-            robot = nuisance.applied(robot, nuisance.value + deviation * nuisance.tolerance)
+            robot = nuisance.applied(robot, deviated(nuisance, deviation))
         return robot
 
     def robots(self, x: Array) -> list[RobotConfig]:
@@ -116,6 +120,17 @@ class Hypothesis:
             choices: dict[str, Any] = dict(effect.choices)
             robot = robot.with_term(effect.term.values(self.values(effect, x), choices))
         return robot
+
+
+def deviated(nuisance: Nuisance, deviation: float) -> float:
+    """A nominal parameter that is so many tolerances off.
+
+    What is positive by nature goes by its logarithm, as a factor on it does: of a parameter and its factor the data
+    hold the product alone, and only along a straight valley does a fit find to the end of it.
+    """
+    if nuisance.value > RELATIVE * nuisance.tolerance:
+        return nuisance.value * exp(deviation * nuisance.tolerance / nuisance.value)
+    return nuisance.value + deviation * nuisance.tolerance
 
 
 def moved(x: Array, of: Hypothesis, to: Hypothesis) -> Array:

@@ -1,8 +1,9 @@
 """Which other names explain the data as well, and how sure a name is.
 
 Every promising candidate is fitted in the place of a named effect, all else fitted anew. What costs at most AS_GOOD
-more cannot be told apart by these data, and is said. The confidence of a name is its weight among all that were tried,
-each by exp(-cost/2) (Akaike weights: Burnham and Anderson, Model Selection and Multimodel Inference, 2nd ed., 2.9).
+more cannot be told apart by these data, and is said. That nothing is there is a rival too, as good as the effect where
+the fall of the cost is just what names one. The confidence of a name is its weight among all that were tried, each by
+exp(-cost/2) (Akaike weights: Burnham and Anderson, Model Selection and Multimodel Inference, 2nd ed., section 2.9).
 """
 
 from collections.abc import Sequence
@@ -12,7 +13,7 @@ from math import exp
 from diagnosis.inference.evidence import Evidence
 from diagnosis.inference.fit import Fit
 from diagnosis.inference.hypothesis import Effect
-from diagnosis.inference.selection import TOLL, is_negligible, replaced
+from diagnosis.inference.selection import TOLL, is_negligible, needed, replaced, without
 
 AS_GOOD = 6.0
 """Cost more, three units of log-likelihood, up to which a rival explains the data as well."""
@@ -43,11 +44,13 @@ class Standing:
 def standing(evidence: Evidence, fit: Fit, effect: Effect, effects: Sequence[Effect]) -> Standing:
     """Of one effect of a fit, among all candidates."""
     tried = []
-    for found in replaced(evidence, fit, effect, effects):
+    base = without(evidence, fit, effect)
+    for found in replaced(evidence, fit, effect, base, effects):
         (other,) = (e for e in found.hypothesis.effects if e not in fit.hypothesis.effects)
         if is_negligible(found, other):
             continue
         more = len(other.coordinates) - len(effect.coordinates)
         tried.append(Rival(other, found.cost - fit.cost + TOLL * more, found))
     weights = [exp(-0.5 * max(rival.worse, -50.0)) for rival in tried]
-    return Standing(effect, 1.0 / (1.0 + sum(weights)), tuple(sorted(tried, key=lambda rival: rival.worse)))
+    nothing = exp(-0.5 * max(base.cost - fit.cost - needed(effect), 0.0))
+    return Standing(effect, 1.0 / (1.0 + sum(weights) + nothing), tuple(sorted(tried, key=lambda rival: rival.worse)))

@@ -205,15 +205,28 @@ def _costs(evidence: Evidence, fit: Fit) -> Array:
     return found
 
 
-def replaced(evidence: Evidence, fit: Fit, effect: Effect, effects: Sequence[Effect]) -> list[Fit]:
-    """Fits with each of the other promising candidates in the place of one effect, the best first."""
+def without(evidence: Evidence, fit: Fit, effect: Effect) -> Fit:
+    """The fit of all but one effect."""
+    fewer = fit.hypothesis.without(effect)
+    (base,) = fits(evidence, [(fewer, moved(fit.x, fit.hypothesis, fewer))])
+    return base
+
+
+def replaced(evidence: Evidence, fit: Fit, effect: Effect, base: Fit, effects: Sequence[Effect]) -> list[Fit]:
+    """Fits with each of the other promising candidates in the place of one effect, the best first.
+
+    Args:
+        evidence: What was observed.
+        fit: With the effect.
+        effect: That is to be replaced.
+        base: The fit without it.
+        effects: All candidates.
+    """
     others = [e for e in fit.hypothesis.effects if e != effect]
     names = {e.term.name for e in others}
     # Noise may stand in for any structure of the mean, and is no rival of what explains that.
     if not is_of_noise(fit, effect):
         effects = [e for e in effects if e.term.slot is not Slot.RANGE_NOISE]
-    without = fit.hypothesis.without(effect)
-    (base,) = fits(evidence, [(without, moved(fit.x, fit.hypothesis, without))])
     prospects = scan(evidence, base, [e for e in effects if e.term.name not in names and e != effect])
     return ranked(_fitted(evidence, base, promising(prospects)), effects)
 
@@ -223,7 +236,7 @@ def _swapped(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> Fit:
     if len(fit.hypothesis.effects) < 2:
         return fit
     for effect in fit.hypothesis.effects[:-1]:
-        rivals = replaced(evidence, fit, effect, effects)
+        rivals = replaced(evidence, fit, effect, without(evidence, fit, effect), effects)
         if rivals and rivals[0].cost + _toll(rivals[0]) < fit.cost + _toll(fit):
             fit = rivals[0]
     return fit
@@ -232,8 +245,8 @@ def _swapped(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> Fit:
 def _pruned(evidence: Evidence, fit: Fit) -> Fit:
     """Without the effects whose absence costs too little."""
     while len(fit.hypothesis.effects) > 1:
-        without = [fit.hypothesis.without(effect) for effect in fit.hypothesis.effects]
-        found = fits(evidence, [(h, moved(fit.x, fit.hypothesis, h)) for h in without])
+        fewer = [fit.hypothesis.without(effect) for effect in fit.hypothesis.effects]
+        found = fits(evidence, [(h, moved(fit.x, fit.hypothesis, h)) for h in fewer])
         rises = [of.cost - fit.cost - needed(effect) for of, effect in zip(found, fit.hypothesis.effects, strict=True)]
         worst = int(np.argmin(rises))
         if rises[worst] >= 0.0:

@@ -1,0 +1,98 @@
+"""What is hidden in cases of an independent generator is found again, and what is not there is not.
+
+A few of each kind, large enough that nobody should miss them; `benchmarks/diagnosis/hide_and_find.py` measures how
+often, over all effects and sizes.
+"""
+
+import importlib
+from pathlib import Path
+
+import pytest
+
+from diagnosis.diagnose import diagnose
+from diagnosis.importers import IMPORTERS
+
+TESTS = Path(__file__).parents[1]
+READERS = {importer.name: importer for importer in IMPORTERS}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _cases_on_the_path():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(TESTS))
+        yield
+
+
+@pytest.fixture
+def answer(tmp_path):
+    def found(kind, seed, effects=(), outside=None, rows="usual"):
+        case = importlib.import_module("gap_cases").make_case(kind, seed, effects, outside, rows)
+        importlib.import_module("gap_cases").write(case, tmp_path / "case")
+        return diagnose(READERS[kind].read(tmp_path / "case")).answer()
+
+    return found
+
+
+def names(answer):
+    return {effect["name"] for effect in answer["effects"]}
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "parameters"),
+    [
+        ("motor_steady", "winding_resistance_scale", {"scale": 1.25}),
+        ("motor_steady", "coulomb_friction_scale", {"scale": 1.6}),
+        ("motor_steady", "stribeck_friction", {"extra_torque_N_m": 0.015, "stribeck_speed_rad_s": 2.0}),
+        ("motor_steady", "supply_sag", {"source_resistance_ohm": 0.8}),
+        ("motor_steady", "current_sensor_offset", {"offset_A": 0.02}),
+        ("motor_steady", "speed_scale", {"scale": 0.9}),
+        ("tof_bench", "range_scale", {"scale": 1.04}),
+        ("tof_bench", "log_range_error", {"coefficient_m": 0.03}),
+        ("tof_bench", "material_bias", {"material": "black_card", "offset_m": -0.012}),
+        ("tof_bench", "temperature_drift", {"coefficient_m_per_K": 8e-4}),
+        ("tof_bench", "range_saturation", {"saturation_m": 0.9}),
+        ("tof_bench", "noise_scale", {"scale": 2.0}),
+        ("motor_step", "rotor_inertia_scale", {"scale": 1.4}),
+    ],
+)
+def test_a_hidden_effect_is_named_with_its_size(answer, kind, name, parameters):
+    found = answer(kind, 3, [(name, parameters)])
+    assert names(found) == {name}
+    assert not found["unexplained"]
+    (effect,) = found["effects"]
+    for key, value in parameters.items():
+        if isinstance(value, str):
+            assert effect["parameters"][key] == value
+        else:
+            assert abs(effect["parameters"][key] - value) < max(4.0 * effect["std"][key], 0.1 * abs(value))
+
+
+def test_both_of_two_are_named(answer):
+    found = answer(
+        "motor_steady", 5, [("viscous_friction_scale", {"scale": 1.7}), ("current_sensor_offset", {"offset_A": -0.02})]
+    )
+    assert names(found) == {"viscous_friction_scale", "current_sensor_offset"}
+
+
+@pytest.mark.parametrize("kind", ["motor_steady", "tof_bench"])
+@pytest.mark.parametrize("rows", ["usual", "few"])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_where_nothing_is_hidden_nothing_is_named(answer, kind, seed, rows):
+    found = answer(kind, seed, rows=rows)
+    assert names(found) == set()
+    assert not found["unexplained"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "outside", "covariates"),
+    [
+        ("motor_steady", "brush_film_bump", {"omega_rad_s", "u_cmd_V"}),
+        ("tof_bench", "cyclic_error", {"distance_m"}),
+        ("tof_bench", "local_bump", {"distance_m"}),
+    ],
+)
+def test_what_is_in_no_table_is_said_to_be_unexplained(answer, kind, outside, covariates):
+    found = answer(kind, 3, outside=outside)
+    assert found["unexplained"]
+    assert found["unexplained_where"]["covariate"] in covariates
+    assert names(found) == set()
