@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from configs.schema.terms.motor import BatteryDecline
+from configs.schema.terms.drive import BatteryDecline
 from physics.motion import Array
 from physics.terms.base import Slot, Term
 

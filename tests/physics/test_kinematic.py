@@ -49,7 +49,7 @@ WORN = (
     motor.BridgeVoltageDrop(drop_V=0.2),
     motor.InputDelay(delay_s=0.03),
     motor.StribeckFriction(extra_torque_N_m=0.004, stribeck_speed_rad_s=2.0),
-    motor.BatteryDecline(fraction_per_minute=0.2),
+    drive.BatteryDecline(fraction_per_minute=0.2),
     drive.WheelRadiusAsymmetry(asymmetry=0.02),
     drive.WheelbaseScale(scale=1.05),
     drive.TurnSlip(coefficient_s2_m=0.5),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from configs.schema.terms import motor as terms
-from configs.schema.terms.drive import TorqueConstantMismatch
+from configs.schema.terms.drive import BatteryDecline, TorqueConstantMismatch
 from physics.driveline import Driveline
 from physics.motor_bench import steady_states, step_responses
 from physics.robot_model import RobotModel
@@ -122,11 +122,11 @@ class TestSteadyStates:
         assert found == linear(4.0, r=R + 0.8 * 0.25)
 
     def test_a_declining_battery_takes_its_fraction_of_the_voltage_each_minute(self, motor):
-        found = steady(motor, terms.BatteryDecline(fraction_per_minute=0.05), 4.0, time_s=120.0)
+        found = steady(motor, BatteryDecline(fraction_per_minute=0.05), 4.0, time_s=120.0)
         assert found == linear(4.0 * 0.9)
 
     def test_an_empty_battery_gives_nothing(self, motor):
-        assert steady(motor, terms.BatteryDecline(fraction_per_minute=1.0), 4.0, time_s=90.0) == (0.0, 0.0)
+        assert steady(motor, BatteryDecline(fraction_per_minute=1.0), 4.0, time_s=90.0) == (0.0, 0.0)
 
     def test_a_current_limit_below_what_friction_needs_stalls_the_motor(self, motor):
         assert steady(motor, terms.CurrentLimit(limit_A=0.06), 4.0) == (0.06, 0.0)

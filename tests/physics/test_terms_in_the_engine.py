@@ -82,7 +82,7 @@ class TestMotorsOffLoad:
         assert m.torque_constant_N_m_A * abs(current) == pytest.approx(friction, rel=1e-4)
 
     def test_a_declining_battery_slows_the_wheels(self, simulate_with, robot):
-        simulation = simulate_with(motor.BatteryDecline(fraction_per_minute=1.0), lifted=True)
+        simulation = simulate_with(drive.BatteryDecline(fraction_per_minute=1.0), lifted=True)
         simulation.set_voltages(4.0, 4.0)
         simulation.advance(12_000)
         m = robot.motor

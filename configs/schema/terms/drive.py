@@ -1,4 +1,4 @@
-"""Effects in a drive log: geometry, encoders, ground, and the logs of pose and ranges."""
+"""Effects in a drive log alone: pair of motors, battery, geometry, encoders, ground, logs of pose and ranges."""
 
 from typing import Annotated, Literal
 
@@ -12,6 +12,11 @@ RangeSensor = Literal["front", "left", "right"]
 class TorqueConstantMismatch(Section):
     mismatch: Asymmetry
     """K_left = K (1 + mismatch/2), K_right = K (1 - mismatch/2)."""
+
+
+class BatteryDecline(Section):
+    fraction_per_minute: Annotated[float, Parameter("1/min", null=0.0, start=0.03, low=0.0, high=1.0)]
+    """u_true = u (1 - fraction * time / 60 s), and 0 once nothing is left."""
 
 
 class WheelRadiusScale(Section):

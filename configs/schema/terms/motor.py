@@ -64,11 +64,6 @@ class SupplySag(Section):
     Of one motor alone I = e / (R + source_resistance duty^2)."""
 
 
-class BatteryDecline(Section):
-    fraction_per_minute: Annotated[float, Parameter("1/min", null=0.0, start=0.03, low=0.0, high=1.0)]
-    """u_true = u (1 - fraction * time / 60 s), and 0 once nothing is left."""
-
-
 class InputDelay(Section):
     delay_s: Delay
     """The commanded voltage acts this much later."""

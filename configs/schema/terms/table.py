@@ -32,7 +32,7 @@ class Terms(Section):
     friction_warmup: motor.FrictionWarmup | None = Field(default_factory=absent)
     bridge_voltage_drop: motor.BridgeVoltageDrop | None = Field(default_factory=absent)
     supply_sag: motor.SupplySag | None = Field(default_factory=absent)
-    battery_decline: motor.BatteryDecline | None = Field(default_factory=absent)
+    battery_decline: drive.BatteryDecline | None = Field(default_factory=absent)
     input_delay: motor.InputDelay | None = Field(default_factory=absent)
     actuator_lag: motor.ActuatorLag | None = Field(default_factory=absent)
     current_limit: motor.CurrentLimit | None = Field(default_factory=absent)

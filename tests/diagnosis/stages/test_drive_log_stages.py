@@ -140,7 +140,7 @@ class TestWheels:
 
     def test_the_battery_declines_with_the_time_of_the_session(self, wheels, robot):
         left_over = 1.0 - 0.02 * self.SESSION_S / 60.0
-        _, right = means(wheels, robot, motor.BatteryDecline(fraction_per_minute=0.02))
+        _, right = means(wheels, robot, drive.BatteryDecline(fraction_per_minute=0.02))
         expected = self.run_up((K * self.U * left_over / R - TC) / DAMPING)
         np.testing.assert_allclose(right, expected, rtol=1e-3)
 
@@ -401,7 +401,7 @@ SIGNATURES = [
     (motor.RotorInertiaScale(scale=1.15), {WHEELS}, set()),
     (motor.BridgeVoltageDrop(drop_V=0.3), {WHEELS}, set()),
     (motor.SupplySag(source_resistance_ohm=0.5), {WHEELS}, set()),
-    (motor.BatteryDecline(fraction_per_minute=0.03), {WHEELS}, set()),
+    (drive.BatteryDecline(fraction_per_minute=0.03), {WHEELS}, set()),
     (motor.InputDelay(delay_s=0.04), {WHEELS}, set()),
 ]
 """The fault signature matrix of the method: other stages and components of the pose that an effect shows in."""
