@@ -99,24 +99,18 @@ class _Tangents:
 
     def __init__(self, evidence: Evidence, fit: Fit) -> None:
         self._evidence = evidence
-        self._root = np.sqrt(evidence.weight) * evidence.fit
-        self._residual = self._root * np.clip(fit.z, -CLIP, CLIP)
-        prior = np.zeros((fit.hypothesis.size, fit.hypothesis.size))
-        nuisances = len(fit.hypothesis.nuisances)
-        prior[range(nuisances), range(nuisances)] = 1.0
-        self._whole = np.concatenate([(fit.slopes * self._root).T, prior])
-        self._basis = orthonormal(self._whole)
-        padded = np.concatenate(
-            [self._residual, -fit.hypothesis.prior(fit.x), np.zeros(fit.hypothesis.size - nuisances)]
-        )
-        self._left = padded - self._basis @ (self._basis.T @ padded)
+        self._root = np.where(evidence.fit, np.sqrt(evidence.weight), 0.0)
+        self._basis = orthonormal(fit.tangents(self._root))
+        left = fit.left(np.clip(fit.z, -CLIP, CLIP), self._root)
+        self._left = left - self._basis @ (self._basis.T @ left)
+        self._priors = len(fit.x)
 
     def test(self, place: slice, rows: Mask, basis: Basis) -> tuple[float, float, Array]:
         """p-value, fall of the cost beyond chance, and the columns over all samples."""
         columns = np.zeros((len(self._root), basis.columns.shape[1]))
         inside = np.arange(place.start, place.stop)[rows]
         columns[inside] = basis.columns
-        padded = np.concatenate([columns * self._root[:, None], np.zeros((self._whole.shape[1], columns.shape[1]))])
+        padded = np.concatenate([columns * self._root[:, None], np.zeros((self._priors, columns.shape[1]))])
         free = orthonormal(padded - self._basis @ (self._basis.T @ padded))
         k = free.shape[1]
         if k == 0:
@@ -156,13 +150,11 @@ def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) 
     if drop < EXPLAINED * (drop + structure.explainable):
         return []
     root = np.where(evidence.fit, np.sqrt(evidence.weight * robust_weight(fit.z)), 0.0)
-    size, nuisances = nominal.hypothesis.size, len(nominal.hypothesis.nuisances)
-    prior = np.zeros((size, size))
-    prior[range(nuisances), range(nuisances)] = 1.0
+    size = nominal.hypothesis.size
     functions = np.concatenate([structure.basis, _functions(evidence, structure)], axis=1)
     flexible = np.concatenate([functions * root[:, None], np.zeros((size, functions.shape[1]))])
-    taken = [np.concatenate([(nominal.slopes * root).T, prior]), flexible]
-    residual = np.concatenate([root * nominal.z, -nominal.x])
+    taken = [nominal.tangents(root), flexible]
+    residual = nominal.left(nominal.z, root)
     kept: list[Effect] = []
     left = {effect: _change(evidence, nominal, fit, effect, root) for effect in fit.hypothesis.effects}
     while left:

@@ -53,9 +53,8 @@ class Coordinate:
         )
 
     @classmethod
-    def of_spread(cls, name: str, value: float, tolerance: float) -> "Coordinate":
+    def of_spread(cls, name: str, tolerance: float) -> "Coordinate":
         """Of a nominal parameter, in standard deviations of its tolerance about its value."""
-        del value
         return cls(name, -np.inf, np.inf, 0.0, 0.0, is_log=False, unit=tolerance)
 
     def value(self, x: Array) -> Array:
@@ -65,17 +64,6 @@ class Coordinate:
     def slope(self, x: float) -> float:
         """Change of the value for that of the coordinate."""
         return exp(x) if self.is_log else self.unit
-
-    def coordinate(self, value: float) -> float:
-        return log(value) if self.is_log else value / self.unit
-
-    def clipped(self, x: Array) -> Array:
-        return np.clip(x, self.low, self.high)
-
-    @property
-    def is_amplitude(self) -> bool:
-        """Whether at some value of it the effect is absent."""
-        return self.null is not None
 
     @property
     def is_ceiling(self) -> bool:

@@ -49,6 +49,17 @@ class Fit:
     def prior_cost(self) -> float:
         return float((self.hypothesis.prior(self.x) ** 2).sum())
 
+    def tangents(self, root: Array) -> Array:
+        """(N + P, P): directions of all that is fitted, by samples weighted with `root` (N,), then rows of priors."""
+        nuisances = len(self.hypothesis.nuisances)
+        return np.concatenate([(self.slopes * root).T, np.diag(np.arange(len(self.x)) < nuisances).astype(float)])
+
+    def left(self, z: Array, root: Array) -> Array:
+        """(N + P,): residuals z (N,) so weighted, then those of the priors."""
+        of_prior = np.zeros(len(self.x))
+        of_prior[: len(self.hypothesis.nuisances)] = -self.hypothesis.prior(self.x)
+        return np.concatenate([root * z, of_prior])
+
     @cached_property
     def covariance(self) -> Array:
         """(P, P), of the coordinates; infinite along what the data do not hold."""

@@ -5,7 +5,7 @@ tolerance, then those of the effects, without a prior. A deviation within tolera
 nuisances are fitted beside every effect, and take it.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import exp
@@ -57,7 +57,7 @@ class Hypothesis:
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
         """(P,), nuisances first."""
-        spreads = (Coordinate.of_spread(n.name, n.value, n.tolerance) for n in self.nuisances)
+        spreads = (Coordinate.of_spread(n.name, n.tolerance) for n in self.nuisances)
         return (*spreads, *(c for effect in self.effects for c in effect.coordinates))
 
     @property
@@ -142,7 +142,3 @@ def moved(x: Array, of: Hypothesis, to: Hypothesis) -> Array:
         if effect in of.effects:
             found[to.parameters(effect)] = x[of.parameters(effect)]
     return found
-
-
-def by_name(effects: Sequence[Effect]) -> Mapping[str, Effect]:
-    return MappingProxyType({effect.name: effect for effect in effects})

@@ -68,23 +68,15 @@ class _Lines:
     """Falls of the cost along directions, all that is fitted moving along."""
 
     def __init__(self, evidence: Evidence, fit: Fit) -> None:
-        self._rows = evidence.fit
-        z = fit.z[self._rows]
-        self._root = np.sqrt(evidence.weight[self._rows] * robust_weight(z))
-        nuisances = len(fit.hypothesis.nuisances)
-        of_prior = np.zeros(fit.hypothesis.size)
-        of_prior[:nuisances] = -fit.hypothesis.prior(fit.x)
-        self._residual = np.concatenate([self._root * z, of_prior])
-        self._mean = evidence.values[self._rows] - z * fit.sd[self._rows]
-        self._sd = fit.sd[self._rows]
-        prior = np.zeros((fit.hypothesis.size, fit.hypothesis.size))
-        prior[range(nuisances), range(nuisances)] = 1.0
-        tangents = np.concatenate([(fit.slopes[:, self._rows] * self._root).T, prior])
-        self._basis, _ = np.linalg.qr(tangents) if tangents.shape[1] else (tangents, None)
+        self._root = np.where(evidence.fit, np.sqrt(evidence.weight * robust_weight(fit.z)), 0.0)
+        self._residual = fit.left(fit.z, self._root)
+        self._mean = evidence.values - fit.z * fit.sd
+        self._sd = fit.sd
+        self._basis, _ = np.linalg.qr(fit.tangents(self._root))
 
     def drop(self, there: Prediction) -> tuple[float, float]:
         """Fall of the cost at the best multiple of a change of the prediction, and that multiple."""
-        change = self._root * (there.mean[0, self._rows] - self._mean) / self._sd
+        change = self._root * (there.mean[0] - self._mean) / self._sd
         change = np.where(np.isfinite(change), change, 0.0)
         padded = np.concatenate([change, np.zeros(len(self._basis) - len(change))])
         padded = padded - self._basis @ (self._basis.T @ padded)
