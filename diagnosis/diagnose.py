@@ -9,6 +9,7 @@ from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.adequacy import Adequacy, Structure, adequacy, survivors
 from diagnosis.inference.candidates import Candidates, candidates
+from diagnosis.inference.change import change_in_time
 from diagnosis.inference.evidence import Evidence
 from diagnosis.inference.fit import Fit, fits
 from diagnosis.inference.gain import Gain, gain
@@ -127,6 +128,9 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     if not left.is_adequate and (better := rescued(evidence, selection.fit, library.testable)) is not None:
         selection = replace(selection, fit=better)
         left = adequacy(evidence, better)
+    jump = change_in_time(evidence, selection.nominal, selection.fit)
+    if jump is not None:
+        left = Adequacy((jump, *left.structures))
     fit = selection.fit if left.is_adequate else _without_stand_ins(evidence, selection, left)
     standings = [standing(evidence, fit, effect, library.testable) for effect in fit.hypothesis.effects]
     if left.is_adequate:

@@ -96,3 +96,13 @@ def test_what_is_in_no_table_is_said_to_be_unexplained(answer, kind, outside, co
     assert found["unexplained"]
     assert found["unexplained_where"]["covariate"] in covariates
     assert names(found) == set()
+
+
+@pytest.mark.parametrize(
+    ("kind", "outside", "seed"), [("motor_steady", "session_change", 2), ("tof_bench", "bumped", 1)]
+)
+def test_a_change_at_one_moment_is_no_drift_and_no_friction(answer, kind, outside, seed):
+    found = answer(kind, seed, outside=outside)
+    assert found["unexplained"]
+    assert found["unexplained_where"]["covariate"] in {"t_s", "row", "sweep"}
+    assert names(found) == set()

@@ -1,0 +1,89 @@
+"""Did something change at one moment, and the named effects only stand in for it?
+
+A screw that comes loose or a sensor that is bumped shifts all that follows. Named effects, two or three of them, can
+mimic that so well that hardly any structure remains along time. So the nominal model with a jump competes with them:
+from one moment on each quantity may be off by a constant, by a constant against its sign, and by a share of itself
+(Chow, Econometrica 28 (1960) 591-605, the moment searched for). If that explains the same rows better, numbers counted,
+what was named is withdrawn.
+"""
+
+import numpy as np
+
+from diagnosis.inference.adequacy import Structure, orthonormal
+from diagnosis.inference.evidence import Evidence
+from diagnosis.inference.fit import Fit
+from diagnosis.inference.likelihood import robust_weight
+from diagnosis.inference.selection import TOLL
+from diagnosis.measured.channel import Array
+
+TIMES = ("session_time_s", "t_s")
+"""Covariates of the time since a measurement began; of those that a stage has, the first."""
+MOMENTS = 40
+"""Tried, at quantiles of the rows."""
+LEAST_ROWS = 5
+"""On either side of a moment."""
+
+
+def change_in_time(evidence: Evidence, nominal: Fit, fit: Fit) -> Structure | None:
+    """A jump that explains more than the effects of a fit; None where there is none, or nothing is named."""
+    if not fit.hypothesis.effects:
+        return None
+    root = np.where(evidence.fit, np.sqrt(evidence.weight * robust_weight(fit.z)), 0.0)
+    named = fit.left(fit.z, root)
+    numbers = fit.hypothesis.size - nominal.hypothesis.size
+    basis = orthonormal(nominal.tangents(root))
+    residual = nominal.left(nominal.z, root)
+    residual = residual - basis @ (basis.T @ residual)
+    best: tuple[float, float, Array] | None = None
+    time = _time_s(evidence)
+    given = time[evidence.fit & np.isfinite(time)]
+    for moment in (
+        np.unique(np.quantile(given, np.linspace(0.0, 1.0, MOMENTS + 2)[1:-1])).tolist() if len(given) else []
+    ):
+        columns = _jump(evidence, nominal, time >= moment)
+        if min(np.count_nonzero(given >= moment), np.count_nonzero(given < moment)) < LEAST_ROWS:
+            continue
+        padded = np.concatenate([columns * root[:, None], np.zeros((len(nominal.x), columns.shape[1]))])
+        free = orthonormal(padded - basis @ (basis.T @ padded))
+        left = residual - free @ (free.T @ residual)
+        squares = float(left @ left) + TOLL * (free.shape[1] + 1)
+        if best is None or squares < best[0]:
+            best = squares, moment, columns
+    if best is None or best[0] >= float(named @ named) + TOLL * numbers:
+        return None
+    squares, moment, columns = best
+    fallen = [float(((root * nominal.z)[place] ** 2).sum()) for place in evidence.places]
+    most = evidence.observed[int(np.argmax(fallen))]
+    covariates = [covariate.name for covariate in most.covariates]
+    name = next(name for name in TIMES if name in covariates)
+    return Structure(
+        observed=most.name,
+        channel=most.channel,
+        covariate=name,
+        what=f"jump at {moment:.4g} s",
+        p=0.0,
+        explainable=float(named @ named) - squares + TOLL * (numbers + columns.shape[1]),
+        rank=covariates.index(name),
+        basis=columns,
+    )
+
+
+def _time_s(evidence: Evidence) -> Array:
+    """(N,), NaN where a quantity has none."""
+    found = []
+    for quantity in evidence.observed:
+        named = {covariate.name: covariate.values for covariate in quantity.covariates}
+        found.append(next((named[name] for name in TIMES if name in named), np.full(len(quantity.values), np.nan)))
+    return np.concatenate(found)
+
+
+def _jump(evidence: Evidence, nominal: Fit, after: Array) -> Array:
+    """Columns (N, 3 per quantity), in sigmas."""
+    mean = evidence.values - nominal.z * nominal.sd
+    mean = np.where(np.isfinite(mean), mean, 0.0)
+    columns = []
+    for place in evidence.places:
+        inside = np.zeros(len(mean))
+        inside[place] = after[place]
+        columns += [inside / nominal.sd, inside * np.sign(mean) / nominal.sd, inside * mean / nominal.sd]
+    return np.stack(columns, axis=1)
