@@ -65,6 +65,10 @@ class Coordinate:
         """Change of the value for that of the coordinate."""
         return exp(x) if self.is_log else self.unit
 
+    def coordinate(self, value: float) -> float:
+        """Of a value."""
+        return log(value) if self.is_log else value / self.unit
+
     @property
     def is_ceiling(self) -> bool:
         """Whether the effect is absent at the upper bound, as of a limit."""
