@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import isfinite
 
 from configs.draw import draw_robot
 from configs.errors import InputError
@@ -85,7 +86,7 @@ class Diagnosis:
                 {
                     "name": named.name,
                     "parameters": named.parameters,
-                    "std": named.std,
+                    "std": {name: std for name, std in named.std.items() if isfinite(std)},
                     "confidence": round(named.standing.confidence, 4),
                     "ambiguous_with": list(named.standing.ambiguous_with),
                 }
@@ -119,7 +120,11 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     where = _where(measurement)
     robot = _nominal(measurement, nominal)
     bare = Hypothesis(robot, nuisances(measurement.nominal) if measurement.nominal is not None else usual(robot))
-    evidence = _evidence(STAGES[measurement.kind](measurement, robot), bare)
+    stages = STAGES[measurement.kind](measurement, robot)
+    if not stages:
+        cure = "log voltages and counts, counts and poses, or poses and ranges"
+        raise InputError("nothing that a stage could predict from what was logged beside it", where=where, cure=cure)
+    evidence = _evidence(stages, bare)
     if not evidence.fit.any():
         raise InputError("no usable sample to fit", where=where, cure="log inputs and readings in the same rows")
     library = candidates(measurement, evidence, bare)
@@ -201,7 +206,8 @@ def _best_named(
     evidence: Evidence, fit: Fit, standings: Sequence[Standing], effects: Sequence[Effect]
 ) -> tuple[Fit, Sequence[Standing]]:
     """Where a rival turned out to explain more than a named effect, the rival is named."""
-    better = [of.rivals[0] for of in standings if of.rivals and of.rivals[0].worse < -CLEARLY]
+    closest = [next((rival for rival in of.rivals if not rival.refused), None) for of in standings]
+    better = [rival for rival in closest if rival is not None and rival.worse < -CLEARLY]
     if not better:
         return fit, standings
     best = min(better, key=lambda rival: rival.worse).fit

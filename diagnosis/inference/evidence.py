@@ -12,6 +12,9 @@ from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Array, Mask
 from diagnosis.stages.base import Observed, Stage
 
+LEAST_NOISE = 1e-3
+"""Share of the nominal noise that every sample keeps: on a sensor's plateau nothing scatters, yet no reading is so sure
+that its likelihood could be infinite."""
 AT_ONCE = 48
 """Robots predicted in one pass: more of them save nothing and take memory."""
 
@@ -82,7 +85,7 @@ class Evidence:
             factors = [self._factors.get(of.name, 1.0) for of in self.observed]
             wide = [f * np.broadcast_to(p.sd, p.mean.shape) for f, p in zip(factors, found, strict=True)]
             sds.append(np.concatenate(wide, axis=1))
-        return Prediction(np.concatenate(means), np.concatenate(sds))
+        return Prediction(np.concatenate(means), np.maximum(np.concatenate(sds), LEAST_NOISE * self.sd))
 
 
 def _independent(correlation: float) -> float:

@@ -63,7 +63,9 @@ class Fit:
     @cached_property
     def covariance(self) -> Array:
         """(P, P), of the coordinates; infinite along what the data do not hold."""
-        return np.linalg.pinv(self.information, rcond=1e-12, hermitian=True)
+        found = np.linalg.pinv(self.information, rcond=1e-12, hermitian=True)
+        found[np.diag_indices_from(found)] = np.where(np.diag(self.information) > 0.0, np.diag(found), np.inf)
+        return found
 
     def std(self, effect: Effect) -> dict[str, float]:
         """Standard errors of an effect's numbers, in their units."""

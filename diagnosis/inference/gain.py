@@ -82,7 +82,9 @@ def _blocks(evidence: Evidence) -> NDArray[np.int64]:
     steps = np.diff(t_s)
     usual = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 1.0
     length_s = max(BLOCK_S, BLOCK_ROWS * usual) if usual < BLOCK_S else BLOCK_ROWS * usual
-    return evidence.trial * 1_000_000 + np.floor(t_s / length_s).astype(np.int64)
+    blocks = evidence.trial * 1_000_000 + np.floor(t_s / length_s).astype(np.int64)
+    few = len(np.unique(blocks[evidence.heldout])) < TRIALS
+    return np.arange(len(blocks)) if few else blocks
 
 
 def _resampled(blocks: NDArray[np.int64], generator: np.random.Generator) -> NDArray[np.int64]:

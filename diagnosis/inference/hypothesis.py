@@ -44,6 +44,15 @@ class Effect:
     def on(self, robot: RobotConfig, values: Mapping[str, float]) -> RobotConfig:
         """The robot with this effect. Bounds are those of the coordinates, so that nothing is checked again."""
         numbers: dict[str, Any] = {**dict(self.choices), **values}
+        present = getattr(robot.terms, self.term.name)
+        if present is not None:
+            # The nominal robot has an offset or scale of that name already; the effect comes on top of it.
+            numbers |= {
+                name: getattr(present, name) * value
+                if self.term.numbers[name].null == 1.0
+                else getattr(present, name) + value
+                for name, value in values.items()
+            }
         section = self.term.parameters.model_construct(**numbers)
         return robot.with_term(section)
 

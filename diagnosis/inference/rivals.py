@@ -13,7 +13,7 @@ from math import exp
 from diagnosis.inference.evidence import Evidence
 from diagnosis.inference.fit import Fit
 from diagnosis.inference.hypothesis import Effect
-from diagnosis.inference.selection import TOLL, is_negligible, needed, replaced, without
+from diagnosis.inference.selection import TOLL, is_negligible, needed, refusal, replaced, without
 
 AS_GOOD = 6.0
 """Cost more, three units of log-likelihood, up to which a rival explains the data as well."""
@@ -25,6 +25,8 @@ class Rival:
     worse: float
     """Cost more than with the named effect, numbers counted."""
     fit: Fit
+    refused: str
+    """Why it would not be believed though it explains more; empty if it would, or if it explains no more."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,8 @@ def standing(evidence: Evidence, fit: Fit, effect: Effect, effects: Sequence[Eff
         if is_negligible(found, other):
             continue
         more = len(other.coordinates) - len(effect.coordinates)
-        tried.append(Rival(other, found.cost - fit.cost + TOLL * more, found))
+        worse = found.cost - fit.cost + TOLL * more
+        tried.append(Rival(other, worse, found, refusal(evidence, base, found, other) if worse < 0.0 else ""))
     weights = [exp(-0.5 * max(rival.worse, -50.0)) for rival in tried]
     nothing = exp(-0.5 * max(base.cost - fit.cost - needed(effect), 0.0))
     return Standing(effect, 1.0 / (1.0 + sum(weights) + nothing), tuple(sorted(tried, key=lambda rival: rival.worse)))

@@ -48,6 +48,8 @@ NEARLY = 0.7
 ROWS = 6.0
 """Effective number of samples that a fall must come from; of few data SHARE_OF_ROWS of them."""
 SHARE_OF_ROWS = 0.125
+FEWEST = 8
+"""Samples, below which nothing is named."""
 WORSE = 2.0
 """Rise of the cost of held-out rows that an effect is allowed, in standard deviations of their sum."""
 
@@ -169,6 +171,8 @@ def refusal(evidence: Evidence, before: Fit, after: Fit, effect: Effect, least: 
         return "the effect is smaller than a simulation in steps resolves"
     falls = _costs(evidence, before) - _costs(evidence, after)
     of_fit = np.maximum(falls[evidence.fit], 0.0)
+    if np.count_nonzero(evidence.fit) < FEWEST:
+        return f"fewer than {FEWEST} samples"
     from_prior = before.prior_cost - after.prior_cost
     if from_prior > 0.5 * drop:
         return ""
@@ -236,9 +240,14 @@ def _swapped(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> Fit:
     if len(fit.hypothesis.effects) < 2:
         return fit
     for effect in fit.hypothesis.effects[:-1]:
-        rivals = replaced(evidence, fit, effect, without(evidence, fit, effect), effects)
-        if rivals and rivals[0].cost + _toll(rivals[0]) < fit.cost + _toll(fit):
-            fit = rivals[0]
+        base = without(evidence, fit, effect)
+        for rival in replaced(evidence, fit, effect, base, effects):
+            if rival.cost + _toll(rival) >= fit.cost + _toll(fit):
+                break
+            (other,) = (e for e in rival.hypothesis.effects if e not in base.hypothesis.effects)
+            if not refusal(evidence, base, rival, other):
+                fit = rival
+                break
     return fit
 
 

@@ -25,7 +25,7 @@ def drive_log_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[St
         found.append(Pose(measurement, nominal))
     if isinstance(measurement.nominal, NominalDrive) and _offers(measurement, POSE):
         found.append(Ranges(measurement, measurement.nominal, nominal))
-    return tuple(found)
+    return tuple(stage for stage in found if all(len(of.values) for of in stage.observed))
 
 
 def _offers(measurement: Measurement, names: tuple[str, ...]) -> bool:

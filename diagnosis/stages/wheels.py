@@ -53,6 +53,10 @@ class Wheels:
         angle_rad = 2.0 * pi / self._counts * given(measurement, f"enc_{side}_ticks")
         speed = np.full(len(predicted), np.nan)
         speed[self._first] = (angle_rad[self._next] - angle_rad[self._first]) / self._lasts_s
+        split = joined(of.holdout for of in measurement.trials)
+        holdout = split.copy()
+        # A mean speed is made of two rows, and held out if one of them is.
+        holdout[self._first] = split[self._first] | split[self._next]
         usable = np.isfinite(speed) & np.isfinite(voltage_V)
         trial = trial_of_rows(measurement)
         covariates = (
@@ -73,7 +77,7 @@ class Wheels:
             correlation=CORRELATION,
             trial=trial,
             t_s=joined(of.t_s for of in measurement.trials),
-            holdout=joined(of.holdout for of in measurement.trials),
+            holdout=holdout,
             usable=usable,
             covariates=tuple(of for of in covariates if np.isfinite(of.values).any()),
         )

@@ -62,3 +62,11 @@ def test_coordinates_of_one_hypothesis_are_found_again_in_another(hypothesis, ef
     of, to = hypothesis.with_effect(gain), hypothesis.with_effect(offset).with_effect(gain)
     x = np.array([0.7, 0.1])
     assert moved(x, of, to) == pytest.approx([0.7, 0.0, 0.1])
+
+
+def test_what_the_data_do_not_hold_has_no_error_that_could_be_believed(evidence_of, hypothesis, effect):
+    """Without any offset to speak of, the current's limit may be anywhere above the largest."""
+    limit = effect("current_limit")
+    model = hypothesis.with_effect(limit)
+    (fit,) = fits(evidence_of(X, X), [(model, model.null())])
+    assert fit.std(limit)["limit_A"] == np.inf

@@ -40,3 +40,10 @@ def test_the_interval_covers_the_gain_of_fresh_rows(evidence_of, hypothesis, eff
         expected = 1.0 - np.sqrt(np.mean(kept[1] ** 2) / np.mean(kept[0] ** 2))
         inside += found.low <= expected <= found.high
     assert inside >= 32
+
+
+def test_few_held_out_rows_of_one_stretch_still_give_an_interval(evidence_of, hypothesis, effect):
+    model = hypothesis.with_effect(effect("current_sensor_offset"))
+    readings = X + 0.03 + SD_A * np.random.default_rng(3).standard_normal(100)
+    found = gain(evidence_of(X, readings, heldout=8), hypothesis.nominal, model.robot(np.array([0.0, 1.0])))
+    assert found.low < found.value < found.high

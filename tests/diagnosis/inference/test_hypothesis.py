@@ -1,0 +1,23 @@
+import numpy as np
+import pytest
+
+from configs.schema.terms.range_bench import RangeOffset, RangeScale
+
+
+@pytest.mark.parametrize(
+    ("term", "name", "number", "total"),
+    [
+        (RangeOffset(offset_m=0.03), "range_offset", {"offset_m": 0.02}, 0.05),
+        (RangeScale(scale=1.04), "range_scale", {"scale": 1.05}, 1.092),
+    ],
+)
+def test_an_effect_comes_on_top_of_what_the_nominal_robot_has_of_that_name(robot, effect, term, name, number, total):
+    (value,) = dict(getattr(effect(name).on(robot.with_term(term), number).terms, name)).values()
+    assert value == pytest.approx(total)
+
+
+def test_a_nuisance_goes_by_its_logarithm_and_a_small_deviation_is_its_tolerance(hypothesis):
+    (nuisance,) = hypothesis.nuisances
+    constants = [hypothesis.robot(np.array([x])).motor.torque_constant_N_m_A for x in (-1e-3, 0.0, 1e-3, 10.0, 20.0)]
+    assert (constants[2] - constants[0]) / 2e-3 == pytest.approx(nuisance.tolerance, rel=1e-6)
+    assert constants[4] / constants[3] == pytest.approx(constants[3] / constants[1])
