@@ -7,7 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+# The root comes first: folders of tests have the names of our packages, and would hide them.
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from gap_cases import BEYOND, DETECTABLE, KINDS, NAMELESS, Case, draw_bench, judge, make_case, names, write
 

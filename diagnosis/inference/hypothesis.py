@@ -122,14 +122,6 @@ class Hypothesis:
     def without(self, effect: Effect) -> "Hypothesis":
         return Hypothesis(self.nominal, self.nuisances, tuple(e for e in self.effects if e != effect))
 
-    def extended(self, x: Array) -> RobotConfig:
-        """The nominal robot with its effects at x, checked against their bounds; nuisances stay nominal."""
-        robot = self.nominal
-        for effect in self.effects:
-            choices: dict[str, Any] = dict(effect.choices)
-            robot = robot.with_term(effect.term.values(self.values(effect, x), choices))
-        return robot
-
 
 def deviated(nuisance: Nuisance, deviation: float) -> float:
     """A nominal parameter that is so many tolerances off.

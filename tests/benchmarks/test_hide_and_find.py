@@ -1,6 +1,9 @@
 """Scores of made-up answers to made-up cases, and the figures of made-up scores."""
 
 import importlib
+import os
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -154,3 +157,14 @@ def test_a_planned_case_is_detectable_and_comes_out_the_same(gap):
     case = cases.hidden_case(plan)
     assert gap.judge(case, with_rivals=False).drops[0] > gap.DETECTABLE
     assert cases.hidden_case(plan).world == case.world
+
+
+def test_our_packages_are_not_hidden_by_folders_of_tests_of_the_same_name(tmp_path):
+    """As the script is started, from anywhere: tests/configs is no package, and yet comes before an installed one."""
+    script = f"import sys; sys.path.insert(0, {str(ROOT / 'benchmarks' / 'diagnosis')!r}); import hidden_cases, score; "
+    script += "import diagnosis.diagnose"
+    kept = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    ended = subprocess.run(
+        [sys.executable, "-c", script], cwd=tmp_path, env=kept, capture_output=True, text=True, check=False
+    )
+    assert ended.returncode == 0, ended.stderr
