@@ -5,6 +5,7 @@ from collections.abc import Mapping
 
 from diagnosis.diagnose import Diagnosis
 from diagnosis.extended_robot import FILE, VARIED_FILE
+from diagnosis.report.answer import answer
 from diagnosis.report.findings import Findings, findings
 from diagnosis.report.gain_picture import gain_picture
 from diagnosis.report.misfit_picture import misfit_picture
@@ -21,7 +22,7 @@ def files(diagnosis: Diagnosis) -> Mapping[str, bytes]:
     found = findings(diagnosis)
     pictures = _pictures(found)
     made = {
-        ANSWER: json.dumps(diagnosis.answer(), indent=2, ensure_ascii=False) + "\n",
+        ANSWER: json.dumps(answer(found), indent=2, ensure_ascii=False) + "\n",
         FILE: found.robot.text,
         VARIED_FILE: found.robot.varied_text,
         PAGE: page(found, pictures),

@@ -1,7 +1,7 @@
 """What the report shows beyond the diagnosis itself: each effect taken away in turn, gains by quantity, signatures."""
 
 import copy
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,7 @@ from diagnosis.inference.evidence import Evidence
 from diagnosis.inference.fit import Fit, fits
 from diagnosis.inference.gain import Gain, gain
 from diagnosis.inference.hypothesis import moved
+from diagnosis.inference.profile import Interval, profiles
 from diagnosis.measured.channel import Array, Mask
 from diagnosis.report.signatures import Signatures, signatures
 
@@ -23,10 +24,13 @@ class Without:
     """The extended model without one of its effects, everything else fitted anew."""
 
     name: str
+    fit: Fit
     rise: float
     """Of the cost."""
     gain: Gain | None
     """Over the nominal robot, of what is left."""
+    adds: Gain | None
+    """What the effect adds: of the extended model over the one without it, on the same rows drawn anew."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +47,9 @@ class Findings:
     before: tuple[Structure, ...]
     """What the nominal robot with its nuisances fitted leaves, the best covariate of each observed quantity."""
     without: tuple[Without, ...]
+    """Of each named effect, in their order."""
+    intervals: Mapping[str, Mapping[str, tuple[Interval, ...]]]
+    """By named effect and number, from the profile of the cost; of those that the data hold."""
     by_quantity: tuple[QuantityGain, ...]
     signatures: Signatures
     means: tuple[Array, Array, Array]
@@ -63,6 +70,7 @@ def findings(diagnosis: Diagnosis) -> Findings:
         robot=extended_robot(diagnosis),
         before=tuple(_best(evidence, nominal)),
         without=tuple(_without(diagnosis)),
+        intervals=profiles(evidence, diagnosis.fit),
         by_quantity=tuple(_by_quantity(evidence, robots)),
         signatures=signatures(evidence, nominal, diagnosis.candidates.testable),
         means=(prediction.mean[0], prediction.mean[1], prediction.mean[2]),
@@ -92,7 +100,13 @@ def _without(diagnosis: Diagnosis) -> Iterator[Without]:
     found = fits(evidence, [(left, moved(fit.x, fit.hypothesis, left)) for left in fewer])
     for named, left in zip(diagnosis.named, found, strict=True):
         robot = left.hypothesis.robot(left.x)
-        yield Without(named.effect.name, left.cost - fit.cost, gain(evidence, diagnosis.nominal, robot))
+        yield Without(
+            name=named.effect.name,
+            fit=left,
+            rise=left.cost - fit.cost,
+            gain=gain(evidence, diagnosis.nominal, robot),
+            adds=gain(evidence, robot, diagnosis.extended),
+        )
 
 
 def _by_quantity(evidence: Evidence, robots: tuple[RobotConfig, RobotConfig, RobotConfig]) -> Iterator[QuantityGain]:

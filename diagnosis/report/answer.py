@@ -1,0 +1,26 @@
+"""The answer for programs: that of the format, and beside it what is known of each effect by taking it away."""
+
+from diagnosis.inference.gain import Gain
+from diagnosis.report.findings import Findings
+
+
+def answer(found: Findings) -> dict[str, object]:
+    """As GAP_FORMAT has it, with `intervals` and `without` where effects are named; ready for JSON."""
+    told = found.diagnosis.answer()
+    if found.intervals:
+        told["intervals"] = {
+            effect: {
+                name: {f"{of.level:g}": [of.low, of.high] for of in intervals} for name, intervals in numbers.items()
+            }
+            for effect, numbers in found.intervals.items()
+        }
+    if found.without:
+        told["without"] = {
+            of.name: {"cost_rise": of.rise, **_gain("heldout_gain", of.gain), **_gain("adds", of.adds)}
+            for of in found.without
+        }
+    return told
+
+
+def _gain(name: str, of: Gain | None) -> dict[str, object]:
+    return {} if of is None else {name: of.value, f"{name}_ci": [of.low, of.high]}
