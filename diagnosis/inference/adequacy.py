@@ -21,6 +21,7 @@ from diagnosis.inference.evidence import Evidence
 from diagnosis.inference.fit import Fit
 from diagnosis.inference.hypothesis import Effect, moved
 from diagnosis.inference.likelihood import robust_weight
+from diagnosis.inference.projection import beyond, orthonormal
 from diagnosis.measured.channel import Array, Mask
 
 LEVEL = 0.001
@@ -83,10 +84,12 @@ def adequacy(evidence: Evidence, fit: Fit) -> Adequacy:
         for rank, covariate in enumerate(quantity.covariates):
             best: Structure | None = None
             for basis in bases(covariate, rows):
-                p, gain, columns = tangents.test(place, rows, basis)
+                p, gain = tangents.test(place, rows, basis)
                 p = min(1.0, p * basis.tries)
                 if best is None or p < best.p:
                     names = (quantity.name, quantity.channel, covariate.name)
+                    columns = np.zeros((len(evidence.values), basis.columns.shape[1]))
+                    columns[place][rows] = basis.columns
                     best = Structure(*names, basis.what, p, gain, rank, columns)
             if best is not None:
                 found.append(best)
@@ -103,34 +106,25 @@ class _Tangents:
         self._basis = orthonormal(fit.tangents(self._root))
         left = fit.left(np.clip(fit.z, -CLIP, CLIP), self._root)
         self._left = left - self._basis @ (self._basis.T @ left)
-        self._priors = len(fit.x)
 
-    def test(self, place: slice, rows: Mask, basis: Basis) -> tuple[float, float, Array]:
-        """p-value, fall of the cost beyond chance, and the columns over all samples."""
-        columns = np.zeros((len(self._root), basis.columns.shape[1]))
+    def test(self, place: slice, rows: Mask, basis: Basis) -> tuple[float, float]:
+        """p-value, and fall of the cost beyond chance."""
         inside = np.arange(place.start, place.stop)[rows]
-        columns[inside] = basis.columns
-        padded = np.concatenate([columns * self._root[:, None], np.zeros((self._priors, columns.shape[1]))])
-        free = orthonormal(padded - self._basis @ (self._basis.T @ padded))
-        k = free.shape[1]
+        columns = basis.columns * self._root[inside, None]
+        taken = self._basis[inside].T @ columns
+        combined = beyond(columns, taken)
+        k = combined.shape[1]
         if k == 0:
-            return 1.0, 0.0, columns
-        along = free.T @ self._left
+            return 1.0, 0.0
+        left = self._left[inside]
+        along = combined.T @ (columns.T @ left)
         explained = float(along @ along)
-        here = self._left[: len(self._root)][inside] - (free @ along)[: len(self._root)][inside]
+        here = left - columns @ (combined @ along) + self._basis[inside] @ (taken @ (combined @ along))
         weight = float(self._evidence.weight[inside[0]])
         degrees = max(1, len(inside) - k - 1)
         level = float(here @ here) / weight / degrees
         p = float(f_distribution.sf(explained / k / max(level, 1e-12), k, degrees))
-        return p, max(0.0, explained - k * level), columns
-
-
-def orthonormal(columns: Array) -> Array:
-    """A basis of their span; columns that add nothing are left out."""
-    if columns.shape[1] == 0:
-        return columns
-    left, sizes, _ = np.linalg.svd(columns, full_matrices=False)
-    return left[:, sizes > 1e-7 * max(float(sizes.max(initial=0.0)), 1e-300)]
+        return p, max(0.0, explained - k * level)
 
 
 def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) -> list[Effect]:

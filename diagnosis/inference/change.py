@@ -9,10 +9,11 @@ what was named is withdrawn.
 
 import numpy as np
 
-from diagnosis.inference.adequacy import Structure, orthonormal
+from diagnosis.inference.adequacy import Structure
 from diagnosis.inference.evidence import Evidence
 from diagnosis.inference.fit import Fit
 from diagnosis.inference.likelihood import robust_weight
+from diagnosis.inference.projection import beyond, orthonormal
 from diagnosis.inference.selection import TOLL
 from diagnosis.measured.channel import Array
 
@@ -43,10 +44,10 @@ def change_in_time(evidence: Evidence, nominal: Fit, fit: Fit) -> Structure | No
         columns = _jump(evidence, nominal, time >= moment)
         if min(np.count_nonzero(given >= moment), np.count_nonzero(given < moment)) < LEAST_ROWS:
             continue
-        padded = np.concatenate([columns * root[:, None], np.zeros((len(nominal.x), columns.shape[1]))])
-        free = orthonormal(padded - basis @ (basis.T @ padded))
-        left = residual - free @ (free.T @ residual)
-        squares = float(left @ left) + TOLL * (free.shape[1] + 1)
+        weighed = columns * root[:, None]
+        combined = beyond(weighed, basis[: len(root)].T @ weighed)
+        along = combined.T @ (weighed.T @ residual[: len(root)])
+        squares = float(residual @ residual - along @ along) + TOLL * (combined.shape[1] + 1)
         if best is None or squares < best[0]:
             best = squares, moment, columns
     if best is None or best[0] >= float(named @ named) + TOLL * numbers:

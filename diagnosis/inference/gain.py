@@ -46,15 +46,12 @@ def gain(evidence: Evidence, nominal: RobotConfig, extended: RobotConfig) -> Gai
     prediction = evidence.of([nominal, extended])
     z = np.abs((evidence.values - prediction.mean) / evidence.sd)
     stages = [rows & (evidence.of_stage == k) for k in range(len(evidence.stages))]
-    parts = [z[:, stage] for stage in stages if stage.any()]
-    blocks = [_blocks(evidence)[stage] for stage in stages if stage.any()]
-    before, after = _error([p[0] for p in parts]), _error([p[1] for p in parts])
+    of_stages = [(z[:, stage], _blocks(evidence)[stage]) for stage in stages if stage.any()]
+    before, after = (_error([sizes[k] for sizes, _ in of_stages]) for k in (0, 1))
     generator = np.random.Generator(np.random.PCG64(_SEED))
-    drawn = []
-    for _ in range(RESAMPLED):
-        taken = [_resampled(of, generator) for of in blocks]
-        was, has = (_error([p[k][t] for p, t in zip(parts, taken, strict=True)]) for k in (0, 1))
-        drawn.append(1.0 - has / was if was > 0.0 else 0.0)
+    squares = [_redrawn_squares(sizes, blocks, generator) for sizes, blocks in of_stages]
+    was, has = np.sqrt(np.mean(squares, axis=0))
+    drawn = 1.0 - np.divide(has, was, out=np.ones_like(was), where=was > 0.0)
     low, high = np.quantile(drawn, [0.025, 0.975]).tolist()
     by_quantity = []
     for quantity, place in zip(evidence.observed, evidence.places, strict=True):
@@ -69,8 +66,12 @@ def _error(parts: Sequence[Array]) -> float:
 
 
 def _trimmed(size: Array) -> float:
-    kept = np.sort(size)[: max(1, int(np.floor(KEPT * len(size))))]
+    kept = np.sort(size)[: _kept(len(size))]
     return float(np.sqrt(np.mean(kept**2)))
+
+
+def _kept(rows: int) -> int:
+    return max(1, int(np.floor(KEPT * rows)))
 
 
 def _blocks(evidence: Evidence) -> NDArray[np.int64]:
@@ -87,9 +88,22 @@ def _blocks(evidence: Evidence) -> NDArray[np.int64]:
     return np.arange(len(blocks)) if few else blocks
 
 
-def _resampled(blocks: NDArray[np.int64], generator: np.random.Generator) -> NDArray[np.int64]:
-    """Indices of rows of as many blocks, drawn with replacement."""
-    order = np.argsort(blocks, kind="stable")
-    _, starts = np.unique(blocks[order], return_index=True)
-    groups = np.split(order, starts[1:])
-    return np.concatenate([groups[k] for k in generator.integers(len(groups), size=len(groups)).tolist()])
+def _redrawn_squares(sizes: Array, blocks: NDArray[np.int64], generator: np.random.Generator) -> Array:
+    """(2, RESAMPLED): trimmed mean squares of as many blocks of rows, drawn with replacement.
+
+    Args:
+        sizes: (2, n), of the residuals by either robot.
+        blocks: (n,), which block a row is of.
+        generator: Of the draws.
+    """
+    names, block_of = np.unique(blocks, return_inverse=True)
+    orders = np.argsort(sizes, axis=1, kind="stable")
+    found = np.empty((2, RESAMPLED))
+    for k in range(RESAMPLED):
+        times_drawn = np.bincount(generator.integers(len(names), size=len(names)), minlength=len(names))[block_of]
+        kept = _kept(int(times_drawn.sum()))
+        for of_robot, (size, order) in enumerate(zip(sizes, orders, strict=True)):
+            times = times_drawn[order]
+            within = np.clip(kept - (np.cumsum(times) - times), 0, times)
+            found[of_robot, k] = within @ size[order] ** 2 / kept
+    return found
