@@ -30,6 +30,18 @@ class Case:
     """Of its folder in the output."""
 
 
+@dataclass(frozen=True)
+class Asked:
+    """Of all cases."""
+
+    importer: str | None
+    """By name; None for the one that recognises a case."""
+    nominal: str
+    """A robot as JSON text; empty for none."""
+    pybullet: bool
+    """Whether before and after are also measured by PyBullet."""
+
+
 def cases_of(paths: Sequence[Path]) -> list[Case]:
     """The cases with their names.
 
@@ -72,7 +84,7 @@ def nominal_json(name: str | None) -> str:
 
 
 def diagnose_cases(
-    cases: Sequence[Case], importer: str | None, nominal: str, *, out: Path, workers: int, report: Report
+    cases: Sequence[Case], asked: Asked, *, out: Path, workers: int, report: Report
 ) -> list[UnitFailure]:
     """Diagnose all cases and return those that failed, in their order.
 
@@ -84,8 +96,9 @@ def diagnose_cases(
         DiagnoseUnit(
             name=case.name,
             case=case.path,
-            importer=importer,
-            nominal=nominal,
+            importer=asked.importer,
+            nominal=asked.nominal,
+            pybullet=asked.pybullet,
             folder=folder_of(case, out, alone=alone),
             alone=alone,
         )
@@ -109,7 +122,7 @@ def folder_of(case: Case, out: Path, *, alone: bool) -> Path:
     return out if alone else out / case.name
 
 
-def diagnose_into(path: Path, importer: str | None, nominal: str, folder: Path) -> None:
+def diagnose_into(path: Path, importer: str | None, nominal: str, folder: Path, *, pybullet: bool) -> None:
     """Diagnose one case and put its files in place; those of an earlier diagnosis that it has not are removed.
 
     Raises:
@@ -119,7 +132,7 @@ def diagnose_into(path: Path, importer: str | None, nominal: str, folder: Path) 
     from diagnosis.report.files import PLOTS, VARIED_FILE, files  # noqa: PLC0415 - as above
 
     robot = RobotConfig.model_validate_json(nominal) if nominal else None
-    made = files(diagnose(read_measurement(path, IMPORTERS, importer), robot))
+    made = files(diagnose(read_measurement(path, IMPORTERS, importer), robot), pybullet=pybullet)
     (folder / PLOTS).mkdir(parents=True, exist_ok=True)
     for old in (folder / VARIED_FILE, *(folder / PLOTS).iterdir()):
         if old.relative_to(folder).as_posix() not in made:

@@ -1,5 +1,6 @@
 """The answer for programs: that of the format, and beside it what is known of each effect by taking it away."""
 
+from diagnosis.engine.gain import EngineGain
 from diagnosis.inference.gain import Gain
 from diagnosis.report.findings import Findings
 
@@ -19,7 +20,17 @@ def answer(found: Findings) -> dict[str, object]:
             of.name: {"cost_rise": of.rise, **_gain("heldout_gain", of.gain), **_gain("adds", of.adds)}
             for of in found.without
         }
+    if found.engines is not None and found.engines.engines:
+        told["engines"] = {of.engine: _by_engine(of) for of in found.engines.engines}
     return told
+
+
+def _by_engine(of: EngineGain) -> dict[str, object]:
+    return _gain("heldout_gain", of.whole) | {
+        "errors": {
+            each.quantity: {"unit": each.unit, "nominal": each.before, "extended": each.after} for each in of.errors
+        }
+    }
 
 
 def _gain(name: str, of: Gain | None) -> dict[str, object]:

@@ -17,9 +17,9 @@ ANSWER, PAGE, SUMMARY, REASONING = "answer.json", "report.html", "summary.txt", 
 PLOTS = "plots"
 
 
-def files(diagnosis: Diagnosis) -> Mapping[str, bytes]:
+def files(diagnosis: Diagnosis, *, pybullet: bool = False) -> Mapping[str, bytes]:
     """Contents by path inside the output folder; the same bytes for the same diagnosis."""
-    found = findings(diagnosis)
+    found = findings(diagnosis, pybullet=pybullet)
     pictures = _pictures(found)
     made = {
         ANSWER: json.dumps(answer(found), indent=2, ensure_ascii=False) + "\n",

@@ -1,6 +1,5 @@
 """What the report shows beyond the diagnosis itself: each effect taken away in turn, gains by quantity, signatures."""
 
-import copy
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
@@ -8,14 +7,15 @@ import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis
+from diagnosis.engine.gain import ByEngines, by_engines
 from diagnosis.extended_robot import ExtendedRobot, extended_robot
 from diagnosis.inference.adequacy import LEVEL, Structure, adequacy
 from diagnosis.inference.evidence import Evidence
 from diagnosis.inference.fit import Fit, fits
-from diagnosis.inference.gain import Gain, gain
+from diagnosis.inference.gain import Gain, gain, of_quantity
 from diagnosis.inference.hypothesis import moved
 from diagnosis.inference.profile import Interval, profiles
-from diagnosis.measured.channel import Array, Mask
+from diagnosis.measured.channel import Array
 from diagnosis.report.signatures import Signatures, signatures
 
 
@@ -56,10 +56,12 @@ class Findings:
     """(N,) each: predicted by the nominal robot as it stands, with its nuisances fitted, and by the extended one."""
     z: tuple[Array, Array, Array]
     """(N,) each: their residuals, in sigmas of the nominal noise; NaN where not usable."""
+    engines: ByEngines | None = None
+    """By PyBullet, where it was asked for."""
 
 
-def findings(diagnosis: Diagnosis) -> Findings:
-    """All that is shown of a diagnosis."""
+def findings(diagnosis: Diagnosis, *, pybullet: bool = False) -> Findings:
+    """All that is shown of a diagnosis; with what PyBullet says of it, which takes up to minutes, if asked for."""
     evidence, nominal = diagnosis.evidence, diagnosis.selection.nominal
     robots = (diagnosis.nominal, calibrated(diagnosis), diagnosis.extended)
     prediction = evidence.of(robots)
@@ -75,6 +77,7 @@ def findings(diagnosis: Diagnosis) -> Findings:
         signatures=signatures(evidence, nominal, diagnosis.candidates.testable),
         means=(prediction.mean[0], prediction.mean[1], prediction.mean[2]),
         z=(z[0], z[1], z[2]),
+        engines=by_engines(diagnosis.measurement, diagnosis.nominal, diagnosis.extended) if pybullet else None,
     )
 
 
@@ -112,16 +115,7 @@ def _without(diagnosis: Diagnosis) -> Iterator[Without]:
 def _by_quantity(evidence: Evidence, robots: tuple[RobotConfig, RobotConfig, RobotConfig]) -> Iterator[QuantityGain]:
     nominal, adjusted, extended = robots
     for of, place in zip(evidence.observed, evidence.places, strict=True):
-        own = np.zeros(len(evidence.values), dtype=bool)
-        own[place] = True
-        alone = _restricted(evidence, own)
+        alone = of_quantity(evidence, place)
         was, has = gain(alone, nominal, adjusted), gain(alone, nominal, extended)
         if was is not None and has is not None:
             yield QuantityGain(of.name, was, has)
-
-
-def _restricted(evidence: Evidence, rows: Mask) -> Evidence:
-    """The same evidence, of whose held-out rows only some count."""
-    found = copy.copy(evidence)
-    found.heldout = evidence.heldout & rows
-    return found

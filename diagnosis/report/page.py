@@ -9,6 +9,7 @@ from diagnosis.inference.profile import Interval
 from diagnosis.inference.rivals import AS_GOOD, Rival
 from diagnosis.measured.overview import summary_line
 from diagnosis.report.compared import compared
+from diagnosis.report.engines import on_page
 from diagnosis.report.findings import Findings, Without
 from diagnosis.report.markup import Html, picture, table, tag
 from diagnosis.report.matrix import matrix
@@ -46,6 +47,7 @@ def page(found: Findings, pictures: Mapping[str, bytes]) -> str:
         *_section("The misfit", _misfit(found, pictures)),
         *_section("What differs", _effects(found)),
         *_section("What it gains", _gain(found, pictures)),
+        *(_section("By PyBullet", on_page(found.engines)) if found.engines is not None else []),
         *_section("What cannot be told apart, and what to measure", _open(found)),
         *_section("What stays unexplained", _unexplained(found, pictures)),
         *_section("How each effect would show in these data", matrix(found)),

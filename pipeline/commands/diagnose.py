@@ -39,6 +39,9 @@ def diagnose(
         str | None,
         typer.Option(metavar="ROBOT", help="Nominal robot in all that CASE does not tell: shipped, or a YAML file."),
     ] = None,
+    pybullet: Annotated[
+        bool, typer.Option("--pybullet", help="Measure before and after by PyBullet, too; drives take minutes.")
+    ] = False,
     workers: Workers = None,
     explain: Annotated[bool, typer.Option("--explain", help="Print how the verdict was reached, too.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the answers as JSON, and nothing else.")] = False,
@@ -69,7 +72,7 @@ def diagnose(
 
     Example: symolo diagnose my_robot/* --out diagnosis --workers 4
     """
-    from pipeline.diagnosing import cases_of, diagnose_cases, nominal_json
+    from pipeline.diagnosing import Asked, cases_of, diagnose_cases, nominal_json
     from pipeline.output import check_out
     from pipeline.progress import report_here
     from pipeline.workers import cores
@@ -84,7 +87,8 @@ def diagnose(
         _check(found[0], as_)
     with Workspace(out.absolute(), Kind.DIAGNOSIS).locked():
         report = report_here()
-        failures = diagnose_cases(found, as_, robot, out=out.absolute(), workers=workers or cores(), report=report)
+        asked = Asked(as_, robot, pybullet)
+        failures = diagnose_cases(found, asked, out=out.absolute(), workers=workers or cores(), report=report)
     failed = {failure.unit.name: failure.text for failure in failures}
     if as_json:
         _print_json(found, out, failed)
