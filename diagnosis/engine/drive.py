@@ -6,6 +6,7 @@ say where an error began, for ever after.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import pi
 
 import numpy as np
@@ -17,14 +18,33 @@ from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.stages.base import Observed, Predicted
+from diagnosis.stages.drive_log import POSE
 from diagnosis.stages.grid import Grid
 from diagnosis.stages.pose import STRIDE, WINDOW, Pose, earlier, seen_from_body
-from diagnosis.stages.rows import joined, rows_after
+from diagnosis.stages.rows import given, joined, rows_after
 from diagnosis.stages.wheels import Wheels
 from physics.robot_model import through
 from physics.robot_stack import stacked_terms
 from physics.terms.base import Slot, effects
 from sensors.terms import SENSOR_TERMS
+
+
+@dataclass(frozen=True)
+class DrivenPath:
+    """One trial, from its start on, by voltages alone; poses are x [m], y [m], yaw [rad]."""
+
+    t_s: Array
+    """(n,)."""
+    measured: Array
+    """(n, 3), NaN where the camera saw nothing."""
+    nominal: Array
+    """(n, 3), of the nominal robot."""
+    extended: Array
+    """(n, 3), of the extended robot."""
+
+    def off_m(self, path: Array) -> Array:
+        """(n,), how far a path is from the measured place."""
+        return np.hypot(*(path - self.measured)[:, :2].T)
 
 
 class Drive:
@@ -46,6 +66,8 @@ class Drive:
         self._lasts_s = self._grid.period_s * (numbers[self._next[1]] - numbers[self._next[0]])
         self._t_s = joined(trial.t_s for trial in measurement.trials)
         self._rows = [len(trial.t_s) for trial in measurement.trials]
+        self._measured = np.stack([given(measurement, name) for name in POSE], axis=-1)
+        self._known: dict[str, Array] = {}
         self.observed: tuple[Observed, ...] = (
             *Wheels(measurement, nominal).observed,
             *Pose(measurement, nominal).observed,
@@ -59,11 +81,7 @@ class Drive:
 
     def _predicted(self, robot: RobotConfig) -> tuple[Array, ...]:
         """Of each observed quantity, (n,)."""
-        samples = np.full((len(self._voltage_V) + 1, 5, len(self._rows)), np.nan)
-        for k, wanted in enumerate(self._wanted):
-            if wanted:
-                samples[..., k] = self._driven(robot, k)
-        rows = self._grid.of_rows(samples)
+        rows = self._sampled(robot)
         angle_rad = 2.0 * pi / self._counts * rows[:2]
         first, after = self._next
         speeds = []
@@ -75,6 +93,31 @@ class Drive:
         first, last = self._windows
         increments = seen_from_body(path[first, 2], seen[last] - seen[first])
         return (*speeds, *increments.T)
+
+    def path(self, nominal: RobotConfig, extended: RobotConfig) -> "DrivenPath":
+        """The first trial with held-out rows, from its first measured pose on."""
+        trial = self._wanted.index(True)
+        begin = sum(self._rows[:trial])
+        of = slice(begin, begin + self._rows[trial])
+        measured = self._measured[of]
+        known = np.flatnonzero(np.isfinite(measured).all(axis=1))[0]
+        paths = []
+        for robot in (nominal, extended):
+            seen = self._logged(robot, self._sampled(robot)[2:].T)[of]
+            turn = measured[known, 2] - seen[known, 2]
+            paths.append(measured[known] + seen_from_body(np.full(len(seen), -turn), seen - seen[known]))
+        return DrivenPath(self._t_s[of], measured, paths[0], paths[1])
+
+    def _sampled(self, robot: RobotConfig) -> Array:
+        """(5, n), counts right and left and pose in the rows of all trials; each robot is driven once."""
+        key = robot.model_dump_json()
+        if key not in self._known:
+            samples = np.full((len(self._voltage_V) + 1, 5, len(self._rows)), np.nan)
+            for k, wanted in enumerate(self._wanted):
+                if wanted:
+                    samples[..., k] = self._driven(robot, k)
+            self._known[key] = self._grid.of_rows(samples)
+        return self._known[key]
 
     def _driven(self, robot: RobotConfig, trial: int) -> Array:
         """(T + 1, 5), counts right and left, pose; NaN after the trial's last row."""

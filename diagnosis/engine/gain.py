@@ -8,7 +8,7 @@ import numpy as np
 from configs.errors import InputError
 from configs.schema.robot import RobotConfig
 from diagnosis.engine.base import DRIVERS, PYBULLET, TWIN
-from diagnosis.engine.drive import Drive
+from diagnosis.engine.drive import Drive, DrivenPath
 from diagnosis.engine.motor import MotorOnBench
 from diagnosis.inference.evidence import Evidence
 from diagnosis.inference.gain import Gain, gain_of, of_quantity, trimmed_rms
@@ -49,6 +49,8 @@ class ByEngines:
     """PyBullet and the twin."""
     apart: tuple[tuple[str, str, float], ...]
     """Of each quantity its unit, and how far PyBullet and twin are apart by the extended robot, root mean square."""
+    path: DrivenPath | None = None
+    """Of a drive, by PyBullet."""
     why_not: str = ""
     """Why there is nothing; empty where there is."""
 
@@ -56,20 +58,22 @@ class ByEngines:
 def by_engines(measurement: Measurement, nominal: RobotConfig, extended: RobotConfig) -> ByEngines:
     """Held-out rows of a measurement, from its voltages on, by both robots and both engines."""
     if why_not := _why_not(measurement):
-        return ByEngines((), (), why_not)
-    found, of_extended = [], []
+        return ByEngines((), (), why_not=why_not)
+    found, of_extended, path = [], [], None
     for engine, stage in _engines(measurement, nominal):
         evidence = Evidence([stage])
         try:
             mean = evidence.of([nominal, extended]).mean
         except InputError as error:
-            return ByEngines((), (), str(error))
+            return ByEngines((), (), why_not=str(error))
         whole = gain_of(evidence, mean)
         if whole is None:
-            return ByEngines((), (), "no row that is held out can be predicted")
+            return ByEngines((), (), why_not="no row that is held out can be predicted")
         found.append(EngineGain(engine, whole, tuple(_errors(evidence, mean))))
         of_extended.append((evidence, mean[1]))
-    return ByEngines(tuple(found), tuple(_apart(*of_extended)))
+        if engine == PYBULLET and isinstance(stage, Drive):
+            path = stage.path(nominal, extended)
+    return ByEngines(tuple(found), tuple(_apart(*of_extended)), path)
 
 
 def _why_not(measurement: Measurement) -> str:

@@ -1,4 +1,4 @@
-"""Voltage -> current and speed of a motor on a bench in PyBullet: the robot held above the floor, its right wheel driven.
+"""Voltage -> current and speed of a motor on a bench in PyBullet: the robot held off the floor, its right wheel driven.
 
 The wheel itself spins with the motor there, and is taken out of the motor's inertia, which a bench gives with all that
 turns.

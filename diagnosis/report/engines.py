@@ -2,10 +2,13 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from diagnosis.engine.base import PYBULLET
+from diagnosis.engine.drive import DrivenPath
 from diagnosis.engine.gain import ByEngines, EngineError
 from diagnosis.inference.gain import Gain
-from diagnosis.report.markup import Html, table, tag
+from diagnosis.report.markup import Html, picture, table, tag
 from diagnosis.report.quantities import interval, percent
 
 
@@ -20,10 +23,22 @@ def in_lines(found: ByEngines) -> Iterator[str]:
             yield f"  {of.quantity:20} {_change(of):32} {_gain(of.gain)}"
     apart = ", ".join(f"{size:.2g} {unit} in {quantity}" for quantity, unit, size in found.apart)
     yield f"The two differ by {apart}."
+    if found.path is not None:
+        yield path_told(found.path)
 
 
-def on_page(found: ByEngines) -> Iterator[Html]:
-    """A paragraph and a table."""
+def path_told(path: DrivenPath) -> str:
+    """How far the driven paths are from the measured one, in a sentence."""
+    before, after = (float(np.nanmean(path.off_m(of))) for of in (path.nominal, path.extended))
+    lasts = f"{path.t_s[-1] - path.t_s[0]:.0f} s"
+    return (
+        f"Driven for {lasts} by the voltages alone, the nominal robot is {1e3 * before:.3g} mm off the measured path on "
+        f"average, the extended one {1e3 * after:.3g} mm."
+    )
+
+
+def on_page(found: ByEngines, picture_of_path: bytes | None) -> Iterator[Html]:
+    """A paragraph, a table, and the paths of a drive as PNG."""
     if not found.engines:
         yield tag("p", f"By PyBullet nothing can be said: {found.why_not}.")
         return
@@ -42,6 +57,9 @@ def on_page(found: ByEngines) -> Iterator[Html]:
         "the largest 3 %. Unlike in the stage that was fitted, a pose follows from the voltages here, motors and all."
     )
     yield tag("p", told, class_="note")
+    if found.path is not None and picture_of_path is not None:
+        caption = path_told(found.path)
+        yield tag("figure", picture(picture_of_path, caption), tag("figcaption", caption))
 
 
 def _told(engine: str) -> str:

@@ -10,6 +10,7 @@ from diagnosis.report.findings import Findings, findings
 from diagnosis.report.gain_picture import gain_picture
 from diagnosis.report.misfit_picture import misfit_picture
 from diagnosis.report.page import page
+from diagnosis.report.path_picture import path_picture
 from diagnosis.report.summary import reasoning, summary
 from diagnosis.report.unexplained_picture import unexplained_picture
 
@@ -39,6 +40,8 @@ def _pictures(found: Findings) -> dict[str, bytes]:
     made = {of.name: misfit_picture(found, k) for k, of in enumerate(diagnosis.evidence.observed)}
     if found.by_quantity:
         made["gain"] = gain_picture(found)
+    if found.engines is not None and found.engines.path is not None:
+        made["path"] = path_picture(found.engines.path)
     if diagnosis.unexplained is not None:
         made["unexplained"] = unexplained_picture(found, diagnosis.unexplained)
     return made

@@ -35,7 +35,8 @@ def page(found: Findings, pictures: Mapping[str, bytes]) -> str:
 
     Args:
         found: What is said.
-        pictures: PNG by name: of each observed quantity, `gain` if rows are held out, `unexplained` if there is any.
+        pictures: PNG by name: of each observed quantity, `gain` if rows are held out, `unexplained` if there is any,
+            `path` of a drive that PyBullet drove.
     """
     measurement = found.diagnosis.measurement
     parts = [
@@ -47,7 +48,7 @@ def page(found: Findings, pictures: Mapping[str, bytes]) -> str:
         *_section("The misfit", _misfit(found, pictures)),
         *_section("What differs", _effects(found)),
         *_section("What it gains", _gain(found, pictures)),
-        *(_section("By PyBullet", on_page(found.engines)) if found.engines is not None else []),
+        *(_section("By PyBullet", on_page(found.engines, pictures.get("path"))) if found.engines is not None else []),
         *_section("What cannot be told apart, and what to measure", _open(found)),
         *_section("What stays unexplained", _unexplained(found, pictures)),
         *_section("How each effect would show in these data", matrix(found)),

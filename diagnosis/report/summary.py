@@ -43,7 +43,7 @@ def summary(found: Findings) -> list[str]:
         lines += _entry("a hint of", text)
     lines += ["", *(line for text in gained(found) for line in wrap(text, WIDTH))]
     if found.engines is not None:
-        lines += ["", *(part for line in in_lines(found.engines) for part in wrap(line, WIDTH, drop_whitespace=False))]
+        lines += ["", *(part for line in in_lines(found.engines) for part in wrap(line, WIDTH))]
     if diagnosis.candidates.untestable:
         lines += ["", *_entry("these cannot show", ", ".join(diagnosis.candidates.untestable))]
     for gone in found.robot.left_out:
