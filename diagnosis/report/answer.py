@@ -2,6 +2,7 @@
 
 from diagnosis.engine.gain import EngineGain
 from diagnosis.inference.gain import Gain
+from diagnosis.report.against import in_json
 from diagnosis.report.findings import Findings
 
 
@@ -22,6 +23,8 @@ def answer(found: Findings) -> dict[str, object]:
         }
     if found.engines is not None and found.engines.engines:
         told["engines"] = {of.engine: _by_engine(of) for of in found.engines.engines}
+    if found.against is not None:
+        told["against"] = in_json(found.against)
     return told
 
 

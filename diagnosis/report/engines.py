@@ -32,8 +32,8 @@ def path_told(path: DrivenPath) -> str:
     before, after = (float(np.nanmean(path.off_m(of))) for of in (path.nominal, path.extended))
     lasts = f"{path.t_s[-1] - path.t_s[0]:.0f} s"
     return (
-        f"Driven for {lasts} by the voltages alone, the nominal robot is {1e3 * before:.3g} mm off the measured path on "
-        f"average, the extended one {1e3 * after:.3g} mm."
+        f"Driven for {lasts} by the voltages alone, the nominal robot is {1e3 * before:.3g} mm off the measured path "
+        f"on average, the extended one {1e3 * after:.3g} mm."
     )
 
 

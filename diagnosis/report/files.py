@@ -5,6 +5,8 @@ from collections.abc import Mapping
 
 from diagnosis.diagnose import Diagnosis
 from diagnosis.extended_robot import FILE, VARIED_FILE
+from diagnosis.measured.measurement import Measurement
+from diagnosis.report.against_picture import against_picture
 from diagnosis.report.answer import answer
 from diagnosis.report.findings import Findings, findings
 from diagnosis.report.gain_picture import gain_picture
@@ -18,9 +20,9 @@ ANSWER, PAGE, SUMMARY, REASONING = "answer.json", "report.html", "summary.txt", 
 PLOTS = "plots"
 
 
-def files(diagnosis: Diagnosis, *, pybullet: bool = False) -> Mapping[str, bytes]:
-    """Contents by path inside the output folder; the same bytes for the same diagnosis."""
-    found = findings(diagnosis, pybullet=pybullet)
+def files(diagnosis: Diagnosis, *, pybullet: bool = False, release: Measurement | None = None) -> Mapping[str, bytes]:
+    """Contents by path inside the output folder; the same bytes for the same diagnosis. See `findings`."""
+    found = findings(diagnosis, pybullet=pybullet, release=release)
     pictures = _pictures(found)
     made = {
         ANSWER: json.dumps(answer(found), indent=2, ensure_ascii=False) + "\n",
@@ -42,6 +44,8 @@ def _pictures(found: Findings) -> dict[str, bytes]:
         made["gain"] = gain_picture(found)
     if found.engines is not None and found.engines.path is not None:
         made["path"] = path_picture(found.engines.path)
+    if found.against is not None:
+        made["against"] = against_picture(found.against)
     if diagnosis.unexplained is not None:
         made["unexplained"] = unexplained_picture(found, diagnosis.unexplained)
     return made

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from configs.schema.robot import RobotConfig
+from diagnosis.against import Against, against
 from diagnosis.diagnose import Diagnosis
 from diagnosis.engine.gain import ByEngines, by_engines
 from diagnosis.extended_robot import ExtendedRobot, extended_robot
@@ -16,6 +17,7 @@ from diagnosis.inference.gain import Gain, gain, of_quantity
 from diagnosis.inference.hypothesis import moved
 from diagnosis.inference.profile import Interval, profiles
 from diagnosis.measured.channel import Array
+from diagnosis.measured.measurement import Measurement
 from diagnosis.report.signatures import Signatures, signatures
 
 
@@ -58,10 +60,21 @@ class Findings:
     """(N,) each: their residuals, in sigmas of the nominal noise; NaN where not usable."""
     engines: ByEngines | None = None
     """By PyBullet, where it was asked for."""
+    against: Against | None = None
+    """A dataset held against it, where one was named."""
 
 
-def findings(diagnosis: Diagnosis, *, pybullet: bool = False) -> Findings:
-    """All that is shown of a diagnosis; with what PyBullet says of it, which takes up to minutes, if asked for."""
+def findings(diagnosis: Diagnosis, *, pybullet: bool = False, release: Measurement | None = None) -> Findings:
+    """All that is shown of a diagnosis.
+
+    Args:
+        diagnosis: Of a measurement.
+        pybullet: Whether to ask PyBullet too, which takes up to minutes.
+        release: A dataset to hold against the measurement.
+
+    Raises:
+        InputError: The dataset, or the measurement, is none of drives.
+    """
     evidence, nominal = diagnosis.evidence, diagnosis.selection.nominal
     robots = (diagnosis.nominal, calibrated(diagnosis), diagnosis.extended)
     prediction = evidence.of(robots)
@@ -78,6 +91,7 @@ def findings(diagnosis: Diagnosis, *, pybullet: bool = False) -> Findings:
         means=(prediction.mean[0], prediction.mean[1], prediction.mean[2]),
         z=(z[0], z[1], z[2]),
         engines=by_engines(diagnosis.measurement, diagnosis.nominal, diagnosis.extended) if pybullet else None,
+        against=against(diagnosis.measurement, release, diagnosis.nominal) if release is not None else None,
     )
 
 

@@ -8,6 +8,7 @@ from diagnosis.inference.gain import Gain
 from diagnosis.inference.profile import Interval
 from diagnosis.inference.rivals import AS_GOOD, Rival
 from diagnosis.measured.overview import summary_line
+from diagnosis.report.against import on_page as against
 from diagnosis.report.compared import compared
 from diagnosis.report.engines import on_page
 from diagnosis.report.findings import Findings, Without
@@ -36,7 +37,7 @@ def page(found: Findings, pictures: Mapping[str, bytes]) -> str:
     Args:
         found: What is said.
         pictures: PNG by name: of each observed quantity, `gain` if rows are held out, `unexplained` if there is any,
-            `path` of a drive that PyBullet drove.
+            `against` if a dataset is held against it, `path` of a drive that PyBullet drove.
     """
     measurement = found.diagnosis.measurement
     parts = [
@@ -45,6 +46,7 @@ def page(found: Findings, pictures: Mapping[str, bytes]) -> str:
         *(tag("p", in_a_sentence(named), class_="glance") for named in found.diagnosis.named),
         tag("p", gained(found)[0], class_="glance"),
         *_section("What was compared", compared(found.diagnosis)),
+        *(_section("Against the dataset", against(found.against, pictures["against"])) if found.against else []),
         *_section("The misfit", _misfit(found, pictures)),
         *_section("What differs", _effects(found)),
         *_section("What it gains", _gain(found, pictures)),

@@ -8,6 +8,7 @@ from diagnosis.inference.adequacy import LEVEL
 from diagnosis.inference.profile import Interval
 from diagnosis.inference.rivals import AS_GOOD
 from diagnosis.measured.overview import summary_line
+from diagnosis.report.against import verdict
 from diagnosis.report.engines import in_lines
 from diagnosis.report.findings import Findings, Without
 from diagnosis.report.quantities import meaning, with_error
@@ -42,6 +43,9 @@ def summary(found: Findings) -> list[str]:
         text = f"{name}, too weak to be named (cost falls by {drop:.1f}); about {times:.1f} times the rows would decide"
         lines += _entry("a hint of", text)
     lines += ["", *(line for text in gained(found) for line in wrap(text, WIDTH))]
+    if found.against is not None:
+        first, *rest = verdict(found.against)
+        lines += ["", first, *(part for text in rest for part in wrap(f"  {text}", WIDTH, subsequent_indent="    "))]
     if found.engines is not None:
         lines += ["", *(part for line in in_lines(found.engines) for part in wrap(line, WIDTH))]
     if diagnosis.candidates.untestable:

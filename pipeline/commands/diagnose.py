@@ -20,6 +20,10 @@ def _checked(paths: list[Path]) -> list[Path]:
     return [checked_input(path) for path in paths]
 
 
+def _checked_one(path: Path | None) -> Path | None:
+    return None if path is None else checked_input(path)
+
+
 def diagnose(
     cases: Annotated[
         list[Path],
@@ -42,6 +46,14 @@ def diagnose(
     pybullet: Annotated[
         bool, typer.Option("--pybullet", help="Measure before and after by PyBullet, too; drives take minutes.")
     ] = False,
+    against: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DATASET",
+            callback=_checked_one,
+            help="Say what this dataset of symolo covers of measured drives; its robot is the nominal one.",
+        ),
+    ] = None,
     workers: Workers = None,
     explain: Annotated[bool, typer.Option("--explain", help="Print how the verdict was reached, too.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the answers as JSON, and nothing else.")] = False,
@@ -81,13 +93,13 @@ def diagnose(
     if explain and as_json:
         raise InputError("--explain and --json", cure="ask for one of them; reasoning.txt is written in any case")
     found = cases_of(cases)
-    robot = nominal_json(nominal)
+    robot = nominal_json(nominal, against)
     check_out(out, Kind.DIAGNOSIS)
     if len(found) == 1:
-        _check(found[0], as_)
+        _check(found[0], as_, against)
     with Workspace(out.absolute(), Kind.DIAGNOSIS).locked():
         report = report_here()
-        asked = Asked(as_, robot, pybullet)
+        asked = Asked(as_, robot, pybullet, against)
         failures = diagnose_cases(found, asked, out=out.absolute(), workers=workers or cores(), report=report)
     failed = {failure.unit.name: failure.text for failure in failures}
     if as_json:
@@ -97,13 +109,17 @@ def diagnose(
     return CASE_FAILED if failed else 0
 
 
-def _check(case: "Case", importer: str | None) -> None:
+def _check(case: "Case", importer: str | None, against: Path | None) -> None:
     """Refuse the only case before anything is written."""
+    from diagnosis.against import check_drive
     from diagnosis.diagnose import check_kind
     from diagnosis.importers.choose import read_measurement
     from pipeline.importers import IMPORTERS
 
-    check_kind(read_measurement(case.path, IMPORTERS, importer))
+    measurement = read_measurement(case.path, IMPORTERS, importer)
+    check_kind(measurement)
+    if against is not None:
+        check_drive(measurement, "CASE")
 
 
 def _print(cases: "Sequence[Case]", out: Path, failed: "Collection[str]", *, explain: bool) -> None:

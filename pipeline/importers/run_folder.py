@@ -6,8 +6,11 @@ from pathlib import Path
 from zipfile import BadZipFile
 
 import numpy as np
+from pydantic import ValidationError
 
 from configs.errors import InputError
+from configs.schema.robot import RobotConfig
+from configs.schema.scenario import RunSpec
 from diagnosis.importers.base import Importer, is_file
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
@@ -17,7 +20,7 @@ from pipeline.dataset.rows import HEADER, Floats, Rows, parse_table, read_rows
 from pipeline.dataset.side import TOF, WHEELS, SideTable, tof_csv, wheels_csv
 from pipeline.importers.data_csv import row_channels, trial_of
 from pipeline.stages.assemble import DATA, SIDE
-from pipeline.stages.simulate_runs import TRAJECTORY, read_recording
+from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
 from pipeline.workspace import STAGES
 from sensors.tof import TofStatus
 
@@ -80,6 +83,23 @@ class _Run:
         return Rows.from_table(data), wheels, tof
 
 
+def robots_of(path: Path) -> list[RobotConfig]:
+    """Those that drove the runs of a dataset, each once.
+
+    Raises:
+        InputError: There is no run, or one does not say which robot it was.
+    """
+    found: dict[str, RobotConfig] = {}
+    for run in _found_runs(path):
+        spec = run.folder / SPEC if run.simulated else run.folder / SIDE / SPEC
+        try:
+            robot = RunSpec.model_validate_json(spec.read_bytes()).robot
+        except (OSError, ValidationError):
+            raise InputError("does not say which robot drove", where=str(spec), cure="make the run again") from None
+        found.setdefault(robot.model_dump_json(), robot)
+    return list(found.values())
+
+
 def _runs(path: Path) -> Iterator[_Run]:
     """The path itself, the folder of its data.csv, or all below a release or an output of `simulate`."""
     if path.name == DATA:
@@ -101,7 +121,7 @@ def _recognises(path: Path) -> bool:
     return next(_runs(path), None) is not None
 
 
-def _read(path: Path) -> Measurement:
+def _found_runs(path: Path) -> list[_Run]:
     runs = list(_runs(path))
     if not runs:
         raise InputError(
@@ -109,6 +129,11 @@ def _read(path: Path) -> Measurement:
             where=str(path),
             cure="name a folder such as OUT/CW/test_1, a release, or what simulate made",
         )
+    return runs
+
+
+def _read(path: Path) -> Measurement:
+    runs = _found_runs(path)
     several = len(runs) >= HELD
     trials = []
     for number, run in enumerate(runs, start=1):
