@@ -21,8 +21,8 @@ def against_picture(found: Against) -> bytes:
     figure = Figure(figsize=(2.6 * ACROSS, 2.5 * down), layout="constrained")
     panels = figure.subplots(down, ACROSS, squeeze=False, sharey=True).ravel()
     for axes, of in zip(panels, found.seen, strict=False):
-        for run in of.runs[:MOST_CURVES]:
-            _curve(axes, run, color=PALE, linewidth=0.9)
+        for k, run in enumerate(of.runs[:MOST_CURVES]):
+            _curve(axes, run, color=PALE, linewidth=0.9, label="_" if k else "its runs")
         _curve(axes, of.pooled, color=BLUE, linewidth=1.4, label="dataset")
         _curve(axes, of.measured, color=MEASURED, linewidth=1.4, label="measured")
         words, _, unit = axis(of.name).partition(" [")
