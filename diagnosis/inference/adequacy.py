@@ -167,11 +167,14 @@ def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) 
 
 
 def _functions(evidence: Evidence, structure: Structure) -> Array:
-    """Any function of the structure's covariate in every quantity that has it, for a cause shows in several; (N, k)."""
+    """Any function of the structure's covariate, and of the one that it acts with, in every quantity that has them,
+    for a cause shows in several; (N, k).
+    """
     found = []
     for quantity, place in zip(evidence.observed, evidence.places, strict=True):
+        beside = {covariate.beside for covariate in quantity.covariates if covariate.name == structure.covariate}
         for covariate in quantity.covariates:
-            if covariate.name == structure.covariate:
+            if covariate.name in {structure.covariate, *beside}:
                 of = any_function(covariate, evidence.fit[place])
                 columns = np.zeros((len(evidence.values), of.shape[1]))
                 columns[place] = of

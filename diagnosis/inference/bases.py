@@ -20,7 +20,7 @@ CELLS = 4
 """Along each side of a place's grid."""
 LEAST_ROWS = 4
 """That a column must be about."""
-SCANNED_ROWS = 60
+SCANNED_ROWS = 24
 """From which waves are looked for."""
 WAVES_IN_RANGE = (1.5, 40.0)
 """Of a covariate's range, fewest and most."""
@@ -113,7 +113,7 @@ def _waves(values: Array, known: Mask) -> Iterator[Basis]:
     reach = float(np.ptp(given))
     if len(given) < SCANNED_ROWS or distinct < SCANNED_ROWS / 2 or reach <= 0.0:
         return
-    most = min(WAVES_IN_RANGE[1], distinct / 4.0)
+    most = min(WAVES_IN_RANGE[1], distinct / 3.0)
     counts = np.arange(WAVES_IN_RANGE[0], most, 0.5)
     for count in counts.tolist():
         angle = 2.0 * np.pi * count * np.where(known, values, 0.0) / reach

@@ -14,8 +14,9 @@ from diagnosis.inference.evidence import Evidence
 from diagnosis.inference.fit import Fit
 from diagnosis.inference.likelihood import robust_weight
 from diagnosis.inference.projection import beyond, orthonormal
-from diagnosis.inference.selection import TOLL
-from diagnosis.measured.channel import Array
+from diagnosis.inference.selection import TOLL, is_of_noise
+from diagnosis.measured.channel import Array, Mask
+from diagnosis.stages.base import Covariate, Observed, Shape
 
 TIMES = ("session_time_s", "t_s")
 """Covariates of the time since a measurement began; of those that a stage has, the first."""
@@ -30,8 +31,12 @@ def change_in_time(evidence: Evidence, nominal: Fit, fit: Fit) -> Structure | No
     if not fit.hypothesis.effects:
         return None
     root = np.where(evidence.fit, np.sqrt(evidence.weight * robust_weight(fit.z)), 0.0)
-    named = fit.left(fit.z, root)
+    left = fit.left(fit.z * fit.sd / nominal.sd, root)
     numbers = fit.hypothesis.size - nominal.hypothesis.size
+    # Both are compared by the nominal noise, but where another noise is named the rows are worth what that leaves them.
+    changes_noise = any(is_of_noise(fit, effect) for effect in fit.hypothesis.effects)
+    level = float(left @ left) / np.count_nonzero(root) if changes_noise else 1.0
+    named = float(left @ left) / level
     basis = orthonormal(nominal.tangents(root))
     residual = nominal.left(nominal.z, root)
     residual = residual - basis @ (basis.T @ residual)
@@ -47,26 +52,37 @@ def change_in_time(evidence: Evidence, nominal: Fit, fit: Fit) -> Structure | No
         weighed = columns * root[:, None]
         combined = beyond(weighed, basis[: len(root)].T @ weighed)
         along = combined.T @ (weighed.T @ residual[: len(root)])
-        squares = float(residual @ residual - along @ along) + TOLL * (combined.shape[1] + 1)
+        squares = float(residual @ residual - along @ along) / level + TOLL * (combined.shape[1] + 1)
         if best is None or squares < best[0]:
             best = squares, moment, columns
-    if best is None or best[0] >= float(named @ named) + TOLL * numbers:
+    if best is None or best[0] >= named + TOLL * numbers:
         return None
     squares, moment, columns = best
     fallen = [float(((root * nominal.z)[place] ** 2).sum()) for place in evidence.places]
     most = evidence.observed[int(np.argmax(fallen))]
-    covariates = [covariate.name for covariate in most.covariates]
-    name = next(name for name in TIMES if name in covariates)
+    rank, covariate = _along(most, evidence.fit[evidence.places[evidence.observed.index(most)]])
     return Structure(
         observed=most.name,
         channel=most.channel,
-        covariate=name,
+        covariate=covariate.name,
         what=f"jump at {moment:.4g} s",
         p=0.0,
-        explainable=float(named @ named) - squares + TOLL * (numbers + columns.shape[1]),
-        rank=covariates.index(name),
+        explainable=named - squares + TOLL * (numbers + columns.shape[1]),
+        rank=rank,
         basis=columns,
     )
+
+
+def _along(quantity: Observed, rows: Mask) -> tuple[int, Covariate]:
+    """Time and its rank, or the first covariate that went one way all the time, for which the same can be said."""
+    named = {covariate.name: covariate for covariate in quantity.covariates}
+    time = next(named[name] for name in TIMES if name in named)
+    order = np.argsort(time.values[rows], kind="stable")
+    for rank, covariate in enumerate(quantity.covariates):
+        steps = np.diff(covariate.values[rows][order])
+        if covariate is time or (covariate.shape is Shape.SMOOTH and (np.all(steps > 0.0) or np.all(steps < 0.0))):
+            return rank, covariate
+    raise AssertionError("time is a covariate")
 
 
 def _time_s(evidence: Evidence) -> Array:

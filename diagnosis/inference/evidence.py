@@ -1,6 +1,7 @@
 """All that was observed, of all stages, as one vector of samples; and its predictions by many robots at once."""
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
@@ -21,10 +22,10 @@ AT_ONCE = 48
 
 @dataclass(frozen=True)
 class FoundNoise:
-    """Of one observed quantity, where its source states none."""
+    """Of one observed quantity, where its source does not state all of it."""
 
     factor: float
-    """On the guess of the standard deviation that the stage made."""
+    """On the standard deviation that the stage states or guesses."""
     correlation: float
 
 
@@ -42,7 +43,7 @@ class Evidence:
     def __init__(self, stages: Sequence[Stage], noises: Mapping[str, FoundNoise] = MappingProxyType({})) -> None:
         self.stages = tuple(stages)
         self.noises = noises
-        """Of the quantities whose source states none."""
+        """Of the quantities whose source does not state all of it."""
         self._factors = {name: found.factor for name, found in noises.items()}
         self.observed: tuple[Observed, ...] = tuple(of for stage in stages for of in stage.observed)
         self.values = np.concatenate([of.values for of in self.observed])
@@ -53,8 +54,13 @@ class Evidence:
         self.fit: Mask = usable & ~holdout
         """(N,), samples that may choose and fit."""
         self.heldout: Mask = usable & holdout
-        lasting = [noises[of.name].correlation if of.name in noises else of.correlation for of in self.observed]
-        worth = [np.full(len(of.values), _independent(p)) for of, p in zip(self.observed, lasting, strict=True)]
+        self.correlations = [
+            noises[of.name].correlation if of.name in noises else of.correlation or 0.0 for of in self.observed
+        ]
+        """Of the noise of a sample with the next, of each observed quantity."""
+        worth = [
+            np.full(len(of.values), _independent(p)) for of, p in zip(self.observed, self.correlations, strict=True)
+        ]
         self.weight = np.concatenate(worth)
         """(N,), independent samples that one is worth, for noise that lasts longer than a row says less."""
 
@@ -74,6 +80,15 @@ class Evidence:
     def trial(self) -> NDArray[np.int64]:
         """(N,)."""
         return np.concatenate([of.trial for of in self.observed])
+
+    def without(self, channel: str) -> "Evidence":
+        """The same, with no rows of a channel to be fitted."""
+        others = copy(self)
+        others.fit = self.fit.copy()
+        for quantity, place in zip(self.observed, self.places, strict=True):
+            if quantity.channel == channel:
+                others.fit[place] = False
+        return others
 
     def of(self, robots: Sequence[RobotConfig]) -> Prediction:
         """By each robot; a sample that is not usable is predicted as NaN or anything."""

@@ -43,6 +43,8 @@ class Covariate:
     """(n,), the other coordinate where the covariate is a place in a plane."""
     labels: tuple[str, ...] = ()
     """Of the categories 0, 1, ..., where they have names."""
+    beside: str = ""
+    """Name of the covariate with which it acts together: what depends on the value before depends on the one now."""
 
 
 @dataclass(frozen=True)
@@ -58,8 +60,8 @@ class Observed:
     """(n,); NaN where not usable."""
     sd: Array
     """(n,), standard deviation of the noise of a good sample by the nominal robot."""
-    correlation: float
-    """Of the noise of one sample with that of the next."""
+    correlation: float | None
+    """Of the noise of a sample with that of the next; None where nobody knows, to be found from what a model leaves."""
     trial: NDArray[np.int64]
     """(n,), index of the trial in the measurement."""
     t_s: Array

@@ -18,9 +18,6 @@ from physics.robot_stack import alike, stacked
 from physics.wheel_turns import NO_LOAD, WheelLoad, counted_turns
 
 SIDES = ("left", "right")
-CORRELATION = 0.0
-"""Of neighbours: rounded ticks make it negative, disturbances of torque positive. Over more rows there is some, for
-which the stated noise has room: a log without effect had 0.75 of it, correlated 0.0, 0.18, 0.08 over 1, 2, 3 rows."""
 UNSTATED_RAD_S = 0.05
 """Noise where nobody states it."""
 
@@ -74,7 +71,8 @@ class Wheels:
             unit="rad/s",
             values=np.where(usable, speed, np.nan),
             sd=np.full(len(speed), sd),
-            correlation=CORRELATION,
+            # Rounded ticks make it negative from row to row, disturbances of torque positive over some.
+            correlation=None,
             trial=trial,
             t_s=joined(of.t_s for of in measurement.trials),
             holdout=holdout,
