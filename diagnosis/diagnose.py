@@ -22,9 +22,9 @@ from diagnosis.inference.noise_level import combined, found_noises, is_open
 from diagnosis.inference.rivals import Standing, standing
 from diagnosis.inference.scatter import with_scatter
 from diagnosis.inference.selection import Selection, is_of_noise, rescued, select
-from diagnosis.measured.measurement import Measurement
+from diagnosis.measured.measurement import Kind, Measurement
 from diagnosis.nominal_robot import nominal_robot
-from diagnosis.nuisances import nuisances
+from diagnosis.nuisances import Nuisance, command_timing, nuisances
 from diagnosis.stages import STAGES
 from diagnosis.stages.base import Stage
 from diagnosis.usual_tolerances import usual
@@ -125,7 +125,7 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     check_kind(measurement)
     where = _where(measurement)
     robot = _nominal(measurement, nominal)
-    bare = Hypothesis(robot, nuisances(measurement.nominal) if measurement.nominal is not None else usual(robot))
+    bare = Hypothesis(robot, _spreads(measurement, robot))
     stages = STAGES[measurement.kind](measurement, robot)
     if not stages:
         cure = "log voltages and counts, counts and poses, or poses and ranges"
@@ -198,6 +198,13 @@ def _nominal(measurement: Measurement, given: RobotConfig | None) -> RobotConfig
     """The robot given, or a shipped one, with the measurement's own nominal parameters in it."""
     carrier = given or draw_robot(load_section("robot", "nominal"), 0, "diagnosis")[0]
     return carrier if measurement.nominal is None else nominal_robot(measurement.nominal, carrier)
+
+
+def _spreads(measurement: Measurement, robot: RobotConfig) -> tuple[Nuisance, ...]:
+    """What may differ without anything being wrong: as the measurement states it, else what is usual."""
+    if measurement.nominal is not None:
+        return nuisances(measurement.nominal)
+    return (*usual(robot), command_timing()) if measurement.kind is Kind.DRIVE_LOG else usual(robot)
 
 
 def _left(evidence: Evidence, selection: Selection, left: Adequacy) -> Adequacy:

@@ -33,6 +33,10 @@ NEEDED = 16.0
 they explain beyond it, else the name may be another face of the unknown."""
 AS_MUCH = 0.8
 """Share of what another covariate explains, from which two tell the same."""
+MATERIAL = 9.0
+"""Fall of the cost below which nothing is structure, however sure it is. Where readings scatter as they are said to,
+chance alone allows as much; it matters where they scatter far less, as in a log that was simulated, in which a stage's
+own way of integrating would show."""
 EXPLAINED = 0.8
 """Share of what can be explained at all that names must explain to be kept."""
 
@@ -85,7 +89,7 @@ def adequacy(evidence: Evidence, fit: Fit) -> Adequacy:
             best: Structure | None = None
             for basis in bases(covariate, rows):
                 p, gain = tangents.test(place, rows, basis)
-                p = min(1.0, p * basis.tries)
+                p = min(1.0, p * basis.tries) if gain >= MATERIAL else 1.0
                 if best is None or p < best.p:
                     names = (quantity.name, quantity.channel, covariate.name)
                     columns = np.zeros((len(evidence.values), basis.columns.shape[1]))

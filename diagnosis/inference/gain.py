@@ -6,6 +6,7 @@ of the bootstrap over trials, or over blocks of rows where there are few trials,
 (Kuensch, Ann. Statist. 17 (1989) 1217-1241).
 """
 
+import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -40,11 +41,15 @@ class Gain:
 
 def gain(evidence: Evidence, nominal: RobotConfig, extended: RobotConfig) -> Gain | None:
     """On the held-out rows; None where there are none."""
+    return gain_of(evidence, evidence.of([nominal, extended]).mean) if evidence.heldout.any() else None
+
+
+def gain_of(evidence: Evidence, mean: Array) -> Gain | None:
+    """The same of what both robots predict, (2, N)."""
     rows = evidence.heldout
     if not rows.any():
         return None
-    prediction = evidence.of([nominal, extended])
-    z = np.abs((evidence.values - prediction.mean) / evidence.sd)
+    z = np.abs((evidence.values - mean) / evidence.sd)
     stages = [rows & (evidence.of_stage == k) for k in range(len(evidence.stages))]
     of_stages = [(z[:, stage], _blocks(evidence)[stage]) for stage in stages if stage.any()]
     before, after = (_error([sizes[k] for sizes, _ in of_stages]) for k in (0, 1))
@@ -61,11 +66,20 @@ def gain(evidence: Evidence, nominal: RobotConfig, extended: RobotConfig) -> Gai
     return Gain(1.0 - after / before if before > 0.0 else 0.0, low, high, before, after, tuple(by_quantity))
 
 
+def of_quantity(evidence: Evidence, place: slice) -> Evidence:
+    """The same evidence, of which the held-out rows of one observed quantity alone count."""
+    found = copy.copy(evidence)
+    found.heldout = np.zeros_like(evidence.heldout)
+    found.heldout[place] = evidence.heldout[place]
+    return found
+
+
 def _error(parts: Sequence[Array]) -> float:
-    return float(np.sqrt(np.mean([_trimmed(part) ** 2 for part in parts])))
+    return float(np.sqrt(np.mean([trimmed_rms(part) ** 2 for part in parts])))
 
 
-def _trimmed(size: Array) -> float:
+def trimmed_rms(size: Array) -> float:
+    """Root mean square of sizes (n,), without the largest 3 %."""
     kept = np.sort(size)[: _kept(len(size))]
     return float(np.sqrt(np.mean(kept**2)))
 
