@@ -180,7 +180,19 @@ class NominalDrive(Section):
     noise: DriveNoise
 
 
-Nominal = NominalSteady | NominalStep | NominalTof | NominalDrive
+class KnownMotor(Section):
+    """All that a source which is no case of ours tells of a motor: no noise, and so no nominal.yaml."""
+
+    motor: NominalMotor
+
+
+class KnownWheels(Section):
+    """The same of a driven robot: its wheels alone, neither motors nor ranges."""
+
+    robot: NominalRobot
+
+
+Nominal = NominalSteady | NominalStep | NominalTof | NominalDrive | KnownMotor | KnownWheels
 
 NOMINAL = "nominal.yaml"
 MODELS: dict[str, type[NominalSteady | NominalStep | NominalTof | NominalDrive]] = {
