@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from configs.schema.base import Section
 from configs.schema.robot import RobotConfig
+from configs.schema.terms.drive import WheelRadiusAsymmetry
 from configs.schema.terms.motor import InputDelay
 from configs.schema.terms.range_bench import RangeOffset, RangeScale
 from diagnosis.measured.nominal import KnownWheels, Nominal, NominalDrive, NominalRobot, NominalTof, PositiveSpread, Spread
@@ -52,6 +53,7 @@ def _all(nominal: Nominal) -> Iterator[Nuisance]:
         return
     if isinstance(nominal, KnownWheels):
         yield from _wheels(nominal.robot)
+        yield _wheel_asymmetry(nominal.wheel_radius_asymmetry)
         return
     for name, field in nominal.motor:
         if isinstance(field, (PositiveSpread, Spread)):
@@ -65,6 +67,15 @@ def _all(nominal: Nominal) -> Iterator[Nuisance]:
 def _wheels(robot: NominalRobot) -> Iterator[Nuisance]:
     yield _number("drive", "wheel_diameter_m", "wheel_radius_m", robot.wheel_radius_m, 2.0)
     yield _number("drive", "track_m", "wheel_separation_m", robot.wheel_separation_m, 1.0)
+
+
+def _wheel_asymmetry(spread: Spread) -> Nuisance:
+    def change(robot: RobotConfig, value: Number) -> RobotConfig:
+        present = robot.terms.wheel_radius_asymmetry
+        before = 0.0 if present is None else present.asymmetry
+        return robot.with_term(WheelRadiusAsymmetry.model_construct(asymmetry=before + value))
+
+    return Nuisance("wheel_radius_asymmetry", spread.value, spread.tolerance, "1", change)
 
 
 TIMING_S = 1e-3

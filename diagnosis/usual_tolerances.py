@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from functools import partial
 
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.nominal import KnownWheels, NominalRobot, PositiveSpread
+from diagnosis.measured.nominal import KnownWheels, NominalRobot, PositiveSpread, Spread
 from diagnosis.nuisances import UNITS, Nuisance, Number
 
 SHARES: Mapping[str, float] = {
@@ -20,6 +20,8 @@ SHARES: Mapping[str, float] = {
 }
 WHEEL_SHARE = 0.006
 """Of a radius: half a millimetre of a diameter of some centimetres, to which a rubber tyre is measured."""
+PAIR_SHARE = 0.003
+"""Of the mean radius, by which two wheels of one make differ: rubber yields, and one side carries more (as below)."""
 TRACK_SHARE = 0.01
 """Of the wheel separation: a tyre touches the floor along a line, and where on it the wheel turns about nobody knows
 (Borenstein and Feng, IEEE Trans. Robotics and Automation 12 (1996) 869-880)."""
@@ -42,7 +44,8 @@ def usual_wheels(*, diameter_m: float, track_m: float, counts_per_turn: float) -
             wheel_radius_m=PositiveSpread(value=radius_m, tolerance=WHEEL_SHARE * radius_m),
             wheel_separation_m=PositiveSpread(value=track_m, tolerance=TRACK_SHARE * track_m),
             encoder_ticks_per_revolution=counts_per_turn,
-        )
+        ),
+        wheel_radius_asymmetry=Spread(value=0.0, tolerance=PAIR_SHARE),
     )
 
 

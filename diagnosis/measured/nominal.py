@@ -190,6 +190,8 @@ class KnownWheels(Section):
     """The same of a driven robot: its wheels alone, neither motors nor ranges."""
 
     robot: NominalRobot
+    wheel_radius_asymmetry: Spread
+    """Difference of the left radius and the right one, over their mean."""
 
 
 Nominal = NominalSteady | NominalStep | NominalTof | NominalDrive | KnownMotor | KnownWheels
