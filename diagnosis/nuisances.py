@@ -15,7 +15,15 @@ from configs.schema.robot import RobotConfig
 from configs.schema.terms.drive import WheelRadiusAsymmetry
 from configs.schema.terms.motor import InputDelay
 from configs.schema.terms.range_bench import RangeOffset, RangeScale
-from diagnosis.measured.nominal import KnownWheels, Nominal, NominalDrive, NominalRobot, NominalTof, PositiveSpread, Spread
+from diagnosis.measured.nominal import (
+    KnownWheels,
+    Nominal,
+    NominalDrive,
+    NominalRobot,
+    NominalTof,
+    PositiveSpread,
+    Spread,
+)
 
 Number = float | NDArray[np.float64]
 

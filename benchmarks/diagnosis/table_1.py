@@ -78,7 +78,9 @@ def _left_out(extra: Extra | None) -> float:
         volts = np.linalg.lstsq(_regressors(extra, u, i, w)[rest], u[rest], rcond=None)[0]
         slope, begin = np.polyfit(w[rest], i[rest], 1)
 
-        def surplus_V(speed: float, k: int = k, volts: Array = volts, slope: float = slope, begin: float = begin) -> float:
+        def surplus_V(
+            speed: float, k: int = k, volts: Array = volts, slope: float = slope, begin: float = begin
+        ) -> float:
             of = (np.array([value]) for value in (u[k], begin + slope * speed, speed))
             return float((_regressors(extra, *of) @ volts)[0] - u[k])
 
@@ -160,7 +162,9 @@ def table_1() -> str:
     rms = {}
     for name, fit in (("before", of.selection.nominal), ("after", of.fit)):
         rms[name] = {k: float(np.sqrt(np.nanmean(v[1:] ** 2))) for k, v in leave_one_out(of.evidence, fit).items()}
-    lines = ["The diagnosis names " + "; ".join(_told(n.name, n.values, n.std, n.standing.confidence) for n in of.named)]
+    lines = [
+        "The diagnosis names " + "; ".join(_told(n.name, n.values, n.std, n.standing.confidence) for n in of.named)
+    ]
     lines += [
         f"{quantity}: a row left out is missed by {rms['before'][quantity]:.3g} before and {rms['after'][quantity]:.3g} after"
         for quantity in rms["before"]
@@ -180,7 +184,11 @@ def table_1() -> str:
         f"| drag with the square of speed | {1e6 * wanted:.0f}e-6 N m s2/rad2 | ruled out: the current allows "
         f"{1e6 * found:.1f} +- {1e6 * error:.1f} of these | - |"
     )
-    lines += ["", "| effect alone, by the diagnosis | number | fall of the cost | speed left out [rad/s] |", "|---|---|---|---|"]
+    lines += [
+        "",
+        "| effect alone, by the diagnosis | number | fall of the cost | speed left out [rad/s] |",
+        "|---|---|---|---|",
+    ]
     base = of.selection.nominal
     for effect in of.candidates.testable:
         having = base.hypothesis.with_effect(effect)
@@ -189,9 +197,13 @@ def table_1() -> str:
         begun = start.copy()
         begun[having.parameters(effect)] = [c.start for c in effect.coordinates]
         best = min(fits(of.evidence, [(having, start), (having, begun)]), key=lambda fit: fit.cost)
-        numbers = ", ".join(f"{k} {v:.3g} +- {best.std(effect)[k]:.2g}" for k, v in having.values(effect, best.x).items())
+        numbers = ", ".join(
+            f"{k} {v:.3g} +- {best.std(effect)[k]:.2g}" for k, v in having.values(effect, best.x).items()
+        )
         left = float(np.sqrt(np.nanmean(leave_one_out(of.evidence, best)["omega_rad_s"][1:] ** 2)))
-        lines.append(f"| {effect.name} | {numbers} | {base.cost - best.cost:.1f} of {needed(effect):.0f} | {left:.3f} |")
+        lines.append(
+            f"| {effect.name} | {numbers} | {base.cost - best.cost:.1f} of {needed(effect):.0f} | {left:.3f} |"
+        )
     return "\n".join(lines)
 
 

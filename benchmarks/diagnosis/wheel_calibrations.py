@@ -34,17 +34,20 @@ def odometry(run: Array, wheels: Wheels, counts_per_turn: float) -> Array:
 
 
 def by_whole_paths(runs: Sequence[Array], nominal: Wheels, counts_per_turn: float) -> Wheels:
-    """Both diameters and the track for which all places of all runs are hit best, in the sense of least squares.
+    """Both diameters and the track for which all poses of all runs are hit best, in the sense of least squares.
 
-    That is what the authors of the OptiOdom data minimise (Sousa et al., J. Intell. Robot. Syst. 105:39 (2022)), by
-    another way downhill.
+    The authors of the OptiOdom data fit whole paths too (Sousa et al., J. Intell. Robot. Syst. 105:39 (2022)). A radian
+    counts as half the track, the way of a wheel about the middle, without which turns on the spot would say nothing.
     """
     start = np.array([nominal.left_diameter_m, nominal.right_diameter_m, nominal.track_m])
 
     def missed(factors: Array) -> Array:
         wheels = Wheels(*(start * factors).tolist())
-        return np.concatenate([(odometry(run, wheels, counts_per_turn)[:, :2] - run[:, 1:3]).ravel() for run in runs])
+        return np.concatenate(
+            [(lever * (odometry(run, wheels, counts_per_turn) - run[:, 1:4])).ravel() for run in runs]
+        )
 
+    lever = np.array([1.0, 1.0, nominal.track_m / 2.0])
     return Wheels(*(start * least_squares(missed, np.ones(3), x_scale=1e-3, diff_step=1e-5).x).tolist())
 
 
@@ -86,8 +89,10 @@ def with_turned_camera(runs: Sequence[Array], nominal: Wheels, counts_per_turn: 
         found = []
         for run in runs:
             path = turned(odometry(run, wheels, counts_per_turn), off)
-            found.append((path[:, :2] - run[:, 1:3]).ravel())
+            found.append((lever * (path - run[:, 1:4])).ravel())
         return np.concatenate(found)
+
+    lever = np.array([1.0, 1.0, nominal.track_m / 2.0])
 
     best = least_squares(missed, np.array([1.0, 1.0, 1.0, 0.0]), x_scale=np.array([1e-3] * 3 + [0.1]), diff_step=1e-5).x
     return Wheels(*(start * best[:3]).tolist()), float(1e-2 * best[3])

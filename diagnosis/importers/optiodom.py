@@ -87,9 +87,7 @@ def _read(path: Path) -> Measurement:
         "MIT",
     )
     trials = tuple(trial for trial, _ in read)
-    nominal = usual_wheels(
-        diameter_m=WHEEL_DIAMETER_M, track_m=TRACK_M, counts_per_turn=ENCODER_TICKS_PER_REVOLUTION
-    )
+    nominal = usual_wheels(diameter_m=WHEEL_DIAMETER_M, track_m=TRACK_M, counts_per_turn=ENCODER_TICKS_PER_REVOLUTION)
     name = path.absolute().name
     return Measurement(name, Kind.DRIVE_LOG, source, trials, nominal, tuple(dict.fromkeys(notes)))
 

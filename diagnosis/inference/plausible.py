@@ -44,13 +44,13 @@ LIMITS: Mapping[tuple[str, str], Limit] = {
     ("speed_scale", "scale"): Limit(
         0.25, 4.0, "a code wheel read by one edge for four, or four for one; other gear ratios lie between"
     ),
-    ("encoder_ticks_scale", "scale"): Limit(0.25, 4.0, "as of speed_scale"),
+    ("encoder_ticks_scale", "scale"): Limit(0.5, 2.0, "one edge counted for two, or two for one"),
     ("bridge_voltage_drop", "drop_V"): Limit(
         0.0, 5.0, "both transistors of an L298 lose 1.8 V at 1 A and at most 4.9 V at 2 A by its datasheet"
     ),
     ("current_sensor_gain", "gain"): Limit(0.5, 2.0, "a shunt of the next value in a series of three a decade"),
     ("wheel_radius_scale", "scale"): Limit(0.9, 1.1, "another tyre would be seen; wear and load are some per cent"),
-    ("wheel_radius_asymmetry", "asymmetry"): Limit(-0.05, 0.05, "two wheels of one make; one per cent is much"),
+    ("wheel_radius_asymmetry", "asymmetry"): Limit(-0.1, 0.1, "two wheels of one make; one per cent is much"),
     ("wheelbase_scale", "scale"): Limit(0.9, 1.1, "a tyre touches the floor within its own breadth"),
 }
 """By name of the effect and of its number. What is not listed has no size that is impossible."""

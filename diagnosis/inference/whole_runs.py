@@ -65,6 +65,19 @@ class WholeRuns:
         path = self._pose.path(robot, self._starts)
         return seen_from_body(self._starts[:, None, 2], path[np.stack(self._points)] - self._measured)
 
+    def free_of_start(self, errors: Array) -> Array:
+        """Errors (..., runs, PARTS, 3) less what a wrong heading at the start makes of the places, run by run.
+
+        A single camera frame says that heading, and a body that is tracked may stand askew on the robot: both turn the
+        whole path about its start and say nothing of the wheels.
+        """
+        way = seen_from_body(self._starts[:, None, 2], self._measured - self._starts[:, None, :])[..., :2]
+        across = np.stack([-way[..., 1], way[..., 0]], axis=-1)
+        angle = (across * errors[..., :2]).sum(axis=(-1, -2)) / np.maximum((way**2).sum(axis=(-1, -2)), LEAST**2)
+        found = errors.copy()
+        found[..., :2] -= angle[..., None, None] * across
+        return found
+
 
 @dataclass(frozen=True)
 class WholeRunFit:
@@ -130,7 +143,7 @@ def _fit(runs: WholeRuns, hypothesis: Hypothesis, x: Array) -> WholeRunFit:
     information = np.diag(priors.astype(float))
     for _ in range(STEPS):
         around = np.concatenate([x[None], x + STEP * np.eye(len(x))])
-        errors = np.stack([runs.errors(robot) for robot in hypothesis.robots(around)])
+        errors = runs.free_of_start(np.stack([runs.errors(robot) for robot in hypothesis.robots(around)]))
         weight = 1.0 / (_scatter(errors[0]) * np.sqrt(PARTS))
         z = (errors[0] * weight).ravel()
         slopes = ((errors[1:] - errors[0]) * weight / STEP).reshape(len(x), -1)
@@ -142,7 +155,7 @@ def _fit(runs: WholeRuns, hypothesis: Hypothesis, x: Array) -> WholeRunFit:
         x = np.clip(x + step, low, high)
         if np.max(np.abs(step), initial=0.0) < SETTLED:
             break
-    scatter = _scatter(runs.errors(hypothesis.robot(x)))
+    scatter = _scatter(runs.free_of_start(runs.errors(hypothesis.robot(x))))
     cost = runs.count * float(np.log(scatter**2).sum()) + float((hypothesis.prior(x) ** 2).sum())
     covariance = np.linalg.pinv(information, rcond=1e-12, hermitian=True)
     return WholeRunFit(hypothesis, x, covariance, cost, float(scatter[0]), float(scatter[2]))

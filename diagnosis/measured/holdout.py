@@ -11,7 +11,6 @@ from fnmatch import fnmatchcase
 import numpy as np
 
 from configs.errors import InputError, nearest
-from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
 
 EVERY = 3
@@ -59,9 +58,3 @@ def of_part(measurement: Measurement, part: str) -> Measurement:
         what = "no trial is of that part"
         raise InputError(what, where=where, got=part, allowed=", ".join(parts) or "none", nearest=nearest(part, parts))
     return replace(measurement, name=f"{measurement.name}-{part.replace(' ', '-')}", trials=trials)
-
-
-def every(rows: int, first: int = EVERY) -> Mask:
-    """(rows,), every third one from the given one on, counted from 1."""
-    number = np.arange(1, rows + 1)
-    return (number >= first) & ((number - first) % EVERY == 0)
