@@ -26,8 +26,8 @@ Array = NDArray[np.float64]
 
 KINDS = ("square", "circular", "ivanjko")
 METHODS = ("nominal", "umbmark", "whole paths", "windows", "extended", "and camera")
-"""`whole paths` is the authors' kind of calibration; `windows` is the diagnosis as its windows leave it, `extended` with
-its numbers fitted to whole runs; `and camera` a calibration by whole paths that may turn the camera's body too."""
+"""`whole paths` is the authors' kind of calibration; `windows` is the diagnosis as its windows leave it, `extended`
+with its numbers fitted to whole runs; `and camera` a calibration by whole paths that may turn the camera's body too."""
 NOMINAL = Wheels(WHEEL_DIAMETER_M, WHEEL_DIAMETER_M, TRACK_M)
 COUNTS = ENCODER_TICKS_PER_REVOLUTION
 FEWEST_RUNS = 6

@@ -1,7 +1,7 @@
 """The paper's Table 1 by regressions of its own, beside what the diagnosis makes of it.
 
-Of the rows that move, u = R i + K w and i = a + b w are straight lines; the first takes one number more for each mechanism
-that could bend the speed. What number the bend needs is then held against what a motor of this size can have.
+Of the rows that move, u = R i + K w and i = a + b w are straight lines; the first takes one number more for each
+mechanism that could bend the speed. What number the bend needs is then held against what a motor of this size can have.
 """
 
 from collections.abc import Callable, Mapping
@@ -101,11 +101,9 @@ def _told_counts(number: float, error: float) -> tuple[str, str]:
     _, constant = np.linalg.lstsq(np.stack(_moving()[1:], axis=1), _moving()[0], rcond=None)[0]
     top = TABLE_1.speed_rad_s[-1]
     share, spread = number * top / constant, error * top / constant
-    return (
-        f"{100 * share:.1f} +- {100 * spread:.1f} % of the counts at {top:.1f} rad/s, where "
-        f"{3840 * top / (2 * np.pi):.0f} of them come in a second",
-        "possible where an interrupt counts them",
-    )
+    per_s = 3840 * top / (2 * np.pi)
+    size = f"{100 * share:.1f} +- {100 * spread:.1f} % of the counts at {top:.1f} rad/s, where {per_s:.0f} come in a second"
+    return size, "possible where an interrupt counts them"
 
 
 def _told_constant(number: float, error: float) -> tuple[str, str]:
@@ -132,24 +130,40 @@ def _told_drop(number: float, error: float) -> tuple[str, str]:
     return f"{number:.2f} +- {error:.2f} V", "ruled out: bends nothing, and would have to add voltage"
 
 
+def _source(u: Array, i: Array, w: Array) -> Array:
+    del w
+    return (u / SUPPLY_V) ** 2 * i
+
+
+def _square(u: Array, i: Array, w: Array) -> Array:
+    del u, i
+    return w**2
+
+
 def _heat(u: Array, i: Array, w: Array) -> Array:
+    """Of a resistance that grows with the power in the winding, i^2."""
     del u, w
     return i**3
 
 
+def _constant(u: Array, i: Array, w: Array) -> Array:
+    del i, w
+    return np.ones_like(u)
+
+
 _CANDIDATES: tuple[tuple[str, Extra, Callable[[float, float], tuple[str, str]]], ...] = (
-    ("resistance of the supply", lambda u, i, w: (u / SUPPLY_V) ** 2 * i, _told_sag),
-    ("counts lost at speed", lambda u, i, w: w**2, _told_counts),
-    ("torque constant that grows with speed", lambda u, i, w: w**2, _told_constant),
+    ("resistance of the supply", _source, _told_sag),
+    ("counts lost at speed", _square, _told_counts),
+    ("torque constant that grows with speed", _square, _told_constant),
     ("winding that gets warm", _heat, _told_heat),
-    ("drop of bridge or brushes", lambda u, i, w: np.ones_like(u), _told_drop),
+    ("drop of bridge or brushes", _constant, _told_drop),
 )
 
 
 def drag() -> tuple[float, float, float]:
-    """Of a drag c w^2 [N m s^2/rad^2]: what the bend of the speed needs, and what the current allows, with its error."""
+    """Of a drag c w^2 [N m s^2/rad^2]: what the bent speed needs, and what the current allows, with its error."""
     u, i, w = _moving()
-    resistance, constant, number = np.linalg.lstsq(_regressors(_CANDIDATES[1][1], u, i, w), u, rcond=None)[0]
+    resistance, constant, number = np.linalg.lstsq(_regressors(_square, u, i, w), u, rcond=None)[0]
     H = np.stack([np.ones_like(w), w, w**2], axis=1)
     found, (squares,), _, _ = np.linalg.lstsq(H, constant * i, rcond=None)
     covariance = np.linalg.inv(H.T @ H) * squares / (len(w) - 3)
@@ -166,15 +180,16 @@ def table_1() -> str:
         "The diagnosis names " + "; ".join(_told(n.name, n.values, n.std, n.standing.confidence) for n in of.named)
     ]
     lines += [
-        f"{quantity}: a row left out is missed by {rms['before'][quantity]:.3g} before and {rms['after'][quantity]:.3g} after"
+        f"{quantity}: a row left out is missed by {rms['before'][quantity]:.3g} before, {rms['after'][quantity]:.3g} after"
         for quantity in rms["before"]
     ]
     for row in stuck_rows(of.measurement, of.nominal):
         coulomb = of.nominal.motor.coulomb_friction_N_m
         lines.append(
-            f"row {row.row}, {row.voltage_V:g} V: stands still where the nominal motor turns at {row.nominal_speed_rad_s:.2f} "
-            f"rad/s. Friction holds {1e3 * row.holds_N_m:.1f} mN m, {row.holds_N_m / coulomb:.2f} times the Coulomb friction, and "
-            f"less than {1e3 * (row.moves_N_m or np.nan):.1f} mN m, with which it moves at {row.moves_at_V:g} V; u / i is "
+            f"row {row.row}, {row.voltage_V:g} V: stands still where the nominal motor turns at "
+            f"{row.nominal_speed_rad_s:.2f} rad/s. Friction holds {1e3 * row.holds_N_m:.1f} mN m, "
+            f"{row.holds_N_m / coulomb:.2f} times the Coulomb friction, and less than "
+            f"{1e3 * (row.moves_N_m or np.nan):.1f} mN m, with which it moves at {row.moves_at_V:g} V; u / i is "
             f"{row.resistance_ohm:.2f} ohm there, {of.nominal.motor.winding_resistance_ohm:.2f} by the paper's line."
         )
     lines += ["", "| mechanism | size it needs | verdict | speed left out [rad/s] |", "|---|---|---|---|"]

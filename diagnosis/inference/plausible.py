@@ -1,7 +1,7 @@
 """How large an effect can be in a small robot at all, so that a name which needs more is ruled out by its size.
 
-A fit knows no physics beyond its model: given the freedom it takes a supply of twenty ohms. The limits here are generous,
-what is hardly ever met in gear motors of some watts, their drivers, cells and tyres; each says why.
+A fit knows no physics beyond its model: given the freedom it takes a supply of twenty ohms. The limits here are
+generous, what is hardly ever met in gear motors of some watts, their drivers, cells and tyres; each says why.
 """
 
 from collections.abc import Mapping

@@ -27,7 +27,7 @@ class StuckRow:
     nominal_speed_rad_s: float
     """At which the nominal motor would turn."""
     holds_N_m: float
-    """Torque of the motor at standstill, which friction holds: by the current, else by voltage and nominal resistance."""
+    """Torque of the motor at standstill, which friction holds: by the current, else by voltage and resistance."""
     resistance_ohm: float
     """Voltage over current; NaN without one."""
     moves_at_V: float | None

@@ -1,7 +1,7 @@
 """The numbers of a drive fitted to whole runs: what adds up along the way says most of itself at the end.
 
-Windows of half a second tell which link of the chain is wrong. But a wheel that is a thousandth too large lies far below
-the noise of a window, and a robust loss takes the skewness of that noise for a shift; over a run the same error adds up
+Windows of half a second tell which link of the chain is wrong. But a wheel that is a thousandth too large lies far
+below the noise of a window, and a robust loss takes the skewness of that noise for a shift; over a run the same error adds up
 to many times what the camera scatters. So the poses of each run are predicted from its first one and the counts alone,
 as calibrations by whole paths do (Borenstein and Feng, IEEE Trans. Robotics and Automation 12 (1996) 869-880; Sousa et
 al., J. Intell. Robot. Syst. 105:39 (2022)), and held against the log at PARTS points of it.

@@ -194,7 +194,9 @@ class KnownWheels(Section):
     """Difference of the left radius and the right one, over their mean."""
 
 
-Nominal = NominalSteady | NominalStep | NominalTof | NominalDrive | KnownMotor | KnownWheels
+NominalCase = NominalSteady | NominalStep | NominalTof | NominalDrive
+"""What a nominal.yaml holds."""
+Nominal = NominalCase | KnownMotor | KnownWheels
 
 NOMINAL = "nominal.yaml"
 MODELS: dict[str, type[NominalSteady | NominalStep | NominalTof | NominalDrive]] = {
@@ -215,7 +217,7 @@ def kind_of(path: Path) -> object:
     return kind.plain() if kind else None
 
 
-def read_nominal(path: Path) -> Nominal:
+def read_nominal(path: Path) -> NominalCase:
     """The parameters of one case.
 
     Raises:
