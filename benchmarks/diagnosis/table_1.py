@@ -102,8 +102,8 @@ def _told_counts(number: float, error: float) -> tuple[str, str]:
     top = TABLE_1.speed_rad_s[-1]
     share, spread = number * top / constant, error * top / constant
     per_s = 3840 * top / (2 * np.pi)
-    size = f"{100 * share:.1f} +- {100 * spread:.1f} % of the counts at {top:.1f} rad/s, where {per_s:.0f} come in a second"
-    return size, "possible where an interrupt counts them"
+    size = f"{100 * share:.1f} +- {100 * spread:.1f} % of the counts"
+    return f"{size} at {top:.1f} rad/s, where {per_s:.0f} come in a second", "possible where an interrupt counts them"
 
 
 def _told_constant(number: float, error: float) -> tuple[str, str]:
@@ -180,7 +180,7 @@ def table_1() -> str:
         "The diagnosis names " + "; ".join(_told(n.name, n.values, n.std, n.standing.confidence) for n in of.named)
     ]
     lines += [
-        f"{quantity}: a row left out is missed by {rms['before'][quantity]:.3g} before, {rms['after'][quantity]:.3g} after"
+        f"{quantity}: a row left out is missed by {rms['before'][quantity]:.3g}, then by {rms['after'][quantity]:.3g}"
         for quantity in rms["before"]
     ]
     for row in stuck_rows(of.measurement, of.nominal):

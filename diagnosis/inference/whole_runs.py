@@ -1,10 +1,10 @@
 """The numbers of a drive fitted to whole runs: what adds up along the way says most of itself at the end.
 
 Windows of half a second tell which link of the chain is wrong. But a wheel that is a thousandth too large lies far
-below the noise of a window, and a robust loss takes the skewness of that noise for a shift; over a run the same error adds up
-to many times what the camera scatters. So the poses of each run are predicted from its first one and the counts alone,
-as calibrations by whole paths do (Borenstein and Feng, IEEE Trans. Robotics and Automation 12 (1996) 869-880; Sousa et
-al., J. Intell. Robot. Syst. 105:39 (2022)), and held against the log at PARTS points of it.
+below the noise of a window, and a robust loss takes the skewness of that noise for a shift; over a run the same error
+adds up to many times what the camera scatters. So the poses of each run are predicted from its first one and the counts
+alone, as calibrations by whole paths do (Borenstein and Feng, IEEE Trans. Robotics and Automation 12 (1996) 869-880;
+Sousa et al., J. Intell. Robot. Syst. 105:39 (2022)), and held against the log at PARTS points of it.
 
 Errors at points of one run are one story: together they count as one place and one heading. How far a run strays beside
 the model nobody knows beforehand, so that the cost is minus twice the likelihood with that scatter profiled out: n log
