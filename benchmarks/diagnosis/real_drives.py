@@ -218,9 +218,7 @@ def _unexplained(of: Diagnosis) -> tuple[str, ...]:
     best = {}
     for structure in of.adequacy.structures if of.unexplained else ():
         if structure.p < 1e-3:
-            best.setdefault(
-                structure.observed, f"{structure.observed} along {structure.covariate} (p {structure.p:.0e})"
-            )
+            best.setdefault(structure.observed, f"{structure.observed} along {structure.covariate} ({structure.what})")
     return tuple(best.values())
 
 

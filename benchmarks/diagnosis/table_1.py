@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from diagnosis.diagnose import diagnose
+from diagnosis.diagnose import Diagnosis, diagnose
 from diagnosis.importers.paper import IMPORTER
 from diagnosis.inference.fit import fits
 from diagnosis.inference.leave_one_out import leave_one_out
@@ -173,6 +173,11 @@ def drag() -> tuple[float, float, float]:
 def table_1() -> str:
     """The whole story as Markdown."""
     of = diagnose(IMPORTER.read(Path("table-1")))
+    return "\n".join([*diagnosed(of), "", *_mechanism_table(), "", *_effect_table(of)])
+
+
+def diagnosed(of: Diagnosis) -> list[str]:
+    """What was named, what it mends of rows left out, and the stuck rows."""
     rms = {}
     for name, fit in (("before", of.selection.nominal), ("after", of.fit)):
         rms[name] = {k: float(np.sqrt(np.nanmean(v[1:] ** 2))) for k, v in leave_one_out(of.evidence, fit).items()}
@@ -192,15 +197,23 @@ def table_1() -> str:
             f"{1e3 * (row.moves_N_m or np.nan):.1f} mN m, with which it moves at {row.moves_at_V:g} V; u / i is "
             f"{row.resistance_ohm:.2f} ohm there, {of.nominal.motor.winding_resistance_ohm:.2f} by the paper's line."
         )
-    lines += ["", "| mechanism | size it needs | verdict | speed left out [rad/s] |", "|---|---|---|---|"]
+    return lines
+
+
+def _mechanism_table() -> list[str]:
+    lines = ["| mechanism | size it needs | verdict | speed left out [rad/s] |", "|---|---|---|---|"]
     lines += [f"| {m.name} | {m.size} | {m.verdict} | {m.missed_rad_s:.3f} |" for m in mechanisms()]
     wanted, found, error = drag()
     lines.append(
         f"| drag with the square of speed | {1e6 * wanted:.0f}e-6 N m s2/rad2 | ruled out: the current allows "
         f"{1e6 * found:.1f} +- {1e6 * error:.1f} of these | - |"
     )
-    lines += [
-        "",
+    return lines
+
+
+def _effect_table(of: Diagnosis) -> list[str]:
+    """Each effect that the bench can show, alone on the nominal motor."""
+    lines = [
         "| effect alone, by the diagnosis | number | fall of the cost | speed left out [rad/s] |",
         "|---|---|---|---|",
     ]
@@ -219,7 +232,7 @@ def table_1() -> str:
         lines.append(
             f"| {effect.name} | {numbers} | {base.cost - best.cost:.1f} of {needed(effect):.0f} | {left:.3f} |"
         )
-    return "\n".join(lines)
+    return lines
 
 
 def _told(name: str, values: Mapping[str, float], std: Mapping[str, float], confidence: float) -> str:

@@ -82,7 +82,7 @@ def test_optiodom_turns_left_where_the_right_wheel_goes_further():
         assert turned == pytest.approx(trial["theta_rad"].values[-1], rel=0.1)
 
 
-@pytest.mark.parametrize("session", ["ivanjko/250620201618", "circular/250620202104"])
+@pytest.mark.parametrize("session", ["square/230620202144", "circular/250620202104"])
 def test_held_out_runs_end_no_further_off_than_by_a_calibration_of_the_trade(session, monkeypatch):
     """Least squares over whole paths for both diameters and the track, with a code of its own, on the same runs."""
     monkeypatch.syspath_prepend(str(Path(__file__).parents[3] / "benchmarks" / "diagnosis"))
