@@ -69,7 +69,7 @@ def _all(nominal: Nominal) -> Iterator[Nuisance]:
     if isinstance(nominal, NominalDrive):
         yield from _wheels(nominal.robot)
         yield _range_offset(nominal.tof.range_offset_m)
-        yield _command_timing()
+        yield command_timing()
 
 
 def _wheels(robot: NominalRobot) -> Iterator[Nuisance]:
@@ -91,7 +91,9 @@ TIMING_S = 1e-3
 and in a simulation the way of integrating. A delay that matters in rows of 50 ms is many times that."""
 
 
-def _command_timing() -> Nuisance:
+def command_timing() -> Nuisance:
+    """Of a drive's voltages."""
+
     def change(robot: RobotConfig, value: Number) -> RobotConfig:
         present = robot.terms.input_delay
         before = 0.0 if present is None else present.delay_s
