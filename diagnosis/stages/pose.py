@@ -15,7 +15,7 @@ import numpy as np
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Array, Mask
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import NominalDrive
+from diagnosis.measured.nominal import KnownWheels, NominalDrive
 from diagnosis.measured.screening import noise_of
 from diagnosis.stages.base import Covariate, Observed, Predicted, Shape
 from diagnosis.stages.distinct import distinct
@@ -154,7 +154,8 @@ class Pose:
         sds, correlations = self._noise(measurement, nominal)
         holdout = joined(t.holdout for t in measurement.trials)
         usable: Mask = self._complete & np.isfinite(values).all(axis=-1)
-        if not isinstance(measurement.nominal, NominalDrive):
+        if isinstance(measurement.nominal, KnownWheels):
+            # A real camera's noise; of runs that we made ourselves nothing scatters, and the guess stands.
             rows = usable & ~(holdout[first] | holdout[last])
             found = [window_noise(values[:, k] - predicted[:, k], trial, rows, SHARE_NO_POSE) for k in range(3)]
             sds = tuple(sd if of is None else np.full(len(sd), of) for sd, of in zip(sds, found, strict=True))
