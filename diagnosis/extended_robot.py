@@ -142,6 +142,10 @@ def _rounded(config: RobotConfig, nominal: RobotConfig) -> tuple[RobotConfig, di
             *above, last = map(str, fault["loc"])
             for key in above:
                 section, own = section[key], own[key]
+            if fault["type"] == "int_type":
+                moved[*above, last] = f"the whole number next to {section[last]:g}"
+                section[last] = round(section[last])
+                continue
             limits = fault.get("ctx", {})
             moved[*above, last] = f"moved within its bounds; the fit asks for {section[last]:.3g}"
             section[last] = float(limits.get("ge", limits.get("le", own[last])))
