@@ -1,4 +1,4 @@
-"""The tutorial of the round trip: its commands run as they stand there, and the robot that is found is the hidden one."""
+"""The tutorial of the round trip: its commands run as they stand there, and the robot found is the hidden one."""
 
 import json
 import re
