@@ -154,7 +154,11 @@ def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) 
     taken = [nominal.tangents(root), flexible]
     residual = nominal.left(nominal.z, root)
     kept: list[Effect] = []
-    left = {effect: _change(evidence, nominal, fit, effect, root) for effect in fit.hypothesis.effects}
+    priors = np.zeros(size)
+    left = {
+        effect: np.concatenate([root * change_by(evidence, nominal, fit, effect), priors])
+        for effect in fit.hypothesis.effects
+    }
     while left:
         basis = orthonormal(np.concatenate(taken, axis=1))
         falls = {effect: _fall(residual, change, basis) for effect, change in left.items()}
@@ -182,14 +186,13 @@ def _functions(evidence: Evidence, structure: Structure) -> Array:
     return np.concatenate(found, axis=1)
 
 
-def _change(evidence: Evidence, nominal: Fit, fit: Fit, effect: Effect, root: Array) -> Array:
-    """Of the weighted residual by one effect at its fitted size, with rows of the prior; (N + size,)."""
+def change_by(evidence: Evidence, nominal: Fit, fit: Fit, effect: Effect) -> Array:
+    """Of the nominal prediction by one effect at its fitted size, in nominal sigmas (N,); 0 where nothing is fitted."""
     alone = nominal.hypothesis.with_effect(effect)
     x = moved(nominal.x, nominal.hypothesis, alone)
     x[alone.parameters(effect)] = fit.x[fit.hypothesis.parameters(effect)]
     found = evidence.of([nominal.hypothesis.robot(nominal.x), alone.robot(x)]).mean
-    change = np.where(evidence.fit, (found[1] - found[0]) / nominal.sd, 0.0)
-    return np.concatenate([root * change, np.zeros(nominal.hypothesis.size)])
+    return np.where(evidence.fit, (found[1] - found[0]) / nominal.sd, 0.0)
 
 
 def _fall(residual: Array, change: Array, basis: Array) -> float:

@@ -3,13 +3,13 @@
 A screw that comes loose or a sensor that is bumped shifts all that follows. Named effects, two or three of them, can
 mimic that so well that hardly any structure remains along time. So the nominal model with a jump competes with them:
 from one moment on each quantity may be off by a constant, by a constant against its sign, and by a share of itself
-(Chow, Econometrica 28 (1960) 591-605, the moment searched for). If that explains the same rows better, numbers counted,
-what was named is withdrawn.
+(Chow, Econometrica 28 (1960) 591-605, the moment searched for). So may one of the named effects be there from that
+moment on only. If that explains the same rows better, numbers counted, what was named is withdrawn.
 """
 
 import numpy as np
 
-from diagnosis.inference.adequacy import Structure
+from diagnosis.inference.adequacy import Structure, change_by
 from diagnosis.inference.evidence import Evidence
 from diagnosis.inference.fit import Fit
 from diagnosis.inference.likelihood import robust_weight
@@ -22,6 +22,8 @@ TIMES = ("session_time_s", "t_s")
 """Covariates of the time since a measurement began; of those that a stage has, the first."""
 MOMENTS = 40
 """Tried, at quantiles of the rows."""
+OF_MOMENT = 2
+"""Numbers that the moment counts for, since the best of MOMENTS is taken."""
 LEAST_ROWS = 5
 """On either side of a moment."""
 
@@ -40,21 +42,19 @@ def change_in_time(evidence: Evidence, nominal: Fit, fit: Fit) -> Structure | No
     basis = orthonormal(nominal.tangents(root))
     residual = nominal.left(nominal.z, root)
     residual = residual - basis @ (basis.T @ residual)
+    changes = [change_by(evidence, nominal, fit, e) for e in fit.hypothesis.effects if not is_of_noise(fit, e)]
     best: tuple[float, float, Array] | None = None
     time = _time_s(evidence)
-    given = time[evidence.fit & np.isfinite(time)]
-    for moment in (
-        np.unique(np.quantile(given, np.linspace(0.0, 1.0, MOMENTS + 2)[1:-1])).tolist() if len(given) else []
-    ):
-        columns = _jump(evidence, nominal, time >= moment)
-        if min(np.count_nonzero(given >= moment), np.count_nonzero(given < moment)) < LEAST_ROWS:
-            continue
-        weighed = columns * root[:, None]
-        combined = beyond(weighed, basis[: len(root)].T @ weighed)
-        along = combined.T @ (weighed.T @ residual[: len(root)])
-        squares = float(residual @ residual - along @ along) / level + TOLL * (combined.shape[1] + 1)
-        if best is None or squares < best[0]:
-            best = squares, moment, columns
+    for moment in _moments(time[evidence.fit & np.isfinite(time)]):
+        after = time >= moment
+        for columns in (_jump(evidence, nominal, after), *((change * after)[:, None] for change in changes)):
+            weighed = columns * root[:, None]
+            combined = beyond(weighed, basis[: len(root)].T @ weighed)
+            along = combined.T @ (weighed.T @ residual[: len(root)])
+            toll = TOLL * (combined.shape[1] + OF_MOMENT)
+            squares = float(residual @ residual - along @ along) / level + toll
+            if best is None or squares < best[0]:
+                best = squares, moment, columns
     if best is None or best[0] >= named + TOLL * numbers:
         return None
     squares, moment, columns = best
@@ -71,6 +71,14 @@ def change_in_time(evidence: Evidence, nominal: Fit, fit: Fit) -> Structure | No
         rank=rank,
         basis=columns,
     )
+
+
+def _moments(given: Array) -> list[float]:
+    """Times at which something may have changed, with enough rows on either side."""
+    if not len(given):
+        return []
+    tried = np.unique(np.quantile(given, np.linspace(0.0, 1.0, MOMENTS + 2)[1:-1])).tolist()
+    return [t for t in tried if LEAST_ROWS <= np.count_nonzero(given >= t) <= len(given) - LEAST_ROWS]
 
 
 def _along(quantity: Observed, rows: Mask) -> tuple[int, Covariate]:

@@ -16,8 +16,6 @@ from diagnosis.stages.base import Observed, Stage
 LEAST_NOISE = 1e-3
 """Share of the nominal noise that every sample keeps: on a sensor's plateau nothing scatters, yet no reading is so sure
 that its likelihood could be infinite."""
-AT_ONCE = 48
-"""Robots predicted in one pass: more of them save nothing and take memory."""
 
 
 @dataclass(frozen=True)
@@ -92,15 +90,17 @@ class Evidence:
 
     def of(self, robots: Sequence[RobotConfig]) -> Prediction:
         """By each robot; a sample that is not usable is predicted as NaN or anything."""
-        means, sds = [], []
-        for first in range(0, len(robots), AT_ONCE):
-            some = robots[first : first + AT_ONCE]
-            found = [predicted for stage in self.stages for predicted in stage.predict(some)]
-            means.append(np.concatenate([p.mean for p in found], axis=1))
-            factors = [self._factors.get(of.name, 1.0) for of in self.observed]
-            wide = [f * np.broadcast_to(p.sd, p.mean.shape) for f, p in zip(factors, found, strict=True)]
-            sds.append(np.concatenate(wide, axis=1))
-        return Prediction(np.concatenate(means), np.maximum(np.concatenate(sds), LEAST_NOISE * self.sd))
+        mean, sd = (np.empty((len(robots), len(self.values))) for _ in range(2))
+        first = 0
+        for stage in self.stages:
+            places = self.places[first : first + len(stage.observed)]
+            first += len(stage.observed)
+            for begin in range(0, len(robots), stage.at_once):
+                some = slice(begin, begin + stage.at_once)
+                for of, place, predicted in zip(stage.observed, places, stage.predict(robots[some]), strict=True):
+                    mean[some, place] = predicted.mean
+                    sd[some, place] = self._factors.get(of.name, 1.0) * predicted.sd
+        return Prediction(mean, np.maximum(sd, LEAST_NOISE * self.sd))
 
 
 def _independent(correlation: float) -> float:

@@ -20,7 +20,8 @@ LEAST_ROWS = 8
 
 
 def with_scatter(evidence: Evidence, fit: Fit, left: Adequacy) -> Adequacy:
-    """What is left of a fit, and first a quantity that scatters too much, along its most telling covariate.
+    """What is left of a fit, and of quantities without significant structure whether they scatter too much; where they
+    do, along the covariate that tells most.
 
     Quantities whose noise is not stated are passed over: theirs was found from such a scatter.
     """
@@ -38,7 +39,7 @@ def with_scatter(evidence: Evidence, fit: Fit, left: Adequacy) -> Adequacy:
         squares = float((weight * np.minimum(z**2, CLIP**2)).sum())
         degrees = max(1.0, independent - len(fit.x) * np.count_nonzero(rows) / np.count_nonzero(evidence.fit))
         p = float(chi2.sf(squares / WIDENED, degrees)) * len(tested)
-        if best is not None and p < LEVEL:
+        if best is not None and p < LEVEL <= best.p:
             times = np.sqrt(squares / degrees)
             found.append(replace(best, p=p, what=f"scatter of {times:.1f} times the stated noise"))
-    return Adequacy((*sorted(found, key=lambda structure: structure.p), *left.structures)) if found else left
+    return Adequacy(tuple(sorted((*found, *left.structures), key=lambda structure: structure.p))) if found else left

@@ -27,6 +27,7 @@ class TofBench:
     """All rows of a bench at once."""
 
     name = "tof"
+    at_once = 48
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         trials = measurement.trials
