@@ -20,7 +20,7 @@ from diagnosis.stages import STAGES
 
 CHANNELS = ("u_left_V", "u_right_V", "tof_front_m", "tof_left_m", "tof_right_m")
 """That are compared as they are, beside what the stages observe."""
-FEW = 20
+FEW = 10
 """Samples, below which nothing is compared."""
 BLOCKS = 12
 """Stretches of a log whose middles say how sure its middle is."""
@@ -91,8 +91,9 @@ class Left(Compared):
     @property
     def error(self) -> float:
         """Standard error of the measured middle, by stretches of the log, in which noise may last."""
-        middles = [float(np.median(part)) for part in np.array_split(self.measured, BLOCKS)]
-        return float(np.std(middles, ddof=1)) / BLOCKS**0.5
+        blocks = min(BLOCKS, len(self.measured) // 3)
+        middles = [float(np.median(part)) for part in np.array_split(self.measured, blocks)]
+        return float(np.std(middles, ddof=1)) / blocks**0.5
 
     @property
     def is_covered(self) -> bool:

@@ -187,7 +187,8 @@ def check_kind(measurement: Measurement) -> None:
     if measurement.kind not in STAGES:
         allowed = ", ".join(STAGES)
         what = f"no stage predicts data of kind {measurement.kind}"
-        raise InputError(what, where=_where(measurement), allowed=allowed)
+        cure = "diagnose a bench or a drive; symolo measured tells what these data hold"
+        raise InputError(what, where=_where(measurement), allowed=allowed, cure=cure)
 
 
 def _where(measurement: Measurement) -> str:

@@ -17,7 +17,7 @@ from pipeline.files import write_file
 from pipeline.importers import IMPORTERS
 from pipeline.importers.run_folder import robots_of
 from pipeline.progress import Report
-from pipeline.units import DiagnoseUnit, Failed, Finished
+from pipeline.units import TRACEBACK, DiagnoseUnit, Failed, Finished
 from pipeline.workers import AnyEvent, AnyUnit, UnitFailure, run_units
 from pipeline.workspace import STAGES
 
@@ -152,7 +152,7 @@ def diagnose_into(
     unseen = read_blind(path if path.is_dir() else path.parent, measured.kind) if measured.kind in BLIND else {}
     made = files(diagnose(measured, robot), pybullet=pybullet, release=release, unseen=unseen)
     (folder / PLOTS).mkdir(parents=True, exist_ok=True)
-    for old in (folder / VARIED_FILE, *(folder / PLOTS).iterdir()):
+    for old in (folder / VARIED_FILE, folder / TRACEBACK, *(folder / PLOTS).iterdir()):
         if old.relative_to(folder).as_posix() not in made:
             old.unlink(missing_ok=True)
     for name, data in made.items():

@@ -1,5 +1,6 @@
 """The unit of work, such as a run to simulate or a block of frames to render, and what a worker says while doing it."""
 
+import traceback
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Literal
@@ -7,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
 from blender_scenes.protocol import Work
-from configs.errors import InputError, RunFailed
+from configs.errors import EnvironmentLacking, InputError, RunFailed
 
 
 class Message(BaseModel):
@@ -61,6 +62,10 @@ class RenderUnit(Message):
             raise RunFailed(str(error)) from error
 
 
+TRACEBACK = "traceback.txt"
+"""In the folder of a case whose diagnosis met a bug."""
+
+
 class DiagnoseUnit(Message):
     kind: Literal["diagnose"] = "diagnose"
     name: str
@@ -90,6 +95,17 @@ class DiagnoseUnit(Message):
             if self.alone:
                 raise
             raise RunFailed(str(error)) from error
+        except (EnvironmentLacking, OSError):
+            raise
+        except Exception as error:
+            if self.alone:
+                raise
+            # A bug that one case brings out is no reason to lose the others; its traceback is kept.
+            self.folder.mkdir(parents=True, exist_ok=True)
+            note = self.folder / TRACEBACK
+            note.write_text(traceback.format_exc(), encoding="utf-8")
+            told = f"a bug of symolo: {type(error).__name__}: {error}".splitlines()[0]
+            raise RunFailed(f"{told}; please report it with {note}") from error
 
 
 AnyUnit = SimulateUnit | RenderUnit | DiagnoseUnit

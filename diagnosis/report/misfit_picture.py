@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from diagnosis.benches.plotting import finished, png
 from diagnosis.measured.channel import Array, Mask
 from diagnosis.report.findings import Findings
-from diagnosis.report.panels import AFTER, BEFORE, CALIBRATED, MEASURED, residual_panel, trimmed_rms
+from diagnosis.report.panels import AFTER, BEFORE, CALIBRATED, MEASURED, reach_of, residual_panel, trimmed_rms
 from diagnosis.report.quantities import axis
 from diagnosis.stages.base import Covariate, Observed
 
@@ -37,7 +37,9 @@ def misfit_picture(found: Findings, k: int) -> bytes:
     for panel, (name, colour, model) in zip(axes[1:], models, strict=True):
         z = found.z[model][place]
         if covariate is not None:
-            residual_panel(panel, covariate, z, of.holdout, colour)
+            # The two that are fitted are to be compared by eye; the nominal one may be far above both.
+            shared = None if model == 0 else reach_of(np.concatenate([found.z[m][place] for *_, m in models[1:]]))
+            residual_panel(panel, covariate, z, of.holdout, colour, shared)
         panel.set_title(f"{name}: {trimmed_rms(z):.3g} σ", fontsize="medium")
     if covariate is None or covariate.second is None:
         axes[1].set_ylabel("measured - predicted [σ]")

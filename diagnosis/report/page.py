@@ -80,8 +80,8 @@ def _misfit(found: Findings, pictures: Mapping[str, bytes]) -> Iterator[Html]:
     told += ", and the extended robot. " if diagnosis.named else ". "
     told += (
         "Dots are rows that were fitted, rings rows held out; triangles lie beyond the panel's edge. Black: median of "
-        "a bin and two of its standard errors. Noise alone stays within the grey band 19 times of 20. The panels "
-        "differ in height; the number above each is its error."
+        "a bin and two of its standard errors. Noise alone stays within the grey band 19 times of 20. The nominal "
+        "robot's panel has a height of its own; the number above each is its error."
     )
     yield tag("p", told, class_="note")
     covariates = {of.observed: of.covariate for of in found.before}

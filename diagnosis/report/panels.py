@@ -21,7 +21,9 @@ LOWEST_SIGMA = 3.5
 """A panel is at least as high, so that noise looks like noise."""
 
 
-def residual_panel(axes: Axes, covariate: Covariate, z: Array, heldout: Mask, colour: str) -> None:
+def residual_panel(  # noqa: PLR0917 - what is shown, in the order of the eye
+    axes: Axes, covariate: Covariate, z: Array, heldout: Mask, colour: str, reach: float | None = None
+) -> None:
     """Residuals in sigmas, rows held out as rings, and their median in bins with two standard errors.
 
     Args:
@@ -30,13 +32,14 @@ def residual_panel(axes: Axes, covariate: Covariate, z: Array, heldout: Mask, co
         z: (n,), NaN where there is none.
         heldout: (n,).
         colour: Of the points.
+        reach: Sigmas up to which the panel goes; by its own residuals if not given.
     """
     shown = np.isfinite(z) & np.isfinite(covariate.values)
     if covariate.second is not None:
         _place(axes, covariate, z, shown)
         return
     x = _folded(covariate)
-    reach = max(LOWEST_SIGMA, 1.4 * float(np.percentile(np.abs(z[shown]), KEPT))) if shown.any() else LOWEST_SIGMA
+    reach = reach_of(z[shown]) if reach is None else reach
     axes.axhspan(-2.0, 2.0, color=PALE, alpha=0.6, linewidth=0.0)
     axes.axhline(0.0, color=GREY, linewidth=0.6)
     beyond = np.abs(z) > reach
@@ -56,6 +59,12 @@ def residual_panel(axes: Axes, covariate: Covariate, z: Array, heldout: Mask, co
     axes.set_xlabel(covariate_axis(covariate.name))
     axes.grid(alpha=0.3)
     _ticks(axes, covariate)
+
+
+def reach_of(z: Array) -> float:
+    """Sigmas up to which a panel of residuals goes."""
+    z = z[np.isfinite(z)]
+    return max(LOWEST_SIGMA, 1.4 * float(np.percentile(np.abs(z), KEPT))) if len(z) else LOWEST_SIGMA
 
 
 def binned(covariate: Covariate, x: Array, z: Array) -> tuple[Array, Array, Array]:

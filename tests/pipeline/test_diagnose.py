@@ -4,7 +4,9 @@ import json
 
 import pytest
 
+from configs.errors import RunFailed
 from configs.loader import load_scenario
+from pipeline.units import DiagnoseUnit
 
 
 @pytest.fixture(scope="module")
@@ -71,6 +73,7 @@ BAD = {
     "no such robot": (["HERE/plain", "--nominal", "nomnal", "--out", "OUT"], "did you mean nominal"),
     "a robot that is drawn": (["HERE/plain", "--nominal", "fleet", "--out", "OUT"], "no distributions"),
     "output holds other files": (["HERE/plain", "--out", "HERE"], "did not make"),
+    "a dataset against a bench": (["HERE/plain", "--against", "HERE/plain", "--out", "OUT"], "is no run of a dataset"),
     "both ways to print": (["HERE/plain", "--out", "OUT", "--json", "--explain"], "ask for one of them"),
 }
 
@@ -85,3 +88,29 @@ def test_bad_input_is_one_line_and_nothing_is_written(kind, symolo, benches, tmp
     assert ended.err.count("\n") == 1
     assert said in ended.err
     assert not (tmp_path / "out").exists()
+
+
+def unit(tmp_path, *, alone):
+    return DiagnoseUnit(
+        name="one",
+        case=tmp_path / "case",
+        importer=None,
+        nominal="",
+        pybullet=False,
+        against=None,
+        folder=tmp_path / "out" / "one",
+        alone=alone,
+    )
+
+
+def divides_by_zero(*_arguments, **_options):
+    raise ZeroDivisionError("by nought")
+
+
+def test_a_bug_that_one_of_several_cases_brings_out_fails_that_case_alone(tmp_path, monkeypatch):
+    monkeypatch.setattr("pipeline.diagnosing.diagnose_into", divides_by_zero)
+    with pytest.raises(RunFailed, match=r"a bug of symolo: ZeroDivisionError: by nought; please report it with .*"):
+        unit(tmp_path, alone=False).run(print)
+    assert "ZeroDivisionError" in (tmp_path / "out" / "one" / "traceback.txt").read_text()
+    with pytest.raises(ZeroDivisionError):
+        unit(tmp_path, alone=True).run(print)

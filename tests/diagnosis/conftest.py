@@ -1,0 +1,36 @@
+"""Logs of drives by the twin, of robots that are known."""
+
+import numpy as np
+import pytest
+
+from diagnosis.engine.base import by_twin
+from diagnosis.measured.channel import Channel, Role
+from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from physics.trajectory import TimeSeries
+
+ROWS = 60
+ROW_S = 0.05
+
+
+@pytest.fixture(scope="session")
+def driven_log():
+    """Makes a measurement of a drive of 3 s for each robot, the last third held out."""
+
+    def make(*robots, straight=False):
+        row = np.arange(ROWS)
+        bend = 0.0 if straight else 1.0
+        voltage = np.stack([3.0 + bend * np.sin(0.1 * row), 3.0 - bend * np.sin(0.07 * row)], axis=1)
+        trials = tuple(trial(str(k), robot, voltage) for k, robot in enumerate(robots, start=1))
+        return Measurement("made", Kind.DRIVE_LOG, Source("made", ()), trials)
+
+    def trial(name, robot, voltage):
+        found = by_twin(robot, voltage, ROW_S)
+        t_s = ROW_S * np.arange(ROWS + 1)
+        columns = dict(zip(("x_m", "y_m", "theta_rad"), found.pose.T, strict=True))
+        columns |= dict(zip(("enc_right_ticks", "enc_left_ticks"), found.counts.T, strict=True))
+        columns |= {f"u_{side}_V": np.append(voltage[:, k], np.nan) for k, side in enumerate(("right", "left"))}
+        series = (TimeSeries(column, "", t_s, values.astype(float)) for column, values in columns.items())
+        channels = tuple(Channel.logged(of, Role.READING) for of in series)
+        return Trial(name, t_s, np.arange(len(t_s)) >= 2 * len(t_s) // 3, channels)
+
+    return make
