@@ -102,7 +102,11 @@ def _robot(spec: RunSpec) -> str:
             for name, mount in (("front", mounts.front), ("left", mounts.left), ("right", mounts.right))
         ),
         ("camera", f"x = {camera.x_m:g}, y = {camera.y_m:g}, z = {camera_z_m:g} m"),
-        ("camera axis", f"{camera.pitch_down_deg:g} deg below the horizon"),
+        (
+            "camera axis",
+            f"{camera.pitch_down_deg:g} deg below the horizon, {camera.yaw_left_deg:g} deg to the left, turned by "
+            f"{camera.roll_deg:g} deg about itself",
+        ),
         ("focal length", f"{camera.focal_length_mm:g} mm on a sensor {camera.sensor_width_mm:g} mm wide"),
         ("lens", "as k1, k2, p1, p2, k3 of OpenCV: " + ", ".join(f"{k:g}" for k in coefficients(camera))),
     ]

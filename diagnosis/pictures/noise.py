@@ -1,0 +1,81 @@
+"""How much pixels of an even patch differ, against its level: shot noise rises with the light, read noise does not.
+
+What texture adds is taken from the simulated pictures, whose noise is known: their variance in the sensor's light is that
+of the texture, which goes with the square of the light, and of the camera.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.optimize import nnls
+
+from blender_scenes.camera_response import CameraResponse
+from diagnosis.pictures.case import Array, Ints, Mask
+from diagnosis.pictures.number import Number
+from diagnosis.pictures.patches import Patches
+from diagnosis.pictures.response import Response
+
+NOISE = (
+    Number("shot_noise_scale", "1", 0.15, "noise that grows with the root of the light is stronger", "a smaller sensor"),
+    Number("read_noise_scale", "1", 0.4, "noise in the dark is stronger", "another sensor, or a warm one"),
+)
+
+
+@dataclass(frozen=True)
+class NoiseModel:
+    """Variances; a sample is the logarithm of that of green in one patch, in the sensor's light."""
+
+    patches: Patches
+    nominal: CameraResponse
+    heldout_frames: Mask
+    numbers: tuple[Number, ...] = NOISE
+
+    @property
+    def frame(self) -> Ints:
+        return self.patches.frame
+
+    @cached_property
+    def heldout(self) -> Mask:
+        return self.heldout_frames[self.frame]
+
+    @property
+    def fit(self) -> Mask:
+        return ~self.heldout
+
+    @cached_property
+    def _seen(self) -> tuple[Array, Array, Array, Array]:
+        """Level and variance (N,) in the sensor's green, measured and simulated."""
+        response = Response.of(self.nominal)
+        found: list[Array] = []
+        for values, rough in zip(
+            (self.patches.measured, self.patches.simulated), self.patches.roughness.T, strict=True
+        ):
+            level = response.raw(values)[:, 1]
+            up, down = values.copy(), values.copy()
+            up[:, 1] += 0.005
+            down[:, 1] -= 0.005
+            slope = (response.raw(up)[:, 1] - response.raw(down)[:, 1]) / 0.01
+            found += [level, np.maximum(rough, 1e-8) * slope**2]
+        return found[0], found[1], found[2], found[3]
+
+    @cached_property
+    def _shares(self) -> tuple[float, float]:
+        """Of the texture, on the squared level, and of the camera's noise, on its nominal variance."""
+        _, _, level, variance = self._seen
+        columns = np.column_stack([level**2, self._noise(level, 1.0, 1.0)])
+        weight = 1.0 / np.maximum(variance, np.median(variance))
+        texture, camera = nnls(columns * weight[:, None], variance * weight)[0].tolist()
+        return float(texture), max(float(camera), 0.05)
+
+    def _noise(self, level: Array, shot: float, read: float) -> Array:
+        return (shot * self.nominal.shot_noise) ** 2 * level + (read * max(self.nominal.read_noise, 1e-3)) ** 2
+
+    def left(self, x: Array) -> Array:
+        level, variance, _, _ = self._seen
+        shot, read = (float(np.exp(v * n.tolerance)) for v, n in zip(x.tolist(), self.numbers, strict=True))
+        texture, camera = self._shares
+        return np.log(variance) - np.log(texture * level**2 + camera * self._noise(level, shot, read))
+
+    def own(self, x: Array) -> Array:
+        return np.zeros((len(self.frame), 0 * len(x)))
