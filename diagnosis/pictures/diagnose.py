@@ -23,7 +23,8 @@ from diagnosis.pictures.patches import Patches, patches
 from diagnosis.pictures.remains import Remains, remains
 from diagnosis.pictures.response import luminance
 from diagnosis.pictures.sharpness import NARROWEST_PX, REACH_PX, SharpnessModel
-from diagnosis.pictures.views import View, value
+from diagnosis.pictures.found import found_value
+from diagnosis.pictures.views import View
 
 MOST_PATCHES = 1500
 MOST_EDGES = 400
@@ -49,12 +50,15 @@ class Part:
     def fit(self) -> Fit:
         return self.chosen.fit
 
-    def value(self, choice: Choice) -> float:
-        return value(choice.number, float(self.fit.x[choice.place]))
+    def found(self, place: int, case: PictureCase) -> tuple[float, float]:
+        """A number's value and standard error in its unit."""
+        sd = float(np.sqrt(self.fit.covariance[place, place]))
+        return found_value(self.model.numbers[place], float(self.fit.x[place]), sd, case)
 
-    def sd(self, choice: Choice) -> float:
-        sd = choice.number.tolerance * float(np.sqrt(self.fit.covariance[choice.place, choice.place]))
-        return sd * self.value(choice) if choice.number.name.endswith("_scale") else sd
+    @property
+    def counts(self) -> bool:
+        """Whether the fitted numbers are better than the nominal ones, named or not."""
+        return bool(self.chosen.choices) or (self.gain is not None and self.gain.low > 0.0)
 
 
 @dataclass(frozen=True)
@@ -80,8 +84,7 @@ class PictureDiagnosis:
             {
                 "name": choice.number.name,
                 "part": part.name,
-                "value": round(part.value(choice), 6),
-                "std": round(part.sd(choice), 6),
+                **_rounded(part.found(choice.place, self.case)),
                 "unit": choice.number.unit,
                 "confidence": round(choice.confidence, 4),
                 "ambiguous_with": list(choice.ambiguous_with),
@@ -171,7 +174,7 @@ def _sharpness(case: PictureCase, model: EdgeModel, x: Array) -> Part | None:
     )
     if of_sim is None or of_real is None:
         return None
-    base = fitted(of_sim, (0, 2), np.zeros(len(of_sim.numbers)))
+    base = fitted(of_sim, (0,), np.zeros(len(of_sim.numbers)))
     based = of_real.based_on(of_sim, base.x)
     return _part("sharpness", "of the edge's height", based, based.heldout, {})
 
@@ -202,7 +205,10 @@ def _sharpness_model(case: PictureCase, view: View, sighting: Sighting, pictures
     moved = View(case, late).pixels(sighting.points) - view.pixels(sighting.points)
     speed = (moved * sighting.outwards).sum(axis=1) / MOST_MOVED_S
     outside = np.median(values[:, along > 0.6 * REACH_PX])
-    inside = np.median(values[np.arange(len(values)), np.argmin(np.abs(along + 0.3 * REACH_PX))])
+    # In the middle of where the line is widest, where blur has brought least of the floor.
+    widest = np.argsort(sighting.width_px)[-max(5, len(values) // 5) :]
+    deepest = np.argmin(np.abs(along[None, :] + 0.5 * sighting.width_px[widest, None]), axis=1)
+    inside = np.median(values[widest, deepest])
     light = luminance(np.rint(255 * np.array([[[outside] * 3, [inside] * 3]])).astype(np.uint8), case.response.contrast)
     floor, line = light[0].tolist()
     return SharpnessModel(
@@ -215,3 +221,7 @@ def _sharpness_model(case: PictureCase, view: View, sighting: Sighting, pictures
         case.response,
         case.look.camera.exposure_time_s,
     )
+
+
+def _rounded(found: tuple[float, float]) -> dict[str, float]:
+    return {"value": round(found[0], 6), "std": round(found[1], 6)}

@@ -26,6 +26,9 @@ LOOSE = 30.0
 ROUNDS = 12
 STEP = 0.05
 """Of the differences by which slopes are taken, in tolerances."""
+REFITS = 3
+FEW = 3
+"""Numbers of a model, of which every set is fitted."""
 SETTLED = 0.01
 """Tolerances, of a step after which nothing moves any more."""
 
@@ -44,6 +47,11 @@ class Model(Protocol):
     @property
     def fit(self) -> Mask:
         """(N,), samples that may choose and fit."""
+        ...
+
+    @property
+    def least_sd(self) -> float:
+        """Standard deviation of a sample's noise, at least: what no model of it tells."""
         ...
 
     def left(self, x: Array) -> Array:
@@ -125,7 +133,7 @@ def fitted(model: Model, freed: Sequence[int], x: Array, noise: tuple[float, flo
     The noise is that of what the fit leaves; or `noise`, its standard deviation and the worth of a sample.
     """
     weights, own = prior(model.numbers, freed), model.own(x)
-    sd, worth = noise or (_spread(model.left(x)[model.fit]), 1.0)
+    sd, worth = noise or (max(_spread(model.left(x)[model.fit]), model.least_sd), 1.0)
     found = quadratic = None
     for _ in range(ROUNDS):
         quadratic = _quadratic(model, x, own, sd, worth)
@@ -134,7 +142,7 @@ def fitted(model: Model, freed: Sequence[int], x: Array, noise: tuple[float, flo
         x = found
         if noise is None:
             left = without_own(model, model.left(x), own, sd, worth)
-            sd, worth = max(_spread(left[model.fit]), 1e-9), _worth(model, left / sd)
+            sd, worth = max(_spread(left[model.fit]), model.least_sd), _worth(model, left / sd)
         if step < SETTLED:
             break
     quadratic = _quadratic(model, x, own, sd, worth)
@@ -146,24 +154,56 @@ def fitted(model: Model, freed: Sequence[int], x: Array, noise: tuple[float, flo
 def choose(model: Model) -> Chosen:
     """The fewest freed numbers that explain the pictures."""
     namable = [k for k, number in enumerate(model.numbers) if number.can_be_named]
-    fit = fitted(model, namable, np.zeros(len(model.numbers)))
-    noise = fit.sd, fit.worth
-    names: tuple[int, ...] = ()
-    for _ in range(3):  # the quadratic form is that of where it was taken
-        chosen = _best_set(fit.quadratic, model.numbers, namable)
-        fit = fitted(model, chosen, fit.x, None)
-        noise = fit.sd, fit.worth
-        if chosen == names:
-            break
-        names = chosen
-    choices = tuple(_choice(fit, model.numbers, namable, k) for k in fit.freed)
-    return Chosen(fitted(model, (), np.zeros(len(model.numbers)), noise), fit, choices)
+    null = np.zeros(len(model.numbers))
+    fit = fitted(model, namable, null)
+    if len(namable) <= FEW:
+        costs: _Costs = _Refitted(model, (fit.sd, fit.worth))
+        fit = fitted(model, _best_set(costs, namable), null)
+    else:
+        costs = _Near(fit, model.numbers)
+        for _ in range(REFITS):  # the quadratic form is that of where it was taken
+            names = _best_set(costs, namable)
+            if names == fit.freed:
+                break
+            fit = fitted(model, names, fit.x)
+            costs = _Near(fit, model.numbers)
+    choices = tuple(_choice(costs, fit.freed, model.numbers, namable, k) for k in fit.freed)
+    return Chosen(fitted(model, (), null, (fit.sd, fit.worth)), fit, choices)
 
 
-def _best_set(quadratic: Quadratic, numbers: Sequence[Number], namable: Sequence[int]) -> tuple[int, ...]:
-    best, cost = (), quadratic.solved(prior(numbers, ()))[1]
+class _Costs(Protocol):
+    """The cost at the best of a set of freed numbers."""
+
+    def of(self, freed: tuple[int, ...]) -> float: ...
+
+
+@dataclass(frozen=True)
+class _Near:
+    """By the quadratic form around a fit."""
+
+    fit: Fit
+    numbers: tuple[Number, ...]
+
+    def of(self, freed: tuple[int, ...]) -> float:
+        return self.fit.quadratic.solved(prior(self.numbers, freed))[1]
+
+
+@dataclass(frozen=True)
+class _Refitted:
+    """Each by a fit of its own, for models of few numbers that are far from straight."""
+
+    model: Model
+    noise: tuple[float, float]
+
+    def of(self, freed: tuple[int, ...]) -> float:
+        return fitted(self.model, freed, np.zeros(len(self.model.numbers)), self.noise).cost
+
+
+def _best_set(costs: _Costs, namable: Sequence[int]) -> tuple[int, ...]:
+    best: tuple[int, ...] = ()
+    cost = costs.of(best)
     for size in range(1, min(MOST, len(namable)) + 1):
-        tried = {freed: quadratic.solved(prior(numbers, freed))[1] for freed in combinations(namable, size)}
+        tried = {freed: costs.of(freed) for freed in combinations(namable, size)}
         freed = min(tried, key=lambda of: tried[of])
         # Two that only together explain anything enter together.
         if cost - tried[freed] >= THRESHOLD * (size - len(best)):
@@ -171,15 +211,13 @@ def _best_set(quadratic: Quadratic, numbers: Sequence[Number], namable: Sequence
     return best
 
 
-def _choice(fit: Fit, numbers: Sequence[Number], namable: Sequence[int], place: int) -> Choice:
-    others = tuple(k for k in fit.freed if k != place)
-    own = fit.quadratic.solved(prior(numbers, fit.freed))[1]
-    nothing = fit.quadratic.solved(prior(numbers, others))[1]
-    rivals = [
-        (numbers[k], fit.quadratic.solved(prior(numbers, (*others, k)))[1] - own)
-        for k in namable
-        if k not in fit.freed
-    ]
+def _choice(
+    costs: _Costs, freed: tuple[int, ...], numbers: Sequence[Number], namable: Sequence[int], place: int
+) -> Choice:
+    others = tuple(k for k in freed if k != place)
+    own = costs.of(freed)
+    nothing = costs.of(others)
+    rivals = [(numbers[k], costs.of((*others, k)) - own) for k in namable if k not in freed]
     rivals.sort(key=lambda of: of[1])
     weight = sum(exp(-0.5 * max(worse, -50.0)) for _, worse in rivals)
     weight += exp(-0.5 * max(nothing - own - THRESHOLD, 0.0))

@@ -38,6 +38,7 @@ class EdgeModel:
     width_px: Array
     """(N,), of the line there."""
     numbers: tuple[Number, ...] = GEOMETRY
+    least_sd: float = 0.05
 
     @property
     def frame(self) -> Ints:

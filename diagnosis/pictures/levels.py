@@ -3,6 +3,10 @@
 The simulated values are undone to the sensor's light by the nominal response (`blender_scenes.camera_response`), and done
 again with one that deviates. Each picture's exposure may differ a little by itself, for automatic exposure meters what
 the camera sees.
+
+What is predicted from is smooth over each picture, floor and line apart: noise in it would make slopes too small (Fuller,
+Measurement Error Models, 1987, section 1.1), above all that of the colours, which hardly differ over a floor. The texture
+that is smoothed away is taken from the measured values in its place.
 """
 
 from dataclasses import dataclass, replace
@@ -29,8 +33,8 @@ LEVELS = (
 )
 OWN_EXPOSURE = 0.02
 """Standard deviation of a picture's own exposure."""
-NOISE_FLOOR = 0.002
-"""Of values from 0 to 1: half a step of 8 bits."""
+FOR_SQUARES = 20
+"""Patches of floor or line in a picture, from which a slope and a bend of their light are told."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +46,7 @@ class LevelModel:
     heldout_frames: Mask
     size_px: tuple[int, int]
     numbers: tuple[Number, ...] = LEVELS
+    least_sd: float = 0.002
 
     @cached_property
     def frame(self) -> Ints:
@@ -57,10 +62,23 @@ class LevelModel:
 
     @cached_property
     def light(self) -> Array:
-        """(N, 3), of the scene, exposed as in the simulated pictures."""
+        """(N, 3), of the scene, exposed as in the simulated pictures, smooth."""
         nominal, place = self.nominal, self.patches
         raw = Response.of(nominal).raw(place.simulated)
-        return raw / self._left_of_light(place.nominal_at, nominal.vignetting)[:, None]
+        light, smooth = raw / self._left_of_light(place.nominal_at, nominal.vignetting)[:, None], np.empty_like(raw)
+        for frame in np.unique(place.frame):
+            for on_line in (False, True):
+                here = (place.frame == frame) & (place.on_line == on_line)
+                if here.any():
+                    smooth[here] = _smoothed(light[here], place.nominal_at[here] / self.size_px[0])
+        return smooth
+
+    @cached_property
+    def _untextured(self) -> Array:
+        """(N, 3) measured values, less what distinguishes a simulated patch from a smooth floor or line."""
+        place, nominal = self.patches, self.nominal
+        raw = self.light * self._left_of_light(place.nominal_at, nominal.vignetting)[:, None]
+        return place.measured - (place.simulated - Response.of(nominal).coded(raw))
 
     def _left_of_light(self, at: Array, vignetting: float) -> Array:
         return 1.0 - vignetting * corner_share(at[:, 0], at[:, 1], *self.size_px)
@@ -91,7 +109,7 @@ class LevelModel:
         return found
 
     def left(self, x: Array) -> Array:
-        return (self.patches.measured - self.predicted(x)).ravel()
+        return (self._untextured - self.predicted(x)).ravel()
 
     def own(self, x: Array) -> Array:
         step = self.predicted(x, 0.5 * OWN_EXPOSURE) - self.predicted(x, -0.5 * OWN_EXPOSURE)
@@ -104,3 +122,11 @@ class LevelModel:
         kept = np.sort(np.concatenate([floor[:: max(1, len(floor) // most)], np.flatnonzero(p.on_line)]))
         taken = Patches(*(getattr(p, name)[kept] for name in p.__dataclass_fields__))
         return replace(self, patches=taken)
+
+
+def _smoothed(light: Array, at: Array) -> Array:
+    """Of light (n, 3) in places (n, 2), by a polynomial that so many can bear."""
+    x, y = (at - at.mean(axis=0)).T
+    columns = [np.ones(len(x)), x, y, x * x, x * y, y * y]
+    some = np.stack(columns[: 6 if len(x) >= FOR_SQUARES else 1], axis=1)
+    return some @ np.linalg.lstsq(some, light, rcond=None)[0]

@@ -21,6 +21,9 @@ NOISE = (
     Number("read_noise_scale", "1", 0.4, "noise in the dark is stronger", "another sensor, or a warm one"),
 )
 
+CUT_OFF = 3.0
+"""Standard deviations that a level must be above black."""
+
 
 @dataclass(frozen=True)
 class NoiseModel:
@@ -30,6 +33,7 @@ class NoiseModel:
     nominal: CameraResponse
     heldout_frames: Mask
     numbers: tuple[Number, ...] = NOISE
+    least_sd: float = 0.1
 
     @property
     def frame(self) -> Ints:
@@ -68,6 +72,12 @@ class NoiseModel:
         texture, camera = nnls(columns * weight[:, None], variance * weight)[0].tolist()
         return float(texture), max(float(camera), 0.05)
 
+    @cached_property
+    def _is_cut_off(self) -> Mask:
+        """(N,), where noise would reach below black, which hides part of it."""
+        level, variance, its_level, its_variance = self._seen
+        return (level < CUT_OFF * np.sqrt(variance)) | (its_level < CUT_OFF * np.sqrt(its_variance))
+
     def _noise(self, level: Array, shot: float, read: float) -> Array:
         return (shot * self.nominal.shot_noise) ** 2 * level + (read * max(self.nominal.read_noise, 1e-3)) ** 2
 
@@ -75,7 +85,8 @@ class NoiseModel:
         level, variance, _, _ = self._seen
         shot, read = (float(np.exp(v * n.tolerance)) for v, n in zip(x.tolist(), self.numbers, strict=True))
         texture, camera = self._shares
-        return np.log(variance) - np.log(texture * level**2 + camera * self._noise(level, shot, read))
+        left = np.log(variance) - np.log(texture * level**2 + camera * self._noise(level, shot, read))
+        return np.where(self._is_cut_off, np.nan, left)
 
     def own(self, x: Array) -> Array:
         return np.zeros((len(self.frame), 0 * len(x)))

@@ -18,16 +18,19 @@ from diagnosis.pictures.edge_points import STEP_PX, EdgeProfiles
 from diagnosis.pictures.number import Number
 
 SHARPNESS = (
-    Number("lens_blur", "px2", 0.08, "the lens spreads a point more: variance of its point spread", "a lens out of focus"),
-    Number("exposure_time", "s2", 2.5e-5, "the shutter is open longer: square of the time", "less light, another setting"),
+    Number("lens_blur", "px", 0.08, "the lens spreads a point more; standard deviation, the whole", "a lens out of focus"),
+    Number("exposure_time", "s", 2.5e-5, "the shutter is open longer; the whole time", "less light, another setting"),
     Number("sharpening", "1", 0.06, "an unsharp mask adds more", "another picture style"),
 )
+"""The tolerances of blur and time are of their squares."""
 REACH_PX = 5.0
 LEAST_PX2 = 0.02
 """No edge is sharper than its pixels."""
 OUTER = 12.0
 """Pixels to each side over which the unsharp mask is worked out."""
 NARROWEST_PX = 5.0
+OWN_SHIFT_PX = 0.2
+"""Standard deviation, of where the edges of a picture are found."""
 
 
 @dataclass(frozen=True)
@@ -46,10 +49,10 @@ class SharpnessModel:
     """Light of the floor and of the line, typical."""
     response: CameraResponse
     exposure_s: float
-    base_px2: float = 0.15
+    base_px2: float = 0.25
     """Variance of pixel and filter, and of the nominal lens."""
-    base_sharpening: float = 0.0
     numbers: tuple[Number, ...] = SHARPNESS
+    least_sd: float = 0.03
 
     @cached_property
     def _inside(self) -> Mask:
@@ -70,9 +73,7 @@ class SharpnessModel:
         return ~self.heldout
 
     def left(self, x: Array) -> Array:
-        blur, exposure, sharpening = (x * [n.tolerance for n in self.numbers]).tolist()
-        own = self.base_px2 + blur + (self.exposure_s**2 + exposure) * self.speed_px_s**2 / 12.0
-        expected = self._template(np.sqrt(np.maximum(own, LEAST_PX2)), self.base_sharpening + sharpening)
+        expected = self._expected(x)
         w, seen = self._inside.astype(np.float64), self.profiles.light
         count = w.sum(axis=1)
         mean_t, mean_s = (w * expected).sum(axis=1) / count, (w * seen).sum(axis=1) / count
@@ -83,7 +84,14 @@ class SharpnessModel:
         return np.where(self._inside, left, np.nan).ravel()
 
     def own(self, x: Array) -> Array:
-        return np.zeros((len(self.frame), 0 * len(x)))
+        """By a shift of all edges of a picture, for where an edge was found depends on what is done to it."""
+        slope = np.gradient(self._expected(x), self.profiles.along_px, axis=1)
+        return (OWN_SHIFT_PX * slope).reshape(-1, 1)
+
+    def _expected(self, x: Array) -> Array:
+        blur, exposure, sharpening = (x * [n.tolerance for n in self.numbers]).tolist()
+        variance = self.base_px2 + blur + (self.exposure_s**2 + exposure) * self.speed_px_s**2 / 12.0
+        return self._template(np.sqrt(np.maximum(variance, LEAST_PX2)), self.response.sharpening + sharpening)
 
     def _template(self, sd_px: Array, sharpening: float) -> Array:
         """(N, K) values across edges of these blurs (N,)."""
@@ -97,11 +105,11 @@ class SharpnessModel:
             blurred = coded @ (bell / bell.sum(axis=0, keepdims=True))
             coded = coded + sharpening * (coded - blurred)
         along = self.profiles.along_px
+        # Between pixels the picture is linear, which spreads by 1/6 px2: three samples half a pixel apart.
+        coded = (np.roll(coded, 1, axis=1) + coded + np.roll(coded, -1, axis=1)) / 3.0
         first = int(np.rint((along[0] - wide[0]) / step))
         return coded[:, first : first + len(along)]
 
     def based_on(self, simulated: "SharpnessModel", x: Array) -> "SharpnessModel":
-        """With what was found in simulated pictures, deviations x (P,), as the nominal sharpness."""
-        blur, _, sharpening = (x * [n.tolerance for n in self.numbers]).tolist()
-        base = max(simulated.base_px2 + blur, LEAST_PX2)
-        return replace(self, base_px2=base, base_sharpening=simulated.base_sharpening + sharpening)
+        """With the blur that was found in simulated pictures, deviations x (P,), as the nominal one."""
+        return replace(self, base_px2=max(simulated.base_px2 + float(x[0]) * self.numbers[0].tolerance, LEAST_PX2))

@@ -72,12 +72,6 @@ def deviating(case: PictureCase, x: Sequence[float]) -> tuple[Camera, float]:
     return nominal.model_copy(update=moved), d["time_offset"]
 
 
-def value(number: Number, x: float) -> float:
-    """What a deviation in tolerances is in the number's unit; of a scale, the factor."""
-    deviation = x * number.tolerance
-    return float(np.exp(deviation)) if number.name.endswith("_scale") else deviation
-
-
 @dataclass(frozen=True)
 class View:
     """A camera with deviations on its way along the path."""
