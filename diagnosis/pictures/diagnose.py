@@ -29,6 +29,8 @@ from diagnosis.pictures.views import View
 MOST_PATCHES = 1500
 MOST_EDGES = 400
 FEWEST_PATCHES, FEWEST_EDGES = 60, 30
+LEAST_GAIN = 0.1
+"""On pictures held out, of a part of which anything is named."""
 MOST_MOVED_S = 0.002
 """Over which the speed of the picture is taken."""
 
@@ -136,6 +138,10 @@ def diagnose_pictures(case: PictureCase) -> PictureDiagnosis:
 def _part(name: str, unit: str, model: Model, heldout: Mask, covariates: Mapping[str, Array]) -> Part:
     chosen = choose(model)
     gain = picture_gain(model, heldout, chosen.fit.x)
+    if chosen.choices and gain is not None and (gain.value < LEAST_GAIN or gain.low <= 0.0):
+        # What pictures held out contradict, or hardly confirm, is no discovery.
+        chosen = Chosen(chosen.nominal, chosen.nominal, ())
+        gain = picture_gain(model, heldout, chosen.fit.x)
     return Part(name, unit, model, heldout, chosen, gain, remains(model, chosen.fit, covariates))
 
 

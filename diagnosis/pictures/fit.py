@@ -54,6 +54,11 @@ class Model(Protocol):
         """Standard deviation of a sample's noise, at least: what no model of it tells."""
         ...
 
+    @property
+    def most_worth(self) -> float:
+        """Independent samples that one picture is worth at most, for pictures of one floor share its stains."""
+        ...
+
     def left(self, x: Array) -> Array:
         """(N,), measured - predicted with deviations (P,)."""
         ...
@@ -266,11 +271,12 @@ def _spread(left: Array) -> float:
 
 
 def _worth(model: Model, z: Array) -> float:
-    """Of AR(1) noise along neighbours in one picture."""
+    """Independent samples that one is worth, of AR(1) noise along neighbours in one picture."""
     use = np.isfinite(z) & (np.abs(z) < CORNER) & model.fit
     next_to = use[1:] & use[:-1] & (model.frame[1:] == model.frame[:-1])
     a, b = z[:-1][next_to], z[1:][next_to]
+    most = model.most_worth * len(np.unique(model.frame[use])) / max(1, np.count_nonzero(use))
     if len(a) < 20:
-        return 1.0
+        return min(1.0, most)
     p = float(np.clip((a @ b) / np.sqrt((a @ a) * (b @ b)), 0.0, 0.95))
-    return (1.0 - p) / (1.0 + p)
+    return min((1.0 - p) / (1.0 + p), most)

@@ -39,6 +39,7 @@ class EdgeModel:
     """(N,), of the line there."""
     numbers: tuple[Number, ...] = GEOMETRY
     least_sd: float = 0.05
+    most_worth: float = float("inf")
 
     @property
     def frame(self) -> Ints:

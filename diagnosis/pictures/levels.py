@@ -28,8 +28,9 @@ LEVELS = (
     Number("blue_gain_scale", "1", 0.02, "blue is amplified more, beside green", "another white balance, or light"),
     Number("vignetting", "1", 0.03, "more of the light is lost in the corners", "another lens or iris"),
     Number("veiling_glare", "1", 0.004, "more light is spread evenly over the picture", "a dirty or a cheap lens"),
-    Number("contrast_scale", "1", 0.03, "the tone curve is steeper", "another picture style"),
+    Number("contrast_scale", "1", 0.05, "the tone curve is steeper", "another picture style"),
     Number("saturation_scale", "1", 0.03, "colours are stronger", "another picture style"),
+    Number("line_reflectance_scale", "1", 0.25, "the line is paler", "another or a worn tape", can_be_named=False),
 )
 OWN_EXPOSURE = 0.02
 """Standard deviation of a picture's own exposure."""
@@ -47,6 +48,7 @@ class LevelModel:
     size_px: tuple[int, int]
     numbers: tuple[Number, ...] = LEVELS
     least_sd: float = 0.002
+    most_worth: float = 8.0
 
     @cached_property
     def frame(self) -> Ints:
@@ -87,7 +89,8 @@ class LevelModel:
         """(N, 3), each picture exposed exp(`own`) times as long."""
         d = dict(zip((n.name for n in self.numbers), x * [n.tolerance for n in self.numbers], strict=True))
         nominal = self.nominal
-        light = self.light * np.exp(d["exposure_scale"] + own)
+        paler = np.where(self.patches.on_line, np.exp(d["line_reflectance_scale"]), 1.0)[:, None]
+        light = self.light * paler * np.exp(d["exposure_scale"] + own)
         veil = self.mean_light[self.patches.frame] * np.exp(d["exposure_scale"] + own)
         light = light + d["veiling_glare"] * (veil - light)
         raw = light * self._left_of_light(self.patches.at, nominal.vignetting + d["vignetting"])[:, None]

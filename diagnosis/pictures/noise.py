@@ -1,7 +1,8 @@
 """How much pixels of an even patch differ, against its level: shot noise rises with the light, read noise does not.
 
 What texture adds is taken from the simulated pictures, whose noise is known: their variance in the sensor's light is that
-of the texture, which goes with the square of the light, and of the camera.
+of the texture, which goes with the square of the light, and of the camera. A real floor's texture is not the simulated
+one's, so that its strength is fitted along.
 """
 
 from dataclasses import dataclass
@@ -19,8 +20,11 @@ from diagnosis.pictures.response import Response
 NOISE = (
     Number("shot_noise_scale", "1", 0.15, "noise that grows with the root of the light is stronger", "a smaller sensor"),
     Number("read_noise_scale", "1", 0.4, "noise in the dark is stronger", "another sensor, or a warm one"),
+    Number("texture_scale", "1", 0.5, "the floor has a stronger grain", "another floor", can_be_named=False),
 )
 
+LEAST_TEXTURE = 0.2
+"""Of the nominal noise: there is no floor without any."""
 CUT_OFF = 3.0
 """Standard deviations that a level must be above black."""
 
@@ -34,6 +38,7 @@ class NoiseModel:
     heldout_frames: Mask
     numbers: tuple[Number, ...] = NOISE
     least_sd: float = 0.1
+    most_worth: float = 8.0
 
     @property
     def frame(self) -> Ints:
@@ -70,7 +75,9 @@ class NoiseModel:
         columns = np.column_stack([level**2, self._noise(level, 1.0, 1.0)])
         weight = 1.0 / np.maximum(variance, np.median(variance))
         texture, camera = nnls(columns * weight[:, None], variance * weight)[0].tolist()
-        return float(texture), max(float(camera), 0.05)
+        camera = max(float(camera), 0.05)
+        usual = float(np.median(level))
+        return max(float(texture), LEAST_TEXTURE * camera * float(self._noise(np.array([usual]), 1.0, 1.0)[0]) / usual**2), camera
 
     @cached_property
     def _is_cut_off(self) -> Mask:
@@ -83,9 +90,9 @@ class NoiseModel:
 
     def left(self, x: Array) -> Array:
         level, variance, _, _ = self._seen
-        shot, read = (float(np.exp(v * n.tolerance)) for v, n in zip(x.tolist(), self.numbers, strict=True))
+        shot, read, grain = (float(np.exp(v * n.tolerance)) for v, n in zip(x.tolist(), self.numbers, strict=True))
         texture, camera = self._shares
-        left = np.log(variance) - np.log(texture * level**2 + camera * self._noise(level, shot, read))
+        left = np.log(variance) - np.log(grain * texture * level**2 + camera * self._noise(level, shot, read))
         return np.where(self._is_cut_off, np.nan, left)
 
     def own(self, x: Array) -> Array:

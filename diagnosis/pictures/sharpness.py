@@ -53,6 +53,7 @@ class SharpnessModel:
     """Variance of pixel and filter, and of the nominal lens."""
     numbers: tuple[Number, ...] = SHARPNESS
     least_sd: float = 0.03
+    most_worth: float = float("inf")
 
     @cached_property
     def _inside(self) -> Mask:

@@ -15,6 +15,8 @@ from configs.schema.robot import Camera
 from diagnosis.pictures.case import Array, Ints, PictureCase
 from diagnosis.pictures.number import Number
 
+RATE_OVER_S = 0.01
+"""To either side, over which a picture's robot moves evenly."""
 MOUNT, LENS, CLOCK = "a bent or badly printed mount", "another lens, or one focused anew", "a late time stamp"
 
 GEOMETRY = (
@@ -93,28 +95,22 @@ class View:
         half = 0.5 * (case.arena.line.width_m + widening) + beyond_m
         floor = points.on_line + half * points.outwards
         p_W = np.column_stack([floor, np.zeros(len(floor))])
-        t_s = np.array([frame.t_s for frame in case.frames])[points.frame] + late_s
-        found = self._seen(p_W, t_s, X_RC, lens, moved)
+        poses, rates = self._ways(late_s)
+        at = poses[points.frame]
+        found = _seen(p_W, _moved(at, moved), X_RC, lens)
         if camera.read_out_s:
             rows = np.nan_to_num(found[:, 1], nan=0.5 * lens.height_px)
             share = np.clip((rows + 0.5) / lens.height_px, 0.0, 1.0) - 0.5
-            found = self._seen(p_W, t_s + share * camera.read_out_s, X_RC, lens, moved)
+            at = at + (share * camera.read_out_s)[:, None] * rates[points.frame]
+            found = _seen(p_W, _moved(at, moved), X_RC, lens)
         return found
 
-    def _seen(self, p_W: Array, t_s: Array, X_RC: Array, lens: Intrinsics, moved: Array | None) -> Array:
-        poses = self.case.path.poses_at(t_s)
-        if moved is not None:
-            c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
-            ahead, left, turned = moved.T
-            poses = poses + np.column_stack([c * ahead - s * left, s * ahead + c * left, turned])
-        c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
-        x, y = (p_W[:, :2] - poses[:, :2]).T
-        p_R = np.column_stack([c * x + s * y, c * y - s * x, p_W[:, 2]])
-        p_C = (p_R - X_RC[:3, 3]) @ X_RC[:3, :3]
-        depth = p_C[:, 2]
-        rays = p_C[:, :2] / np.where(depth > 0.01, depth, np.nan)[:, None]
-        # Within the picture no lens folds, so that nothing of `project`'s search for folds is needed.
-        return pixels(lens, distorted(lens.distortion, rays))
+    def _ways(self, late_s: float) -> tuple[Array, Array]:
+        """Poses (frames, 3) at the pictures' middles, and how fast they change."""
+        t_s = np.array([frame.t_s for frame in self.case.frames]) + late_s
+        around = self.case.path.poses_at(np.concatenate([t_s - RATE_OVER_S, t_s, t_s + RATE_OVER_S]))
+        before, here, after = np.split(around, 3)
+        return here, (after - before) / (2.0 * RATE_OVER_S)
 
     def floor_X_WC(self, frame: int) -> Array:
         """(4, 4) pose of the camera at a picture's middle."""
@@ -122,3 +118,23 @@ class View:
         t_s = np.array([self.case.frames[frame].t_s + late_s])
         x_m, y_m, yaw_rad = self.case.path.poses_at(t_s)[0].tolist()
         return pose_X_WR(x_m, y_m, yaw_rad) @ pose_X_RC(camera, self.case.robot.chassis.base_height_m)
+
+
+def _moved(poses: Array, moved: Array | None) -> Array:
+    if moved is None:
+        return poses
+    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    ahead, left, turned = moved.T
+    return poses + np.column_stack([c * ahead - s * left, s * ahead + c * left, turned])
+
+
+def _seen(p_W: Array, poses: Array, X_RC: Array, lens: Intrinsics) -> Array:
+    """Pixels (N, 2) of points (N, 3), each with a robot pose (N, 3) of its own."""
+    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    x, y = (p_W[:, :2] - poses[:, :2]).T
+    p_R = np.column_stack([c * x + s * y, c * y - s * x, p_W[:, 2]])
+    p_C = (p_R - X_RC[:3, 3]) @ X_RC[:3, :3]
+    depth = p_C[:, 2]
+    rays = p_C[:, :2] / np.where(depth > 0.01, depth, np.nan)[:, None]
+    # Within the picture no lens folds, so that nothing of `project`'s search for folds is needed.
+    return pixels(lens, distorted(lens.distortion, rays))
