@@ -34,7 +34,7 @@ def horizontal_field_of_view_rad(camera: Camera) -> float:
 
 
 def pose_X_RC(camera: Camera, base_height_m: float) -> Array:
-    """(4, 4) pose of the camera in R: pitched `pitch_down_deg` below the horizon, turned left, rolled about its axis."""
+    """(4, 4) pose of the camera in R: pitched below the horizon, turned to the left, rolled about its axis."""
     pitch, yaw, roll = np.radians([camera.pitch_down_deg, camera.yaw_left_deg, camera.roll_deg])
     left = np.array([-np.sin(yaw), np.cos(yaw), 0.0])
     forward = np.array([np.cos(pitch) * np.cos(yaw), np.cos(pitch) * np.sin(yaw), -np.sin(pitch)])

@@ -34,8 +34,8 @@ def read_picture_case(run: Path, simulated: Path | None, pose_errors: PoseErrors
 
     Args:
         run: Folder with data.csv and images.
-        simulated: Run folder of a dataset with the nominal robot, look and arena in its specification, and pictures of the
-            same places where there are any; None where `run` has a specification itself.
+        simulated: Run folder of a dataset with the nominal robot, look and arena in its specification, and pictures of
+            the same places where there are any; None where `run` has a specification itself.
         pose_errors: Of the poses in `run`.
 
     Raises:
@@ -132,7 +132,9 @@ def _picture(path: Path) -> Picture:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", where=str(path), cure="give every image of data.csv") from None
+        raise InputError(
+            f"cannot be read: {error.strerror}", where=str(path), cure="give every image of data.csv"
+        ) from None
     found = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR) if data else None
     if found is None:
         raise InputError("is no picture", where=str(path), cure="replace it, or take its number out of data.csv")

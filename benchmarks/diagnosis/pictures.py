@@ -2,8 +2,8 @@
 
 python benchmarks/diagnosis/pictures.py RUN FOLDER [--workers 2]
 
-RUN is a run of a dataset with its pictures, such as smoke/CW/test_1. Renders it again with other stains and other noise,
-once as it is and then with one thing changed each time, into FOLDER, and diagnoses each against RUN.
+RUN is a run of a dataset with its pictures, such as smoke/CW/test_1. Renders it again with other stains and other
+noise, once as it is and then with one thing changed each time, into FOLDER, and diagnoses each against RUN.
 """
 
 import argparse
@@ -69,10 +69,15 @@ def main() -> None:
         out = rendered(asked.run, name, asked.folder, asked.quality, asked.workers)
         answer = diagnose_pictures(read_picture_case(out, asked.run, PoseErrors())).answer()
         found = {effect["name"] for effect in answer["effects"]}
-        told = ", ".join(f"{e['name']} {e['value']:.4g} +- {e['std']:.2g} {e['ambiguous_with']}" for e in answer["effects"])
+        told = ", ".join(
+            f"{e['name']} {e['value']:.4g} +- {e['std']:.2g} {e['ambiguous_with']}" for e in answer["effects"]
+        )
         verdict = "right" if found == expected else "WRONG"
         held = ", ".join(f"{k} {v['before']:.3g} to {v['after']:.3g}" for k, v in answer["heldout"].items())
-        print(f"{name:20} {verdict:6} {told or 'nothing'} | held out: {held} | {answer.get('unexplained_where', '')}", flush=True)
+        print(
+            f"{name:20} {verdict:6} {told or 'nothing'} | held out: {held} | {answer.get('unexplained_where', '')}",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Why a camera's pictures differ from the simulated ones: geometry first, then levels, sharpness and noise.
 
-Geometry is that of the line's edges and needs no simulated pictures. The others compare the same places of the floor, which
-the camera just found tells where to look for, and are left out where there are none.
+Geometry is that of the line's edges and needs no simulated pictures. The others compare the same places of the floor,
+which the camera just found tells where to look for, and are left out where there are none.
 """
 
 from collections.abc import Mapping
@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.pictures.case import Array, Mask, PictureCase, Picture
+from diagnosis.pictures.case import Array, Mask, Picture, PictureCase
 from diagnosis.pictures.edge_points import EdgeProfiles, edges, profiles
 from diagnosis.pictures.fit import Choice, Chosen, Fit, Model, choose, fitted
+from diagnosis.pictures.found import found_value
 from diagnosis.pictures.gain import PictureGain, picture_gain
 from diagnosis.pictures.geometry import EdgeModel, measure
 from diagnosis.pictures.levels import LevelModel
@@ -23,7 +24,6 @@ from diagnosis.pictures.patches import Patches, patches
 from diagnosis.pictures.remains import Remains, remains
 from diagnosis.pictures.response import luminance
 from diagnosis.pictures.sharpness import NARROWEST_PX, REACH_PX, SharpnessModel
-from diagnosis.pictures.found import found_value
 from diagnosis.pictures.views import View
 
 MOST_PATCHES = 1500
@@ -169,7 +169,9 @@ def _sharpness(case: PictureCase, model: EdgeModel, x: Array) -> Part | None:
     there = sighted(nominal, edge_candidates(case.arena), margin_px=REACH_PX + 1)
     simulated = [frame.simulated for frame in case.frames]
     pictures = [_grey(p) if p is not None else np.zeros(case.size_px[::-1]) for p in simulated]
-    lights = [luminance(p, case.response.contrast) if p is not None else np.zeros(case.size_px[::-1]) for p in simulated]
+    lights = [
+        luminance(p, case.response.contrast) if p is not None else np.zeros(case.size_px[::-1]) for p in simulated
+    ]
     dark = case.arena.line.reflectance < case.arena.floor_reflectance
     off, good = edges(there, lights, 0.02 * case.size_px[0], dark=dark)
     good &= np.array([p is not None for p in simulated])[there.points.frame]

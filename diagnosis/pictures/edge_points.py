@@ -48,7 +48,11 @@ def profiles(sighting: Sighting, pictures: list[Array], reach_px: float) -> Edge
         at = sighting.pixels[here][:, None, :] + along[None, :, None] * sighting.outwards[here][:, None, :]
         at = at.astype(np.float32)
         seen = cv2.remap(
-            pictures[frame].astype(np.float32), at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+            pictures[frame].astype(np.float32),
+            at[..., 0],
+            at[..., 1],
+            cv2.INTER_LINEAR,
+            borderMode=cv2.BORDER_REPLICATE,
         )
         light[here] = seen
     return EdgeProfiles(along, light)

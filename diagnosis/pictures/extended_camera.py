@@ -1,7 +1,7 @@
 """The camera that was found, as robot and look files that scenarios and `symolo rerender` take."""
 
 from math import log2
-from typing import Any
+from typing import Any, Literal
 
 import yaml
 
@@ -9,6 +9,19 @@ from diagnosis.pictures.diagnose import Part, PictureDiagnosis
 from diagnosis.pictures.views import deviating
 
 ROBOT, LOOK = "robot.yaml", "look.yaml"
+FIELDS: dict[str, tuple[str, Literal["steps", "more", "times", "whole"], float, float]] = {
+    "exposure_scale": ("compensation_ev", "steps", -6.0, 6.0),
+    "vignetting": ("vignetting", "more", 0.0, 1.0),
+    "veiling_glare": ("veiling_glare", "more", 0.0, 0.3),
+    "contrast_scale": ("contrast", "times", 0.5, 2.0),
+    "saturation_scale": ("saturation", "times", 0.0, 2.0),
+    "lens_blur": ("lens_blur_px", "whole", 0.0, 5.0),
+    "exposure_time": ("exposure_time_s", "whole", 0.0, 0.1),
+    "sharpening": ("sharpening", "more", 0.0, 3.0),
+    "shot_noise_scale": ("shot_noise", "times", 0.0, 0.5),
+    "read_noise_scale": ("read_noise", "times", 0.0, 0.5),
+}
+"""Of look.camera: which field a number changes, how, and the schema's bounds."""
 NOT_IN_A_FILE = {
     "time_offset": "no camera of the simulation is late",
     "red_gain_scale": "its white balance is a temperature, look.camera.white_balance_K",
@@ -42,31 +55,21 @@ def look_changes(diagnosis: PictureDiagnosis) -> dict[str, float]:
     now, changed = diagnosis.case.look.camera, {}
     for part in diagnosis.photometry:
         for choice in part.chosen.choices:
+            if choice.number.name not in FIELDS:
+                continue
+            field, how, low, high = FIELDS[choice.number.name]
             value, _ = part.found(choice.place, diagnosis.case)
-            match choice.number.name:
-                case "exposure_scale":
-                    changed["compensation_ev"] = min(max(now.compensation_ev + log2(value), -6.0), 6.0)
-                case "vignetting":
-                    changed["vignetting"] = min(max(now.vignetting + value, 0.0), 1.0)
-                case "veiling_glare":
-                    changed["veiling_glare"] = min(max(now.veiling_glare + value, 0.0), 0.3)
-                case "contrast_scale":
-                    changed["contrast"] = min(max(now.contrast * value, 0.5), 2.0)
-                case "saturation_scale":
-                    changed["saturation"] = min(max(now.saturation * value, 0.0), 2.0)
-                case "lens_blur":
-                    changed["lens_blur_px"] = min(value, 5.0)
-                case "exposure_time":
-                    changed["exposure_time_s"] = min(value, 0.1)
-                case "sharpening":
-                    changed["sharpening"] = min(max(now.sharpening + value, 0.0), 3.0)
-                case "shot_noise_scale":
-                    changed["shot_noise"] = min(now.shot_noise * value, 0.5)
-                case "read_noise_scale":
-                    changed["read_noise"] = min(now.read_noise * value, 0.5)
-                case _:
-                    pass  # NOT_IN_A_FILE
-    return {name: round(value, 6) for name, value in changed.items()}
+            match how:
+                case "steps":
+                    value = getattr(now, field) + log2(value)
+                case "more":
+                    value += getattr(now, field)
+                case "times":
+                    value *= getattr(now, field)
+                case "whole":
+                    pass
+            changed[field] = round(min(max(value, low), high), 6)
+    return changed
 
 
 def left_out(diagnosis: PictureDiagnosis) -> list[tuple[str, str]]:

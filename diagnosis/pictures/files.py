@@ -37,7 +37,9 @@ def files(diagnosis: PictureDiagnosis) -> Mapping[str, bytes]:
 def page(diagnosis: PictureDiagnosis, plots: Mapping[str, bytes]) -> str:
     """One page that stands alone."""
     case = diagnosis.case
-    seen = f"{len(case.frames)} pictures of {case.size_px[0]} x {case.size_px[1]} px, {int(case.heldout.sum())} held out"
+    seen = (
+        f"{len(case.frames)} pictures of {case.size_px[0]} x {case.size_px[1]} px, {int(case.heldout.sum())} held out"
+    )
     body = [
         tag("h1", f"symolo pictures: {case.name}, {seen}"),
         tag("p", headline(diagnosis), class_="verdict"),
@@ -45,7 +47,10 @@ def page(diagnosis: PictureDiagnosis, plots: Mapping[str, bytes]) -> str:
         tag("h2", "What differs"),
         *_named(diagnosis),
         tag("h2", "The misfit"),
-        *(tag("figure", picture(png, CAPTIONS[name]), tag("figcaption", CAPTIONS[name])) for name, png in plots.items()),
+        *(
+            tag("figure", picture(png, CAPTIONS[name]), tag("figcaption", CAPTIONS[name]))
+            for name, png in plots.items()
+        ),
         tag("h2", "All numbers"),
         tag("p", "Fitted together, each with a prior of its tolerance but those that are named.", class_="note"),
         *_numbers(diagnosis),
@@ -68,11 +73,11 @@ def _named(diagnosis: PictureDiagnosis) -> Iterator[Html]:
     if not diagnosis.named:
         yield tag("p", "No number is named: none has to leave its tolerance to explain these pictures.")
     for part, choice in diagnosis.named:
-        number = choice.number
+        number, sure = choice.number, min(100 * choice.confidence, 99.9)
         told = [
             tag("h3", tag("code", number.name), f" {size(part, choice, diagnosis)}"),
             tag("p", f"{number.means[0].upper()}{number.means[1:]}. Such a thing comes of: {number.comes_of}."),
-            tag("p", f"Confidence {min(100 * choice.confidence, 99.9):.1f} %; without it the cost rises by {choice.rise:.0f}."),
+            tag("p", f"Confidence {sure:.1f} %; without it the cost rises by {choice.rise:.0f}."),
         ]
         if open_ := ambiguity(choice):
             told.append(tag("p", f"It {open_}.", class_="warn"))
@@ -90,7 +95,13 @@ def _numbers(diagnosis: PictureDiagnosis) -> Iterator[Html]:
             value, sd = part.found(place, diagnosis.case)
             unit = "" if number.unit == "1" else number.unit
             rows.append(
-                [number.name, f"{value:.4g} +- {sd:.2g}", unit, f"{part.fit.x[place]:+.1f}", "yes" if place in named else ""]
+                [
+                    number.name,
+                    f"{value:.4g} +- {sd:.2g}",
+                    unit,
+                    f"{part.fit.x[place]:+.1f}",
+                    "yes" if place in named else "",
+                ]
             )
         yield tag("h3", part.name)
         yield table(["number", "value", "unit", "tolerances off", "named"], rows)

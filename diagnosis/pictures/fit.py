@@ -1,10 +1,10 @@
 """Which numbers of the camera the pictures ask for: all are fitted within their tolerances, a few of them freely.
 
-Every number has a normal prior of its tolerance, so that a deviation within it is no discovery; each picture has numbers
-of its own, with priors too, such as the error of its pose. A number is named when freeing it of its prior lets the cost
-fall by as much as names an effect of a robot (`diagnosis.inference.selection`). Near the best fit the cost is a
-quadratic form once the pictures' own numbers are eliminated (Schur complement), so that every set of up to three freed
-numbers is compared with every other, not only those that a greedy search meets.
+Every number has a normal prior of its tolerance, so that a deviation within it is no discovery; each picture has
+numbers of its own, with priors too, such as the error of its pose. A number is named when freeing it of its prior lets
+the cost fall by as much as names an effect of a robot (`diagnosis.inference.selection`). Near the best fit the cost is
+a quadratic form once the pictures' own numbers are eliminated (Schur complement), so that every set of up to three
+freed numbers is compared with every other, not only those that a greedy search meets.
 """
 
 from collections.abc import Sequence
@@ -86,7 +86,7 @@ class Fit:
 
 @dataclass(frozen=True)
 class Quadratic:
-    """The cost of the samples around `at`: least - 2 g d + d H d, d = x - at, the pictures' own numbers at their best."""
+    """The samples' cost around `at`: least - 2 g d + d H d, d = x - at, the pictures' own numbers at their best."""
 
     at: Array
     H: Array

@@ -1,8 +1,8 @@
 """Where the line's edges are in the pictures, against where a camera with deviations would see them.
 
-The noise is that of the edges (texture, worn tape) and, for all edges of one picture alike, that of its pose. Edges are
-looked for thrice: widely around the nominal camera, then ever closer around the one that was found, so that a camera
-that is several degrees off is still recognised, and the last points are free of mistaken edges.
+The noise is that of the edges (texture, worn tape) and, for all edges of one picture alike, that of its pose. Edges
+are looked for thrice: widely around the nominal camera, then ever closer around the one that was found, so that a
+camera that is several degrees off is still recognised, and the last points are free of mistaken edges.
 """
 
 from dataclasses import dataclass

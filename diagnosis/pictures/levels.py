@@ -1,12 +1,12 @@
 """How bright and of which colour floor and line are, against the simulated pictures of the same places.
 
-The simulated values are undone to the sensor's light by the nominal response (`blender_scenes.camera_response`), and done
-again with one that deviates. Each picture's exposure may differ a little by itself, for automatic exposure meters what
-the camera sees.
+The simulated values are undone to the sensor's light by the nominal response (`blender_scenes.camera_response`), and
+done again with one that deviates. Each picture's exposure may differ a little by itself, for automatic exposure meters
+what the camera sees.
 
-What is predicted from is smooth over each picture, floor and line apart: noise in it would make slopes too small (Fuller,
-Measurement Error Models, 1987, section 1.1), above all that of the colours, which hardly differ over a floor. The texture
-that is smoothed away is taken from the measured values in its place.
+What is predicted from is smooth over each picture, floor and line apart: noise in it would make slopes too small
+(Fuller, Measurement Error Models, 1987, section 1.1), above all that of the colours, which hardly differ over a floor.
+The texture that is smoothed away is taken from the measured values in its place.
 """
 
 from dataclasses import dataclass, replace

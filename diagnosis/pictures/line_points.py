@@ -43,7 +43,7 @@ def edge_candidates(arena: Arena) -> tuple[Array, Array, Ints]:
         middle = piece.at(s)
         for side in (0, 1):
             middles.append(middle)
-            outwards.append((piece.at(s, 1.0 - 2.0 * side) - middle))
+            outwards.append(piece.at(s, 1.0 - 2.0 * side) - middle)
             chains.append(np.full(len(s), 2 * number + side))
     if not middles:
         return np.empty((0, 2)), np.empty((0, 2)), np.empty(0, np.int64)
@@ -89,7 +89,9 @@ def _in_frame(view: View, frame: int, candidates: tuple[Array, Array, Ints], mar
     points = EdgePoints(np.full(len(middle), frame), middle, outward)
     edge = view.pixels(points)
     width, height = case.size_px
-    inside = (edge > margin_px).all(axis=1) & (edge[:, 0] < width - 1 - margin_px) & (edge[:, 1] < height - 1 - margin_px)
+    inside = (
+        (edge > margin_px).all(axis=1) & (edge[:, 0] < width - 1 - margin_px) & (edge[:, 1] < height - 1 - margin_px)
+    )
     inside &= np.isfinite(edge).all(axis=1)
     points, chain, edge = _some(points, inside), chain[inside], edge[inside]
     across, width_px = _across(view, points, edge)

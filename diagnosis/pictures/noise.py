@@ -1,8 +1,8 @@
 """How much pixels of an even patch differ, against its level: shot noise rises with the light, read noise does not.
 
-What texture adds is taken from the simulated pictures, whose noise is known: their variance in the sensor's light is that
-of the texture, which goes with the square of the light, and of the camera. A real floor's texture is not the simulated
-one's, so that its strength is fitted along.
+What texture adds is taken from the simulated pictures, whose noise is known: their variance in the sensor's light is
+that of the texture, which goes with the square of the light, and of the camera. A real floor's texture is not the
+simulated one's, so that its strength is fitted along.
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,9 @@ from diagnosis.pictures.patches import Patches
 from diagnosis.pictures.response import Response
 
 NOISE = (
-    Number("shot_noise_scale", "1", 0.15, "noise that grows with the root of the light is stronger", "a smaller sensor"),
+    Number(
+        "shot_noise_scale", "1", 0.15, "noise that grows with the root of the light is stronger", "a smaller sensor"
+    ),
     Number("read_noise_scale", "1", 0.4, "noise in the dark is stronger", "another sensor, or a warm one"),
     Number("texture_scale", "1", 0.5, "the floor has a stronger grain", "another floor", can_be_named=False),
 )
@@ -77,7 +79,9 @@ class NoiseModel:
         texture, camera = nnls(columns * weight[:, None], variance * weight)[0].tolist()
         camera = max(float(camera), 0.05)
         usual = float(np.median(level))
-        return max(float(texture), LEAST_TEXTURE * camera * float(self._noise(np.array([usual]), 1.0, 1.0)[0]) / usual**2), camera
+        return max(
+            float(texture), LEAST_TEXTURE * camera * float(self._noise(np.array([usual]), 1.0, 1.0)[0]) / usual**2
+        ), camera
 
     @cached_property
     def _is_cut_off(self) -> Mask:

@@ -80,7 +80,9 @@ def level_misfit(diagnosis: PictureDiagnosis) -> bytes | None:
         left: Array = 255 * model.left(deviations)
         for k, colour in enumerate(("#CC3311", "#228833", "#4477AA")):
             here = shown & (channel == k)
-            axes.plot(np.flatnonzero(here), left[here], ".", markersize=2.5, color=colour, label=("red", "green", "blue")[k])
+            axes.plot(
+                np.flatnonzero(here), left[here], ".", markersize=2.5, color=colour, label=("red", "green", "blue")[k]
+            )
         axes.axhline(0.0, color=GREY, linewidth=0.6)
         finished(axes, name, "patch of a picture held out", "measured - predicted [of 255]", legend=name == "nominal")
     return png(figure)

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from blender_scenes.camera import floor_points, intrinsics
-from diagnosis.pictures.case import Array, Ints, Mask, PictureCase, Picture
+from diagnosis.pictures.case import Array, Ints, Mask, Picture, PictureCase
 from diagnosis.pictures.views import EdgePoints, View, deviating
 
 COLUMNS, ROWS = 16, 12

@@ -1,7 +1,7 @@
 """Whether what the best camera leaves still depends on something: functions of each covariate, by an F test.
 
-A coarse look: polynomials of the fourth degree, Bonferroni over all covariates; a dependence that explains little of what is
-left is none.
+A coarse look: polynomials of the fourth degree, Bonferroni over all covariates; a dependence that explains little of
+what is left is none.
 """
 
 from collections.abc import Mapping

@@ -1,9 +1,9 @@
 """How sharp the line's edges are, against the simulated pictures of the same places.
 
-An edge that a lens and a moving camera blur is a normal distribution function in light: the variances of the lens' point
-spread, of the pixel, and of the way across the edge during the exposure add up. The tone curve and an unsharp mask
-follow. What the pixel and the renderer's filter do is fitted to the simulated pictures first, so that only differences
-count. The line is a bar with two edges, of which a narrow one shows both.
+An edge that a lens and a moving camera blur is a normal distribution function in light: the variances of the lens'
+point spread, of the pixel, and of the way across the edge during the exposure add up. The tone curve and an unsharp
+mask follow. What the pixel and the renderer's filter do is fitted to the simulated pictures first, so that only
+differences count. The line is a bar with two edges, of which a narrow one shows both.
 """
 
 from dataclasses import dataclass, replace
@@ -18,7 +18,9 @@ from diagnosis.pictures.edge_points import STEP_PX, EdgeProfiles
 from diagnosis.pictures.number import Number
 
 SHARPNESS = (
-    Number("lens_blur", "px", 0.08, "the lens spreads a point more; standard deviation, the whole", "a lens out of focus"),
+    Number(
+        "lens_blur", "px", 0.08, "the lens spreads a point more; standard deviation, the whole", "a lens out of focus"
+    ),
     Number("exposure_time", "s", 2.5e-5, "the shutter is open longer; the whole time", "less light, another setting"),
     Number("sharpening", "1", 0.06, "an unsharp mask adds more", "another picture style"),
 )

@@ -122,7 +122,9 @@ def light(camera, pose, size, times=None):
         pose = [np.repeat(p, n)[:, None] for p in pose]
     floor_x, floor_y, seen = to_floor(camera, pose, size, uu, vv)
     on = covered(floor_x, floor_y) & seen
-    texture = 1 + 0.04 * np.sin(31 * floor_x + 4) * np.sin(27 * floor_y + 1) + 0.02 * np.sin(90 * floor_x + 70 * floor_y)
+    texture = (
+        1 + 0.04 * np.sin(31 * floor_x + 4) * np.sin(27 * floor_y + 1) + 0.02 * np.sin(90 * floor_x + 70 * floor_y)
+    )
     picture = np.where(on[..., None], TAPE, FLOOR * np.where(seen, texture, 1.0)[..., None])
     picture = np.where(seen[..., None], picture, 0.35)
     return picture.reshape(height, n, width, n, 3).mean(axis=(1, 3))
