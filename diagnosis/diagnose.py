@@ -1,8 +1,10 @@
 """The whole diagnosis of one measurement: what is wrong, how sure that is, what stays open, and what it gains."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
+
+import numpy as np
 
 from configs.draw import draw_robot
 from configs.errors import InputError
@@ -15,18 +17,22 @@ from diagnosis.inference.evidence import Evidence
 from diagnosis.inference.fit import Fit, fits
 from diagnosis.inference.gain import Gain, gain
 from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
-from diagnosis.inference.noise_level import combined, found_noises
+from diagnosis.inference.locate import located
+from diagnosis.inference.noise_level import combined, found_noises, is_open
 from diagnosis.inference.rivals import Standing, standing
-from diagnosis.inference.selection import Selection, rescued, select
-from diagnosis.measured.measurement import Measurement
+from diagnosis.inference.scatter import with_scatter
+from diagnosis.inference.selection import Selection, is_of_noise, rescued, select
+from diagnosis.measured.measurement import Kind, Measurement
 from diagnosis.nominal_robot import nominal_robot
-from diagnosis.nuisances import nuisances
+from diagnosis.nuisances import Nuisance, command_timing, nuisances
 from diagnosis.stages import STAGES
 from diagnosis.stages.base import Stage
 from diagnosis.usual_tolerances import usual
 
 CLEARLY = 0.5
 """Cost by which a rival must explain more to be named in an effect's place."""
+MUCH_MORE = 1.25
+"""Times that a row may turn out to be worth before effects are looked for anew."""
 NOISE_ROUNDS = 2
 """Fits after which an unknown noise has settled: the first guess may be far off."""
 
@@ -119,7 +125,7 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     check_kind(measurement)
     where = _where(measurement)
     robot = _nominal(measurement, nominal)
-    bare = Hypothesis(robot, nuisances(measurement.nominal) if measurement.nominal is not None else usual(robot))
+    bare = Hypothesis(robot, _spreads(measurement, robot))
     stages = STAGES[measurement.kind](measurement, robot)
     if not stages:
         cure = "log voltages and counts, counts and poses, or poses and ranges"
@@ -129,13 +135,15 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
         raise InputError("no usable sample to fit", where=where, cure="log inputs and readings in the same rows")
     library = candidates(measurement, evidence, bare)
     selection = select(evidence, bare, library.testable)
+    # What lacked an effect lasted longer than its noise.
+    renewed = _with_found_noises(evidence, selection.fit)
+    if np.any(renewed.weight > MUCH_MORE * evidence.weight):
+        evidence, selection = renewed, select(renewed, bare, library.testable)
     left = adequacy(evidence, selection.fit)
     if not left.is_adequate and (better := rescued(evidence, selection.fit, library.testable)) is not None:
         selection = replace(selection, fit=better)
         left = adequacy(evidence, better)
-    jump = change_in_time(evidence, selection.nominal, selection.fit)
-    if jump is not None:
-        left = Adequacy((jump, *left.structures))
+    left = _left(evidence, selection, left)
     fit = selection.fit if left.is_adequate else _without_stand_ins(evidence, selection, left)
     standings = [standing(evidence, fit, effect, library.testable) for effect in fit.hypothesis.effects]
     if left.is_adequate:
@@ -163,11 +171,15 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
 def _evidence(stages: Sequence[Stage], bare: Hypothesis) -> Evidence:
     """What was observed, with its noise as stated or else as the nominal model finds it."""
     evidence = Evidence(stages)
-    if evidence.fit.any() and not all(of.noise_is_stated for of in evidence.observed):
-        for _ in range(NOISE_ROUNDS):
-            (fit,) = fits(evidence, [(bare, bare.null())])
-            evidence = Evidence(stages, combined(evidence, found_noises(evidence, fit)))
+    rounds = NOISE_ROUNDS if evidence.fit.any() else 0
+    for _ in range(rounds if any(is_open(of) for of in evidence.observed) else 0):
+        (fit,) = fits(evidence, [(bare, bare.null())])
+        evidence = _with_found_noises(evidence, fit)
     return evidence
+
+
+def _with_found_noises(evidence: Evidence, fit: Fit) -> Evidence:
+    return Evidence(evidence.stages, combined(evidence, found_noises(evidence, fit)))
 
 
 def check_kind(measurement: Measurement) -> None:
@@ -188,16 +200,43 @@ def _nominal(measurement: Measurement, given: RobotConfig | None) -> RobotConfig
     return carrier if measurement.nominal is None else nominal_robot(measurement.nominal, carrier)
 
 
+def _spreads(measurement: Measurement, robot: RobotConfig) -> tuple[Nuisance, ...]:
+    """What may differ without anything being wrong: as the measurement states it, else what is usual."""
+    if measurement.nominal is not None:
+        return nuisances(measurement.nominal)
+    return (*usual(robot), command_timing()) if measurement.kind is Kind.DRIVE_LOG else usual(robot)
+
+
+def _left(evidence: Evidence, selection: Selection, left: Adequacy) -> Adequacy:
+    """All that the selected model leaves: structure, scatter, a jump in time; in the channel where it lives."""
+    left = with_scatter(evidence, selection.fit, left)
+    jump = change_in_time(evidence, selection.nominal, selection.fit)
+    if jump is not None:
+        return Adequacy((jump, *left.structures))
+    return left if left.is_adequate else located(evidence, selection.nominal.hypothesis, left)
+
+
 def _without_stand_ins(evidence: Evidence, selection: Selection, left: Adequacy) -> Fit:
-    """The fit with only those effects that are needed beside what remains unexplained."""
+    """The fit with only those effects that are needed beside what remains unexplained.
+
+    Noise is not: it takes any structure of the mean for its own, and hides how large that is.
+    """
     fit = selection.fit
-    kept = survivors(evidence, selection.nominal, fit, left.worst)
-    keep = tuple(effect for effect in fit.hypothesis.effects if effect in kept)
-    if len(keep) == len(fit.hypothesis.effects):
+    of_mean = [effect for effect in fit.hypothesis.effects if not is_of_noise(fit, effect)]
+    if len(of_mean) < len(fit.hypothesis.effects):
+        fit = _with_only(evidence, selection, fit, of_mean)
+        left = _left(evidence, replace(selection, fit=fit), adequacy(evidence, fit))
+    return _with_only(evidence, selection, fit, survivors(evidence, selection.nominal, fit, left.worst))
+
+
+def _with_only(evidence: Evidence, selection: Selection, fit: Fit, keep: Collection[Effect]) -> Fit:
+    """The fit with some of its effects."""
+    kept = tuple(effect for effect in fit.hypothesis.effects if effect in keep)
+    if len(kept) == len(fit.hypothesis.effects):
         return fit
-    if not keep:
+    if not kept:
         return selection.nominal
-    fewer = Hypothesis(fit.hypothesis.nominal, fit.hypothesis.nuisances, keep)
+    fewer = Hypothesis(fit.hypothesis.nominal, fit.hypothesis.nuisances, kept)
     (found,) = fits(evidence, [(fewer, moved(fit.x, fit.hypothesis, fewer))])
     return found
 

@@ -57,7 +57,7 @@ def _all(nominal: Nominal) -> Iterator[Nuisance]:
         yield _number("drive", "wheel_diameter_m", "wheel_radius_m", nominal.robot.wheel_radius_m, 2.0)
         yield _number("drive", "track_m", "wheel_separation_m", nominal.robot.wheel_separation_m, 1.0)
         yield _range_offset(nominal.tof.range_offset_m)
-        yield _command_timing()
+        yield command_timing()
 
 
 TIMING_S = 1e-3
@@ -65,7 +65,9 @@ TIMING_S = 1e-3
 and in a simulation the way of integrating. A delay that matters in rows of 50 ms is many times that."""
 
 
-def _command_timing() -> Nuisance:
+def command_timing() -> Nuisance:
+    """Of a drive's voltages."""
+
     def change(robot: RobotConfig, value: Number) -> RobotConfig:
         present = robot.terms.input_delay
         before = 0.0 if present is None else present.delay_s

@@ -5,6 +5,8 @@ that a step with the first end's alone comes to (Heun's method about the exact s
 differ by more than the tolerance, the stretch is taken in quarters; at null values they are equal to the bit.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,8 +24,14 @@ DEEPEST = 6
 
 
 class RigidWheels:
-    def __init__(self, driveline: Driveline) -> None:
+    def __init__(self, driveline: Driveline, load_N_m: Callable[[Array], Array] | None = None) -> None:
+        """
+        Args:
+            driveline: Of the motors.
+            load_N_m: Torques from outside, (..., wheels) at speeds (..., wheels); None for none.
+        """
         self._driveline = driveline
+        self._load_N_m = load_N_m
         self._time_constant_s = driveline.inertia_kg_m2 / driveline.damping_N_m_s_rad
         self._known: dict[float, Array] = {}
 
@@ -31,10 +39,11 @@ class RigidWheels:
         """Speed [rad/s] after a stretch and angle [rad] turned in it."""
         driveline = self._driveline
         stall = driveline.stall_torque_N_m(part.voltage_V)
-        if driveline.is_bare:
+        if driveline.is_bare and self._load_N_m is None:
             behind = self._behind(part.duration_s)
             return self._held(stall, driveline.coulomb_N_m).step(speed_rad_s, part.duration_s, behind)
-        return self._with_terms(part, stall, speed_rad_s, DEEPEST)
+        # What a body asks changes little in a row, and needs no finer steps.
+        return self._with_terms(part, stall, speed_rad_s, 0 if driveline.is_bare else DEEPEST)
 
     def _behind(self, duration_s: float | Array) -> Array:
         """Worked out once for each length of a step that comes again and again."""
@@ -72,4 +81,5 @@ class RigidWheels:
         """Torque at rest and dry friction [N m]."""
         driveline = self._driveline
         torque = stall + driveline.extra_torque_N_m(voltage_V, speed_rad_s) if driveline.adds_torque else stall
+        torque = torque if self._load_N_m is None else torque + self._load_N_m(speed_rad_s)
         return torque, driveline.friction_N_m(torque, speed_rad_s, time_s)

@@ -25,14 +25,20 @@ class WheelLoad:
     """What a body asks of each wheel, on top of its motor's own."""
 
     inertia_kg_m2: float = 0.0
-    friction_N_m: float = 0.0
-    """Dry, of its caster."""
+    body: BodyOnWheels | None = None
+    """Whose centrifugal forces and caster the wheels feel."""
 
     @classmethod
     def of_body(cls, model: RobotModel) -> "WheelLoad":
-        """Of the robot's body, but for what one wheel asks of the other: little where mass is spread out."""
-        body, radius_m = BodyOnWheels.from_model(model), model.geometry.right_radius_m
-        return cls(float(body.wheel_inertia_kg_m2[0, 0]), 0.5 * radius_m * body.caster_force_N)
+        """Of the robot's body, but for inertia that one wheel feels of the other: little where mass is spread out."""
+        body = BodyOnWheels.from_model(model)
+        return cls(float(body.wheel_inertia_kg_m2[0, 0]), body)
+
+    def torque_N_m(self, speed_rad_s: Array) -> Array:
+        """On the wheels, right and left along the last axis, at their speeds (..., 2)."""
+        if self.body is None:
+            return np.zeros_like(speed_rad_s)
+        return np.stack(self.body.load_N_m(speed_rad_s[..., 0], speed_rad_s[..., 1]), axis=-1)
 
 
 NO_LOAD = WheelLoad()
@@ -58,8 +64,8 @@ def counted_turns(
     model.require_rigid_gears("a driving robot")
     driveline = Driveline.of_robot(model)
     driveline.inertia_kg_m2 = driveline.inertia_kg_m2 + load.inertia_kg_m2
-    driveline.coulomb_N_m = driveline.coulomb_N_m + load.friction_N_m
-    wheels, counting = RigidWheels(driveline), model.effects(Slot.COUNTING)
+    wheels = RigidWheels(driveline, load.torque_N_m if load.body is not None else None)
+    counting = model.effects(Slot.COUNTING)
     speed = np.zeros_like(voltage_V[0])
     rows = []
     for row in held_rows(driveline, voltage_V, row_s, model.input_delay_s, begin_s[:, None]):

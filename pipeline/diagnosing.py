@@ -14,6 +14,7 @@ from diagnosis.measured.case_format import DATA
 from diagnosis.measured.nominal import NOMINAL
 from pipeline.files import write_file
 from pipeline.importers import IMPORTERS
+from pipeline.importers.run_folder import robots_of
 from pipeline.progress import Report
 from pipeline.units import DiagnoseUnit, Failed, Finished
 from pipeline.workers import AnyEvent, AnyUnit, UnitFailure, run_units
@@ -28,6 +29,20 @@ class Case:
     path: Path
     name: str
     """Of its folder in the output."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """Of all cases."""
+
+    importer: str | None
+    """By name; None for the one that recognises a case."""
+    nominal: str
+    """A robot as JSON text; empty for none."""
+    pybullet: bool
+    """Whether before and after are also measured by PyBullet."""
+    against: Path | None
+    """A dataset that is held against each case."""
 
 
 def cases_of(paths: Sequence[Path]) -> list[Case]:
@@ -54,12 +69,14 @@ def _name(path: Path) -> str:
     return f"{name}_" if name in {"", STAGES} else name
 
 
-def nominal_json(name: str | None) -> str:
-    """A robot by name or file as JSON text; empty for none.
+def nominal_json(name: str | None, against: Path | None = None) -> str:
+    """A robot by name or file, else that of a dataset whose runs had the same, as JSON text; empty for none.
 
     Raises:
-        InputError: There is no such robot, or it is no single one.
+        InputError: There is no such robot, or it is no single one; there is no such dataset.
     """
+    if name is None and against is not None and len(robots := robots_of(against)) == 1:
+        return robots[0].model_dump_json()
     if name is None:
         return ""
     section = load_section("robot", name, option="--nominal")
@@ -72,7 +89,7 @@ def nominal_json(name: str | None) -> str:
 
 
 def diagnose_cases(
-    cases: Sequence[Case], importer: str | None, nominal: str, *, out: Path, workers: int, report: Report
+    cases: Sequence[Case], asked: Asked, *, out: Path, workers: int, report: Report
 ) -> list[UnitFailure]:
     """Diagnose all cases and return those that failed, in their order.
 
@@ -84,8 +101,10 @@ def diagnose_cases(
         DiagnoseUnit(
             name=case.name,
             case=case.path,
-            importer=importer,
-            nominal=nominal,
+            importer=asked.importer,
+            nominal=asked.nominal,
+            pybullet=asked.pybullet,
+            against=asked.against,
             folder=folder_of(case, out, alone=alone),
             alone=alone,
         )
@@ -109,7 +128,15 @@ def folder_of(case: Case, out: Path, *, alone: bool) -> Path:
     return out if alone else out / case.name
 
 
-def diagnose_into(path: Path, importer: str | None, nominal: str, folder: Path) -> None:
+def diagnose_into(
+    path: Path,
+    importer: str | None,
+    nominal: str,
+    folder: Path,
+    *,
+    pybullet: bool,
+    against: Path | None,
+) -> None:
     """Diagnose one case and put its files in place; those of an earlier diagnosis that it has not are removed.
 
     Raises:
@@ -119,7 +146,9 @@ def diagnose_into(path: Path, importer: str | None, nominal: str, folder: Path) 
     from diagnosis.report.files import PLOTS, VARIED_FILE, files  # noqa: PLC0415 - as above
 
     robot = RobotConfig.model_validate_json(nominal) if nominal else None
-    made = files(diagnose(read_measurement(path, IMPORTERS, importer), robot))
+    release = None if against is None else read_measurement(against, IMPORTERS)
+    measured = read_measurement(path, IMPORTERS, importer)
+    made = files(diagnose(measured, robot), pybullet=pybullet, release=release)
     (folder / PLOTS).mkdir(parents=True, exist_ok=True)
     for old in (folder / VARIED_FILE, *(folder / PLOTS).iterdir()):
         if old.relative_to(folder).as_posix() not in made:

@@ -71,6 +71,10 @@ class DiagnoseUnit(Message):
     nominal: str
     """The nominal robot as JSON text; empty for that of the case's own parameters."""
     folder: Path
+    pybullet: bool
+    """Whether before and after are also measured by PyBullet."""
+    against: Path | None
+    """A dataset to hold against it."""
     alone: bool
     """Whether it is the only case, so that what is wrong with it is wrong with the command."""
 
@@ -79,7 +83,9 @@ class DiagnoseUnit(Message):
 
         del progress
         try:
-            diagnose_into(self.case, self.importer, self.nominal, self.folder)
+            diagnose_into(
+                self.case, self.importer, self.nominal, self.folder, pybullet=self.pybullet, against=self.against
+            )
         except InputError as error:
             if self.alone:
                 raise

@@ -21,6 +21,7 @@ from diagnosis.inference.evidence import Evidence
 from diagnosis.inference.fit import Fit
 from diagnosis.inference.hypothesis import Effect, moved
 from diagnosis.inference.likelihood import robust_weight
+from diagnosis.inference.projection import beyond, orthonormal
 from diagnosis.measured.channel import Array, Mask
 
 LEVEL = 0.001
@@ -32,6 +33,10 @@ NEEDED = 16.0
 they explain beyond it, else the name may be another face of the unknown."""
 AS_MUCH = 0.8
 """Share of what another covariate explains, from which two tell the same."""
+MATERIAL = 9.0
+"""Fall of the cost below which nothing is structure, however sure it is. Where readings scatter as they are said to,
+chance alone allows as much; it matters where they scatter far less, as in a log that was simulated, in which a stage's
+own way of integrating would show."""
 EXPLAINED = 0.8
 """Share of what can be explained at all that names must explain to be kept."""
 
@@ -83,10 +88,12 @@ def adequacy(evidence: Evidence, fit: Fit) -> Adequacy:
         for rank, covariate in enumerate(quantity.covariates):
             best: Structure | None = None
             for basis in bases(covariate, rows):
-                p, gain, columns = tangents.test(place, rows, basis)
-                p = min(1.0, p * basis.tries)
+                p, gain = tangents.test(place, rows, basis)
+                p = min(1.0, p * basis.tries) if gain >= MATERIAL else 1.0
                 if best is None or p < best.p:
                     names = (quantity.name, quantity.channel, covariate.name)
+                    columns = np.zeros((len(evidence.values), basis.columns.shape[1]))
+                    columns[place][rows] = basis.columns
                     best = Structure(*names, basis.what, p, gain, rank, columns)
             if best is not None:
                 found.append(best)
@@ -103,34 +110,25 @@ class _Tangents:
         self._basis = orthonormal(fit.tangents(self._root))
         left = fit.left(np.clip(fit.z, -CLIP, CLIP), self._root)
         self._left = left - self._basis @ (self._basis.T @ left)
-        self._priors = len(fit.x)
 
-    def test(self, place: slice, rows: Mask, basis: Basis) -> tuple[float, float, Array]:
-        """p-value, fall of the cost beyond chance, and the columns over all samples."""
-        columns = np.zeros((len(self._root), basis.columns.shape[1]))
+    def test(self, place: slice, rows: Mask, basis: Basis) -> tuple[float, float]:
+        """p-value, and fall of the cost beyond chance."""
         inside = np.arange(place.start, place.stop)[rows]
-        columns[inside] = basis.columns
-        padded = np.concatenate([columns * self._root[:, None], np.zeros((self._priors, columns.shape[1]))])
-        free = orthonormal(padded - self._basis @ (self._basis.T @ padded))
-        k = free.shape[1]
+        columns = basis.columns * self._root[inside, None]
+        taken = self._basis[inside].T @ columns
+        combined = beyond(columns, taken)
+        k = combined.shape[1]
         if k == 0:
-            return 1.0, 0.0, columns
-        along = free.T @ self._left
+            return 1.0, 0.0
+        left = self._left[inside]
+        along = combined.T @ (columns.T @ left)
         explained = float(along @ along)
-        here = self._left[: len(self._root)][inside] - (free @ along)[: len(self._root)][inside]
+        here = left - columns @ (combined @ along) + self._basis[inside] @ (taken @ (combined @ along))
         weight = float(self._evidence.weight[inside[0]])
         degrees = max(1, len(inside) - k - 1)
         level = float(here @ here) / weight / degrees
         p = float(f_distribution.sf(explained / k / max(level, 1e-12), k, degrees))
-        return p, max(0.0, explained - k * level), columns
-
-
-def orthonormal(columns: Array) -> Array:
-    """A basis of their span; columns that add nothing are left out."""
-    if columns.shape[1] == 0:
-        return columns
-    left, sizes, _ = np.linalg.svd(columns, full_matrices=False)
-    return left[:, sizes > 1e-7 * max(float(sizes.max(initial=0.0)), 1e-300)]
+        return p, max(0.0, explained - k * level)
 
 
 def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) -> list[Effect]:
@@ -156,7 +154,11 @@ def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) 
     taken = [nominal.tangents(root), flexible]
     residual = nominal.left(nominal.z, root)
     kept: list[Effect] = []
-    left = {effect: _change(evidence, nominal, fit, effect, root) for effect in fit.hypothesis.effects}
+    priors = np.zeros(size)
+    left = {
+        effect: np.concatenate([root * change_by(evidence, nominal, fit, effect), priors])
+        for effect in fit.hypothesis.effects
+    }
     while left:
         basis = orthonormal(np.concatenate(taken, axis=1))
         falls = {effect: _fall(residual, change, basis) for effect, change in left.items()}
@@ -169,11 +171,14 @@ def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) 
 
 
 def _functions(evidence: Evidence, structure: Structure) -> Array:
-    """Any function of the structure's covariate in every quantity that has it, for a cause shows in several; (N, k)."""
+    """Any function of the structure's covariate, and of the one that it acts with, in every quantity that has them,
+    for a cause shows in several; (N, k).
+    """
     found = []
     for quantity, place in zip(evidence.observed, evidence.places, strict=True):
+        beside = {covariate.beside for covariate in quantity.covariates if covariate.name == structure.covariate}
         for covariate in quantity.covariates:
-            if covariate.name == structure.covariate:
+            if covariate.name in {structure.covariate, *beside}:
                 of = any_function(covariate, evidence.fit[place])
                 columns = np.zeros((len(evidence.values), of.shape[1]))
                 columns[place] = of
@@ -181,14 +186,13 @@ def _functions(evidence: Evidence, structure: Structure) -> Array:
     return np.concatenate(found, axis=1)
 
 
-def _change(evidence: Evidence, nominal: Fit, fit: Fit, effect: Effect, root: Array) -> Array:
-    """Of the weighted residual by one effect at its fitted size, with rows of the prior; (N + size,)."""
+def change_by(evidence: Evidence, nominal: Fit, fit: Fit, effect: Effect) -> Array:
+    """Of the nominal prediction by one effect at its fitted size, in nominal sigmas (N,); 0 where nothing is fitted."""
     alone = nominal.hypothesis.with_effect(effect)
     x = moved(nominal.x, nominal.hypothesis, alone)
     x[alone.parameters(effect)] = fit.x[fit.hypothesis.parameters(effect)]
     found = evidence.of([nominal.hypothesis.robot(nominal.x), alone.robot(x)]).mean
-    change = np.where(evidence.fit, (found[1] - found[0]) / nominal.sd, 0.0)
-    return np.concatenate([root * change, np.zeros(nominal.hypothesis.size)])
+    return np.where(evidence.fit, (found[1] - found[0]) / nominal.sd, 0.0)
 
 
 def _fall(residual: Array, change: Array, basis: Array) -> float:

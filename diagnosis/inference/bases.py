@@ -11,6 +11,8 @@ from diagnosis.stages.base import Covariate, Shape
 KNOTS = 8
 FEW_KNOTS = 4
 FEW_ROWS = 30
+SINCE_KNOTS = 16
+"""At times since an event, each as many times later than the one before."""
 HARMONICS = 3
 JUMPS = 40
 """Steps at quantiles, among any functions."""
@@ -20,7 +22,7 @@ CELLS = 4
 """Along each side of a place's grid."""
 LEAST_ROWS = 4
 """That a column must be about."""
-SCANNED_ROWS = 60
+SCANNED_ROWS = 24
 """From which waves are looked for."""
 WAVES_IN_RANGE = (1.5, 40.0)
 """Of a covariate's range, fewest and most."""
@@ -32,7 +34,7 @@ class Basis:
 
     columns: Array
     what: str
-    """`trend` or `wave of LENGTH`, for reports."""
+    """Such as `trend` or `wave of LENGTH`, for reports."""
     tries: int = 1
     """Bases of which this is one, all looked at."""
 
@@ -54,7 +56,9 @@ def bases(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
         angle = np.where(known, values, 0.0)[:, None] * turns
         yield from _kept(_where(known, np.concatenate([np.cos(angle), np.sin(angle)], axis=1)), "turn")
     else:
-        yield from _kept(_hats(values, known), "trend")
+        yield from _kept(_hats(values, known, _quantiles(values[known])), "trend")
+        if covariate.shape is Shape.SINCE:
+            yield from _kept(_settling(covariate, rows), "settling")
         yield from _waves(values, known)
 
 
@@ -64,7 +68,7 @@ def any_function(covariate: Covariate, rows: Mask) -> Array:
     Over all samples, 0 where the covariate is not known and at rows that are not asked for.
     """
     found = [basis.columns for basis in bases(covariate, rows) if basis.tries == 1]
-    if covariate.shape is Shape.SMOOTH and covariate.second is None:
+    if covariate.shape in {Shape.SMOOTH, Shape.SINCE} and covariate.second is None:
         values = covariate.values[rows]
         known = np.isfinite(values)
         edges = np.unique(np.quantile(values[known], np.linspace(0.0, 1.0, JUMPS + 1)[1:-1])) if known.any() else []
@@ -85,10 +89,27 @@ def _where(known: Mask, columns: Array) -> Array:
     return np.where(known[:, None], columns, 0.0)
 
 
-def _hats(values: Array, known: Mask) -> Array:
-    """Linear B-splines on quantiles."""
-    knots = KNOTS if np.count_nonzero(known) >= FEW_ROWS else FEW_KNOTS
-    places = np.unique(np.quantile(values[known], np.linspace(0.0, 1.0, knots)))
+def _quantiles(given: Array) -> Array:
+    knots = KNOTS if len(given) >= FEW_ROWS else FEW_KNOTS
+    return np.unique(np.quantile(given, np.linspace(0.0, 1.0, knots)))
+
+
+def _ever_later(given: Array) -> Array:
+    times = np.unique(given[given > 0.0])
+    if len(times) < SINCE_KNOTS:
+        return times
+    return np.append(0.0, np.geomspace(times[0], times[-1], SINCE_KNOTS))
+
+
+def _settling(covariate: Covariate, rows: Mask) -> Array:
+    values = covariate.values[rows]
+    known = np.isfinite(values)
+    size = np.ones(len(values)) if covariate.size is None else covariate.size[rows]
+    return _hats(values, known, _ever_later(values[known])) * np.where(known, size, 0.0)[:, None]
+
+
+def _hats(values: Array, known: Mask, places: Array) -> Array:
+    """Linear B-splines on knots."""
     if len(places) < 2:
         return np.zeros((len(values), 0))
     at = np.where(known, values, places[0])
@@ -113,7 +134,7 @@ def _waves(values: Array, known: Mask) -> Iterator[Basis]:
     reach = float(np.ptp(given))
     if len(given) < SCANNED_ROWS or distinct < SCANNED_ROWS / 2 or reach <= 0.0:
         return
-    most = min(WAVES_IN_RANGE[1], distinct / 4.0)
+    most = min(WAVES_IN_RANGE[1], distinct / 3.0)
     counts = np.arange(WAVES_IN_RANGE[0], most, 0.5)
     for count in counts.tolist():
         angle = 2.0 * np.pi * count * np.where(known, values, 0.0) / reach

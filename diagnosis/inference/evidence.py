@@ -1,6 +1,7 @@
 """All that was observed, of all stages, as one vector of samples; and its predictions by many robots at once."""
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
@@ -15,16 +16,14 @@ from diagnosis.stages.base import Observed, Stage
 LEAST_NOISE = 1e-3
 """Share of the nominal noise that every sample keeps: on a sensor's plateau nothing scatters, yet no reading is so sure
 that its likelihood could be infinite."""
-AT_ONCE = 48
-"""Robots predicted in one pass: more of them save nothing and take memory."""
 
 
 @dataclass(frozen=True)
 class FoundNoise:
-    """Of one observed quantity, where its source states none."""
+    """Of one observed quantity, where its source does not state all of it."""
 
     factor: float
-    """On the guess of the standard deviation that the stage made."""
+    """On the standard deviation that the stage states or guesses."""
     correlation: float
 
 
@@ -42,7 +41,7 @@ class Evidence:
     def __init__(self, stages: Sequence[Stage], noises: Mapping[str, FoundNoise] = MappingProxyType({})) -> None:
         self.stages = tuple(stages)
         self.noises = noises
-        """Of the quantities whose source states none."""
+        """Of the quantities whose source does not state all of it."""
         self._factors = {name: found.factor for name, found in noises.items()}
         self.observed: tuple[Observed, ...] = tuple(of for stage in stages for of in stage.observed)
         self.values = np.concatenate([of.values for of in self.observed])
@@ -53,8 +52,13 @@ class Evidence:
         self.fit: Mask = usable & ~holdout
         """(N,), samples that may choose and fit."""
         self.heldout: Mask = usable & holdout
-        lasting = [noises[of.name].correlation if of.name in noises else of.correlation for of in self.observed]
-        worth = [np.full(len(of.values), _independent(p)) for of, p in zip(self.observed, lasting, strict=True)]
+        self.correlations = [
+            noises[of.name].correlation if of.name in noises else of.correlation or 0.0 for of in self.observed
+        ]
+        """Of the noise of a sample with the next, of each observed quantity."""
+        worth = [
+            np.full(len(of.values), _independent(p)) for of, p in zip(self.observed, self.correlations, strict=True)
+        ]
         self.weight = np.concatenate(worth)
         """(N,), independent samples that one is worth, for noise that lasts longer than a row says less."""
 
@@ -75,17 +79,28 @@ class Evidence:
         """(N,)."""
         return np.concatenate([of.trial for of in self.observed])
 
+    def without(self, channel: str) -> "Evidence":
+        """The same, with no rows of a channel to be fitted."""
+        others = copy(self)
+        others.fit = self.fit.copy()
+        for quantity, place in zip(self.observed, self.places, strict=True):
+            if quantity.channel == channel:
+                others.fit[place] = False
+        return others
+
     def of(self, robots: Sequence[RobotConfig]) -> Prediction:
         """By each robot; a sample that is not usable is predicted as NaN or anything."""
-        means, sds = [], []
-        for first in range(0, len(robots), AT_ONCE):
-            some = robots[first : first + AT_ONCE]
-            found = [predicted for stage in self.stages for predicted in stage.predict(some)]
-            means.append(np.concatenate([p.mean for p in found], axis=1))
-            factors = [self._factors.get(of.name, 1.0) for of in self.observed]
-            wide = [f * np.broadcast_to(p.sd, p.mean.shape) for f, p in zip(factors, found, strict=True)]
-            sds.append(np.concatenate(wide, axis=1))
-        return Prediction(np.concatenate(means), np.maximum(np.concatenate(sds), LEAST_NOISE * self.sd))
+        mean, sd = (np.empty((len(robots), len(self.values))) for _ in range(2))
+        first = 0
+        for stage in self.stages:
+            places = self.places[first : first + len(stage.observed)]
+            first += len(stage.observed)
+            for begin in range(0, len(robots), stage.at_once):
+                some = slice(begin, begin + stage.at_once)
+                for of, place, predicted in zip(stage.observed, places, stage.predict(robots[some]), strict=True):
+                    mean[some, place] = predicted.mean
+                    sd[some, place] = self._factors.get(of.name, 1.0) * predicted.sd
+        return Prediction(mean, np.maximum(sd, LEAST_NOISE * self.sd))
 
 
 def _independent(correlation: float) -> float:

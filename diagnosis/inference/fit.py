@@ -23,6 +23,9 @@ nearer to steepest descent."""
 SETTLED = 0.02
 """Change of the cost at which a fit ends; chances of a name change at some units."""
 STEPS = 15
+FAR = 40.0
+"""Cost above the best of the fits side by side, from which one is given up that would not get there at its pace: no
+rival at that distance, its exact cost tells nobody anything."""
 NUISANCE_STEP = 0.05
 """Of a derivative, in standard deviations of the tolerance."""
 
@@ -96,10 +99,12 @@ def fits(evidence: Evidence, starts: Sequence[tuple[Hypothesis, Array]]) -> list
             states[k].cost = fit.cost
         trials = [_steps(evidence, found[k]) for k in active]  # pyright: ignore[reportArgumentType]
         costs = _costs(evidence, [(states[k].hypothesis, x) for k, x in zip(active, trials, strict=True)])
+        least = min(state.cost for state in states)
         for k, tried, of in zip(active, trials, costs, strict=True):
             best = int(np.argmin(of))
             state = states[k]
-            if not of[best] < state.cost - SETTLED:
+            behind, fall = state.cost - least, state.cost - of[best]
+            if not fall > SETTLED or (behind > FAR and fall < behind / STEPS):
                 state.is_settled = True
             if of[best] < state.cost:
                 state.x, state.cost = tried[best], float(of[best])

@@ -6,6 +6,7 @@ of the bootstrap over trials, or over blocks of rows where there are few trials,
 (Kuensch, Ann. Statist. 17 (1989) 1217-1241).
 """
 
+import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -40,21 +41,22 @@ class Gain:
 
 def gain(evidence: Evidence, nominal: RobotConfig, extended: RobotConfig) -> Gain | None:
     """On the held-out rows; None where there are none."""
+    return gain_of(evidence, evidence.of([nominal, extended]).mean) if evidence.heldout.any() else None
+
+
+def gain_of(evidence: Evidence, mean: Array) -> Gain | None:
+    """The same of what both robots predict, (2, N)."""
     rows = evidence.heldout
     if not rows.any():
         return None
-    prediction = evidence.of([nominal, extended])
-    z = np.abs((evidence.values - prediction.mean) / evidence.sd)
+    z = np.abs((evidence.values - mean) / evidence.sd)
     stages = [rows & (evidence.of_stage == k) for k in range(len(evidence.stages))]
-    parts = [z[:, stage] for stage in stages if stage.any()]
-    blocks = [_blocks(evidence)[stage] for stage in stages if stage.any()]
-    before, after = _error([p[0] for p in parts]), _error([p[1] for p in parts])
+    of_stages = [(z[:, stage], _blocks(evidence)[stage]) for stage in stages if stage.any()]
+    before, after = (_error([sizes[k] for sizes, _ in of_stages]) for k in (0, 1))
     generator = np.random.Generator(np.random.PCG64(_SEED))
-    drawn = []
-    for _ in range(RESAMPLED):
-        taken = [_resampled(of, generator) for of in blocks]
-        was, has = (_error([p[k][t] for p, t in zip(parts, taken, strict=True)]) for k in (0, 1))
-        drawn.append(1.0 - has / was if was > 0.0 else 0.0)
+    squares = [_redrawn_squares(sizes, blocks, generator) for sizes, blocks in of_stages]
+    was, has = np.sqrt(np.mean(squares, axis=0))
+    drawn = 1.0 - np.divide(has, was, out=np.ones_like(was), where=was > 0.0)
     low, high = np.quantile(drawn, [0.025, 0.975]).tolist()
     by_quantity = []
     for quantity, place in zip(evidence.observed, evidence.places, strict=True):
@@ -64,13 +66,26 @@ def gain(evidence: Evidence, nominal: RobotConfig, extended: RobotConfig) -> Gai
     return Gain(1.0 - after / before if before > 0.0 else 0.0, low, high, before, after, tuple(by_quantity))
 
 
+def of_quantity(evidence: Evidence, place: slice) -> Evidence:
+    """The same evidence, of which the held-out rows of one observed quantity alone count."""
+    found = copy.copy(evidence)
+    found.heldout = np.zeros_like(evidence.heldout)
+    found.heldout[place] = evidence.heldout[place]
+    return found
+
+
 def _error(parts: Sequence[Array]) -> float:
-    return float(np.sqrt(np.mean([_trimmed(part) ** 2 for part in parts])))
+    return float(np.sqrt(np.mean([trimmed_rms(part) ** 2 for part in parts])))
 
 
-def _trimmed(size: Array) -> float:
-    kept = np.sort(size)[: max(1, int(np.floor(KEPT * len(size))))]
+def trimmed_rms(size: Array) -> float:
+    """Root mean square of sizes (n,), without the largest 3 %."""
+    kept = np.sort(size)[: _kept(len(size))]
     return float(np.sqrt(np.mean(kept**2)))
+
+
+def _kept(rows: int) -> int:
+    return max(1, int(np.floor(KEPT * rows)))
 
 
 def _blocks(evidence: Evidence) -> NDArray[np.int64]:
@@ -87,9 +102,22 @@ def _blocks(evidence: Evidence) -> NDArray[np.int64]:
     return np.arange(len(blocks)) if few else blocks
 
 
-def _resampled(blocks: NDArray[np.int64], generator: np.random.Generator) -> NDArray[np.int64]:
-    """Indices of rows of as many blocks, drawn with replacement."""
-    order = np.argsort(blocks, kind="stable")
-    _, starts = np.unique(blocks[order], return_index=True)
-    groups = np.split(order, starts[1:])
-    return np.concatenate([groups[k] for k in generator.integers(len(groups), size=len(groups)).tolist()])
+def _redrawn_squares(sizes: Array, blocks: NDArray[np.int64], generator: np.random.Generator) -> Array:
+    """(2, RESAMPLED): trimmed mean squares of as many blocks of rows, drawn with replacement.
+
+    Args:
+        sizes: (2, n), of the residuals by either robot.
+        blocks: (n,), which block a row is of.
+        generator: Of the draws.
+    """
+    names, block_of = np.unique(blocks, return_inverse=True)
+    orders = np.argsort(sizes, axis=1, kind="stable")
+    found = np.empty((2, RESAMPLED))
+    for k in range(RESAMPLED):
+        times_drawn = np.bincount(generator.integers(len(names), size=len(names)), minlength=len(names))[block_of]
+        kept = _kept(int(times_drawn.sum()))
+        for of_robot, (size, order) in enumerate(zip(sizes, orders, strict=True)):
+            times = times_drawn[order]
+            within = np.clip(kept - (np.cumsum(times) - times), 0, times)
+            found[of_robot, k] = within @ size[order] ** 2 / kept
+    return found

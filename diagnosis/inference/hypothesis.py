@@ -6,7 +6,7 @@ nuisances are fitted beside every effect, and take it.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import exp
 from types import MappingProxyType
@@ -62,12 +62,18 @@ class Hypothesis:
     nominal: RobotConfig
     nuisances: tuple[Nuisance, ...]
     effects: tuple[Effect, ...] = ()
+    held: tuple[int, float] | None = None
+    """Place of a coordinate that no fit may move, and where it stays."""
 
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
         """(P,), nuisances first."""
         spreads = (Coordinate.of_spread(n.name, n.tolerance) for n in self.nuisances)
-        return (*spreads, *(c for effect in self.effects for c in effect.coordinates))
+        found = [*spreads, *(c for effect in self.effects for c in effect.coordinates)]
+        if self.held is not None:
+            place, x = self.held
+            found[place] = replace(found[place], low=x, high=x)
+        return tuple(found)
 
     @property
     def size(self) -> int:
@@ -118,6 +124,10 @@ class Hypothesis:
 
     def with_effect(self, effect: Effect) -> "Hypothesis":
         return Hypothesis(self.nominal, self.nuisances, (*self.effects, effect))
+
+    def with_held(self, place: int, x: float) -> "Hypothesis":
+        """With one coordinate held."""
+        return replace(self, held=(place, x))
 
     def without(self, effect: Effect) -> "Hypothesis":
         return Hypothesis(self.nominal, self.nuisances, tuple(e for e in self.effects if e != effect))

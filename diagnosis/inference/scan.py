@@ -17,6 +17,7 @@ from diagnosis.inference.evidence import Evidence, Prediction
 from diagnosis.inference.fit import Fit
 from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
 from diagnosis.inference.likelihood import robust_weight, sample_costs
+from diagnosis.inference.projection import orthonormal
 from diagnosis.measured.channel import Array
 
 SIZES = (1.0, 0.25, -0.25, -1.0)
@@ -27,6 +28,8 @@ CEILINGS = tuple(np.geomspace(0.1, 10.0, 25).tolist())
 """Times the start value, of a limit, which does nothing where it is a little too high and much where too low."""
 FURTHEST = 4.0
 """Times the size tried, to which a straight line is believed."""
+NOTHING = 1e-12
+"""Share of a change's square beyond all that is fitted, up to which it is that of rounding."""
 
 
 @dataclass(frozen=True)
@@ -50,12 +53,12 @@ def scan(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> list[Prospe
     robots = [hypotheses[effect].robot(x) for (effect, _), x in zip(tries, starts, strict=True)]
     (here,) = sample_costs(evidence, evidence.of([fit.hypothesis.robot(fit.x)]))
     there = evidence.of(robots)
-    lines = _Lines(evidence, fit)
+    drops, sizes = _along_lines(evidence, fit, there.mean)
     best: dict[Effect, Prospect] = {}
     for k, ((effect, _), x) in enumerate(zip(tries, starts, strict=True)):
         only = Prediction(there.mean[k : k + 1], there.sd[k : k + 1])
         at_once = float((here - sample_costs(evidence, only)[0])[evidence.fit].sum())
-        drop, size = lines.drop(only)
+        drop, size = float(drops[k]), float(sizes[k])
         found = Prospect(effect, x, at_once)
         if drop > at_once:
             found = Prospect(effect, _scaled(hypotheses[effect], effect, x, size), drop)
@@ -64,28 +67,28 @@ def scan(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> list[Prospe
     return sorted(best.values(), key=lambda prospect: -prospect.drop)
 
 
-class _Lines:
-    """Falls of the cost along directions, all that is fitted moving along."""
+def _along_lines(evidence: Evidence, fit: Fit, means: Array) -> tuple[Array, Array]:
+    """Falls of the cost at the best multiples of changes of the prediction, all that is fitted moving along.
 
-    def __init__(self, evidence: Evidence, fit: Fit) -> None:
-        self._root = np.where(evidence.fit, np.sqrt(evidence.weight * robust_weight(fit.z)), 0.0)
-        self._residual = fit.left(fit.z, self._root)
-        self._mean = evidence.values - fit.z * fit.sd
-        self._sd = fit.sd
-        self._basis, _ = np.linalg.qr(fit.tangents(self._root))
+    Args:
+        evidence: What was observed.
+        fit: What is fitted already.
+        means: (M, N), predictions with the changes.
 
-    def drop(self, there: Prediction) -> tuple[float, float]:
-        """Fall of the cost at the best multiple of a change of the prediction, and that multiple."""
-        change = self._root * (there.mean[0] - self._mean) / self._sd
-        change = np.where(np.isfinite(change), change, 0.0)
-        padded = np.concatenate([change, np.zeros(len(self._basis) - len(change))])
-        padded = padded - self._basis @ (self._basis.T @ padded)
-        square = float(padded @ padded)
-        if square <= 0.0:
-            return 0.0, 0.0
-        along = float(padded @ self._residual)
-        size = float(np.clip(along / square, 0.0, FURTHEST))
-        return 2.0 * size * along - size**2 * square, size
+    Returns:
+        The falls and the multiples, (M,) each.
+    """
+    root = np.where(evidence.fit, np.sqrt(evidence.weight * robust_weight(fit.z)), 0.0)
+    rows = np.flatnonzero(evidence.fit)
+    changes = root[rows] * ((means - evidence.values + fit.z * fit.sd) / fit.sd)[:, rows]
+    changes = np.where(np.isfinite(changes), changes, 0.0)
+    basis, residual = orthonormal(fit.tangents(root)), fit.left(fit.z, root)
+    taken = changes @ basis[rows]
+    squares = (changes**2).sum(axis=1) - (taken**2).sum(axis=1)
+    along = changes @ residual[rows] - taken @ (basis.T @ residual)
+    given = squares > NOTHING * (changes**2).sum(axis=1)
+    sizes = np.clip(np.divide(along, squares, out=np.zeros_like(along), where=given), 0.0, FURTHEST)
+    return np.where(given, 2.0 * sizes * along - sizes**2 * squares, 0.0), sizes
 
 
 def _tries(effect: Effect) -> Iterator[tuple[float, ...]]:

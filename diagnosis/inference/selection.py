@@ -47,7 +47,7 @@ NEARLY = 0.7
 """Share of the best prospect's fall from which a candidate is fitted too."""
 ROWS = 6.0
 """Effective number of samples that a fall must come from; of few data SHARE_OF_ROWS of them."""
-SHARE_OF_ROWS = 0.125
+SHARE_OF_ROWS = 0.1
 FEWEST = 8
 """Samples, below which nothing is named."""
 WORSE = 2.0

@@ -48,7 +48,8 @@ def _rates(measurement: Measurement) -> str:
 
 def _rows(evidence: Evidence) -> Iterator[list[str]]:
     stages = [stage.name for stage in evidence.stages for _ in stage.observed]
-    for of, place, stage in zip(evidence.observed, evidence.places, stages, strict=True):
+    each = zip(evidence.observed, evidence.places, stages, evidence.correlations, strict=True)
+    for of, place, stage, correlation in each:
         fitted, held = np.count_nonzero(evidence.fit[place]), np.count_nonzero(evidence.heldout[place])
         left_out = len(of.values) - fitted - held
         sd = evidence.sd[place][of.usable]
@@ -56,4 +57,4 @@ def _rows(evidence: Evidence) -> Iterator[list[str]]:
         if len(sd):
             low, high = float(sd.min()), float(sd.max())
             noise = f"{low:.3g}" if high - low < 1e-3 * high else f"{low:.3g} to {high:.3g}"
-        yield [of.name, of.unit, stage, f"{fitted}", f"{held}", f"{left_out}", noise, f"{of.correlation:.2g}"]
+        yield [of.name, of.unit, stage, f"{fitted}", f"{held}", f"{left_out}", noise, f"{correlation:.2g}"]

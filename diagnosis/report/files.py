@@ -5,10 +5,14 @@ from collections.abc import Mapping
 
 from diagnosis.diagnose import Diagnosis
 from diagnosis.extended_robot import FILE, VARIED_FILE
+from diagnosis.measured.measurement import Measurement
+from diagnosis.report.against_picture import against_picture
+from diagnosis.report.answer import answer
 from diagnosis.report.findings import Findings, findings
 from diagnosis.report.gain_picture import gain_picture
 from diagnosis.report.misfit_picture import misfit_picture
 from diagnosis.report.page import page
+from diagnosis.report.path_picture import path_picture
 from diagnosis.report.summary import reasoning, summary
 from diagnosis.report.unexplained_picture import unexplained_picture
 
@@ -16,12 +20,12 @@ ANSWER, PAGE, SUMMARY, REASONING = "answer.json", "report.html", "summary.txt", 
 PLOTS = "plots"
 
 
-def files(diagnosis: Diagnosis) -> Mapping[str, bytes]:
-    """Contents by path inside the output folder; the same bytes for the same diagnosis."""
-    found = findings(diagnosis)
+def files(diagnosis: Diagnosis, *, pybullet: bool = False, release: Measurement | None = None) -> Mapping[str, bytes]:
+    """Contents by path inside the output folder; the same bytes for the same diagnosis. See `findings`."""
+    found = findings(diagnosis, pybullet=pybullet, release=release)
     pictures = _pictures(found)
     made = {
-        ANSWER: json.dumps(diagnosis.answer(), indent=2, ensure_ascii=False) + "\n",
+        ANSWER: json.dumps(answer(found), indent=2, ensure_ascii=False) + "\n",
         FILE: found.robot.text,
         VARIED_FILE: found.robot.varied_text,
         PAGE: page(found, pictures),
@@ -38,6 +42,10 @@ def _pictures(found: Findings) -> dict[str, bytes]:
     made = {of.name: misfit_picture(found, k) for k, of in enumerate(diagnosis.evidence.observed)}
     if found.by_quantity:
         made["gain"] = gain_picture(found)
+    if found.engines is not None and found.engines.path is not None:
+        made["path"] = path_picture(found.engines.path)
+    if found.against is not None:
+        made["against"] = against_picture(found.against)
     if diagnosis.unexplained is not None:
         made["unexplained"] = unexplained_picture(found, diagnosis.unexplained)
     return made

@@ -1,20 +1,34 @@
 """The report as one HTML page that stands alone: what was compared, what is wrong, what that gains, what stays open."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from diagnosis.diagnose import Named
 from diagnosis.extended_robot import FILE, VARIED_FILE
 from diagnosis.inference.gain import Gain
+from diagnosis.inference.profile import Interval
 from diagnosis.inference.rivals import AS_GOOD, Rival
 from diagnosis.measured.overview import summary_line
+from diagnosis.report.against import on_page as against
 from diagnosis.report.compared import compared
+from diagnosis.report.engines import on_page
 from diagnosis.report.findings import Findings, Without
 from diagnosis.report.markup import Html, picture, table, tag
 from diagnosis.report.matrix import matrix
-from diagnosis.report.quantities import along, cost, interval, meaning, percent, with_error
+from diagnosis.report.quantities import along, interval, meaning, percent, with_error
 from diagnosis.report.style import STYLE
 from diagnosis.report.summary import reasoning
-from diagnosis.report.verdict import cause, certainty, gained, headline, hints, in_a_sentence, left_over, to_measure
+from diagnosis.report.verdict import (
+    cause,
+    certainty,
+    gained,
+    headline,
+    hints,
+    in_a_sentence,
+    left_over,
+    reach,
+    taken_away,
+    to_measure,
+)
 
 
 def page(found: Findings, pictures: Mapping[str, bytes]) -> str:
@@ -22,7 +36,8 @@ def page(found: Findings, pictures: Mapping[str, bytes]) -> str:
 
     Args:
         found: What is said.
-        pictures: PNG by name: of each observed quantity, `gain` if rows are held out, `unexplained` if there is any.
+        pictures: PNG by name: of each observed quantity, `gain` if rows are held out, `unexplained` if there is any,
+            `against` if a dataset is held against it, `path` of a drive that PyBullet drove.
     """
     measurement = found.diagnosis.measurement
     parts = [
@@ -31,9 +46,11 @@ def page(found: Findings, pictures: Mapping[str, bytes]) -> str:
         *(tag("p", in_a_sentence(named), class_="glance") for named in found.diagnosis.named),
         tag("p", gained(found)[0], class_="glance"),
         *_section("What was compared", compared(found.diagnosis)),
+        *(_section("Against the dataset", against(found.against, pictures["against"])) if found.against else []),
         *_section("The misfit", _misfit(found, pictures)),
         *_section("What differs", _effects(found)),
         *_section("What it gains", _gain(found, pictures)),
+        *(_section("By PyBullet", on_page(found.engines, pictures.get("path"))) if found.engines is not None else []),
         *_section("What cannot be told apart, and what to measure", _open(found)),
         *_section("What stays unexplained", _unexplained(found, pictures)),
         *_section("How each effect would show in these data", matrix(found)),
@@ -79,7 +96,7 @@ def _effects(found: Findings) -> Iterator[Html]:
     if not diagnosis.named:
         yield tag("p", "No effect is named: none is needed to explain these data, or none that is known explains them.")
     for named, without in zip(diagnosis.named, found.without, strict=True):
-        yield tag("div", _effect(named, without), class_="card")
+        yield tag("div", _effect(named, without, found.intervals.get(named.name, {})), class_="card")
     if diagnosis.withdrawn:
         names = ", ".join(diagnosis.withdrawn)
         yield tag("p", f"Chosen at first and given up, since it only stood in for what is unexplained: {names}.")
@@ -88,20 +105,22 @@ def _effects(found: Findings) -> Iterator[Html]:
         yield tag("p", text, f"About {times:.1f} times as many rows like these would decide.", class_="note")
 
 
-def _effect(named: Named, without: Without) -> Iterator[Html]:
+def _effect(named: Named, without: Without, intervals: Mapping[str, Sequence[Interval]]) -> Iterator[Html]:
     yield tag("h3", tag("code", named.effect.name))
     yield tag("p", f"{meaning(named.effect.term)} Such a thing comes of: {cause(named)}.")
     units = named.effect.term.numbers
     rows = [
-        [name, with_error(value, named.std[name]), units[name].unit if units[name].unit != "1" else ""]
+        [
+            name,
+            with_error(value, named.std[name]),
+            reach(intervals[name]) if name in intervals else "not held by these data",
+            units[name].unit if units[name].unit != "1" else "",
+        ]
         for name, value in named.values.items()
     ]
-    yield table(["parameter", "value and standard error", "unit"], rows)
+    yield table(["parameter", "value and standard error", "how far it may go", "unit"], rows)
     yield tag("p", tag("strong", "Confidence: "), certainty(named), ".")
-    text = f"Without it the cost rises by {cost(without.rise)}"
-    if without.gain is not None:
-        text += f", and the gain on held-out rows is {percent(without.gain.value)}"
-    yield tag("p", f"{text}, everything else fitted anew.")
+    yield tag("p", f"Without it, everything else fitted anew, {taken_away(without)}.")
 
 
 def _gain(found: Findings, pictures: Mapping[str, bytes]) -> Iterator[Html]:

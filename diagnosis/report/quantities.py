@@ -21,6 +21,8 @@ NAMES = {
     "omega": "speed of the wheel",
     "u_cmd": "voltage commanded",
     "u": "voltage",
+    "u_left": "voltage of the left motor",
+    "u_right": "voltage of the right motor",
     "current": "current",
     "t": "time",
     "since_on": "time since switched on",

@@ -1,14 +1,17 @@
 """The diagnosis as plain text, for a terminal; `reasoning` has how it came about."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from textwrap import wrap
 
 from diagnosis.diagnose import Named
 from diagnosis.inference.adequacy import LEVEL
+from diagnosis.inference.profile import Interval
 from diagnosis.inference.rivals import AS_GOOD
 from diagnosis.measured.overview import summary_line
+from diagnosis.report.against import verdict
+from diagnosis.report.engines import in_lines
 from diagnosis.report.findings import Findings, Without
-from diagnosis.report.quantities import cost, meaning, with_error
+from diagnosis.report.quantities import meaning, with_error
 from diagnosis.report.verdict import (
     cause,
     certainty,
@@ -16,6 +19,8 @@ from diagnosis.report.verdict import (
     headline,
     hints,
     left_over,
+    reach,
+    taken_away,
     to_measure,
 )
 
@@ -28,7 +33,7 @@ def summary(found: Findings) -> list[str]:
     diagnosis = found.diagnosis
     lines = [summary_line(diagnosis.measurement), "", *wrap(headline(diagnosis), WIDTH)]
     for named, without in zip(diagnosis.named, found.without, strict=True):
-        lines += ["", *_effect(named, without)]
+        lines += ["", *_effect(named, without, found.intervals.get(named.name, {}))]
     if diagnosis.unexplained is not None:
         lines += ["", *_entry("unexplained", left_over(diagnosis.unexplained))]
     if diagnosis.withdrawn:
@@ -38,6 +43,11 @@ def summary(found: Findings) -> list[str]:
         text = f"{name}, too weak to be named (cost falls by {drop:.1f}); about {times:.1f} times the rows would decide"
         lines += _entry("a hint of", text)
     lines += ["", *(line for text in gained(found) for line in wrap(text, WIDTH))]
+    if found.against is not None:
+        first, *rest = verdict(found.against)
+        lines += ["", first, *(part for text in rest for part in wrap(f"  {text}", WIDTH, subsequent_indent="    "))]
+    if found.engines is not None:
+        lines += ["", *(part for line in in_lines(found.engines) for part in wrap(line, WIDTH))]
     if diagnosis.candidates.untestable:
         lines += ["", *_entry("these cannot show", ", ".join(diagnosis.candidates.untestable))]
     for gone in found.robot.left_out:
@@ -47,14 +57,15 @@ def summary(found: Findings) -> list[str]:
     return lines
 
 
-def _effect(named: Named, without: Without) -> Iterator[str]:
+def _effect(named: Named, without: Without, intervals: Mapping[str, Sequence[Interval]]) -> Iterator[str]:
     yield named.effect.name
     for name, value in named.values.items():
-        yield from _entry(f"  {name}", with_error(value, named.std[name], "+-"))
+        far = f"; {reach(intervals[name])}" if name in intervals else ""
+        yield from _entry(f"  {name}", with_error(value, named.std[name], "+-") + far)
     yield from _entry("  means", meaning(named.effect.term))
     yield from _entry("  comes of", cause(named))
     yield from _entry("  sure to", certainty(named))
-    yield from _entry("  without it", f"the cost rises by {cost(without.rise)}")
+    yield from _entry("  without it", taken_away(without))
     for name, excitation in to_measure(named):
         yield from _entry(f"  {name} shows in", excitation)
 

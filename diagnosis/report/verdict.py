@@ -1,14 +1,17 @@
 """The verdict in plain sentences, the same on a terminal and on the page."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from math import ceil, log10
 
 from diagnosis.diagnose import Diagnosis, Named
 from diagnosis.inference.adequacy import Structure
+from diagnosis.inference.fit import Fit
 from diagnosis.inference.gain import Gain
+from diagnosis.inference.profile import Interval
 from diagnosis.inference.selection import Entry, needed
-from diagnosis.report.findings import Findings
-from diagnosis.report.quantities import along, confidence, interval, meaning, percent, with_error
+from diagnosis.report.findings import Findings, Without
+from diagnosis.report.quantities import along, confidence, cost, interval, meaning, percent, with_error
 from diagnosis.report.quantities import named as in_words
 
 HINT = 10.0
@@ -78,6 +81,25 @@ def to_measure(named: Named) -> Iterator[tuple[str, str]]:
             yield effect.name, effect.term.excitation
 
 
+def taken_away(without: Without) -> str:
+    """What becomes of the model without an effect, everything else fitted anew, in half a sentence."""
+    told = f"the cost rises by {cost(without.rise)}"
+    if moved := _bent_told(without.fit):
+        told += f", with parameters further off than their tolerances allow ({moved})"
+    if without.gain is None or without.adds is None:
+        return told
+    rest = f"the gain on held-out rows is {_interval(without.gain)}"
+    return f"{told}; {rest}, and the effect takes {_interval(without.adds)} of the error that is then left"
+
+
+def reach(intervals: Sequence[Interval]) -> str:
+    """How far a number may go by the profile of the cost: the widest interval."""
+    widest = intervals[-1]
+    digits = max(3, 2 + ceil(log10(max(abs(widest.low), abs(widest.high)) / (widest.high - widest.low))))
+    ends = f"{widest.low:.{digits}g} to {widest.high:.{digits}g}"
+    return f"{percent(widest.level)} profile interval {ends}" + (", open at a bound" if widest.is_open else "")
+
+
 def left_over(structure: Structure) -> str:
     """What remains and where, in a sentence."""
     words, _ = in_words(structure.covariate)
@@ -109,12 +131,17 @@ def _last_round(diagnosis: Diagnosis) -> list[Entry]:
     return list(entries[last + 1 :])
 
 
-def bent(diagnosis: Diagnosis) -> list[Bent]:
-    """Nominal parameters that plain calibration moves further than their tolerances make likely, the furthest first."""
-    nominal = diagnosis.selection.nominal
-    deviations = nominal.hypothesis.prior(nominal.x).tolist()
-    found = [Bent(n.name, d) for n, d in zip(nominal.hypothesis.nuisances, deviations, strict=True) if abs(d) >= BENT]
+def bent(fit: Fit) -> list[Bent]:
+    """Nominal parameters that a fit moves further than their tolerances make likely, the furthest first."""
+    deviations = fit.hypothesis.prior(fit.x).tolist()
+    found = [Bent(n.name, d) for n, d in zip(fit.hypothesis.nuisances, deviations, strict=True) if abs(d) >= BENT]
     return sorted(found, key=lambda of: -abs(of.tolerances))
+
+
+def _bent_told(fit: Fit) -> str:
+    """Such as `track_m by 5 tolerances`; empty for none."""
+    names = ", ".join(f"{of.name} by {abs(of.tolerances):.0f}" for of in bent(fit))
+    return f"{names} tolerances" if names else ""
 
 
 def gained(found: Findings) -> list[str]:
@@ -123,9 +150,8 @@ def gained(found: Findings) -> list[str]:
     if diagnosis.gain is None or diagnosis.calibrated is None:
         return ["No row is held out, so that nothing can be said of how well the model predicts what it has not seen."]
     calibrated = f"Fitting the nominal parameters alone, without any effect, gains {_interval(diagnosis.calibrated)}"
-    if moved := bent(diagnosis):
-        names = ", ".join(f"{of.name} by {abs(of.tolerances):.0f}" for of in moved)
-        calibrated += f", but moves parameters further than their tolerances allow ({names} tolerances)"
+    if moved := _bent_told(diagnosis.selection.nominal):
+        calibrated += f", but moves parameters further than their tolerances allow ({moved})"
     if not diagnosis.named:
         return [f"{calibrated}."]
     error = f"the error falls from {diagnosis.gain.before:.3g} to {diagnosis.gain.after:.3g} sigma"

@@ -25,6 +25,8 @@ class Shape(StrEnum):
     """How a residual may depend on a covariate."""
 
     SMOOTH = "smooth"
+    SINCE = "since"
+    """Time since an event, after which things settle: finer the nearer, and as much as the event was large."""
     PERIODIC = "periodic"
     """An angle [rad]."""
     CATEGORY = "category"
@@ -43,6 +45,10 @@ class Covariate:
     """(n,), the other coordinate where the covariate is a place in a plane."""
     labels: tuple[str, ...] = ()
     """Of the categories 0, 1, ..., where they have names."""
+    size: Array | None = None
+    """(n,), signed, of the event since which a time is counted."""
+    beside: str = ""
+    """Name of the covariate with which it acts together: what depends on the value before depends on the one now."""
 
 
 @dataclass(frozen=True)
@@ -58,8 +64,8 @@ class Observed:
     """(n,); NaN where not usable."""
     sd: Array
     """(n,), standard deviation of the noise of a good sample by the nominal robot."""
-    correlation: float
-    """Of the noise of one sample with that of the next."""
+    correlation: float | None
+    """Of the noise of a sample with that of the next; None where nobody knows, to be found from what a model leaves."""
     trial: NDArray[np.int64]
     """(n,), index of the trial in the measurement."""
     t_s: Array
@@ -95,6 +101,8 @@ class Stage(Protocol):
     name: str
     """`motor`, `wheels`, `pose`, `tof`."""
     observed: tuple[Observed, ...]
+    at_once: int
+    """Robots in one pass: more of them save nothing and take memory."""
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
         """One for each observed quantity, in their order, by robots that may differ in numbers and in terms."""

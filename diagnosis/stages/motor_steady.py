@@ -23,6 +23,7 @@ class MotorSteady:
     """All rows of a bench at once."""
 
     name = "motor"
+    at_once = 48
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         trials = measurement.trials

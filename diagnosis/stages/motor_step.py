@@ -27,6 +27,7 @@ class MotorStep:
     """
 
     name = "motor"
+    at_once = 256
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         trials = measurement.trials
@@ -35,12 +36,13 @@ class MotorStep:
         self._voltage_V = self._grid.held(trials, "u_cmd_V")
         current, speed = (of[0] for of in self._means([nominal]))
         voltage_V = self._grid.of_rows(self._voltage_V)
-        since_s, angle_rad = self._grid.of_rows(self._since_step_s()), self._grid.of_rows(self._angle_rad(speed))
+        since_s, step_V = (self._grid.of_rows(of) for of in self._since_step())
+        angle_rad = self._grid.of_rows(self._angle_rad(speed))
         since_start_s = joined(trial.t_s for trial in trials)
         trial_of = joined(np.full(len(trial.t_s), float(k)) for k, trial in enumerate(trials))
         covariates = (
             Covariate("t_s", since_start_s),
-            Covariate("time_since_step_s", since_s),
+            Covariate("time_since_step_s", since_s, Shape.SINCE, size=step_V),
             Covariate("omega_rad_s", speed),
             Covariate("current_A", current),
             Covariate("u_cmd_V", voltage_V),
@@ -71,12 +73,14 @@ class MotorStep:
             speed[group] = self._grid.of_rows(read_speed_rad_s(terms, t_s, rad_s))
         return current, speed
 
-    def _since_step_s(self) -> Array:
-        """Time since the voltage last changed, (T, N); it was 0 V up to time 0."""
+    def _since_step(self) -> tuple[Array, Array]:
+        """Time since the voltage last changed, and by how much it did, (T, N) each; it was 0 V up to time 0."""
         number = np.arange(len(self._voltage_V))[:, None]
-        changes = np.diff(self._voltage_V, axis=0, prepend=0.0) != 0.0
+        steps_V = np.diff(self._voltage_V, axis=0, prepend=0.0)
+        last = np.maximum.accumulate(np.where(steps_V != 0.0, number, -1))
+        size_V = np.where(last >= 0, np.take_along_axis(steps_V, np.maximum(last, 0), axis=0), 0.0)
         # A voltage is held over the period that ends at its sample, and so began one sample earlier.
-        return self._grid.period_s * (number - np.maximum.accumulate(np.where(changes, number - 1, 0)))
+        return self._grid.period_s * (number - np.maximum(last - 1, 0)), size_V
 
     def _angle_rad(self, speed_rad_s: Array) -> Array:
         """Turned since the start of each trial by the speeds of its rows (n,), between them on lines; (T, N)."""

@@ -18,6 +18,7 @@ from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.measured.screening import noise_of
 from diagnosis.stages.base import Covariate, Observed, Predicted, Shape
+from diagnosis.stages.distinct import distinct
 from diagnosis.stages.rows import bridged, given, joined, rows_after, session_time_s, trial_of_rows
 from physics.robot_model import RobotModel, through
 from physics.robot_stack import alike, stacked, stacked_terms
@@ -28,6 +29,9 @@ from sensors.terms import SENSOR_TERMS
 WINDOW, STRIDE = 10, 5
 LEVER_M = 0.12
 """At which noise of the heading counts as noise of the place."""
+PARTS = ("drive", "encoder")
+SLOTS = frozenset({Slot.GEOMETRY, Slot.GROUND, Slot.ENCODER, Slot.COUNTING, Slot.POSE_POINT, Slot.POSE_DELAY})
+"""What acts between the counts and the logged poses."""
 UNSTATED_SLIP = 1e-3
 """Noise of travel [m / sqrt m] where nobody states it: a millimetre in a metre."""
 SIDES = ("right", "left")
@@ -54,6 +58,7 @@ class Pose:
     """The format's windows: mid-point rule, slip in turns, tracked point and age of the pose by the robot's terms."""
 
     name = "pose"
+    at_once = 48
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         self._trials = [len(trial.t_s) for trial in measurement.trials]
@@ -71,14 +76,14 @@ class Pose:
         self.observed: tuple[Observed, ...] = self._observed(measurement, nominal)
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
-        found = np.empty((len(robots), len(self._first), 3))
-        for group in alike(robots):
-            several = [robots[k] for k in group]
-            path, seen = self._paths(several)
+        distinct_robots, which = distinct(robots, PARTS, SLOTS)
+        found = np.empty((len(distinct_robots), len(self._first), 3))
+        for group in alike(distinct_robots):
+            path, seen = self._paths([distinct_robots[k] for k in group])
             found[group] = seen_from_body(
                 path[..., self._first, 2], seen[..., self._last, :] - seen[..., self._first, :]
             )
-        return tuple(Predicted(found[..., k], of.sd) for k, of in enumerate(self.observed))
+        return tuple(Predicted(found[which, :, k], of.sd) for k, of in enumerate(self.observed))
 
     def path(self, robot: RobotConfig, starts: Array) -> Array:
         """Poses of all rows as the log would have them, (n, 3), from the first one of each trial and the ticks.

@@ -9,6 +9,7 @@ from diagnosis.measured.channel import Array, Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.stages.base import Covariate, Observed, Predicted, Shape
+from diagnosis.stages.distinct import distinct
 from diagnosis.stages.pose import earlier
 from diagnosis.stages.room_ranges import WALLS, RoomRanges, near_corner, room_ranges
 from diagnosis.stages.rows import bridged, given, joined, session_time_s, trial_of_rows
@@ -20,6 +21,19 @@ from sensors.range_view import RangeView
 from sensors.terms import SENSOR_TERMS
 
 SENSORS = ("front", "left", "right")
+PARTS = ("tof",)
+SLOTS = frozenset(
+    {
+        Slot.POSE_POINT,
+        Slot.POSE_DELAY,
+        Slot.RANGE_MOUNT,
+        Slot.RANGE,
+        Slot.RANGE_NOISE,
+        Slot.RANGE_LIMIT,
+        Slot.RANGE_DELAY,
+    }
+)
+"""What acts between the logged poses and the readings."""
 CORNER_M, CORNER_RAD, END_M = 0.02, 0.05, 0.03
 """Nearer to a corner, or to the end of the range, a row is left out (the format's)."""
 WALL_REFLECTANCE = 1.0
@@ -29,6 +43,7 @@ class Ranges:
     """Rays from where the axle was when the readings were taken, by the logged pose, its age and its tracked point."""
 
     name = "tof"
+    at_once = 48
 
     def __init__(self, measurement: Measurement, nominal_case: NominalDrive, nominal: RobotConfig) -> None:
         self._case = nominal_case
@@ -51,8 +66,9 @@ class Ranges:
         )
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
-        mean, sd = self._expected(robots)
-        return tuple(Predicted(mean[..., k], sd[..., k]) for k in range(len(SENSORS)))
+        several, which = distinct(robots, PARTS, SLOTS)
+        mean, sd = self._expected(several)
+        return tuple(Predicted(mean[which, :, k], sd[which, :, k]) for k in range(len(SENSORS)))
 
     def _observed(
         self, measurement: Measurement, k: int, seen: RoomRanges, nominal: Predicted, clear: Mask

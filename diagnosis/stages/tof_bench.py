@@ -27,6 +27,7 @@ class TofBench:
     """All rows of a bench at once."""
 
     name = "tof"
+    at_once = 48
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         trials = measurement.trials
@@ -58,7 +59,7 @@ class TofBench:
             Covariate("ambient_lux", ambient_lux),
             Covariate("t_s", self._since_on_s),
             Covariate("row", np.arange(1.0, len(materials) + 1.0)),
-            Covariate("previous_distance_m", joined(_previous(trial["distance_m"].values) for trial in trials)),
+            Covariate("previous_distance_m", _previous_m(trials), beside="distance_m"),
         )
         # A row without an input that other rows have could show its effect or not.
         noted = [of for of in (incidence_rad, temperature_C, ambient_lux) if np.isfinite(of).any()]
@@ -100,8 +101,9 @@ def _materials(trial: Trial) -> tuple[str, ...]:
     return known[0] if known else ("",) * len(trial.t_s)
 
 
-def _previous(values: Array) -> Array:
-    return np.concatenate([[np.nan], values[:-1]])
+def _previous_m(trials: Sequence[Trial]) -> Array:
+    """Distance of the row before, of all trials one after the other."""
+    return joined(np.concatenate([[np.nan], trial["distance_m"].values[:-1]]) for trial in trials)
 
 
 def _noise_sd_m(measurement: Measurement, distance_m: Array) -> Array:

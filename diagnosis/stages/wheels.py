@@ -11,16 +11,32 @@ from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.stages.base import Covariate, Observed, Predicted, Shape
+from diagnosis.stages.distinct import distinct
 from diagnosis.stages.grid import Grid
 from diagnosis.stages.rows import given, joined, rows_after, session_time_s, trial_of_rows
 from physics.robot_model import RobotModel
 from physics.robot_stack import alike, stacked
+from physics.terms.base import Slot
 from physics.wheel_turns import NO_LOAD, WheelLoad, counted_turns
 
 SIDES = ("left", "right")
-CORRELATION = 0.0
-"""Of neighbours: rounded ticks make it negative, disturbances of torque positive. Over more rows there is some, for
-which the stated noise has room: a log without effect had 0.75 of it, correlated 0.0, 0.18, 0.08 over 1, 2, 3 rows."""
+PARTS = ("motor", "power", "encoder")
+SLOTS = frozenset(
+    {
+        Slot.MOTORS,
+        Slot.COMMAND_DELAY,
+        Slot.ACTUATOR,
+        Slot.BATTERY,
+        Slot.BRIDGE,
+        Slot.SUPPLY,
+        Slot.CURRENT_LIMIT,
+        Slot.FRICTION,
+        Slot.GEARBOX,
+        Slot.ENCODER,
+        Slot.COUNTING,
+    }
+)
+"""What acts between the voltages and the counts."""
 UNSTATED_RAD_S = 0.05
 """Noise where nobody states it."""
 
@@ -29,6 +45,7 @@ class Wheels:
     """One motor for each wheel, from rest at the start of each trial. Row k speaks of the time from it to row k + 1."""
 
     name = "wheels"
+    at_once = 96
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         is_case = isinstance(measurement.nominal, NominalDrive)
@@ -74,7 +91,8 @@ class Wheels:
             unit="rad/s",
             values=np.where(usable, speed, np.nan),
             sd=np.full(len(speed), sd),
-            correlation=CORRELATION,
+            # Rounded ticks make it negative from row to row, disturbances of torque positive over some.
+            correlation=None,
             trial=trial,
             t_s=joined(of.t_s for of in measurement.trials),
             holdout=holdout,
@@ -83,7 +101,10 @@ class Wheels:
         )
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
-        return tuple(Predicted(mean, of.sd) for mean, of in zip(self._speeds(robots), self.observed, strict=True))
+        several, which = distinct(robots, PARTS, SLOTS)
+        return tuple(
+            Predicted(mean[which], of.sd) for mean, of in zip(self._speeds(several), self.observed, strict=True)
+        )
 
     def _speeds(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
         """Of the left and the right wheel, (M, n) each; NaN in the last row of a trial."""

@@ -26,6 +26,7 @@ from physics.rays import Array, Hits, RayScene
 from physics.robot_model import RobotModel
 from physics.wheel_loop import WheelSpeedLoop, voltage_limit_V
 
+LIFT_M = 0.1
 REACTION_PERIOD_S = 0.002
 REACTION_SMOOTHING = 0.5
 """How often the wheels' spin-up is looked at, and how much smoothed: it is known late, and taken as it comes a heavy
@@ -100,6 +101,15 @@ class BulletSimulation:
         """Open loop: these voltages within the driver's limit, until wheel speeds are set again."""
         self._set_points = None
         self._drive(right_V, left_V)
+
+    def lift(self) -> None:
+        """Hold the body where it is, LIFT_M higher, so that the wheels turn in the air."""
+        position, turn = pybullet.getBasePositionAndOrientation(self._robot, physicsClientId=self._client)
+        above = [position[0], position[1], position[2] + LIFT_M]
+        pybullet.resetBasePositionAndOrientation(self._robot, above, turn, physicsClientId=self._client)
+        pybullet.createConstraint(
+            self._robot, -1, -1, -1, pybullet.JOINT_FIXED, [0, 0, 0], [0, 0, 0], above, physicsClientId=self._client
+        )
 
     def advance(self, steps: int) -> None:
         """Take so many physics steps."""

@@ -20,6 +20,10 @@ def _checked(paths: list[Path]) -> list[Path]:
     return [checked_input(path) for path in paths]
 
 
+def _checked_one(path: Path | None) -> Path | None:
+    return None if path is None else checked_input(path)
+
+
 def diagnose(
     cases: Annotated[
         list[Path],
@@ -38,6 +42,17 @@ def diagnose(
     nominal: Annotated[
         str | None,
         typer.Option(metavar="ROBOT", help="Nominal robot in all that CASE does not tell: shipped, or a YAML file."),
+    ] = None,
+    pybullet: Annotated[
+        bool, typer.Option("--pybullet", help="Measure before and after by PyBullet, too; drives take minutes.")
+    ] = False,
+    against: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DATASET",
+            callback=_checked_one,
+            help="Say what this dataset of symolo covers of measured drives; its robot is the nominal one.",
+        ),
     ] = None,
     workers: Workers = None,
     explain: Annotated[bool, typer.Option("--explain", help="Print how the verdict was reached, too.")] = False,
@@ -69,7 +84,7 @@ def diagnose(
 
     Example: symolo diagnose my_robot/* --out diagnosis --workers 4
     """
-    from pipeline.diagnosing import cases_of, diagnose_cases, nominal_json
+    from pipeline.diagnosing import Asked, cases_of, diagnose_cases, nominal_json
     from pipeline.output import check_out
     from pipeline.progress import report_here
     from pipeline.workers import cores
@@ -78,13 +93,14 @@ def diagnose(
     if explain and as_json:
         raise InputError("--explain and --json", cure="ask for one of them; reasoning.txt is written in any case")
     found = cases_of(cases)
-    robot = nominal_json(nominal)
+    robot = nominal_json(nominal, against)
     check_out(out, Kind.DIAGNOSIS)
     if len(found) == 1:
-        _check(found[0], as_)
+        _check(found[0], as_, against)
     with Workspace(out.absolute(), Kind.DIAGNOSIS).locked():
         report = report_here()
-        failures = diagnose_cases(found, as_, robot, out=out.absolute(), workers=workers or cores(), report=report)
+        asked = Asked(as_, robot, pybullet, against)
+        failures = diagnose_cases(found, asked, out=out.absolute(), workers=workers or cores(), report=report)
     failed = {failure.unit.name: failure.text for failure in failures}
     if as_json:
         _print_json(found, out, failed)
@@ -93,13 +109,17 @@ def diagnose(
     return CASE_FAILED if failed else 0
 
 
-def _check(case: "Case", importer: str | None) -> None:
+def _check(case: "Case", importer: str | None, against: Path | None) -> None:
     """Refuse the only case before anything is written."""
+    from diagnosis.against import check_drive
     from diagnosis.diagnose import check_kind
     from diagnosis.importers.choose import read_measurement
     from pipeline.importers import IMPORTERS
 
-    check_kind(read_measurement(case.path, IMPORTERS, importer))
+    measurement = read_measurement(case.path, IMPORTERS, importer)
+    check_kind(measurement)
+    if against is not None:
+        check_drive(measurement, "CASE")
 
 
 def _print(cases: "Sequence[Case]", out: Path, failed: "Collection[str]", *, explain: bool) -> None:

@@ -1,20 +1,27 @@
-"""Runs of our own datasets: one run folder, or all runs of a release, as if a robot had logged them."""
+"""Runs of our own: one run folder, all runs of a release or of a simulation, as if a robot had logged them."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
+from zipfile import BadZipFile
 
 import numpy as np
+from pydantic import ValidationError
 
 from configs.errors import InputError
+from configs.schema.robot import RobotConfig
+from configs.schema.scenario import RunSpec
 from diagnosis.importers.base import Importer, is_file
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from physics.trajectory import TimeSeries
 from pipeline.dataset.metadata import METADATA
-from pipeline.dataset.rows import Floats, Rows, parse_table, read_rows
-from pipeline.dataset.side import TOF, WHEELS, SideTable
+from pipeline.dataset.rows import HEADER, Floats, Rows, parse_table, read_rows
+from pipeline.dataset.side import TOF, WHEELS, SideTable, tof_csv, wheels_csv
 from pipeline.importers.data_csv import row_channels, trial_of
 from pipeline.stages.assemble import DATA, SIDE
+from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
+from pipeline.workspace import STAGES
 from sensors.tof import TofStatus
 
 _DRIVE = {
@@ -34,38 +41,115 @@ _NOTE = (
     "a voltage is the mean from its row to the next, between which the wheel loop changes it; it drives a motor to the "
     "same place as the loop does but for its ripple"
 )
+HELD = 4
+"""Of several runs every so-manieth is held out; of fewer the last such share of each."""
 
 
-def _runs(path: Path) -> Iterator[Path]:
-    """Run folders: the path itself, that of its data.csv, or all below a release."""
+@dataclass(frozen=True)
+class _Run:
+    """One run, released or as the first stage left it."""
+
+    folder: Path
+    simulated: bool
+
+    @property
+    def name(self) -> str:
+        folder = self.folder.absolute()
+        return f"{folder.parent.name}/{folder.name}"
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        names = (TRAJECTORY,) if self.simulated else (DATA, f"{SIDE}/{WHEELS.file}", f"{SIDE}/{TOF.file}")
+        return tuple(str(self.folder / name) for name in names)
+
+    def tables(self) -> tuple[Rows, Floats, Floats]:
+        """Of data.csv, side/wheels.csv and side/tof.csv.
+
+        Raises:
+            InputError: One of them is missing, of another form, or at other times.
+        """
+        if not self.simulated:
+            rows = read_rows(self.folder / DATA)
+            wheels, tof = (_side(self.folder / SIDE / table.file, table, rows) for table in (WHEELS, TOF))
+            return rows, wheels, tof
+        try:
+            recording = read_recording(self.folder)
+        except (OSError, ValueError, KeyError, BadZipFile) as error:
+            raise InputError(f"cannot be read: {error}", where=self.files[0], cure="simulate anew") from None
+        # As text and back, so that a run says the same before and after its release.
+        texts = (Rows.from_recording(recording).to_csv(), wheels_csv(recording), tof_csv(recording))
+        headers = (HEADER, WHEELS.header, TOF.header)
+        data, wheels, tof = (parse_table(text, header)[0] for text, header in zip(texts, headers, strict=True))
+        return Rows.from_table(data), wheels, tof
+
+
+def robots_of(path: Path) -> list[RobotConfig]:
+    """Those that drove the runs of a dataset, each once.
+
+    Raises:
+        InputError: There is no run, or one does not say which robot it was.
+    """
+    found: dict[str, RobotConfig] = {}
+    for run in _found_runs(path):
+        spec = run.folder / SPEC if run.simulated else run.folder / SIDE / SPEC
+        try:
+            robot = RunSpec.model_validate_json(spec.read_bytes()).robot
+        except (OSError, ValidationError):
+            raise InputError("does not say which robot drove", where=str(spec), cure="make the run again") from None
+        found.setdefault(robot.model_dump_json(), robot)
+    return list(found.values())
+
+
+def _runs(path: Path) -> Iterator[_Run]:
+    """The path itself, the folder of its data.csv, or all below a release or an output of `simulate`."""
     if path.name == DATA:
         path = path.parent
     if is_file(path / DATA) and is_file(path / SIDE / WHEELS.file):
-        yield path
+        yield _Run(path, simulated=False)
     elif is_file(path / METADATA):
-        yield from sorted(folder.parent for folder in path.glob(f"*/*/{SIDE}") if is_file(folder.parent / DATA))
+        for folder in sorted(path.glob(f"*/*/{SIDE}")):
+            if is_file(folder.parent / DATA):
+                yield _Run(folder.parent, simulated=False)
+    elif is_file(path / TRAJECTORY):
+        yield _Run(path, simulated=True)
+    else:
+        for file in sorted(path.glob(f"{STAGES}/simulate/*/*/{TRAJECTORY}")):
+            yield _Run(file.parent, simulated=True)
 
 
 def _recognises(path: Path) -> bool:
     return next(_runs(path), None) is not None
 
 
-def _read(path: Path) -> Measurement:
+def _found_runs(path: Path) -> list[_Run]:
     runs = list(_runs(path))
     if not runs:
         raise InputError(
-            "is no run of a dataset", where=str(path), cure="name a folder such as OUT/CW/test_1, or a release"
+            "is no run of a dataset",
+            where=str(path),
+            cure="name a folder such as OUT/CW/test_1, a release, or what simulate made",
         )
-    trials = tuple(_trial(run) for run in runs)
-    files = tuple(str(run / file) for run in runs for file in (DATA, f"{SIDE}/{WHEELS.file}", f"{SIDE}/{TOF.file}"))
-    notes = (_NOTE, "nothing is marked as held out")
+    return runs
+
+
+def _read(path: Path) -> Measurement:
+    runs = _found_runs(path)
+    several = len(runs) >= HELD
+    trials = []
+    for number, run in enumerate(runs, start=1):
+        trial = _trial(run)
+        rows = len(trial.t_s)
+        held = np.full(rows, number % HELD == 0) if several else np.arange(rows) >= rows - rows // HELD
+        trials.append(replace(trial, holdout=held))
+    files = tuple(file for run in runs for file in run.files)
+    share = f"every {HELD}th run" if several else f"the last {1.0 / HELD:.0%} of each run"
+    notes = (_NOTE, f"{share} is held out")
     name = path.absolute().parent.name if path.name == DATA else path.absolute().name
-    return Measurement(name, Kind.DRIVE_LOG, Source("a dataset of symolo", files), trials, notes=notes)
+    return Measurement(name, Kind.DRIVE_LOG, Source("a dataset of symolo", files), tuple(trials), notes=notes)
 
 
-def _trial(run: Path) -> Trial:
-    rows = read_rows(run / DATA)
-    wheels, tof = _side(run, WHEELS, rows), _side(run, TOF, rows)
+def _trial(run: _Run) -> Trial:
+    rows, wheels, tof = run.tables()
     t_s = 1e-3 * rows.t_ms
     drive = [
         Channel.logged(TimeSeries(name, unit, t_s, wheels[:, WHEELS.header.index(column)].copy()), role)
@@ -76,16 +160,11 @@ def _trial(run: Path) -> Trial:
         drive.append(Channel.logged(TimeSeries(name, "V", t_s, mean_V), Role.INPUT))
     status = tof[:, 1:]
     seen = row_channels(rows, status == TofStatus.NO_TARGET, status == TofStatus.HELD)
-    return trial_of(f"{run.absolute().parent.name}/{run.absolute().name}", rows, (*drive, *seen))
+    return trial_of(run.name, rows, (*drive, *seen))
 
 
-def _side(run: Path, table: SideTable, rows: Rows) -> Floats:
-    """The numbers of a side table, at the rows of data.csv.
-
-    Raises:
-        InputError: It is missing, of another form, or at other times.
-    """
-    path = run / SIDE / table.file
+def _side(path: Path, table: SideTable, rows: Rows) -> Floats:
+    """The numbers of a side table, at the rows of data.csv."""
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -98,4 +177,4 @@ def _side(run: Path, table: SideTable, rows: Rows) -> Floats:
     return numbers
 
 
-IMPORTER = Importer("run", "run folder of a dataset of symolo, or a whole release", _recognises, _read)
+IMPORTER = Importer("run", "run of symolo, a whole release, or what simulate made", _recognises, _read)

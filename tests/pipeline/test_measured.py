@@ -61,6 +61,21 @@ def test_a_release_is_all_of_its_runs(dataset):
     assert [trial.name for trial in read(dataset).trials] == ["CCW/test_1", "CW/test_1"]
 
 
+def test_what_simulate_made_is_read_as_its_release(dataset):
+    (released,) = read(dataset / "CW" / "test_1").trials
+    (simulated,) = read(dataset / ".stages" / "simulate" / "CW" / "test_1").trials
+    assert simulated.name == released.name
+    np.testing.assert_array_equal(simulated.holdout, released.holdout)
+    for ours, theirs in zip(simulated.channels, released.channels, strict=True):
+        np.testing.assert_array_equal(ours.values, theirs.values, err_msg=ours.name)
+        np.testing.assert_array_equal(ours.quality, theirs.quality, err_msg=ours.name)
+
+
+def test_the_last_quarter_of_each_of_few_runs_is_held_out(dataset):
+    for trial in read(dataset).trials:
+        np.testing.assert_array_equal(trial.holdout, np.arange(21) >= 16)
+
+
 def test_a_data_csv_alone_has_pose_and_ranges_but_no_voltages(dataset, tmp_path):
     path = tmp_path / "log.csv"
     path.write_bytes((dataset / "CW" / "test_1" / "data.csv").read_bytes())

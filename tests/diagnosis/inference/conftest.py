@@ -32,6 +32,7 @@ class Bench:
     x: np.ndarray
     nominal_constant: float
     name: str = "motor"
+    at_once: int = 48
 
     def predict(self, robots):
         constants = [RobotModel.from_config(robot).motors.right.torque_constant_N_m_A for robot in robots]

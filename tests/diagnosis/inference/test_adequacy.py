@@ -72,3 +72,9 @@ def test_a_name_that_stood_in_for_the_unknown_is_given_up_and_another_is_kept(ev
         assert not left.is_adequate
         kept = survivors(evidence, base, fit, left.worst)
         assert kept == ([hidden] if is_kept else [])
+
+
+def test_a_curve_far_below_the_noise_is_no_structure_though_nothing_scatters(evidence_of, hypothesis):
+    """A twentieth of a sigma of what is stated, as a simulated log leaves: 160 rows hold 0.2 of cost in it."""
+    evidence = evidence_of(X, X + 0.05 * SD_A * np.cos(4.0 * X) + 0.005 * noise(1))
+    assert adequacy(evidence, fitted(evidence, hypothesis)).is_adequate

@@ -100,3 +100,21 @@ def test_texts_fit_a_terminal(files_of, name):
     assert summary.isascii()
     assert "Selection: " in files_of(name)[REASONING].decode()
     assert files_of(name)[FILE].startswith(b"# The robot that symolo diagnose fitted to ")
+
+
+def test_each_effect_is_taken_away_in_turn(files_of, findings_of):
+    """What is left without an effect and what that effect takes of it make up the whole gain; here the nominal torque
+    constant can be bent as far, which costs, and is said."""
+    told = json.loads(files_of("weak")[ANSWER])["without"]["torque_constant_scale"]
+    assert told["cost_rise"] > 100.0
+    assert told["heldout_gain_ci"][0] <= told["heldout_gain"] <= told["heldout_gain_ci"][1]
+    (without,) = findings_of("weak").without
+    alone = findings_of("weak").diagnosis.gain
+    assert 1.0 - alone.value == pytest.approx((1.0 - without.gain.value) * (1.0 - without.adds.value))
+    assert told["adds_ci"][0] <= told["adds"] <= told["adds_ci"][1]
+    low, high = json.loads(files_of("weak")[ANSWER])["intervals"]["torque_constant_scale"]["scale"]["0.95"]
+    assert low < 0.9 < high
+    page_told = text_of(files_of("weak")[PAGE].decode())
+    assert "Without it, everything else fitted anew, the cost rises by" in page_told
+    assert "off than their tolerances allow (torque_constant_N_m_A by 1" in page_told
+    assert "95 % profile interval 0.8" in files_of("weak")[SUMMARY].decode()

@@ -1,0 +1,64 @@
+"""A robot driven in PyBullet by given voltages, on an empty floor or held above it, its wheels free as on a bench."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from configs.schema.robot import RobotConfig
+from configs.schema.scenario import Rates
+from physics.arena import Arena, Line
+from physics.bullet.simulation import BulletSimulation
+from physics.finite import require_finite
+
+Array = NDArray[np.float64]
+
+PHYSICS_HZ = 1000.0
+"""That of the shipped scenarios, at about which rows of any length are cut into steps."""
+STEPS_PER_LOOK = 10
+"""At contacts and yaw."""
+EMPTY = Arena("empty", 1.0, 0.5, Line((), 0.015, 0.05), ())
+
+
+@dataclass(frozen=True)
+class OpenLoopDrive:
+    """At the ends of T rows, and before the first; wheels are right and left."""
+
+    pose: Array
+    """(T + 1, 3), x [m], y [m], yaw [rad] in W, yaw unwrapped."""
+    counts: NDArray[np.int64]
+    """(T + 1, 2), of the encoders since the start."""
+    wheel_speed_rad_s: Array
+    """(T + 1, 2)."""
+    current_A: Array
+    """(T + 1, 2), at the voltage of the row that ends."""
+
+
+def open_loop(robot: RobotConfig, voltage_V: Array, row_s: float, *, lifted: bool = False) -> OpenLoopDrive:
+    """From rest at the origin.
+
+    Args:
+        robot: With its terms.
+        voltage_V: (T, 2), right and left, each held for a row.
+        row_s: Length of a row; the engine's steps are those of PHYSICS_HZ, rounded to whole ones in a row.
+        lifted: Whether the body is held above the floor.
+
+    Raises:
+        ValueError: A voltage is no finite number.
+        InputError: The robot has play in its gears.
+    """
+    require_finite(voltage_V, "voltage_V", ("row", "wheel"))
+    steps = max(1, round(row_s * PHYSICS_HZ))
+    looks_hz = max(1, round(steps / row_s / STEPS_PER_LOOK))
+    rates = Rates(physics_hz=looks_hz * STEPS_PER_LOOK, wheel_loop_hz=looks_hz, control_hz=1, camera_hz=1)
+    rows = []
+    with BulletSimulation(robot, EMPTY, (0.0, 0.0, 0.0), rates) as world:
+        if lifted:
+            world.lift()
+        for right_V, left_V in [(0.0, 0.0), *voltage_V.tolist()]:
+            if rows:
+                world.set_voltages(right_V, left_V)
+                world.advance(steps)
+            rows.append((world.pose(), world.encoder_counts(), world.wheel_speeds(), world.currents()))
+    pose, counts, speed, current = (np.array(of) for of in zip(*rows, strict=True))
+    return OpenLoopDrive(pose, counts.astype(np.int64), speed, current)

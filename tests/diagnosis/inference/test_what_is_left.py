@@ -1,0 +1,96 @@
+"""Misfits without a shape, jumps in time, and the channel in which a misfit lives."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis.inference.adequacy import adequacy
+from diagnosis.inference.change import change_in_time
+from diagnosis.inference.evidence import Evidence
+from diagnosis.inference.fit import fits
+from diagnosis.inference.locate import located
+from diagnosis.inference.scatter import with_scatter
+
+SD_A = 0.01
+X = np.linspace(0.3, 1.0, 16)
+
+
+def fitted(evidence, hypothesis):
+    (fit,) = fits(evidence, [(hypothesis, hypothesis.null())])
+    return fit
+
+
+def left(evidence, hypothesis):
+    fit = fitted(evidence, hypothesis)
+    return with_scatter(evidence, fit, adequacy(evidence, fit))
+
+
+def test_a_third_of_few_rows_far_off_is_more_than_outliers(evidence_of, hypothesis):
+    readings = X + SD_A * np.random.default_rng(1).standard_normal(16)
+    readings[[2, 5, 6, 9, 11, 12]] += [0.2, -0.15, 0.3, -0.2, 0.2, -0.25]
+    assert not left(evidence_of(X, readings), hypothesis).is_adequate
+
+
+def test_an_outlier_or_noise_a_little_wider_than_stated_is_normal(evidence_of, hypothesis):
+    alarms = 0
+    for seed in range(150):
+        generator = np.random.default_rng(seed)
+        readings = X + 1.1 * SD_A * generator.standard_normal(16)
+        readings[generator.random(16) < 0.05] += 0.3
+        alarms += not left(evidence_of(X, readings), hypothesis).is_adequate
+    assert alarms <= 2
+
+
+def test_noise_that_nobody_stated_cannot_be_too_wide(evidence_of, hypothesis):
+    readings = X + 5.0 * SD_A * np.random.default_rng(2).standard_normal(16)
+    evidence = evidence_of(X, readings)
+    (stage,) = evidence.stages
+    stage.observed = (replace(stage.observed[0], noise_is_stated=False),)
+    assert left(Evidence((stage,)), hypothesis).is_adequate
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_less_noise_is_no_jump(evidence_of, hypothesis, effect, seed):
+    """Readings with a third of the stated noise: a jump in time explains none of it."""
+    x = np.tile(X, 10)
+    readings = 1.01 * x + 0.3 * SD_A * np.random.default_rng(seed).standard_normal(160)
+    evidence = evidence_of(x, readings, t_s=np.arange(160.0))
+    nominal = fitted(evidence, hypothesis)
+    model = hypothesis.with_effect(effect("current_sensor_gain"))
+    named = fitted(evidence, model)
+    quieter = replace(named, sd=0.3 * named.sd, z=named.z / 0.3)
+    quieter.slopes[model.parameters(model.effects[0])] = 0.0  # as of an effect of the noise alone
+    assert change_in_time(evidence, nominal, quieter) is None
+
+
+@pytest.mark.parametrize(("mixed", "covariate"), [(False, "x"), (True, "t_s")])
+def test_a_jump_is_told_along_what_went_one_way_all_the_time(evidence_of, hypothesis, effect, mixed, covariate):
+    """In a single sweep nobody can tell a moment from a place on the sweep."""
+    generator = np.random.default_rng(3)
+    x = np.linspace(0.3, 1.0, 60)
+    when = generator.permutation(60).astype(float) if mixed else np.arange(60.0)
+    readings = x + 0.15 * (when >= 26.0) + SD_A * generator.standard_normal(60)
+    evidence = evidence_of(x, readings, t_s=when)
+    named = fitted(evidence, hypothesis.with_effect(effect("current_sensor_gain")))
+    found = change_in_time(evidence, fitted(evidence, hypothesis), named)
+    assert found is not None
+    assert found.covariate == covariate
+    assert float(found.what.removeprefix("jump at ").removesuffix(" s")) == pytest.approx(26.0, abs=1.0)
+
+
+def test_the_channel_without_which_all_the_rest_is_well(evidence_of, hypothesis):
+    """Two quantities share a parameter; only the second is bent, and pulls the parameter away."""
+    x = np.linspace(0.2, 1.0, 120)
+    generator = np.random.default_rng(7)
+    straight = x + SD_A * generator.standard_normal(120)
+    bent = x + 0.5 * (x > 0.6) * (x - 0.6) + SD_A * generator.standard_normal(120)
+    stages = []
+    for name, readings in (("straight", straight), ("bent", bent)):
+        (stage,) = evidence_of(x, readings).stages
+        stage.observed = (replace(stage.observed[0], name=name, channel=name),)
+        stages.append(stage)
+    evidence = Evidence(stages)
+    found = left(evidence, hypothesis)
+    assert {structure.channel for structure in found.structures if structure.p < 0.001} == {"straight", "bent"}
+    assert located(evidence, hypothesis, found).worst.channel == "bent"

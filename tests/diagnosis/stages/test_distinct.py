@@ -1,0 +1,32 @@
+import pytest
+
+from configs.draw import draw_robot
+from configs.loader import load_section
+from configs.schema.terms.drive import EncoderTicksScale
+from configs.schema.terms.motor import SupplySag
+from configs.schema.terms.range_bench import RangeScale
+from diagnosis.stages.distinct import distinct
+from physics.terms.base import Slot
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return draw_robot(load_section("robot", "nominal"), 1, "test")[0]
+
+
+def test_robots_that_differ_in_nothing_that_acts_are_one(robot):
+    scaled, more = (robot.with_term(RangeScale(scale=scale)) for scale in (1.1, 1.2))
+    sagging = robot.with_term(SupplySag(source_resistance_ohm=0.3))
+    heavy = robot.model_copy(update={"motor": robot.motor.model_copy(update={"coulomb_friction_N_m": 0.05})})
+    given = [robot, scaled, more, sagging, heavy, robot.with_term(SupplySag(source_resistance_ohm=0.3))]
+    found, which = distinct(given, ("motor",), {Slot.SUPPLY})
+    assert which.tolist() == [0, 0, 0, 1, 2, 1]
+    assert [found[k] for k in which] == [robot, robot, robot, sagging, heavy, sagging]
+    _, by_range = distinct(given, (), {Slot.RANGE})
+    assert by_range.tolist() == [0, 1, 2, 0, 0, 0]
+
+
+def test_no_term_is_not_a_term_without_effect(robot):
+    """They are predicted alike, but nothing here knows that."""
+    _, which = distinct([robot, robot.with_term(EncoderTicksScale(scale=1.0))], (), {Slot.ENCODER})
+    assert which.tolist() == [0, 1]
