@@ -17,7 +17,7 @@ from physics.arena import Arena
 from physics.robot_path import RobotPath
 
 TESTS = Path(__file__).parents[2]
-SIZE, FRAMES = (128, 96), 12
+SIZE, FRAMES = (128, 96), 14
 
 
 @pytest.fixture(scope="session")

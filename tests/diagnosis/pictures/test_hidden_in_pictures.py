@@ -41,7 +41,7 @@ def test_nothing_is_named_where_nothing_is_hidden(as_simulated):
 
 @pytest.mark.parametrize(
     ("field", "name", "size"),
-    [("z_m", "height", 0.004), ("pitch_deg", "pitch_down", -3.0)],
+    [("z_m", "height", 0.006), ("pitch_deg", "pitch_down", -3.0)],
 )
 def test_a_camera_that_sits_otherwise_is_found(make_case, generator, field, name, size):
     nominal = getattr(generator.Camera(), field)
