@@ -9,7 +9,9 @@ from blender_scenes.camera_response import tone, untoned
 @pytest.mark.parametrize("contrast", [0.7, 1.0, 1.4])
 def test_the_tone_curve_is_undone(contrast):
     light = np.linspace(0.0, 1.0, 60)
-    assert untoned(tone(light, contrast), contrast) == pytest.approx(light, abs=1e-9)
+    assert untoned(tone(light, contrast), contrast) == pytest.approx(
+        light, abs=1e-6
+    )  # the curve is worked out in single precision
 
 
 def test_a_middle_grey_of_srgb_is_undone_to_its_light():
