@@ -10,12 +10,14 @@ from configs.schema.terms.range_bench import RangeOffset, RangeScale
 from configs.schema.terms.table import Terms
 from diagnosis.measured.nominal import (
     BenchTof,
+    KnownWheels,
     Mount,
     Nominal,
     NominalDrive,
     NominalGearedMotor,
     NominalMotor,
     NominalMovingMotor,
+    NominalRobot,
     NominalTof,
 )
 
@@ -36,6 +38,8 @@ def nominal_robot(nominal: Nominal, carrier: RobotConfig) -> RobotConfig:
             return _with_bench_tof(robot, nominal.tof)
         case NominalDrive():
             return _with_motor(_with_drive(robot, nominal), nominal.motor)
+        case KnownWheels():
+            return _with_wheels(robot, nominal.robot)
         case _:
             return _with_motor(robot, nominal.motor)
 
@@ -79,14 +83,17 @@ def _with_drive(robot: RobotConfig, nominal: NominalDrive) -> RobotConfig:
         "mounts": robot.tof.mounts.model_copy(update=mounts),
         "max_range_m": nominal.tof.max_range_m,
     }
-    wheels = nominal.robot
+    robot = robot.model_copy(update={"tof": robot.tof.model_copy(update=ranges)})
+    return _with_wheels(robot, nominal.robot)
+
+
+def _with_wheels(robot: RobotConfig, wheels: NominalRobot) -> RobotConfig:
     drive = {"wheel_diameter_m": 2.0 * wheels.wheel_radius_m.value, "track_m": wheels.wheel_separation_m.value}
     counts = wheels.encoder_ticks_per_revolution
     encoder = {"counts_per_revolution": int(counts) if counts == int(counts) else counts}
     sections: dict[str, Section] = {
         "drive": robot.drive.model_copy(update=drive),
         "encoder": robot.encoder.model_copy(update=encoder),
-        "tof": robot.tof.model_copy(update=ranges),
     }
     return robot.model_copy(update=sections)
 

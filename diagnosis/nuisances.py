@@ -12,9 +12,18 @@ from numpy.typing import NDArray
 
 from configs.schema.base import Section
 from configs.schema.robot import RobotConfig
+from configs.schema.terms.drive import WheelRadiusAsymmetry
 from configs.schema.terms.motor import InputDelay
 from configs.schema.terms.range_bench import RangeOffset, RangeScale
-from diagnosis.measured.nominal import Nominal, NominalDrive, NominalTof, PositiveSpread, Spread
+from diagnosis.measured.nominal import (
+    KnownWheels,
+    Nominal,
+    NominalDrive,
+    NominalRobot,
+    NominalTof,
+    PositiveSpread,
+    Spread,
+)
 
 Number = float | NDArray[np.float64]
 
@@ -50,14 +59,31 @@ def _all(nominal: Nominal) -> Iterator[Nuisance]:
         yield _range_offset(nominal.tof.range_offset_m)
         yield _range_scale(nominal.tof.range_scale)
         return
+    if isinstance(nominal, KnownWheels):
+        yield from _wheels(nominal.robot)
+        yield _wheel_asymmetry(nominal.wheel_radius_asymmetry)
+        return
     for name, field in nominal.motor:
         if isinstance(field, (PositiveSpread, Spread)):
             yield _number("motor", name, name, field, 1.0)
     if isinstance(nominal, NominalDrive):
-        yield _number("drive", "wheel_diameter_m", "wheel_radius_m", nominal.robot.wheel_radius_m, 2.0)
-        yield _number("drive", "track_m", "wheel_separation_m", nominal.robot.wheel_separation_m, 1.0)
+        yield from _wheels(nominal.robot)
         yield _range_offset(nominal.tof.range_offset_m)
         yield command_timing()
+
+
+def _wheels(robot: NominalRobot) -> Iterator[Nuisance]:
+    yield _number("drive", "wheel_diameter_m", "wheel_radius_m", robot.wheel_radius_m, 2.0)
+    yield _number("drive", "track_m", "wheel_separation_m", robot.wheel_separation_m, 1.0)
+
+
+def _wheel_asymmetry(spread: Spread) -> Nuisance:
+    def change(robot: RobotConfig, value: Number) -> RobotConfig:
+        present = robot.terms.wheel_radius_asymmetry
+        before = 0.0 if present is None else present.asymmetry
+        return robot.with_term(WheelRadiusAsymmetry.model_construct(asymmetry=before + value))
+
+    return Nuisance("wheel_radius_asymmetry", spread.value, spread.tolerance, "1", change)
 
 
 TIMING_S = 1e-3

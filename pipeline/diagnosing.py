@@ -9,8 +9,9 @@ from configs.draw import draw_robot
 from configs.errors import InputError
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
+from diagnosis.importers.blind import read_blind
 from diagnosis.importers.choose import read_measurement
-from diagnosis.measured.case_format import DATA
+from diagnosis.measured.case_format import BLIND, DATA
 from diagnosis.measured.nominal import NOMINAL
 from pipeline.files import write_file
 from pipeline.importers import IMPORTERS
@@ -148,7 +149,8 @@ def diagnose_into(
     robot = RobotConfig.model_validate_json(nominal) if nominal else None
     release = None if against is None else read_measurement(against, IMPORTERS)
     measured = read_measurement(path, IMPORTERS, importer)
-    made = files(diagnose(measured, robot), pybullet=pybullet, release=release)
+    unseen = read_blind(path if path.is_dir() else path.parent, measured.kind) if measured.kind in BLIND else {}
+    made = files(diagnose(measured, robot), pybullet=pybullet, release=release, unseen=unseen)
     (folder / PLOTS).mkdir(parents=True, exist_ok=True)
     for old in (folder / VARIED_FILE, *(folder / PLOTS).iterdir()):
         if old.relative_to(folder).as_posix() not in made:

@@ -51,6 +51,7 @@ class Drive:
     """Trials with held-out rows, by one driver; the others are not driven."""
 
     name = "drive"
+    at_once = 1
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig, driver: Driver) -> None:
         self._is_case = isinstance(measurement.nominal, NominalDrive)

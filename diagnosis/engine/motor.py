@@ -29,6 +29,7 @@ class MotorOnBench:
     """Held-out rows of a bench, by PyBullet; the others are not driven."""
 
     name = "bench"
+    at_once = 1
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         self._measurement = measurement

@@ -2,6 +2,7 @@
 
 One file is one log with one header line; its name says what it is of. Times are ms in older files and s in newer ones,
 where they have decimals. Speeds of the wheels [rpm], commands from -255 to 255 of the bridge's duty, battery in mV.
+Of steady speeds every fourth row is held out. Each wheel has a motor of its own: diagnose one at a time (`of_part`).
 """
 
 import re
@@ -17,8 +18,10 @@ from diagnosis.importers.order import check_increasing
 from diagnosis.measured.channel import Array, Channel, Mask, Role
 from diagnosis.measured.csv_table import Column, Table, check_header, table_of
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from diagnosis.measured.nominal import KnownMotor, Nominal, NominalMotor, PositiveSpread, Spread
 from diagnosis.measured.scale import Reach
 from diagnosis.measured.text_file import read_text
+from diagnosis.usual_tolerances import SHARES
 from physics.trajectory import TimeSeries
 
 FULL_COMMAND = 255.0
@@ -27,6 +30,34 @@ STALE_FROM_SET = 5
 """From this calibration on, a speed was worked out at each count, so that it stays where no count comes."""
 STALE_ROWS = 3
 """So many rows of one speed other than zero, under commands that differ, are one reading said again."""
+HELD_OUT = 4
+"""Of the rows of steady speeds, one in so many."""
+
+STALL_CURRENT_A, NO_LOAD_CURRENT_A = 0.75, 0.08
+NO_LOAD_SPEED_RAD_S = 1100.0 * RAD_S_PER_RPM
+"""At 12 V, of the HPCB 12 V micro metal gearmotor 30:1 (Pololu's tables: 0.75 A, 80 mA, 1100 rpm)."""
+FRICTION_SHARE = 0.3
+"""Tolerance of either friction: the tables tell their sum at one speed, of which half is taken for each."""
+
+
+def nominal_motor() -> KnownMotor:
+    """What the motor's maker prints, at the wheel: R = U / I of the stalled motor, K by what the idling one leaves."""
+    resistance_ohm = 12.0 / STALL_CURRENT_A
+    constant = (12.0 - resistance_ohm * NO_LOAD_CURRENT_A) / NO_LOAD_SPEED_RAD_S
+    half_N_m = 0.5 * constant * NO_LOAD_CURRENT_A
+    viscous = half_N_m / NO_LOAD_SPEED_RAD_S
+    return KnownMotor(
+        motor=NominalMotor(
+            winding_resistance_ohm=PositiveSpread(
+                value=resistance_ohm, tolerance=SHARES["winding_resistance_ohm"] * resistance_ohm
+            ),
+            torque_constant_N_m_A=PositiveSpread(value=constant, tolerance=SHARES["torque_constant_N_m_A"] * constant),
+            viscous_friction_N_m_s_rad=Spread(value=viscous, tolerance=FRICTION_SHARE * viscous),
+            coulomb_friction_N_m=Spread(value=half_N_m, tolerance=FRICTION_SHARE * half_N_m),
+            supply_voltage_V=8.4,  # two lithium cells, full
+        )
+    )
+
 
 _TIME = Column("time", "", Role.INPUT, Reach(0.0, 1e9), may_be_empty=False)
 _COMMAND = Reach(-256.0, 256.0)
@@ -56,6 +87,7 @@ class _Form:
     """From the table, its times [s] and the number in the file's name."""
     kind: Kind = Kind.OTHER
     notes: tuple[str, ...] = ()
+    nominal: Callable[[], Nominal] | None = None
 
 
 def _steady(table: Table, t_s: Array, number: int) -> tuple[Trial, ...]:
@@ -75,6 +107,7 @@ def _steady(table: Table, t_s: Array, number: int) -> tuple[Trial, ...]:
                 stale=repeated(rpm, STALE_ROWS) if number >= STALE_FROM_SET else None,
             ),
             part=f"{side} wheel",
+            holdout=np.arange(len(t_s)) % HELD_OUT == HELD_OUT - 1,
         )
         for side in ("left", "right")
         for rpm in (table.numbers[f"{side}SpeedRpm"],)
@@ -118,8 +151,8 @@ def _as_it_is(form_columns: tuple[Column, ...]) -> Callable[[Table, Array, int],
     return trials
 
 
-def _trial(name: str, t_s: Array, *channels: Channel, part: str = "") -> Trial:
-    return Trial(name, t_s, np.zeros(len(t_s), dtype=bool), channels, part=part)
+def _trial(name: str, t_s: Array, *channels: Channel, part: str = "", holdout: Mask | None = None) -> Trial:
+    return Trial(name, t_s, np.zeros(len(t_s), dtype=bool) if holdout is None else holdout, channels, part=part)
 
 
 _ENCODERS = (_TIME, _read_out("leftEncoder", _COUNT), _read_out("rightEncoder", _COUNT), *_MODES)
@@ -137,7 +170,12 @@ FORMS: Mapping[str, _Form] = {
         (_TIME, _BATTERY, _set("motorCommand", _COMMAND), *_SPEEDS),
         _steady,
         Kind.MOTOR_STEADY,
-        ("not logged: current", "the voltage is the duty times the battery's, before any loss in the bridge"),
+        (
+            "not logged: current",
+            "the voltage is the duty times the battery's, before any loss in the bridge",
+            "every fourth row is held out",
+        ),
+        nominal_motor,
     ),
     "encoders": _Form(_ENCODERS, _as_it_is(_ENCODERS), notes=("not logged: voltage and duty",)),
     "batteryVoltage": _Form(_BATTERIES, _as_it_is(_BATTERIES)),
@@ -168,10 +206,13 @@ def _read(path: Path) -> Measurement:
     check_increasing(table, "time")
     in_s = "." in text.lines[1].partition(",")[0]
     t_s = table.numbers["time"] * (1.0 if in_s else 1e-3)
-    notes.append(f"times taken for {'s' if in_s else 'ms'}; nothing is marked as held out")
+    notes.append(f"times taken for {'s' if in_s else 'ms'}")
+    if form.nominal is None:
+        notes.append("nothing is held out")
     source = Source("Algernon micromouse, opatiny/micromouse", (str(path),), "CERN-OHL-P v2")
     trials = form.trials(table, t_s - t_s[0], number)
-    return Measurement(path.stem, form.kind, source, trials, notes=(*table.notes, *notes))
+    nominal = None if form.nominal is None else form.nominal()
+    return Measurement(path.stem, form.kind, source, trials, nominal, (*table.notes, *notes))
 
 
 IMPORTER = Importer(

@@ -5,7 +5,7 @@ import numpy as np
 from diagnosis.importers.case import scale_note
 from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import Nominal, NominalTof
+from diagnosis.measured.nominal import KnownWheels, Nominal, NominalTof
 
 CLEAR_OF_STALL = 3.0
 """Voltage in breakaway voltages, from which on friction takes little off the speed."""
@@ -13,7 +13,7 @@ CLEAR_OF_STALL = 3.0
 
 def motor_scale_notes(nominal: Nominal, measurement: Measurement) -> list[str]:
     """A note for each channel whose middle is a unit's factor away from u / K or above u / R."""
-    if isinstance(nominal, NominalTof):
+    if isinstance(nominal, (NominalTof, KnownWheels)):
         return []
     motor = nominal.motor
     resistance, constant = motor.winding_resistance_ohm.value, motor.torque_constant_N_m_A.value

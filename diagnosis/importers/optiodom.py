@@ -3,7 +3,8 @@
 Files, one pair of session and run each: `<session>_run-NN.csv` without header, 20 Hz, columns t [s], x, y [m],
 heading [rad], counts of the right wheel in this row, counts of the left wheel; `<session>_metadata.csv` with a key and
 its values a row. Voltages and ranges were not logged. Odometry and capture had clocks of their own, put together by the
-authors at cut points; what offset is left nobody measured.
+authors at cut points; what offset is left nobody measured. Every third run of a session is held out: sessions drive
+each of their paths two to five times in a row, so that each path is fitted and judged.
 """
 
 import re
@@ -17,9 +18,11 @@ from diagnosis.importers.base import Importer, is_file, is_folder
 from diagnosis.importers.order import check_increasing
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.csv_table import Column, table_of
+from diagnosis.measured.holdout import EVERY
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.scale import Reach
 from diagnosis.measured.text_file import number, read_text
+from diagnosis.usual_tolerances import usual_wheels
 from physics.trajectory import TimeSeries
 
 _RUN = re.compile(r"(\d+)_run-(\d+)\.csv")
@@ -66,10 +69,12 @@ def _read(path: Path) -> Measurement:
         raise InputError(
             "holds no <session>_run-NN.csv", where=str(path), cure="name a session, or a folder of sessions"
         )
-    read = [_trial(file) for file in files]
+    read = [_trial(file, alone=len(files) == 1) for file in files]
     driven = {file.parent: _metadata(file.parent) for file in files}
     notes = [note for _, notes in read for note in notes]
-    notes += ["not logged: voltages, ranges; nothing is marked as held out"]
+    notes += ["not logged: voltages, ranges"]
+    held = sum(bool(trial.holdout.all()) for trial, _ in read)
+    notes += ["every third run of a session is held out" if held else "nothing is held out"]
     notes += [
         f"{folder.name} was driven with a wheel separation of {values['Li'][0]:g} m and wheel diameters of "
         f"{values['Di'][0]:g} m in its controller; the counts do not depend on it"
@@ -82,10 +87,12 @@ def _read(path: Path) -> Measurement:
         "MIT",
     )
     trials = tuple(trial for trial, _ in read)
-    return Measurement(path.absolute().name, Kind.DRIVE_LOG, source, trials, notes=tuple(dict.fromkeys(notes)))
+    nominal = usual_wheels(diameter_m=WHEEL_DIAMETER_M, track_m=TRACK_M, counts_per_turn=ENCODER_TICKS_PER_REVOLUTION)
+    name = path.absolute().name
+    return Measurement(name, Kind.DRIVE_LOG, source, trials, nominal, tuple(dict.fromkeys(notes)))
 
 
-def _trial(path: Path) -> tuple[Trial, Sequence[str]]:
+def _trial(path: Path, *, alone: bool) -> tuple[Trial, Sequence[str]]:
     table = table_of(read_text(path), COLUMNS, range(len(COLUMNS)), first=0)
     check_increasing(table, "t_s")
     t_s = table.numbers["t_s"]
@@ -101,7 +108,9 @@ def _trial(path: Path) -> tuple[Trial, Sequence[str]]:
         for column in COLUMNS[1:4]
     ]
     name = f"{path.parent.parent.name}/{path.stem}"
-    return Trial(name, t_s, np.zeros(len(t_s), dtype=bool), tuple(channels)), table.notes
+    run = _RUN.fullmatch(path.name)
+    is_held = not alone and run is not None and int(run[2]) % EVERY == 0
+    return Trial(name, t_s, np.full(len(t_s), is_held), tuple(channels)), table.notes
 
 
 def _metadata(session: Path) -> Mapping[str, tuple[float, ...]]:

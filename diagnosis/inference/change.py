@@ -102,7 +102,7 @@ def _time_s(evidence: Evidence) -> Array:
     return np.concatenate(found)
 
 
-def _jump(evidence: Evidence, nominal: Fit, after: Array) -> Array:
+def _jump(evidence: Evidence, nominal: Fit, after: Mask) -> Array:
     """Columns (N, 3 per quantity), in sigmas."""
     mean = evidence.values - nominal.z * nominal.sd
     mean = np.where(np.isfinite(mean), mean, 0.0)

@@ -8,6 +8,7 @@ predictions costs little more than one. Bounds hold by projection, and a coordin
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import log
 
 import numpy as np
 
@@ -26,6 +27,8 @@ STEPS = 15
 FAR = 40.0
 """Cost above the best of the fits side by side, from which one is given up that would not get there at its pace: no
 rival at that distance, its exact cost tells nobody anything."""
+STRETCHES = (0.4, 0.7, 0.85, 1.2, 1.4, 2.2)
+"""Times as large, that an effect is tried where no step helps any more."""
 NUISANCE_STEP = 0.05
 """Of a derivative, in standard deviations of the tolerance."""
 
@@ -97,21 +100,53 @@ def fits(evidence: Evidence, starts: Sequence[tuple[Hypothesis, Array]]) -> list
         for k, fit in zip(active, _linearised(evidence, [states[k] for k in active]), strict=True):
             found[k] = fit
             states[k].cost = fit.cost
-        trials = [_steps(evidence, found[k]) for k in active]  # pyright: ignore[reportArgumentType]
-        costs = _costs(evidence, [(states[k].hypothesis, x) for k, x in zip(active, trials, strict=True)])
+        steps = [_steps(evidence, found[k]) for k in active]  # pyright: ignore[reportArgumentType]
+        falls = _moved(evidence, [states[k] for k in active], steps)
+        # The cost of play and of limits ripples, and slopes lead into the nearest trough.
+        resting = [k for k, fall in zip(active, falls, strict=True) if fall <= SETTLED]
+        stretched = [_stretched(states[k].hypothesis, states[k].x) for k in resting]
+        further = dict(zip(resting, _moved(evidence, [states[k] for k in resting], stretched), strict=True))
         least = min(state.cost for state in states)
-        for k, tried, of in zip(active, trials, costs, strict=True):
-            best = int(np.argmin(of))
-            state = states[k]
-            behind, fall = state.cost - least, state.cost - of[best]
-            if not fall > SETTLED or (behind > FAR and fall < behind / STEPS):
-                state.is_settled = True
-            if of[best] < state.cost:
-                state.x, state.cost = tried[best], float(of[best])
+        for k, fall in zip(active, falls, strict=True):
+            whole, behind = max(fall, 0.0) + further.get(k, 0.0), states[k].cost - least
+            if not whole > SETTLED or (behind > FAR and whole < behind / STEPS):
+                states[k].is_settled = True
     moved = [k for k, state in enumerate(states) if found[k] is None or not np.array_equal(found[k].x, state.x)]  # pyright: ignore[reportOptionalMemberAccess]
     for k, fit in zip(moved, _linearised(evidence, [states[k] for k in moved]), strict=True):
         found[k] = fit
     return [fit for fit in found if fit is not None]
+
+
+def _moved(evidence: Evidence, states: Sequence[_State], trials: Sequence[Array]) -> list[float]:
+    """Falls of the cost by the best of the coordinates (M, P) that each is to try, and takes if the cost does fall."""
+    if not states:
+        return []
+    falls = []
+    for state, tried, of in zip(
+        states, trials, _costs(evidence, [(s.hypothesis, x) for s, x in zip(states, trials, strict=True)]), strict=True
+    ):
+        best = int(np.argmin(of)) if len(of) else -1
+        fall = state.cost - float(of[best]) if len(of) else 0.0
+        if fall > 0.0:
+            state.x, state.cost = tried[best], float(of[best])
+        falls.append(fall)
+    return falls
+
+
+def _stretched(hypothesis: Hypothesis, x: Array) -> Array:
+    """(M, P), each effect so many times as large, all else as it is."""
+    found = []
+    for effect in hypothesis.effects:
+        places = hypothesis.parameters(effect)
+        for factor in STRETCHES:
+            tried = x.copy()
+            for place, c in zip(range(places.start, places.stop), effect.coordinates, strict=True):
+                if c.is_ceiling:
+                    tried[place] += log(factor)
+                elif c.null is not None:
+                    tried[place] = c.null + factor * (x[place] - c.null)
+            found.append(tried)
+    return hypothesis.clipped(np.array(found).reshape(-1, len(x)))
 
 
 def _linearised(evidence: Evidence, states: Sequence[_State]) -> list[Fit]:

@@ -180,7 +180,23 @@ class NominalDrive(Section):
     noise: DriveNoise
 
 
-Nominal = NominalSteady | NominalStep | NominalTof | NominalDrive
+class KnownMotor(Section):
+    """All that a source which is no case of ours tells of a motor: no noise, and so no nominal.yaml."""
+
+    motor: NominalMotor
+
+
+class KnownWheels(Section):
+    """The same of a driven robot: its wheels alone, neither motors nor ranges."""
+
+    robot: NominalRobot
+    wheel_radius_asymmetry: Spread
+    """Difference of the left radius and the right one, over their mean."""
+
+
+NominalCase = NominalSteady | NominalStep | NominalTof | NominalDrive
+"""What a nominal.yaml holds."""
+Nominal = NominalCase | KnownMotor | KnownWheels
 
 NOMINAL = "nominal.yaml"
 MODELS: dict[str, type[NominalSteady | NominalStep | NominalTof | NominalDrive]] = {
@@ -201,7 +217,7 @@ def kind_of(path: Path) -> object:
     return kind.plain() if kind else None
 
 
-def read_nominal(path: Path) -> Nominal:
+def read_nominal(path: Path) -> NominalCase:
     """The parameters of one case.
 
     Raises:

@@ -9,7 +9,7 @@ from diagnosis.measured.case_format import COLUMNS, DATA, HOLDOUT
 from diagnosis.measured.channel import Array
 from diagnosis.measured.csv_table import AnyColumn, Column
 from diagnosis.measured.measurement import Measurement, Trial
-from diagnosis.measured.nominal import NOMINAL
+from diagnosis.measured.nominal import NOMINAL, KnownMotor, KnownWheels
 
 MOST_DECIMALS = 12
 """Beyond which a number is written as the shortest that reads back equal."""
@@ -23,7 +23,11 @@ def write_case(measurement: Measurement, folder: Path) -> None:
     Raises:
         ValueError: The measurement has no nominal parameters, or is of no kind that the format knows.
     """
-    if measurement.nominal is None or measurement.kind not in COLUMNS:
+    if (
+        measurement.nominal is None
+        or isinstance(measurement.nominal, (KnownMotor, KnownWheels))
+        or measurement.kind not in COLUMNS
+    ):
         raise ValueError(f"{measurement.name}: a case needs nominal parameters and one of the kinds {[*COLUMNS]}")
     folder.mkdir(parents=True, exist_ok=True)
     (folder / DATA).write_text(csv_of(measurement), encoding="utf-8", newline="\n")

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from configs.streams import stream
-from diagnosis.pictures.case import Array
+from diagnosis.pictures.case import Array, Mask
 from diagnosis.pictures.fit import Model
 
 KEPT = 0.97
@@ -25,10 +25,10 @@ class PictureGain:
     """95 % of bootstrap draws of whole pictures lie between."""
 
 
-def picture_gain(model: Model, heldout: Array, x: Array) -> PictureGain | None:
+def picture_gain(model: Model, heldout: Mask, x: Array) -> PictureGain | None:
     """Of deviations x (P,) over none, on samples (N,) held out; None without any."""
     before, after = model.left(np.zeros_like(x)), model.left(x)
-    known = heldout.astype(bool) & np.isfinite(before) & np.isfinite(after)
+    known = heldout & np.isfinite(before) & np.isfinite(after)
     parts = [(before[here], after[here]) for f in np.unique(model.frame) if (here := known & (model.frame == f)).any()]
     if len(parts) < 2:
         return None

@@ -50,7 +50,7 @@ class LevelModel:
     least_sd: float = 0.002
     most_worth: float = 8.0
 
-    @cached_property
+    @property
     def frame(self) -> Ints:
         return np.repeat(self.patches.frame, 3)
 

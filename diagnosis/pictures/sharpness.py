@@ -63,7 +63,7 @@ class SharpnessModel:
         s = self.profiles.along_px[None, :]
         return (np.abs(s) <= REACH_PX) & (s >= -0.5 * self.width_px[:, None])
 
-    @cached_property
+    @property
     def frame(self) -> Ints:
         return np.repeat(self.frame_of_edge, len(self.profiles.along_px))
 

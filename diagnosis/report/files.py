@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping
+from types import MappingProxyType
 
 from diagnosis.diagnose import Diagnosis
 from diagnosis.extended_robot import FILE, VARIED_FILE
@@ -15,13 +16,23 @@ from diagnosis.report.page import page
 from diagnosis.report.path_picture import path_picture
 from diagnosis.report.summary import reasoning, summary
 from diagnosis.report.unexplained_picture import unexplained_picture
+from diagnosis.unseen import csv_text, unseen_runs
 
 ANSWER, PAGE, SUMMARY, REASONING = "answer.json", "report.html", "summary.txt", "reasoning.txt"
 PLOTS = "plots"
 
 
-def files(diagnosis: Diagnosis, *, pybullet: bool = False, release: Measurement | None = None) -> Mapping[str, bytes]:
-    """Contents by path inside the output folder; the same bytes for the same diagnosis. See `findings`."""
+def files(
+    diagnosis: Diagnosis,
+    *,
+    pybullet: bool = False,
+    release: Measurement | None = None,
+    unseen: Mapping[str, Measurement] = MappingProxyType({}),
+) -> Mapping[str, bytes]:
+    """Contents by path inside the output folder; the same bytes for the same diagnosis. See `findings`.
+
+    Inputs of unseen runs, by file name, are answered with what the extended robot would do.
+    """
     found = findings(diagnosis, pybullet=pybullet, release=release)
     pictures = _pictures(found)
     made = {
@@ -32,6 +43,8 @@ def files(diagnosis: Diagnosis, *, pybullet: bool = False, release: Measurement 
         SUMMARY: "\n".join(summary(found)) + "\n",
         REASONING: "\n".join(reasoning(found)) + "\n",
     }
+    for name, columns in unseen_runs(diagnosis.measurement, diagnosis.extended, unseen).items():
+        made[name] = csv_text(columns)
     return {name: text.encode() for name, text in made.items() if text} | {
         f"{PLOTS}/{name}.png": png for name, png in pictures.items()
     }

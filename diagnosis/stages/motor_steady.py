@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from configs.errors import InputError
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Measurement, Trial
@@ -67,5 +68,15 @@ def _since_on_s(trial: Trial) -> Array:
 
 
 def motor_steady_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[Stage, ...]:
-    """The one stage of the bench."""
+    """The one stage of the bench.
+
+    Raises:
+        InputError: No row has a voltage.
+    """
+    if not any(channel.is_offered for channel in measurement.across("u_cmd_V")):
+        raise InputError(
+            "no row has a voltage at the motor, by which alone current and speed can be predicted",
+            where=next(iter(measurement.source.files), measurement.name),
+            cure="log that voltage, or the battery's beside the duty",
+        )
     return (MotorSteady(measurement, nominal),)

@@ -15,11 +15,12 @@ import numpy as np
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Array, Mask
 from diagnosis.measured.measurement import Measurement
-from diagnosis.measured.nominal import NominalDrive
+from diagnosis.measured.nominal import KnownWheels, NominalDrive
 from diagnosis.measured.screening import noise_of
 from diagnosis.stages.base import Covariate, Observed, Predicted, Shape
 from diagnosis.stages.distinct import distinct
 from diagnosis.stages.rows import bridged, given, joined, rows_after, session_time_s, trial_of_rows
+from diagnosis.stages.window_noise import window_noise
 from physics.robot_model import RobotModel, through
 from physics.robot_stack import alike, stacked, stacked_terms
 from physics.terms.base import Slot, effects
@@ -27,6 +28,8 @@ from physics.wheel_turns import uncounted
 from sensors.terms import SENSOR_TERMS
 
 WINDOW, STRIDE = 10, 5
+SHARE_NO_POSE = WINDOW // STRIDE + 1
+"""Windows from one to the next that begins after its end."""
 LEVER_M = 0.12
 """At which noise of the heading counts as noise of the place."""
 PARTS = ("drive", "encoder")
@@ -151,6 +154,11 @@ class Pose:
         sds, correlations = self._noise(measurement, nominal)
         holdout = joined(t.holdout for t in measurement.trials)
         usable: Mask = self._complete & np.isfinite(values).all(axis=-1)
+        if isinstance(measurement.nominal, KnownWheels):
+            # A real camera's noise; of runs that we made ourselves nothing scatters, and the guess stands.
+            rows = usable & ~(holdout[first] | holdout[last])
+            found = [window_noise(values[:, k] - predicted[:, k], trial, rows, SHARE_NO_POSE) for k in range(3)]
+            sds = tuple(sd if of is None else np.full(len(sd), of) for sd, of in zip(sds, found, strict=True))
         return tuple(
             Observed(
                 name=name,

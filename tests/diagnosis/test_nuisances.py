@@ -12,6 +12,7 @@ from configs.schema.terms.range_bench import RangeOffset, RangeScale
 from diagnosis.measured.nominal import read_nominal
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
+from diagnosis.usual_tolerances import usual_wheels
 
 EXAMPLES = Path(__file__).parents[3] / "shared" / "gap_examples"
 MOTOR = {"winding_resistance_ohm", "torque_constant_N_m_A", "viscous_friction_N_m_s_rad", "coulomb_friction_N_m"}
@@ -84,3 +85,18 @@ def test_an_effect_of_the_same_kind_stays_on_top_of_the_units_own_offset_and_sca
     changed = scale.applied(offset.applied(robot, 0.001), 0.99).terms
     assert changed.range_offset.offset_m == pytest.approx(0.021)
     assert changed.range_scale.scale == pytest.approx(1.1 * 0.99)
+
+
+def test_of_drawn_wheels_both_may_differ_and_nothing_else(carrier):
+    """A radius of 40 mm, 200 mm apart, 2000 counts; the left wheel 0.2 % above the mean, the right one below."""
+    known = usual_wheels(diameter_m=0.08, track_m=0.2, counts_per_turn=2000)
+    robot = nominal_robot(known, carrier)
+    assert (robot.drive.wheel_diameter_m, robot.drive.track_m) == (0.08, 0.2)
+    assert robot.encoder.counts_per_revolution == 2000
+    assert robot.motor == carrier.motor
+    found = {nuisance.name: nuisance for nuisance in nuisances(known)}
+    assert set(found) == {"wheel_radius_m", "wheel_separation_m", "wheel_radius_asymmetry"}
+    uneven = found["wheel_radius_asymmetry"].applied(robot, 0.004)
+    assert uneven.terms.wheel_radius_asymmetry.asymmetry == 0.004
+    twice = found["wheel_radius_asymmetry"].applied(uneven, 0.001)
+    assert twice.terms.wheel_radius_asymmetry.asymmetry == pytest.approx(0.005)

@@ -50,6 +50,25 @@ def test_counts_of_optiodom_add_up_and_belong_to_their_side(session):
     assert any("driven with a wheel separation of 0.205 m" in note for note in found.notes)
 
 
+def test_optiodom_knows_its_wheels_as_they_were_drawn(session):
+    """84 mm and 200 mm by its description, whatever the controller ran with; gears times counts of the motor."""
+    robot = read(session).nominal.robot
+    assert (robot.wheel_radius_m.value, robot.wheel_separation_m.value) == (0.042, 0.2)
+    assert robot.encoder_ticks_per_revolution == pytest.approx(2796.8)
+    assert robot.wheel_radius_m.tolerance < 0.001
+
+
+def test_every_third_run_of_an_optiodom_session_is_held_out(session):
+    text = (session / "250620202104_run-01.csv").read_text()
+    for run in ("03", "04", "05", "06"):
+        (session / f"250620202104_run-{run}.csv").write_text(text)
+    found = read(session)
+    assert [t.name[-2:] for t in found.trials if t.holdout.all()] == ["03", "06"]
+    assert sum(t.holdout.any() for t in found.trials) == 2
+    assert "every third run of a session is held out" in found.notes
+    assert read(session / "250620202104_run-03.csv").heldout_rows == 0
+
+
 def test_optiodom_is_known_from_a_run_a_session_and_the_folder_above(session):
     assert len(read(session / "250620202104_run-02.csv").trials) == 1
     assert len(read(session.parent).trials) == len(read(session.parent.parent).trials) == 2
@@ -77,6 +96,21 @@ def test_steady_speeds_of_the_micromouse_are_by_wheel_in_rad_s_and_volts(tmp_pat
     np.testing.assert_allclose(left["omega_rad_s"].values, [2 * np.pi, 4 * np.pi])
     np.testing.assert_allclose(right["omega_rad_s"].values, [np.pi, 2.2 * np.pi])
     np.testing.assert_allclose(left.t_s, [0.0, 1.1])
+
+
+def test_the_motor_of_the_micromouse_is_that_of_its_maker(tmp_path):
+    """12 V and 0.75 A stalled are 16 ohm; idling, 80 mA leave 10.72 V at 1100 rpm; friction is K times 80 mA there."""
+    path = tmp_path / "wheelSpeedCalibration3.csv"
+    path.write_text(STEADY + "".join(f"{1000 * k}, 7500, 51, 60.00, 30.00\n" for k in range(1, 9)))
+    found = read(path)
+    motor = found.nominal.motor
+    idling = 1100 * np.pi / 30
+    assert motor.winding_resistance_ohm.value == 16.0
+    assert motor.torque_constant_N_m_A.value == pytest.approx(10.72 / idling)
+    friction = motor.coulomb_friction_N_m.value + motor.viscous_friction_N_m_s_rad.value * idling
+    assert friction == pytest.approx(10.72 / idling * 0.08)
+    for trial in found.trials:
+        np.testing.assert_array_equal(trial.holdout, [False, False, False, True] * 2)
 
 
 def test_speeds_said_again_and_again_are_stale_in_later_sets_alone(tmp_path):

@@ -3,6 +3,7 @@
 Expected values are counted with the shell's tools or are those of the sets' own descriptions.
 """
 
+import importlib
 import json
 from pathlib import Path
 
@@ -15,12 +16,15 @@ from diagnosis.importers import IMPORTERS
 from diagnosis.importers.blind import read_blind
 from diagnosis.importers.choose import read_measurement
 from diagnosis.importers.optiodom import ENCODER_TICKS_PER_REVOLUTION, TRACK_M, WHEEL_DIAMETER_M
+from diagnosis.inference.hypothesis import Hypothesis
+from diagnosis.inference.whole_runs import WholeRuns, fitted_to_whole_runs
 from diagnosis.measured.channel import Quality
 from diagnosis.measured.measurement import Kind
 from diagnosis.measured.noise import noise_of_differences, noise_of_residuals
 from diagnosis.measured.screening import noise_of, spikes, usable
 from diagnosis.measured.write_case import csv_of, write_case
 from diagnosis.nominal_robot import nominal_robot
+from diagnosis.nuisances import nuisances
 from diagnosis.stages import STAGES
 
 SHARED = Path(__file__).parents[4] / "shared"
@@ -76,6 +80,31 @@ def test_optiodom_turns_left_where_the_right_wheel_goes_further():
     for trial in found.trials:
         turned = per_tick_m * (trial["enc_right_ticks"].values[-1] - trial["enc_left_ticks"].values[-1]) / TRACK_M
         assert turned == pytest.approx(trial["theta_rad"].values[-1], rel=0.1)
+
+
+@pytest.mark.parametrize("session", ["square/230620202144", "circular/250620202104"])
+def test_held_out_runs_end_no_further_off_than_by_a_calibration_of_the_trade(session, monkeypatch):
+    """Least squares over whole paths for both diameters and the track, with a code of its own, on the same runs."""
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[3] / "benchmarks" / "diagnosis"))
+    trade = importlib.import_module("wheel_calibrations")
+    found = read(MEASURED / "optiodom_diff" / session)
+    held = np.array([trial.holdout.all() for trial in found.trials])
+    robot = nominal_robot(found.nominal, draw_robot(load_section("robot", "nominal"), 1, "test")[0])
+    bare = Hypothesis(robot, nuisances(found.nominal))
+    ours = WholeRuns(found, robot).errors(fitted_to_whole_runs(found, bare, bare.null(), ()).robot)[held, -1]
+    runs = [np.loadtxt(file, delimiter=",", encoding="utf-8-sig") for file in found.source.files]
+    nominal = trade.Wheels(WHEEL_DIAMETER_M, WHEEL_DIAMETER_M, TRACK_M)
+    fit = [run for run, is_held in zip(runs, held, strict=True) if not is_held]
+    wheels = trade.by_whole_paths(fit, nominal, ENCODER_TICKS_PER_REVOLUTION)
+    judged = [run for run, is_held in zip(runs, held, strict=True) if is_held]
+    ends = {
+        of: np.array([trade.odometry(run, of, ENCODER_TICKS_PER_REVOLUTION)[-1] - run[-1, 1:4] for run in judged])
+        for of in (nominal, wheels)
+    }
+    before, theirs = (np.sqrt(np.mean(np.square(ends[of]), axis=0)) for of in (nominal, wheels))
+    after = np.sqrt(np.mean(ours**2, axis=0))
+    assert np.hypot(*after[:2]) <= np.hypot(*theirs[:2]) < np.hypot(*before[:2])
+    assert after[2] <= theirs[2]
 
 
 def test_stale_speeds_of_the_micromouse_are_marked():

@@ -9,7 +9,7 @@ import pytest
 from configs.draw import draw_robot
 from configs.loader import load_section
 from diagnosis.diagnose import Named, diagnose
-from diagnosis.extended_robot import FILE, VARIED_FILE, extended_robot
+from diagnosis.extended_robot import FILE, VARIED_FILE, _rounded, extended_robot
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.inference.fit import Fit
@@ -132,6 +132,15 @@ def test_friction_that_was_fitted_below_zero_is_none(diagnosis_of, loaded):
     robot = extended_robot(with_effect(below, "speed_scale", scale=1.1))
     assert loaded(robot).motor.viscous_friction_N_m_s_rad == 0.0
     assert "viscous_friction_N_m_s_rad: 0.0  # moved within its bounds; the fit asks for -0.003" in robot.text
+
+
+def test_counts_that_are_no_whole_number_are_rounded_and_said():
+    """43.7 to 1 and 64 counts of the motor make 2796.8 of the wheel; the simulator counts whole ones."""
+    nominal, _ = draw_robot(load_section("robot", "nominal"), 1, "test")
+    encoder = nominal.encoder.model_copy(update={"counts_per_revolution": 2796.8})
+    config, moved = _rounded(nominal.model_copy(update={"encoder": encoder}), nominal)
+    assert config.encoder.counts_per_revolution == 2797
+    assert moved == {("encoder", "counts_per_revolution"): "the whole number next to 2796.8"}
 
 
 def test_the_body_is_as_wide_as_its_wheels_stand_apart(diagnosis_of, loaded):

@@ -100,6 +100,11 @@ def test_a_settled_motor_balances_its_torques(carrier):
     np.testing.assert_allclose(found["current_A"], current, rtol=1e-9)
 
 
+def test_a_bench_without_any_voltage_is_refused_with_what_to_log(carrier):
+    with pytest.raises(InputError, match=r"case: no row has a voltage at the motor.*or the battery's beside the duty"):
+        bound(Kind.MOTOR_STEADY, carrier, trial("1", range(3), [math.nan] * 3))
+
+
 def test_a_sweep_taken_later_has_a_warmer_gear(robot):
     """Friction is 1.5 times its value when switched on and has fallen to 1.5/e above it after 100 s."""
     warm = robot.with_term(FrictionWarmup(amplitude=0.5, time_constant_s=100.0))

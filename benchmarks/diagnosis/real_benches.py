@@ -1,0 +1,136 @@
+"""Motors of a micromouse and a range sensor at rest: fitted on one part of the data, judged on another."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diagnosis.benches.tof.static_record import read_record
+from diagnosis.diagnose import Diagnosis, diagnose
+from diagnosis.importers import micromouse
+from diagnosis.inference.plausible import beyond
+from diagnosis.measured.channel import Channel, Label, Role
+from diagnosis.measured.holdout import of_part
+from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from diagnosis.measured.nominal import NominalTof
+from diagnosis.stages.motor_steady import MotorSteady
+from physics.trajectory import TimeSeries
+from sensors.tof import NOISE_AT_NEAR_MM
+
+Array = NDArray[np.float64]
+
+SETS = (3, 5)
+"""Of the wheel speeds, those with the battery's voltage: another day, another battery, another way to count."""
+SIDES = ("left wheel", "right wheel")
+
+
+@dataclass(frozen=True)
+class Judged:
+    on: str
+    rows: int
+    nominal: float
+    calibrated: float
+    extended: float
+    """Root mean square errors: speeds in rad/s, ranges in mm."""
+
+
+@dataclass(frozen=True)
+class BenchResult:
+    of: str
+    named: tuple[str, ...]
+    withdrawn: tuple[str, ...]
+    unexplained: tuple[str, ...]
+    impossible: tuple[str, ...]
+    """What the fits would need and no robot has."""
+    judged: tuple[Judged, ...]
+
+
+def motors(folder: Path) -> Iterator[BenchResult]:
+    """Each wheel in each set fitted on three rows of four, and judged on the fourth, on the other set and wheel."""
+    sets = {number: micromouse.IMPORTER.read(folder / f"wheelSpeedCalibration{number}.csv") for number in SETS}
+    parts = {f"set {number}, {side}": of_part(read, side) for number, read in sets.items() for side in SIDES}
+    for name, measurement in parts.items():
+        of = diagnose(measurement)
+        robots = (of.nominal, of.selection.nominal.hypothesis.robot(of.selection.nominal.x), of.extended)
+        judged = []
+        for other, data in parts.items():
+            speeds = MotorSteady(data, of.nominal)
+            (k,) = (k for k, quantity in enumerate(speeds.observed) if quantity.name == "omega_rad_s")
+            quantity = speeds.observed[k]
+            rows = quantity.usable & (quantity.holdout if other == name else True)
+            errors = [_rms(quantity.values[rows] - mean[rows]) for mean in speeds.predict(robots)[k].mean]
+            judged.append(Judged("its rows held out" if other == name else other, int(rows.sum()), *errors))
+        yield BenchResult(name, *_told(of), tuple(_faster_than_free(data=measurement)), tuple(judged))
+
+
+def _faster_than_free(data: Measurement) -> Iterator[str]:
+    """Rows in which the back-EMF alone is above the mean voltage: no friction, resistance or supply makes that."""
+    constant = micromouse.nominal_motor().motor.torque_constant_N_m_A.value
+    (trial,) = data.trials
+    volts, speed = trial["u_cmd_V"].values, np.where(trial["omega_rad_s"].good, trial["omega_rad_s"].values, np.nan)
+    share = constant * speed / np.where(volts == 0.0, np.nan, volts)
+    beyond_it = np.flatnonzero(share > 1.0)
+    if len(beyond_it):
+        worst = int(np.nanargmax(share))
+        yield (
+            f"{len(beyond_it)} of {np.isfinite(share).sum()} rows turn faster than duty times battery drives a motor "
+            f"without any friction, at {volts[worst]:.2f} V {share[worst]:.2f} times as fast"
+        )
+
+
+def range_sensor_at_rest(path: Path) -> BenchResult:
+    """Means over a second, the second half of every ten minutes held out; of the true distance only that it stays."""
+    record = read_record(path)
+    rate = round(record.rate_hz)
+    seconds = len(record.readings_mm) // rate
+    mean_m = 1e-3 * record.readings_mm[: seconds * rate].reshape(seconds, rate)[:, 0]
+    t_s = np.arange(float(seconds))
+    held = (t_s % 600.0) >= 300.0
+    distance_m = np.full(seconds, float(np.median(mean_m[~held])))
+    nominal = NominalTof.model_validate(
+        {
+            "kind": "tof_bench",
+            "tof": {
+                # The distance is not known: any offset would do.
+                "range_offset_m": {"value": 0.0, "tolerance": 0.02},
+                "range_scale": {"value": 1.0, "tolerance": 0.03},
+                "reference_temperature_C": 25.0,
+                "resolution_m": 0.001,
+                "reflectance": {"board": 0.9},
+            },
+            "noise": {"polynomial_mm": [NOISE_AT_NEAR_MM, 4.88, 2.51, 1.15], "polynomial_origin_m": 0.18},
+        }
+    )
+    channels = (
+        Channel.logged(TimeSeries("distance_m", "m", t_s, distance_m), Role.INPUT),
+        *(
+            Channel.logged(TimeSeries(name, unit, t_s, np.full(seconds, np.nan)), Role.INPUT)
+            for name, unit in (("incidence_rad", "rad"), ("temperature_C", "C"), ("ambient_lux", "lx"))
+        ),
+        Channel.logged(
+            TimeSeries("reading_m", "m", t_s, mean_m), Role.READING, noise_sd=np.full(seconds, 1e-3 * NOISE_AT_NEAR_MM)
+        ),
+    )
+    trial = Trial("1", t_s, held, channels, (Label("material", ("board",) * seconds),), begins_s=0.0)
+    of = diagnose(Measurement(path.stem, Kind.TOF_BENCH, Source("VL53L0X at rest", (str(path),)), (trial,), nominal))
+    evidence = of.evidence
+    robots = (of.nominal, of.selection.nominal.hypothesis.robot(of.selection.nominal.x), of.extended)
+    errors = [1e3 * _rms((evidence.values - mean)[evidence.heldout]) for mean in evidence.of(robots).mean]
+    judged = Judged("held out, mm", int(evidence.heldout.sum()), *errors)
+    return BenchResult(f"{path.stem}, one reading a second", *_told(of), (), (judged,))
+
+
+def _told(of: Diagnosis) -> tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]:
+    named = []
+    for n in of.named:
+        numbers = ", ".join(f"{k} {v:.3g} +- {n.std[k]:.2g}" for k, v in n.values.items())
+        too_large = [f"; impossible: {b.why}" for b in beyond(n.effect.term.name, n.values, n.std)]
+        named.append(f"{n.effect.name} ({numbers}; confidence {n.standing.confidence:.2f}{''.join(too_large)})")
+    left = of.adequacy.structures[:1] if of.unexplained else ()
+    return tuple(named), of.withdrawn, tuple(f"{s.observed} along {s.covariate} (p {s.p:.0e})" for s in left)
+
+
+def _rms(errors: Array | Sequence[float]) -> float:
+    return float(np.sqrt(np.mean(np.square(errors))))

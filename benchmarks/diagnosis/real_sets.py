@@ -1,0 +1,122 @@
+"""What the diagnosis makes of real robots: fitted on one part of each set and judged on another.
+
+    python benchmarks/diagnosis/real_sets.py --measured DIR --out DIR [--only drives,motors,range,table-1]
+
+DIR of --measured holds the sets as docs/real_sets.md names them. Written are real_sets.md with all tables, drives.json
+with every run, and plots. One core needs some ten minutes, most of it for the drives.
+"""
+
+import argparse
+import json
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+from real_benches import BenchResult, motors, range_sensor_at_rest
+from real_drives import METHODS, Fitted, Missed, fitted_drives
+from real_plots import by_session, one_robot
+from table_1 import plot as plot_table_1
+from table_1 import table_1
+
+PARTS = ("table-1", "range", "motors", "drives")
+FOLDERS = {
+    "range": "tof_vl53l0x_static/static_tof_dist_data_1_h.csv",
+    "motors": "opatiny_micromouse",
+    "drives": "optiodom_diff",
+}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--measured", type=Path, required=True)
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--only", default=",".join(PARTS))
+    arguments = parser.parse_args()
+    parts = arguments.only.split(",")
+    if unknown := [part for part in parts if part not in PARTS]:
+        parser.error(f"--only: got {unknown[0]}, allowed: {', '.join(PARTS)}")
+    if missing := [FOLDERS[p] for p in parts if p in FOLDERS and not (arguments.measured / FOLDERS[p]).exists()]:
+        parser.error(f"--measured: there is no {missing[0]} in {arguments.measured}")
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    makers: dict[str, Callable[[], str]] = {
+        "table-1": lambda: _table_1(arguments.out),
+        "range": lambda: "\n".join(bench_table([range_sensor_at_rest(arguments.measured / FOLDERS["range"])])),
+        "motors": lambda: "\n".join(bench_table(motors(arguments.measured / FOLDERS["motors"]))),
+        "drives": lambda: _drives(arguments.measured / FOLDERS["drives"], arguments.out),
+    }
+    text = ""
+    for part in PARTS:
+        if part in parts:
+            section = f"## {part}\n\n{makers[part]()}\n\n"
+            print(section, flush=True)
+            text += section
+    (arguments.out / "real_sets.md").write_text(text, encoding="utf-8")
+
+
+def _table_1(out: Path) -> str:
+    plot_table_1(out / "table_1.png")
+    return table_1()
+
+
+def _drives(folder: Path, out: Path) -> str:
+    found = []
+    for fitted in fitted_drives(folder):
+        found.append(fitted)
+        print(f"{fitted.of}: {fitted.fitted_runs} runs fitted", flush=True)
+    (out / "drives.json").write_text(json.dumps([asdict(fitted) for fitted in found], indent=1), encoding="utf-8")
+    by_session(found, out / "drives_by_session.png")
+    one_robot(found[-1], out / "drives_one_robot.png")
+    return "\n".join([*drive_table(found), "", *found_table(found)])
+
+
+def rms(missed: Sequence[Missed]) -> tuple[float, float, float]:
+    """Of the ends of runs: place [mm], heading [mrad], and place over way [mm/m], that over runs of 0.5 m and more."""
+    place, heading, way = (np.array([getattr(m, n) for m in missed]) for n in ("place_m", "heading_rad", "way_m"))
+    long = way > 0.5
+    per_m = 1e3 * float(np.sqrt(np.mean((place[long] / way[long]) ** 2))) if long.any() else float("nan")
+    return 1e3 * float(np.sqrt(np.mean(place**2))), 1e3 * float(np.sqrt(np.mean(heading**2))), per_m
+
+
+def drive_table(found: Sequence[Fitted]) -> list[str]:
+    """A line for each fit and each set of runs that it is judged on."""
+    lines = [f"| fitted on | judged on | runs | {' | '.join(METHODS)} |", f"|---|---|---|{'---|' * len(METHODS)}"]
+    for fitted in found:
+        for judged, by in fitted.missed.items():
+            cells = []
+            for method in METHODS:
+                place, heading, per_m = rms(by[method]) if method in by else (np.nan, np.nan, np.nan)
+                told = f"{place:.1f} mm, {heading:.0f} mrad" + (f" ({per_m:.1f} mm/m)" if np.isfinite(per_m) else "")
+                cells.append(told if method in by else "-")
+            lines.append(f"| {fitted.of} | {judged} | {len(by['nominal'])} | {' | '.join(cells)} |")
+    return lines
+
+
+def found_table(found: Sequence[Fitted]) -> list[str]:
+    """What each fit named, with numbers, and what it could not."""
+    lines = ["| fitted on | named | fitted within tolerance | given up | unexplained | windows held out [sigma] |"]
+    lines.append("|---|---|---|---|---|---|")
+    for f in found:
+        cells = ("; ".join(of) or "-" for of in (f.named, f.numbers, f.withdrawn, f.unexplained))
+        lines.append(f"| {f.of} | {' | '.join(cells)} | {f.windows} |")
+    return lines
+
+
+def bench_table(found: Iterable[BenchResult]) -> list[str]:
+    """What was named, and the errors before and after."""
+    lines = ["| fitted on | judged on | rows | nominal | calibrated | extended |", "|---|---|---|---|---|---|"]
+    told = []
+    for of in found:
+        lines += [
+            f"| {of.of} | {j.on} | {j.rows} | {j.nominal:.2f} | {j.calibrated:.2f} | {j.extended:.2f} |"
+            for j in of.judged
+        ]
+        told.append(
+            f"{of.of}: named {'; '.join(of.named) or 'nothing'}; given up {', '.join(of.withdrawn) or 'nothing'}; "
+            f"unexplained {'; '.join(of.unexplained) or 'nothing'}{''.join(f'; {text}' for text in of.impossible)}"
+        )
+    return [*lines, "", *told]
+
+
+if __name__ == "__main__":
+    main()

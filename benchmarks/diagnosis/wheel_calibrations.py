@@ -1,0 +1,106 @@
+"""Calibrations of two driven wheels as the trade does them, to hold the diagnosis against; they share no code with it.
+
+A run is an array (n, 6): t [s], x [m], y [m], heading [rad], counts of the right wheel in this row, of the left wheel.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import pi, sin
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Wheels:
+    left_diameter_m: float
+    right_diameter_m: float
+    track_m: float
+
+
+def odometry(run: Array, wheels: Wheels, counts_per_turn: float) -> Array:
+    """Poses (n, 3) from the first one and the counts, by the mid-point rule."""
+    right_m = pi * wheels.right_diameter_m / counts_per_turn * run[:, 4]
+    left_m = pi * wheels.left_diameter_m / counts_per_turn * run[:, 5]
+    way_m, turn_rad = (right_m + left_m) / 2.0, (right_m - left_m) / wheels.track_m
+    way_m[0] = turn_rad[0] = 0.0
+    yaw = run[0, 3] + np.cumsum(turn_rad)
+    middle = yaw - turn_rad / 2.0
+    x, y = run[0, 1] + np.cumsum(way_m * np.cos(middle)), run[0, 2] + np.cumsum(way_m * np.sin(middle))
+    return np.stack([x, y, yaw], axis=1)
+
+
+def by_whole_paths(runs: Sequence[Array], nominal: Wheels, counts_per_turn: float) -> Wheels:
+    """Both diameters and the track for which all poses of all runs are hit best, in the sense of least squares.
+
+    The authors of the OptiOdom data fit whole paths too (Sousa et al., J. Intell. Robot. Syst. 105:39 (2022)). A radian
+    counts as half the track, the way of a wheel about the middle, without which turns on the spot would say nothing.
+    """
+    start = np.array([nominal.left_diameter_m, nominal.right_diameter_m, nominal.track_m])
+
+    def missed(factors: Array) -> Array:
+        wheels = Wheels(*(start * factors).tolist())
+        return np.concatenate(
+            [(lever * (odometry(run, wheels, counts_per_turn) - run[:, 1:4])).ravel() for run in runs]
+        )
+
+    lever = np.array([1.0, 1.0, nominal.track_m / 2.0])
+    return Wheels(*(start * least_squares(missed, np.ones(3), x_scale=1e-3, diff_step=1e-5).x).tolist())
+
+
+def umbmark(runs: Sequence[Array], side_m: float, driven: Wheels, counts_per_turn: float) -> Wheels:
+    """The closed form for squares driven both ways (Borenstein and Feng, IEEE Trans. Robotics and Automation 12 (1996)
+    869-880): track and ratio of the diameters from the centres of gravity of the errors at the end of the runs.
+
+    Args:
+        runs: Squares, of either sense.
+        side_m: Of the square.
+        driven: What the controller took for true when it drove them.
+        counts_per_turn: Of a wheel.
+    """
+    missed: dict[bool, list[Array]] = {True: [], False: []}
+    for run in runs:
+        believed = odometry(run, driven, counts_per_turn)[-1]
+        missed[bool(run[-1, 3] < run[0, 3])].append(run[-1, 1:3] - believed[:2])
+    clockwise, counter = (np.mean(missed[sense], axis=0) for sense in (True, False))
+    alpha = float((clockwise[0] + counter[0]) / (-4.0 * side_m))
+    beta = float((clockwise[0] - counter[0]) / (-4.0 * side_m))
+    track_m = driven.track_m * (pi / 2.0) / (pi / 2.0 - alpha)
+    if beta == 0.0:
+        return Wheels(driven.left_diameter_m, driven.right_diameter_m, track_m)
+    bend_m = side_m / 2.0 / sin(beta / 2.0)
+    ratio = (bend_m + driven.track_m / 2.0) / (bend_m - driven.track_m / 2.0)
+    mean_m = (driven.left_diameter_m + driven.right_diameter_m) / 2.0
+    return Wheels(2.0 / (ratio + 1.0) * mean_m, 2.0 / (1.0 / ratio + 1.0) * mean_m, track_m)
+
+
+def with_turned_camera(runs: Sequence[Array], nominal: Wheels, counts_per_turn: float) -> tuple[Wheels, float]:
+    """`by_whole_paths` with one number more: how far the tracked heading stands off the wheels' own [rad].
+
+    It says how much of what a calibration leaves is the camera's body and not the robot's.
+    """
+    start = np.array([nominal.left_diameter_m, nominal.right_diameter_m, nominal.track_m])
+
+    def missed(numbers: Array) -> Array:
+        wheels, off = Wheels(*(start * numbers[:3]).tolist()), 1e-2 * numbers[3]
+        found = []
+        for run in runs:
+            path = turned(odometry(run, wheels, counts_per_turn), off)
+            found.append((lever * (path - run[:, 1:4])).ravel())
+        return np.concatenate(found)
+
+    lever = np.array([1.0, 1.0, nominal.track_m / 2.0])
+
+    best = least_squares(missed, np.array([1.0, 1.0, 1.0, 0.0]), x_scale=np.array([1e-3] * 3 + [0.1]), diff_step=1e-5).x
+    return Wheels(*(start * best[:3]).tolist()), float(1e-2 * best[3])
+
+
+def turned(path: Array, angle_rad: float) -> Array:
+    """A path (n, 3) whose places are turned about its first one by an angle, its headings as they are."""
+    c, s = np.cos(angle_rad), np.sin(angle_rad)
+    off = path[:, :2] - path[0, :2]
+    places = path[0, :2] + np.stack([c * off[:, 0] - s * off[:, 1], s * off[:, 0] + c * off[:, 1]], axis=1)
+    return np.concatenate([places, path[:, 2:]], axis=1)

@@ -1,0 +1,74 @@
+"""What a robot would do in runs whose inputs alone are known, in the columns in which it would be measured."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from configs.schema.robot import RobotConfig
+from diagnosis.measured.channel import Array
+from diagnosis.measured.measurement import Kind, Measurement
+from diagnosis.measured.nominal import NominalDrive
+from diagnosis.stages.motor_steady import MotorSteady
+from diagnosis.stages.motor_step import MotorStep
+from diagnosis.stages.pose import Pose
+from diagnosis.stages.ranges import Ranges
+from diagnosis.stages.rows import given
+from diagnosis.stages.tof_bench import TofBench
+from diagnosis.stages.wheels import Wheels
+
+Columns = Mapping[str, Array]
+PLACE = ("x_m", "y_m", "theta_rad")
+DIGITS = 7
+
+
+def unseen_runs(measurement: Measurement, robot: RobotConfig, unseen: Mapping[str, Measurement]) -> dict[str, Columns]:
+    """Predictions by the stages of the simulator, each from the inputs of its file.
+
+    Args:
+        measurement: The case, with its nominal parameters; the unseen runs have the same noise and world.
+        robot: That is to be believed.
+        unseen: Runs by file name, as `read_blind` gives them.
+
+    Returns:
+        By file name, `CASE.csv` or of a drive `CASE_wheels.csv`, `CASE_pose.csv`, `CASE_tof.csv`: columns (n,) for the
+        n rows of the inputs; NaN where nothing follows from them.
+    """
+    found: dict[str, Columns] = {}
+    for name, inputs in unseen.items():
+        part = name.removeprefix("blind_").removesuffix("inputs.csv").rstrip("_")
+        whole = replace(inputs, nominal=measurement.nominal)
+        found[f"{measurement.name}{'_' * bool(part)}{part}.csv"] = _predicted(part, whole, robot)
+    return found
+
+
+def csv_text(columns: Columns) -> str:
+    """A header and a line for each row, empty where there is no prediction."""
+    rows = zip(*columns.values(), strict=True)
+    lines = (",".join(f"{value:.{DIGITS}g}" if np.isfinite(value) else "" for value in row) for row in rows)
+    return "\n".join([",".join(columns), *lines]) + "\n"
+
+
+def _predicted(part: str, inputs: Measurement, robot: RobotConfig) -> Columns:
+    match part, inputs.kind:
+        case "wheels", _:
+            return _of_stage(Wheels(inputs, robot), robot)
+        case "pose", _:
+            starts = np.stack([given(inputs, name) for name in PLACE], axis=-1)
+            first = np.cumsum([0, *(len(trial.t_s) for trial in inputs.trials[:-1])])
+            path = Pose(inputs, robot).path(robot, starts[first])
+            return dict(zip(PLACE, path.T, strict=True))
+        case "tof", _ if isinstance(inputs.nominal, NominalDrive):
+            return _of_stage(Ranges(inputs, inputs.nominal, robot), robot)
+        case _, Kind.MOTOR_STEADY:
+            return _of_stage(MotorSteady(inputs, robot), robot)
+        case _, Kind.MOTOR_STEP:
+            return _of_stage(MotorStep(inputs, robot), robot)
+        case _, Kind.TOF_BENCH:
+            return _of_stage(TofBench(inputs, robot), robot)
+    raise ValueError(f"no stage predicts {part} of {inputs.kind}")
+
+
+def _of_stage(stage: MotorSteady | MotorStep | TofBench | Wheels | Ranges, robot: RobotConfig) -> Columns:
+    predicted = stage.predict([robot])
+    return {of.name: mean.mean[0] for of, mean in zip(stage.observed, predicted, strict=True)}
