@@ -81,7 +81,7 @@ def _of_frame(case: PictureCase, real: View, nominal: View, k: int) -> tuple[Arr
     for values in (mean, its):
         good &= (values < BURNT).all(axis=1) & (values > BLACK).all(axis=1)
     roughness = np.column_stack([rough, its_rough])
-    return mean[good], its[good], at[good], nominal_at[good], roughness[good], on_line[good]
+    return mean[good], its[good], at[good], nominal_at[good], roughness[good], on_line[good].astype(np.float64)
 
 
 def _pixels(view: View, frame: int, floor: Array) -> Array:
@@ -124,6 +124,6 @@ def _read(picture: Picture, at: Array, half: int) -> tuple[Array, Array, Array]:
     square = cv2.blur(values[..., 1] ** 2, box)
     rough = cv2.blur(cv2.filter2D(values[..., 1], -1, SMOOTH_KERNEL) ** 2, (max(3, 2 * half - 1),) * 2)
     column, row = np.rint(at).astype(int).T
-    means = mean[row, column]
+    means = np.asarray(mean[row, column], np.float64)
     uneven = np.sqrt(np.maximum(square[row, column] - means[:, 1] ** 2, 0.0)) / np.maximum(means[:, 1], 1e-6)
-    return means, uneven, rough[row, column]
+    return means, uneven, np.asarray(rough[row, column], np.float64)
