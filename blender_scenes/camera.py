@@ -34,12 +34,14 @@ def horizontal_field_of_view_rad(camera: Camera) -> float:
 
 
 def pose_X_RC(camera: Camera, base_height_m: float) -> Array:
-    """(4, 4) pose of the camera in R: its axis lies in R's x-z plane, `pitch_down_deg` below the horizon."""
-    pitch = np.radians(camera.pitch_down_deg)
-    right = np.array([0.0, -1.0, 0.0])
-    forward = np.array([np.cos(pitch), 0.0, -np.sin(pitch)])
+    """(4, 4) pose of the camera in R: pitched below the horizon, turned to the left, rolled about its axis."""
+    pitch, yaw, roll = np.radians([camera.pitch_down_deg, camera.yaw_left_deg, camera.roll_deg])
+    left = np.array([-np.sin(yaw), np.cos(yaw), 0.0])
+    forward = np.array([np.cos(pitch) * np.cos(yaw), np.cos(pitch) * np.sin(yaw), -np.sin(pitch)])
+    right, down = -left, np.cross(forward, -left)
     X_RC = np.eye(4)
-    X_RC[:3, :3] = np.stack([right, np.cross(forward, right), forward], axis=1)
+    rolled = [np.cos(roll) * right + np.sin(roll) * down, np.cos(roll) * down - np.sin(roll) * right]
+    X_RC[:3, :3] = np.stack([*rolled, forward], axis=1) + 0.0  # no -0
     X_RC[:3, 3] = camera.x_m, camera.y_m, base_height_m + camera.height_above_base_m
     return X_RC
 

@@ -7,6 +7,7 @@ Pixels depend on the light, the settings and the frame's number, never on thread
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -113,7 +114,7 @@ def develop(light: Image, response: CameraResponse, metered: float, number: int)
     exposed = raw * np.asarray(response.white_balance, np.float32)
     grey = (exposed @ LUMINANCE.astype(np.float32))[..., None]
     exposed = np.maximum(grey + response.saturation * (exposed - grey), 0)
-    return (255 * _sharpened(_tone(exposed, response.contrast), response) + 0.5).astype(np.uint8)
+    return (255 * _sharpened(tone(exposed, response.contrast), response) + 0.5).astype(np.uint8)
 
 
 def encode_jpeg(pixels: NDArray[np.uint8], quality: int) -> bytes:
@@ -136,10 +137,16 @@ def _through_glass(light: Image, response: CameraResponse) -> Image:
 
 def _vignette(width: int, height: int, loss: float) -> Image:
     """Light that is left, falling with the square of the distance from the middle to 1 - `loss` in the corner."""
-    x = (np.arange(width, dtype=np.float32) + 0.5) / width - 0.5
-    y = ((np.arange(height, dtype=np.float32) + 0.5) - 0.5 * height) / width
-    r2 = (x[None, :] ** 2 + y[:, None] ** 2) / (0.25 + 0.25 * (height / width) ** 2)
-    return (1 - loss * r2).astype(np.float32)
+    x = np.arange(width, dtype=np.float32)[None, :]
+    y = np.arange(height, dtype=np.float32)[:, None]
+    return (1 - loss * corner_share(x, y, width, height)).astype(np.float32)
+
+
+def corner_share(u: NDArray[Any], v: NDArray[Any], width: int, height: int) -> NDArray[Any]:
+    """Squared distance of pixels from the middle of the picture, 1 in its corners."""
+    x = (u + 0.5) / width - 0.5
+    y = ((v + 0.5) - 0.5 * height) / width
+    return (x**2 + y**2) / (0.25 + 0.25 * (height / width) ** 2)
 
 
 def _noise(raw: Image, response: CameraResponse, number: int) -> Image:
@@ -150,12 +157,21 @@ def _noise(raw: Image, response: CameraResponse, number: int) -> Image:
     return (2.0 * sd * soft).astype(np.float32)  # the blur halves its standard deviation
 
 
-def _tone(linear: Image, contrast: float) -> Image:
+def tone(linear: Image, contrast: float) -> Image:
     """SRGB transfer (IEC 61966-2-1) with a soft shoulder, then contrast about middle grey."""
     scaled = 0.18 * (linear / 0.18) ** np.float32(contrast)
     over = np.maximum(scaled - np.float32(_KNEE), 0)
     rolled = np.where(over > 0, 1 - (1 - _KNEE) * np.exp(-over / (1 - _KNEE)), scaled)
     return np.where(rolled <= 0.0031308, 12.92 * rolled, 1.055 * np.power(np.maximum(rolled, 1e-9), 1 / 2.4) - 0.055)
+
+
+def untoned(coded: NDArray[np.float64], contrast: float) -> NDArray[np.float64]:
+    """The light whose `tone` these values, 0 to 1, are; just below white it is no longer known well."""
+    low = coded / 12.92
+    rolled = np.where(coded <= 0.04045, low, ((np.maximum(coded, 0.0) + 0.055) / 1.055) ** 2.4)
+    over = np.minimum(np.maximum(rolled - _KNEE, 0.0) / (1 - _KNEE), 1.0 - 1e-6)
+    scaled = np.where(over > 0, _KNEE - (1 - _KNEE) * np.log1p(-over), rolled)
+    return 0.18 * (np.maximum(scaled, 0.0) / 0.18) ** (1.0 / contrast)
 
 
 def _sharpened(picture: Image, response: CameraResponse) -> Image:

@@ -14,6 +14,7 @@ from configs.errors import EnvironmentLacking, InputError, RunFailed
 from pipeline.commands import bench, examine, make
 from pipeline.commands.diagnose import diagnose
 from pipeline.commands.measured import measured
+from pipeline.commands.pictures import pictures
 from pipeline.commands.preview import preview
 from pipeline.files import DISK_FULL
 
@@ -48,7 +49,7 @@ def command_line() -> typer.Typer:
         app.command(rich_help_panel="Make data")(command)
     for command in (examine.verify, examine.contact_sheet, examine.doctor, examine.schema):
         app.command(rich_help_panel="Look at data, machine and format")(command)
-    for command in (measured, diagnose):
+    for command in (measured, diagnose, pictures):
         app.command(rich_help_panel="Understand measured data")(command)
     benches = typer.Typer(no_args_is_help=True)
     for command in bench.COMMANDS:

@@ -19,6 +19,7 @@ MADE_BY = {
     Kind.LOOKS: "rerender --looks",
     Kind.BENCH: "bench",
     Kind.DIAGNOSIS: "diagnose",
+    Kind.PICTURE_DIAGNOSIS: "pictures",
 }
 
 

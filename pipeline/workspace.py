@@ -39,6 +39,8 @@ class Kind(enum.StrEnum):
     """Output of `symolo bench`."""
     DIAGNOSIS = "diagnosis"
     """Output of `symolo diagnose`: of one case, or a folder for each of several."""
+    PICTURE_DIAGNOSIS = "picture_diagnosis"
+    """Output of `symolo pictures`."""
 
 
 class Done(BaseModel):

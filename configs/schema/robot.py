@@ -161,6 +161,10 @@ class Camera(Section):
     height_above_base_m: float = Field(ge=0, le=1)
     pitch_down_deg: float = Field(ge=-10, le=90)
     """Optical axis below the horizon: 90 minus the paper's 60 degrees from straight down."""
+    yaw_left_deg: float = Field(default=0.0, ge=-180, le=180)
+    """Optical axis to the left of straight ahead."""
+    roll_deg: float = Field(default=0.0, ge=-180, le=180)
+    """Turn about the optical axis, clockwise as seen from behind the camera."""
     focal_length_mm: float = Field(ge=1, le=500)
     sensor_width_mm: float = Field(ge=1, le=100)
     principal_point_right_mm: float = Field(default=0.0, ge=-10, le=10)

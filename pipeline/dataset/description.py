@@ -91,6 +91,8 @@ def _robot(spec: RunSpec) -> str:
     chassis, drive, line, camera = robot.chassis, robot.drive, robot.line_sensor, robot.camera
     camera_z_m = chassis.base_height_m + camera.height_above_base_m
     mounts = robot.tof.mounts
+    axis = f"{camera.pitch_down_deg:g} deg below the horizon, {camera.yaw_left_deg:g} deg to the left"
+    axis += f", rolled by {camera.roll_deg:g} deg"
     rows = [
         ("chassis", f"{chassis.length_m:g} x {chassis.width_m:g} m, {chassis.mass_kg:g} kg, centred on the axle"),
         ("track b", f"{drive.track_m:g} m between the wheels' contact points"),
@@ -102,7 +104,7 @@ def _robot(spec: RunSpec) -> str:
             for name, mount in (("front", mounts.front), ("left", mounts.left), ("right", mounts.right))
         ),
         ("camera", f"x = {camera.x_m:g}, y = {camera.y_m:g}, z = {camera_z_m:g} m"),
-        ("camera axis", f"{camera.pitch_down_deg:g} deg below the horizon"),
+        ("camera axis", axis),
         ("focal length", f"{camera.focal_length_mm:g} mm on a sensor {camera.sensor_width_mm:g} mm wide"),
         ("lens", "as k1, k2, p1, p2, k3 of OpenCV: " + ", ".join(f"{k:g}" for k in coefficients(camera))),
     ]

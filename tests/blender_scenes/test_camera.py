@@ -136,3 +136,21 @@ def test_a_point_far_beyond_the_lens_fold_has_no_pixel_either(robot, x_m):
     camera = replace(intrinsics(robot.camera, 160, 120), distortion=(-0.12, 0.0, 0.0, 0.0, 0.0))
     pixels, _ = project(camera, np.eye(4), np.array([[x_m, 0.0, 1.0]]))
     assert np.isnan(pixels).all()
+
+
+def test_a_camera_turned_to_the_left_looks_there(robot):
+    turned = robot.camera.model_copy(update={"yaw_left_deg": 90.0, "pitch_down_deg": 0.0})
+    assert pose_X_RC(turned, 0.05)[:3, 2] == pytest.approx([0.0, 1.0, 0.0])
+
+
+def test_a_camera_rolled_clockwise_sees_what_was_right_further_up(robot):
+    def pixel(roll_deg):
+        rolled = robot.camera.model_copy(update={"roll_deg": roll_deg, "pitch_down_deg": 0.0})
+        X_RC = pose_X_RC(rolled, 0.05)
+        ahead_and_right = X_RC[:3, 3] + [1.0, -0.2, 0.0]
+        lens = intrinsics(rolled, 160, 120)
+        return project(lens, X_RC, ahead_and_right[None])[0][0] - (lens.cx_px, lens.cy_px)
+
+    size = float(np.hypot(*pixel(0.0)))
+    assert pixel(0.0) == pytest.approx([size, 0.0], abs=1e-9)
+    assert pixel(30.0) == pytest.approx([size * np.sqrt(0.75), -0.5 * size])

@@ -1,0 +1,84 @@
+"""Is what was hidden in rendered pictures found again?
+
+python benchmarks/diagnosis/pictures.py RUN FOLDER [--workers 2]
+
+RUN is a run of a dataset with its pictures, such as smoke/CW/test_1. Renders it again with other stains and other
+noise, once as it is and then with one thing changed each time, into FOLDER, and diagnoses each against RUN.
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+from diagnosis.pictures.case import PoseErrors
+from diagnosis.pictures.diagnose import diagnose_pictures
+from pipeline.picture_case import read_picture_case
+
+HIDDEN = {
+    "none": {},
+    "pitch +1.5 deg": {"robot.camera.pitch_down_deg": 1.5},
+    "height +3 mm": {"robot.camera.height_above_base_m": 0.003},
+    "exposure x 1.3": {"look.camera.compensation_ev": 0.3785},
+    "blur 1 px": {"look.camera.lens_blur_px": 1.0},
+    "pitch and exposure": {"robot.camera.pitch_down_deg": -1.5, "look.camera.compensation_ev": -0.5},
+    "focal length x 0.97": {"robot.camera.focal_length_mm": -0.9},
+}
+TRUE = {
+    "none": set(),
+    "pitch +1.5 deg": {"pitch_down"},
+    "height +3 mm": {"height"},
+    "exposure x 1.3": {"exposure_scale"},
+    "blur 1 px": {"lens_blur"},
+    "pitch and exposure": {"pitch_down", "exposure_scale"},
+    "focal length x 0.97": {"focal_length_scale"},
+}
+OTHER_SEED = 7
+"""Of stains and noise."""
+
+
+def rendered(run: Path, name: str, folder: Path, quality: str, workers: int) -> Path:
+    """The run's pictures with something changed."""
+    out = folder / name.replace(" ", "_")
+    spec = json.loads((run / "side" / "spec.json").read_text())
+    for path, added in HIDDEN[name].items():
+        section, part, field = path.split(".")
+        spec[section][part][field] = spec[section][part].get(field, 0.0) + added
+    folder.mkdir(parents=True, exist_ok=True)
+    files = {}
+    for section in ("robot", "look"):
+        files[section] = folder / f"{out.name}_{section}.yaml"
+        files[section].write_text(json.dumps(spec[section]))
+    given = ["rerender", str(run), "--look", str(files["look"]), "--robot", str(files["robot"]), "--out", str(out)]
+    given += ["--seed", str(OTHER_SEED), "--workers", str(workers)]
+    given += ["--set", f"render.quality={quality}"]
+    command = "import sys; from pipeline.cli import main; sys.exit(main(sys.argv[1:]))"
+    subprocess.run([sys.executable, "-c", command, *given], check=True)
+    return out
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("run", type=Path)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--quality", default="standard", help="of the renderings; draft for a quick look")
+    parser.add_argument("--workers", type=int, default=2)
+    asked = parser.parse_args()
+    for name, expected in TRUE.items():
+        out = rendered(asked.run, name, asked.folder, asked.quality, asked.workers)
+        answer = diagnose_pictures(read_picture_case(out, asked.run, PoseErrors())).answer()
+        found = {effect["name"] for effect in answer["effects"]}
+        told = ", ".join(
+            f"{e['name']} {e['value']:.4g} +- {e['std']:.2g} {e['ambiguous_with']}" for e in answer["effects"]
+        )
+        verdict = "right" if found == expected else "WRONG"
+        held = ", ".join(f"{k} {v['before']:.3g} to {v['after']:.3g}" for k, v in answer["heldout"].items())
+        print(
+            f"{name:20} {verdict:6} {told or 'nothing'} | held out: {held} | {answer.get('unexplained_where', '')}",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()

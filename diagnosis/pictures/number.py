@@ -1,0 +1,14 @@
+"""A number of the camera that may differ from its nominal value, with the tolerance within which it is no discovery."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Number:
+    name: str
+    unit: str
+    tolerance: float
+    """Standard deviation between cameras of one kind, in `unit`."""
+    means: str
+    comes_of: str
+    can_be_named: bool = True

@@ -1,0 +1,80 @@
+"""The command `symolo pictures`: what is different in a real camera, by its pictures."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pipeline.commands.options import Out, checked_input
+
+
+def _checked(path: Path | None) -> Path | None:
+    return None if path is None else checked_input(path)
+
+
+def pictures(
+    run: Annotated[
+        Path,
+        typer.Argument(metavar="RUN", callback=checked_input, help="Folder with data.csv and the measured images."),
+    ],
+    *,
+    out: Out,
+    simulated: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="RUN",
+            callback=_checked,
+            help="Run of a dataset with the nominal camera, look and arena, and pictures of the same places.",
+        ),
+    ] = None,
+    pose_sd_mm: Annotated[
+        float, typer.Option("--pose-sd-mm", min=0.01, max=100, metavar="MM", help="Error of the poses' places.")
+    ] = 0.5,
+    pose_sd_deg: Annotated[
+        float, typer.Option("--pose-sd-deg", min=0.001, max=20, metavar="DEG", help="Error of the poses' headings.")
+    ] = 0.1,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the answer as JSON, and nothing else.")] = False,
+) -> None:
+    """Say what is different in a real camera: its place, its lens, its exposure.
+
+    Holds the edges of the line in the images against where the nominal camera
+    would see them from the poses of data.csv, and floor and edges against
+    simulated images of the same places; names what differs, with value and
+    standard error. Every fourth image fits nothing and says what that gains.
+    See docs/picture_diagnosis.md.
+
+    Written into DIR: report.html, answer.json, summary.txt, plots/, and
+    robot.yaml and look.yaml with the camera that was found.
+
+    Example: symolo pictures measured/run_1 --simulated data/CW/test_1 --out pictures
+    """
+    import json
+
+    from diagnosis.pictures.case import PoseErrors
+    from diagnosis.pictures.diagnose import diagnose_pictures
+    from diagnosis.pictures.files import files
+    from diagnosis.report.files import PAGE, SUMMARY
+    from pipeline.files import write_file
+    from pipeline.output import check_out
+    from pipeline.picture_case import read_picture_case
+    from pipeline.workspace import Kind, Workspace
+
+    case = read_picture_case(run, simulated, PoseErrors(0.001 * pose_sd_mm, pose_sd_deg))
+    check_out(out, Kind.PICTURE_DIAGNOSIS)
+    found = diagnose_pictures(case)
+    made = files(found)
+    with Workspace(out.absolute(), Kind.PICTURE_DIAGNOSIS).locked():
+        for name in sorted(OPTIONAL - made.keys()):
+            (out / name).unlink(missing_ok=True)
+        for name, data in made.items():
+            (out / name).parent.mkdir(exist_ok=True)
+            write_file(out / name, data)
+    if as_json:
+        typer.echo(json.dumps(found.answer(), indent=2))
+        return
+    typer.echo(made[SUMMARY].decode())
+    typer.echo(str(out / PAGE))
+
+
+OPTIONAL = {"robot.yaml", "look.yaml"}
+"""Files of an earlier diagnosis that this one may not have."""
