@@ -212,7 +212,7 @@ def _left(evidence: Evidence, selection: Selection, left: Adequacy) -> Adequacy:
     """All that the selected model leaves: structure, scatter, a jump in time; in the channel where it lives."""
     left = with_scatter(evidence, selection.fit, left)
     jump = change_in_time(evidence, selection.nominal, selection.fit)
-    if jump is not None and (left.is_adequate or jump.explainable > left.worst.explainable):
+    if jump is not None:
         return Adequacy((jump, *left.structures))
     return left if left.is_adequate else located(evidence, selection.nominal.hypothesis, left)
 

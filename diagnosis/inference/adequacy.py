@@ -26,6 +26,8 @@ from diagnosis.measured.channel import Array, Mask
 
 LEVEL = 0.001
 """Probability, over all tests together, of calling an adequate model inadequate."""
+REWEIGHTED = 6
+"""Times that rows are weighed anew."""
 CLIP = 3.0
 """Sigmas at which residuals are clipped."""
 NEEDED = 16.0
@@ -77,9 +79,9 @@ class Adequacy:
         return min(alike, key=lambda s: s.rank) if self.structures[0].p < LEVEL else top
 
 
-def adequacy(evidence: Evidence, fit: Fit) -> Adequacy:
-    """What is left of a fit."""
-    tangents = _Tangents(evidence, fit)
+def adequacy(evidence: Evidence, fit: Fit, beside: Array | None = None) -> Adequacy:
+    """What is left of a fit, or of it with free multiples of columns (N, k) in its sigmas beside it."""
+    tangents = _Tangents(evidence, fit, np.zeros((len(fit.z), 0)) if beside is None else beside)
     found: list[Structure] = []
     for quantity, place in zip(evidence.observed, evidence.places, strict=True):
         rows = evidence.fit[place]
@@ -104,11 +106,13 @@ def adequacy(evidence: Evidence, fit: Fit) -> Adequacy:
 class _Tangents:
     """Directions of all that is fitted, with rows for the priors."""
 
-    def __init__(self, evidence: Evidence, fit: Fit) -> None:
+    def __init__(self, evidence: Evidence, fit: Fit, beside: Array) -> None:
         self._evidence = evidence
         self._root = np.where(evidence.fit, np.sqrt(evidence.weight), 0.0)
-        self._basis = orthonormal(fit.tangents(self._root))
-        left = fit.left(np.clip(fit.z, -CLIP, CLIP), self._root)
+        z, x = _moved_beside(evidence, fit, beside)
+        padded = np.concatenate([beside * self._root[:, None], np.zeros((len(fit.x), beside.shape[1]))])
+        self._basis = orthonormal(np.concatenate([fit.tangents(self._root), padded], axis=1))
+        left = replace(fit, x=x).left(np.clip(z, -CLIP, CLIP), self._root)
         self._left = left - self._basis @ (self._basis.T @ left)
 
     def test(self, place: slice, rows: Mask, basis: Basis) -> tuple[float, float]:
@@ -129,6 +133,22 @@ class _Tangents:
         level = float(here @ here) / weight / degrees
         p = float(f_distribution.sf(explained / k / max(level, 1e-12), k, degrees))
         return p, max(0.0, explained - k * level)
+
+
+def _moved_beside(evidence: Evidence, fit: Fit, columns: Array) -> tuple[Array, Array]:
+    """Residuals (N,) and coordinates (P,) of a fit beside columns (N, k), both moved to where they explain best.
+
+    Reweighted for outliers.
+    """
+    z, x = fit.z, fit.x
+    for _ in range(REWEIGHTED if columns.shape[1] else 0):
+        root = np.where(evidence.fit, np.sqrt(evidence.weight * robust_weight(z)), 0.0)
+        padded = np.concatenate([columns * root[:, None], np.zeros((len(fit.x), columns.shape[1]))])
+        both = np.concatenate([padded, fit.tangents(root)], axis=1)
+        solved = np.linalg.lstsq(both, fit.left(fit.z, root), rcond=1e-10)[0]
+        z = fit.z - np.concatenate([columns, fit.slopes.T], axis=1) @ solved
+        x = fit.x + solved[columns.shape[1] :]
+    return z, x
 
 
 def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) -> list[Effect]:

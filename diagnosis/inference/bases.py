@@ -54,7 +54,10 @@ def bases(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
     elif covariate.shape is Shape.PERIODIC:
         turns = np.arange(1, HARMONICS + 1)
         angle = np.where(known, values, 0.0)[:, None] * turns
-        yield from _kept(_where(known, np.concatenate([np.cos(angle), np.sin(angle)], axis=1)), "turn")
+        columns = np.concatenate([np.cos(angle), np.sin(angle)], axis=1)
+        yield from _kept(_where(known, columns), "turn")
+        if covariate.size is not None:
+            yield from _kept(_where(known, columns * covariate.size[rows, None]), "turn, times the speed")
     else:
         yield from _kept(_hats(values, known, _quantiles(values[known])), "trend")
         if covariate.shape is Shape.SINCE:

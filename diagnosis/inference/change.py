@@ -4,12 +4,12 @@ A screw that comes loose or a sensor that is bumped shifts all that follows. Nam
 mimic that so well that hardly any structure remains along time. So the nominal model with a jump competes with them:
 from one moment on each quantity may be off by a constant, by a constant against its sign, and by a share of itself
 (Chow, Econometrica 28 (1960) 591-605, the moment searched for). So may one of the named effects be there from that
-moment on only. If that explains the same rows better, numbers counted, what was named is withdrawn.
+moment on only. If that explains the same rows better, numbers counted, and leaves nothing, what was named is withdrawn.
 """
 
 import numpy as np
 
-from diagnosis.inference.adequacy import Structure, change_by
+from diagnosis.inference.adequacy import Structure, adequacy, change_by
 from diagnosis.inference.evidence import Evidence
 from diagnosis.inference.fit import Fit
 from diagnosis.inference.likelihood import robust_weight
@@ -58,6 +58,8 @@ def change_in_time(evidence: Evidence, nominal: Fit, fit: Fit) -> Structure | No
     if best is None or best[0] >= named + TOLL * numbers:
         return None
     squares, moment, columns = best
+    if not adequacy(evidence, nominal, columns).is_adequate:
+        return None
     fallen = [float(((root * nominal.z)[place] ** 2).sum()) for place in evidence.places]
     most = evidence.observed[int(np.argmax(fallen))]
     rank, covariate = _along(most, evidence.fit[evidence.places[evidence.observed.index(most)]])

@@ -169,6 +169,8 @@ def refusal(evidence: Evidence, before: Fit, after: Fit, effect: Effect, least: 
         return f"the cost falls by {drop:.1f}, and {least:.0f} are needed"
     if is_negligible(after, effect):
         return "the effect is smaller than a simulation in steps resolves"
+    if is_at_bound(after, effect):
+        return "it would have to be larger than it can be"
     falls = _costs(evidence, before) - _costs(evidence, after)
     of_fit = np.maximum(falls[evidence.fit], 0.0)
     if np.count_nonzero(evidence.fit) < FEWEST:
@@ -197,6 +199,13 @@ def is_negligible(fit: Fit, effect: Effect) -> bool:
         if c.null is not None
     ]
     return all(size < NEGLIGIBLE for size in sizes)
+
+
+def is_at_bound(fit: Fit, effect: Effect) -> bool:
+    """Whether an amplitude lies at the end of its range, as where an effect does another's work."""
+    at = zip(fit.x[fit.hypothesis.parameters(effect)].tolist(), effect.coordinates, strict=True)
+    ends = ((x, c) for x, c in at if c.null is not None and not c.is_ceiling)
+    return any(x >= c.high > c.null or x <= c.low < c.null for x, c in ends)
 
 
 def is_of_noise(fit: Fit, effect: Effect) -> bool:

@@ -46,7 +46,7 @@ class Covariate:
     labels: tuple[str, ...] = ()
     """Of the categories 0, 1, ..., where they have names."""
     size: Array | None = None
-    """(n,), signed, of the event since which a time is counted."""
+    """(n,), signed, of the event since which a time is counted, or of what turns: the larger, the more shows."""
     beside: str = ""
     """Name of the covariate with which it acts together: what depends on the value before depends on the one now."""
 

@@ -10,7 +10,7 @@ from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalStep
 from diagnosis.stages.base import Covariate, Observed, Predicted, Shape, Stage
 from diagnosis.stages.grid import Grid
-from diagnosis.stages.rows import joined, observed_channel
+from diagnosis.stages.rows import given, joined, observed_channel
 from physics.motor_bench import step_responses
 from physics.robot_model import RobotModel
 from physics.robot_stack import alike, stacked, stacked_terms
@@ -37,7 +37,8 @@ class MotorStep:
         current, speed = (of[0] for of in self._means([nominal]))
         voltage_V = self._grid.of_rows(self._voltage_V)
         since_s, step_V = (self._grid.of_rows(of) for of in self._since_step())
-        angle_rad = self._grid.of_rows(self._angle_rad(speed))
+        measured = given(measurement, "omega_rad_s")
+        angle_rad = self._grid.of_rows(self._angle_rad(np.where(np.isfinite(measured), measured, speed)))
         since_start_s = joined(trial.t_s for trial in trials)
         trial_of = joined(np.full(len(trial.t_s), float(k)) for k, trial in enumerate(trials))
         covariates = (
@@ -46,7 +47,7 @@ class MotorStep:
             Covariate("omega_rad_s", speed),
             Covariate("current_A", current),
             Covariate("u_cmd_V", voltage_V),
-            Covariate("angle_rad", angle_rad, Shape.PERIODIC),
+            Covariate("angle_rad", angle_rad, Shape.PERIODIC, size=speed),
             Covariate("session_time_s", since_start_s + self._grid.begins_s[trial_of.astype(int)]),
             Covariate("trial", trial_of, Shape.CATEGORY, labels=tuple(trial.name for trial in trials)),
         )
