@@ -14,7 +14,7 @@ from diagnosis.inference.adequacy import Adequacy, Structure, adequacy, survivor
 from diagnosis.inference.candidates import Candidates, candidates
 from diagnosis.inference.change import change_in_time
 from diagnosis.inference.evidence import Evidence
-from diagnosis.inference.fit import Fit, fits
+from diagnosis.inference.fit import Fit, at, fits
 from diagnosis.inference.gain import Gain, gain
 from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
 from diagnosis.inference.locate import located
@@ -22,7 +22,9 @@ from diagnosis.inference.noise_level import combined, found_noises, is_open
 from diagnosis.inference.rivals import Standing, standing
 from diagnosis.inference.scatter import with_scatter
 from diagnosis.inference.selection import Selection, is_of_noise, rescued, select
+from diagnosis.inference.whole_runs import fitted_to_whole_runs
 from diagnosis.measured.measurement import Kind, Measurement
+from diagnosis.measured.nominal import KnownWheels
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import Nuisance, command_timing, nuisances
 from diagnosis.stages import STAGES
@@ -148,6 +150,7 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     standings = [standing(evidence, fit, effect, library.testable) for effect in fit.hypothesis.effects]
     if left.is_adequate:
         fit, standings = _best_named(evidence, fit, standings, library.testable)
+    fit = _over_whole_runs(measurement, evidence, fit)
     kept = {effect.name for effect in fit.hypothesis.effects}
     extended = fit.hypothesis.robot(fit.x)
     calibrated = selection.nominal.hypothesis.robot(selection.nominal.x)
@@ -240,6 +243,16 @@ def _with_only(evidence: Evidence, selection: Selection, fit: Fit, keep: Collect
     fewer = Hypothesis(fit.hypothesis.nominal, fit.hypothesis.nuisances, kept)
     (found,) = fits(evidence, [(fewer, moved(fit.x, fit.hypothesis, fewer))])
     return found
+
+
+def _over_whole_runs(measurement: Measurement, evidence: Evidence, fit: Fit) -> Fit:
+    """With its numbers as whole runs have them, where a drive has no commands and its runs are all it can tell by."""
+    if not isinstance(measurement.nominal, KnownWheels):
+        return fit
+    whole = fitted_to_whole_runs(measurement, fit.hypothesis, fit.x, ())
+    if whole is None:
+        return fit
+    return replace(at(evidence, fit.hypothesis, whole.x), information=np.linalg.pinv(whole.covariance, hermitian=True))
 
 
 def _best_named(

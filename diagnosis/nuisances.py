@@ -86,7 +86,7 @@ def _wheel_asymmetry(spread: Spread) -> Nuisance:
     return Nuisance("wheel_radius_asymmetry", spread.value, spread.tolerance, "1", change)
 
 
-TIMING_S = 1e-3
+TIMING_S = 5e-4
 """How much later than logged a voltage may act without anything being wrong: rounded times, a loop between two samples,
 and in a simulation the way of integrating. A delay that matters in rows of 50 ms is many times that."""
 

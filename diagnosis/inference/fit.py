@@ -117,6 +117,12 @@ def fits(evidence: Evidence, starts: Sequence[tuple[Hypothesis, Array]]) -> list
     return [fit for fit in found if fit is not None]
 
 
+def at(evidence: Evidence, hypothesis: Hypothesis, x: Array) -> Fit:
+    """A hypothesis at given coordinates (P,), wherever the best are."""
+    (found,) = _linearised(evidence, [_State(hypothesis, x, np.inf)])
+    return found
+
+
 def _moved(evidence: Evidence, states: Sequence[_State], trials: Sequence[Array]) -> list[float]:
     """Falls of the cost by the best of the coordinates (M, P) that each is to try, and takes if the cost does fall."""
     if not states:
@@ -146,7 +152,7 @@ def _stretched(hypothesis: Hypothesis, x: Array) -> Array:
                 elif c.null is not None:
                     tried[place] = c.null + factor * (x[place] - c.null)
             found.append(tried)
-    return hypothesis.clipped(np.array(found).reshape(-1, len(x)))
+    return hypothesis.clipped(np.array(found).reshape(len(found), len(x)))
 
 
 def _linearised(evidence: Evidence, states: Sequence[_State]) -> list[Fit]:

@@ -18,6 +18,8 @@ from diagnosis.inference.hypothesis import moved
 from diagnosis.inference.profile import Interval, profiles
 from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Measurement
+from diagnosis.report.bench_rows import on_rows
+from diagnosis.report.run_ends import run_ends
 from diagnosis.report.signatures import Signatures, signatures
 
 
@@ -58,6 +60,8 @@ class Findings:
     """(N,) each: predicted by the nominal robot as it stands, with its nuisances fitted, and by the extended one."""
     z: tuple[Array, Array, Array]
     """(N,) each: their residuals, in sigmas of the nominal noise; NaN where not usable."""
+    on_rows: tuple[str, ...] = ()
+    """Sentences about single rows of a bench, or whole runs of a drive."""
     engines: ByEngines | None = None
     """By PyBullet, where it was asked for."""
     against: Against | None = None
@@ -88,6 +92,7 @@ def findings(diagnosis: Diagnosis, *, pybullet: bool = False, release: Measureme
         intervals=profiles(evidence, diagnosis.fit),
         by_quantity=tuple(_by_quantity(evidence, robots)),
         signatures=signatures(evidence, nominal, diagnosis.candidates.testable),
+        on_rows=(*on_rows(diagnosis), *run_ends(diagnosis)),
         means=(prediction.mean[0], prediction.mean[1], prediction.mean[2]),
         z=(z[0], z[1], z[2]),
         engines=by_engines(diagnosis.measurement, diagnosis.nominal, diagnosis.extended) if pybullet else None,

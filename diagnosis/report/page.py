@@ -9,6 +9,7 @@ from diagnosis.inference.profile import Interval
 from diagnosis.inference.rivals import AS_GOOD, Rival
 from diagnosis.measured.overview import summary_line
 from diagnosis.report.against import on_page as against
+from diagnosis.report.bench_rows import too_large
 from diagnosis.report.compared import compared
 from diagnosis.report.engines import on_page
 from diagnosis.report.findings import Findings, Without
@@ -120,11 +121,13 @@ def _effect(named: Named, without: Without, intervals: Mapping[str, Sequence[Int
     ]
     yield table(["parameter", "value and standard error", "how far it may go", "unit"], rows)
     yield tag("p", tag("strong", "Confidence: "), certainty(named), ".")
+    for text in too_large(named):
+        yield tag("p", tag("strong", "Too large: "), text, ".", class_="warn")
     yield tag("p", f"Without it, everything else fitted anew, {taken_away(without)}.")
 
 
 def _gain(found: Findings, pictures: Mapping[str, bytes]) -> Iterator[Html]:
-    yield from (tag("p", text) for text in gained(found))
+    yield from (tag("p", text) for text in (*gained(found), *found.on_rows))
     if not found.by_quantity:
         return
     rows = [

@@ -9,6 +9,7 @@ from diagnosis.inference.profile import Interval
 from diagnosis.inference.rivals import AS_GOOD
 from diagnosis.measured.overview import summary_line
 from diagnosis.report.against import verdict
+from diagnosis.report.bench_rows import too_large
 from diagnosis.report.engines import in_lines
 from diagnosis.report.findings import Findings, Without
 from diagnosis.report.quantities import meaning, with_error
@@ -42,7 +43,7 @@ def summary(found: Findings) -> list[str]:
     for name, drop, times in hints(diagnosis):
         text = f"{name}, too weak to be named (cost falls by {drop:.1f}); about {times:.1f} times the rows would decide"
         lines += _entry("a hint of", text)
-    lines += ["", *(line for text in gained(found) for line in wrap(text, WIDTH))]
+    lines += ["", *(line for text in (*gained(found), *found.on_rows) for line in wrap(text, WIDTH))]
     if found.against is not None:
         first, *rest = verdict(found.against)
         lines += ["", first, *(part for text in rest for part in wrap(f"  {text}", WIDTH, subsequent_indent="    "))]
@@ -65,6 +66,8 @@ def _effect(named: Named, without: Without, intervals: Mapping[str, Sequence[Int
     yield from _entry("  means", meaning(named.effect.term))
     yield from _entry("  comes of", cause(named))
     yield from _entry("  sure to", certainty(named))
+    for text in too_large(named):
+        yield from _entry("  too large", text)
     yield from _entry("  without it", taken_away(without))
     for name, excitation in to_measure(named):
         yield from _entry(f"  {name} shows in", excitation)
