@@ -211,7 +211,11 @@ def _read_spec(path: Path) -> RunSpec:
     except ValidationError as error:
         first = error.errors()[0]
         reason = ": ".join(filter(None, (dotted(first["loc"]), first["msg"])))
-    raise InputError(f"cannot be read: {reason}", where=str(path), cure="name the data.csv with --arena and --robot")
+    raise InputError(
+        f"cannot be read: {reason}",
+        where=str(path),
+        cure="make the run anew, or rerender its data.csv with --arena and --robot",
+    )
 
 
 def _timed(source: Source, camera_hz: float | None) -> Source:

@@ -30,6 +30,8 @@ class Coordinate:
     is_log: bool
     unit: float
     """Value of one unit of a linear coordinate; 1 of a logarithmic one."""
+    is_time: bool = False
+    """Of a delay or a lag, which in a fast log shows at a fraction of what a slow one needs."""
 
     @classmethod
     def of_parameter(cls, name: str, parameter: Parameter) -> "Coordinate":
@@ -50,6 +52,7 @@ class Coordinate:
             parameter.start / unit,
             is_log=False,
             unit=unit,
+            is_time=parameter.unit == "s",
         )
 
     @classmethod

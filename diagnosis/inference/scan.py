@@ -22,6 +22,8 @@ from diagnosis.measured.channel import Array
 
 SIZES = (1.0, 0.25, -0.25, -1.0)
 """Of the start value's distance from the null value; those beyond a bound are left out."""
+OF_TIMES = (*SIZES, 0.06)
+"""The same of a delay or a lag."""
 SHAPES = (0.1, 0.3, 1.0, 3.0, 10.0)
 """Times the start value, of a shape."""
 CEILINGS = tuple(np.geomspace(0.1, 10.0, 25).tolist())
@@ -101,7 +103,10 @@ def _values(coordinate: Coordinate) -> list[float]:
         factors = CEILINGS if coordinate.is_ceiling else SHAPES
         found = [coordinate.start + float(np.log(factor)) for factor in factors]
     else:
-        found = [coordinate.null + size * (coordinate.start - coordinate.null) for size in SIZES]
+        found = [
+            coordinate.null + size * (coordinate.start - coordinate.null)
+            for size in (OF_TIMES if coordinate.is_time else SIZES)
+        ]
     return [x for x in found if coordinate.low <= x <= coordinate.high]
 
 

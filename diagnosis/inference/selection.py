@@ -38,7 +38,7 @@ MOST = 3
 """Effects in a model; with more, names mean little."""
 PROMISING = 4
 """Candidates that are fitted in each round, at least, if they promise anything."""
-NEGLIGIBLE = 0.03
+NEGLIGIBLE = 0.01
 """Share of a plausible visible effect, the start value of its term, below which it is none: a delay of a millisecond
 in a log of 20 rows a second is as likely the difference between two ways of integrating."""
 HOPELESS = 4.0
