@@ -140,7 +140,7 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     # What lacked an effect lasted longer than its noise.
     renewed = _with_found_noises(evidence, selection.fit)
     if np.any(renewed.weight > MUCH_MORE * evidence.weight):
-        evidence, selection = renewed, select(renewed, bare, library.testable)
+        evidence, selection = renewed, select(renewed, bare, library.testable, selection)
     left = adequacy(evidence, selection.fit)
     if not left.is_adequate and (better := rescued(evidence, selection.fit, library.testable)) is not None:
         selection = replace(selection, fit=better)

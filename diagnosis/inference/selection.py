@@ -84,10 +84,22 @@ def needed(effect: Effect) -> float:
     return THRESHOLD + PER_NUMBER * (len(effect.coordinates) - 1)
 
 
-def select(evidence: Evidence, nominal: Hypothesis, effects: Sequence[Effect]) -> Selection:
-    """The hypothesis that the rows of the fit ask for."""
-    (base,) = fits(evidence, [(nominal, nominal.null())])
+def select(
+    evidence: Evidence, nominal: Hypothesis, effects: Sequence[Effect], begin: Selection | None = None
+) -> Selection:
+    """The hypothesis that the rows of the fit ask for.
+
+    Args:
+        evidence: What was observed.
+        nominal: Without effects.
+        effects: That may enter.
+        begin: Of the same rows when they were thought to say less, so that all of it stands.
+    """
+    (base,) = fits(evidence, [(nominal, nominal.null() if begin is None else begin.nominal.x)])
     fit, entries = base, []
+    if begin is not None and begin.names:
+        (fit,) = fits(evidence, [(begin.fit.hypothesis, begin.fit.x)])
+        entries = list(begin.entries)
     while len(fit.hypothesis.effects) < MOST:
         found, tried = _entered(evidence, fit, effects)
         entries += tried

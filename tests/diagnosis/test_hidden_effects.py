@@ -53,6 +53,7 @@ def names(answer):
         ("tof_bench", "range_saturation", {"saturation_m": 0.9}),
         ("tof_bench", "noise_scale", {"scale": 2.0}),
         ("motor_step", "rotor_inertia_scale", {"scale": 1.4}),
+        ("motor_step", "input_delay", {"delay_s": 0.003}),
     ],
 )
 def test_a_hidden_effect_is_named_with_its_size(answer, kind, name, parameters):
@@ -90,10 +91,11 @@ def test_where_nothing_is_hidden_nothing_is_named(answer, kind, seed, rows):
         ("motor_steady", "brush_film_bump", {"omega_rad_s", "u_cmd_V"}),
         ("tof_bench", "cyclic_error", {"distance_m"}),
         ("tof_bench", "local_bump", {"distance_m"}),
+        ("motor_step", "gear_error", {"angle_rad"}),
     ],
 )
 def test_what_is_in_no_table_is_said_to_be_unexplained(answer, kind, outside, covariates):
-    found = answer(kind, 3, outside=outside)
+    found = answer(kind, 3, outside=outside, rows="few" if kind == "motor_step" else "usual")
     assert found["unexplained"]
     assert found["unexplained_where"]["covariate"] in covariates
     assert names(found) == set()
