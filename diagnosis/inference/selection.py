@@ -215,9 +215,10 @@ def is_negligible(fit: Fit, effect: Effect) -> bool:
 
 def is_at_bound(fit: Fit, effect: Effect) -> bool:
     """Whether an amplitude lies at the end of its range, as where an effect does another's work."""
-    at = zip(fit.x[fit.hypothesis.parameters(effect)].tolist(), effect.coordinates, strict=True)
-    ends = ((x, c) for x, c in at if c.null is not None and not c.is_ceiling)
-    return any(x >= c.high > c.null or x <= c.low < c.null for x, c in ends)
+    for x, c in zip(fit.x[fit.hypothesis.parameters(effect)].tolist(), effect.coordinates, strict=True):
+        if c.null is not None and not c.is_ceiling and (x >= c.high > c.null or x <= c.low < c.null):
+            return True
+    return False
 
 
 def is_of_noise(fit: Fit, effect: Effect) -> bool:
