@@ -62,6 +62,10 @@ def in_a_sentence(named: Named) -> str:
     return f"{named.effect.name}: {', '.join(numbers)}. {meaning(named.effect.term)} It comes of: {cause(named)}."
 
 
+CHANCE_IS_NEAR = 0.9
+"""Confidence of an effect without rivals, below which the doubt is whether there is anything."""
+
+
 def certainty(named: Named) -> str:
     """How sure the name is, and against what."""
     rivals = named.standing.ambiguous_with
@@ -70,7 +74,10 @@ def certainty(named: Named) -> str:
     if named.standing.rivals:
         closest = named.standing.rivals[0]
         return f"{confidence(named.standing.confidence)}; the closest rival, {closest.effect.name}, explains them worse"
-    return f"{confidence(named.standing.confidence)}; no other effect comes near"
+    rest = "no other effect comes near"
+    if named.standing.confidence < CHANCE_IS_NEAR:
+        rest += ", but the fall of the cost is little more than chance can bring"
+    return f"{confidence(named.standing.confidence)}; {rest}"
 
 
 def to_measure(named: Named) -> Iterator[tuple[str, str]]:
