@@ -8,11 +8,12 @@ import signal
 import sys
 import threading
 import traceback
+from collections.abc import Callable
 from typing import TextIO
 
 from configs.errors import EnvironmentLacking, InputError, RunFailed
 from pipeline.files import DISK_FULL
-from pipeline.units import UNITS, Failed, Finished, Message, Progress
+from pipeline.units import UNITS, AnyUnit, Failed, Finished, Message, Progress
 
 
 def main() -> None:
@@ -21,23 +22,26 @@ def main() -> None:
     os.dup2(2, 1)
     unit = UNITS.validate_json(sys.stdin.readline())
     threading.Thread(target=_end_with_the_supervisor, daemon=True).start()
+    _say(channel, do(unit, lambda share: _say(channel, Progress(share=share))))
+
+
+def do(unit: AnyUnit, progress: Callable[[float], None]) -> Finished | Failed:
+    """Do a unit, and say what came of it in the words of the protocol."""
     try:
-        unit.run(lambda share: _say(channel, Progress(share=share)))
+        unit.run(progress)
     except InputError as error:
-        _say(channel, Failed(error="input", text=str(error)))
+        return Failed(error="input", text=str(error))
     except EnvironmentLacking as error:
-        _say(channel, Failed(error="environment", text=str(error)))
+        return Failed(error="environment", text=str(error))
     except RunFailed as error:
-        _say(channel, Failed(error="run", text=str(error)))
+        return Failed(error="run", text=str(error))
     except OSError as error:
         if error.errno in DISK_FULL:
-            _say(channel, Failed(error="environment", text=f"{error}; free some space and run the command again"))
-        else:
-            _say(channel, Failed(error="bug", text=traceback.format_exc()))
+            return Failed(error="environment", text=f"{error}; free some space and run the command again")
+        return Failed(error="bug", text=traceback.format_exc())
     except Exception:  # noqa: BLE001 - reported with its traceback by the supervisor, which decides
-        _say(channel, Failed(error="bug", text=traceback.format_exc()))
-    else:
-        _say(channel, Finished())
+        return Failed(error="bug", text=traceback.format_exc())
+    return Finished()
 
 
 def _say(channel: TextIO, message: Message) -> None:
