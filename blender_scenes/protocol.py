@@ -52,10 +52,13 @@ class Finished:
 
 @dataclass(frozen=True)
 class Failed:
-    """The child gives up; `lacking` is what the machine has too little of, nothing where that is not the cause."""
+    """The child gives up; `lacking` is what the machine has not, nothing where that is not the cause.
+
+    Of `machine` the message says the cure itself.
+    """
 
     message: str
-    lacking: Literal["", "libraries", "space", "device"]
+    lacking: Literal["", "libraries", "machine", "device"]
     kind: Literal["failed"] = "failed"
 
 

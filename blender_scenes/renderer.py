@@ -21,10 +21,10 @@ from blender_scenes.job import RenderJob
 from blender_scenes.protocol import MESSAGE, REQUEST, Failed, Finished, FrameDone, Message, Request, Work
 from blender_scenes.surroundings import SYSTEM_PACKAGES, without_blender_settings
 from configs.errors import EnvironmentLacking
+from configs.whole_files import make_folder
 
 _JOBS: dict[Work, type[RenderJob] | type[AnnotationJob]] = {"pictures": RenderJob, "annotations": AnnotationJob}
 _CURES = {
-    "space": "free some space and run the command again",
     "libraries": f"run `apt-get install -y {SYSTEM_PACKAGES}`",
     "device": "render on the machine that has it, or give --device cpu",
 }
@@ -64,7 +64,7 @@ def render_job(
     place. `own_files` is the folder that holds the user's own files by their SHA-256, for a job that shows some.
 
     Raises:
-        EnvironmentLacking: bpy cannot be loaded, the disk is full, or the job's graphics card is not there.
+        EnvironmentLacking: bpy cannot be loaded, the disk is full or refuses, or the job's graphics card is not there.
         RenderError: The Blender process failed.
         ValueError: The job is damaged or has no such frame.
     """
@@ -81,7 +81,7 @@ def render_job(
     missing = tuple(number for number in wanted if left[number])
     tell = on_frame or (lambda _number: None)
     for place in {(folder / name).parent for number in missing for name in left[number]}:
-        place.mkdir(parents=True, exist_ok=True)
+        make_folder(place)
     for number in wanted:
         if not left[number]:
             tell(number)
@@ -142,7 +142,8 @@ def _converse(
             yield message.frame
         elif isinstance(message, Failed):
             if message.lacking:
-                raise EnvironmentLacking(f"{message.message}; {_CURES[message.lacking]}")
+                cure = _CURES.get(message.lacking)
+                raise EnvironmentLacking(f"{message.message}; {cure}" if cure else message.message)
             raise RenderError(f"{message.message}{_tail(log)}")
         elif isinstance(message, Finished):
             return

@@ -10,13 +10,13 @@ from typing import Annotated
 
 import typer
 
-from configs.errors import EnvironmentLacking, InputError, RunFailed
+from configs.errors import EnvironmentLacking, InputError, RunFailed, one_line
+from configs.refusals import lacking
 from pipeline.commands import bench, examine, make
 from pipeline.commands.diagnose import diagnose
 from pipeline.commands.measured import measured
 from pipeline.commands.pictures import pictures
 from pipeline.commands.preview import preview
-from pipeline.files import DISK_FULL
 
 EPILOG = """Exit codes: 0 done; 1 a bug; 2 bad input or usage, nothing written; 3 a run failed, the others are finished;
 4 verify found faults; 5 the environment lacks something; 130 interrupted.
@@ -99,8 +99,8 @@ def _run(arguments: Sequence[str] | None, interrupted: threading.Event) -> int:
     except Exception as error:  # noqa: BLE001 - the last line of defence gives a bug its exit code
         if interrupted.is_set():
             return _interrupted()
-        if isinstance(error, OSError) and error.errno in DISK_FULL:
-            return _fail(5, f"{error}; free some space and run the command again")
+        if told := lacking(error):
+            return _fail(5, one_line(told))
         return _bug()
     return _interrupted() if code == 130 else int(code or 0)
 

@@ -9,11 +9,11 @@ from configs.draw import draw_robot
 from configs.errors import InputError
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
+from configs.whole_files import make_folder, remove_file, write_file
 from diagnosis.importers.blind import read_blind
 from diagnosis.importers.choose import read_measurement
 from diagnosis.measured.case_format import BLIND, DATA
 from diagnosis.measured.nominal import NOMINAL
-from pipeline.files import write_file
 from pipeline.importers import IMPORTERS
 from pipeline.importers.run_folder import robots_of
 from pipeline.progress import Report
@@ -151,9 +151,9 @@ def diagnose_into(
     measured = read_measurement(path, IMPORTERS, importer)
     unseen = read_blind(path if path.is_dir() else path.parent, measured.kind) if measured.kind in BLIND else {}
     made = files(diagnose(measured, robot), pybullet=pybullet, release=release, unseen=unseen)
-    (folder / PLOTS).mkdir(parents=True, exist_ok=True)
+    make_folder(folder / PLOTS)
     for old in (folder / VARIED_FILE, folder / TRACEBACK, *(folder / PLOTS).iterdir()):
         if old.relative_to(folder).as_posix() not in made:
-            old.unlink(missing_ok=True)
+            remove_file(old)
     for name, data in made.items():
         write_file(folder / name, data)

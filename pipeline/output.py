@@ -5,6 +5,7 @@ import tempfile
 from pathlib import Path
 
 from configs.errors import EnvironmentLacking, InputError
+from configs.refusals import NOT_THERE
 from pipeline.dataset.manifest import MANIFEST
 from pipeline.paths import nearest_existing
 from pipeline.stages.assemble import read_metadata
@@ -63,7 +64,7 @@ def kind_of(out: Path) -> Kind | None:
     """
     try:
         return Kind((out / STAGES / KIND).read_text(encoding="ascii").strip())
-    except (OSError, ValueError):
+    except (*NOT_THERE, ValueError):
         released = (out / MANIFEST).is_file() and read_metadata(out) is not None
         return Kind.DATASET if released or (out / STAGES / "simulate").is_dir() else None
 

@@ -21,11 +21,12 @@ from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec
 from configs.streams import stream
 from configs.tree import dotted
+from configs.whole_files import make_folder, move, remove_file, remove_folder, replace_folder, write_file
 from pipeline.dataset.annotation_checks import ANNOTATIONS
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Ints, Rows, read_rows
 from pipeline.dataset.side import image_positions
-from pipeline.files import canonical_json, hashes_of, holds, remove_folder, replace_folder, sync_folder, write_file
+from pipeline.files import canonical_json, hashes_of, holds
 from pipeline.output import check_disk, check_out
 from pipeline.own_files import keep_own_files
 from pipeline.plan import BYTES_PER_JOB, pictures_bytes
@@ -307,22 +308,20 @@ def _publish(task: FrameTask, annotations: FrameTask | None, source: Source, loo
     partial = marker.start()
     _fill(task, annotations, source, look, partial)
     hashes = hashes_of(partial)
-    (out / FRAMES).unlink(missing_ok=True)
-    sync_folder(out)
+    remove_file(out / FRAMES)
     replace_folder(partial / IMAGES, out / IMAGES)
     remove_folder(out / ANNOTATIONS)
     if annotations:
         replace_folder(partial / ANNOTATIONS, out / ANNOTATIONS)
     for name in (DATA, POSITIONS, JOB, LOOK, FRAMES):
-        (partial / name).replace(out / name)
-    sync_folder(out)
-    marker.path.mkdir(exist_ok=True)
+        move(partial / name, out / name)
+    make_folder(marker.path)
     mark_done(marker.path, key, hashes)
     partial.rmdir()
 
 
 def _fill(task: FrameTask, annotations: FrameTask | None, source: Source, look: bytes, folder: Path) -> None:
-    (folder / IMAGES).mkdir()
+    make_folder(folder / IMAGES)
     for frame in task.frames:
         name = frame_name(frame.number)
         write_file(folder / IMAGES / name, (task.files / name).read_bytes())

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
 from blender_scenes.protocol import Work
 from configs.errors import EnvironmentLacking, InputError, RunFailed
+from configs.whole_files import make_folder, write_file
 
 
 class Message(BaseModel):
@@ -101,9 +102,9 @@ class DiagnoseUnit(Message):
             if self.alone:
                 raise
             # A bug that one case brings out is no reason to lose the others; its traceback is kept.
-            self.folder.mkdir(parents=True, exist_ok=True)
+            make_folder(self.folder)
             note = self.folder / TRACEBACK
-            note.write_text(traceback.format_exc(), encoding="utf-8")
+            write_file(note, traceback.format_exc().encode())
             told = f"a bug of symolo: {type(error).__name__}: {error}".splitlines()[0]
             raise RunFailed(f"{told}; please report it with {note}") from error
 

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import TextIO
 
 from configs.errors import EnvironmentLacking, InputError, RunFailed
-from pipeline.files import DISK_FULL
+from configs.refusals import lacking
 from pipeline.units import UNITS, AnyUnit, Failed, Finished, Message, Progress
 
 
@@ -35,11 +35,9 @@ def do(unit: AnyUnit, progress: Callable[[float], None]) -> Finished | Failed:
         return Failed(error="environment", text=str(error))
     except RunFailed as error:
         return Failed(error="run", text=str(error))
-    except OSError as error:
-        if error.errno in DISK_FULL:
-            return Failed(error="environment", text=f"{error}; free some space and run the command again")
-        return Failed(error="bug", text=traceback.format_exc())
-    except Exception:  # noqa: BLE001 - reported with its traceback by the supervisor, which decides
+    except Exception as error:  # noqa: BLE001 - reported with its traceback by the supervisor, which decides
+        if told := lacking(error):
+            return Failed(error="environment", text=told)
         return Failed(error="bug", text=traceback.format_exc())
     return Finished()
 

@@ -14,7 +14,7 @@ from blender_scenes.camera_response import develop, encode_jpeg, median_luminanc
 from blender_scenes.frame_files import FrameFile, frame_name, put_in_place
 from blender_scenes.job import RenderJob
 from blender_scenes.protocol import MESSAGE, REQUEST, Failed, Finished, FrameDone, Message, Ready, Request
-from blender_scenes.surroundings import DISK_FULL
+from configs.refusals import lacking
 
 
 def main() -> int:
@@ -33,9 +33,9 @@ def main() -> int:
     except LookupError as error:
         _say(replies, Failed(str(error), lacking="device"))
         raise
-    except (OSError, ValueError, RuntimeError) as error:
-        full = isinstance(error, OSError) and error.errno in DISK_FULL
-        _say(replies, Failed(str(error), lacking="space" if full else ""))
+    except (OSError, ValueError, RuntimeError, MemoryError) as error:
+        told = lacking(error)
+        _say(replies, Failed(told or str(error), lacking="machine" if told else ""))
         raise
     _say(replies, Finished())
     return 0

@@ -7,9 +7,10 @@ from pathlib import Path
 from pydantic import BaseModel, ConfigDict
 
 from configs.schema.scenario import RunSpec
+from configs.whole_files import write_file
 from physics.trajectory import Recording
 from pipeline.dataset.metadata import FailedRun
-from pipeline.files import canonical_json, write_file
+from pipeline.files import canonical_json
 from pipeline.progress import Report
 from pipeline.units import Finished, Progress, SimulateUnit
 from pipeline.versions import versions

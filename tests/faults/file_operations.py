@@ -57,11 +57,11 @@ class FileOperations:
         """Where a path or descriptor leads, if it is below `root`; else nothing."""
         if isinstance(thing, int):
             try:
-                path = os.readlink(f"/proc/self/fd/{thing}")
+                path = os.readlink(f"/proc/self/fd/{thing}")  # noqa: PTH115 - pathlib may be what is counted
             except OSError:
                 return ""
         elif isinstance(thing, str | bytes | os.PathLike):
-            path = os.path.abspath(os.fsdecode(thing))
+            path = os.path.abspath(os.fsdecode(thing))  # noqa: PTH100 - as above
         else:
             return ""
         return path if path.startswith(self.root + "/") else ""

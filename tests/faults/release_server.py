@@ -1,8 +1,8 @@
 """A process that has loaded all of symolo and forks a command for each order: a thousand of them in minutes.
 
 Run as a script. It reads an `Order` a line and answers with an `Outcome` a line. In the fork, all is that of the command
-but for three things: the scenario is read beforehand, units of work are done in the process itself, one after the other,
-and the pictures are painted, not traced. All that writes, names, journals, hashes and resumes is the command's own.
+but for three things: the scenario is read beforehand, units of work are done in the process itself one by one, and the
+pictures are painted, not traced. All that writes, names, journals, hashes and resumes is the command's own.
 """
 
 import contextlib
@@ -18,7 +18,22 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pipeline.stages.simulate  # noqa: F401 - so that a fork finds the engine loaded
+from blender_scenes import renderer
+from blender_scenes.camera_response import encode_jpeg
+from blender_scenes.frame_files import FrameFile, frame_name, put_in_place
+from blender_scenes.job import RenderJob
+from configs.draw import draw_all
+from configs.errors import EnvironmentLacking, InputError
+from configs.loader import load_scenario
 from file_operations import FileOperations
+from pipeline import batch
+from pipeline.cli import main
+from pipeline.plan import Plan
+from pipeline.stages import render, simulate_runs
+from pipeline.units import Failed, Progress
+from pipeline.worker_main import do
+from pipeline.workers import UnitFailure, WorkerError
 
 MARK = "\n--- operations ---\n"
 
@@ -50,10 +65,6 @@ class Outcome:
 
 def _painted(request, camera_samples: int) -> Iterator:
     """In place of Blender: noise that the frame's number decides, put in place as Blender's side does."""
-    from blender_scenes.camera_response import encode_jpeg
-    from blender_scenes.frame_files import FrameFile, frame_name, put_in_place
-    from blender_scenes.job import RenderJob
-
     del camera_samples
     job = RenderJob.from_json(Path(request.job_path).read_text())
     size = job.camera.height_px, job.camera.width_px, 3
@@ -66,12 +77,7 @@ def _painted(request, camera_samples: int) -> Iterator:
 
 
 def _here(shuffle: int | None) -> Callable:
-    """In place of `run_units`: the units one after the other in this process, with a worker's words for what goes wrong."""
-    from configs.errors import EnvironmentLacking, InputError
-    from pipeline.units import Failed, Progress
-    from pipeline.worker_main import do
-    from pipeline.workers import UnitFailure, WorkerError
-
+    """In place of `run_units`: the units one by one in this process, with a worker's words for what goes wrong."""
     def run_units(units: Sequence, workers: int, on_event: Callable, **options: object) -> list[UnitFailure]:
         del workers, options
         failures = []
@@ -93,11 +99,6 @@ def _here(shuffle: int | None) -> Callable:
 
 
 def _command(order: Order) -> int:
-    from blender_scenes import renderer
-    from pipeline import batch
-    from pipeline.cli import main
-    from pipeline.stages import render, simulate_runs
-
     renderer._blender_files = _painted
     render.run_units = simulate_runs.run_units = _here(order.shuffle)
     if order.any_disk:
@@ -143,26 +144,15 @@ def _do(order: Order) -> Outcome:
 
 
 def serve() -> None:
-    answers = os.fdopen(os.dup(1), "w", buffering=1)
-    os.dup2(2, 1)
-    # So that a fork finds all of it loaded, and the schemas built.
-    import blender_scenes.renderer
-    import pipeline.batch
-    import pipeline.cli
-    import pipeline.commands.make
-    import pipeline.stages.simulate
-    import pipeline.verify  # noqa: F401
-    from configs.draw import draw_all
-    from configs.loader import load_scenario
-
     loaded = load_scenario(str(Path(__file__).with_name("bare.yaml")))
     drawn = tuple(draw_all(loaded))
-    pipeline.batch.load_scenario = lambda _name, _overrides: loaded
-    pipeline.batch.draw_reported = lambda _loaded, _report: drawn
+    batch.load_scenario = lambda _name, _overrides: loaded
+    batch.draw_reported = lambda _loaded, _report: drawn
+    Plan.of(drawn, 1)
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGCHLD})
-    answers.write("ready\n")
+    print("ready", flush=True)  # noqa: T201 - the other end waits for it
     for line in sys.stdin:
-        answers.write(json.dumps(dataclasses.asdict(_do(Order(**json.loads(line))))) + "\n")
+        print(json.dumps(dataclasses.asdict(_do(Order(**json.loads(line))))), flush=True)  # noqa: T201 - likewise
 
 
 if __name__ == "__main__":

@@ -83,7 +83,7 @@ def test_with_every_file_operation_failing_in_its_turn(kind, every, server, whol
 
 @pytest.mark.parametrize("sizes", [2, _full(200)])
 def test_on_a_disk_of_any_size_it_ends_whole_or_says_that_there_is_no_room(
-    sizes, server, whole, wrong, tree, check, tmp_path
+    sizes, server, whole, check, tmp_path
 ):
     """Files on a disk of tmpfs take whole pages; the largest of the sizes hold the release."""
     disk = tmp_path / "disk"
@@ -91,8 +91,7 @@ def test_on_a_disk_of_any_size_it_ends_whole_or_says_that_there_is_no_room(
     pages = 40 + sum(-(-size // 4096) + 1 for size in whole.sizes)
     filled = 0
     for size in np.linspace(12, 1.6 * pages, sizes).astype(int).tolist():
-        mount = ["mount", "-t", "tmpfs", "-o", f"size={4 * size}k", "tmpfs", str(disk)]
-        subprocess.run(mount, check=True, capture_output=True)  # needs root
+        _mount("mount", "-t", "tmpfs", "-o", f"size={4 * size}k", "tmpfs", disk)  # needs root
         try:
             out = disk / "data"
             done = server.release(out, any_disk=True)
@@ -101,11 +100,15 @@ def test_on_a_disk_of_any_size_it_ends_whole_or_says_that_there_is_no_room(
                 assert "space" in done.err, done.err
                 filled += 1
             check(out, f"{size} pages", finish=False)
-            subprocess.run(["mount", "-o", "remount,size=64m", str(disk)], check=True)
+            _mount("mount", "-o", "remount,size=64m", disk)
             check(out, f"{size} pages")
         finally:
-            subprocess.run(["umount", str(disk)], check=True)
+            _mount("umount", disk)
     assert 0 < filled < sizes
+
+
+def _mount(program: str, *arguments: object) -> None:
+    subprocess.run([shutil.which(program), *map(str, arguments)], check=True, capture_output=True)
 
 
 @pytest.mark.parametrize("orders", [1, _full(20)])

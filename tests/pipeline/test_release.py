@@ -12,7 +12,7 @@ from pathlib import Path
 import cv2
 import pytest
 
-from pipeline.files import remove_folder
+from configs.whole_files import remove_folder
 from pipeline.workspace import Workspace
 
 ARENA_WITH_A_SILL = """
