@@ -38,6 +38,19 @@ class Ready:
 
 
 @dataclass(frozen=True)
+class FrameBegun:
+    number: int
+    kind: Literal["begun"] = "begun"
+
+
+@dataclass(frozen=True)
+class Alive:
+    """A sign of life, every few seconds, whatever Blender is at."""
+
+    kind: Literal["alive"] = "alive"
+
+
+@dataclass(frozen=True)
 class FrameDone:
     """A file of a frame is in place, read back and flushed to disk."""
 
@@ -62,6 +75,6 @@ class Failed:
     kind: Literal["failed"] = "failed"
 
 
-Message = Annotated[Ready | FrameDone | Finished | Failed, Field(discriminator="kind")]
-MESSAGE: TypeAdapter[Ready | FrameDone | Finished | Failed] = TypeAdapter(Message)
+Message = Annotated[Ready | Alive | FrameBegun | FrameDone | Finished | Failed, Field(discriminator="kind")]
+MESSAGE: TypeAdapter[Ready | Alive | FrameBegun | FrameDone | Finished | Failed] = TypeAdapter(Message)
 REQUEST: TypeAdapter[Request] = TypeAdapter(Request)

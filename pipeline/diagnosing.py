@@ -18,7 +18,7 @@ from pipeline.importers import IMPORTERS
 from pipeline.importers.run_folder import robots_of
 from pipeline.progress import Report
 from pipeline.units import TRACEBACK, DiagnoseUnit, Failed, Finished
-from pipeline.workers import AnyEvent, AnyUnit, UnitFailure, run_units
+from pipeline.workers import AnyEvent, AnyUnit, Retried, UnitFailure, run_units
 from pipeline.workspace import STAGES
 
 ONE_THREAD = MappingProxyType({"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"})
@@ -118,6 +118,8 @@ def diagnose_cases(
                 stage.update(unit.name, 1.0)
             if isinstance(event, Failed) and not alone:
                 stage.say(f"{unit.name}: {event.text}")
+            if isinstance(event, Retried):
+                stage.say(event.text)
 
         failures = run_units(units, workers, on_event, ONE_THREAD)
     order = [case.name for case in cases]

@@ -29,7 +29,7 @@ from pipeline.progress import Report
 from pipeline.stages.simulate_runs import failed_runs
 from pipeline.units import Finished, Progress, RenderUnit
 from pipeline.versions import versions
-from pipeline.workers import AnyEvent, AnyUnit, cores, run_units
+from pipeline.workers import AnyEvent, AnyUnit, Retried, cores, run_units
 from pipeline.workspace import DONE, FAILED, StageFolder, input_key, mark_done
 
 JOB, IMAGES, FRAMES, INPUTS = "job.json", "images", "frames.json", "inputs.json"
@@ -219,6 +219,8 @@ def render_runs(orders: Iterable[Order], workers: int, report: Report, name: str
             if isinstance(unit, RenderUnit) and isinstance(event, Progress | Finished):
                 share = event.share if isinstance(event, Progress) else 1.0
                 stage.update(f"{unit.name} from {unit.numbers[0]}", share * len(unit.numbers))
+            elif isinstance(event, Retried):
+                stage.say(event.text)
 
         failures = run_units(units, workers, on_event)
     failed = {failure.unit.name for failure in failures}

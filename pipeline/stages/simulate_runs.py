@@ -14,7 +14,7 @@ from pipeline.files import canonical_json
 from pipeline.progress import Report
 from pipeline.units import Finished, Progress, SimulateUnit
 from pipeline.versions import versions
-from pipeline.workers import AnyEvent, AnyUnit, UnitFailure, run_units
+from pipeline.workers import AnyEvent, AnyUnit, Retried, UnitFailure, run_units
 from pipeline.workspace import StageFolder, Workspace, input_key, mark_done
 
 FORMAT = 2
@@ -77,6 +77,8 @@ def _do(units: Sequence[SimulateUnit], workers: int, report: Report) -> list[Fai
                 stage.update(unit.name, event.share)
             elif isinstance(event, Finished):
                 stage.update(unit.name, 1.0)
+            elif isinstance(event, Retried):
+                stage.say(event.text)
 
         failures = run_units(units, workers, on_event)
     return failed_runs("simulate", failures, report)
@@ -124,8 +126,8 @@ def read_outcome(path: Path) -> RunOutcome:
 
 
 def read_recording(path: Path) -> Recording:
-    with (path / TRAJECTORY).open("rb") as file:
-        return Recording.load(file)
+    # Read first: what unpacks the archive takes a fault of the disk for a damaged archive.
+    return Recording.load(io.BytesIO((path / TRAJECTORY).read_bytes()))
 
 
 def _refresh_spec(folder: StageFolder, key: str, spec: RunSpec) -> None:

@@ -1,8 +1,8 @@
 """A process that has loaded all of symolo and forks a command for each order: a thousand of them in minutes.
 
-Run as a script. It reads an `Order` a line and answers with an `Outcome` a line. In the fork, all is that of the command
-but for three things: the scenario is read beforehand, units of work are done in the process itself one by one, and the
-pictures are painted, not traced. All that writes, names, journals, hashes and resumes is the command's own.
+Run as a script. It reads an `Order` a line and answers with an `Outcome` a line. In the fork, all is that of the
+command but for three things: the scenario is read beforehand, units of work are done in the process itself one by one,
+and the pictures are painted, not traced. All that writes, names, journals, hashes and resumes is the command's own.
 """
 
 import contextlib
@@ -18,6 +18,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from file_operations import FileOperations
+
 import pipeline.stages.simulate  # noqa: F401 - so that a fork finds the engine loaded
 from blender_scenes import renderer
 from blender_scenes.camera_response import encode_jpeg
@@ -26,7 +28,6 @@ from blender_scenes.job import RenderJob
 from configs.draw import draw_all
 from configs.errors import EnvironmentLacking, InputError
 from configs.loader import load_scenario
-from file_operations import FileOperations
 from pipeline import batch
 from pipeline.cli import main
 from pipeline.plan import Plan
@@ -63,9 +64,9 @@ class Outcome:
     operations: list[list[str]]
 
 
-def _painted(request, camera_samples: int) -> Iterator:
+def _painted(request, camera_samples: int, on_begin: Callable[[int], None]) -> Iterator:
     """In place of Blender: noise that the frame's number decides, put in place as Blender's side does."""
-    del camera_samples
+    del camera_samples, on_begin
     job = RenderJob.from_json(Path(request.job_path).read_text())
     size = job.camera.height_px, job.camera.width_px, 3
     for number in request.numbers:
@@ -78,6 +79,7 @@ def _painted(request, camera_samples: int) -> Iterator:
 
 def _here(shuffle: int | None) -> Callable:
     """In place of `run_units`: the units one by one in this process, with a worker's words for what goes wrong."""
+
     def run_units(units: Sequence, workers: int, on_event: Callable, **options: object) -> list[UnitFailure]:
         del workers, options
         failures = []
@@ -85,7 +87,7 @@ def _here(shuffle: int | None) -> Callable:
         if shuffle is not None:
             np.random.Generator(np.random.PCG64(shuffle)).shuffle(order)
         for unit in (units[place] for place in order):
-            event = do(unit, lambda share, unit=unit: on_event(unit, Progress(share=share)))
+            event = do(unit, lambda share, at=None, unit=unit: on_event(unit, Progress(share=share, at=at)))
             on_event(unit, event)
             if isinstance(event, Failed):
                 if event.error in {"environment", "input"}:

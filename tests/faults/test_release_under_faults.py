@@ -47,7 +47,7 @@ def _said(outcome, what: object) -> None:
     assert sum(line.startswith("symolo: ") for line in outcome.err.splitlines()) == 1, f"{what}: {outcome.err}"
 
 
-@pytest.mark.parametrize("kills", [4, _full(1000)])
+@pytest.mark.parametrize("kills", [2, _full(1000)])
 def test_killed_at_random_instants_it_ends_with_the_same_tree(kills, server, whole, check, tmp_path):
     instants = np.random.Generator(np.random.PCG64(6))
     killed = 0
@@ -65,26 +65,35 @@ def test_killed_at_random_instants_it_ends_with_the_same_tree(kills, server, who
         shutil.rmtree(out)
 
 
-@pytest.mark.parametrize(("kind", "every"), [("kill", 150), ("fail", 150), _full("kill", 1), _full("fail", 1)])
-def test_with_every_file_operation_failing_in_its_turn(kind, every, server, whole, check, tmp_path):
-    errors = [KILL] if kind == "kill" else ERRORS
-    for place, at in enumerate(range(1, len(whole.operations) + 1, every)):
-        for error in errors if every == 1 else [errors[place % len(errors)]]:
-            out = tmp_path / f"{at}_{error}"
-            done = server.release(out, root=str(tmp_path), at=at, error=error)
-            what = f"operation {at} of {len(whole.operations)}, {whole.operations[at - 1]}, {error}"
-            if error == KILL:
-                assert done.status == -9, what
-            elif done.status != 0:  # 0 where what failed is tried in another way
-                _said(done, what)
-            check(out, what)
-            shutil.rmtree(out)
+def test_with_a_file_operation_failing(server, whole, check, tmp_path):
+    """One for each error, spread over the release; and a kill half-way through a write."""
+    writes = [at for at, (name, _) in enumerate(whole.operations, 1) if name == "write"]
+    _with_a_fault(writes[len(writes) // 2], KILL, server, whole, check, tmp_path)
+    for place, error in enumerate(ERRORS):
+        _with_a_fault((place + 1) * len(whole.operations) // 5, error, server, whole, check, tmp_path)
+
+
+@pytest.mark.faults
+@pytest.mark.parametrize("error", [KILL, *ERRORS], ids=["kill", *(errno.errorcode[error] for error in ERRORS)])
+def test_with_every_file_operation_failing_in_its_turn(error, server, whole, check, tmp_path):
+    for at in range(1, len(whole.operations) + 1):
+        _with_a_fault(at, error, server, whole, check, tmp_path)
+
+
+def _with_a_fault(at: int, error: int, server, whole, check, tmp_path) -> None:
+    out = tmp_path / f"{at}_{error}"
+    done = server.release(out, root=str(tmp_path), at=at, error=error)
+    what = f"operation {at} of {len(whole.operations)}, {whole.operations[at - 1]}, {error}"
+    if error == KILL:
+        assert done.status == -9, what
+    elif done.status != 0:  # 0 where what failed is tried in another way
+        _said(done, what)
+    check(out, what)
+    shutil.rmtree(out)
 
 
 @pytest.mark.parametrize("sizes", [2, _full(200)])
-def test_on_a_disk_of_any_size_it_ends_whole_or_says_that_there_is_no_room(
-    sizes, server, whole, check, tmp_path
-):
+def test_on_a_disk_of_any_size_it_ends_whole_or_says_that_there_is_no_room(sizes, server, whole, check, tmp_path):
     """Files on a disk of tmpfs take whole pages; the largest of the sizes hold the release."""
     disk = tmp_path / "disk"
     disk.mkdir()
