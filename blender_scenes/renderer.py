@@ -75,10 +75,10 @@ def render_job(
 ) -> FrameSet:
     """Puts the files of the frames `numbers` of a job (all by default) below `folder`: pictures, or annotations.
 
-    Their bytes depend on the job and the frame's number alone. Finished files are recorded in a journal beside the folder,
-    `<folder>.jsonl`; a frame whose files are all there and whole is not done again. `on_frame` hears of every frame in
-    place, `on_begin` of each that is begun. `own_files` is the folder that holds the user's own files by their SHA-256,
-    for a job that shows some.
+    Their bytes depend on the job and the frame's number alone. Finished files are recorded in a journal beside the
+    folder, `<folder>.jsonl`; a frame whose files are all there and whole is not done again. `on_frame` hears of every
+    frame in place, `on_begin` of each that is begun. `own_files` is the folder that holds the user's own files by their
+    SHA-256, for a job that shows some.
 
     Raises:
         EnvironmentLacking: bpy cannot be loaded, the disk is full or refuses, or the job's graphics card is not there.

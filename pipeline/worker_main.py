@@ -6,6 +6,7 @@ children.
 
 import os
 import queue
+import shutil
 import signal
 import sys
 import threading
@@ -16,6 +17,7 @@ from typing import TextIO
 from configs.errors import EnvironmentLacking, InputError, RunFailed
 from configs.refusals import lacking
 from pipeline.units import UNITS, Alive, AnyUnit, EngineFailed, Failed, Finished, Message, Progress, Tell
+from pipeline.worker_process import SCRATCH
 
 SECONDS_BETWEEN_BEATS = 5.0
 
@@ -73,6 +75,8 @@ def _listen(lines: "queue.SimpleQueue[str]") -> None:
     """Passes units on, and ends all when the supervisor is gone, even killed: its end of the pipe closes with it."""
     for line in sys.stdin:
         lines.put(line)
+    if scratch := os.environ.get(SCRATCH):
+        shutil.rmtree(scratch, ignore_errors=True)
     os.killpg(0, signal.SIGKILL)
 
 

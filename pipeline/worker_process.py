@@ -21,6 +21,8 @@ from blender_scenes.surroundings import without_blender_settings
 from pipeline.units import EVENTS, Alive, AnyMessage, AnyUnit, Failed, Finished
 
 COMMAND = (sys.executable, "-m", "pipeline.worker_main")
+SCRATCH = "SYMOLO_SCRATCH"
+"""Variable that names the folder for temporary files of all workers; whoever is left removes it."""
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ is set aside, and the rest goes on.
 
 import os
 import queue
+import tempfile
 import threading
 import traceback
 from collections import Counter, deque
@@ -16,7 +17,7 @@ from types import MappingProxyType
 from configs.errors import EnvironmentLacking, InputError
 from configs.refusals import lacking
 from pipeline.units import AnyUnit, Failed, Finished, Progress
-from pipeline.worker_process import COMMAND, Limits, WorkerProcess
+from pipeline.worker_process import COMMAND, SCRATCH, Limits, WorkerProcess
 
 SECONDS_BETWEEN_LOOKS = 0.2
 AGAIN = frozenset({"killed", "engine"})
@@ -80,7 +81,15 @@ def run_units(
         EnvironmentLacking, InputError: As soon as one worker says so; it would hit every unit.
         WorkerError: After the other units are done.
     """
-    slots = _Slots(deque(_Try(unit, unit) for unit in units), environment, limits, command)
+    with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as scratch:
+        variables = {**environment, "TMPDIR": scratch, SCRATCH: scratch}
+        slots = _Slots(deque(_Try(unit, unit) for unit in units), variables, limits, command)
+        return _supervised(slots, units, workers, on_event)
+
+
+def _supervised(
+    slots: "_Slots", units: Sequence[AnyUnit], workers: int, on_event: Callable[[AnyUnit, AnyEvent], None]
+) -> list[UnitFailure]:
     found = _Found()
     threads = [threading.Thread(target=slots.work, daemon=True) for _ in range(max(1, min(workers, len(units))))]
     threads.append(threading.Thread(target=slots.watch, daemon=True))
@@ -184,7 +193,7 @@ class _Slots:
             return self.waiting.popleft() if self.waiting else None
 
     def _do(self, tried: _Try, worker: WorkerProcess | None) -> WorkerProcess | None:
-        """Try a unit until it is done or given up, in this worker or a new one; the worker for the next, if it lives."""
+        """Try a unit until it is done or given up, in this worker or a new one; the worker for the next unit."""
         while True:
             if worker is None or not worker.alive or not tried.left.shares_a_worker:
                 if worker is not None:

@@ -45,9 +45,9 @@ class Server:
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         assert "ready\n" in iter(self._process.stdout.readline, "")  # an engine greets first
 
-    def release(self, out: Path, **order: object) -> SimpleNamespace:
+    def release(self, out: Path, workers: int = 1, **order: object) -> SimpleNamespace:
         """Do `symolo release` of the tiny scenario into a folder; `order` as `release_server.Order` has it."""
-        order = {"arguments": [*TINY, "--out", str(out), "--workers", "1"], **order}
+        order = {"arguments": [*TINY, "--out", str(out), "--workers", str(workers)], **order}
         self._process.stdin.write(json.dumps(order) + "\n")
         self._process.stdin.flush()
         return SimpleNamespace(**json.loads(self._process.stdout.readline()))

@@ -3,14 +3,10 @@
 import builtins
 import io
 import os
-import signal
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
-
-KILL = -1
-"""In place of an error number: the process is killed at that operation; of a write, half is done first."""
 
 BY_PATH = ("mkdir", "rmdir", "unlink", "remove", "rename", "replace", "link", "scandir", "listdir")
 BY_DESCRIPTOR = ("fsync", "ftruncate")
@@ -27,7 +23,7 @@ class FileOperations:
     at: int = 0
     """Number of the operation that fails, from 1; 0 for none."""
     error: int = 0
-    """What it fails with, an error number or `KILL`."""
+    """What it fails with: an error number or, less than 0, a signal that the process gets. Of a write, half is done."""
     count: int = 0
     noted: list[list[str]] = field(default_factory=list)
     """Of each operation, its name and path as given or as its descriptor leads to."""
@@ -49,8 +45,9 @@ class FileOperations:
         if self.count == self.at:
             if half is not None:
                 half()
-            if self.error == KILL:
-                os.kill(os.getpid(), signal.SIGKILL)
+            if self.error < 0:
+                os.kill(os.getpid(), -self.error)
+                return
             raise OSError(self.error, os.strerror(self.error), path)
 
     def path_of(self, thing: object) -> str:

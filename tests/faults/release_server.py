@@ -110,6 +110,7 @@ def _command(order: Order) -> int:
 
 def _in_the_child(order: Order, log: int) -> None:
     os.setsid()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGCHLD})
     os.dup2(log, 1)
     os.dup2(log, 2)
