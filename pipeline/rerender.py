@@ -45,6 +45,8 @@ from pipeline.stages.render import (
     render_runs,
 )
 from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
+from pipeline.worker_process import Limits
+from pipeline.workers import BY_LIMITS
 from pipeline.workspace import Kind, Workspace, input_key, mark_done
 
 CARRIER = "symolo"
@@ -123,7 +125,13 @@ def open_folders(source: Source, draws: Sequence[Draw], out: Path, *, apart: boo
 
 
 def render_source(
-    source: Source, draws: Sequence[Draw], folders: Sequence[Workspace], workers: int, report: Report
+    source: Source,
+    draws: Sequence[Draw],
+    folders: Sequence[Workspace],
+    workers: int,
+    report: Report,
+    *,
+    limits: Limits = BY_LIMITS,
 ) -> list[FailedRun]:
     """Render what `prepare` found, annotate it where asked for, and fill a folder with each of it."""
     places = {draw.name: (draw, folder) for draw, folder in zip(draws, folders, strict=True)}
@@ -145,9 +153,9 @@ def render_source(
                 annotations[name] = order.task
                 yield order
 
-    failures = render_runs(picture_orders(), workers, report)
+    failures = render_runs(picture_orders(), workers, report, limits=limits)
     failed = {failure.run for failure in failures}
-    failures += render_runs(annotation_orders(), workers, report, "annotate")
+    failures += render_runs(annotation_orders(), workers, report, "annotate", limits)
     failed = {failure.run for failure in failures}
     for name, (draw, folder) in places.items():
         if name not in failed:

@@ -37,6 +37,21 @@ class Limits:
     """Resident memory of a worker with the processes that it started; 0 for no limit."""
 
 
+GB = 1e9
+SHARE_OF_THE_MACHINE = 0.9
+CONTROL_GROUP = Path("/sys/fs/cgroup/memory.max")
+
+
+def limits_of(memory_gb: float | None) -> Limits:
+    """With so much memory for a worker; None for what keeps the machine itself from running out of it."""
+    if memory_gb is not None:
+        return Limits(memory_bytes=int(memory_gb * GB))
+    there = os.sysconf("SC_PAGESIZE") * os.sysconf("SC_PHYS_PAGES")
+    with contextlib.suppress(OSError, ValueError):  # "max", or no such group
+        there = min(there, int(CONTROL_GROUP.read_text(encoding="ascii")))
+    return Limits(memory_bytes=int(SHARE_OF_THE_MACHINE * there))
+
+
 class WorkerProcess:
     """Started at once; `close` or `end` ends it."""
 
@@ -97,7 +112,7 @@ class WorkerProcess:
         elif now - self._moved_s > self._patience_s:
             self._end_for(f"it got no further in {self._patience_s:g} s")
         elif limits.memory_bytes and (taken := memory_of(self._child.pid)) > limits.memory_bytes:
-            self._end_for(f"it took {taken / 1e9:.2f} GB of memory, and {limits.memory_bytes / 1e9:.2f} GB are allowed")
+            self._end_for(f"it took {taken / GB:.2f} GB of memory, and {limits.memory_bytes / GB:.2f} GB are allowed")
 
     def _end_for(self, reason: str) -> None:
         self._ended_for = reason

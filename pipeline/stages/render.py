@@ -29,7 +29,8 @@ from pipeline.progress import Report
 from pipeline.stages.simulate_runs import failed_runs
 from pipeline.units import Finished, Progress, RenderUnit
 from pipeline.versions import versions
-from pipeline.workers import AnyEvent, AnyUnit, Retried, cores, run_units
+from pipeline.worker_process import Limits
+from pipeline.workers import BY_LIMITS, AnyEvent, AnyUnit, Retried, cores, run_units
 from pipeline.workspace import DONE, FAILED, StageFolder, input_key, mark_done
 
 JOB, IMAGES, FRAMES, INPUTS = "job.json", "images", "frames.json", "inputs.json"
@@ -196,7 +197,9 @@ def frame_poses(rows: Rows) -> tuple[FramePose, ...]:
     )
 
 
-def render_runs(orders: Iterable[Order], workers: int, report: Report, name: str = "render") -> list[FailedRun]:
+def render_runs(
+    orders: Iterable[Order], workers: int, report: Report, name: str = "render", limits: Limits = BY_LIMITS
+) -> list[FailedRun]:
     """Do what is not there yet; frames made before an interruption are kept when their job is the same.
 
     All jobs are written, one after the other, before the first is begun.
@@ -222,7 +225,7 @@ def render_runs(orders: Iterable[Order], workers: int, report: Report, name: str
             elif isinstance(event, Retried):
                 stage.say(event.text)
 
-        failures = run_units(units, workers, on_event)
+        failures = run_units(units, workers, on_event, limits=limits)
     failed = {failure.unit.name for failure in failures}
     found = failed_runs(name, failures, report)
     for task in pending:

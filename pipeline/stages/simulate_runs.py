@@ -14,7 +14,8 @@ from pipeline.files import canonical_json
 from pipeline.progress import Report
 from pipeline.units import Finished, Progress, SimulateUnit
 from pipeline.versions import versions
-from pipeline.workers import AnyEvent, AnyUnit, Retried, UnitFailure, run_units
+from pipeline.worker_process import Limits
+from pipeline.workers import BY_LIMITS, AnyEvent, AnyUnit, Retried, UnitFailure, run_units
 from pipeline.workspace import StageFolder, Workspace, input_key, mark_done
 
 FORMAT = 2
@@ -49,7 +50,9 @@ def simulation_key(spec: RunSpec) -> str:
     return input_key("simulate", format=FORMAT, run=simulation_inputs(spec), versions=programs)
 
 
-def simulate_runs(workspace: Workspace, specs: Sequence[RunSpec], workers: int, report: Report) -> list[FailedRun]:
+def simulate_runs(
+    workspace: Workspace, specs: Sequence[RunSpec], workers: int, report: Report, limits: Limits = BY_LIMITS
+) -> list[FailedRun]:
     """Simulate the runs that are not done yet, and tell of all that failed, now or before."""
     units = []
     for spec in specs:
@@ -60,7 +63,7 @@ def simulate_runs(workspace: Workspace, specs: Sequence[RunSpec], workers: int, 
             units.append(SimulateUnit(name=spec.key, spec=spec.model_dump_json(), folder=folder.path, key=key))
     if len(units) < len(specs):
         report.say(f"simulate: {len(specs) - len(units)} of {len(specs)} runs are there already")
-    failures = _do(units, workers, report) if units else []
+    failures = _do(units, workers, report, limits) if units else []
     stopped = {failure.run for failure in failures}
     for spec in specs:
         if spec.key not in stopped:
@@ -69,7 +72,7 @@ def simulate_runs(workspace: Workspace, specs: Sequence[RunSpec], workers: int, 
     return failures
 
 
-def _do(units: Sequence[SimulateUnit], workers: int, report: Report) -> list[FailedRun]:
+def _do(units: Sequence[SimulateUnit], workers: int, report: Report, limits: Limits) -> list[FailedRun]:
     with report.stage("simulate", len(units), "runs") as stage:
 
         def on_event(unit: AnyUnit, event: AnyEvent) -> None:
@@ -80,7 +83,7 @@ def _do(units: Sequence[SimulateUnit], workers: int, report: Report) -> list[Fai
             elif isinstance(event, Retried):
                 stage.say(event.text)
 
-        failures = run_units(units, workers, on_event)
+        failures = run_units(units, workers, on_event, limits=limits)
     return failed_runs("simulate", failures, report)
 
 

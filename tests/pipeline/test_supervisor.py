@@ -11,7 +11,7 @@ import pytest
 
 from configs.errors import EnvironmentLacking
 from pipeline.units import Failed, Finished, RenderUnit
-from pipeline.worker_process import Limits, memory_of
+from pipeline.worker_process import Limits, limits_of, memory_of
 from pipeline.workers import Retried, run_units
 
 WORKER = r"""
@@ -137,6 +137,12 @@ def test_memory_is_that_of_a_process_with_its_children():
     alone = memory_of(os.getpid())
     assert abs(alone - 4096 * int(Path("/proc/self/statm").read_text().split()[1])) < 0.1 * alone
     assert memory_of(2**22 + 1) == 0, "there is no such process"
+
+
+def test_a_worker_may_take_what_is_asked_for_and_else_no_more_than_the_machine_has():
+    assert limits_of(2.5).memory_bytes == 2_500_000_000
+    kb = int(Path("/proc/meminfo").read_text().split("MemTotal:")[1].split()[0])
+    assert 0 < limits_of(None).memory_bytes < 1024 * kb
 
 
 def test_a_failure_of_the_work_itself_is_not_tried_again(tmp_path):
