@@ -5,6 +5,8 @@ import json
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
+from configs.errors import EnvironmentLacking
+
 
 def sha256_of(path: Path) -> str:
     with path.open("rb") as file:
@@ -21,6 +23,18 @@ def hashes_of(folder: Path, skip: Collection[str] = ()) -> dict[str, str]:
 def holds(folder: Path, files: Mapping[str, str]) -> bool:
     """Whether each of the files is there with the SHA-256 named."""
     return all((folder / name).is_file() and sha256_of(folder / name) == digest for name, digest in files.items())
+
+
+def read_known(path: Path, digest: str) -> bytes:
+    """A file that is known by its SHA-256.
+
+    Raises:
+        EnvironmentLacking: It is no longer what was written.
+    """
+    data = path.read_bytes()
+    if hashlib.sha256(data).hexdigest() != digest:
+        raise EnvironmentLacking(f"{path} is no longer what was written; run the same command again")
+    return data
 
 
 def canonical_json(value: object) -> bytes:

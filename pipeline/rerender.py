@@ -11,7 +11,6 @@ import numpy as np
 from pydantic import ValidationError
 
 from blender_scenes.devices import device_for
-from blender_scenes.frame_files import frame_name
 from configs.draw import draw_arena, draw_look, draw_render, draw_robot
 from configs.errors import InputError
 from configs.lens import lens_problem
@@ -26,7 +25,7 @@ from pipeline.dataset.annotation_checks import ANNOTATIONS
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Ints, Rows, read_rows
 from pipeline.dataset.side import image_positions
-from pipeline.files import canonical_json, hashes_of, holds
+from pipeline.files import canonical_json, hashes_of, holds, read_known
 from pipeline.output import check_disk, check_out
 from pipeline.own_files import keep_own_files
 from pipeline.plan import BYTES_PER_JOB, pictures_bytes
@@ -330,9 +329,9 @@ def _publish(task: FrameTask, annotations: FrameTask | None, source: Source, loo
 
 def _fill(task: FrameTask, annotations: FrameTask | None, source: Source, look: bytes, folder: Path) -> None:
     make_folder(folder / IMAGES)
-    for frame in task.frames:
-        name = frame_name(frame.number)
-        write_file(folder / IMAGES / name, (task.files / name).read_bytes())
+    for name, digest in sorted(task.folder.files().items()):
+        if name.startswith(f"{IMAGES}/"):
+            write_file(folder / name, read_known(task.folder.path / name, digest))
     if annotations:
         copy_released(annotations.folder, folder)
     write_file(folder / DATA, source.data)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from configs.errors import InputError
+from configs.errors import EnvironmentLacking, InputError
 from configs.refusals import NOT_THERE
 from configs.whole_files import make_folder, remove_folder, remove_leftovers, replace_folder, write_file
 from pipeline.files import canonical_json, hashes_of, holds
@@ -96,6 +96,17 @@ class StageFolder:
         except (*NOT_THERE, ValidationError):
             return ""
         return failed.problem if failed.key == key else ""
+
+    def files(self) -> dict[str, str]:
+        """SHA-256 of the finished stage's files by their path inside.
+
+        Raises:
+            EnvironmentLacking: It is not finished, though it was a moment ago.
+        """
+        done = self.done()
+        if done is None:
+            raise EnvironmentLacking(f"{self.path} has changed since it was made; run the same command again")
+        return done.files
 
     def done(self) -> Done | None:
         """What `done.json` says, None while the stage is not finished."""

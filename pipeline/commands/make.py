@@ -184,9 +184,7 @@ def rerender(
     request = Request(chosen, draws or 1, arena, robot, camera_hz, seed, with_device(settings, device), option)
     found, drawn = prepare(source, request)
     with open_folders(found, drawn, out, apart=looks is not None) as folders:
-        failures = render_source(
-            found, drawn, folders, workers or cores(), report_here(), limits=limits_of(memory)
-        )
+        failures = render_source(found, drawn, folders, workers or cores(), report_here(), limits=limits_of(memory))
     return _conclude(failures, len(drawn), "rerender", out, "draw")
 
 

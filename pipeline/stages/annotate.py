@@ -1,7 +1,7 @@
 """Beside the second stage: the annotations of every good run's images, in a folder apart from them."""
 
 from collections.abc import Mapping
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from blender_scenes.annotations.document import DOCUMENT, document
 from blender_scenes.annotations.job import RECORDS_DIR, AnnotationJob, build_annotation_job, record_file
@@ -10,7 +10,7 @@ from blender_scenes.job import RenderJob
 from configs.whole_files import make_folder, write_file
 from physics.arena import Arena
 from pipeline.dataset.annotation_checks import ANNOTATIONS
-from pipeline.files import sha256_of
+from pipeline.files import read_known, sha256_of
 from pipeline.stages.render import IMAGES, JOB, Appearance, Findings, FrameTask, Order
 from pipeline.workspace import StageFolder, mark_done
 
@@ -48,8 +48,8 @@ class AnnotationTask(FrameTask):
 
 def copy_released(annotated: StageFolder, run: Path) -> None:
     """Put the files of a run's annotations that are released below the run's folder; records are in the document."""
-    root = annotated.path / ANNOTATIONS
-    for path in sorted(path for path in root.rglob("*") if path.is_file() and path.parent.name != RECORDS_DIR):
-        copy = run / ANNOTATIONS / path.relative_to(root)
-        make_folder(copy.parent)
-        write_file(copy, path.read_bytes())
+    for name, digest in sorted(annotated.files().items()):
+        folder = PurePosixPath(name).parent
+        if name.startswith(f"{ANNOTATIONS}/") and folder.name != RECORDS_DIR:
+            make_folder(run / folder)
+            write_file(run / name, read_known(annotated.path / name, digest))

@@ -1,13 +1,11 @@
 """Third stage: good runs put together as the released dataset, with description, metadata and checksums."""
 
 from collections.abc import Mapping, Sequence
-from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
-from configs.errors import EnvironmentLacking
 from configs.refusals import NOT_THERE
 from configs.schema.scenario import RunSpec
 from configs.whole_files import make_folder, remove_file, remove_folder, replace_folder, write_file
@@ -19,13 +17,13 @@ from pipeline.dataset.metadata import METADATA, FailedRun, Metadata, RunRecord, 
 from pipeline.dataset.obstacles import obstacle_table, obstacles_csv
 from pipeline.dataset.rows import Rows
 from pipeline.dataset.side import CAMERA, TOF, WHEELS, image_positions, tof_csv, wheels_csv
-from pipeline.files import hashes_of, holds, sha256_of
+from pipeline.files import hashes_of, holds, read_known, sha256_of
 from pipeline.progress import Report
 from pipeline.stages.annotate import copy_released
 from pipeline.stages.render import IMAGES, Rendered
 from pipeline.stages.simulate_runs import SPEC, read_outcome, read_recording, spec_text
 from pipeline.versions import versions
-from pipeline.workspace import PARTIAL, STAGES, StageFolder, Workspace, input_key, mark_done
+from pipeline.workspace import PARTIAL, STAGES, Workspace, input_key, mark_done
 
 DATA, POSITIONS, SIDE = "data.csv", "image_positions.txt", "side"
 
@@ -75,7 +73,7 @@ def _release_run(workspace: Workspace, spec: RunSpec) -> dict[str, str]:
     stages = {"simulate": workspace.simulate(spec.key), "render": workspace.render(spec.key)}
     if spec.render.annotations:
         stages["annotate"] = workspace.annotate(spec.key)
-    files = {name: _files_of(stage) for name, stage in stages.items()}
+    files = {name: stage.files() for name, stage in stages.items()}
     key = input_key("assemble", stages=files, versions=versions("symolo", "numpy"))
     marker, released = workspace.assemble(spec.key), workspace.out / spec.key
     done = marker.done()
@@ -110,23 +108,9 @@ def _fill(workspace: Workspace, spec: RunSpec, rendered: Mapping[str, str], fold
     pictures = workspace.render(spec.key).path
     for name, digest in sorted(rendered.items()):
         if name.startswith(f"{IMAGES}/"):
-            write_file(folder / name, _read_known(pictures / name, digest))
+            write_file(folder / name, read_known(pictures / name, digest))
     if spec.render.annotations:
         copy_released(workspace.annotate(spec.key), folder)
-
-
-def _files_of(stage: StageFolder) -> Mapping[str, str]:
-    done = stage.done()
-    if done is None:
-        raise EnvironmentLacking(f"{stage.path} has changed since it was made; run the same command again")
-    return done.files
-
-
-def _read_known(path: Path, digest: str) -> bytes:
-    data = path.read_bytes()
-    if sha256(data).hexdigest() != digest:
-        raise EnvironmentLacking(f"{path} is no longer what was written; run the same command again")
-    return data
 
 
 def _take_back(workspace: Workspace, good: set[str]) -> None:
