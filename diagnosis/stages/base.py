@@ -20,6 +20,9 @@ from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Array, Mask
 from diagnosis.measured.measurement import Measurement
 
+ROW_TIME = "t_s"
+"""Name of the covariate that is the time of a row: rows of a trial follow one another in it."""
+
 
 class Shape(StrEnum):
     """How a residual may depend on a covariate."""
