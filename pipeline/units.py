@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
 from blender_scenes.protocol import Work
 from configs.errors import EnvironmentLacking, InputError, RunFailed
+from pipeline.reading import Reading
 
 
 class Message(BaseModel):
@@ -71,8 +72,7 @@ class DiagnoseUnit(Message):
     name: str
     case: Path
     """As the user typed it; it may be a table of the paper."""
-    importer: str | None
-    """What `--as` says."""
+    reading: Reading
     nominal: str
     """The nominal robot as JSON text; empty for that of the case's own parameters."""
     folder: Path
@@ -89,7 +89,7 @@ class DiagnoseUnit(Message):
         del progress
         try:
             diagnose_into(
-                self.case, self.importer, self.nominal, self.folder, pybullet=self.pybullet, against=self.against
+                self.case, self.reading, self.nominal, self.folder, pybullet=self.pybullet, against=self.against
             )
         except InputError as error:
             if self.alone:
