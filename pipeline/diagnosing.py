@@ -17,6 +17,7 @@ from diagnosis.measured.nominal import NOMINAL
 from pipeline.importers import IMPORTERS
 from pipeline.importers.run_folder import robots_of
 from pipeline.progress import Report
+from pipeline.reading import Reading
 from pipeline.units import TRACEBACK, DiagnoseUnit, Failed, Finished
 from pipeline.workers import AnyEvent, AnyUnit, Retried, UnitFailure, run_units
 from pipeline.workspace import STAGES
@@ -36,8 +37,7 @@ class Case:
 class Asked:
     """Of all cases."""
 
-    importer: str | None
-    """By name; None for the one that recognises a case."""
+    reading: Reading
     nominal: str
     """A robot as JSON text; empty for none."""
     pybullet: bool
@@ -102,7 +102,7 @@ def diagnose_cases(
         DiagnoseUnit(
             name=case.name,
             case=case.path,
-            importer=asked.importer,
+            reading=asked.reading,
             nominal=asked.nominal,
             pybullet=asked.pybullet,
             against=asked.against,
@@ -133,7 +133,7 @@ def folder_of(case: Case, out: Path, *, alone: bool) -> Path:
 
 def diagnose_into(
     path: Path,
-    importer: str | None,
+    reading: Reading,
     nominal: str,
     folder: Path,
     *,
@@ -150,7 +150,7 @@ def diagnose_into(
 
     robot = RobotConfig.model_validate_json(nominal) if nominal else None
     release = None if against is None else read_measurement(against, IMPORTERS)
-    measured = read_measurement(path, IMPORTERS, importer)
+    measured = reading.measurement(path)
     unseen = read_blind(path if path.is_dir() else path.parent, measured.kind) if measured.kind in BLIND else {}
     made = files(diagnose(measured, robot), pybullet=pybullet, release=release, unseen=unseen)
     make_folder(folder / PLOTS)

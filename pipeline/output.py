@@ -50,6 +50,9 @@ def check_out(out: Path, kind: Kind, *, within_looks: bool = False) -> None:
 
 
 def _check_kind(out: Path, kind: Kind, where: str) -> None:
+    if (out / STAGES).is_symlink():
+        what = f"{STAGES} in it is a link, and what lies behind it is not this folder's"
+        raise InputError(what, where=where, cure="put the folder itself there, or name another --out")
     there = kind_of(out)
     if there is None and not (out / STAGES).is_dir() and any(out.iterdir()):
         raise InputError("holds files that symolo did not make", where=where, cure=NEW_OR_EMPTY)

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 from blender_scenes.protocol import Work
 from configs.errors import EnvironmentLacking, InputError, RunFailed
 from configs.whole_files import make_folder, write_file
+from pipeline.reading import Reading
 
 
 class Message(BaseModel):
@@ -128,8 +129,7 @@ class DiagnoseUnit(UnitOfWork):
     kind: Literal["diagnose"] = "diagnose"
     case: Path
     """As the user typed it; it may be a table of the paper."""
-    importer: str | None
-    """What `--as` says."""
+    reading: Reading
     nominal: str
     """The nominal robot as JSON text; empty for that of the case's own parameters."""
     folder: Path
@@ -146,7 +146,7 @@ class DiagnoseUnit(UnitOfWork):
         del progress
         try:
             diagnose_into(
-                self.case, self.importer, self.nominal, self.folder, pybullet=self.pybullet, against=self.against
+                self.case, self.reading, self.nominal, self.folder, pybullet=self.pybullet, against=self.against
             )
         except InputError as error:
             if self.alone:

@@ -18,8 +18,9 @@ from pipeline.worker_process import Limits
 from pipeline.workers import BY_LIMITS, AnyEvent, AnyUnit, Retried, UnitFailure, run_units
 from pipeline.workspace import StageFolder, Workspace, input_key, mark_done
 
-FORMAT = 2
-"""Of what a simulation leaves for the later stages: from 2 on with the mean voltages of the wheels."""
+FORMAT = 3
+"""Of what a simulation leaves for the later stages: from 2 on with the mean voltages of the wheels, from 3 on with a
+filter of the speed that does not hold it."""
 
 SPEC, TRAJECTORY, OUTCOME = "spec.json", "trajectory.npz", "outcome.json"
 
