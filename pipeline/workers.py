@@ -250,7 +250,9 @@ class _Slots:
             self.events.put((tried.unit, Retried(f"{what}: {failed.text}; trying again ({count + 1} of {most})")))
             return None
         if at is None:
-            return Failed(error=failed.error, text=f"given up after {most} tries; the same command tries it again: {failed.text}")
+            return Failed(
+                error=failed.error, text=f"given up after {most} tries; the same command tries it again: {failed.text}"
+            )
         self.events.put((tried.unit, SetAside(tried.left.set_aside(at, most, failed.text))))
         rest = tried.left.without(at)
         if rest is None:
