@@ -127,7 +127,7 @@ def _take_back(workspace: Workspace, good: set[str]) -> None:
 def _released(workspace: Workspace) -> set[str]:
     """Runs released before, by the stages or, where those were deleted, by metadata.json."""
     root = workspace.out / STAGES / "assemble"
-    marked = {run for run in _runs_in(root) if (root / run / DONE).is_file()}
+    marked = {run for run in (_runs_in(root) if root.is_dir() else ()) if (root / run / DONE).is_file()}
     metadata = read_metadata(workspace.out)
     if metadata is None:
         return marked
@@ -136,9 +136,10 @@ def _released(workspace: Workspace) -> set[str]:
 
 
 def _runs_in(folder: Path) -> set[str]:
-    """Folders two levels down. Not by `glob`, which passes over what it has no right to read."""
-    routes = [path for path in folder.iterdir() if path.is_dir()] if folder.is_dir() else []
-    return {f"{route.name}/{path.name}" for route in routes for path in route.iterdir() if path.is_dir()}
+    """`<route>/test_<n>`. Not by `glob`, which passes over what it has no right to read."""
+    routes = [path for path in folder.iterdir() if path.is_dir() and not path.name.startswith(".")]
+    runs = [run for route in routes for run in route.iterdir() if run.is_dir() and run.name.startswith("test_")]
+    return {f"{run.parent.name}/{run.name}" for run in runs}
 
 
 def read_metadata(out: Path) -> Metadata | None:
