@@ -157,7 +157,7 @@ def _interrupted(units: Sequence[RenderUnit], workers: int) -> None:
 
 def test_ten_thousand_frames_take_no_more_memory_nor_files_and_leave_no_zombies(tmp_path):
     frames = int(os.environ.get("SYMOLO_FRAMES", "10000"))
-    job = written_job(tmp_path, frames, 16, 1)
+    job = written_job(tmp_path, frames, 24, 1)
     seen: list[tuple[int, float, int, int]] = []
 
     def heard(_unit, event):
