@@ -19,7 +19,8 @@ from pipeline.commands.preview import preview
 from pipeline.files import DISK_FULL
 
 EPILOG = """Exit codes: 0 done; 1 a bug; 2 bad input or usage, nothing written; 3 a run failed, the others are finished;
-4 verify found faults; 5 the environment lacks something; 130 interrupted.
+4 verify found faults; 5 the environment lacks something; 6, 7 compare: equal within the tolerance, different;
+130 interrupted.
 
 First steps:
 
@@ -47,7 +48,7 @@ def command_line() -> typer.Typer:
     app.callback()(_options)
     for command in (make.plan, preview, make.release, make.simulate, make.render, make.assemble, make.rerender):
         app.command(rich_help_panel="Make data")(command)
-    for command in (examine.verify, examine.contact_sheet, examine.doctor, examine.schema):
+    for command in (examine.verify, examine.compare, examine.contact_sheet, examine.doctor, examine.schema):
         app.command(rich_help_panel="Look at data, machine and format")(command)
     for command in (measured, diagnose, pictures):
         app.command(rich_help_panel="Understand measured data")(command)

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict
 
 from configs.schema.scenario import RunSpec
 from physics.trajectory import Recording
+from pipeline.cpu import cpu_class
 from pipeline.dataset.metadata import FailedRun
 from pipeline.files import canonical_json, write_file
 from pipeline.progress import Report
@@ -33,6 +34,8 @@ class RunOutcome(BaseModel):
     lap_time_s: float | None
     rows: int
     images: int
+    cpu: str = ""
+    """Class of the processor; empty where it was not noted."""
 
 
 def simulation_inputs(spec: RunSpec) -> dict:
@@ -109,6 +112,7 @@ def simulate_into(spec_json: str, path: Path, key: str, progress: Callable[[floa
         lap_time_s=outcome.lap_time_s,
         rows=len(recording.trajectory.t_s),
         images=int((recording["image"].values > 0).sum()),
+        cpu=cpu_class(),
     )
     write_file(partial / OUTCOME, canonical_json(summary.model_dump(mode="json")))
     folder.publish(partial, key)
