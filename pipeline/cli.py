@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from configs.errors import EnvironmentLacking, InputError, RunFailed
-from pipeline.commands import bench, examine, make
+from pipeline.commands import bench, examine, keep, make
 from pipeline.commands.diagnose import diagnose
 from pipeline.commands.measured import measured
 from pipeline.commands.pictures import pictures
@@ -50,6 +50,7 @@ def command_line() -> typer.Typer:
         app.command(rich_help_panel="Make data")(command)
     for command in (examine.verify, examine.compare, examine.contact_sheet, examine.doctor, examine.schema):
         app.command(rich_help_panel="Look at data, machine and format")(command)
+    app.command(rich_help_panel="Keep data whole")(keep.bag)
     for command in (measured, diagnose, pictures):
         app.command(rich_help_panel="Understand measured data")(command)
     benches = typer.Typer(no_args_is_help=True)

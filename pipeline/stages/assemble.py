@@ -1,7 +1,7 @@
 """Third stage: good runs put together as the released dataset, with description, metadata and checksums."""
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from configs.schema.scenario import RunSpec
 from physics.arena import Arena
+from physics.trajectory import Recording
 from pipeline.dataset.bag import BAG_INFO, bag_info
 from pipeline.dataset.camera_model import INTRINSICS, CameraModel, camera_table
 from pipeline.dataset.description import DESCRIPTION, markdown
@@ -107,24 +108,29 @@ def _release_run(workspace: Workspace, spec: RunSpec) -> dict[str, str]:
 
 
 def _fill(workspace: Workspace, spec: RunSpec, folder: Path) -> None:
-    recording = read_recording(workspace.simulate(spec.key).path)
-    rows = Rows.from_recording(recording)
     (folder / SIDE).mkdir(parents=True)
     (folder / IMAGES).mkdir()
-    write_file(folder / DATA, rows.to_csv())
-    write_file(folder / POSITIONS, image_positions(rows))
-    write_file(folder / SIDE / WHEELS.file, wheels_csv(recording))
-    write_file(folder / SIDE / TOF.file, tof_csv(recording))
-    write_file(folder / SIDE / CAMERA.file, CAMERA.to_csv(camera_table(spec, rows)))
-    write_file(folder / SIDE / INTRINSICS, CameraModel.of(spec).to_json())
-    arena = Arena.from_config(spec.arena)
-    if (obstacles := obstacle_table(arena)) is not None:
-        write_file(folder / SIDE / obstacles.file, obstacles_csv(obstacles, arena, recording))
-    write_file(folder / SIDE / SPEC, spec_text(spec))
+    for name, data in tables(spec, read_recording(workspace.simulate(spec.key).path)):
+        write_file(folder / name, data)
     for image in sorted((workspace.render(spec.key).path / IMAGES).glob("*.jpg")):
         write_file(folder / IMAGES / image.name, image.read_bytes())
     if spec.render.annotations:
         copy_released(workspace.annotate(spec.key), folder)
+
+
+def tables(spec: RunSpec, recording: Recording) -> Iterator[tuple[str, bytes]]:
+    """Every released file of a run but its pictures and annotations, by its path in the run's folder."""
+    rows = Rows.from_recording(recording)
+    yield DATA, rows.to_csv()
+    yield POSITIONS, image_positions(rows)
+    yield f"{SIDE}/{WHEELS.file}", wheels_csv(recording)
+    yield f"{SIDE}/{TOF.file}", tof_csv(recording)
+    yield f"{SIDE}/{CAMERA.file}", CAMERA.to_csv(camera_table(spec, rows))
+    yield f"{SIDE}/{INTRINSICS}", CameraModel.of(spec).to_json()
+    arena = Arena.from_config(spec.arena)
+    if (obstacles := obstacle_table(arena)) is not None:
+        yield f"{SIDE}/{obstacles.file}", obstacles_csv(obstacles, arena, recording)
+    yield f"{SIDE}/{SPEC}", spec_text(spec)
 
 
 def _take_back(workspace: Workspace, good: set[str]) -> None:
