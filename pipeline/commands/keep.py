@@ -1,15 +1,46 @@
-"""Commands that keep data whole: bag."""
+"""Commands that keep data whole: repair, bag."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from pipeline.commands.options import Out, checked_input
+from pipeline.commands.examine import FAULTS
+from pipeline.commands.options import Out, Workers, checked_input
 
 Released = Annotated[
     Path, typer.Argument(metavar="DIR", callback=checked_input, help="Dataset: the folder that holds metadata.json.")
 ]
+
+
+def repair(
+    folder: Released,
+    *,
+    remove_extra: Annotated[
+        bool, typer.Option("--remove-extra", help="Remove files that are no part of the release.")
+    ] = False,
+    workers: Workers = None,
+) -> int:
+    """Make the damaged files of a dataset again, and nothing else.
+
+    Takes what lies elsewhere in the dataset or in .stages, simulates a run again only where its trajectory is gone, and
+    renders damaged frames alone. A file gets its place only where its SHA-256 is that of the manifest. Exit code 0:
+    every file is as it was released; 4: some are not, each is named with the reason.
+
+    Example: symolo repair data
+    """
+    from pipeline.progress import report_here
+    from pipeline.repair.repair import repair as repaired
+    from pipeline.workers import cores
+
+    result = repaired(folder, workers or cores(), report_here(), typer.echo, remove_extra=remove_extra)
+    for fault in result.left:
+        typer.echo(f"not repaired: {fault}")
+    if result.left:
+        typer.echo(f"{folder}: {result.repaired} faults mended, {len(result.left)} left", err=True)
+    else:
+        typer.echo(f"{folder}: {result.repaired} faults mended, every file is as it was released")
+    return FAULTS if result.left else 0
 
 
 def bag(folder: Released, out: Out) -> None:

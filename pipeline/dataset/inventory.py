@@ -19,6 +19,9 @@ from pipeline.workspace import DONE, STAGES, Done
 
 LISTS = (MANIFEST, TAG_MANIFEST)
 
+MOST_LINES = 3000
+"""Of a manifest in which a single wrong line is looked for, which takes time by the square of their number."""
+
 
 @dataclass(frozen=True)
 class Files:
@@ -204,6 +207,12 @@ def _candidates(
     for names in ({*listed}, {*content}, {*listed} | {*assembled}):
         yield {name: assembled.get(name, content.get(name, listed.get(name, ""))) for name in names}
         yield {name: content[name] for name in names if name in content}
+    if len({*listed, *content}) <= MOST_LINES:
+        for name, digest in content.items():  # one line edited or removed, while other files are damaged too
+            if listed.get(name) != digest:
+                yield {**listed, name: digest}
+        for name in listed.keys() - content.keys():
+            yield {other: digest for other, digest in listed.items() if other != name}
 
 
 def _with_lists(
