@@ -92,7 +92,8 @@ def _repair(
     metadata = texts.read_metadata(mending)
     difference = texts.differences(mending, metadata, made_with())
     texts.write_description(mending, metadata, f"written again it is another text; {difference}")
-    devices = {record.run: _device(record.render_device) for record in metadata.runs} if metadata else {}
+    runs = metadata.runs if metadata else []
+    devices: dict[str, DeviceKind] = {record.run: _device(record.render_device) for record in runs}
     _remake(mending, metadata, Means(scratch, workers, report, devices, difference))
     texts.flip_back(mending, list(mending.wanted))
     texts.write_bag_info(mending, metadata)
