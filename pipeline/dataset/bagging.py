@@ -5,11 +5,11 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from configs.errors import InputError
+from configs.whole_files import make_folder, remove_folder, replace_folder, write_file
 from pipeline.dataset.bag import BAG_INFO, DECLARATION, bag_info, read_cpu_classes
 from pipeline.dataset.inventory import Inventory
 from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest
 from pipeline.dataset.metadata import METADATA, Metadata
-from pipeline.files import remove_folder, replace_folder, write_file
 from pipeline.progress import Report
 
 PAYLOAD = "data"
@@ -35,7 +35,7 @@ def make_bag(root: Path, out: Path, report: Report) -> int:
         raise InputError(f"is not as it was released: {fault}", where=str(root), cure=cure)
     partial = out.absolute().with_name(f".{out.name}.bag")
     remove_folder(partial)
-    (partial / PAYLOAD).mkdir(parents=True)
+    make_folder(partial / PAYLOAD)
     sizes: list[int] = []
     with report.stage("bag", len(inventory.files.digests), "files") as stage:
         for name, digest in sorted(inventory.files.digests.items()):
@@ -43,7 +43,7 @@ def make_bag(root: Path, out: Path, report: Report) -> int:
             if hashlib.sha256(data).hexdigest() != digest:
                 raise InputError("has changed meanwhile", where=str(root / name), cure="run the command again")
             copy = partial / PAYLOAD / name
-            copy.parent.mkdir(parents=True, exist_ok=True)
+            make_folder(copy.parent)
             write_file(copy, data)
             sizes.append(len(data))
             stage.update("all", len(sizes))

@@ -9,9 +9,10 @@ from blender_scenes.annotations.job import RECORDS, AnnotationJob, record_file
 from blender_scenes.annotations.record import Record
 from configs.errors import InputError
 from configs.schema.scenario import RunSpec
+from configs.whole_files import make_folder, write_file
 from pipeline.dataset.annotation_checks import ANNOTATIONS
 from pipeline.dataset.rows import read_rows
-from pipeline.files import sha256_of, write_file
+from pipeline.files import sha256_of
 from pipeline.repair.mending import Means, Mending
 from pipeline.stages.annotate import AnnotationTask
 from pipeline.stages.assemble import DATA
@@ -94,7 +95,7 @@ def _is_kept(folder: Path, digest: str) -> bool:
 
 
 def _write_job(order: Order) -> None:
-    order.task.files.mkdir(parents=True)
+    make_folder(order.task.files)
     write_file(order.task.folder.path / JOB, order.job_text.encode())
 
 

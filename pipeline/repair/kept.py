@@ -4,6 +4,7 @@ import contextlib
 from collections.abc import Iterator
 from pathlib import Path
 
+from configs.whole_files import make_folder, write_file
 from pipeline.dataset.annotation_checks import ANNOTATIONS
 from pipeline.dataset.metadata import METADATA
 from pipeline.files import sha256_of
@@ -23,8 +24,8 @@ def put_back(mending: Mending, scratch: Path) -> set[str]:
     for place in {place for place in sources.values() if place in mending.wanted}:
         # It is to be written over itself, such as one of two that were swapped.
         aside[place] = scratch / mending.inventory.files.digests[place]
-        scratch.mkdir(parents=True, exist_ok=True)
-        aside[place].write_bytes((mending.out / place).read_bytes())
+        make_folder(scratch)
+        write_file(aside[place], (mending.out / place).read_bytes())
     moved = set()
     for name, place in sources.items():
         with contextlib.suppress(OSError):

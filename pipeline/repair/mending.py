@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
 from blender_scenes.devices import DeviceKind
+from configs.whole_files import make_folder, remove_file, write_file
 from pipeline.dataset.inventory import LISTS, Inventory
-from pipeline.files import write_file
 from pipeline.progress import Report
 from pipeline.workspace import Workspace
 
@@ -110,8 +110,8 @@ class Mending:
         for parent in reversed(PurePosixPath(name).parents[:-1]):
             place = self.out / parent
             if place.is_symlink() or (place.exists() and not place.is_dir()):
-                place.unlink()
-            place.mkdir(exist_ok=True)
+                remove_file(place)
+            make_folder(place)
 
 
 def with_one_bit_less_wrong(data: bytes, digest: str) -> bytes | None:

@@ -1,19 +1,18 @@
 """`symolo repair`: exactly the damaged files of a release are made again, and placed where they are the same bytes."""
 
 import hashlib
-import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from blender_scenes.devices import GPU_KINDS, DeviceKind
 from configs.errors import InputError
+from configs.whole_files import remove_file, remove_folder, write_file
 from pipeline.dataset.bag import DECLARATION
 from pipeline.dataset.findings import Finding
 from pipeline.dataset.inventory import Inventory
 from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, tag_manifest
 from pipeline.dataset.metadata import METADATA, Metadata, made_with
-from pipeline.files import write_file
 from pipeline.progress import Report
 from pipeline.repair import drives, frames, kept, texts
 from pipeline.repair.mending import Means, Mending, with_one_bit_less_wrong
@@ -57,13 +56,13 @@ def repair(
     bare = not (root / STAGES).exists()
     with workspace.locked():
         scratch = workspace.out / STAGES / SCRATCH
-        shutil.rmtree(scratch, ignore_errors=True)
+        remove_folder(scratch)
         try:
             return _repair(workspace, scratch, workers, report, tell, remove_extra=remove_extra)
         finally:
-            shutil.rmtree(scratch, ignore_errors=True)
+            remove_folder(scratch)
             if bare:
-                shutil.rmtree(root / STAGES, ignore_errors=True)
+                remove_folder(workspace.out / STAGES)
 
 
 def _repair(
@@ -99,7 +98,7 @@ def _repair(
     texts.write_bag_info(mending, metadata)
     _write_lists(mending)
     for name in sorted(inventory.extra & (moved if not remove_extra else inventory.extra)):
-        (workspace.out / name).unlink(missing_ok=True)
+        remove_file(workspace.out / name)
         tell(f"removed: {name}: it is no part of the release")
     return _result(mending, len(faults), metadata)
 

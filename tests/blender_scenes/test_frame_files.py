@@ -1,8 +1,9 @@
+import os
+
 import cv2
 import numpy as np
 import pytest
 
-from blender_scenes import frame_files
 from blender_scenes.camera_response import encode_jpeg
 from blender_scenes.frame_files import FrameFile, Ledger, frame_name, put_in_place
 
@@ -22,7 +23,7 @@ def test_a_picture_is_put_in_place_whole_and_leaves_nothing_beside_it(tmp_path):
 
 
 def test_a_disk_that_loses_bytes_is_noticed_and_the_place_stays_empty(tmp_path, monkeypatch):
-    monkeypatch.setattr(frame_files.os, "fsync", lambda fd: frame_files.os.ftruncate(fd, 100))
+    monkeypatch.setattr(os, "fsync", lambda fd: os.ftruncate(fd, 100))
     with pytest.raises(OSError, match="100 of"):
         put_in_place(JPEG, tmp_path / "000001.jpg", 16, 12)
     assert list(tmp_path.iterdir()) == []

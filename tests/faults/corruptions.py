@@ -82,7 +82,7 @@ class Corrupter:
 
     def extra_file(self) -> list[str]:
         folder = Path(self._any()).parent
-        name = (folder / f"{self._any(['notes', '.hidden', '000099', 'data', 'copy of'])}.{self._rng.integers(10**6)}")
+        name = folder / f"{self._any(['notes', '.hidden', '000099', 'data', 'copy of'])}.{self._rng.integers(10**6)}"
         filler = self._content[self._any()] if self._rng.random() < 0.5 else self._rng.bytes(10)
         (self.copy / name).write_bytes(filler)
         return [name.as_posix()]
