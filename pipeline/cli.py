@@ -20,8 +20,8 @@ from pipeline.commands.pictures import pictures
 from pipeline.commands.preview import preview
 
 EPILOG = """Exit codes: 0 done; 1 a bug; 2 bad input or usage, nothing written; 3 a run failed, the others are finished;
-4 verify found faults, or repair left some; 5 the environment lacks something; 6, 7 compare: equal within the tolerance, different;
-130 interrupted.
+4 verify found faults, or repair left some; 5 the environment lacks something; 6, 7 compare: equal within the
+tolerance, different; 130 interrupted.
 
 First steps:
 
