@@ -55,7 +55,7 @@ def command_line() -> typer.Typer:
         app.command(rich_help_panel="Make data")(command)
     for command in (examine.verify, examine.compare, examine.contact_sheet, examine.doctor, examine.schema):
         app.command(rich_help_panel="Look at data, machine and format")(command)
-    for command in (keep.repair, keep.bag):
+    for command in (keep.status, keep.repair, keep.bag):
         app.command(rich_help_panel="Keep data whole")(command)
     for command in (measured, diagnose, pictures):
         app.command(rich_help_panel="Understand measured data")(command)

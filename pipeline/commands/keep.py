@@ -1,4 +1,4 @@
-"""Commands that keep data whole: repair, bag."""
+"""Commands that keep data whole: status, repair, bag."""
 
 from pathlib import Path
 from typing import Annotated
@@ -6,11 +6,39 @@ from typing import Annotated
 import typer
 
 from pipeline.commands.examine import FAULTS
-from pipeline.commands.options import Out, Workers, checked_input
+from pipeline.commands.options import Out, Settings, Workers, checked_input
 
 Released = Annotated[
     Path, typer.Argument(metavar="DIR", callback=checked_input, help="Dataset: the folder that holds metadata.json.")
 ]
+
+
+def status(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", callback=checked_input, help="Output folder of a release.")],
+    scenario: Annotated[
+        str | None, typer.Argument(metavar="[SCENARIO]", help="What would be run again; else what is stored.")
+    ] = None,
+    *,
+    settings: Settings = None,
+    check: Annotated[bool, typer.Option("--check", help="Hash every file; without it, damage is not seen.")] = False,
+) -> None:
+    """Say what an output folder holds, what failed, and what the next release would do and why; change nothing.
+
+    Also says whether a command works in it now, and what it takes on the disk.
+
+    Example: symolo status data symolo --set look.sun.elevation_deg=60
+    """
+    from configs.errors import InputError
+    from configs.loader import load_scenario
+    from pipeline.drawing import draw_reported
+    from pipeline.progress import report_here
+    from pipeline.status import status as lines
+
+    if settings and scenario is None:
+        raise InputError("--set", got=settings[0], cure="name the scenario that it is for")
+    specs = draw_reported(load_scenario(scenario, settings or ()), report_here()) if scenario is not None else ()
+    for line in lines(folder, specs, check=check):
+        typer.echo(line)
 
 
 def repair(
