@@ -75,6 +75,22 @@ def status(out: Path, specs: Sequence[RunSpec] = (), *, check: bool = False) -> 
     yield _disk(workspace)
 
 
+def again(workspace: Workspace, specs: Sequence[RunSpec]) -> Iterator[str]:
+    """What was done for these runs and is done again now, and why; a line for each reason."""
+    reasons: Counter[str] = Counter()
+    for spec in specs:
+        if workspace.simulate(spec.key).done() is None:
+            continue
+        simulated = _simulated(workspace, spec.key, spec, check=False)
+        changed = for_pictures(workspace, spec.key, spec)
+        if simulated.again:
+            reasons[f"simulate and render again: {simulated.again}"] += 1
+        elif changed and workspace.render(spec.key).done() is not None:
+            reasons[f"not as the images there: {told(changed)}"] += 1
+    for reason, count in reasons.items():
+        yield f"{count} {'run' if count == 1 else 'runs'}: {reason}"
+
+
 def run_status(workspace: Workspace, run: str, spec: RunSpec | None, *, check: bool = False) -> RunStatus:
     """Of one run; `spec` as the scenario asks for it now, None where no scenario is given."""
     simulate = _simulated(workspace, run, spec, check=check)
