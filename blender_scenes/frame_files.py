@@ -1,13 +1,14 @@
 """Pictures on disk: put in place whole or not at all, and known again by their hash."""
 
 import hashlib
-import os
 from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
+
+from configs.whole_files import append_line, write_file
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ def frame_name(number: int) -> str:
 
 
 def put_in_place(data: bytes, path: Path, width_px: int, height_px: int) -> str:
-    """Writes an encoded picture beside `path`, reads it back, decodes it, renames it; returns its SHA-256.
+    """Decodes an encoded picture, puts it in place and returns its SHA-256.
 
     Raises:
         OSError: The disk did not keep what was written, or the picture does not decode to its size.
@@ -48,23 +49,8 @@ def put_in_place(data: bytes, path: Path, width_px: int, height_px: int) -> str:
 
 
 def put_data_in_place(data: bytes, path: Path) -> str:
-    """Writes a file beside `path`, reads it back, renames it; returns its SHA-256.
-
-    Raises:
-        OSError: The disk did not keep what was written.
-    """
-    beside = path.with_name(f".{path.name}.tmp")  # after a kill, the next try writes over it
-    try:
-        with beside.open("wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        kept = beside.read_bytes()
-        if kept != data:
-            raise OSError(f"{path}: what is on disk is not what was written ({len(kept)} of {len(data)} bytes)")
-        beside.replace(path)
-    finally:
-        beside.unlink(missing_ok=True)
+    """Puts a file in place and returns its SHA-256; raises what `write_file` does."""
+    write_file(path, data)
     return hashlib.sha256(data).hexdigest()
 
 
@@ -82,11 +68,7 @@ class Ledger:
         self._path = images_dir.with_name(f"{images_dir.name}.jsonl")
 
     def add(self, frame: FrameFile) -> None:
-        line = _ENTRY.dump_json(_Entry(self._job_sha256, frame)) + b"\n"
-        with self._path.open("ab") as file:
-            file.write(line)
-            file.flush()
-            os.fsync(file.fileno())
+        append_line(self._path, _ENTRY.dump_json(_Entry(self._job_sha256, frame)))
 
     def whole_files(self) -> dict[str, FrameFile]:
         """Recorded files of this job that lie in the folder as they were written, by their path in it."""

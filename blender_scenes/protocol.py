@@ -38,6 +38,19 @@ class Ready:
 
 
 @dataclass(frozen=True)
+class FrameBegun:
+    number: int
+    kind: Literal["begun"] = "begun"
+
+
+@dataclass(frozen=True)
+class Alive:
+    """A sign of life, every few seconds, whatever Blender is at."""
+
+    kind: Literal["alive"] = "alive"
+
+
+@dataclass(frozen=True)
 class FrameDone:
     """A file of a frame is in place, read back and flushed to disk."""
 
@@ -52,13 +65,16 @@ class Finished:
 
 @dataclass(frozen=True)
 class Failed:
-    """The child gives up; `lacking` is what the machine has too little of, nothing where that is not the cause."""
+    """The child gives up; `lacking` is what the machine has not, nothing where that is not the cause.
+
+    Of `machine` the message says the cure itself.
+    """
 
     message: str
-    lacking: Literal["", "libraries", "space", "device"]
+    lacking: Literal["", "libraries", "machine", "device"]
     kind: Literal["failed"] = "failed"
 
 
-Message = Annotated[Ready | FrameDone | Finished | Failed, Field(discriminator="kind")]
-MESSAGE: TypeAdapter[Ready | FrameDone | Finished | Failed] = TypeAdapter(Message)
+Message = Annotated[Ready | Alive | FrameBegun | FrameDone | Finished | Failed, Field(discriminator="kind")]
+MESSAGE: TypeAdapter[Ready | Alive | FrameBegun | FrameDone | Finished | Failed] = TypeAdapter(Message)
 REQUEST: TypeAdapter[Request] = TypeAdapter(Request)

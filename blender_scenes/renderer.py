@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,20 +19,34 @@ from pydantic import ValidationError
 from blender_scenes.annotations.job import AnnotationJob
 from blender_scenes.frame_files import FrameFile, Ledger
 from blender_scenes.job import RenderJob
-from blender_scenes.protocol import MESSAGE, REQUEST, Failed, Finished, FrameDone, Message, Request, Work
+from blender_scenes.protocol import (
+    MESSAGE,
+    REQUEST,
+    Alive,
+    Failed,
+    Finished,
+    FrameBegun,
+    FrameDone,
+    Message,
+    Request,
+    Work,
+)
 from blender_scenes.surroundings import SYSTEM_PACKAGES, without_blender_settings
 from configs.errors import EnvironmentLacking
+from configs.whole_files import make_folder
 
 _JOBS: dict[Work, type[RenderJob] | type[AnnotationJob]] = {"pictures": RenderJob, "annotations": AnnotationJob}
 _CURES = {
-    "space": "free some space and run the command again",
     "libraries": f"run `apt-get install -y {SYSTEM_PACKAGES}`",
     "device": "render on the machine that has it, or give --device cpu",
 }
 _LOG_LINES = 15
-_SILENCE_S = 300.0
-_SILENCE_PER_SAMPLE_S = 2e-4
-"""Patience for each camera sample: two hundred times what one takes."""
+_SILENCE_S = 120.0
+"""Without a sign of life, of which Blender's side gives one every few seconds."""
+_PATIENCE_S = 300.0
+"""For what comes before the first frame, and for a frame besides its samples."""
+_PATIENCE_PER_SAMPLE_S = 2e-4
+"""For each camera sample: two hundred times what one takes."""
 
 
 class RenderError(RuntimeError):
@@ -55,16 +70,18 @@ def render_job(
     threads: int = 1,
     numbers: Sequence[int] | None = None,
     on_frame: Callable[[int], None] | None = None,
+    on_begin: Callable[[int], None] | None = None,
     own_files: Path | None = None,
 ) -> FrameSet:
     """Puts the files of the frames `numbers` of a job (all by default) below `folder`: pictures, or annotations.
 
-    Their bytes depend on the job and the frame's number alone. Finished files are recorded in a file beside the folder,
-    `<folder>.jsonl`; a frame whose files are all there and whole is not done again. `on_frame` hears of every frame in
-    place. `own_files` is the folder that holds the user's own files by their SHA-256, for a job that shows some.
+    Their bytes depend on the job and the frame's number alone. Finished files are recorded in a journal beside the
+    folder, `<folder>.jsonl`; a frame whose files are all there and whole is not done again. `on_frame` hears of every
+    frame in place, `on_begin` of each that is begun. `own_files` is the folder that holds the user's own files by their
+    SHA-256, for a job that shows some.
 
     Raises:
-        EnvironmentLacking: bpy cannot be loaded, the disk is full, or the job's graphics card is not there.
+        EnvironmentLacking: bpy cannot be loaded, the disk is full or refuses, or the job's graphics card is not there.
         RenderError: The Blender process failed.
         ValueError: The job is damaged or has no such frame.
     """
@@ -81,7 +98,7 @@ def render_job(
     missing = tuple(number for number in wanted if left[number])
     tell = on_frame or (lambda _number: None)
     for place in {(folder / name).parent for number in missing for name in left[number]}:
-        place.mkdir(parents=True, exist_ok=True)
+        make_folder(place)
     for number in wanted:
         if not left[number]:
             tell(number)
@@ -90,7 +107,7 @@ def render_job(
             own = str(own_files or "")
             request = Request(work, str(job_path), str(folder), missing, threads, scratch, own)
             pixels = job.camera.width_px * job.camera.height_px
-            for file in _blender_files(request, pixels * job.sampling.samples):
+            for file in _blender_files(request, pixels * job.sampling.samples, on_begin or (lambda _number: None)):
                 ledger.add(file)
                 whole[file.file] = file
                 left[file.number].discard(file.file)
@@ -99,18 +116,27 @@ def render_job(
     return FrameSet(tuple(whole[name] for number in wanted for name in files[number]), made=len(missing))
 
 
-def _blender_files(request: Request, camera_samples: int) -> Iterator[FrameFile]:
+def seed_of(job_path: Path, work: Work) -> int:
+    """The seed from which each of a job's frames draws its noise, by its number."""
+    return _JOBS[work].from_json(job_path.read_text(encoding="utf-8")).sampling.seed
+
+
+def _blender_files(request: Request, camera_samples: int, on_begin: Callable[[int], None]) -> Iterator[FrameFile]:
     """Finished files of a child process as they come; the child never outlives the iteration.
 
     `camera_samples` of a frame decide how long it may take.
     """
-    patience_s = _SILENCE_S + _SILENCE_PER_SAMPLE_S * camera_samples
+    patience_s = _PATIENCE_S + _PATIENCE_PER_SAMPLE_S * camera_samples
     with tempfile.TemporaryFile() as log:
         command = [sys.executable, "-X", "faulthandler", "-m", "blender_scenes.bpy_side"]
         environment = {**without_blender_settings(os.environ), "TMPDIR": request.scratch_dir}
         child = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log, env=environment)
         try:
-            yield from _converse(child, request, patience_s, log)
+            for message in _converse(child, request, patience_s, log):
+                if isinstance(message, FrameBegun):
+                    on_begin(message.number)
+                else:
+                    yield message.frame
         finally:
             child.kill()
             child.wait()
@@ -122,7 +148,7 @@ def _blender_files(request: Request, camera_samples: int) -> Iterator[FrameFile]
 
 def _converse(
     child: subprocess.Popen[bytes], request: Request, patience_s: float, log: IO[bytes]
-) -> Iterator[FrameFile]:
+) -> Iterator[FrameBegun | FrameDone]:
     lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     if child.stdin is None or child.stdout is None:
         raise RenderError("the Blender process has no pipes")
@@ -130,22 +156,36 @@ def _converse(
     with contextlib.suppress(BrokenPipeError):  # a child that is dead already is noticed when it is listened to
         child.stdin.write(REQUEST.dump_json(request) + b"\n")
         child.stdin.flush()
+    moved_s = time.monotonic()
     while True:
-        try:
-            line = lines.get(timeout=patience_s)
-        except queue.Empty:
-            raise RenderError(f"Blender said nothing for {patience_s:.0f} s{_tail(log)}") from None
+        line = _next_line(lines, moved_s + patience_s - time.monotonic(), patience_s, log)
         if not line:
             raise RenderError(f"the Blender process ended with status {child.wait()} before its work did{_tail(log)}")
         message = _message(line, log)
-        if isinstance(message, FrameDone):
-            yield message.frame
+        if not isinstance(message, Alive):
+            moved_s = time.monotonic()
+        if isinstance(message, FrameBegun | FrameDone):
+            yield message
         elif isinstance(message, Failed):
-            if message.lacking:
-                raise EnvironmentLacking(f"{message.message}; {_CURES[message.lacking]}")
-            raise RenderError(f"{message.message}{_tail(log)}")
+            raise _failure(message, log)
         elif isinstance(message, Finished):
             return
+
+
+def _next_line(lines: "queue.SimpleQueue[bytes]", left_s: float, patience_s: float, log: IO[bytes]) -> bytes:
+    try:
+        return lines.get(timeout=max(0.0, min(left_s, _SILENCE_S)))
+    except queue.Empty:
+        if left_s <= _SILENCE_S:
+            raise RenderError(f"Blender got no further in {patience_s:.0f} s{_tail(log)}") from None
+        raise RenderError(f"Blender gave no sign of life for {_SILENCE_S:.0f} s{_tail(log)}") from None
+
+
+def _failure(message: Failed, log: IO[bytes]) -> Exception:
+    if not message.lacking:
+        return RenderError(f"{message.message}{_tail(log)}")
+    cure = _CURES.get(message.lacking)
+    return EnvironmentLacking(f"{message.message}; {cure}" if cure else message.message)
 
 
 def _pass_lines_on(pipe: IO[bytes], lines: "queue.SimpleQueue[bytes]") -> None:

@@ -1,13 +1,9 @@
 """What of the machine the Blender process meets: libraries it needs, variables that change its pixels, a full disk."""
 
-import errno
 import os
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
-
-DISK_FULL = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
-"""EFBIG too: a limit on the size of files stops a picture as a full disk does."""
 
 SYSTEM_PACKAGES = "libgl1 libsm6 libx11-6 libxext6 libxfixes3 libxi6 libxkbcommon0 libxrender1"
 """Debian packages of the shared libraries that bpy loads: what its `DT_NEEDED` entries name, followed through."""

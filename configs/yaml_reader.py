@@ -57,7 +57,9 @@ def read_yaml(path: Path) -> Document:
     if root.value is None:
         raise InputError("the file is empty", where=name, allowed="a mapping, such as 'name: example'")
     if not isinstance(root.value, dict):
-        raise InputError("top level", where=root.where, got=root.plain(), allowed="a mapping, such as 'name: example'")
+        # Not what it holds: a stranger's scenario may name any file of the user's as the one that it extends.
+        what = f"top level is {'a list' if isinstance(root.value, tuple) else 'a single value'}"
+        raise InputError(what, where=root.where, allowed="a mapping, such as 'name: example'")
     return Document(path, root)
 
 

@@ -20,6 +20,7 @@ from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
 from diagnosis.inference.locate import located
 from diagnosis.inference.noise_level import combined, found_noises, is_open
 from diagnosis.inference.rivals import Standing, standing
+from diagnosis.inference.rounding import with_shared_rounding
 from diagnosis.inference.scatter import with_scatter
 from diagnosis.inference.selection import Selection, is_of_noise, rescued, select
 from diagnosis.inference.whole_runs import fitted_to_whole_runs
@@ -150,7 +151,7 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     standings = [standing(evidence, fit, effect, library.testable) for effect in fit.hypothesis.effects]
     if left.is_adequate:
         fit, standings = _best_named(evidence, fit, standings, library.testable)
-    fit = _over_whole_runs(measurement, evidence, fit)
+    fit = with_shared_rounding(evidence, _over_whole_runs(measurement, evidence, fit))
     kept = {effect.name for effect in fit.hypothesis.effects}
     extended = fit.hypothesis.robot(fit.x)
     calibrated = selection.nominal.hypothesis.robot(selection.nominal.x)

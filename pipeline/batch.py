@@ -24,7 +24,8 @@ from pipeline.stages.simulate_runs import (
     simulate_runs,
     simulation_key,
 )
-from pipeline.workers import cores
+from pipeline.worker_process import Limits
+from pipeline.workers import BY_LIMITS, cores
 from pipeline.workspace import Kind, Workspace
 
 
@@ -37,6 +38,8 @@ class Batch:
     workspace: Workspace
     workers: int
     device: DeviceKind = "CPU"
+    limits: Limits = BY_LIMITS
+    """Of each worker."""
 
     @classmethod
     def open(
@@ -48,6 +51,7 @@ class Batch:
         report: Report,
         *,
         pictured: bool = True,
+        limits: Limits = BY_LIMITS,
     ) -> "Batch":
         """Load and draw the scenario and see that there is room for it, and what it is rendered on where `pictured`.
 
@@ -60,7 +64,7 @@ class Batch:
         check_out(out, Kind.DATASET)
         check_disk(out, Plan.of(specs, cores()).bytes_needed)
         device = device_for(specs[0].render.device) if pictured else "CPU"
-        return cls(loaded, specs, Workspace(out.absolute()), workers or cores(), device)
+        return cls(loaded, specs, Workspace(out.absolute()), workers or cores(), device, limits)
 
     def keep_own_files(self) -> None:
         """Copy the user's own files for the renderers: before the runs are simulated, which leaves time to change them.
@@ -71,7 +75,7 @@ class Batch:
         keep_own_files((spec.look for spec in self.specs), self.loaded.assets, self.workspace.own_files)
 
     def simulate(self, report: Report) -> list[FailedRun]:
-        return simulate_runs(self.workspace, self.specs, self.workers, report)
+        return simulate_runs(self.workspace, self.specs, self.workers, report, self.limits)
 
     def simulated(self) -> list[FailedRun]:
         """Problems of runs simulated before.
@@ -91,9 +95,11 @@ class Batch:
     def render(self, failures: Sequence[FailedRun], report: Report) -> list[FailedRun]:
         """Images, and then what is known of those that were rendered."""
         tasks: list[FrameTask] = []
-        failed = render_runs(_noted(self._render_orders(failures), tasks), self.workers, report)
+        failed = render_runs(_noted(self._render_orders(failures), tasks), self.workers, report, limits=self.limits)
         orders = self._annotation_orders(tasks, failed)
-        return failed + (render_runs(orders, self.workers, report, "annotate") if self._annotated else [])
+        if self._annotated:
+            failed += render_runs(orders, self.workers, report, "annotate", self.limits)
+        return failed
 
     def rendered(self, failures: Sequence[FailedRun]) -> list[FailedRun]:
         """Problems of runs rendered before.

@@ -1,5 +1,6 @@
 """The command `symolo`: commands, exit codes, and errors as one clear line."""
 
+import os
 import signal
 import threading
 import traceback
@@ -10,13 +11,13 @@ from typing import Annotated
 
 import typer
 
-from configs.errors import EnvironmentLacking, InputError, RunFailed
+from configs.errors import EnvironmentLacking, InputError, RunFailed, one_line
+from configs.refusals import lacking
 from pipeline.commands import bench, examine, make
 from pipeline.commands.diagnose import diagnose
 from pipeline.commands.measured import measured
 from pipeline.commands.pictures import pictures
 from pipeline.commands.preview import preview
-from pipeline.files import DISK_FULL
 
 EPILOG = """Exit codes: 0 done; 1 a bug; 2 bad input or usage, nothing written; 3 a run failed, the others are finished;
 4 verify found faults; 5 the environment lacks something; 130 interrupted.
@@ -31,6 +32,10 @@ symolo verify data
 
 symolo rerender data/CW/test_1 --look lab --out lab
 """
+
+
+INTERRUPTED = 130
+AT_ONCE = "interrupted twice, ended at once; run the same command again to continue"
 
 
 def command_line() -> typer.Typer:
@@ -99,28 +104,39 @@ def _run(arguments: Sequence[str] | None, interrupted: threading.Event) -> int:
     except Exception as error:  # noqa: BLE001 - the last line of defence gives a bug its exit code
         if interrupted.is_set():
             return _interrupted()
-        if isinstance(error, OSError) and error.errno in DISK_FULL:
-            return _fail(5, f"{error}; free some space and run the command again")
+        if told := lacking(error):
+            return _fail(5, one_line(told))
         return _bug()
-    return _interrupted() if code == 130 else int(code or 0)
+    return _interrupted() if code == INTERRUPTED else int(code or 0)
 
 
 @contextmanager
 def _interrupts_noted() -> Iterator[threading.Event]:
-    """Set the event at a SIGINT, for a library may make another error of a KeyboardInterrupt in its midst."""
+    """Set the event at a SIGINT or SIGTERM, which interrupts; a second one ends the process at once.
+
+    The event, for a library may make another error of a KeyboardInterrupt in its midst.
+    """
     noted = threading.Event()
 
-    def note(number: int, frame: FrameType | None) -> None:
+    def note(_number: int, _frame: FrameType | None) -> None:
+        if noted.is_set():
+            # Workers see the pipe close and end themselves; what is on the disk is whole at any instant.
+            os.write(2, f"symolo: {AT_ONCE}\n".encode())
+            os._exit(INTERRUPTED)
         noted.set()
-        signal.default_int_handler(number, frame)
+        raise KeyboardInterrupt
 
-    before = signal.getsignal(signal.SIGINT)
-    if before is signal.default_int_handler:  # and not ignored, as in a background job
-        signal.signal(signal.SIGINT, note)
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    # Not those that are ignored, as SIGINT is in a background job.
+    heeded = {signal.default_int_handler, signal.SIG_DFL}
+    noticed = [number for number, handler in before.items() if handler in heeded]
+    for number in noticed:
+        signal.signal(number, note)
     try:
         yield noted
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number in noticed:
+            signal.signal(number, before[number])
 
 
 def _fail(code: int, text: str) -> int:
@@ -129,7 +145,7 @@ def _fail(code: int, text: str) -> int:
 
 
 def _interrupted() -> int:
-    return _fail(130, "interrupted; run the same command again to continue")
+    return _fail(INTERRUPTED, "interrupted, nothing is lost; run the same command again to continue")
 
 
 def _bug() -> int:

@@ -9,16 +9,17 @@ from configs.draw import draw_robot
 from configs.errors import InputError
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
+from configs.whole_files import make_folder, remove_file, write_file
 from diagnosis.importers.blind import read_blind
 from diagnosis.importers.choose import read_measurement
 from diagnosis.measured.case_format import BLIND, DATA
 from diagnosis.measured.nominal import NOMINAL
-from pipeline.files import write_file
 from pipeline.importers import IMPORTERS
 from pipeline.importers.run_folder import robots_of
 from pipeline.progress import Report
+from pipeline.reading import Reading
 from pipeline.units import TRACEBACK, DiagnoseUnit, Failed, Finished
-from pipeline.workers import AnyEvent, AnyUnit, UnitFailure, run_units
+from pipeline.workers import AnyEvent, AnyUnit, Retried, UnitFailure, run_units
 from pipeline.workspace import STAGES
 
 ONE_THREAD = MappingProxyType({"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"})
@@ -36,8 +37,7 @@ class Case:
 class Asked:
     """Of all cases."""
 
-    importer: str | None
-    """By name; None for the one that recognises a case."""
+    reading: Reading
     nominal: str
     """A robot as JSON text; empty for none."""
     pybullet: bool
@@ -102,7 +102,7 @@ def diagnose_cases(
         DiagnoseUnit(
             name=case.name,
             case=case.path,
-            importer=asked.importer,
+            reading=asked.reading,
             nominal=asked.nominal,
             pybullet=asked.pybullet,
             against=asked.against,
@@ -118,6 +118,8 @@ def diagnose_cases(
                 stage.update(unit.name, 1.0)
             if isinstance(event, Failed) and not alone:
                 stage.say(f"{unit.name}: {event.text}")
+            if isinstance(event, Retried):
+                stage.say(event.text)
 
         failures = run_units(units, workers, on_event, ONE_THREAD)
     order = [case.name for case in cases]
@@ -131,7 +133,7 @@ def folder_of(case: Case, out: Path, *, alone: bool) -> Path:
 
 def diagnose_into(
     path: Path,
-    importer: str | None,
+    reading: Reading,
     nominal: str,
     folder: Path,
     *,
@@ -148,12 +150,12 @@ def diagnose_into(
 
     robot = RobotConfig.model_validate_json(nominal) if nominal else None
     release = None if against is None else read_measurement(against, IMPORTERS)
-    measured = read_measurement(path, IMPORTERS, importer)
+    measured = reading.measurement(path)
     unseen = read_blind(path if path.is_dir() else path.parent, measured.kind) if measured.kind in BLIND else {}
     made = files(diagnose(measured, robot), pybullet=pybullet, release=release, unseen=unseen)
-    (folder / PLOTS).mkdir(parents=True, exist_ok=True)
+    make_folder(folder / PLOTS)
     for old in (folder / VARIED_FILE, folder / TRACEBACK, *(folder / PLOTS).iterdir()):
         if old.relative_to(folder).as_posix() not in made:
-            old.unlink(missing_ok=True)
+            remove_file(old)
     for name, data in made.items():
         write_file(folder / name, data)

@@ -5,6 +5,7 @@ import tempfile
 from pathlib import Path
 
 from configs.errors import EnvironmentLacking, InputError
+from configs.refusals import NOT_THERE
 from pipeline.dataset.manifest import MANIFEST
 from pipeline.paths import nearest_existing
 from pipeline.stages.assemble import read_metadata
@@ -49,6 +50,9 @@ def check_out(out: Path, kind: Kind, *, within_looks: bool = False) -> None:
 
 
 def _check_kind(out: Path, kind: Kind, where: str) -> None:
+    if (out / STAGES).is_symlink():
+        what = f"{STAGES} in it is a link, and what lies behind it is not this folder's"
+        raise InputError(what, where=where, cure="put the folder itself there, or name another --out")
     there = kind_of(out)
     if there is None and not (out / STAGES).is_dir() and any(out.iterdir()):
         raise InputError("holds files that symolo did not make", where=where, cure=NEW_OR_EMPTY)
@@ -63,7 +67,7 @@ def kind_of(out: Path) -> Kind | None:
     """
     try:
         return Kind((out / STAGES / KIND).read_text(encoding="ascii").strip())
-    except (OSError, ValueError):
+    except (*NOT_THERE, ValueError):
         released = (out / MANIFEST).is_file() and read_metadata(out) is not None
         return Kind.DATASET if released or (out / STAGES / "simulate").is_dir() else None
 

@@ -6,8 +6,9 @@ from pathlib import Path
 
 from configs.errors import InputError
 from configs.schema.look import LookConfig
+from configs.whole_files import make_folder, write_file
 from configs.yaml_reader import displayed
-from pipeline.files import sha256_of, write_file
+from pipeline.files import sha256_of
 
 
 def keep_own_files(looks: Iterable[LookConfig], places: Mapping[str, Path], folder: Path) -> None:
@@ -32,5 +33,5 @@ def keep_own_files(looks: Iterable[LookConfig], places: Mapping[str, Path], fold
             raise InputError("is gone since it was read", where=where, cure="put it back") from None
         if sha256(data).hexdigest() != digest:
             raise InputError("has changed since it was read", where=where, cure="run the command again")
-        folder.mkdir(parents=True, exist_ok=True)
+        make_folder(folder)
         write_file(kept, data)

@@ -11,7 +11,6 @@ import numpy as np
 from pydantic import ValidationError
 
 from blender_scenes.devices import device_for
-from blender_scenes.frame_files import frame_name
 from configs.draw import draw_arena, draw_look, draw_render, draw_robot
 from configs.errors import InputError
 from configs.lens import lens_problem
@@ -21,11 +20,12 @@ from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec
 from configs.streams import stream
 from configs.tree import dotted
+from configs.whole_files import make_folder, move, remove_file, remove_folder, replace_folder, write_file
 from pipeline.dataset.annotation_checks import ANNOTATIONS
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Ints, Rows, read_rows
 from pipeline.dataset.side import image_positions
-from pipeline.files import canonical_json, hashes_of, holds, remove_folder, replace_folder, sync_folder, write_file
+from pipeline.files import canonical_json, hashes_of, holds, read_known
 from pipeline.output import check_disk, check_out
 from pipeline.own_files import keep_own_files
 from pipeline.plan import BYTES_PER_JOB, pictures_bytes
@@ -44,6 +44,8 @@ from pipeline.stages.render import (
     render_runs,
 )
 from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
+from pipeline.worker_process import Limits
+from pipeline.workers import BY_LIMITS
 from pipeline.workspace import Kind, Workspace, input_key, mark_done
 
 CARRIER = "symolo"
@@ -122,7 +124,13 @@ def open_folders(source: Source, draws: Sequence[Draw], out: Path, *, apart: boo
 
 
 def render_source(
-    source: Source, draws: Sequence[Draw], folders: Sequence[Workspace], workers: int, report: Report
+    source: Source,
+    draws: Sequence[Draw],
+    folders: Sequence[Workspace],
+    workers: int,
+    report: Report,
+    *,
+    limits: Limits = BY_LIMITS,
 ) -> list[FailedRun]:
     """Render what `prepare` found, annotate it where asked for, and fill a folder with each of it."""
     places = {draw.name: (draw, folder) for draw, folder in zip(draws, folders, strict=True)}
@@ -144,9 +152,9 @@ def render_source(
                 annotations[name] = order.task
                 yield order
 
-    failures = render_runs(picture_orders(), workers, report)
+    failures = render_runs(picture_orders(), workers, report, limits=limits)
     failed = {failure.run for failure in failures}
-    failures += render_runs(annotation_orders(), workers, report, "annotate")
+    failures += render_runs(annotation_orders(), workers, report, "annotate", limits)
     failed = {failure.run for failure in failures}
     for name, (draw, folder) in places.items():
         if name not in failed:
@@ -307,25 +315,23 @@ def _publish(task: FrameTask, annotations: FrameTask | None, source: Source, loo
     partial = marker.start()
     _fill(task, annotations, source, look, partial)
     hashes = hashes_of(partial)
-    (out / FRAMES).unlink(missing_ok=True)
-    sync_folder(out)
+    remove_file(out / FRAMES)
     replace_folder(partial / IMAGES, out / IMAGES)
     remove_folder(out / ANNOTATIONS)
     if annotations:
         replace_folder(partial / ANNOTATIONS, out / ANNOTATIONS)
     for name in (DATA, POSITIONS, JOB, LOOK, FRAMES):
-        (partial / name).replace(out / name)
-    sync_folder(out)
-    marker.path.mkdir(exist_ok=True)
+        move(partial / name, out / name)
+    make_folder(marker.path)
     mark_done(marker.path, key, hashes)
     partial.rmdir()
 
 
 def _fill(task: FrameTask, annotations: FrameTask | None, source: Source, look: bytes, folder: Path) -> None:
-    (folder / IMAGES).mkdir()
-    for frame in task.frames:
-        name = frame_name(frame.number)
-        write_file(folder / IMAGES / name, (task.files / name).read_bytes())
+    make_folder(folder / IMAGES)
+    for name, digest in sorted(task.folder.files().items()):
+        if name.startswith(f"{IMAGES}/"):
+            write_file(folder / name, read_known(task.folder.path / name, digest))
     if annotations:
         copy_released(annotations.folder, folder)
     write_file(folder / DATA, source.data)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from configs.errors import InputError
-from pipeline.files import write_file
+from configs.whole_files import write_file
 
 Pixels = NDArray[np.uint8]
 

@@ -1,14 +1,15 @@
 """The unit of work, such as a run to simulate or a block of frames to render, and what a worker says while doing it."""
 
 import traceback
-from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal, Protocol, Self
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
 from blender_scenes.protocol import Work
 from configs.errors import EnvironmentLacking, InputError, RunFailed
+from configs.whole_files import make_folder, write_file
+from pipeline.reading import Reading
 
 
 class Message(BaseModel):
@@ -17,25 +18,63 @@ class Message(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class SimulateUnit(Message):
-    kind: Literal["simulate"] = "simulate"
+class EngineFailed(Exception):  # noqa: N818 - an outcome with a name, as `RunFailed` is
+    """An engine died, hung or gave up; another try may do better."""
+
+
+class Tell(Protocol):
+    """Called by a unit while it is done."""
+
+    def __call__(self, share: float, at: int | None = None) -> None:
+        """How much of the unit is done, 0 to 1, and which of its frames is begun."""
+        ...
+
+
+class UnitOfWork(Message):
+    """What every kind of unit has; the supervisor asks for no more."""
+
+    patience_s: ClassVar[float] = float("inf")
+    """How long it may get no further before it is ended."""
+    shares_a_worker: ClassVar[bool] = True
+    """Whether it is done in a process that has done another one before, with the same bytes and no more memory."""
+
     name: str
+
+    def part(self, frame: int) -> str:
+        """What a frame of the unit is called."""
+        return f"image {frame}"
+
+    def set_aside(self, frame: int, tries: int, cause: str) -> str:
+        """What to say of a frame that failed in every try."""
+        return f"{self.part(frame)} was given up after {tries} tries: {cause}"
+
+    def without(self, frame: int) -> Self | None:  # noqa: ARG002 - a unit of one piece has no frames
+        """The unit less one of its frames; None where nothing is left."""
+        return None
+
+
+class SimulateUnit(UnitOfWork):
+    patience_s: ClassVar[float] = 900.0
+    """For a second of driving, of which it takes one at most on a slow machine."""
+
+    kind: Literal["simulate"] = "simulate"
     spec: str
     """The run specification as JSON text."""
     folder: Path
     key: str
     """Input key of the stage."""
 
-    def run(self, progress: Callable[[float], None]) -> None:
+    def run(self, progress: Tell) -> None:
         from pipeline.stages.simulate_runs import simulate_into  # noqa: PLC0415 - loads pybullet, in the worker alone
 
         simulate_into(self.spec, self.folder, self.key, progress)
 
 
-class RenderUnit(Message):
+class RenderUnit(UnitOfWork):
+    """A block of frames. How long Blender may take for one is for the renderer to say, which knows their size."""
+
     kind: Literal["render"] = "render"
     work: Work
-    name: str
     job: Path
     folder: Path
     """For the pictures, or for the files of the annotations."""
@@ -44,10 +83,15 @@ class RenderUnit(Message):
     own_files: Path | None = None
     """Folder of the user's own files by their SHA-256; only pictures show any."""
 
-    def run(self, progress: Callable[[float], None]) -> None:
+    def run(self, progress: Tell) -> None:
         from blender_scenes.renderer import RenderError, render_job  # noqa: PLC0415 - opencv, in the worker alone
 
-        shares = iter(index / len(self.numbers) for index in range(1, len(self.numbers) + 1))
+        done: list[int] = []
+
+        def on_frame(number: int) -> None:
+            done.append(number)
+            progress(len(done) / len(self.numbers))
+
         try:
             render_job(
                 self.job,
@@ -55,24 +99,37 @@ class RenderUnit(Message):
                 work=self.work,
                 threads=self.threads,
                 numbers=self.numbers,
-                on_frame=lambda _number: progress(next(shares, 1.0)),
+                on_frame=on_frame,
+                on_begin=lambda number: progress(len(done) / len(self.numbers), number),
                 own_files=self.own_files,
             )
         except RenderError as error:
-            raise RunFailed(str(error)) from error
+            raise EngineFailed(str(error)) from error
+
+    def set_aside(self, frame: int, tries: int, cause: str) -> str:
+        from blender_scenes.renderer import seed_of  # noqa: PLC0415 - as above
+
+        told = f"image {frame} (seed {seed_of(self.job, self.work)}) was given up after {tries} tries"
+        # The cause last, for it may end with a log.
+        return f"{told}; the same command tries it alone, for the others are there: {cause}"
+
+    def without(self, frame: int) -> Self | None:
+        rest = tuple(number for number in self.numbers if number != frame)
+        return self.model_copy(update={"numbers": rest}) if rest else None
 
 
 TRACEBACK = "traceback.txt"
 """In the folder of a case whose diagnosis met a bug."""
 
 
-class DiagnoseUnit(Message):
+class DiagnoseUnit(UnitOfWork):
+    shares_a_worker: ClassVar[bool] = False
+    """Libraries for fits and plots keep what they have seen."""
+
     kind: Literal["diagnose"] = "diagnose"
-    name: str
     case: Path
     """As the user typed it; it may be a table of the paper."""
-    importer: str | None
-    """What `--as` says."""
+    reading: Reading
     nominal: str
     """The nominal robot as JSON text; empty for that of the case's own parameters."""
     folder: Path
@@ -83,13 +140,13 @@ class DiagnoseUnit(Message):
     alone: bool
     """Whether it is the only case, so that what is wrong with it is wrong with the command."""
 
-    def run(self, progress: Callable[[float], None]) -> None:
+    def run(self, progress: Tell) -> None:
         from pipeline.diagnosing import diagnose_into  # noqa: PLC0415 - scipy and matplotlib, in the worker alone
 
         del progress
         try:
             diagnose_into(
-                self.case, self.importer, self.nominal, self.folder, pybullet=self.pybullet, against=self.against
+                self.case, self.reading, self.nominal, self.folder, pybullet=self.pybullet, against=self.against
             )
         except InputError as error:
             if self.alone:
@@ -101,9 +158,9 @@ class DiagnoseUnit(Message):
             if self.alone:
                 raise
             # A bug that one case brings out is no reason to lose the others; its traceback is kept.
-            self.folder.mkdir(parents=True, exist_ok=True)
+            make_folder(self.folder)
             note = self.folder / TRACEBACK
-            note.write_text(traceback.format_exc(), encoding="utf-8")
+            write_file(note, traceback.format_exc().encode())
             told = f"a bug of symolo: {type(error).__name__}: {error}".splitlines()[0]
             raise RunFailed(f"{told}; please report it with {note}") from error
 
@@ -116,6 +173,14 @@ class Progress(Message):
     kind: Literal["progress"] = "progress"
     share: float
     """How much of the unit is done, 0 to 1."""
+    at: int | None = None
+    """The frame that is begun."""
+
+
+class Alive(Message):
+    """A sign of life while nothing else is to be said."""
+
+    kind: Literal["alive"] = "alive"
 
 
 class Finished(Message):
@@ -124,11 +189,12 @@ class Finished(Message):
 
 class Failed(Message):
     kind: Literal["failed"] = "failed"
-    error: Literal["input", "environment", "run", "bug", "killed"]
+    error: Literal["input", "environment", "run", "bug", "killed", "engine"]
     text: str
 
 
-Event = Annotated[Progress | Finished | Failed, Field(discriminator="kind")]
+AnyMessage = Progress | Alive | Finished | Failed
+Event = Annotated[AnyMessage, Field(discriminator="kind")]
 
 UNITS: TypeAdapter[AnyUnit] = TypeAdapter(Unit)
-EVENTS: TypeAdapter[Progress | Finished | Failed] = TypeAdapter(Event)
+EVENTS: TypeAdapter[AnyMessage] = TypeAdapter(Event)

@@ -1,5 +1,6 @@
 """Versions of this program and its engines, read without importing them."""
 
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 
 
@@ -8,6 +9,7 @@ def versions(*packages: str) -> dict[str, str]:
     return {package: installed_version(package) or "missing" for package in packages}
 
 
+@cache
 def installed_version(package: str) -> str | None:
     try:
         return version(package)

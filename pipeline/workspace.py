@@ -5,15 +5,16 @@ import enum
 import fcntl
 import hashlib
 import os
-import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from configs.errors import InputError
-from pipeline.files import canonical_json, hashes_of, holds, remove_leftovers, replace_folder, write_file
+from configs.errors import EnvironmentLacking, InputError
+from configs.refusals import NOT_THERE
+from configs.whole_files import make_folder, remove_folder, remove_leftovers, replace_folder, write_file
+from pipeline.files import canonical_json, hashes_of, holds
 
 DONE, FAILED = "done.json", "failed.json"
 STAGES = ".stages"
@@ -76,8 +77,8 @@ class StageFolder:
     def start(self) -> Path:
         """An empty folder beside the final one, to be filled and handed to `publish`."""
         partial = self.path.with_name(self.path.name + PARTIAL)
-        shutil.rmtree(partial, ignore_errors=True)
-        partial.mkdir(parents=True)
+        remove_folder(partial)
+        make_folder(partial)
         return partial
 
     def publish(self, partial: Path, key: str) -> None:
@@ -92,15 +93,26 @@ class StageFolder:
         """Why nothing came of these inputs; empty where that is not known."""
         try:
             failed = _Failed.model_validate_json((self.path / FAILED).read_bytes())
-        except (OSError, ValidationError):
+        except (*NOT_THERE, ValidationError):
             return ""
         return failed.problem if failed.key == key else ""
+
+    def files(self) -> dict[str, str]:
+        """SHA-256 of the finished stage's files by their path inside.
+
+        Raises:
+            EnvironmentLacking: It is not finished, though it was a moment ago.
+        """
+        done = self.done()
+        if done is None:
+            raise EnvironmentLacking(f"{self.path} has changed since it was made; run the same command again")
+        return done.files
 
     def done(self) -> Done | None:
         """What `done.json` says, None while the stage is not finished."""
         try:
             return Done.model_validate_json((self.path / DONE).read_bytes())
-        except (OSError, ValidationError):
+        except (*NOT_THERE, ValidationError):
             return None
 
 
@@ -137,7 +149,7 @@ class Workspace:
     @contextlib.contextmanager
     def locked(self) -> Iterator[None]:
         """Hold the folder for this process; the operating system lets go of it however the process ends."""
-        (self.out / STAGES).mkdir(parents=True, exist_ok=True)
+        make_folder(self.out / STAGES)
         descriptor = os.open(self.out / STAGES, os.O_RDONLY | os.O_DIRECTORY)
         try:
             self._lock(descriptor)
@@ -149,10 +161,11 @@ class Workspace:
             os.close(descriptor)
 
     def _sweep(self) -> None:
-        """Free the released part of what a killed command left; no stage looks there for its own leftovers."""
+        """Free the folder of what a killed command left unfinished."""
         routes = [path for path in self.out.iterdir() if path.is_dir() and not path.name.startswith(".")]
         for folder in (self.out, *routes):
             remove_leftovers(folder)
+        remove_leftovers(self.out / STAGES, below=True)
 
     def _lock(self, descriptor: int) -> None:
         try:

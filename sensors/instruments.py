@@ -23,7 +23,7 @@ def read_settled_speed_rad_s(terms: Terms, speed_rad_s: Array) -> Array:
 
 
 def read_speed_rad_s(terms: Terms, t_s: Array, speed_rad_s: Array) -> Array:
-    """Readings (N, ...) at the times (N,) of the true speeds, which the filter takes as held up to their time.
+    """Readings (N, ...) at the times (N,) of the true speeds, which go on straight lines between them.
 
     Wheels stand still up to time 0. A log may begin later, as that of the motor bench does by one row.
     """
@@ -33,8 +33,8 @@ def read_speed_rad_s(terms: Terms, t_s: Array, speed_rad_s: Array) -> Array:
     reading = read_settled_speed_rad_s(terms, speed_rad_s)
     for low_pass in effects(SENSOR_TERMS, terms, Slot.SPEED_FILTER):
         rows = [reading[0]]
-        for row, duration_s in zip(reading[1:], np.diff(t_s).tolist(), strict=True):
-            rows.append(low_pass(rows[-1], row, duration_s))
+        for before, row, duration_s in zip(reading[:-1], reading[1:], np.diff(t_s).tolist(), strict=True):
+            rows.append(low_pass(rows[-1], before, row, duration_s))
         reading = np.stack(np.broadcast_arrays(*rows))
     delay_s = through(effects(SENSOR_TERMS, terms, Slot.SPEED_DELAY), 0.0)
     return reading if np.all(delay_s == 0.0) else _earlier(reading, t_s, delay_s)

@@ -13,8 +13,19 @@ from blender_scenes.annotations.job import AnnotationJob
 from blender_scenes.camera_response import develop, encode_jpeg, median_luminance
 from blender_scenes.frame_files import FrameFile, frame_name, put_in_place
 from blender_scenes.job import RenderJob
-from blender_scenes.protocol import MESSAGE, REQUEST, Failed, Finished, FrameDone, Message, Ready, Request
-from blender_scenes.surroundings import DISK_FULL
+from blender_scenes.protocol import (
+    MESSAGE,
+    REQUEST,
+    Alive,
+    Failed,
+    Finished,
+    FrameBegun,
+    FrameDone,
+    Message,
+    Ready,
+    Request,
+)
+from configs.refusals import lacking
 
 
 def main() -> int:
@@ -23,6 +34,7 @@ def main() -> int:
     os.dup2(2, 1)  # whatever Blender prints goes to the log
     request = REQUEST.validate_json(sys.stdin.readline())
     threading.Thread(target=_leave_with_the_renderer, args=(request.scratch_dir,), daemon=True).start()
+    threading.Thread(target=_keep_saying_so, args=(replies,), daemon=True).start()
     try:
         import bpy  # noqa: F401, PLC0415 - a missing system library is reported, not raised
     except ImportError as error:
@@ -33,9 +45,9 @@ def main() -> int:
     except LookupError as error:
         _say(replies, Failed(str(error), lacking="device"))
         raise
-    except (OSError, ValueError, RuntimeError) as error:
-        full = isinstance(error, OSError) and error.errno in DISK_FULL
-        _say(replies, Failed(str(error), lacking="space" if full else ""))
+    except (OSError, ValueError, RuntimeError, MemoryError) as error:
+        told = lacking(error)
+        _say(replies, Failed(told or str(error), lacking="machine" if told else ""))
         raise
     _say(replies, Finished())
     return 0
@@ -54,6 +66,7 @@ def _render(request: Request, replies: TextIO) -> None:
     _say(replies, Ready(time.perf_counter() - begin))
     for number in request.numbers:
         begin = time.perf_counter()
+        _say(replies, FrameBegun(number))
         pixels = develop(engine.frame_light(job, views[number]), job.response, metered, number)
         data = encode_jpeg(pixels, job.response.jpeg_quality)
         path = Path(request.folder) / frame_name(number)
@@ -70,6 +83,7 @@ def _annotate(request: Request, replies: TextIO) -> None:
     annotate.start(job, request.threads, Path(request.scratch_dir))
     _say(replies, Ready(time.perf_counter() - begin))
     for number in request.numbers:
+        _say(replies, FrameBegun(number))
         for file in annotate.annotate(job, views[number], Path(request.folder)):
             _say(replies, FrameDone(file))
 
@@ -77,9 +91,21 @@ def _annotate(request: Request, replies: TextIO) -> None:
 _WORK = {"pictures": _render, "annotations": _annotate}
 
 
+_SECONDS_BETWEEN_BEATS = 5.0
+_SPEAKING = threading.Lock()
+
+
 def _say(replies: TextIO, message: Message) -> None:
-    replies.write(MESSAGE.dump_json(message).decode() + "\n")
-    replies.flush()
+    with _SPEAKING:
+        replies.write(MESSAGE.dump_json(message).decode() + "\n")
+        replies.flush()
+
+
+def _keep_saying_so(replies: TextIO) -> None:
+    """Cycles lets other threads run while it renders; a process that is stopped or stuck falls silent."""
+    while True:
+        time.sleep(_SECONDS_BETWEEN_BEATS)
+        _say(replies, Alive())
 
 
 def _leave_with_the_renderer(scratch_dir: str) -> None:

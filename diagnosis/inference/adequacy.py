@@ -14,15 +14,17 @@ in for the unknown cause loses its significance when they take its place.
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import f as f_distribution
 
-from diagnosis.inference.bases import Basis, any_function, bases
+from diagnosis.inference.bases import RUNS_OF_ROWS, Basis, any_function, bases, standing_out
 from diagnosis.inference.evidence import Evidence
 from diagnosis.inference.fit import Fit
 from diagnosis.inference.hypothesis import Effect, moved
 from diagnosis.inference.likelihood import robust_weight
 from diagnosis.inference.projection import beyond, orthonormal
-from diagnosis.measured.channel import Array, Mask
+from diagnosis.measured.channel import Array
+from diagnosis.stages.base import ROW_TIME
 
 LEVEL = 0.001
 """Probability, over all tests together, of calling an adequate model inadequate."""
@@ -64,7 +66,7 @@ class Structure:
 @dataclass(frozen=True)
 class Adequacy:
     structures: tuple[Structure, ...]
-    """The best of each quantity and covariate, the most significant first."""
+    """The best of each quantity and covariate, the most significant first; rows that stand out together, apart."""
 
     @property
     def is_adequate(self) -> bool:
@@ -87,20 +89,30 @@ def adequacy(evidence: Evidence, fit: Fit, beside: Array | None = None) -> Adequ
         rows = evidence.fit[place]
         if np.count_nonzero(rows) < 8:
             continue
-        for rank, covariate in enumerate(quantity.covariates):
+        inside = np.arange(place.start, place.stop)[rows]
+        along = [(rank, of, bases(of, rows)) for rank, of in enumerate(quantity.covariates)]
+        along += [
+            (rank, of, standing_out(tangents.left[inside], quantity.trial[rows]))
+            for rank, of, _ in along
+            if of.name == ROW_TIME
+        ]
+        for rank, covariate, functions in along:
             best: Structure | None = None
-            for basis in bases(covariate, rows):
-                p, gain = tangents.test(place, rows, basis)
+            for basis in functions:
+                p, gain = tangents.test(inside, basis)
                 p = min(1.0, p * basis.tries) if gain >= MATERIAL else 1.0
                 if best is None or p < best.p:
                     names = (quantity.name, quantity.channel, covariate.name)
                     columns = np.zeros((len(evidence.values), basis.columns.shape[1]))
-                    columns[place][rows] = basis.columns
+                    columns[inside] = basis.columns
                     best = Structure(*names, basis.what, p, gain, rank, columns)
             if best is not None:
                 found.append(best)
     whole = [replace(structure, p=min(1.0, structure.p * len(found))) for structure in found]
-    return Adequacy(tuple(sorted(whole, key=lambda s: (s.p, -s.explainable))))
+    told = {s.observed for s in whole if s.p < LEVEL and s.what != RUNS_OF_ROWS}
+    # What is a function of something also makes runs of rows stand out, which then tell nothing more.
+    left = [s for s in whole if s.what != RUNS_OF_ROWS or s.observed not in told]
+    return Adequacy(tuple(sorted(left, key=lambda s: (s.p, -s.explainable))))
 
 
 class _Tangents:
@@ -113,18 +125,18 @@ class _Tangents:
         padded = np.concatenate([beside * self._root[:, None], np.zeros((len(fit.x), beside.shape[1]))])
         self._basis = orthonormal(np.concatenate([fit.tangents(self._root), padded], axis=1))
         left = replace(fit, x=x).left(np.clip(z, -CLIP, CLIP), self._root)
-        self._left = left - self._basis @ (self._basis.T @ left)
+        self.left = left - self._basis @ (self._basis.T @ left)
+        """(N + P,), clipped residuals less all that the model could still take, in sigmas and weighed."""
 
-    def test(self, place: slice, rows: Mask, basis: Basis) -> tuple[float, float]:
-        """p-value, and fall of the cost beyond chance."""
-        inside = np.arange(place.start, place.stop)[rows]
+    def test(self, inside: NDArray[np.intp], basis: Basis) -> tuple[float, float]:
+        """p-value of a basis over the samples `inside`, and fall of the cost beyond chance."""
         columns = basis.columns * self._root[inside, None]
         taken = self._basis[inside].T @ columns
         combined = beyond(columns, taken)
         k = combined.shape[1]
         if k == 0:
             return 1.0, 0.0
-        left = self._left[inside]
+        left = self.left[inside]
         along = combined.T @ (columns.T @ left)
         explained = float(along @ along)
         here = left - columns @ (combined @ along) + self._basis[inside] @ (taken @ (combined @ along))

@@ -63,6 +63,16 @@ class Evidence:
         """(N,), independent samples that one is worth, for noise that lasts longer than a row says less."""
 
     @cached_property
+    def resolution(self) -> Array:
+        """(N,), step to which a sample is rounded; 0 where none is known."""
+        return np.concatenate([np.full(len(of.values), of.resolution) for of in self.observed])
+
+    @cached_property
+    def quantity(self) -> NDArray[np.int64]:
+        """(N,), which observed quantity a sample is of."""
+        return np.repeat(np.arange(len(self.observed)), [len(of.values) for of in self.observed])
+
+    @cached_property
     def places(self) -> tuple[slice, ...]:
         """Where each observed quantity stands in the vector."""
         ends = np.cumsum([len(of.values) for of in self.observed]).tolist()

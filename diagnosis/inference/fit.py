@@ -50,6 +50,8 @@ class Fit:
     """(P, N), change of log sd."""
     information: Array
     """(P, P), of the coordinates, priors included, of the rows of the fit."""
+    shared: Array | None = None
+    """(P, P), covariance of the coordinates by errors that samples have in common, which the information leaves out."""
 
     @property
     def prior_cost(self) -> float:
@@ -70,6 +72,7 @@ class Fit:
     def covariance(self) -> Array:
         """(P, P), of the coordinates; infinite along what the data do not hold."""
         found = np.linalg.pinv(self.information, rcond=1e-12, hermitian=True)
+        found = found if self.shared is None else found + self.shared
         found[np.diag_indices_from(found)] = np.where(np.diag(self.information) > 0.0, np.diag(found), np.inf)
         return found
 

@@ -139,6 +139,11 @@ def _intervals(fit: Fit, coordinate: Coordinate, ends: Sequence[_End]) -> list[I
     for level in LEVELS:
         below, above = (end for end in ends if end.level == level)
         x = float(fit.x[below.place])
-        values = [float(coordinate.value(np.array(x + end.direction * end.reach))) for end in (below, above)]
+        shared = 0.0 if fit.shared is None else float(fit.shared[below.place, below.place])
+        reaches = [min(np.hypot(end.reach, np.sqrt(end.rise * max(shared, 0.0))), end.bound) for end in (below, above)]
+        values = [
+            float(coordinate.value(np.array(x + end.direction * reach)))
+            for end, reach in zip((below, above), reaches, strict=True)
+        ]
         found.append(Interval(level, min(values), max(values), below.is_open or above.is_open))
     return found

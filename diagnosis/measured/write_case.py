@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
+from configs.whole_files import make_folder, write_file
 from diagnosis.measured.case_format import COLUMNS, DATA, HOLDOUT
 from diagnosis.measured.channel import Array
 from diagnosis.measured.csv_table import AnyColumn, Column
@@ -29,10 +30,10 @@ def write_case(measurement: Measurement, folder: Path) -> None:
         or measurement.kind not in COLUMNS
     ):
         raise ValueError(f"{measurement.name}: a case needs nominal parameters and one of the kinds {[*COLUMNS]}")
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / DATA).write_text(csv_of(measurement), encoding="utf-8", newline="\n")
+    make_folder(folder)
+    write_file(folder / DATA, csv_of(measurement).encode())
     nominal = measurement.nominal.model_dump(mode="json")
-    (folder / NOMINAL).write_text(yaml.safe_dump(nominal, sort_keys=False), encoding="utf-8", newline="\n")
+    write_file(folder / NOMINAL, yaml.safe_dump(nominal, sort_keys=False).encode())
 
 
 def csv_of(measurement: Measurement) -> str:

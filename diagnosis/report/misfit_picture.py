@@ -30,7 +30,7 @@ def misfit_picture(found: Findings, k: int) -> bytes:
     figure = Figure(figsize=(SIZE_IN[0] * panels, SIZE_IN[1]), layout="constrained" if is_map else None)
     if not is_map:  # the layout engine takes as long as all the drawing
         width = SIZE_IN[0] * panels
-        figure.subplots_adjust(left=0.72 / width, right=1.0 - 0.1 / width, bottom=0.16, top=0.84, wspace=0.31)
+        figure.subplots_adjust(left=0.92 / width, right=1.0 - 0.1 / width, bottom=0.16, top=0.84, wspace=0.31)
     axes = figure.subplots(1, panels, squeeze=False)[0]
     last = models[-1]
     _values(axes[0], of, [found.means[0][place], found.means[last[2]][place]], last, found.z[1][place])

@@ -20,6 +20,9 @@ from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Array, Mask
 from diagnosis.measured.measurement import Measurement
 
+ROW_TIME = "t_s"
+"""Name of the covariate that is the time of a row: rows of a trial follow one another in it."""
+
 
 class Shape(StrEnum):
     """How a residual may depend on a covariate."""
@@ -75,6 +78,8 @@ class Observed:
     usable: Mask
     """(n,), false for missing samples and codes, and where the nominal prediction is not one-valued."""
     covariates: tuple[Covariate, ...] = field(default=())
+    resolution: float = 0.0
+    """Step to which the values are rounded, in their unit; 0 where none is known."""
     noise_is_stated: bool = True
     """Whether `sd` and `correlation` are the source's; else they are a guess, to be found from what a model leaves."""
 

@@ -1,6 +1,7 @@
 """Voltage -> current and speed of a motor against time, from rest at the start of each trial."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -47,13 +48,16 @@ class MotorStep:
             Covariate("omega_rad_s", speed),
             Covariate("current_A", current),
             Covariate("u_cmd_V", voltage_V),
-            Covariate("angle_rad", angle_rad, Shape.PERIODIC, size=speed),
+            Covariate("angle_rad", angle_rad, Shape.PERIODIC),
             Covariate("session_time_s", since_start_s + self._grid.begins_s[trial_of.astype(int)]),
             Covariate("trial", trial_of, Shape.CATEGORY, labels=tuple(trial.name for trial in trials)),
         )
         everywhere = np.ones(len(voltage_V), dtype=bool)
-        self.observed: tuple[Observed, ...] = tuple(
-            observed_channel(measurement, name, everywhere, covariates) for name in ("current_A", "omega_rad_s")
+        # A gear that is cut badly changes the speed by a share, but the torque by an amount.
+        of_speed = tuple(replace(of, size=speed) if of.name == "angle_rad" else of for of in covariates)
+        self.observed: tuple[Observed, ...] = (
+            observed_channel(measurement, "current_A", everywhere, covariates),
+            observed_channel(measurement, "omega_rad_s", everywhere, of_speed),
         )
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:

@@ -67,7 +67,8 @@ class TofBench:
         offered = tuple(of for of in covariates if np.isfinite(of.values).any())
         reading = observed_channel(measurement, "reading_m", predictable, offered)
         sd = self._expected([nominal])[1][0]
-        self.observed: tuple[Observed, ...] = (replace(reading, sd=np.where(np.isfinite(distance_m), sd, reading.sd)),)
+        known_sd = np.where(np.isfinite(distance_m), sd, reading.sd)
+        self.observed: tuple[Observed, ...] = (replace(reading, sd=known_sd, resolution=nominal.tof.quantisation_m),)
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
         return (Predicted(*self._expected(robots)),)

@@ -49,7 +49,7 @@ class Slot(StrEnum):
     SPEED_READING = "speed reading"
     """speed [rad/s] -> speed [rad/s]."""
     SPEED_FILTER = "speed filter"
-    """held speed [rad/s], speed [rad/s], duration [s] -> speed [rad/s] after it."""
+    """filtered speed [rad/s], speed then and now [rad/s], duration [s] between -> filtered speed [rad/s] now."""
     SPEED_DELAY = "speed delay"
     """delay [s] -> delay [s]."""
     POSE_POINT = "pose point"

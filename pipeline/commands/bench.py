@@ -121,7 +121,8 @@ class _Bench:
         """Put `name`.png and `name`.json in place; the result is a dataclass of numbers, texts, tuples and its like."""
         from dataclasses import asdict
 
-        from pipeline.files import canonical_json, write_file
+        from configs.whole_files import write_file
+        from pipeline.files import canonical_json
 
         robot = self.robot.model_dump(mode="json", exclude_none=True)
         text = canonical_json({"bench": name, "seed": self.seed, "robot": robot, "result": asdict(result)})

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
     from pipeline.diagnosing import Case
+    from pipeline.reading import Reading
 
 CASE_FAILED = 3
 
@@ -38,6 +39,19 @@ def diagnose(
     as_: Annotated[
         str | None,
         typer.Option("--as", metavar="NAME", help="Read them as this kind of data; a name that is none lists them."),
+    ] = None,
+    part: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Look at one part of the robot alone, such as 'left wheel'."),
+    ] = None,
+    hold_out: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--hold-out",
+            metavar="PATTERN",
+            help="Hold out the trials of this name or part, such as 'circular/*', in place of those that are held out "
+            "by default; may be given again.",
+        ),
     ] = None,
     nominal: Annotated[
         str | None,
@@ -83,23 +97,27 @@ def diagnose(
     Example: symolo diagnose my_robot/bench_1 --out diagnosis
 
     Example: symolo diagnose my_robot/* --out diagnosis --workers 4
+
+    Judged on the circles of a set: symolo diagnose my_set --hold-out 'circular/*' --out diagnosis
     """
     from pipeline.diagnosing import Asked, cases_of, diagnose_cases, nominal_json
     from pipeline.output import check_out
     from pipeline.progress import report_here
+    from pipeline.reading import Reading
     from pipeline.workers import cores
     from pipeline.workspace import Kind, Workspace
 
     if explain and as_json:
         raise InputError("--explain and --json", cure="ask for one of them; reasoning.txt is written in any case")
     found = cases_of(cases)
+    reading = Reading(importer=as_, part=part, held_out=tuple(hold_out or ()))
     robot = nominal_json(nominal, against)
     check_out(out, Kind.DIAGNOSIS)
     if len(found) == 1:
-        _check(found[0], as_, against)
+        _check(found[0], reading, against)
     with Workspace(out.absolute(), Kind.DIAGNOSIS).locked():
         report = report_here()
-        asked = Asked(as_, robot, pybullet, against)
+        asked = Asked(reading, robot, pybullet, against)
         failures = diagnose_cases(found, asked, out=out.absolute(), workers=workers or cores(), report=report)
     failed = {failure.unit.name: failure.text for failure in failures}
     if as_json:
@@ -109,14 +127,12 @@ def diagnose(
     return CASE_FAILED if failed else 0
 
 
-def _check(case: "Case", importer: str | None, against: Path | None) -> None:
+def _check(case: "Case", reading: "Reading", against: Path | None) -> None:
     """Refuse the only case before anything is written."""
     from diagnosis.against import check_drive
     from diagnosis.diagnose import check_kind
-    from diagnosis.importers.choose import read_measurement
-    from pipeline.importers import IMPORTERS
 
-    measurement = read_measurement(case.path, IMPORTERS, importer)
+    measurement = reading.measurement(case.path)
     check_kind(measurement)
     if against is not None:
         check_drive(measurement, "CASE")

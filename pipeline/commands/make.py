@@ -13,6 +13,7 @@ from pipeline.commands.options import (
     Out,
     Scenario,
     Settings,
+    WorkerMemory,
     Workers,
     checked_input,
     names,
@@ -41,22 +42,30 @@ def plan(scenario: Scenario, settings: Settings = None) -> None:
     typer.echo(Plan.of(specs, cores()).text())
 
 
-def simulate(scenario: Scenario, out: Out, settings: Settings = None, workers: Workers = None) -> int:
+def simulate(
+    scenario: Scenario, out: Out, *, settings: Settings = None, workers: Workers = None, memory: WorkerMemory = None
+) -> int:
     """First stage: drive every run in PyBullet and store its trajectory and readings.
 
     Example: symolo simulate smoke --out data
     """
-    return _make("simulate", scenario, out, settings, workers)
+    return _make("simulate", scenario, out, settings, workers, memory=memory)
 
 
 def render(
-    scenario: Scenario, out: Out, *, settings: Settings = None, workers: Workers = None, device: OnDevice = None
+    scenario: Scenario,
+    out: Out,
+    *,
+    settings: Settings = None,
+    workers: Workers = None,
+    device: OnDevice = None,
+    memory: WorkerMemory = None,
 ) -> int:
     """Second stage: render the images of every simulated run in Blender, and annotate them where asked for.
 
     Example: symolo render smoke --out data
     """
-    return _make("render", scenario, out, settings, workers, device)
+    return _make("render", scenario, out, settings, workers, device, memory)
 
 
 def assemble(
@@ -70,7 +79,13 @@ def assemble(
 
 
 def release(
-    scenario: Scenario, out: Out, *, settings: Settings = None, workers: Workers = None, device: OnDevice = None
+    scenario: Scenario,
+    out: Out,
+    *,
+    settings: Settings = None,
+    workers: Workers = None,
+    device: OnDevice = None,
+    memory: WorkerMemory = None,
 ) -> int:
     """All stages: from a scenario to a dataset. Given again, it continues where it stopped.
 
@@ -78,7 +93,7 @@ def release(
 
     What is done and unchanged is not done again: with another look only the images are made anew.
     """
-    return _make("release", scenario, out, settings, workers, device)
+    return _make("release", scenario, out, settings, workers, device, memory)
 
 
 def _make(  # noqa: PLR0917 - the options of the commands
@@ -88,15 +103,17 @@ def _make(  # noqa: PLR0917 - the options of the commands
     settings: Sequence[str] | None,
     workers: int | None,
     device: Device | None = None,
+    memory: float | None = None,
 ) -> int:
     """Do one stage, or all for `release`."""
     from pipeline.batch import Batch
     from pipeline.progress import report_here
+    from pipeline.worker_process import limits_of
 
     stages = STAGES if command == "release" else (command,)
     report = report_here()
     overrides, pictured = with_device(settings, device), command != "simulate"
-    batch = Batch.open(scenario, overrides, out, workers, report, pictured=pictured)
+    batch = Batch.open(scenario, overrides, out, workers, report, pictured=pictured, limits=limits_of(memory))
     failures = batch.simulated() if "simulate" not in stages else []
     if "assemble" in stages and "render" not in stages:
         failures += batch.rendered(failures)
@@ -144,6 +161,7 @@ def rerender(
     settings: Settings = None,
     workers: Workers = None,
     device: OnDevice = None,
+    memory: WorkerMemory = None,
 ) -> int:
     """Render a stored trajectory again under other looks, without simulating.
 
@@ -158,6 +176,7 @@ def rerender(
     """
     from pipeline.progress import report_here
     from pipeline.rerender import Request, open_folders, prepare, render_source
+    from pipeline.worker_process import limits_of
     from pipeline.workers import cores
 
     chosen = _chosen_looks(look, looks, draws)
@@ -165,7 +184,7 @@ def rerender(
     request = Request(chosen, draws or 1, arena, robot, camera_hz, seed, with_device(settings, device), option)
     found, drawn = prepare(source, request)
     with open_folders(found, drawn, out, apart=looks is not None) as folders:
-        failures = render_source(found, drawn, folders, workers or cores(), report_here())
+        failures = render_source(found, drawn, folders, workers or cores(), report_here(), limits=limits_of(memory))
     return _conclude(failures, len(drawn), "rerender", out, "draw")
 
 

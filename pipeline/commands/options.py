@@ -59,6 +59,18 @@ Workers = Annotated[
     typer.Option("--workers", min=1, max=256, metavar="N", help="Child processes at a time; all cores by default."),
 ]
 
+WorkerMemory = Annotated[
+    float | None,
+    typer.Option(
+        "--worker-memory",
+        min=0.5,
+        max=10000,
+        metavar="GB",
+        help="Memory that a worker may take with its Blender; nine tenths of the machine's by default. One that takes "
+        "more is ended, and its frame or run is tried again, three times in all.",
+    ),
+]
+
 
 class Device(StrEnum):
     """What renders."""

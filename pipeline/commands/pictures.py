@@ -50,11 +50,11 @@ def pictures(
     """
     import json
 
+    from configs.whole_files import make_folder, remove_file, write_file
     from diagnosis.pictures.case import PoseErrors
     from diagnosis.pictures.diagnose import diagnose_pictures
     from diagnosis.pictures.files import files
     from diagnosis.report.files import PAGE, SUMMARY
-    from pipeline.files import write_file
     from pipeline.output import check_out
     from pipeline.picture_case import read_picture_case
     from pipeline.workspace import Kind, Workspace
@@ -65,9 +65,9 @@ def pictures(
     made = files(found)
     with Workspace(out.absolute(), Kind.PICTURE_DIAGNOSIS).locked():
         for name in sorted(OPTIONAL - made.keys()):
-            (out / name).unlink(missing_ok=True)
+            remove_file(out / name)
         for name, data in made.items():
-            (out / name).parent.mkdir(exist_ok=True)
+            make_folder((out / name).parent)
             write_file(out / name, data)
     if as_json:
         typer.echo(json.dumps(found.answer(), indent=2))

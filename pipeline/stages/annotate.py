@@ -1,16 +1,18 @@
 """Beside the second stage: the annotations of every good run's images, in a folder apart from them."""
 
-from pathlib import Path
+from collections.abc import Mapping
+from pathlib import Path, PurePosixPath
 
 from blender_scenes.annotations.document import DOCUMENT, document
 from blender_scenes.annotations.job import RECORDS_DIR, AnnotationJob, build_annotation_job, record_file
 from blender_scenes.annotations.record import Record
 from blender_scenes.job import RenderJob
+from configs.whole_files import make_folder, write_file
 from physics.arena import Arena
 from pipeline.dataset.annotation_checks import ANNOTATIONS
-from pipeline.files import hashes_of, write_file
-from pipeline.stages.render import IMAGES, INPUTS, JOB, Appearance, Findings, FrameTask, Order
-from pipeline.workspace import DONE, StageFolder, mark_done
+from pipeline.files import read_known, sha256_of
+from pipeline.stages.render import IMAGES, JOB, Appearance, Findings, FrameTask, Order
+from pipeline.workspace import StageFolder, mark_done
 
 
 class AnnotationTask(FrameTask):
@@ -26,20 +28,28 @@ class AnnotationTask(FrameTask):
         job = build_annotation_job(rendered, arena, appearance.render.annotations)
         return cls.order(pictures.run, folder, job, pictures.frames)
 
-    def finish(self) -> Findings:
-        job = AnnotationJob.from_json((self.folder.path / JOB).read_text())
-        names = [record_file(frame.number) for frame in self.frames]
-        records = [Record.from_json((self.files / name).read_bytes()) for name in names if (self.files / name).exists()]
-        write_file(self.files / DOCUMENT, document(job, IMAGES, records).to_json())
-        left_out = (DONE, INPUTS, f"{ANNOTATIONS}.jsonl")
-        mark_done(self.folder.path, self.key, hashes_of(self.folder.path, skip=left_out))
+    def names(self) -> list[str]:
+        job = self._job()
+        return [name for frame in self.frames for name in job.files(frame.number)]
+
+    def finish(self, hashes: Mapping[str, str]) -> Findings:
+        job = self._job()
+        records = [record_file(frame.number) for frame in self.frames]
+        seen = [Record.from_json((self.files / name).read_bytes()) for name in records if name in hashes]
+        write_file(self.files / DOCUMENT, document(job, IMAGES, seen).to_json())
+        texts = {name: sha256_of(self.folder.path / name) for name in (JOB, f"{ANNOTATIONS}/{DOCUMENT}")}
+        made = {f"{ANNOTATIONS}/{name}": digest for name, digest in hashes.items()}
+        mark_done(self.folder.path, self.key, {**texts, **made})
         return Findings()
+
+    def _job(self) -> AnnotationJob:
+        return AnnotationJob.from_json((self.folder.path / JOB).read_text())
 
 
 def copy_released(annotated: StageFolder, run: Path) -> None:
     """Put the files of a run's annotations that are released below the run's folder; records are in the document."""
-    root = annotated.path / ANNOTATIONS
-    for path in sorted(path for path in root.rglob("*") if path.is_file() and path.parent.name != RECORDS_DIR):
-        copy = run / ANNOTATIONS / path.relative_to(root)
-        copy.parent.mkdir(parents=True, exist_ok=True)
-        write_file(copy, path.read_bytes())
+    for name, digest in sorted(annotated.files().items()):
+        folder = PurePosixPath(name).parent
+        if name.startswith(f"{ANNOTATIONS}/") and folder.name != RECORDS_DIR:
+            make_folder(run / folder)
+            write_file(run / name, read_known(annotated.path / name, digest))

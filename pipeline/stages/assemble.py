@@ -1,12 +1,14 @@
 """Third stage: good runs put together as the released dataset, with description, metadata and checksums."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
+from configs.refusals import NOT_THERE
 from configs.schema.scenario import RunSpec
+from configs.whole_files import make_folder, remove_file, remove_folder, replace_folder, write_file
 from physics.arena import Arena
 from pipeline.dataset.camera_model import INTRINSICS, CameraModel, camera_table
 from pipeline.dataset.description import DESCRIPTION, markdown
@@ -15,7 +17,7 @@ from pipeline.dataset.metadata import METADATA, FailedRun, Metadata, RunRecord, 
 from pipeline.dataset.obstacles import obstacle_table, obstacles_csv
 from pipeline.dataset.rows import Rows
 from pipeline.dataset.side import CAMERA, TOF, WHEELS, image_positions, tof_csv, wheels_csv
-from pipeline.files import hashes_of, holds, remove_folder, replace_folder, sha256_of, write_file
+from pipeline.files import hashes_of, holds, read_known, sha256_of
 from pipeline.progress import Report
 from pipeline.stages.annotate import copy_released
 from pipeline.stages.render import IMAGES, Rendered
@@ -68,10 +70,10 @@ def assemble(
 
 def _release_run(workspace: Workspace, spec: RunSpec) -> dict[str, str]:
     """Put one run's folder in place unless it is there unchanged; SHA-256 of its files by their path in it."""
-    stages = {"simulate": workspace.simulate(spec.key).done(), "render": workspace.render(spec.key).done()}
+    stages = {"simulate": workspace.simulate(spec.key), "render": workspace.render(spec.key)}
     if spec.render.annotations:
-        stages["annotate"] = workspace.annotate(spec.key).done()
-    files = {name: done.files for name, done in stages.items() if done is not None}
+        stages["annotate"] = workspace.annotate(spec.key)
+    files = {name: stage.files() for name, stage in stages.items()}
     key = input_key("assemble", stages=files, versions=versions("symolo", "numpy"))
     marker, released = workspace.assemble(spec.key), workspace.out / spec.key
     done = marker.done()
@@ -80,19 +82,19 @@ def _release_run(workspace: Workspace, spec: RunSpec) -> dict[str, str]:
     _remove_files(workspace.out, (MANIFEST,))
     partial = workspace.out / STAGES / "assemble" / (spec.key + PARTIAL)
     remove_folder(partial)
-    _fill(workspace, spec, partial)
+    _fill(workspace, spec, files["render"], partial)
     hashes = hashes_of(partial)
     replace_folder(partial, released)
-    marker.path.mkdir(parents=True, exist_ok=True)
+    make_folder(marker.path)
     mark_done(marker.path, key, hashes)
     return hashes
 
 
-def _fill(workspace: Workspace, spec: RunSpec, folder: Path) -> None:
+def _fill(workspace: Workspace, spec: RunSpec, rendered: Mapping[str, str], folder: Path) -> None:
     recording = read_recording(workspace.simulate(spec.key).path)
     rows = Rows.from_recording(recording)
-    (folder / SIDE).mkdir(parents=True)
-    (folder / IMAGES).mkdir()
+    make_folder(folder / SIDE)
+    make_folder(folder / IMAGES)
     write_file(folder / DATA, rows.to_csv())
     write_file(folder / POSITIONS, image_positions(rows))
     write_file(folder / SIDE / WHEELS.file, wheels_csv(recording))
@@ -103,8 +105,10 @@ def _fill(workspace: Workspace, spec: RunSpec, folder: Path) -> None:
     if (obstacles := obstacle_table(arena)) is not None:
         write_file(folder / SIDE / obstacles.file, obstacles_csv(obstacles, arena, recording))
     write_file(folder / SIDE / SPEC, spec_text(spec))
-    for image in sorted((workspace.render(spec.key).path / IMAGES).glob("*.jpg")):
-        write_file(folder / IMAGES / image.name, image.read_bytes())
+    pictures = workspace.render(spec.key).path
+    for name, digest in sorted(rendered.items()):
+        if name.startswith(f"{IMAGES}/"):
+            write_file(folder / name, read_known(pictures / name, digest))
     if spec.render.annotations:
         copy_released(workspace.annotate(spec.key), folder)
 
@@ -136,13 +140,13 @@ def read_metadata(out: Path) -> Metadata | None:
     """What metadata.json says; None where there is none or none of ours."""
     try:
         return Metadata.model_validate_json((out / METADATA).read_bytes())
-    except (OSError, ValidationError):
+    except (*NOT_THERE, ValidationError):
         return None
 
 
 def _remove_files(folder: Path, names: Sequence[str]) -> None:
     for name in names:
-        (folder / name).unlink(missing_ok=True)
+        remove_file(folder / name)
 
 
 def _write_if_new(path: Path, data: bytes) -> None:

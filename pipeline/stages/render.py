@@ -3,7 +3,7 @@
 import hashlib
 import json
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
@@ -11,7 +11,7 @@ from typing import ClassVar
 from blender_scenes.annotations.job import AnnotationJob
 from blender_scenes.devices import DeviceKind
 from blender_scenes.exposure_guard import Extremes, all_black, exposure_warnings
-from blender_scenes.frame_files import frame_name
+from blender_scenes.frame_files import Ledger, frame_name
 from blender_scenes.job import FramePose, RenderJob, build_job
 from blender_scenes.protocol import Work
 from configs.schema.arena import ArenaConfig
@@ -19,16 +19,18 @@ from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec
 from configs.streams import stream
+from configs.whole_files import make_folder, remove_file, remove_folder, write_file
 from physics.arena import Arena
 from physics.robot_path import RobotPath
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Rows
-from pipeline.files import canonical_json, remove_folder, sha256_of, write_file
+from pipeline.files import canonical_json, sha256_of
 from pipeline.progress import Report
 from pipeline.stages.simulate_runs import failed_runs
 from pipeline.units import Finished, Progress, RenderUnit
 from pipeline.versions import versions
-from pipeline.workers import AnyEvent, AnyUnit, cores, run_units
+from pipeline.worker_process import Limits
+from pipeline.workers import BY_LIMITS, AnyEvent, AnyUnit, Retried, cores, run_units
 from pipeline.workspace import DONE, FAILED, StageFolder, input_key, mark_done
 
 JOB, IMAGES, FRAMES, INPUTS = "job.json", "images", "frames.json", "inputs.json"
@@ -114,9 +116,22 @@ class FrameTask(ABC):
     def files(self) -> Path:
         return self.folder.path / self.FILES
 
+    def whole_files(self) -> dict[str, str]:
+        """SHA-256 of every file that stands in the journal and is what was written, by its path in `files`."""
+        known = Ledger(self.files, self.job_sha256).whole_files()
+        return {name: frame.sha256 for name, frame in known.items()}
+
     @abstractmethod
-    def finish(self) -> Findings:
-        """Write what lists the files, and mark the folder done unless a problem is found."""
+    def names(self) -> list[str]:
+        """Paths in `files` of all files that are to be made."""
+
+    @abstractmethod
+    def finish(self, hashes: Mapping[str, str]) -> Findings:
+        """Write what lists the files, and mark the folder done unless a problem is found.
+
+        Args:
+            hashes: SHA-256 of each of `names`, from the journal; no other file counts.
+        """
 
 
 @dataclass(frozen=True)
@@ -142,7 +157,10 @@ class RenderTask(FrameTask):
         job = appearance.job(arena, frames, path)
         return cls.order(run, folder, job, frames, own_files)
 
-    def finish(self) -> Findings:
+    def names(self) -> list[str]:
+        return [frame_name(frame.number) for frame in self.frames]
+
+    def finish(self, hashes: Mapping[str, str]) -> Findings:
         names = {frame.number: frame_name(frame.number) for frame in self.frames}
         seen = {name: Extremes.of((self.files / name).read_bytes()) for name in names.values()}
         if problem := all_black(list(seen.values())):
@@ -151,7 +169,7 @@ class RenderTask(FrameTask):
             {
                 "number": frame.number,
                 "file": f"{IMAGES}/{names[frame.number]}",
-                "sha256": sha256_of(self.files / names[frame.number]),
+                "sha256": hashes[names[frame.number]],
                 "t_s": frame.t_s,
                 "x_m": frame.x_m,
                 "y_m": frame.y_m,
@@ -179,7 +197,9 @@ def frame_poses(rows: Rows) -> tuple[FramePose, ...]:
     )
 
 
-def render_runs(orders: Iterable[Order], workers: int, report: Report, name: str = "render") -> list[FailedRun]:
+def render_runs(
+    orders: Iterable[Order], workers: int, report: Report, name: str = "render", limits: Limits = BY_LIMITS
+) -> list[FailedRun]:
     """Do what is not there yet; frames made before an interruption are kept when their job is the same.
 
     All jobs are written, one after the other, before the first is begun.
@@ -202,8 +222,10 @@ def render_runs(orders: Iterable[Order], workers: int, report: Report, name: str
             if isinstance(unit, RenderUnit) and isinstance(event, Progress | Finished):
                 share = event.share if isinstance(event, Progress) else 1.0
                 stage.update(f"{unit.name} from {unit.numbers[0]}", share * len(unit.numbers))
+            elif isinstance(event, Retried):
+                stage.say(event.text)
 
-        failures = run_units(units, workers, on_event)
+        failures = run_units(units, workers, on_event, limits=limits)
     failed = {failure.unit.name for failure in failures}
     found = failed_runs(name, failures, report)
     for task in pending:
@@ -213,7 +235,11 @@ def render_runs(orders: Iterable[Order], workers: int, report: Report, name: str
 
 
 def _finish(task: FrameTask, name: str, report: Report) -> str:
-    findings = task.finish()
+    hashes = task.whole_files()
+    if lost := [file for file in task.names() if file not in hashes]:
+        # Whoever changed it, the next command makes it again.
+        return f"{lost[0]} is not on the disk as it was written; run the same command again"
+    findings = task.finish(hashes)
     for warning in findings.warnings:
         report.say(f"{name}: {task.run}: {warning}")
     if findings.problem:
@@ -249,9 +275,9 @@ def _prepare(order: Order) -> None:
     inputs = canonical_json({"key": task.key})
     if not (path / INPUTS).is_file() or (path / INPUTS).read_bytes() != inputs:
         remove_folder(path)
-    task.files.mkdir(parents=True, exist_ok=True)
+    make_folder(task.files)
     for left in (DONE, FAILED):
-        (path / left).unlink(missing_ok=True)
+        remove_file(path / left)
     write_file(path / JOB, order.job_text.encode())
     write_file(path / INPUTS, inputs)
 

@@ -7,17 +7,20 @@ from pathlib import Path
 from pydantic import BaseModel, ConfigDict
 
 from configs.schema.scenario import RunSpec
+from configs.whole_files import write_file
 from physics.trajectory import Recording
 from pipeline.dataset.metadata import FailedRun
-from pipeline.files import canonical_json, write_file
+from pipeline.files import canonical_json
 from pipeline.progress import Report
 from pipeline.units import Finished, Progress, SimulateUnit
 from pipeline.versions import versions
-from pipeline.workers import AnyEvent, AnyUnit, UnitFailure, run_units
+from pipeline.worker_process import Limits
+from pipeline.workers import BY_LIMITS, AnyEvent, AnyUnit, Retried, UnitFailure, run_units
 from pipeline.workspace import StageFolder, Workspace, input_key, mark_done
 
-FORMAT = 2
-"""Of what a simulation leaves for the later stages: from 2 on with the mean voltages of the wheels."""
+FORMAT = 3
+"""Of what a simulation leaves for the later stages: from 2 on with the mean voltages of the wheels, from 3 on with a
+filter of the speed that does not hold it."""
 
 SPEC, TRAJECTORY, OUTCOME = "spec.json", "trajectory.npz", "outcome.json"
 
@@ -48,7 +51,9 @@ def simulation_key(spec: RunSpec) -> str:
     return input_key("simulate", format=FORMAT, run=simulation_inputs(spec), versions=programs)
 
 
-def simulate_runs(workspace: Workspace, specs: Sequence[RunSpec], workers: int, report: Report) -> list[FailedRun]:
+def simulate_runs(
+    workspace: Workspace, specs: Sequence[RunSpec], workers: int, report: Report, limits: Limits = BY_LIMITS
+) -> list[FailedRun]:
     """Simulate the runs that are not done yet, and tell of all that failed, now or before."""
     units = []
     for spec in specs:
@@ -59,7 +64,7 @@ def simulate_runs(workspace: Workspace, specs: Sequence[RunSpec], workers: int, 
             units.append(SimulateUnit(name=spec.key, spec=spec.model_dump_json(), folder=folder.path, key=key))
     if len(units) < len(specs):
         report.say(f"simulate: {len(specs) - len(units)} of {len(specs)} runs are there already")
-    failures = _do(units, workers, report) if units else []
+    failures = _do(units, workers, report, limits) if units else []
     stopped = {failure.run for failure in failures}
     for spec in specs:
         if spec.key not in stopped:
@@ -68,7 +73,7 @@ def simulate_runs(workspace: Workspace, specs: Sequence[RunSpec], workers: int, 
     return failures
 
 
-def _do(units: Sequence[SimulateUnit], workers: int, report: Report) -> list[FailedRun]:
+def _do(units: Sequence[SimulateUnit], workers: int, report: Report, limits: Limits) -> list[FailedRun]:
     with report.stage("simulate", len(units), "runs") as stage:
 
         def on_event(unit: AnyUnit, event: AnyEvent) -> None:
@@ -76,8 +81,10 @@ def _do(units: Sequence[SimulateUnit], workers: int, report: Report) -> list[Fai
                 stage.update(unit.name, event.share)
             elif isinstance(event, Finished):
                 stage.update(unit.name, 1.0)
+            elif isinstance(event, Retried):
+                stage.say(event.text)
 
-        failures = run_units(units, workers, on_event)
+        failures = run_units(units, workers, on_event, limits=limits)
     return failed_runs("simulate", failures, report)
 
 
@@ -123,8 +130,8 @@ def read_outcome(path: Path) -> RunOutcome:
 
 
 def read_recording(path: Path) -> Recording:
-    with (path / TRAJECTORY).open("rb") as file:
-        return Recording.load(file)
+    # Read first: what unpacks the archive takes a fault of the disk for a damaged archive.
+    return Recording.load(io.BytesIO((path / TRAJECTORY).read_bytes()))
 
 
 def _refresh_spec(folder: StageFolder, key: str, spec: RunSpec) -> None:

@@ -1,13 +1,15 @@
 """A measured speed that is low-pass filtered."""
 
 from configs.schema.terms.motor import SpeedFilterLag
-from physics.first_order import relaxed
+from physics.first_order import followed
 from physics.terms.base import Slot, Term
 from sensors.base import Array
 
 
-def filtered(values: SpeedFilterLag, held_rad_s: Array, speed_rad_s: Array, duration_s: float) -> Array:
-    return relaxed(held_rad_s, speed_rad_s, duration_s, values.time_constant_s)
+def filtered(
+    values: SpeedFilterLag, held_rad_s: Array, before_rad_s: Array, speed_rad_s: Array, duration_s: float
+) -> Array:
+    return followed(held_rad_s, before_rad_s, speed_rad_s, duration_s, values.time_constant_s)
 
 
 TERM = Term(

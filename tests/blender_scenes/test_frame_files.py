@@ -1,8 +1,10 @@
+import errno
+import os
+
 import cv2
 import numpy as np
 import pytest
 
-from blender_scenes import frame_files
 from blender_scenes.camera_response import encode_jpeg
 from blender_scenes.frame_files import FrameFile, Ledger, frame_name, put_in_place
 
@@ -22,7 +24,7 @@ def test_a_picture_is_put_in_place_whole_and_leaves_nothing_beside_it(tmp_path):
 
 
 def test_a_disk_that_loses_bytes_is_noticed_and_the_place_stays_empty(tmp_path, monkeypatch):
-    monkeypatch.setattr(frame_files.os, "fsync", lambda fd: frame_files.os.ftruncate(fd, 100))
+    monkeypatch.setattr(os, "fsync", lambda fd: os.ftruncate(fd, 100))
     with pytest.raises(OSError, match="100 of"):
         put_in_place(JPEG, tmp_path / "000001.jpg", 16, 12)
     assert list(tmp_path.iterdir()) == []
@@ -60,3 +62,32 @@ def test_a_damaged_picture_does_not_count(tmp_path, damage):
     expected = set() if damage == "another job" else {"000001.jpg"}
     job = "other" if damage == "another job" else "job"
     assert set(Ledger(images, job).whole_files()) == expected
+
+
+def test_a_record_after_one_that_was_cut_short_counts(tmp_path):
+    images = tmp_path / "images"
+    ledger = Ledger(images, "job")
+    ledger.add(_made(images))
+    record = tmp_path / "images.jsonl"
+    record.write_bytes(record.read_bytes() + b'{"job_sha256": "jo')
+    ledger.add(_made(images, 2))
+    assert set(ledger.whole_files()) == {"000001.jpg", "000002.jpg"}
+
+
+def test_a_record_that_the_disk_does_not_take_leaves_no_half(tmp_path, monkeypatch):
+    images = tmp_path / "images"
+    ledger = Ledger(images, "job")
+    ledger.add(_made(images))
+    before = (tmp_path / "images.jsonl").read_bytes()
+    second = _made(images, 2)
+    write = os.write
+
+    def full(descriptor, data):
+        if len(data) < 100:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return write(descriptor, data[:50])
+
+    monkeypatch.setattr(os, "write", full)
+    with pytest.raises(OSError, match="No space"):
+        ledger.add(second)
+    assert (tmp_path / "images.jsonl").read_bytes() == before

@@ -142,8 +142,8 @@ def test_a_child_killed_before_it_is_told_anything_is_an_error_too(job, tmp_path
 
 def test_a_child_that_says_nothing_is_given_up(job, tmp_path, monkeypatch):
     _pretend_bpy(tmp_path, monkeypatch, "import time\ntime.sleep(60)")
-    monkeypatch.setattr(renderer, "_SILENCE_S", 0.2)
-    with pytest.raises(RenderError, match="said nothing for"):
+    monkeypatch.setattr(renderer, "_PATIENCE_S", 0.2)
+    with pytest.raises(RenderError, match="got no further in"):
         render_job(_written(job, tmp_path), tmp_path / "images")
 
 

@@ -53,8 +53,8 @@ def test_a_bad_override_is_refused_in_one_line_that_quotes_it(override: str, tol
 FILES = {
     "empty": (b"", "bad.yaml: the file is empty; allowed: a mapping"),
     "comments alone": (b"# nothing\n", "bad.yaml: the file is empty; allowed: a mapping"),
-    "list at the top": (b"- a\n- b\n", "bad.yaml:1: top level: got ['a', 'b'], allowed: a mapping"),
-    "text at the top": (b"\nhello\n", "bad.yaml:2: top level: got 'hello', allowed: a mapping"),
+    "list at the top": (b"- a\n- b\n", "bad.yaml:1: top level is a list; allowed: a mapping"),
+    "text at the top": (b"\nhello\n", "bad.yaml:2: top level is a single value; allowed: a mapping"),
     "Latin-1": (b"name: a\ndescription: caf\xe9\n", "bad.yaml:2: the file is not UTF-8; save it as UTF-8"),
     "UTF-16": ("name: a\n".encode("utf-16"), "bad.yaml:1: the file is not UTF-8"),
     "zero byte": (b"name: a\nseed: \0\n", "bad.yaml:2: character '\\x00' is not allowed in YAML"),

@@ -1,5 +1,6 @@
 """Whatever a damaged scenario holds, it is read, or refused by an InputError of one line, and soon."""
 
+import random
 import time
 from pathlib import Path
 from typing import Any
@@ -40,15 +41,16 @@ PATHS = _paths(SCENARIO)[1:]
 
 
 def _read_or_refused(content: bytes) -> None:
+    """Within a second of processor time, for other work on the machine is none of it."""
     Path("scenario.yaml").write_bytes(content)
     message = "read"
-    start = time.monotonic()
+    start = time.process_time()
     try:
         loaded = load_scenario("scenario.yaml")
         draw_run(loaded, loaded.routes[0].name, 1)
     except InputError as error:
         message = str(error)
-    assert time.monotonic() - start < 5
+    assert time.process_time() - start < 1.0
     assert len(message.splitlines()) == 1
     assert len(message) < 1000
 
@@ -90,3 +92,30 @@ def _put(tree: Any, path: tuple[str | int, ...], value: object) -> None:
 @pytest.mark.usefixtures("here")
 def test_any_bytes_are_read_or_refused(content: bytes):
     _read_or_refused(content)
+
+
+def _mutated(rng: random.Random) -> bytes:
+    """A shipped scenario with one to four changes: of passages, of values, or of bytes."""
+    if rng.random() < 0.4:
+        tree = yaml.safe_load(TEXT)
+        for _ in range(rng.randint(1, 4)):
+            _put(tree, rng.choice(PATHS), rng.choice(VALUES))
+        return yaml.safe_dump(tree, sort_keys=False, default_flow_style=True).encode()
+    data = TEXT.encode()
+    for _ in range(rng.randint(1, 4)):
+        at, length = rng.randrange(len(data)), rng.choice((0, 0, 1, 5, 60, 600))
+        new = rng.choice(PASSAGES).encode() if rng.random() < 0.7 else rng.randbytes(rng.randint(1, 8))
+        data = data[:at] + new + data[at + length :]
+    return data
+
+
+@pytest.mark.faults
+@pytest.mark.parametrize("part", range(100))
+@pytest.mark.usefixtures("here")
+def test_a_thousand_mutated_scenarios(part: int):
+    """A hundred times a thousand: each is read or refused within a second, and nothing else is written."""
+    rng = random.Random(part)  # noqa: S311 - mutations, not secrets
+    there = {*Path().iterdir(), Path("scenario.yaml")}
+    for _ in range(1000):
+        _read_or_refused(_mutated(rng))
+    assert set(Path().iterdir()) == there

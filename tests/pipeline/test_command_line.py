@@ -16,6 +16,7 @@ import pytest
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
+from pipeline.cli import AT_ONCE
 from pipeline.plan import RENDER_FRAME_S, RENDER_SAMPLE_S, RENDER_START_S, Plan, pixel_s
 from pipeline.units import SimulateUnit
 from pipeline.workers import WorkerError, run_units
@@ -431,3 +432,22 @@ def test_help_loads_no_engine_and_no_table_library():
     loaded = process.stderr
     for heavy in ("'bpy'", "'pybullet'", "'numpy'", "'pandas'", "'scipy'", "'cv2'", "'pydantic'"):
         assert heavy not in loaded
+
+
+def test_a_second_interrupt_ends_it_at_once(tmp_path):
+    """Also where the first one is being dealt with, or a library swallows it."""
+    program = """
+import os, signal, time
+from pipeline.cli import _interrupts_noted
+signal.signal(signal.SIGINT, signal.default_int_handler)
+with _interrupts_noted():
+    for number in (signal.SIGTERM, signal.SIGINT):
+        try:
+            os.kill(os.getpid(), number)
+            time.sleep(60)
+        except KeyboardInterrupt:
+            print("first", flush=True)
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (130, "first\n")
+    assert done.stderr == f"symolo: {AT_ONCE}\n"

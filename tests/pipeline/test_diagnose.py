@@ -6,6 +6,7 @@ import pytest
 
 from configs.errors import RunFailed
 from configs.loader import load_scenario
+from pipeline.reading import Reading
 from pipeline.units import DiagnoseUnit
 
 
@@ -74,6 +75,8 @@ BAD = {
     "a robot that is drawn": (["HERE/plain", "--nominal", "fleet", "--out", "OUT"], "no distributions"),
     "output holds other files": (["HERE/plain", "--out", "HERE"], "did not make"),
     "a dataset against a bench": (["HERE/plain", "--against", "HERE/plain", "--out", "OUT"], "is no run of a dataset"),
+    "no such trial to hold out": (["HERE/plain", "--hold-out", "cirle*", "--out", "OUT"], "got 'cirle*'"),
+    "no such part": (["HERE/plain", "--part", "left wheel", "--out", "OUT"], "no trial is of that part"),
     "both ways to print": (["HERE/plain", "--out", "OUT", "--json", "--explain"], "ask for one of them"),
 }
 
@@ -94,7 +97,7 @@ def unit(tmp_path, *, alone):
     return DiagnoseUnit(
         name="one",
         case=tmp_path / "case",
-        importer=None,
+        reading=Reading(),
         nominal="",
         pybullet=False,
         against=None,

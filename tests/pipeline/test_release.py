@@ -12,7 +12,7 @@ from pathlib import Path
 import cv2
 import pytest
 
-from pipeline.files import remove_folder
+from configs.whole_files import remove_folder
 from pipeline.workspace import Workspace
 
 ARENA_WITH_A_SILL = """
@@ -172,10 +172,9 @@ def test_killed_and_interrupted_at_any_stage_it_ends_with_the_same_bytes(dataset
     _wait_for(lambda: bool(_workers(bereft.pid)) and (out / ".stages/simulate/CCW/test_1/done.json").exists())
     os.kill(_workers(bereft.pid)[0], signal.SIGKILL)
     _, err = bereft.communicate(timeout=120)
-    assert bereft.returncode == 3
-    assert sum("SIGKILL" in line for line in err.splitlines()) == 1
+    assert bereft.returncode == 0, "another worker takes the unit over"
+    assert sum("SIGKILL" in line and "trying again" in line for line in err.splitlines()) == 1
 
-    assert symolo(*arguments).code == 0
     assert done_before <= set(images.rglob("*.jpg"))
     assert release_of(out) == release_of(dataset)
 

@@ -168,11 +168,23 @@ class TestInstruments:
         terms = Terms().with_term(motor.SpeedScale(scale=0.9))
         np.testing.assert_allclose(read_speed_rad_s(terms, self.T_S[:2], np.array([[5.0], [10.0]])), [[4.5], [9.0]])
 
-    def test_a_filtered_speed_answers_a_step_exponentially(self):
-        """Of a wheel at rest until the start at 0, one row before the first reading."""
-        terms = Terms().with_term(motor.SpeedFilterLag(time_constant_s=0.05))
-        found = read_speed_rad_s(terms, self.T_S, np.full((100, 1), 10.0))[:, 0]
-        np.testing.assert_allclose(found, 10.0 * (1.0 - np.exp(-self.T_S / 0.05)), atol=1e-12)
+    def test_a_filtered_speed_lags_a_ramp_as_its_closed_form(self):
+        """Exactly, for a ramp is straight between the rows: a (t - T (1 - exp(-t / T)))."""
+        lag_s = 0.05
+        terms = Terms().with_term(motor.SpeedFilterLag(time_constant_s=lag_s))
+        found = read_speed_rad_s(terms, self.T_S, 40.0 * self.T_S[:, None])[:, 0]
+        expected = 40.0 * (self.T_S - lag_s * (1.0 - np.exp(-self.T_S / lag_s)))
+        np.testing.assert_allclose(found, expected, atol=1e-12)
+
+    @pytest.mark.parametrize("lag_s", [0.004, 0.02, 0.05])
+    def test_a_filtered_speed_of_a_starting_wheel_is_that_of_two_lags_in_a_row(self, lag_s):
+        """Closed form for a wheel with a time constant of 30 ms from rest; half a row late it would be off by 0.8."""
+        wheel_s = 0.03
+        terms = Terms().with_term(motor.SpeedFilterLag(time_constant_s=lag_s))
+        speed = 10.0 * (1.0 - np.exp(-self.T_S / wheel_s))
+        found = read_speed_rad_s(terms, self.T_S, speed[:, None])[:, 0]
+        left = (wheel_s * np.exp(-self.T_S / wheel_s) - lag_s * np.exp(-self.T_S / lag_s)) / (wheel_s - lag_s)
+        np.testing.assert_allclose(found, 10.0 * (1.0 - left), atol=0.04)
 
     def test_a_late_speed_is_that_of_before(self):
         terms = Terms().with_term(motor.SpeedTimeOffset(delay_s=0.0325))

@@ -1,6 +1,7 @@
 import numpy as np
+import pytest
 
-from diagnosis.inference.bases import bases
+from diagnosis.inference.bases import bases, standing_out
 from diagnosis.stages.base import Covariate, Shape
 
 STEPS = (3.0, -5.0, 2.0, -4.0, 6.0, -2.0)
@@ -28,3 +29,54 @@ def test_ringing_after_steps_either_way_is_found_by_the_time_since_and_the_size_
 def test_a_wave_along_few_rows():
     x = np.random.default_rng(1).permutation(np.linspace(0.04, 1.0, 40))
     assert explained(Covariate("distance_m", x), np.sin(2.0 * np.pi * x / 0.1)) > 0.7
+
+
+@pytest.mark.parametrize("teeth", [1, 3, 5, 11])
+def test_a_gear_with_so_many_faults_in_a_turn_changes_the_speed_by_a_share(teeth):
+    speed = np.abs(np.sin(np.linspace(0.0, 9.0, 1500))) * 10.0
+    angle = np.cumsum(speed) * 0.005
+    ripple = 0.03 * speed * np.sin(teeth * angle + 0.4)
+    assert explained(Covariate("angle_rad", angle, Shape.PERIODIC, size=speed), ripple) > 0.99
+
+
+def test_harmonics_that_rows_cannot_show_are_not_looked_for():
+    """At 0.5 rad a row the fifth is seen 2.5 times a cycle; from then on they are told from slower ones no more."""
+    angle = 0.5 * np.arange(200.0)
+    rows = np.ones(200, dtype=bool)
+    names = [basis.what for basis in bases(Covariate("angle_rad", angle, Shape.PERIODIC), rows)]
+    assert names == ["turn", "harmonic 4 of a turn"]
+
+
+class TestRunsOfRows:
+    TRIAL = np.repeat([0, 1, 2, 3], 250)
+
+    def most_taken(self, left):
+        """Greatest fall of the squares less what so many tries bring by chance, 2 ln(tries)."""
+        falls = [
+            float(basis.columns[:, 0] @ left) ** 2 / float(basis.columns[:, 0] @ basis.columns[:, 0])
+            - 2.0 * np.log(float(basis.tries))
+            for basis in standing_out(left, self.TRIAL)
+        ]
+        return max(falls)
+
+    def test_a_few_bursts_stand_out(self):
+        left = np.random.default_rng(1).standard_normal(1000)
+        for begin in (40, 333, 610, 900):
+            left[begin : begin + 8] -= 2.5
+        assert self.most_taken(left) > 40.0
+
+    def test_single_rows_do_not(self):
+        for seed in range(20):
+            rng = np.random.default_rng(seed)
+            left = rng.standard_normal(1000)
+            left[rng.choice(1000, 20, replace=False)] = 3.0
+            assert self.most_taken(left) < 10.0
+
+    def test_a_run_lies_in_one_trial(self):
+        left = np.zeros(1000)
+        left[246:254] = 1.0
+        column = next(standing_out(left, self.TRIAL)).columns[:, 0]
+        assert set(np.flatnonzero(column)) in ({246, 247, 248, 249}, {250, 251, 252, 253})
+
+    def test_few_rows_have_none(self):
+        assert not list(standing_out(np.ones(40), np.zeros(40, dtype=int)))

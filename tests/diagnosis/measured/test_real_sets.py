@@ -26,6 +26,7 @@ from diagnosis.measured.write_case import csv_of, write_case
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
 from diagnosis.stages import STAGES
+from pipeline.reading import Reading
 
 SHARED = Path(__file__).parents[4] / "shared"
 MEASURED, EXAMPLES = SHARED / "measured", SHARED / "gap_examples"
@@ -105,6 +106,14 @@ def test_held_out_runs_end_no_further_off_than_by_a_calibration_of_the_trade(ses
     after = np.sqrt(np.mean(ours**2, axis=0))
     assert np.hypot(*after[:2]) <= np.hypot(*theirs[:2]) < np.hypot(*before[:2])
     assert after[2] <= theirs[2]
+
+
+def test_a_set_is_read_with_the_runs_held_out_that_are_asked_for():
+    found = Reading(held_out=("circular/*", "ivanjko/*")).measurement(MEASURED / "optiodom_diff")
+    held = {trial.name.split("/")[0]: bool(trial.holdout.all()) for trial in found.trials}
+    assert held == {"circular": True, "ivanjko": True, "square": False}
+    one = Reading(part="left wheel").measurement(MEASURED / "opatiny_micromouse" / "wheelSpeedCalibration3.csv")
+    assert {trial.part for trial in one.trials} == {"left wheel"}
 
 
 def test_stale_speeds_of_the_micromouse_are_marked():

@@ -1,0 +1,152 @@
+"""How everything that is written gets its place: whole or not at all, and on the disk before anybody relies on it.
+
+Every file of the packages goes this way, and an architecture test says so. What stands under a name that begins with a
+dot and ends in `.tmp` or `.dropped` is unfinished, and belongs to nobody once its process is gone.
+"""
+
+import contextlib
+import errno
+import fcntl
+import os
+import re
+import secrets
+import shutil
+from pathlib import Path
+
+LEFT_FILE = re.compile(r"\..+\.[0-9a-f]{1,16}\.tmp")
+LEFT_FOLDER = re.compile(r"\..+\.dropped")
+
+
+def write_file(path: Path, data: bytes) -> None:
+    """Put a whole file in place, or none.
+
+    It is written under an exclusive name beside its place, synced, read back, renamed, and the folder synced.
+
+    Raises:
+        OSError: The disk did not take it, or does not give back what was written. The place is as it was before.
+    """
+    # By chance, not by the number of the process: after a restart of the machine another one may have that.
+    beside = path.with_name(f".{path.name}.{secrets.token_hex(8)}.tmp")
+    try:
+        _write_beside(beside, data)
+        _check_kept(beside, data, path)
+        os.replace(beside, path)  # noqa: PTH105 - of the two ways to say it the one that a fault test can stand in for
+    except BaseException:
+        with contextlib.suppress(OSError):
+            beside.unlink(missing_ok=True)
+        raise
+    sync_folder(path.parent)
+
+
+def _write_beside(beside: Path, data: bytes) -> None:
+    descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW, 0o666)
+    try:
+        _write_all(descriptor, data)
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _check_kept(beside: Path, data: bytes, path: Path) -> None:
+    kept = beside.read_bytes()
+    if kept != data:
+        told = f"is not what was written ({len(kept)} of {len(data)} bytes)"
+        raise OSError(errno.EIO, f"what is on the disk {told}", str(path))
+
+
+def _write_all(descriptor: int, data: bytes) -> None:
+    """A write may take less than it is given, and say why only when it is asked again."""
+    left = memoryview(data)
+    while left:
+        left = left[os.write(descriptor, left) :]
+
+
+def append_line(path: Path, line: bytes) -> None:
+    """Add a line to a journal, which is the only kind of file that grows in place; several processes may.
+
+    A line that was cut short by a kill or a full disk stays what it is, a line of its own that no reader understands.
+
+    Raises:
+        OSError: The disk did not take it; what it took of the line is taken away again.
+    """
+    new = not path.exists()
+    descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o666)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        end = os.fstat(descriptor).st_size
+        cut = end > 0 and os.pread(descriptor, 1, end - 1) != b"\n"
+        try:
+            _write_all(descriptor, b"\n" * cut + line + b"\n")
+            os.fsync(descriptor)
+        except BaseException:
+            with contextlib.suppress(OSError):
+                os.ftruncate(descriptor, end)
+            raise
+    finally:
+        os.close(descriptor)
+    if new:
+        sync_folder(path.parent)
+
+
+def sync_folder(path: Path) -> None:
+    """Make the names in a folder durable; a rename alone may be lost when the power fails."""
+    descriptor = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder and those above it that are not there, and put their names on the disk."""
+    missing = [folder for folder in (path, *path.parents) if not folder.exists()]
+    path.mkdir(parents=True, exist_ok=True)
+    for folder in missing:
+        sync_folder(folder.parent)
+
+
+def move(path: Path, place: Path) -> None:
+    """Rename a whole file to another folder of the same disk, over what is there."""
+    os.replace(path, place)  # noqa: PTH105 - as above
+    sync_folder(place.parent)
+
+
+def replace_folder(new: Path, path: Path) -> None:
+    """Put the finished folder `new` where `path` is; an older folder there is dropped first."""
+    remove_folder(path)
+    make_folder(path.parent)
+    os.rename(new, path)  # noqa: PTH104 - as above
+    sync_folder(path.parent)
+
+
+def remove_folder(path: Path) -> None:
+    """Remove a folder; it is renamed first, so that no half-removed folder is ever seen under its name."""
+    dropped = path.with_name(f".{path.name}.dropped")
+    # Also when the folder itself is gone: a removal killed half-way left it under this name.
+    if dropped.exists():
+        shutil.rmtree(dropped)
+    if path.exists():
+        os.rename(path, dropped)  # noqa: PTH104 - as above
+        sync_folder(path.parent)
+        shutil.rmtree(dropped)
+
+
+def remove_file(path: Path) -> None:
+    """Remove a file, if it is there, before anything else is done."""
+    if path.exists():
+        path.unlink()
+        sync_folder(path.parent)
+
+
+def remove_leftovers(folder: Path, *, below: bool = False) -> None:
+    """Remove what a killed process left unfinished in a folder that nobody else writes to, or also in those `below`."""
+    for path in list(folder.iterdir()) if folder.is_dir() else ():
+        if path.is_symlink():
+            continue
+        if path.is_dir():
+            if LEFT_FOLDER.fullmatch(path.name):
+                shutil.rmtree(path)
+            elif below:
+                remove_leftovers(path, below=True)
+        elif LEFT_FILE.fullmatch(path.name):
+            path.unlink()

@@ -1,0 +1,162 @@
+"""A process that has loaded all of symolo and forks a command for each order: a thousand of them in minutes.
+
+Run as a script. It reads an `Order` a line and answers with an `Outcome` a line. In the fork, all is that of the
+command but for three things: the scenario is read beforehand, units of work are done in the process itself one by one,
+and the pictures are painted, not traced. All that writes, names, journals, hashes and resumes is the command's own.
+"""
+
+import contextlib
+import dataclasses
+import json
+import os
+import signal
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from file_operations import FileOperations
+
+import pipeline.stages.simulate  # noqa: F401 - so that a fork finds the engine loaded
+from blender_scenes import renderer
+from blender_scenes.camera_response import encode_jpeg
+from blender_scenes.frame_files import FrameFile, frame_name, put_in_place
+from blender_scenes.job import RenderJob
+from configs.draw import draw_all
+from configs.errors import EnvironmentLacking, InputError
+from configs.loader import load_scenario
+from pipeline import batch
+from pipeline.cli import main
+from pipeline.plan import Plan
+from pipeline.stages import render, simulate_runs
+from pipeline.units import Failed, Progress
+from pipeline.worker_main import do
+from pipeline.workers import UnitFailure, WorkerError
+
+MARK = "\n--- operations ---\n"
+
+
+@dataclass(frozen=True)
+class Order:
+    arguments: list[str]
+    kill_after_s: float | None = None
+    """When to kill the command with SIGKILL, from its start."""
+    root: str = ""
+    """Folder below which file operations are counted."""
+    at: int = 0
+    error: int = 0
+    """Which of them fails, with what; see `FileOperations`."""
+    shuffle: int | None = None
+    """Seed of another order of the units and their frames."""
+    any_disk: bool = False
+    """Not to look first whether there is room; it may go while the command works."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    status: int
+    """Exit code, or less the number of the signal."""
+    err: str
+    seconds: float
+    operations: list[list[str]]
+
+
+def _painted(request, camera_samples: int, on_begin: Callable[[int], None]) -> Iterator:
+    """In place of Blender: noise that the frame's number decides, put in place as Blender's side does."""
+    del camera_samples, on_begin
+    job = RenderJob.from_json(Path(request.job_path).read_text())
+    size = job.camera.height_px, job.camera.width_px, 3
+    for number in request.numbers:
+        noise = np.random.Generator(np.random.PCG64(number))
+        data = encode_jpeg(noise.integers(40, 200, size, np.uint8), job.response.jpeg_quality)
+        path = Path(request.folder) / frame_name(number)
+        sha256 = put_in_place(data, path, job.camera.width_px, job.camera.height_px)
+        yield FrameFile(number, path.name, sha256, len(data), 0.0)
+
+
+def _here(shuffle: int | None) -> Callable:
+    """In place of `run_units`: the units one by one in this process, with a worker's words for what goes wrong."""
+
+    def run_units(units: Sequence, workers: int, on_event: Callable, **options: object) -> list[UnitFailure]:
+        del workers, options
+        failures = []
+        order = list(range(len(units)))
+        if shuffle is not None:
+            np.random.Generator(np.random.PCG64(shuffle)).shuffle(order)
+        for unit in (units[place] for place in order):
+            event = do(unit, lambda share, at=None, unit=unit: on_event(unit, Progress(share=share, at=at)))
+            on_event(unit, event)
+            if isinstance(event, Failed):
+                if event.error in {"environment", "input"}:
+                    raise {"environment": EnvironmentLacking, "input": InputError}[event.error](event.text)
+                if event.error == "bug":
+                    raise WorkerError(event.text)
+                failures.append(UnitFailure(unit, event.text))
+        return failures
+
+    return run_units
+
+
+def _command(order: Order) -> int:
+    renderer._blender_files = _painted
+    render.run_units = simulate_runs.run_units = _here(order.shuffle)
+    if order.any_disk:
+        batch.check_disk = lambda _out, _needed: None
+    return main(order.arguments)
+
+
+def _in_the_child(order: Order, log: int) -> None:
+    os.setsid()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGCHLD})
+    os.dup2(log, 1)
+    os.dup2(log, 2)
+    operations = FileOperations(order.root, order.at, order.error)
+    if order.root:
+        operations.install()
+    code = 1
+    try:
+        code = _command(order)
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        with contextlib.suppress(OSError):
+            os.write(log, (MARK + json.dumps(operations.noted)).encode())
+        os._exit(code)
+
+
+def _do(order: Order) -> Outcome:
+    begin = time.monotonic()
+    with tempfile.TemporaryFile() as log:
+        pid = os.fork()
+        if pid == 0:
+            _in_the_child(order, log.fileno())
+        if order.kill_after_s is not None:
+            signal.sigtimedwait({signal.SIGCHLD}, order.kill_after_s)
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+        status = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
+        signal.sigtimedwait({signal.SIGCHLD}, 0)
+        seconds = time.monotonic() - begin
+        log.seek(0)
+        err, _, noted = log.read().decode(errors="replace").partition(MARK)
+    return Outcome(status, err, seconds, json.loads(noted or "[]"))
+
+
+def serve() -> None:
+    loaded = load_scenario(str(Path(__file__).with_name("bare.yaml")))
+    drawn = tuple(draw_all(loaded))
+    batch.load_scenario = lambda _name, _overrides: loaded
+    batch.draw_reported = lambda _loaded, _report: drawn
+    Plan.of(drawn, 1)
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGCHLD})
+    print("ready", flush=True)  # noqa: T201 - the other end waits for it
+    for line in sys.stdin:
+        print(json.dumps(dataclasses.asdict(_do(Order(**json.loads(line))))), flush=True)  # noqa: T201 - likewise
+
+
+if __name__ == "__main__":
+    serve()
