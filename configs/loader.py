@@ -16,7 +16,7 @@ from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Scenario, Stop
 from configs.shapes import Shape, with_defaults
-from configs.tree import FieldPath, Node, dotted
+from configs.tree import FieldPath, Node, dotted, node_of
 from configs.validation import Placed, distributions_of, probes, validated
 
 
@@ -105,6 +105,19 @@ def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSce
     reader = Reader()
     root = reader.read("scenario", locate("scenario", name_or_path, folder=Path(), what="scenario"))
     root, assets = with_assets(_overridden(root, Scenario, overrides, reader), Shape.of(Scenario))
+    return _checked(root, tuple(reader.sources), assets)
+
+
+def load_resolved(tree: Mapping[str, Any], where: str) -> LoadedScenario:
+    """The scenario whose `tree` this is, as metadata.json of a dataset holds it; no file is read.
+
+    Raises:
+        InputError: It is none of this version's; `where` stands for the places of its fields.
+    """
+    return _checked(node_of(tree, where), (), {})
+
+
+def _checked(root: Node, source_files: tuple[Path, ...], assets: Mapping[str, Path]) -> LoadedScenario:
     placed = distributions_of(root, Scenario)
     check_kinds(placed, root)
     probed = [validated(root, Scenario, values) for values in probes(placed)]
@@ -114,7 +127,7 @@ def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSce
     return LoadedScenario(
         root=root,
         placed=placed,
-        source_files=tuple(reader.sources),
+        source_files=source_files,
         assets=assets,
         name=scenario.name,
         description=scenario.description,

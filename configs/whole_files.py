@@ -132,8 +132,8 @@ def remove_folder(path: Path) -> None:
 
 
 def remove_file(path: Path) -> None:
-    """Remove a file, if it is there, before anything else is done."""
-    if path.exists():
+    """Remove a file or a link, if it is there, before anything else is done."""
+    if path.exists() or path.is_symlink():
         path.unlink()
         sync_folder(path.parent)
 

@@ -13,14 +13,15 @@ import typer
 
 from configs.errors import EnvironmentLacking, InputError, RunFailed, one_line
 from configs.refusals import lacking
-from pipeline.commands import bench, examine, make
+from pipeline.commands import bench, examine, keep, make
 from pipeline.commands.diagnose import diagnose
 from pipeline.commands.measured import measured
 from pipeline.commands.pictures import pictures
 from pipeline.commands.preview import preview
 
 EPILOG = """Exit codes: 0 done; 1 a bug; 2 bad input or usage, nothing written; 3 a run failed, the others are finished;
-4 verify found faults; 5 the environment lacks something; 130 interrupted.
+4 verify found faults, or repair left some; 5 the environment lacks something; 6, 7 compare: equal within the
+tolerance, different; 130 interrupted.
 
 First steps:
 
@@ -52,8 +53,10 @@ def command_line() -> typer.Typer:
     app.callback()(_options)
     for command in (make.plan, preview, make.release, make.simulate, make.render, make.assemble, make.rerender):
         app.command(rich_help_panel="Make data")(command)
-    for command in (examine.verify, examine.contact_sheet, examine.doctor, examine.schema):
+    for command in (examine.verify, examine.compare, examine.contact_sheet, examine.doctor, examine.schema):
         app.command(rich_help_panel="Look at data, machine and format")(command)
+    for command in (keep.status, keep.repair, keep.bag):
+        app.command(rich_help_panel="Keep data whole")(command)
     for command in (measured, diagnose, pictures):
         app.command(rich_help_panel="Understand measured data")(command)
     benches = typer.Typer(no_args_is_help=True)

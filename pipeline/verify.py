@@ -6,22 +6,53 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from configs.errors import InputError
-from pipeline.dataset.checks import Finding, check_run
+from pipeline.dataset.bag import DECLARATION
+from pipeline.dataset.bag_checks import bag_findings
+from pipeline.dataset.bagging import PAYLOAD
+from pipeline.dataset.checks import check_run
 from pipeline.dataset.description import DESCRIPTION
-from pipeline.dataset.manifest import MANIFEST, read_manifest, released_hashes
+from pipeline.dataset.findings import Finding
+from pipeline.dataset.inventory import Inventory
 from pipeline.dataset.metadata import METADATA, Metadata
 
 
 def verify(root: Path) -> Iterator[Finding]:
     """Each fault with the file that has it; nothing means that the dataset is whole.
 
+    Args:
+        root: A dataset, or a bag that holds one.
+
     Raises:
         InputError: There is no such folder.
     """
     if not root.is_dir():
         raise InputError("no such folder", where=str(root), cure="name the folder that holds metadata.json")
-    yield from _links(root)
-    yield from _checksums(root)
+    if (root / DECLARATION).is_file():
+        within = [Finding(f"{PAYLOAD}/{found.file}", found.what) for found in _dataset_findings(root / PAYLOAD)]
+        yield from within
+        told = {found.file for found in within}
+        yield from (found for found in bag_findings(root) if found.file not in told)
+    else:
+        yield from _dataset_findings(root)
+
+
+def _dataset_findings(root: Path) -> Iterator[Finding]:
+    inventory = Inventory.of(root)
+    faults = list(inventory.findings())
+    yield from faults
+    content = _content_findings(root)
+    if not inventory.trusted or not faults:
+        yield from content
+        return
+    # What is proven to be as it was released is not blamed for not fitting to what was damaged.
+    wrong = {fault.file for fault in faults}
+    known = {*inventory.expected, *inventory.extra}
+    folders = {parent.as_posix() for name in known for parent in Path(name).parents}
+    yield from (found for found in content if found.file in wrong or found.file not in known | folders)
+
+
+def _content_findings(root: Path) -> Iterator[Finding]:
+    """Of the files themselves, whatever their checksums say."""
     if not (root / DESCRIPTION).is_file():
         yield Finding(DESCRIPTION, "is missing")
     try:
@@ -36,34 +67,14 @@ def verify(root: Path) -> Iterator[Finding]:
         for record in metadata.runs:
             if record.run.startswith("/") or ".." in record.run.split("/"):
                 yield Finding(METADATA, f"run {record.run!r} leads out of the dataset")
-            else:
+                continue
+            try:
                 yield from check_run(root, record)
+            except OSError as error:  # such as of a sector that the disk has lost; its file is named above
+                where = Path(str(error.filename)) if error.filename else root / record.run
+                name = where.relative_to(root).as_posix() if where.is_relative_to(root) else record.run
+                yield Finding(name, f"cannot be read: {error.strerror}")
         named = {record.run for record in metadata.runs}
         for folder in sorted(path.relative_to(root).as_posix() for path in root.glob("*/test_*")):
             if folder not in named:
                 yield Finding(folder, f"is not named in {METADATA}")
-
-
-def _links(root: Path) -> Iterator[Finding]:
-    for path in sorted(root.rglob("*")):
-        if path.is_symlink():
-            yield Finding(path.relative_to(root).as_posix(), "is a symbolic link; a dataset holds files")
-
-
-def _checksums(root: Path) -> Iterator[Finding]:
-    try:
-        expected = read_manifest((root / MANIFEST).read_bytes())
-    except OSError as error:
-        yield Finding(MANIFEST, f"cannot be read: {error.strerror}")
-        return
-    except ValueError as error:
-        yield Finding(MANIFEST, str(error))
-        return
-    there = released_hashes(root)
-    for name in sorted(expected.keys() | there.keys()):
-        if name not in there:
-            yield Finding(name, f"is missing; {MANIFEST} names it")
-        elif name not in expected:
-            yield Finding(name, f"is not named in {MANIFEST}")
-        elif there[name] != expected[name]:
-            yield Finding(name, f"was changed: its SHA-256 is not that of {MANIFEST}")

@@ -33,6 +33,45 @@ def verify(
     return FAULTS if count else 0
 
 
+def compare(
+    a: Annotated[Path, typer.Argument(metavar="A", callback=checked_input, help="Dataset, run, pictures, or a file.")],
+    b: Annotated[Path, typer.Argument(metavar="B", callback=checked_input, help="The same, made another time.")],
+    tolerance_db: Annotated[
+        float,
+        typer.Option(
+            "--tolerance-db",
+            min=0,
+            max=1000,
+            metavar="DB",
+            help="What differs counts as equal from this many decibels on: peak over rms difference, of pictures the "
+            "PSNR, of a column its largest value for the peak.",
+        ),
+    ] = 50.0,
+    every: Annotated[bool, typer.Option("--all", help="Name identical files too.")] = False,  # noqa: FBT002 - typer's
+) -> int:
+    """Compare two datasets, runs or folders of pictures, file by file.
+
+    Prints a line for each file that is not the same bytes, programs and processors that differ, and one line that says
+    what it comes to. Exit code 0: identical; 6: equal within --tolerance-db; 7: different.
+
+    Example: symolo compare data data-of-another-machine --tolerance-db 60
+    """
+    from pipeline.compare.conclusion import Conclusion, made_differently
+    from pipeline.compare.folders import Verdict
+    from pipeline.compare.folders import compare as results_of
+
+    results = []
+    for result in results_of(a, b, tolerance_db):
+        results.append(result)
+        if every or result.verdict is not Verdict.IDENTICAL:
+            typer.echo(str(result))
+    for line in made_differently(a, b):
+        typer.echo(line)
+    conclusion = Conclusion.of(results)
+    typer.echo(conclusion.text)
+    return conclusion.code
+
+
 def contact_sheet(
     folder: Annotated[
         Path, typer.Argument(metavar="DIR", callback=checked_input, help="Dataset, run folder, or output of rerender.")

@@ -118,6 +118,8 @@ def _make(  # noqa: PLR0917 - the options of the commands
     if "assemble" in stages and "render" not in stages:
         failures += batch.rendered(failures)
     with batch.workspace.locked():
+        for line in again(batch.workspace, batch.specs):
+            report.say(line)
         if "render" in stages:
             batch.keep_own_files()
         if "simulate" in stages:

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ from configs.schema.scenario import RunSpec
 from physics.arena import Arena
 from pipeline.dataset.annotation_checks import ANNOTATIONS, annotation_faults
 from pipeline.dataset.camera_model import INTRINSICS, CameraModel, camera_table, read_camera_model
+from pipeline.dataset.findings import Finding
 from pipeline.dataset.metadata import RunRecord
 from pipeline.dataset.obstacles import obstacle_table, off_the_path
 from pipeline.dataset.rows import HEADER, Floats, Rows, parse_table, semantic_faults
@@ -27,15 +27,6 @@ FASTEST_M_S = 3.0
 FASTEST_RAD_S = 30.0
 
 _JPEG_START, _JPEG_END = b"\xff\xd8\xff", b"\xff\xd9"
-
-
-@dataclass(frozen=True)
-class Finding:
-    file: str
-    what: str
-
-    def __str__(self) -> str:
-        return f"{self.file}: {self.what}"
 
 
 def check_run(root: Path, record: RunRecord) -> Iterator[Finding]:
@@ -137,7 +128,10 @@ def _picture_fault(path: Path, width_px: int, height_px: int) -> str:
     data = path.read_bytes()
     if not data.startswith(_JPEG_START) or not data.endswith(_JPEG_END):
         return "is not a whole JPEG file"
-    picture = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_COLOR)
+    try:
+        picture = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_COLOR)
+    except cv2.error:  # its head claims more pixels than OpenCV takes
+        picture = None
     if picture is None:
         return "cannot be decoded"
     if picture.shape[:2] != (height_px, width_px):
@@ -165,7 +159,7 @@ def _specification(path: Path, name: str) -> tuple[object, RunSpec | None, list[
     """What JSON a run's specification is, None where it is none, what it says where it is whole, and its fault."""
     try:
         content = json.loads(path.read_bytes())
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         return None, None, [Finding(name, f"cannot be read: {error}")]
     try:
         return content, RunSpec.model_validate_json(json.dumps(content)), []

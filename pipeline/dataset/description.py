@@ -44,7 +44,9 @@ def _layout(metadata: Metadata) -> str:
         "    <route>/test_<n>/image_positions.txt   img x y theta: the robot's pose at each shutter [m, rad]\n"
         "    <route>/test_<n>/side/                 more than SyMoLo has: see below\n"
         "    metadata.json                          robot, arena, rates, seeds, every drawn value\n"
-        "    manifest-sha256.txt                    checksums"
+        "    bag-info.txt                           size of the data, class of the processors that made them\n"
+        "    manifest-sha256.txt                    checksums\n"
+        "    tagmanifest-sha256.txt                 checksum of the checksums"
     )
 
 
@@ -169,8 +171,8 @@ def _failed(metadata: Metadata) -> str:
 def _checks() -> str:
     return (
         "## Checking\n\n"
-        "    sha256sum -c manifest-sha256.txt    # every file as it was released\n"
-        "    symolo verify .                     # structure, columns, ranges, rates, pictures, checksums"
+        "    sha256sum -c tagmanifest-sha256.txt manifest-sha256.txt    # every file as it was released\n"
+        "    symolo verify .                     # the same; structure, columns, ranges, rates, pictures; extra files"
     )
 
 

@@ -1,15 +1,30 @@
-"""manifest-sha256.txt: the SHA-256 of every released file, as `sha256sum -c` reads it."""
+"""manifest-sha256.txt: the SHA-256 of every released file, as `sha256sum -c` reads it, and that of the list itself."""
 
+import hashlib
+from collections.abc import Mapping
 from pathlib import Path
 
+from pipeline.dataset.bag import BAG_INFO
 from pipeline.files import hashes_of
 from pipeline.workspace import STAGES
 
 MANIFEST = "manifest-sha256.txt"
+TAG_MANIFEST = "tagmanifest-sha256.txt"
+"""SHA-256 of the manifest and of bag-info.txt, so that an edited manifest is found."""
 
 
-def manifest(hashes: dict[str, str]) -> bytes:
+def manifest(hashes: Mapping[str, str]) -> bytes:
     return "".join(f"{digest}  {name}\n" for name, digest in sorted(hashes.items())).encode()
+
+
+def tag_manifest(hashes: Mapping[str, str]) -> bytes:
+    """For the manifest of these files.
+
+    Args:
+        hashes: SHA-256 by name, bag-info.txt among them where there is one.
+    """
+    own = {MANIFEST: hashlib.sha256(manifest(hashes)).hexdigest()}
+    return manifest(own | {name: digest for name, digest in hashes.items() if name == BAG_INFO})
 
 
 def read_manifest(data: bytes) -> dict[str, str]:
@@ -24,5 +39,5 @@ def read_manifest(data: bytes) -> dict[str, str]:
 
 
 def released_hashes(out: Path) -> dict[str, str]:
-    """SHA-256 of every file of a dataset but the manifest and the hidden stages."""
-    return hashes_of(out, skip=(STAGES, MANIFEST))
+    """SHA-256 of every file of a dataset but the manifests and the hidden stages."""
+    return hashes_of(out, skip=(STAGES, MANIFEST, TAG_MANIFEST))

@@ -1,6 +1,7 @@
 """Third stage: good runs put together as the released dataset, with description, metadata and checksums."""
 
-from collections.abc import Mapping, Sequence
+import hashlib
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,14 +11,16 @@ from configs.refusals import NOT_THERE
 from configs.schema.scenario import RunSpec
 from configs.whole_files import make_folder, remove_file, remove_folder, replace_folder, write_file
 from physics.arena import Arena
+from physics.trajectory import Recording
+from pipeline.dataset.bag import BAG_INFO, bag_info
 from pipeline.dataset.camera_model import INTRINSICS, CameraModel, camera_table
 from pipeline.dataset.description import DESCRIPTION, markdown
-from pipeline.dataset.manifest import MANIFEST, manifest
+from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, tag_manifest
 from pipeline.dataset.metadata import METADATA, FailedRun, Metadata, RunRecord, describe
 from pipeline.dataset.obstacles import obstacle_table, obstacles_csv
 from pipeline.dataset.rows import Rows
 from pipeline.dataset.side import CAMERA, TOF, WHEELS, image_positions, tof_csv, wheels_csv
-from pipeline.files import hashes_of, holds, read_known, sha256_of
+from pipeline.files import hashes_of, holds, read_known
 from pipeline.progress import Report
 from pipeline.stages.annotate import copy_released
 from pipeline.stages.render import IMAGES, Rendered
@@ -26,6 +29,10 @@ from pipeline.versions import versions
 from pipeline.workspace import DONE, PARTIAL, STAGES, Workspace, input_key, mark_done
 
 DATA, POSITIONS, SIDE = "data.csv", "image_positions.txt", "side"
+KEPT_METADATA = Path(STAGES) / "assemble" / METADATA
+"""A copy within an output folder: of all that is released, nothing else could be made again without the scenario."""
+CHECKSUMS = (TAG_MANIFEST, MANIFEST)
+"""In the order in which they are taken away, before anything that they name is."""
 
 
 def assemble(
@@ -47,7 +54,7 @@ def assemble(
     failed = {failure.run for failure in failures}
     good = [spec for spec in specs if spec.key not in failed]
     hashes: dict[str, str] = {}
-    records = []
+    records, cpus = [], set()
     with report.stage("assemble", len(good), "runs") as stage:
         _take_back(workspace, {spec.key for spec in good})
         for spec in good:
@@ -55,17 +62,29 @@ def assemble(
             simulated = workspace.simulate(spec.key).path
             rows = Rows.from_recording(read_recording(simulated))
             pictures = Rendered.read(workspace.render(spec.key).path)
-            lap_time_s = read_outcome(simulated).lap_time_s
-            records.append(RunRecord.of(spec, rows, lap_time_s, pictures.warnings, pictures.device))
+            outcome = read_outcome(simulated)
+            records.append(RunRecord.of(spec, rows, outcome.lap_time_s, pictures.warnings, pictures.device))
+            cpus |= {outcome.cpu, pictures.cpu}
             stage.update(spec.key, 1)
     if not good:
-        _remove_files(workspace.out, (MANIFEST, METADATA, DESCRIPTION))
+        _remove_files(workspace.out, (*CHECKSUMS, BAG_INFO, METADATA, DESCRIPTION))
         return
     metadata = describe(tree, specs, records, failures)
-    for name, data in ((METADATA, metadata.to_json()), (DESCRIPTION, markdown(metadata, good[0]))):
-        _write_if_new(workspace.out / name, data)
-        hashes[name] = sha256_of(workspace.out / name)
-    _write_if_new(workspace.out / MANIFEST, manifest(hashes))
+    _describe(workspace, metadata, markdown(metadata, good[0]), hashes, cpus)
+
+
+def _describe(workspace: Workspace, metadata: Metadata, page: bytes, hashes: dict[str, str], cpus: set[str]) -> None:
+    """Write what lies at the top of a release; the checksum of the checksums comes last."""
+    out, text = workspace.out, metadata.to_json()
+    _write_if_new(workspace.out / KEPT_METADATA, text)
+    for name, data in ((METADATA, text), (DESCRIPTION, page)):
+        _write_if_new(out / name, data)
+        hashes[name] = hashlib.sha256(data).hexdigest()
+    sizes = {name: (out / name).stat().st_size for name in hashes}
+    info = bag_info(metadata.name, metadata.description, sizes, cpus)
+    hashes[BAG_INFO] = hashlib.sha256(info).hexdigest()
+    for name, data in ((BAG_INFO, info), (MANIFEST, manifest(hashes)), (TAG_MANIFEST, tag_manifest(hashes))):
+        _write_if_new(out / name, data)
 
 
 def _release_run(workspace: Workspace, spec: RunSpec) -> dict[str, str]:
@@ -79,7 +98,7 @@ def _release_run(workspace: Workspace, spec: RunSpec) -> dict[str, str]:
     done = marker.done()
     if done is not None and done.key == key and holds(released, done.files):
         return done.files
-    _remove_files(workspace.out, (MANIFEST,))
+    _remove_files(workspace.out, CHECKSUMS)
     partial = workspace.out / STAGES / "assemble" / (spec.key + PARTIAL)
     remove_folder(partial)
     _fill(workspace, spec, files["render"], partial)
@@ -91,20 +110,10 @@ def _release_run(workspace: Workspace, spec: RunSpec) -> dict[str, str]:
 
 
 def _fill(workspace: Workspace, spec: RunSpec, rendered: Mapping[str, str], folder: Path) -> None:
-    recording = read_recording(workspace.simulate(spec.key).path)
-    rows = Rows.from_recording(recording)
     make_folder(folder / SIDE)
     make_folder(folder / IMAGES)
-    write_file(folder / DATA, rows.to_csv())
-    write_file(folder / POSITIONS, image_positions(rows))
-    write_file(folder / SIDE / WHEELS.file, wheels_csv(recording))
-    write_file(folder / SIDE / TOF.file, tof_csv(recording))
-    write_file(folder / SIDE / CAMERA.file, CAMERA.to_csv(camera_table(spec, rows)))
-    write_file(folder / SIDE / INTRINSICS, CameraModel.of(spec).to_json())
-    arena = Arena.from_config(spec.arena)
-    if (obstacles := obstacle_table(arena)) is not None:
-        write_file(folder / SIDE / obstacles.file, obstacles_csv(obstacles, arena, recording))
-    write_file(folder / SIDE / SPEC, spec_text(spec))
+    for name, data in tables(spec, read_recording(workspace.simulate(spec.key).path)):
+        write_file(folder / name, data)
     pictures = workspace.render(spec.key).path
     for name, digest in sorted(rendered.items()):
         if name.startswith(f"{IMAGES}/"):
@@ -113,10 +122,25 @@ def _fill(workspace: Workspace, spec: RunSpec, rendered: Mapping[str, str], fold
         copy_released(workspace.annotate(spec.key), folder)
 
 
+def tables(spec: RunSpec, recording: Recording) -> Iterator[tuple[str, bytes]]:
+    """Every released file of a run but its pictures and annotations, by its path in the run's folder."""
+    rows = Rows.from_recording(recording)
+    yield DATA, rows.to_csv()
+    yield POSITIONS, image_positions(rows)
+    yield f"{SIDE}/{WHEELS.file}", wheels_csv(recording)
+    yield f"{SIDE}/{TOF.file}", tof_csv(recording)
+    yield f"{SIDE}/{CAMERA.file}", CAMERA.to_csv(camera_table(spec, rows))
+    yield f"{SIDE}/{INTRINSICS}", CameraModel.of(spec).to_json()
+    arena = Arena.from_config(spec.arena)
+    if (obstacles := obstacle_table(arena)) is not None:
+        yield f"{SIDE}/{obstacles.file}", obstacles_csv(obstacles, arena, recording)
+    yield f"{SIDE}/{SPEC}", spec_text(spec)
+
+
 def _take_back(workspace: Workspace, good: set[str]) -> None:
     """Remove released runs that the scenario no longer holds, or that failed since."""
     for run in sorted(_released(workspace) - good):
-        _remove_files(workspace.out, (MANIFEST,))
+        _remove_files(workspace.out, CHECKSUMS)
         remove_folder(workspace.out / run)
         route = (workspace.out / run).parent
         if route.is_dir() and not any(route.iterdir()):

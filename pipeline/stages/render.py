@@ -22,6 +22,7 @@ from configs.streams import stream
 from configs.whole_files import make_folder, remove_file, remove_folder, write_file
 from physics.arena import Arena
 from physics.robot_path import RobotPath
+from pipeline.cpu import cpu_class
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Rows
 from pipeline.files import canonical_json, sha256_of
@@ -180,7 +181,7 @@ class RenderTask(FrameTask):
             for frame in self.frames
         ]
         warnings = exposure_warnings(seen)
-        told = {"device": self.device, "frames": records, "warnings": list(warnings)}
+        told = {"cpu": cpu_class(), "device": self.device, "frames": records, "warnings": list(warnings)}
         write_file(self.folder.path / FRAMES, canonical_json(told))
         pictures = {record["file"]: record["sha256"] for record in records}
         texts = {name: sha256_of(self.folder.path / name) for name in (JOB, FRAMES)}
@@ -290,8 +291,10 @@ class Rendered:
     """On which they were rendered, as Cycles calls it."""
     warnings: tuple[str, ...]
     """What was found wrong with their exposure."""
+    cpu: str
+    """Class of the processor; empty where it was not noted."""
 
     @classmethod
     def read(cls, folder: Path) -> "Rendered":
         told = json.loads((folder / FRAMES).read_bytes())
-        return cls(told["device"], tuple(told["warnings"]))
+        return cls(told["device"], tuple(told["warnings"]), told.get("cpu", ""))

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict
 from configs.schema.scenario import RunSpec
 from configs.whole_files import write_file
 from physics.trajectory import Recording
+from pipeline.cpu import cpu_class
 from pipeline.dataset.metadata import FailedRun
 from pipeline.files import canonical_json
 from pipeline.progress import Report
@@ -36,6 +37,8 @@ class RunOutcome(BaseModel):
     lap_time_s: float | None
     rows: int
     images: int
+    cpu: str = ""
+    """Class of the processor; empty where it was not noted."""
 
 
 def simulation_inputs(spec: RunSpec) -> dict:
@@ -116,6 +119,7 @@ def simulate_into(spec_json: str, path: Path, key: str, progress: Callable[[floa
         lap_time_s=outcome.lap_time_s,
         rows=len(recording.trajectory.t_s),
         images=int((recording["image"].values > 0).sum()),
+        cpu=cpu_class(),
     )
     write_file(partial / OUTCOME, canonical_json(summary.model_dump(mode="json")))
     folder.publish(partial, key)

@@ -13,7 +13,7 @@ import pytest
 
 from configs.schema.scenario import RunSpec
 from pipeline.cli import main
-from pipeline.dataset.manifest import MANIFEST, manifest, released_hashes
+from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest
 from pipeline.stages.simulate import Outcome, simulate
 from pipeline.workers import cores
 
@@ -89,7 +89,9 @@ def sign() -> Callable[[Path], None]:
     """Writes checksums that fit, so that only a check of the content can find a fault."""
 
     def write(root: Path) -> None:
-        (root / MANIFEST).write_bytes(manifest(released_hashes(root)))
+        hashes = released_hashes(root)
+        (root / MANIFEST).write_bytes(manifest(hashes))
+        (root / TAG_MANIFEST).write_bytes(tag_manifest(hashes))
 
     return write
 

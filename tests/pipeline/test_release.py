@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import platform
 import shutil
 import signal
 import subprocess
@@ -62,17 +63,29 @@ def test_metadata_holds_every_drawn_value_and_nothing_of_this_machine(dataset):
     assert str(dataset.parent) not in text
 
 
-def test_sha256sum_accepts_the_manifest(dataset):
-    checked = subprocess.run(
-        [shutil.which("sha256sum"), "-c", "--quiet", "--strict", "manifest-sha256.txt"],
-        cwd=dataset,
-        capture_output=True,
-        check=False,
-    )
-    assert checked.returncode == 0, checked.stdout
+def test_sha256sum_accepts_the_manifests(dataset):
+    for name in ("manifest-sha256.txt", "tagmanifest-sha256.txt"):
+        checked = subprocess.run(
+            [shutil.which("sha256sum"), "-c", "--quiet", "--strict", name],
+            cwd=dataset,
+            capture_output=True,
+            check=False,
+        )
+        assert checked.returncode == 0, checked.stdout
     listed = {line.split("  ")[1] for line in (dataset / "manifest-sha256.txt").read_text().splitlines()}
     there = {p.relative_to(dataset).as_posix() for p in dataset.rglob("*") if p.is_file() and ".stages" not in p.parts}
-    assert listed == there - {"manifest-sha256.txt"}
+    assert listed == there - {"manifest-sha256.txt", "tagmanifest-sha256.txt"}
+
+
+def test_the_bag_info_counts_the_payload_and_names_the_processor(dataset):
+    """Payload-Oxum as RFC 8493 defines it in section 2.2.2: octets, a point, files."""
+    info = dict(line.split(": ", 1) for line in (dataset / "bag-info.txt").read_text().splitlines())
+    payload = [p for p in dataset.rglob("*") if p.is_file() and ".stages" not in p.parts and "txt" not in p.suffix]
+    payload += dataset.glob("*/test_1/image_positions.txt")
+    assert info["Payload-Oxum"] == f"{sum(path.stat().st_size for path in payload)}.{len(payload)}"
+    assert info["External-Identifier"] == "smoke"
+    assert platform.machine().split("_")[0] in info["CPU-Class"]
+    assert os.uname().nodename not in info.values()
 
 
 def test_stages_one_by_one_with_more_workers_and_smaller_blocks_give_the_same_bytes_and_refuse_another_order(
@@ -109,6 +122,8 @@ def test_another_look_is_rendered_anew_but_not_simulated(dataset, copy_of, symol
     ended = symolo("release", "smoke", "--out", out, *sunny)
     assert ended.code == 0
     assert "simulate: 1 of 1 runs are there already" in ended.err
+    assert "not as the images there: look.sun.elevation_deg" in ended.err
+    assert "-> 70.0" in ended.err
     assert trajectory.stat().st_mtime_ns == before
     run = "CW/test_1"
     assert (out / run / "data.csv").read_bytes() == (dataset / run / "data.csv").read_bytes()

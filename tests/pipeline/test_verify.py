@@ -1,7 +1,11 @@
 """`symolo verify` names the file and the fault of every kind of damage, also where the checksums were written anew."""
 
+import errno
+import hashlib
 import json
+import os
 import re
+import shutil
 from pathlib import Path
 
 import cv2
@@ -204,13 +208,61 @@ UNSIGNED = {
         f"{RUN}/images/000003.jpg",
         "was changed",
     ),
-    "images swapped": (swap("images/000001.jpg", "images/000002.jpg"), f"{RUN}/images/000002.jpg", "was changed"),
+    "images swapped": (
+        swap("images/000001.jpg", "images/000002.jpg"),
+        f"{RUN}/images/000002.jpg",
+        f"it was swapped with {RUN}/images/000001.jpg",
+    ),
+    "image copied over another": (
+        lambda root: shutil.copy(root / RUN / "images/000001.jpg", root / RUN / "images/000002.jpg"),
+        f"{RUN}/images/000002.jpg",
+        f"it holds what {RUN}/images/000001.jpg should hold",
+    ),
+    "file emptied": (cut(f"{RUN}/side/spec.json", 0), f"{RUN}/side/spec.json", "it is empty"),
+    "file copied": (
+        lambda root: shutil.copy(root / CSV, root / "CW/data.csv"),
+        "CW/data.csv",
+        f"is not named in manifest-sha256.txt; it is a copy of {CSV}",
+    ),
+    "bag-info edited": (edit("bag-info.txt", lambda t: t.replace("CPU", "GPU")), "bag-info.txt", "was changed"),
+    "pipe added": (lambda root: os.mkfifo(root / "CW/pipe"), "CW/pipe", "is no regular file"),
     "file added": (lambda root: (root / "CW/notes.txt").write_text("x"), "CW/notes.txt", "is not named in"),
     "file removed": (remove(f"{RUN}/side/camera.csv"), f"{RUN}/side/camera.csv", "is missing"),
     "description edited": (edit("README.md", str.upper), "README.md", "was changed"),
-    "manifest removed": (remove("manifest-sha256.txt"), "manifest-sha256.txt", "cannot be read"),
+    "manifest removed": (remove("manifest-sha256.txt"), "manifest-sha256.txt", "is missing"),
     "manifest cut": (cut("manifest-sha256.txt", 100), "manifest-sha256.txt", "line 2 is not a checksum"),
     "manifest twice": (edit("manifest-sha256.txt", lambda t: t + t), "manifest-sha256.txt", "is not a checksum"),
+    "checksum edited": (
+        edit("manifest-sha256.txt", lambda t: re.sub(rf"[0-9a-f]{{8}}  {CSV}", f"00000000  {CSV}", t)),
+        "manifest-sha256.txt",
+        f"not as released is what it says of {CSV}",
+    ),
+    "checksum removed": (
+        edit("manifest-sha256.txt", without_line(2)),
+        "manifest-sha256.txt",
+        "not as released is what it says of CCW/test_1/images/000001.jpg",
+    ),
+    "name edited in the manifest": (
+        edit("manifest-sha256.txt", lambda t: t.replace(f"  {CSV}", f"  {RUN}/date.csv")),
+        "manifest-sha256.txt",
+        f"not as released is what it says of {CSV} and 1 more",
+    ),
+    "checksum of the manifest edited": (
+        edit("tagmanifest-sha256.txt", lambda t: re.sub(r"[0-9a-f]{8}  man", "00000000  man", t)),
+        "tagmanifest-sha256.txt",
+        "does not fit manifest-sha256.txt",
+    ),
+    "checksum of bag-info edited": (
+        edit("tagmanifest-sha256.txt", lambda t: re.sub(r"[0-9a-f]{8}  bag", "00000000  bag", t)),
+        "tagmanifest-sha256.txt",
+        "does not fit manifest-sha256.txt",
+    ),
+    "checksum of the manifest gone": (
+        edit("tagmanifest-sha256.txt", without_line(1)),
+        "tagmanifest-sha256.txt",
+        "does not name manifest-sha256.txt",
+    ),
+    "tag manifest removed": (remove("tagmanifest-sha256.txt"), "tagmanifest-sha256.txt", "is missing"),
 }
 
 
@@ -241,6 +293,64 @@ def test_damage_is_found_by_checksum(kind, dataset, copy_of):
     damage(root)
     found = [str(finding) for finding in verify(root)]
     assert any(text.startswith(f"{file}: ") and what in text for text in found), found
+    other = [text for text in found if not text.startswith(f"{file}: ")]
+    assert other == [] or kind == "images swapped", "files that are as they were released are not blamed"
+
+
+def test_a_file_under_another_name_is_told_with_both(dataset, copy_of):
+    root = copy_of(dataset)
+    (root / CSV).rename(root / "CW/moved.csv")
+    assert [str(finding) for finding in verify(root)] == [
+        f"CW/moved.csv: is not named in manifest-sha256.txt; it is what {CSV} should be",
+        f"{CSV}: is missing; manifest-sha256.txt names it; its content is now named CW/moved.csv",
+        f"{CSV}: cannot be read: No such file or directory",
+    ]
+
+
+def test_an_edited_file_and_an_edited_checksum_are_both_told_where_the_stages_are_there(dataset, copy_of):
+    """Neither list fits the other any more; what was assembled tells which file it was."""
+    root = copy_of(dataset, stages=True)
+    cell("v", 3, "0.123456")(root)
+    digest = hashlib.sha256((root / CSV).read_bytes()).hexdigest()
+    edit("manifest-sha256.txt", lambda t: re.sub(rf"[0-9a-f]{{64}}  {CSV}", f"{digest}  {CSV}", t))(root)
+    found = [str(finding) for finding in verify(root)]
+    assert f"manifest-sha256.txt: was changed: not as released is what it says of {CSV}" in found
+    assert any(text.startswith(f"{CSV}: was changed: its SHA-256") for text in found)
+    assert {text.partition(": ")[0] for text in found} == {"manifest-sha256.txt", CSV}
+
+
+def test_an_edit_with_all_checksums_made_anew_is_told_where_the_stages_are_there(dataset, copy_of, sign):
+    root = copy_of(dataset, stages=True)
+    cell("v", 3, "0.123456")(root)
+    sign(root)
+    assert f"{CSV}: fits its checksum, but is not what was assembled: both were edited" in map(str, verify(root))
+
+
+def test_a_file_that_the_disk_does_not_give_is_named_and_the_others_are_checked(dataset, copy_of, monkeypatch):
+    root = copy_of(dataset)
+    cell("L3", 0, "1.5")(root)
+    lost = root / RUN / "images/000004.jpg"
+    opened = Path.open
+
+    def open_or_fail(path, *args, **options):
+        if path == lost:
+            raise OSError(errno.EIO, os.strerror(errno.EIO), str(path))
+        return opened(path, *args, **options)
+
+    monkeypatch.setattr(Path, "open", open_or_fail)
+    found = [str(finding) for finding in verify(root)]
+    assert f"{RUN}/images/000004.jpg: cannot be read: {os.strerror(errno.EIO)}" in found
+    assert f"{CSV}: line 2: column L3: 1.5 is outside 0..1" in found
+
+
+def test_names_that_would_upset_a_terminal_are_shown_in_one_line(dataset, copy_of, symolo):
+    root = copy_of(dataset)
+    (root / "CW/\x1b[2J\nCCW: fine").write_text("x")
+    os.close(os.open(os.fsencode(root) + b"/CW/\xff", os.O_CREAT))
+    ended = symolo("verify", root)
+    assert ended.code == 4
+    assert len(ended.out.splitlines()) == 2
+    assert "\x1b" not in ended.out
 
 
 def test_the_command_names_the_faults_and_ends_with_four(dataset, copy_of, symolo):

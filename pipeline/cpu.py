@@ -1,0 +1,46 @@
+"""The class of the processor: what decides the low bits of floating-point results on a machine."""
+
+import platform
+import re
+from pathlib import Path
+
+_LEVELS = (
+    ("x86-64-v4", "avx512f avx512bw avx512cd avx512dq avx512vl"),
+    ("x86-64-v3", "avx avx2 bmi1 bmi2 f16c fma abm movbe xsave"),
+    ("x86-64-v2", "cx16 lahf_lm popcnt sse4_1 sse4_2 ssse3"),
+)
+"""Levels of the x86-64 psABI with the flags that Linux names for each beside those of the levels below it."""
+
+
+def cpu_class() -> str:
+    """The class of this machine's processor, such as `x86-64-v3 AuthenticAMD family 25`."""
+    try:
+        text = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        text = ""
+    return class_of(text, platform.machine())
+
+
+def class_of(cpuinfo: str, machine: str) -> str:
+    """The class that a text of the form of /proc/cpuinfo tells.
+
+    NumPy, OpenBLAS, Embree, Open Image Denoise and Cycles choose their code by instruction set when they are loaded;
+    approximate reciprocals (`rcpps`, `rsqrtps`) differ between makers, OpenBLAS's kernels between families.
+    """
+    field = {name.strip(): value.strip() for name, value in re.findall(r"^([^:\n]+):(.*)$", cpuinfo, re.MULTILINE)}
+    if "flags" in field:
+        maker, family = field.get("vendor_id", "unknown"), field.get("cpu family", "?")
+        return f"{_level(set(field['flags'].split()))} {maker} family {family}"
+    if "CPU implementer" in field:
+        vectors = "sve" if "sve" in field.get("Features", "").split() else "neon"
+        return f"{machine} {vectors} implementer {field['CPU implementer']} part {field.get('CPU part', '?')}"
+    return machine or "unknown"
+
+
+def _level(flags: set[str]) -> str:
+    held = "x86-64-v1"
+    for level, needed in reversed(_LEVELS):
+        if not flags.issuperset(needed.split()):
+            break
+        held = level
+    return held

@@ -1,0 +1,71 @@
+"""A release wrapped as a bag (BagIt 1.0, RFC 8493): its files below `data/`, checksums and bag-info.txt beside it."""
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+
+from configs.errors import InputError
+from configs.whole_files import make_folder, remove_folder, replace_folder, write_file
+from pipeline.dataset.bag import BAG_INFO, DECLARATION, bag_info, read_cpu_classes
+from pipeline.dataset.inventory import Inventory
+from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest
+from pipeline.dataset.metadata import METADATA, Metadata
+from pipeline.progress import Report
+
+PAYLOAD = "data"
+DECLARED = b"BagIt-Version: 1.0\nTag-File-Character-Encoding: UTF-8\n"
+
+
+def make_bag(root: Path, out: Path, report: Report) -> int:
+    """Copy a whole release into a bag, which comes into being at once; the number of its payload files.
+
+    Args:
+        root: The release.
+        out: New or empty.
+        report: Where to tell.
+
+    Raises:
+        InputError: The release is damaged, or there is something at `out`.
+    """
+    if out.exists() and not (out.is_dir() and not any(out.iterdir())):
+        raise InputError("is there already", where=f"--out {out}", cure="name a folder that is new or empty")
+    inventory = Inventory.of(root)
+    if fault := next(inventory.findings(), None):
+        cure = f"see `symolo verify {root}` and `symolo repair {root}`"
+        raise InputError(f"is not as it was released: {fault}", where=str(root), cure=cure)
+    partial = out.absolute().with_name(f".{out.name}.bag")
+    remove_folder(partial)
+    make_folder(partial / PAYLOAD)
+    sizes: list[int] = []
+    with report.stage("bag", len(inventory.files.digests), "files") as stage:
+        for name, digest in sorted(inventory.files.digests.items()):
+            data = (root / name).read_bytes()
+            if hashlib.sha256(data).hexdigest() != digest:
+                raise InputError("has changed meanwhile", where=str(root / name), cure="run the command again")
+            copy = partial / PAYLOAD / name
+            make_folder(copy.parent)
+            write_file(copy, data)
+            sizes.append(len(data))
+            stage.update("all", len(sizes))
+    for name, data in tag_files(root, inventory.files.digests).items():
+        write_file(partial / name, data)
+    replace_folder(partial, out.absolute())
+    return len(sizes)
+
+
+def tag_files(release: Path, digests: Mapping[str, str]) -> dict[str, bytes]:
+    """The files of a bag beside `data/`, which follow from what it holds.
+
+    Args:
+        release: What lies, or will lie, in `data/`.
+        digests: SHA-256 of each of its files.
+    """
+    metadata = Metadata.model_validate_json((release / METADATA).read_bytes())
+    sizes = {name: (release / name).stat().st_size for name in digests}
+    tags = {
+        DECLARATION: DECLARED,
+        BAG_INFO: bag_info(metadata.name, metadata.description, sizes, read_cpu_classes(release)),
+        MANIFEST: manifest({f"{PAYLOAD}/{name}": digest for name, digest in digests.items()}),
+    }
+    tags[TAG_MANIFEST] = manifest({name: hashlib.sha256(data).hexdigest() for name, data in tags.items()})
+    return tags

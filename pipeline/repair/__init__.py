@@ -1,0 +1,1 @@
+"""Damaged files of a release made again, and nothing else: `symolo repair`."""

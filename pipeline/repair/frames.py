@@ -1,0 +1,137 @@
+"""Pictures and annotations of single frames, rendered again from the run's specification and its data.csv."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path, PurePosixPath
+
+from blender_scenes.annotations.document import DOCUMENT, document
+from blender_scenes.annotations.job import RECORDS, AnnotationJob, record_file
+from blender_scenes.annotations.record import Record
+from configs.errors import InputError
+from configs.schema.scenario import RunSpec
+from configs.whole_files import make_folder, write_file
+from pipeline.dataset.annotation_checks import ANNOTATIONS
+from pipeline.dataset.rows import read_rows
+from pipeline.files import sha256_of
+from pipeline.repair.mending import Means, Mending
+from pipeline.stages.annotate import AnnotationTask
+from pipeline.stages.assemble import DATA
+from pipeline.stages.render import IMAGES, JOB, Appearance, FrameTask, Order, RenderTask, blocks
+from pipeline.units import Finished, Progress, RenderUnit
+from pipeline.workers import AnyEvent, AnyUnit, run_units
+from pipeline.workspace import StageFolder
+
+
+@dataclass(frozen=True)
+class _Work:
+    """Frames of one run that are made again."""
+
+    run: str
+    inner: str
+    """The folder of the files in the run's."""
+    task: FrameTask
+    """With the frames that are needed alone; the job in its folder has all."""
+    wanted: frozenset[str]
+    """Files, by their path in that folder."""
+
+
+def render_frames(mending: Mending, specs: Mapping[str, RunSpec], means: Means) -> None:
+    """Restore pictures and annotations of damaged frames, of the runs whose specifications are known.
+
+    Raises:
+        EnvironmentLacking: Blender does not start, or a graphics card is not there.
+    """
+    work = []
+    for run, spec in specs.items():
+        wanted = mending.runs().get(run, set())
+        pictures, annotations = (_within(wanted, folder) for folder in (IMAGES, ANNOTATIONS))
+        if pictures or annotations:
+            try:
+                work += _ordered(mending, spec, means, pictures, annotations)
+            except InputError as error:
+                mending.tried |= {f"{run}/{inner}": str(error) for inner in wanted}
+    _render([one.task for one in work], means)
+    for one in work:
+        for file in sorted(one.wanted):
+            name = f"{one.run}/{one.inner}/{file}"
+            data = _document(one.task) if file == DOCUMENT else _read(one.task.files / file)
+            if data is None:
+                mending.tried[name] = "it cannot be rendered again"
+            else:
+                mending.put(
+                    name, data, "rendered again" if file != DOCUMENT else "annotated again", means.excuse(one.run)
+                )
+
+
+def _within(files: Iterable[str], folder: str) -> frozenset[str]:
+    start = f"{folder}/"
+    return frozenset(file.removeprefix(start) for file in files if file.startswith(start))
+
+
+def _ordered(
+    mending: Mending, spec: RunSpec, means: Means, pictures: frozenset[str], annotations: frozenset[str]
+) -> list[_Work]:
+    run = spec.key
+    if mending.read(f"{run}/{DATA}") is None:
+        raise InputError("the poses of its data.csv are needed, which is not restored")
+    kept = mending.workspace.own_files
+    if pictures and any(not _is_kept(kept, file.sha256) for file in spec.look.files):
+        raise InputError("it shows pictures of your own, and .stages/assets no longer holds them")
+    rows = read_rows(mending.out / run / DATA)
+    appearance = Appearance.of(spec, means.devices.get(run, "CPU"))
+    order = RenderTask.of(run, appearance, rows, StageFolder(means.scratch / "render" / run), kept)
+    _write_job(order)
+    work = [_Work(run, IMAGES, _only(order.task, pictures), pictures)] if pictures else []
+    if annotations:
+        order = AnnotationTask.of(order.task, appearance, StageFolder(means.scratch / "annotate" / run))
+        _write_job(order)
+        task = order.task if DOCUMENT in annotations else _only(order.task, annotations)
+        work.append(_Work(run, ANNOTATIONS, task, annotations))
+    return work
+
+
+def _is_kept(folder: Path, digest: str) -> bool:
+    return (folder / digest).is_file() and sha256_of(folder / digest) == digest
+
+
+def _write_job(order: Order) -> None:
+    make_folder(order.task.files)
+    write_file(order.task.folder.path / JOB, order.job_text.encode())
+
+
+def _only(task: FrameTask, files: Iterable[str]) -> FrameTask:
+    """With the frames of these files, which are named by their numbers."""
+    stems = {PurePosixPath(file).stem for file in files}
+    return replace(task, frames=tuple(frame for frame in task.frames if f"{frame.number:06d}" in stems))
+
+
+def _render(tasks: list[FrameTask], means: Means) -> None:
+    tasks = [task for task in tasks if task.frames]
+    if not tasks:
+        return
+    with means.report.stage("render", sum(len(task.frames) for task in tasks), "frames") as stage:
+
+        def on_event(unit: AnyUnit, event: AnyEvent) -> None:
+            if isinstance(unit, RenderUnit) and isinstance(event, Progress | Finished):
+                share = event.share if isinstance(event, Progress) else 1.0
+                stage.update(f"{unit.name} {unit.work} from {unit.numbers[0]}", share * len(unit.numbers))
+
+        for failure in run_units(blocks(tasks, means.workers), means.workers, on_event):
+            means.report.say(f"render: {failure.unit.name}: {failure.text}")
+
+
+def _document(task: FrameTask) -> bytes | None:
+    job = AnnotationJob.from_json((task.folder.path / JOB).read_text())
+    names = [record_file(frame.number) for frame in task.frames] if {*RECORDS} & {*job.kinds} else []
+    try:
+        records = [Record.from_json((task.files / name).read_bytes()) for name in names]
+    except OSError:
+        return None
+    return document(job, IMAGES, records).to_json()
+
+
+def _read(path: Path) -> bytes | None:
+    try:
+        return path.read_bytes()
+    except OSError:
+        return None

@@ -1,0 +1,58 @@
+"""Contents that lie elsewhere: under another name in the release, or in the hidden stages."""
+
+import contextlib
+from collections.abc import Iterator
+from pathlib import Path
+
+from configs.whole_files import make_folder, write_file
+from pipeline.dataset.annotation_checks import ANNOTATIONS
+from pipeline.dataset.metadata import METADATA
+from pipeline.files import sha256_of
+from pipeline.repair.mending import RUN_PARTS, Mending
+from pipeline.stages.assemble import KEPT_METADATA, SIDE
+from pipeline.stages.render import IMAGES
+from pipeline.stages.simulate_runs import SPEC
+
+
+def put_back(mending: Mending, scratch: Path) -> set[str]:
+    """Restore what lies in the release under another name; the names of extra files that were such."""
+    sources: dict[str, str] = {}
+    for name, digest in mending.wanted.items():
+        if places := mending.inventory.places.get(digest, ()):
+            sources[name] = next((place for place in places if place in mending.inventory.extra), places[0])
+    aside: dict[str, Path] = {}
+    for place in {place for place in sources.values() if place in mending.wanted}:
+        # It is to be written over itself, such as one of two that were swapped.
+        aside[place] = scratch / mending.inventory.files.digests[place]
+        make_folder(scratch)
+        write_file(aside[place], (mending.out / place).read_bytes())
+    moved = set()
+    for name, place in sources.items():
+        with contextlib.suppress(OSError):
+            if mending.put(name, aside.get(place, mending.out / place).read_bytes(), f"its content lay in {place}"):
+                moved |= {place} & mending.inventory.extra
+    return moved
+
+
+def take_from_stages(mending: Mending) -> None:
+    """Restore what the stages keep as it was released."""
+    for name in list(mending.wanted):
+        for path in _kept(mending, name):
+            with contextlib.suppress(OSError):
+                if sha256_of(path) == mending.wanted[name] and mending.put(name, path.read_bytes(), "from the stages"):
+                    break
+
+
+def _kept(mending: Mending, name: str) -> Iterator[Path]:
+    if name == METADATA:
+        yield mending.out / KEPT_METADATA
+    parts = name.split("/", RUN_PARTS)
+    if len(parts) <= RUN_PARTS:
+        return
+    run, inner = "/".join(parts[:RUN_PARTS]), parts[RUN_PARTS]
+    if inner.startswith(f"{IMAGES}/"):
+        yield mending.workspace.render(run).path / inner
+    elif inner.startswith(f"{ANNOTATIONS}/"):
+        yield mending.workspace.annotate(run).path / inner
+    elif inner == f"{SIDE}/{SPEC}":
+        yield mending.workspace.simulate(run).path / SPEC

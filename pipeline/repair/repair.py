@@ -1,0 +1,161 @@
+"""`symolo repair`: exactly the damaged files of a release are made again, and placed where they are the same bytes."""
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from blender_scenes.devices import GPU_KINDS, DeviceKind
+from configs.errors import InputError
+from configs.whole_files import remove_file, remove_folder, write_file
+from pipeline.dataset.bag import DECLARATION
+from pipeline.dataset.findings import Finding
+from pipeline.dataset.inventory import Inventory
+from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, tag_manifest
+from pipeline.dataset.metadata import METADATA, Metadata, made_with
+from pipeline.progress import Report
+from pipeline.repair import drives, frames, kept, texts
+from pipeline.repair.mending import Means, Mending, with_one_bit_less_wrong
+from pipeline.workspace import STAGES, Workspace
+
+SCRATCH = "repair"
+"""Below the hidden stages; removed before and after."""
+
+
+@dataclass(frozen=True)
+class Repaired:
+    """What became of a release."""
+
+    repaired: int
+    """Number of files that were restored or removed."""
+    left: tuple[Finding, ...]
+    """What is still wrong, and why it was not mended; nothing where the release is whole."""
+
+
+def repair(
+    root: Path, workers: int, report: Report, tell: Callable[[str], None], *, remove_extra: bool = False
+) -> Repaired:
+    """Mend a release.
+
+    Args:
+        root: The release.
+        workers: Children at a time.
+        report: Where to tell how far it is.
+        tell: Called with a line for each file that is restored.
+        remove_extra: Whether files that belong to no release are removed.
+
+    Raises:
+        InputError: It is no dataset, or another command works in it.
+        EnvironmentLacking: The machine cannot render; what was restored before stays so.
+    """
+    if (root / DECLARATION).is_file():
+        raise InputError("is a bag", where=str(root), cure=f"repair the dataset in it: `symolo repair {root}/data`")
+    if not any((root / name).exists() for name in (MANIFEST, TAG_MANIFEST, METADATA)):
+        raise InputError("is no dataset", where=str(root), cure=f"name the folder that holds {MANIFEST}")
+    workspace = Workspace(root.absolute())
+    bare = not (root / STAGES).exists()
+    with workspace.locked():
+        scratch = workspace.out / STAGES / SCRATCH
+        remove_folder(scratch)
+        try:
+            return _repair(workspace, scratch, workers, report, tell, remove_extra=remove_extra)
+        finally:
+            remove_folder(scratch)
+            if bare:
+                remove_folder(workspace.out / STAGES)
+
+
+def _repair(
+    workspace: Workspace,
+    scratch: Path,
+    workers: int,
+    report: Report,
+    tell: Callable[[str], None],
+    *,
+    remove_extra: bool,
+) -> Repaired:
+    inventory = Inventory.of(workspace.out)
+    if not inventory.trusted and _flip_manifest_back(workspace.out, tell):
+        inventory = Inventory.of(workspace.out)
+    faults = list(inventory.findings())
+    if not faults:
+        return Repaired(0, ())
+    if not inventory.trusted:
+        why = "no list of checksums can be believed; `symolo release` with its scenario makes what is damaged anew"
+        first, *others = faults
+        return Repaired(0, (Finding(first.file, f"{first.what}; {why}"), *others))
+    mending = Mending.of(workspace, inventory, tell)
+    moved = kept.put_back(mending, scratch / "aside")
+    kept.take_from_stages(mending)
+    texts.flip_back(mending, (METADATA,))
+    metadata = texts.read_metadata(mending)
+    difference = texts.differences(mending, metadata, made_with())
+    texts.write_description(mending, metadata, f"written again it is another text; {difference}")
+    runs = metadata.runs if metadata else []
+    devices: dict[str, DeviceKind] = {record.run: _device(record.render_device) for record in runs}
+    _remake(mending, metadata, Means(scratch, workers, report, devices, difference))
+    texts.flip_back(mending, list(mending.wanted))
+    texts.write_bag_info(mending, metadata)
+    _write_lists(mending)
+    for name in sorted(inventory.extra & (moved if not remove_extra else inventory.extra)):
+        remove_file(workspace.out / name)
+        tell(f"removed: {name}: it is no part of the release")
+    return _result(mending, len(faults), metadata)
+
+
+def _remake(mending: Mending, metadata: Metadata | None, means: Means) -> None:
+    """What takes the engines."""
+    specs = texts.make_specs(mending, metadata, mending.runs())
+    drives.make_tables(mending, specs, means)
+    frames.render_frames(mending, specs, means)
+
+
+def _device(name: str) -> DeviceKind:
+    for kind in GPU_KINDS:
+        if kind == name:
+            return kind
+    return "CPU"
+
+
+def _flip_manifest_back(out: Path, tell: Callable[[str], None]) -> bool:
+    """Where manifest and files are damaged, a single wrong bit of the manifest can still be found."""
+    try:
+        data, noted = (out / MANIFEST).read_bytes(), read_manifest((out / TAG_MANIFEST).read_bytes())[MANIFEST]
+    except (OSError, ValueError, KeyError):
+        return False
+    right = with_one_bit_less_wrong(data, noted)
+    if right is None:
+        return False
+    write_file(out / MANIFEST, right)
+    tell(f"repaired: {MANIFEST}: one bit was wrong")
+    return True
+
+
+def _write_lists(mending: Mending) -> None:
+    """Also where files are still damaged, which they then name."""
+    expected = mending.inventory.expected
+    for name, text in ((MANIFEST, manifest(expected)), (TAG_MANIFEST, tag_manifest(expected))):
+        if mending.inventory.files.digests.get(name) != hashlib.sha256(text).hexdigest():
+            write_file(mending.out / name, text)
+            mending.tell(f"repaired: {name}: written again")
+
+
+def _result(mending: Mending, faults: int, metadata: Metadata | None) -> Repaired:
+    """By another look at every file."""
+    left = []
+    for fault in Inventory.of(mending.out).findings():
+        why = mending.tried.get(fault.file, "")
+        if not why and fault.file in mending.wanted:
+            why = _unmade(fault.file, metadata)
+        if not why and fault.file in mending.inventory.extra:
+            why = "--remove-extra removes it"
+        left.append(Finding(fault.file, f"{fault.what}; {why}" if why else fault.what))
+    return Repaired(max(0, faults - len(left)), tuple(left))
+
+
+def _unmade(name: str, metadata: Metadata | None) -> str:
+    if name == METADATA:
+        return "nothing else holds it; `symolo release` with the scenario that it was made from writes it anew"
+    if metadata is None:
+        return f"{METADATA} is needed to make it again"
+    return "what it follows from is damaged too"

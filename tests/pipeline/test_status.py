@@ -1,0 +1,74 @@
+"""`symolo status` says what is done, what is missing and why, and changes nothing."""
+
+import fcntl
+import json
+import os
+
+import pytest
+
+
+@pytest.fixture
+def out(dataset, copy_of):
+    return copy_of(dataset, stages=True)
+
+
+def test_a_finished_release_is_up_to_date(out, symolo, tiny):
+    before = {path: path.stat().st_mtime_ns for path in out.rglob("*")}
+    ended = symolo("status", out, "smoke", *tiny, "--check")
+    assert ended.code == 0
+    assert ended.out.splitlines()[:4] == [
+        "nobody works here now",
+        "runs: 2 of 2 released and up to date",
+        "CW/test_1: simulate done; render done, 6 images; release done",
+        "CCW/test_1: simulate done; render done, 6 images; release done",
+    ]
+    assert "release: every file as it was released" in ended.out
+    assert "would be done" not in ended.out
+    assert {path: path.stat().st_mtime_ns for path in out.rglob("*")} == before
+
+
+def test_a_folder_in_use_is_told_with_the_process(out, symolo):
+    descriptor = os.open(out / ".stages", os.O_RDONLY)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        first = symolo("status", out).out.splitlines()[0]
+    finally:
+        os.close(descriptor)
+    assert first.startswith("a command is working here now")
+    assert str(os.getpid()) in first or "process" not in first
+
+
+def test_an_interrupted_rendering_is_counted(out, symolo):
+    (out / ".stages/render/CW/test_1/done.json").unlink()
+    for number in (5, 6):
+        (out / f".stages/render/CW/test_1/images/{number:06d}.jpg").unlink()
+    told = symolo("status", out).out
+    assert "CW/test_1: simulate done; render 4 of 6 images; " in told
+    assert "would be done by the next release, 1 run: render: it was interrupted or failed" in told
+
+
+def test_changed_fields_are_named_with_their_values(out, symolo, tiny):
+    told = symolo("status", out, "smoke", *tiny, "--set", "robot.drive.track_m=0.15").out
+    assert "2 runs: simulate: robot.drive.track_m 0.14 -> 0.15" in told
+    told = symolo("status", out, "smoke", *tiny, "--set", "look.sun.elevation_deg=70").out
+    assert "simulate: " not in told
+    assert "1 run: render: look.sun.elevation_deg " in told
+    assert "-> 70.0" in told
+
+
+def test_damage_and_failures_are_told(out, symolo):
+    image = out / ".stages/render/CW/test_1/images/000001.jpg"
+    image.write_bytes(image.read_bytes()[:-1])
+    assert "damaged" not in symolo("status", out).out
+    assert "render damaged" in symolo("status", out, "--check").out
+    outcome = out / ".stages/simulate/CCW/test_1/outcome.json"
+    content = json.loads(outcome.read_text())
+    outcome.write_text(json.dumps({**content, "problems": ["touched sill at 0.55 s"]}))
+    assert "CCW/test_1: simulate failed: touched sill at 0.55 s" in symolo("status", out).out
+
+
+def test_what_is_no_output_folder_is_refused_in_one_line(out, tmp_path, symolo):
+    (tmp_path / "empty").mkdir()
+    for arguments in ((tmp_path / "none",), (tmp_path / "empty",), (out, "--set", "seed=1")):
+        ended = symolo("status", *arguments)
+        assert (ended.code, ended.err.count("\n")) == (2, 1)
