@@ -108,6 +108,7 @@ def _make(  # noqa: PLR0917 - the options of the commands
     """Do one stage, or all for `release`."""
     from pipeline.batch import Batch
     from pipeline.progress import report_here
+    from pipeline.status import again
     from pipeline.worker_process import limits_of
 
     stages = STAGES if command == "release" else (command,)
