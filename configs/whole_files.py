@@ -13,7 +13,7 @@ import secrets
 import shutil
 from pathlib import Path
 
-LEFT_FILE = re.compile(r"\..+\.[0-9a-f]{16}\.tmp")
+LEFT_FILE = re.compile(r"\..+\.[0-9a-f]{1,16}\.tmp")
 LEFT_FOLDER = re.compile(r"\..+\.dropped")
 
 

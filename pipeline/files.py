@@ -2,7 +2,8 @@
 
 import hashlib
 import json
-from collections.abc import Collection, Mapping
+import os
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 
 from configs.errors import EnvironmentLacking
@@ -14,10 +15,24 @@ def sha256_of(path: Path) -> str:
 
 
 def hashes_of(folder: Path, skip: Collection[str] = ()) -> dict[str, str]:
-    """SHA-256 of every file below a folder by its path inside, sorted; `skip` names entries of the folder itself."""
-    paths = (path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
+    """SHA-256 of every file below a folder by its path inside, sorted; `skip` names entries of the folder itself.
+
+    Raises:
+        OSError: A folder or file cannot be read; a list of some of them would pass for one of all.
+    """
+    paths = (path.relative_to(folder) for path in _files_below(folder) if path.is_file())
     names = sorted(path.as_posix() for path in paths if path.parts[0] not in skip)
     return {name: sha256_of(folder / name) for name in names}
+
+
+def _files_below(folder: Path) -> Iterator[Path]:
+    """As `rglob`, which passes over folders that it has no right to read."""
+
+    def stop(error: OSError) -> None:
+        raise error
+
+    for place, _, names in os.walk(folder, onerror=stop):
+        yield from (Path(place, name) for name in names)
 
 
 def holds(folder: Path, files: Mapping[str, str]) -> bool:

@@ -107,6 +107,7 @@ def _supervised(
         for thread in threads:
             if thread.is_alive():  # an interrupt may come before all of them are started
                 thread.join()
+        slots.close()
     if found.bugs:
         raise WorkerError("\n".join(found.bugs))
     return found.failures
@@ -188,6 +189,11 @@ class _Slots:
             for worker in self.running:
                 worker.end_group()
 
+    def close(self) -> None:
+        """Wait for what a thread that met a bug has left behind."""
+        for worker in list(self.running):
+            self._let_go(worker)
+
     def _next(self) -> _Try | None:
         with self.lock:
             return self.waiting.popleft() if self.waiting else None
@@ -244,7 +250,9 @@ class _Slots:
             self.events.put((tried.unit, Retried(f"{what}: {failed.text}; trying again ({count + 1} of {most})")))
             return None
         if at is None:
-            return Failed(error=failed.error, text=f"given up after {most} tries: {failed.text}")
+            return Failed(
+                error=failed.error, text=f"given up after {most} tries; the same command tries it again: {failed.text}"
+            )
         self.events.put((tried.unit, SetAside(tried.left.set_aside(at, most, failed.text))))
         rest = tried.left.without(at)
         if rest is None:

@@ -76,6 +76,9 @@ def contenders(asked: argparse.Namespace) -> list[Contender]:
     for samples in asked.plain:
         settings = {"kind": "plain", "cycles": {**BLENDERS_DEFAULT, "samples": samples}}
         found.append(Contender(f"plain loop, {samples}", "plain loop", "painter.py", settings))
+    for light, colour in asked.apart:
+        settings = {"kind": "apart", "light": light, "colour": colour}
+        found.append(Contender(f"colour apart, {light} and {colour}", "colour apart", "painter.py", settings))
     if asked.blenderproc:
         for paths in asked.blenderprocs_light_paths:
             python, settings = str(asked.blenderproc), {"light_paths": paths}
@@ -198,7 +201,7 @@ def plot(rows: list[Row], size: tuple[int, int], file: Path) -> None:
     figure, panes = plt.subplots(1, len(looks), figsize=(5 * len(looks), 5.4), sharey=True, squeeze=False)
     for look, pane in zip(looks, panes[0], strict=True):
         here = [r for r in rows if r.look == look]
-        for family, mark in (("ours", "o-"), ("plain loop", "s-"), ("BlenderProc", "^")):
+        for family, mark in (("ours", "o-"), ("plain loop", "s-"), ("colour apart", "d-"), ("BlenderProc", "^")):
             series = sorted((r.core_s, r.psnr_dB) for r in here if r.family == family)
             if series:
                 pane.plot([x for x, _ in series], [y for _, y in series], mark, label=family)
@@ -218,6 +221,11 @@ def _pose(text: str) -> tuple[float, float, float]:
     return x, y, yaw
 
 
+def _pair(text: str) -> tuple[int, int]:
+    light, colour = map(int, text.split(","))
+    return light, colour
+
+
 def _say(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
@@ -234,6 +242,8 @@ def asked_for() -> argparse.Namespace:
     words = "qualities, or samples and denoiser such as 8,FAST,BALANCED"
     parser.add_argument("--ours", nargs="*", type=_quality, default=ours, help=words)
     parser.add_argument("--plain", nargs="*", type=int, default=[2, 4, 8, 16, 32], help="samples")
+    words = "samples of light and of colour, as colour_apart.py has it"
+    parser.add_argument("--apart", nargs="*", type=_pair, default=[], metavar="LIGHT,COLOUR", help=words)
     parser.add_argument("--blenderproc", type=Path, help="interpreter of BlenderProc's environment")
     parser.add_argument("--blenderprocs-repetitions", type=int, default=1, help="it takes minutes a frame")
     paths = ["defaults", "ours"]

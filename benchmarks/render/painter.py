@@ -2,8 +2,9 @@
 
     python painter.py JOB SETTINGS FOLDER THREADS
 
-Settings: {"kind": "ours", "sampling": fields of `Sampling`}, {"kind": "plain", "cycles": properties of Cycles} or
-{"kind": "passes", "samples": N, "seed": N}.
+Settings: {"kind": "ours", "sampling": fields of `Sampling`}, {"kind": "plain", "cycles": properties of Cycles},
+{"kind": "apart", "light": samples, "colour": samples} as `colour_apart` has it, or {"kind": "passes", "samples": N,
+"seed": N}.
 """
 
 import sys
@@ -35,7 +36,7 @@ def main() -> None:
     build.start()
     build.build(asked.job.scene, asked.job.camera)
     engine.configure(asked.job, asked.threads, asked.folder)
-    serve(replies, asked.folder, {"ours": _ours, "plain": _plain, "passes": _passes}[kind](asked))
+    serve(replies, asked.folder, _KINDS[kind](asked))
 
 
 def _ours(asked: Asked) -> Paint:
@@ -59,6 +60,16 @@ def _plain(asked: Asked) -> Paint:
         return _rgb(_rendered(view, asked)) * np.array(view.light_gain, np.float32)
 
     return _painted(asked, light)
+
+
+def _apart(asked: Asked) -> Paint:
+    from colour_apart import ColourApart  # noqa: PLC0415 - it imports bpy
+
+    size = asked.job.camera.width_px, asked.job.camera.height_px
+    trial = ColourApart(size, asked.folder, asked.settings["light"], asked.settings["colour"])
+    return _painted(
+        asked, lambda view, warm_up: trial.light(view, warm_up=warm_up) * np.array(view.light_gain, np.float32)
+    )
 
 
 def _painted(asked: Asked, light: Callable[[FrameView, bool], np.ndarray]) -> Paint:
@@ -91,6 +102,9 @@ def _passes(asked: Asked) -> Paint:
         return {number: _split(_rendered(views[number], asked)) for number in numbers}
 
     return paint
+
+
+_KINDS = {"ours": _ours, "plain": _plain, "apart": _apart, "passes": _passes}
 
 
 def _split(channels: dict[str, np.ndarray]) -> np.ndarray:

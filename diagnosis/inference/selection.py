@@ -48,6 +48,8 @@ NEARLY = 0.7
 ROWS = 6.0
 """Effective number of samples that a fall must come from; of few data SHARE_OF_ROWS of them."""
 SHARE_OF_ROWS = 0.1
+CONFIRMED = 8.0
+"""Fall of the cost of held-out rows, as of a parameter at 2.8 standard errors, from which few samples are enough."""
 FEWEST = 8
 """Samples, below which nothing is named."""
 WORSE = 2.0
@@ -192,11 +194,12 @@ def refusal(evidence: Evidence, before: Fit, after: Fit, effect: Effect, least: 
         return ""
     if is_of_noise(after, effect) and not adequacy(evidence, before).is_adequate:
         return "structure of the mean comes before the noise"
-    rows = float(of_fit.sum() ** 2 / max(float((of_fit**2).sum()), 1e-300))
-    if rows < min(ROWS, SHARE_OF_ROWS * np.count_nonzero(evidence.fit)):
-        return f"the fall of {drop:.1f} comes from {rows:.1f} samples"
     of_heldout = falls[evidence.heldout]
     rise = -float(of_heldout.sum())
+    rows = float(of_fit.sum() ** 2 / max(float((of_fit**2).sum()), 1e-300))
+    # What rows confirm that chose and fitted nothing is no matter of an outlier.
+    if rows < min(ROWS, SHARE_OF_ROWS * np.count_nonzero(evidence.fit)) and rise > -CONFIRMED:
+        return f"the fall of {drop:.1f} comes from {rows:.1f} samples"
     if rise > WORSE * float(np.sqrt((of_heldout**2).sum())):
         return f"the held-out rows are explained worse, by {rise:.1f}"
     return ""

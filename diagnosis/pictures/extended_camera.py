@@ -7,6 +7,7 @@ import yaml
 
 from diagnosis.pictures.diagnose import Part, PictureDiagnosis
 from diagnosis.pictures.views import deviating
+from diagnosis.pictures.white_balance import temperature_of
 
 ROBOT, LOOK = "robot.yaml", "look.yaml"
 FIELDS: dict[str, tuple[str, Literal["steps", "more", "times", "whole"], float, float]] = {
@@ -22,11 +23,9 @@ FIELDS: dict[str, tuple[str, Literal["steps", "more", "times", "whole"], float, 
     "read_noise_scale": ("read_noise", "times", 0.0, 0.5),
 }
 """Of look.camera: which field a number changes, how, and the schema's bounds."""
-NOT_IN_A_FILE = {
-    "time_offset": "no camera of the simulation is late",
-    "red_gain_scale": "its white balance is a temperature, look.camera.white_balance_K",
-    "blue_gain_scale": "its white balance is a temperature, look.camera.white_balance_K",
-}
+GAINS = ("red_gain_scale", "blue_gain_scale")
+NO_TEMPERATURE = "its white balance is a temperature, look.camera.white_balance_K, and none has these gains"
+LATE = "no camera of the simulation is late"
 
 
 def robot_file(diagnosis: PictureDiagnosis) -> str:
@@ -69,13 +68,32 @@ def look_changes(diagnosis: PictureDiagnosis) -> dict[str, float]:
                 case "whole":
                     pass
             changed[field] = round(min(max(value, low), high), 6)
-    return changed
+    kelvin = white_balance_K(diagnosis)
+    return changed if kelvin is None else changed | {"white_balance_K": round(kelvin), "white_balance_adaption": 0.0}
+
+
+def white_balance_K(diagnosis: PictureDiagnosis) -> float | None:
+    """The temperature for which the camera is balanced, where that differs; None also where no temperature is meant."""
+    if not any(choice.number.name in GAINS for _, choice in diagnosis.named):
+        return None
+    gains = {
+        number.name: part.found(place, diagnosis.case)
+        for part in diagnosis.photometry
+        for place, number in enumerate(part.model.numbers)
+        if number.name in GAINS
+    }
+    (red, red_sd), (blue, blue_sd) = (gains[name] for name in GAINS)
+    of_red, of_green, of_blue = diagnosis.case.response.white_balance
+    return temperature_of(red * of_red / of_green, blue * of_blue / of_green, red_sd / red, blue_sd / blue)
 
 
 def left_out(diagnosis: PictureDiagnosis) -> list[tuple[str, str]]:
     """What was named and stands in neither file, and why."""
+    why = {"time_offset": LATE}
+    if white_balance_K(diagnosis) is None:
+        why |= dict.fromkeys(GAINS, NO_TEMPERATURE)
     names = (choice.number.name for _, choice in diagnosis.named)
-    return [(name, NOT_IN_A_FILE[name]) for name in names if name in NOT_IN_A_FILE]
+    return [(name, why[name]) for name in names if name in why]
 
 
 def _text(section: dict[str, Any], diagnosis: PictureDiagnosis, parts: tuple[Part, ...]) -> str:

@@ -26,7 +26,7 @@ from pipeline.stages.annotate import copy_released
 from pipeline.stages.render import IMAGES, Rendered
 from pipeline.stages.simulate_runs import SPEC, read_outcome, read_recording, spec_text
 from pipeline.versions import versions
-from pipeline.workspace import PARTIAL, STAGES, Workspace, input_key, mark_done
+from pipeline.workspace import DONE, PARTIAL, STAGES, Workspace, input_key, mark_done
 
 DATA, POSITIONS, SIDE = "data.csv", "image_positions.txt", "side"
 KEPT_METADATA = Path(STAGES) / "assemble" / METADATA
@@ -151,13 +151,19 @@ def _take_back(workspace: Workspace, good: set[str]) -> None:
 def _released(workspace: Workspace) -> set[str]:
     """Runs released before, by the stages or, where those were deleted, by metadata.json."""
     root = workspace.out / STAGES / "assemble"
-    marked = {marker.parent.relative_to(root).as_posix() for marker in root.glob("*/*/done.json")}
+    marked = {run for run in (_runs_in(root) if root.is_dir() else ()) if (root / run / DONE).is_file()}
     metadata = read_metadata(workspace.out)
     if metadata is None:
         return marked
     # Only folders in their place: a name in the file may lead anywhere.
-    there = {path.relative_to(workspace.out).as_posix() for path in workspace.out.glob("*/test_*") if path.is_dir()}
-    return marked | there & {record.run for record in metadata.runs}
+    return marked | _runs_in(workspace.out) & {record.run for record in metadata.runs}
+
+
+def _runs_in(folder: Path) -> set[str]:
+    """`<route>/test_<n>`. Not by `glob`, which passes over what it has no right to read."""
+    routes = [path for path in folder.iterdir() if path.is_dir() and not path.name.startswith(".")]
+    runs = [run for route in routes for run in route.iterdir() if run.is_dir() and run.name.startswith("test_")]
+    return {f"{run.parent.name}/{run.name}" for run in runs}
 
 
 def read_metadata(out: Path) -> Metadata | None:

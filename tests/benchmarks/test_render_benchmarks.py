@@ -65,3 +65,17 @@ def test_a_reference_put_together_from_its_passes_is_the_whole_picture(reference
 def test_a_reference_of_few_samples_is_refused(reference, tmp_path):
     with pytest.raises(ValueError, match="255 samples is too noisy; at least 256"):
         reference.references(None, 255, tmp_path, 1)
+
+
+def test_light_on_another_colour_keeps_its_irradiance_and_its_gloss():
+    """A Lambertian surface of reflectance c under the irradiance E sends c E / pi."""
+    exchanged = importlib.import_module("colour_exchange").exchanged
+    met, colour, irradiance, gloss = np.random.Generator(np.random.PCG64(3)).uniform(0.1, 1, (4, 3, 4, 3))
+    diffuse = met * irradiance / np.pi
+    assert exchanged(diffuse + gloss, diffuse, met, colour) == pytest.approx(colour * irradiance / np.pi + gloss)
+
+
+def test_light_of_what_has_no_diffuse_colour_stays_as_it_is():
+    exchanged = importlib.import_module("colour_exchange").exchanged
+    black, light = np.zeros((2, 2, 3)), np.full((2, 2, 3), 0.7)
+    assert exchanged(light, black, black, light) == pytest.approx(light)

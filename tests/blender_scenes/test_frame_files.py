@@ -1,3 +1,4 @@
+import errno
 import os
 
 import cv2
@@ -61,3 +62,32 @@ def test_a_damaged_picture_does_not_count(tmp_path, damage):
     expected = set() if damage == "another job" else {"000001.jpg"}
     job = "other" if damage == "another job" else "job"
     assert set(Ledger(images, job).whole_files()) == expected
+
+
+def test_a_record_after_one_that_was_cut_short_counts(tmp_path):
+    images = tmp_path / "images"
+    ledger = Ledger(images, "job")
+    ledger.add(_made(images))
+    record = tmp_path / "images.jsonl"
+    record.write_bytes(record.read_bytes() + b'{"job_sha256": "jo')
+    ledger.add(_made(images, 2))
+    assert set(ledger.whole_files()) == {"000001.jpg", "000002.jpg"}
+
+
+def test_a_record_that_the_disk_does_not_take_leaves_no_half(tmp_path, monkeypatch):
+    images = tmp_path / "images"
+    ledger = Ledger(images, "job")
+    ledger.add(_made(images))
+    before = (tmp_path / "images.jsonl").read_bytes()
+    second = _made(images, 2)
+    write = os.write
+
+    def full(descriptor, data):
+        if len(data) < 100:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return write(descriptor, data[:50])
+
+    monkeypatch.setattr(os, "write", full)
+    with pytest.raises(OSError, match="No space"):
+        ledger.add(second)
+    assert (tmp_path / "images.jsonl").read_bytes() == before

@@ -48,7 +48,7 @@ def _said(outcome, what: object) -> None:
     assert sum(line.startswith("symolo: ") for line in outcome.err.splitlines()) == 1, f"{what}: {outcome.err}"
 
 
-@pytest.mark.parametrize("kills", [2, _full(1000)])
+@pytest.mark.parametrize("kills", [1, _full(1000)])
 def test_killed_at_random_instants_it_ends_with_the_same_tree(kills, server, whole, check, tmp_path):
     instants = np.random.Generator(np.random.PCG64(6))
     killed = 0
@@ -66,22 +66,21 @@ def test_killed_at_random_instants_it_ends_with_the_same_tree(kills, server, who
         shutil.rmtree(out)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGTERM, _full(signal.SIGINT)])
 def test_an_interrupt_stops_at_once_and_says_how_to_go_on(number, server, whole, check, tmp_path):
     at = len(whole.operations) // 2
     done = server.release(tmp_path / "data", root=str(tmp_path), at=at, error=-number)
     assert done.status == 130, done.err
     assert done.err.splitlines()[-1] == ("symolo: interrupted, nothing is lost; run the same command again to continue")
     assert "Traceback" not in done.err
-    check(tmp_path / "data", number.name)
+    check(tmp_path / "data", number.name, finish=False)
 
 
 def test_with_a_file_operation_failing(server, whole, check, tmp_path):
-    """One for each error, spread over the release; and a kill half-way through a write."""
+    """A kill half-way through a write, and a disk that is full just before the last file of all."""
     writes = [at for at, (name, _) in enumerate(whole.operations, 1) if name == "write"]
     _with_a_fault(writes[len(writes) // 2], KILL, server, whole, check, tmp_path)
-    for place, error in enumerate(ERRORS):
-        _with_a_fault((place + 1) * len(whole.operations) // 5, error, server, whole, check, tmp_path)
+    _with_a_fault(writes[-1], errno.ENOSPC, server, whole, check, tmp_path)
 
 
 @pytest.mark.faults
@@ -103,15 +102,16 @@ def _with_a_fault(at: int, error: int, server, whole, check, tmp_path) -> None:
     shutil.rmtree(out)
 
 
-@pytest.mark.parametrize("sizes", [2, _full(200)])
-def test_on_a_disk_of_any_size_it_ends_whole_or_says_that_there_is_no_room(sizes, server, whole, check, tmp_path):
-    """Files on a disk of tmpfs take whole pages; the largest of the sizes hold the release."""
+@pytest.mark.faults
+def test_on_a_disk_of_any_size_it_ends_whole_or_says_that_there_is_no_room(server, whole, check, tmp_path):
+    """Files on a disk of tmpfs take whole pages; the largest of the sizes hold the release. Only root can mount one."""
+    sizes = 200
     disk = tmp_path / "disk"
     disk.mkdir()
     pages = 40 + sum(-(-size // 4096) + 1 for size in whole.sizes)
     filled = 0
     for size in np.linspace(12, 1.6 * pages, sizes).astype(int).tolist():
-        _mount("mount", "-t", "tmpfs", "-o", f"size={4 * size}k", "tmpfs", disk)  # needs root
+        _mount("mount", "-t", "tmpfs", "-o", f"size={4 * size}k", "tmpfs", disk)
         try:
             out = disk / "data"
             done = server.release(out, any_disk=True)
@@ -131,9 +131,9 @@ def _mount(program: str, *arguments: object) -> None:
     subprocess.run([shutil.which(program), *map(str, arguments)], check=True, capture_output=True)
 
 
-@pytest.mark.parametrize("orders", [1, _full(20)])
-def test_units_in_any_order_give_the_same_tree(orders, server, whole, tree, tmp_path):
-    for seed in range(orders):
+@pytest.mark.faults
+def test_units_in_any_order_give_the_same_tree(server, whole, tree, tmp_path):
+    for seed in range(20):
         out = tmp_path / f"order_{seed}"
         assert server.release(out, shuffle=seed, workers=4).status == 0
         assert tree(out) == whole.tree

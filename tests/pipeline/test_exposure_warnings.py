@@ -1,14 +1,17 @@
 """What the render stage and the dataset make of pictures on which little can be seen."""
 
+import hashlib
 import json
 import weakref
 from collections.abc import Iterator
+from pathlib import Path
 
-import cv2
 import numpy as np
 import pytest
 
+from blender_scenes.camera_response import encode_jpeg
 from blender_scenes.devices import DeviceKind
+from blender_scenes.frame_files import FrameFile, Ledger, frame_name, put_in_place
 from blender_scenes.job import FramePose
 from configs.draw import draw_run
 from configs.errors import RunFailed
@@ -22,6 +25,14 @@ from pipeline.units import RenderUnit
 from pipeline.workspace import StageFolder
 
 
+def put_grey(folder: Path, job_sha256: str, number: int, grey: int) -> None:
+    """One picture in place and in the journal, as the renderer leaves it."""
+    data = encode_jpeg(np.full((24, 32, 3), grey, np.uint8), 92)
+    name = frame_name(number)
+    sha256 = put_in_place(data, folder / name, 32, 24)
+    Ledger(folder, job_sha256).add(FrameFile(number, name, sha256, len(data), 0.0))
+
+
 @pytest.fixture
 def render(tmp_path, monkeypatch):
     """Renders a run of pictures of one grey each, with hands of its own in place of Blender's."""
@@ -30,9 +41,9 @@ def render(tmp_path, monkeypatch):
         frames = tuple(FramePose(number, 0.0, 0.0, 0.0, 0.0) for number in range(1, len(greys) + 1))
         task = RenderTask("CW/test_1", StageFolder(tmp_path), "of a job", frames, device=device)
 
-        def paint(*_: object) -> list[object]:
+        def paint(*_: object, **__: object) -> list[object]:
             for frame, grey in zip(frames, greys, strict=True):
-                cv2.imwrite(str(task.files / f"{frame.number:06d}.jpg"), np.full((24, 32, 3), grey, np.uint8))
+                put_grey(task.files, "of a job", frame.number, grey)
             return []
 
         monkeypatch.setattr("pipeline.stages.render.run_units", paint)
@@ -77,7 +88,7 @@ def test_of_a_thousand_jobs_no_more_than_two_are_held_at_a_time(tmp_path, monkey
             del order
             assert sum(one() is not None for one in made) <= 2
 
-    def stop(*_: object) -> None:
+    def stop(*_: object, **__: object) -> None:
         raise RunFailed("no more is asked for")
 
     monkeypatch.setattr("pipeline.stages.render.run_units", stop)
@@ -93,11 +104,11 @@ def test_stage_by_stage_a_run_of_black_images_has_failed_as_in_a_release(
 ):
     out = copy_of(dataset, stages=True)
 
-    def paint(units: list[RenderUnit], *_: object) -> list[object]:
+    def paint(units: list[RenderUnit], *_: object, **__: object) -> list[object]:
         for unit in units:
+            job = hashlib.sha256(unit.job.read_bytes()).hexdigest()
             for number in unit.numbers:
-                grey = np.full((24, 32, 3), 0 if unit.name in black else 128, np.uint8)
-                cv2.imwrite(str(unit.folder / f"{number:06d}.jpg"), grey)
+                put_grey(unit.folder, job, number, 0 if unit.name in black else 128)
         return []
 
     monkeypatch.setattr("pipeline.stages.render.run_units", paint)
@@ -125,3 +136,20 @@ def test_the_dataset_passes_the_warning_on():
     assert json.loads(metadata.to_json())["runs"][0]["warnings"] == ["1 of 9 images are burnt"]
     assert "## Warnings" in markdown(metadata, spec).decode()
     assert "## Warnings" not in markdown(metadata.model_copy(update={"runs": records[1:]}), spec).decode()
+
+
+def test_an_image_that_changes_after_it_was_recorded_is_not_listed(render, monkeypatch):
+    """Such as by a renderer of an earlier command that was slow to end."""
+    recorded = Ledger.add
+
+    def overwritten(ledger: Ledger, frame: FrameFile) -> None:
+        recorded(ledger, frame)
+        if frame.number == 2:
+            path = ledger._images_dir / frame.file
+            path.write_bytes(encode_jpeg(np.full((24, 32, 3), 99, np.uint8), 92))
+
+    monkeypatch.setattr(Ledger, "add", overwritten)
+    task, (failed,) = render(128, 128)
+    assert failed.problem == "000002.jpg is not on the disk as it was written; run the same command again"
+    assert not task.folder.is_done(task.key)
+    assert not (task.folder.path / FRAMES).exists()

@@ -15,6 +15,7 @@ from pipeline.dataset.rows import Rows
 from pipeline.progress import LineReport
 from pipeline.stages import simulate_runs
 from pipeline.units import SimulateUnit
+from pipeline.worker_process import Limits
 from pipeline.workers import UnitFailure
 
 
@@ -108,7 +109,7 @@ def test_a_problem_is_one_line_without_this_machines_folders(text, problem):
 def test_the_log_of_a_failed_run_goes_to_the_error_output_alone(monkeypatch, capsys, tmp_path):
     unit = SimulateUnit(name="CW/test_1", spec="", folder=tmp_path, key="")
     text = f"cannot open {tmp_path}/x.urdf; the last lines of its log:\n  a traceback"
-    monkeypatch.setattr(simulate_runs, "run_units", lambda *_: [UnitFailure(unit, text)])
-    (failed,) = simulate_runs._do([unit], 1, LineReport())
+    monkeypatch.setattr(simulate_runs, "run_units", lambda *_, **__: [UnitFailure(unit, text)])
+    (failed,) = simulate_runs._do([unit], 1, LineReport(), Limits())
     assert failed.problem == "cannot open x.urdf"
     assert text in capsys.readouterr().err

@@ -88,7 +88,7 @@ def test_a_folder_that_is_gone_is_told_before_anything_is_made(dataset, own, tmp
 
 def test_a_release_hands_its_renderers_the_copies(copy_of, dataset, own, tiny, symolo, monkeypatch):
     seen = []
-    monkeypatch.setattr(batch, "render_runs", lambda orders, *_: seen.extend(orders) or [])
+    monkeypatch.setattr(batch, "render_runs", lambda orders, *_, **__: seen.extend(orders) or [])
     out = copy_of(dataset, stages=True)
     assert symolo("render", "smoke", "--out", out, *tiny, "--set", f"look={own}").code == 0
     assert len(seen) == 2

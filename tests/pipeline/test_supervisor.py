@@ -2,6 +2,7 @@
 
 import os
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -134,8 +135,13 @@ def test_no_worker_is_left_behind_and_nothing_in_the_temporary_folder(tmp_path, 
 
 
 def test_memory_is_that_of_a_process_with_its_children():
-    alone = memory_of(os.getpid())
-    assert abs(alone - 4096 * int(Path("/proc/self/statm").read_text().split()[1])) < 0.1 * alone
+    program = "kept = b'x' * 50_000_000; print(flush=True); input()"
+    before = memory_of(os.getpid())
+    with subprocess.Popen([sys.executable, "-c", program], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as child:
+        child.stdout.readline()
+        assert 50e6 < memory_of(child.pid) < 80e6
+        assert memory_of(os.getpid()) > before + 50e6
+        child.kill()
     assert memory_of(2**22 + 1) == 0, "there is no such process"
 
 

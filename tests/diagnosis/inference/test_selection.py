@@ -51,6 +51,17 @@ def test_a_few_wild_rows_are_no_effect(evidence_of, hypothesis, effects):
     assert found.fit.hypothesis.effects == ()
 
 
+@pytest.mark.parametrize(("at_heldout", "named"), [((95, 110), {"current_sensor_gain"}), ((), set())])
+def test_what_few_rows_show_is_believed_where_held_out_rows_confirm_it(
+    evidence_of, hypothesis, effects, at_heldout, named
+):
+    """A gain of 1.2 in a bench that hardly ever draws current: in two rows of 90."""
+    x = np.zeros(120)
+    x[[20, 70, *at_heldout]] = 1.0
+    found = select(evidence_of(x, 1.2 * x + noise(5), heldout=30), hypothesis, effects)
+    assert {effect.name for effect in found.fit.hypothesis.effects} == named
+
+
 def test_what_held_out_rows_contradict_is_not_believed(evidence_of, hypothesis, effects):
     """An offset in the rows of the fit alone, at places among those of the others."""
     x = np.random.default_rng(8).permutation(X)

@@ -1,0 +1,26 @@
+"""Temperatures of gains against white points of CIE and Rec. 709."""
+
+import pytest
+
+from diagnosis.pictures.white_balance import temperature_of
+
+
+def test_equal_gains_are_daylight_of_6504_K():
+    """White of Rec. 709 is CIE's D65."""
+    assert temperature_of(1.0, 1.0) == pytest.approx(6504.0, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("name_K", "x", "y"), [(5003.0, 0.34567, 0.35850), (5503.0, 0.33242, 0.34743), (7504.0, 0.29902, 0.31485)]
+)
+def test_gains_that_render_a_cie_daylight_neutral_are_those_of_its_temperature(name_K, x, y):
+    """D50, D55 and D75 by their published chromaticities; the matrix is that of IEC 61966-2-1."""
+    light = (x / y, 1.0, (1.0 - x - y) / y)
+    rows = ((3.2406, -1.5372, -0.4986), (-0.9689, 1.8758, 0.0415), (0.0557, -0.2040, 1.0570))
+    red, green, blue = (sum(a * b for a, b in zip(row, light, strict=True)) for row in rows)
+    assert temperature_of(green / red, green / blue) == pytest.approx(name_K, rel=0.01)
+
+
+def test_gains_of_a_green_light_are_those_of_no_temperature():
+    assert temperature_of(1.5, 1.5) is None
+    assert temperature_of(1.5, 1.5, 0.2, 0.2) is not None
