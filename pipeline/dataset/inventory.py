@@ -211,8 +211,9 @@ def _candidates(
         for name, digest in content.items():  # one line edited or removed, while other files are damaged too
             if listed.get(name) != digest:
                 yield {**listed, name: digest}
-        for name in listed.keys() - content.keys():
-            yield {other: digest for other, digest in listed.items() if other != name}
+        for whole in (listed, content):  # the latter with one file that was added, such as the manifest renamed
+            for name in whole:
+                yield {other: digest for other, digest in whole.items() if other != name}
 
 
 def _with_lists(

@@ -61,7 +61,7 @@ def test_a_file_that_comes_out_otherwise_is_left_and_the_reason_told(dataset, co
     assert "bpy 4.4.0 made it and here is" in ended.out
 
 
-def test_names_that_lead_out_of_the_release_are_not_written(dataset, copy_of, tmp_path):
+def test_a_link_in_place_of_a_run_is_found_and_not_followed(dataset, copy_of, tmp_path):
     root = copy_of(dataset)
     (root / "CW/test_1/data.csv").rename(tmp_path / "kept.csv")
     (root / "CW/test_1").rename(tmp_path / "elsewhere")

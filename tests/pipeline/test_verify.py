@@ -307,6 +307,12 @@ def test_a_file_under_another_name_is_told_with_both(dataset, copy_of):
     ]
 
 
+def test_a_manifest_under_another_name_is_told_with_both(dataset, copy_of):
+    root = copy_of(dataset)
+    (root / "manifest-sha256.txt").rename(root / "manifest-sha256.old")
+    assert {finding.file for finding in verify(root)} == {"manifest-sha256.txt", "manifest-sha256.old"}
+
+
 def test_an_edited_file_and_an_edited_checksum_are_both_told_where_the_stages_are_there(dataset, copy_of):
     """Neither list fits the other any more; what was assembled tells which file it was."""
     root = copy_of(dataset, stages=True)
