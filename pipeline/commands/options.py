@@ -84,8 +84,8 @@ OnDevice = Annotated[
     Device | None,
     typer.Option(
         "--device",
-        help="What renders: cpu gives the same bytes on every machine; auto takes a graphics card where Cycles lists "
-        "one (OptiX, CUDA, HIP, Metal, oneAPI); gpu insists on it. In place of the scenario's render.device.",
+        help="What renders: cpu gives the same bytes on machines of one class; auto takes a graphics card where Cycles "
+        "lists one (OptiX, CUDA, HIP, Metal, oneAPI); gpu insists on it. In place of the scenario's render.device.",
     ),
 ]
 
