@@ -52,6 +52,8 @@ CONFIRMED = 8.0
 """Fall of the cost of held-out rows, as of a parameter at 2.8 standard errors, from which few samples are enough."""
 FEWEST = 8
 """Samples, below which nothing is named."""
+NO_SLOPE = 1e-6
+"""Change of the mean in sigmas: what sums in another order differ by."""
 WORSE = 2.0
 """Rise of the cost of held-out rows that an effect is allowed, in standard deviations of their sum."""
 
@@ -226,7 +228,7 @@ def is_at_bound(fit: Fit, effect: Effect) -> bool:
 
 def is_of_noise(fit: Fit, effect: Effect) -> bool:
     """Whether an effect changes the noise alone."""
-    return not fit.slopes[fit.hypothesis.parameters(effect)].any()
+    return float(np.abs(fit.slopes[fit.hypothesis.parameters(effect)]).max()) < NO_SLOPE
 
 
 def _costs(evidence: Evidence, fit: Fit) -> Array:
