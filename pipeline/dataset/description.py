@@ -23,7 +23,7 @@ def markdown(metadata: Metadata, example: RunSpec) -> bytes:
 
 
 def _head(metadata: Metadata) -> str:
-    made = ", ".join(f"{name} {version}" for name, version in metadata.made_with.items())
+    made = ", ".join(f"{name} {version}" for name, version in sorted(metadata.made_with.items()))
     about = f"{_safe(metadata.description)}\n\n" if metadata.description else ""
     return (
         f"# {_safe(metadata.name)}\n\n{about}"
@@ -52,7 +52,8 @@ def _layout(metadata: Metadata) -> str:
 
 def _columns(metadata: Metadata) -> str:
     rows = [(c.name, c.unit, c.meaning) for c in metadata.columns["data.csv"]]
-    states = [(str(number), meaning) for number, meaning in metadata.states.items()]
+    # In an order of their own, for metadata.json keeps none: from the file the same text must follow.
+    states = [(str(number), meaning) for number, meaning in sorted(metadata.states.items())]
     tof = metadata.runs[0]
     return (
         f"## data.csv\n\n{_table(('column', 'unit', 'meaning'), rows)}\n\n"
@@ -85,7 +86,8 @@ def _annotations(metadata: Metadata) -> str:
 
 
 def _frames(metadata: Metadata) -> str:
-    return f"## Frames\n\n{_table(('frame', 'meaning'), metadata.frames.items())}"
+    inwards = sorted(metadata.frames.items(), reverse=True)  # W, R, C, B: from the world to the camera's body
+    return f"## Frames\n\n{_table(('frame', 'meaning'), inwards)}"
 
 
 def _robot(spec: RunSpec) -> str:

@@ -10,7 +10,7 @@ from configs.draw import draw_all, draw_run
 from configs.loader import load_scenario
 from pipeline.dataset.checks import check_run
 from pipeline.dataset.description import markdown
-from pipeline.dataset.metadata import FailedRun, RunRecord, describe, made_with
+from pipeline.dataset.metadata import FailedRun, Metadata, RunRecord, describe, made_with
 from pipeline.dataset.rows import Rows
 from pipeline.progress import LineReport
 from pipeline.stages import simulate_runs
@@ -66,6 +66,15 @@ def test_a_description_says_whose_arena_it_shows():
     assert "arena of its own" not in written
     assert "pieces (metadata.json)" not in drawn
     assert "pieces (metadata.json)" in written
+
+
+def test_the_same_description_follows_from_the_file():
+    """Whose keys are sorted, so that a lost README.md can be written again."""
+    loaded = load_scenario("smoke")
+    specs = draw_all(loaded)
+    records = [RunRecord.of(spec, standing_rows(spec, np.ones((2, 3))), None) for spec in specs]
+    metadata = describe(loaded.tree, specs, records, [])
+    assert markdown(Metadata.model_validate_json(metadata.to_json()), specs[0]) == markdown(metadata, specs[0])
 
 
 def test_a_drawn_truth_stays_one():
