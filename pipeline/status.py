@@ -142,7 +142,7 @@ def _framed(folder: StageFolder, stage: str, outcome: RunOutcome | None, *, chec
             return StageStatus(stage, "damaged", "files of it are damaged or missing")
         return StageStatus(stage, f"done, {total} images")
     if (folder.path / FAILED).exists():
-        return StageStatus(stage, f"failed: {_problem(folder)}")
+        return StageStatus(stage, f"failed: {one_line(folder.problem()) or 'nothing tells why'}")
     if not files.is_dir():
         return StageStatus(stage, "not begun", "it was never begun")
     there = _frames(files)
@@ -153,14 +153,6 @@ def _frames(files: Path) -> int:
     """Images that have a whole file, at least one where a folder holds those of each kind."""
     folders = [path for path in files.iterdir() if path.is_dir()] or [files]
     return min(sum(not path.name.startswith(".") for path in folder.iterdir()) for folder in folders)
-
-
-def _problem(folder: StageFolder) -> str:
-    try:
-        text = (folder.path / FAILED).read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        return "for reasons that cannot be read"
-    return one_line(text.partition('"problem": "')[2].partition('"\n')[0])
 
 
 def _released(workspace: Workspace, run: str, *, pending: bool) -> StageStatus:

@@ -89,13 +89,13 @@ class StageFolder:
         """Note that these inputs come to nothing that can be released, so that later stages know."""
         write_file(self.path / FAILED, canonical_json(_Failed(key=key, problem=problem).model_dump()))
 
-    def problem(self, key: str) -> str:
-        """Why nothing came of these inputs; empty where that is not known."""
+    def problem(self, key: str | None = None) -> str:
+        """Why nothing came of these inputs, or of any; empty where that is not known."""
         try:
             failed = _Failed.model_validate_json((self.path / FAILED).read_bytes())
         except (*NOT_THERE, ValidationError):
             return ""
-        return failed.problem if failed.key == key else ""
+        return failed.problem if key in {None, failed.key} else ""
 
     def files(self) -> dict[str, str]:
         """SHA-256 of the finished stage's files by their path inside.

@@ -89,11 +89,13 @@ class Inventory:
     @classmethod
     def of(cls, root: Path) -> "Inventory":
         files = Files.of(root)
-        found = {name: files.digests.get(name, "") for name in LISTS}
         content = {name: digest for name, digest in files.digests.items() if name not in LISTS}
-        lists = {name: _read(root / name) if found[name] else None for name in LISTS}
-        assembled = _assembled(root)
-        return _judged(files, content, found, lists, assembled)
+        lists = {name: _read(root / name) if name in files.digests else None for name in LISTS}
+        noted = _parsed(lists[TAG_MANIFEST], None)[0].get(MANIFEST, "")
+        moved = next((name for name, digest in content.items() if digest == noted), None)
+        # The manifest itself where it lies under another name, as of a file that it was swapped with.
+        elsewhere = _parsed(_read(root / moved), None)[0] if moved else {}
+        return _judged(files, content, lists, elsewhere, _assembled(root))
 
     @cached_property
     def damaged(self) -> frozenset[str]:
@@ -172,8 +174,8 @@ _EMPTY = hashlib.sha256(b"").hexdigest()
 def _judged(
     files: Files,
     content: Mapping[str, str],
-    found: Mapping[str, str],
     lists: Mapping[str, bytes | None],
+    elsewhere: Mapping[str, str],
     assembled: Mapping[str, str],
 ) -> Inventory:
     """Which list to believe.
@@ -181,12 +183,13 @@ def _judged(
     The tag manifest witnesses for the manifest, the files and the notes of the stages for both: whatever list of
     checksums has the SHA-256 that the tag manifest gives is the one that was released, wherever it was taken from.
     """
+    found = {name: files.digests.get(name, "") for name in LISTS}
     listed, problem = _parsed(lists[MANIFEST], files.strange.get(MANIFEST))
     tags, tag_problem = _parsed(lists[TAG_MANIFEST], files.strange.get(TAG_MANIFEST))
     noted = tags.get(MANIFEST, "")
     if not tag_problem and (not noted or set(tags) - {MANIFEST, BAG_INFO}):
         tag_problem = f"does not name {MANIFEST} and {BAG_INFO} alone"
-    for candidate in (listed, *_candidates(listed, content, assembled)) if noted else ():
+    for candidate in (listed, elsewhere, *_candidates(listed, content, assembled)) if noted else ():
         if candidate and hashlib.sha256(manifest(candidate)).hexdigest() == noted:
             problems = {MANIFEST: problem or _edited(listed, candidate), TAG_MANIFEST: tag_problem}
             return _with_lists(files, candidate, found, assembled, problems)

