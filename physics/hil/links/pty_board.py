@@ -1,0 +1,39 @@
+"""The simulated board in real time, with a pty for a serial port, for whatever program talks to a board."""
+
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from physics.hil.board.process import BoardProcess
+
+
+class PtyBoard:
+    """A board that runs while this object lives; `port` is opened like that of a real one."""
+
+    def __init__(self, elf: Path, baud: int, *, program: Path | None = None) -> None:
+        """Start a board; see `BoardProcess` for arguments and errors."""
+        self._board = BoardProcess("pty", elf, baud, program=program)
+        try:
+            self.port = self._board.hear_line()
+        except BaseException:
+            self._board.close()
+            raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @property
+    def pid(self) -> int:
+        return self._board.pid
+
+    def reset(self) -> None:
+        """Press the board's reset button."""
+        self._board.say(b"R")
+
+    def close(self) -> None:
+        self._board.close()
