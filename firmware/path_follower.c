@@ -1,0 +1,109 @@
+#include "path_follower.h"
+
+#include <math.h>
+
+#include "paths.h"
+#include "settings.h"
+
+#define TWO_PI 6.2831853f
+
+/* The squares of two such distances add up within 32 bits. */
+#define FARTHEST 46340
+
+struct offset {
+    float x_m;
+    float y_m;
+};
+
+void path_begin(struct path_follower *follower, struct path path, struct pose start)
+{
+    *follower = (struct path_follower){path, start, 0, 0.0f};
+}
+
+bool path_finished(const struct path_follower *follower)
+{
+    return follower->nearest + 2 >= follower->path.count;
+}
+
+bool path_on_the_way_back(const struct path_follower *follower)
+{
+    return follower->nearest >= follower->path.back_begins;
+}
+
+static struct offset in_path_frame(const struct path_follower *follower, struct pose odometry)
+{
+    float dx = odometry.x_m - follower->start.x_m, dy = odometry.y_m - follower->start.y_m;
+    float c = cosf(follower->start.yaw_rad), s = sinf(follower->start.yaw_rad);
+    struct offset offset = {c * dx + s * dy, c * dy - s * dx};
+    return offset;
+}
+
+static int32_t in_path_units(float length_m)
+{
+    float units = PATH_UNITS_PER_M * length_m;
+    return lroundf(fmaxf(-1e6f, fminf(1e6f, units)));
+}
+
+static uint16_t apart(int32_t one, int32_t another)
+{
+    int32_t distance = one > another ? one - another : another - one;
+    return distance < FARTHEST ? (uint16_t)distance : FARTHEST;
+}
+
+/* The nearest point among the next few, in whole numbers: in floats the search would take most of a tick. */
+static void find_nearest(struct path_follower *follower, float x_m, float y_m)
+{
+    const struct path *path = &follower->path;
+    int32_t x = in_path_units(x_m - follower->shift_m), y = in_path_units(path->mirror * y_m);
+    uint16_t end = follower->nearest + path->window_points;
+    if (end > path->count)
+        end = path->count;
+    uint32_t least = UINT32_MAX;
+    uint16_t at = follower->nearest;
+    for (uint16_t i = follower->nearest; i < end; i++) {
+        uint16_t dx = apart(flash_int16(path->points, 2 * i), x);
+        uint16_t dy = apart(flash_int16(path->points, 2 * i + 1), y);
+        uint32_t distance = (uint32_t)dx * dx + (uint32_t)dy * dy;
+        if (distance < least) {
+            least = distance;
+            at = i;
+        }
+    }
+    follower->nearest = at;
+}
+
+/* From the robot to the point of the path a look-ahead further on, in the frame of the start. */
+static struct offset goal(struct path_follower *follower, struct pose odometry, bool obstacle_beside)
+{
+    const struct path *path = &follower->path;
+    struct offset robot = in_path_frame(follower, odometry);
+    if (obstacle_beside && !path_on_the_way_back(follower)) {
+        float back_x_m = (float)flash_int16(path->points, 2 * path->back_begins) / PATH_UNITS_PER_M;
+        float at_back_begins = back_x_m + follower->shift_m;
+        follower->shift_m += fmaxf(0.0f, robot.x_m - at_back_begins + AVOIDANCE_LOOK_AHEAD_M);
+    }
+    find_nearest(follower, robot.x_m, robot.y_m);
+    uint16_t last = path->count - 1;
+    uint16_t left = last - follower->nearest;
+    uint16_t index = left < path->ahead_points ? last : follower->nearest + path->ahead_points;
+    float beyond_m = fmaxf(0.0f, AVOIDANCE_LOOK_AHEAD_M - path->spacing_m * (float)left);
+    float x_m = (float)flash_int16(path->points, 2 * index) / PATH_UNITS_PER_M;
+    float y_m = path->mirror * (float)flash_int16(path->points, 2 * index + 1) / PATH_UNITS_PER_M;
+    struct offset ahead = {x_m + follower->shift_m + beyond_m - robot.x_m, y_m - robot.y_m};
+    return ahead;
+}
+
+float path_curvature(struct path_follower *follower, struct pose odometry, bool obstacle_beside)
+{
+    struct offset ahead = goal(follower, odometry, obstacle_beside);
+    float yaw = odometry.yaw_rad - follower->start.yaw_rad;
+    float lateral = -sinf(yaw) * ahead.x_m + cosf(yaw) * ahead.y_m;
+    return 2.0f * lateral / fmaxf(ahead.x_m * ahead.x_m + ahead.y_m * ahead.y_m, 1e-6f);
+}
+
+float path_bearing(struct path_follower *follower, struct pose odometry)
+{
+    struct offset ahead = goal(follower, odometry, false);
+    float angle = atan2f(ahead.y_m, ahead.x_m) - odometry.yaw_rad + follower->start.yaw_rad;
+    return angle - TWO_PI * (float)lroundf(angle / TWO_PI);
+}
