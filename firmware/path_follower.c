@@ -50,7 +50,24 @@ static uint16_t apart(int32_t one, int32_t another)
     return distance < FARTHEST ? (uint16_t)distance : FARTHEST;
 }
 
-/* The nearest point among the next few, in whole numbers: in floats the search would take most of a tick. */
+/* Squared distance of point `index` from x, y, in path units. */
+static uint32_t squared(const struct path *path, uint16_t index, int32_t x, int32_t y)
+{
+    struct flash_pair point = flash_pair(path->points, index);
+    uint16_t dx = apart(point.first, x), dy = apart(point.second, y);
+    return (uint32_t)dx * dx + (uint32_t)dy * dy;
+}
+
+/* How many points follow that cannot be nearer than `least`: from one to the next the distance changes by no more than the
+   spacing, rounded up by what the points were rounded by. */
+static uint16_t too_far(const struct path *path, uint32_t distance, uint32_t least)
+{
+    float spacing = PATH_UNITS_PER_M * path->spacing_m * 1.001f;
+    float spare = sqrtf((float)distance) * 0.999f - sqrtf((float)least) * 1.001f - 3.0f;
+    return spare > spacing ? (uint16_t)(spare / spacing) : 0;
+}
+
+/* The nearest point among the next few. A look at each of them, in floats, would take most of a tick. */
 static void find_nearest(struct path_follower *follower, float x_m, float y_m)
 {
     const struct path *path = &follower->path;
@@ -61,12 +78,12 @@ static void find_nearest(struct path_follower *follower, float x_m, float y_m)
     uint32_t least = UINT32_MAX;
     uint16_t at = follower->nearest;
     for (uint16_t i = follower->nearest; i < end; i++) {
-        uint16_t dx = apart(flash_int16(path->points, 2 * i), x);
-        uint16_t dy = apart(flash_int16(path->points, 2 * i + 1), y);
-        uint32_t distance = (uint32_t)dx * dx + (uint32_t)dy * dy;
+        uint32_t distance = squared(path, i, x, y);
         if (distance < least) {
             least = distance;
             at = i;
+        } else {
+            i += too_far(path, distance, least);
         }
     }
     follower->nearest = at;
@@ -78,7 +95,7 @@ static struct offset goal(struct path_follower *follower, struct pose odometry, 
     const struct path *path = &follower->path;
     struct offset robot = in_path_frame(follower, odometry);
     if (obstacle_beside && !path_on_the_way_back(follower)) {
-        float back_x_m = (float)flash_int16(path->points, 2 * path->back_begins) / PATH_UNITS_PER_M;
+        float back_x_m = (float)flash_pair(path->points, path->back_begins).first / PATH_UNITS_PER_M;
         float at_back_begins = back_x_m + follower->shift_m;
         follower->shift_m += fmaxf(0.0f, robot.x_m - at_back_begins + AVOIDANCE_LOOK_AHEAD_M);
     }
@@ -87,8 +104,9 @@ static struct offset goal(struct path_follower *follower, struct pose odometry, 
     uint16_t left = last - follower->nearest;
     uint16_t index = left < path->ahead_points ? last : follower->nearest + path->ahead_points;
     float beyond_m = fmaxf(0.0f, AVOIDANCE_LOOK_AHEAD_M - path->spacing_m * (float)left);
-    float x_m = (float)flash_int16(path->points, 2 * index) / PATH_UNITS_PER_M;
-    float y_m = path->mirror * (float)flash_int16(path->points, 2 * index + 1) / PATH_UNITS_PER_M;
+    struct flash_pair point = flash_pair(path->points, index);
+    float x_m = (float)point.first / PATH_UNITS_PER_M;
+    float y_m = path->mirror * (float)point.second / PATH_UNITS_PER_M;
     struct offset ahead = {x_m + follower->shift_m + beyond_m - robot.x_m, y_m - robot.y_m};
     return ahead;
 }
