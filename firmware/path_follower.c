@@ -17,7 +17,7 @@ struct offset {
 
 void path_begin(struct path_follower *follower, struct path path, struct pose start)
 {
-    *follower = (struct path_follower){path, start, 0, 0.0f};
+    *follower = (struct path_follower){path, start, cosf(start.yaw_rad), sinf(start.yaw_rad), 0, 0.0f};
 }
 
 bool path_finished(const struct path_follower *follower)
@@ -33,7 +33,7 @@ bool path_on_the_way_back(const struct path_follower *follower)
 static struct offset in_path_frame(const struct path_follower *follower, struct pose odometry)
 {
     float dx = odometry.x_m - follower->start.x_m, dy = odometry.y_m - follower->start.y_m;
-    float c = cosf(follower->start.yaw_rad), s = sinf(follower->start.yaw_rad);
+    float c = follower->start_cos, s = follower->start_sin;
     struct offset offset = {c * dx + s * dy, c * dy - s * dx};
     return offset;
 }
@@ -58,13 +58,28 @@ static uint32_t squared(const struct path *path, uint16_t index, int32_t x, int3
     return (uint32_t)dx * dx + (uint32_t)dy * dy;
 }
 
-/* How many points follow that cannot be nearer than `least`: from one to the next the distance changes by no more than the
-   spacing, rounded up by what the points were rounded by. */
-static uint16_t too_far(const struct path *path, uint32_t distance, uint32_t least)
+/* Strides over points that are too far off to hold the nearest, the longest first. */
+#define STRIDES 3
+static const uint8_t STRIDE[STRIDES] = {128, 32, 8};
+
+/* Squared distances beyond which none of the next STRIDE points can be nearer than `least`: from one point to the next the
+   distance changes by no more than the spacing; 3 units more than make up for all rounding. */
+static void set_bounds(uint32_t bounds[STRIDES], const struct path *path, uint32_t least)
 {
-    float spacing = PATH_UNITS_PER_M * path->spacing_m * 1.001f;
-    float spare = sqrtf((float)distance) * 0.999f - sqrtf((float)least) * 1.001f - 3.0f;
-    return spare > spacing ? (uint16_t)(spare / spacing) : 0;
+    float spacing = 1.001f * PATH_UNITS_PER_M * path->spacing_m, nearest = 1.001f * sqrtf((float)least) + 3.0f;
+    for (uint8_t i = 0; i < STRIDES; i++) {
+        float bound = nearest + (float)STRIDE[i] * spacing;
+        bounds[i] = bound < 65000.0f ? (uint32_t)(bound * bound) : UINT32_MAX;
+    }
+}
+
+static uint8_t stride(const uint32_t bounds[STRIDES], uint32_t distance)
+{
+    for (uint8_t i = 0; i < STRIDES; i++) {
+        if (distance > bounds[i])
+            return STRIDE[i];
+    }
+    return 0;
 }
 
 /* The nearest point among the next few. A look at each of them, in floats, would take most of a tick. */
@@ -75,16 +90,21 @@ static void find_nearest(struct path_follower *follower, float x_m, float y_m)
     uint16_t end = follower->nearest + path->window_points;
     if (end > path->count)
         end = path->count;
-    uint32_t least = UINT32_MAX;
+    uint32_t least = UINT32_MAX, bounds[STRIDES];
+    bool bounded = false;
     uint16_t at = follower->nearest;
     for (uint16_t i = follower->nearest; i < end; i++) {
         uint32_t distance = squared(path, i, x, y);
         if (distance < least) {
             least = distance;
             at = i;
-        } else {
-            i += too_far(path, distance, least);
+            bounded = false;
+            continue;
         }
+        if (!bounded)
+            set_bounds(bounds, path, least);
+        bounded = true;
+        i += stride(bounds, distance);
     }
     follower->nearest = at;
 }
