@@ -14,6 +14,8 @@ from physics.hil.plausible import DriveLimits, TickCount
 
 PROTOCOL = 1
 """Version of the wire format that is spoken here."""
+_CAUSES = frozenset({"damaged", "refused", "stale"})
+"""Of a missing command, where one is known."""
 _DAMAGE_TOLD = 3
 """Reasons of one tick's damage that its event spells out."""
 
@@ -228,9 +230,9 @@ class BoardPilot:
             self._pending = deque([None] * settings.delay_ticks)
             self._acting = self._acting and replace(self._acting, right_rad_s=0.0, left_rad_s=0.0)
         if self._misses * settings.tick_s >= settings.give_up_s:
-            raise BoardLost(
-                f"no command from {self.link.name} for {settings.give_up_s:g} s {self._when()}; the robot was stopped"
-            )
+            why = next((f"; last: {event.text}" for event in reversed(self.events) if event.kind in _CAUSES), "")
+            silence = f"no command from {self.link.name} for {settings.give_up_s:g} s {self._when()}"
+            raise BoardLost(f"{silence}; the robot was stopped{why}")
 
     def _orders(self) -> Orders:
         acting = self._acting or CommandFrame(State.LINE, 0.0, 0.0)

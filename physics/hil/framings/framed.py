@@ -1,6 +1,7 @@
-"""The default framing: length fixed by type, sequence number, CRC-16, byte stuffing, a zero after each frame.
+"""The default framing: length fixed by type, sequence number, CRC-16, byte stuffing, zeros between frames.
 
-Frame: COBS(type u8, seq u8, payload, crc u16) 0x00, little endian; the CRC is CRC-16/IBM-3740 over type to payload.
+Frame: COBS(type u8, seq u8, payload, crc u16) 0x00, little endian; the CRC is CRC-16/IBM-3740 over type to payload. A
+zero goes before it too, so that what noise left on the line is no part of it; nothing between two zeros is no frame.
 """
 
 import binascii
@@ -65,7 +66,7 @@ class Framed:
 
 def _frame(kind: int, seq: int, payload: bytes) -> bytes:
     body = bytes([kind, seq & 0xFF]) + payload
-    return stuffed(body + struct.pack("<H", crc16(body))) + b"\0"
+    return b"\0" + stuffed(body + struct.pack("<H", crc16(body))) + b"\0"
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 """SimTwo's framing: one channel letter and eight upper-case hexadecimal digits, without number or checksum.
 
 Letters are those that are no hexadecimal digit, so a letter always begins a frame. Big endian. To the board R (encoder
-increments right and left), I and J (line L0 to L3, L4 to L7), H (front and left range), K (right range, flags) and,
-last, G (run); from it s (state), M and Q (set points right and left), in that order.
+increments right and left), I and J (line L0 to L3, L4 to L7), H (front and left range), K (right range, 0) and,
+last, G (flags); from it s (state), M and Q (set points right and left), in that order.
 """
 
 import string
@@ -17,8 +17,8 @@ LETTERS = frozenset((string.ascii_uppercase[6:] + string.ascii_lowercase[6:]).en
 DIGITS = frozenset(b"0123456789ABCDEF")
 VALUE_DIGITS = 8
 _FROM_BOARD, _TO_BOARD = "sMQ", "RIJHKG"
-_START = 2
-"""Bit of K's flags: forget state, odometry and counters."""
+_RUN, _START = 1, 2
+"""Bits of G: run; forget state, odometry and counters first."""
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,8 @@ class SimTwo:
             line[:4],
             line[4:],
             struct.pack(">HH", wire.range_mm(frame.front_m), wire.range_mm(frame.left_m)),
-            struct.pack(">HH", wire.range_mm(frame.right_m), _START * frame.start),
-            struct.pack(">I", frame.run),
+            struct.pack(">HH", wire.range_mm(frame.right_m), 0),
+            struct.pack(">I", _RUN * frame.run + _START * frame.start),
         )
         return b"".join(_frame(letter, value) for letter, value in zip(_TO_BOARD, values, strict=True))
 
@@ -152,11 +152,13 @@ class _SimulatorEars:
 def _to_board(found: tuple[bytes, ...] | Damaged) -> ToBoard:
     if isinstance(found, Damaged):
         return found
-    increments, line_low, line_high, front_left, right_flags, run = found
+    increments, line_low, line_high, front_left, right_range, flag_bits = found
     front_mm, left_mm = struct.unpack(">HH", front_left)
-    right_mm, flags = struct.unpack(">HH", right_flags)
+    right_mm, _ = struct.unpack(">HH", right_range)
     front_m, left_m, right_m = (wire.range_from(mm) for mm in (front_mm, left_mm, right_mm))
     right, left = struct.unpack(">hh", increments)
-    running = bool(int.from_bytes(run, "big") & 1)
+    flags = int.from_bytes(flag_bits, "big")
     line = wire.line_from(line_low + line_high)
-    return Asked(SensorFrame((right, left), line, front_m, left_m, right_m, running, bool(flags & _START)), None)
+    return Asked(
+        SensorFrame((right, left), line, front_m, left_m, right_m, bool(flags & _RUN), bool(flags & _START)), None
+    )
