@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import f as f_distribution
+from scipy.special import fdtrc
 
 from diagnosis.inference.bases import RUNS_OF_ROWS, Basis, any_function, bases, standing_out
 from diagnosis.inference.evidence import Evidence
@@ -143,7 +143,7 @@ class _Tangents:
         weight = float(self._evidence.weight[inside[0]])
         degrees = max(1, len(inside) - k - 1)
         level = float(here @ here) / weight / degrees
-        p = float(f_distribution.sf(explained / k / max(level, 1e-12), k, degrees))
+        p = float(fdtrc(k, degrees, explained / k / max(level, 1e-12)))
         return p, max(0.0, explained - k * level)
 
 

@@ -11,13 +11,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import quad
-from scipy.stats import chi2, norm
+from scipy.special import chdtri
 
 from diagnosis.inference.coordinate import Coordinate
 from diagnosis.inference.evidence import Evidence
 from diagnosis.inference.fit import Fit, fits
-from diagnosis.inference.likelihood import CORNER
+from diagnosis.inference.likelihood import CORNER, mean_over_normal
 from diagnosis.measured.channel import Array
 
 LEVELS = (0.68, 0.95)
@@ -29,11 +28,7 @@ FURTHEST = 3.0
 """Times the last distance, to which an end is looked for next."""
 
 
-def _mean(of_z: object) -> float:
-    return quad(lambda z: of_z(z) * float(norm.pdf(z)), -12.0, 12.0)[0]  # pyright: ignore[reportCallIssue]
-
-
-ROBUST: float = _mean(lambda z: (z / (1.0 + (z / CORNER) ** 2)) ** 2) / _mean(
+ROBUST: float = mean_over_normal(lambda z: (z / (1.0 + (z / CORNER) ** 2)) ** 2) / mean_over_normal(
     lambda z: (1.0 - (z / CORNER) ** 2) / (1.0 + (z / CORNER) ** 2) ** 2
 )
 """E psi^2 / E psi' of the Cauchy loss."""
@@ -100,7 +95,7 @@ def _ends(fit: Fit, place: int) -> list[_End]:
     coordinate, x = fit.hypothesis.coordinates[place], float(fit.x[place])
     found = []
     for level in LEVELS:
-        quantile = float(chi2.ppf(level, 1))
+        quantile = float(chdtri(1, 1.0 - level))
         for direction, bound in ((-1.0, x - coordinate.low), (1.0, coordinate.high - x)):
             reach = min(np.sqrt(quantile * variance), bound)
             end = _End(place, level, direction, quantile, float(reach), bound)

@@ -8,7 +8,7 @@ distribution, widened for what is normal: some outliers among the rows, and a no
 from dataclasses import replace
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from diagnosis.inference.adequacy import CLIP, LEVEL, Adequacy, Structure
 from diagnosis.inference.evidence import Evidence
@@ -38,7 +38,7 @@ def with_scatter(evidence: Evidence, fit: Fit, left: Adequacy) -> Adequacy:
         independent = float(weight.sum())
         squares = float((weight * np.minimum(z**2, CLIP**2)).sum())
         degrees = max(1.0, independent - len(fit.x) * np.count_nonzero(rows) / np.count_nonzero(evidence.fit))
-        p = float(chi2.sf(squares / WIDENED, degrees)) * len(tested)
+        p = float(chdtrc(degrees, squares / WIDENED)) * len(tested)
         if best is not None and p < LEVEL <= best.p:
             times = np.sqrt(squares / degrees)
             found.append(replace(best, p=p, what=f"scatter of {times:.1f} times the stated noise"))

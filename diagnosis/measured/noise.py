@@ -70,10 +70,10 @@ def trimmed_variance(deviations: Array) -> float:
     if not len(squares):
         return float("nan")
     kept = max(1, round(KEPT * len(squares)))
-    return float(np.mean(squares[:kept])) / _expected(kept / len(squares))
+    return float(np.mean(squares[:kept])) / mean_of_smallest_squares(kept / len(squares))
 
 
-def _expected(share: float) -> float:
+def mean_of_smallest_squares(share: float) -> float:
     """Mean of the smallest squares of a standard normal deviate: 1 - 2 c pdf(c) / share with 2 cdf(c) - 1 = share."""
     if share >= 1.0:
         return 1.0

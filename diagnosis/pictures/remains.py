@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import f as f_distribution
+from scipy.special import fdtrc
 
 from diagnosis.pictures.case import Array
 from diagnosis.pictures.fit import Fit, Model, without_own
@@ -46,7 +46,7 @@ def remains(model: Model, fit: Fit, covariates: Mapping[str, Array]) -> Remains 
         total = float(centred @ centred)
         independent = max(fit.worth * len(z), 2.0 * DEGREE)
         F = (explained / DEGREE) / ((total - explained) / (len(z) - DEGREE - 1)) * independent / len(z)
-        p = min(1.0, float(f_distribution.sf(F, DEGREE, independent - DEGREE - 1)) * len(covariates))
+        p = min(1.0, float(fdtrc(DEGREE, independent - DEGREE - 1, F)) * len(covariates))
         found.append(Remains(name, p, explained / total))
     strongest = max(found, key=lambda of: of.share, default=None)
     return strongest if strongest and strongest.p < LEVEL and strongest.share > LEAST_SHARE else None

@@ -5,10 +5,10 @@ from math import sqrt
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter
-from scipy.stats import norm
 
 from diagnosis.benches.plotting import GREY, finished, png
 from diagnosis.inference.gain import KEPT
+from diagnosis.measured.noise import mean_of_smallest_squares
 from diagnosis.report.findings import Findings
 from diagnosis.report.panels import AFTER, BEFORE, CALIBRATED
 
@@ -47,9 +47,5 @@ def gain_picture(found: Findings) -> bytes:
 
 
 def noise_alone() -> float:
-    """Error of a perfect model in sigmas: less than 1, since the largest residuals are left out.
-
-    Root mean square of a standard normal within +-c that holds the share KEPT: 1 - 2 c phi(c) / KEPT.
-    """
-    c = float(norm.ppf(0.5 + 0.5 * KEPT))
-    return sqrt(1.0 - 2.0 * c * float(norm.pdf(c)) / KEPT)
+    """Error of a perfect model in sigmas: less than 1, since the largest residuals are left out."""
+    return sqrt(mean_of_smallest_squares(KEPT))

@@ -1,111 +1,19 @@
 """The state machine: which behaviour drives the robot, and when it hands over to another.
 
-`TRANSITIONS` is the whole table; the first row whose condition holds is taken, one per tick.
+configs/state_machine.yaml is the whole table; the first row whose condition holds is taken, one per tick.
 """
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import NamedTuple
 
 from configs.schema.robot import Controller
 from physics.control.avoidance import PathFollower
 from physics.control.base import Command, ControlInput, Pose, Side, State
 from physics.control.bends import BendMemory, CurveBook, CurvePass, curve_pass
+from physics.control.conditions import View
 from physics.control.curves import CurveFollower
 from physics.control.following import MAX_ERROR, follow, line_error, wall_error
 from physics.control.paths import AvoidancePath, straight_path
-
-
-@dataclass(frozen=True)
-class View:
-    """What the conditions of the table look at: the input, the settings, and what is remembered."""
-
-    seen: ControlInput
-    config: Controller
-    line_error: float | None
-    follower: PathFollower | CurveFollower | None
-    return_state: State
-    curve: CurvePass | None
-    """The curve path for the obstacle that is in the way now; None without one, or without curve paths."""
-
-    def on_line(self) -> bool:
-        return self.line_error is not None
-
-    def wall_found(self, side: Side) -> bool:
-        return self.seen.side_m(side) < self.config.wall.found_within_m
-
-    def wall_lost(self, side: Side) -> bool:
-        return self.seen.side_m(side) > self.config.wall.lost_beyond_m
-
-    def obstacle_ahead(self, free_side: Side) -> bool:
-        avoid = self.config.avoidance
-        return self.seen.front_m < avoid.front_below_m and self.seen.side_m(free_side) >= avoid.free_side_beyond_m
-
-    def curve_beside(self, side: Side) -> bool:
-        return self.curve is not None and self.curve.side == side
-
-    def corner_ahead(self) -> bool:
-        return self.seen.front_m < self.config.corner.front_below_m
-
-    def corner_turned(self, wall_side: Side) -> bool:
-        return self.seen.front_m > self.config.corner.front_clear_m and self.wall_found(wall_side)
-
-    def line_met_on_the_way_back(self) -> bool:
-        on_the_way_back = isinstance(self.follower, PathFollower) and self.follower.on_the_way_back
-        return on_the_way_back and self.return_state is State.LINE and self.on_line()
-
-    def avoided(self, into: State) -> bool:
-        return self.follower is not None and self.follower.finished and self.return_state is into
-
-
-class Transition(NamedTuple):
-    """From one of `states` to `to` where `when` holds."""
-
-    states: frozenset[State]
-    when: Callable[[View], bool]
-    to: State
-
-
-def _from(*states: State) -> frozenset[State]:
-    return frozenset(states)
-
-
-_RIGHT = _from(State.RIGHT_WALL)
-_LEFT = _from(State.LEFT_WALL)
-_WALLS = _RIGHT | _LEFT
-_LOST = _from(State.LOST_LEFT_WALL, State.LOST_RIGHT_WALL)
-_LINE = _from(State.LINE)
-_AVOIDING = _from(State.AVOID_LEFT, State.AVOID_RIGHT)
-
-TRANSITIONS: tuple[Transition, ...] = (
-    # On a line that bends, with paths for bends.
-    Transition(_LINE, lambda v: v.curve_beside("left"), State.AVOID_LEFT),
-    Transition(_LINE, lambda v: v.curve_beside("right"), State.AVOID_RIGHT),
-    # An obstacle is passed on the side that is free; on a line the left is tried first.
-    Transition(_LINE | _RIGHT, lambda v: v.obstacle_ahead("left"), State.AVOID_LEFT),
-    Transition(_LINE | _LEFT, lambda v: v.obstacle_ahead("right"), State.AVOID_RIGHT),
-    Transition(_RIGHT, lambda v: v.corner_ahead(), State.TURN_LEFT),
-    Transition(_LEFT, lambda v: v.corner_ahead(), State.TURN_RIGHT),
-    Transition(_from(State.TURN_LEFT), lambda v: v.corner_turned("right"), State.RIGHT_WALL),
-    Transition(_from(State.TURN_RIGHT), lambda v: v.corner_turned("left"), State.LEFT_WALL),
-    # The way back from an obstacle on a line ends where the line is met; beside a wall it is driven to its end.
-    Transition(_AVOIDING, lambda v: v.line_met_on_the_way_back(), State.LINE),
-    Transition(_AVOIDING, lambda v: v.avoided(State.LINE), State.LINE),
-    Transition(_AVOIDING, lambda v: v.avoided(State.RIGHT_WALL), State.RIGHT_WALL),
-    Transition(_AVOIDING, lambda v: v.avoided(State.LEFT_WALL), State.LEFT_WALL),
-    Transition(_WALLS | _LOST, lambda v: v.on_line(), State.LINE),
-    # The line has ended: a wall takes over.
-    Transition(_LINE, lambda v: not v.on_line() and v.wall_found("right"), State.RIGHT_WALL),
-    Transition(_LINE, lambda v: not v.on_line() and v.wall_found("left"), State.LEFT_WALL),
-    # The wall has ended: the one on the other side takes over, or the robot looks for the old one.
-    Transition(_RIGHT, lambda v: v.wall_lost("right") and v.wall_found("left"), State.LEFT_WALL),
-    Transition(_LEFT, lambda v: v.wall_lost("left") and v.wall_found("right"), State.RIGHT_WALL),
-    Transition(_RIGHT, lambda v: v.wall_lost("right"), State.LOST_RIGHT_WALL),
-    Transition(_LEFT, lambda v: v.wall_lost("left"), State.LOST_LEFT_WALL),
-    Transition(_LOST, lambda v: not v.wall_lost("right"), State.RIGHT_WALL),
-    Transition(_LOST, lambda v: not v.wall_lost("left"), State.LEFT_WALL),
-)
+from physics.control.transitions import load_transitions
 
 
 class RobotController:
@@ -114,6 +22,7 @@ class RobotController:
     def __init__(self, config: Controller, line_threshold: float) -> None:
         self._config = config
         self._line_threshold = line_threshold
+        self._transitions = load_transitions()
         self._paths: dict[State, AvoidancePath] = {
             State.AVOID_LEFT: straight_path(config.avoidance, "left"),
             State.AVOID_RIGHT: straight_path(config.avoidance, "right"),
@@ -138,8 +47,8 @@ class RobotController:
         error = line_error(seen.line, self._line_threshold)
         curve = self._curve_pass(seen)
         view = View(seen, self._config, error, self._follower, self._return_state, curve)
-        for row in TRANSITIONS:
-            if self._state in row.states and row.when(view):
+        for row in self._transitions:
+            if row.taken(self._state, view):
                 self._enter(row.to, seen, curve)
                 break
         if error is not None:

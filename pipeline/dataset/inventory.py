@@ -91,6 +91,9 @@ class Inventory:
         files = Files.of(root)
         content = {name: digest for name, digest in files.digests.items() if name not in LISTS}
         lists = {name: _read(root / name) if name in files.digests else None for name in LISTS}
+        if MANIFEST in _parsed(lists[MANIFEST], None)[0] and MANIFEST not in _parsed(lists[TAG_MANIFEST], None)[0]:
+            # Only the tag manifest names the manifest: the two were swapped, and neither has the bytes that it should.
+            lists = {MANIFEST: lists[TAG_MANIFEST], TAG_MANIFEST: lists[MANIFEST]}
         noted = _parsed(lists[TAG_MANIFEST], None)[0].get(MANIFEST, "")
         moved = next((name for name, digest in content.items() if digest == noted), None)
         # The manifest itself where it lies under another name, as of a file that it was swapped with.

@@ -314,10 +314,11 @@ def test_a_manifest_under_another_name_is_told_with_both(dataset, copy_of):
 
 
 @pytest.mark.parametrize("stages", [True, False])
-def test_a_file_that_was_swapped_with_the_manifest_is_told_with_it(dataset, copy_of, stages):
+@pytest.mark.parametrize("other", ["README.md", "tagmanifest-sha256.txt"])
+def test_a_file_that_was_swapped_with_the_manifest_is_told_with_it(dataset, copy_of, stages, other):
     root = copy_of(dataset, stages=stages)
-    swap("../../README.md", "../../manifest-sha256.txt")(root)
-    assert {finding.file for finding in verify(root)} == {"README.md", "manifest-sha256.txt"}
+    swap(f"../../{other}", "../../manifest-sha256.txt")(root)
+    assert {finding.file for finding in verify(root)} == {other, "manifest-sha256.txt"}
 
 
 def test_an_edited_file_and_an_edited_checksum_are_both_told_where_the_stages_are_there(dataset, copy_of):

@@ -1,0 +1,105 @@
+"""What the state machine's table may ask: named conditions on what the robot sees and remembers."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from configs.schema.robot import Controller
+from physics.control.avoidance import PathFollower
+from physics.control.base import ControlInput, Side, State, other
+from physics.control.bends import CurvePass
+from physics.control.curves import CurveFollower
+
+
+@dataclass(frozen=True)
+class View:
+    """What the conditions look at: the input, the settings, and what is remembered."""
+
+    seen: ControlInput
+    config: Controller
+    line_error: float | None
+    follower: PathFollower | CurveFollower | None
+    return_state: State
+    curve: CurvePass | None
+    """The curve path for the obstacle that is in the way now; None without one, or without curve paths."""
+
+    def on_line(self) -> bool:
+        return self.line_error is not None
+
+    def wall_found(self, side: Side) -> bool:
+        return self.seen.side_m(side) < self.config.wall.found_within_m
+
+    def line_ended_by_wall(self, side: Side) -> bool:
+        return not self.on_line() and self.wall_found(side)
+
+    def wall_lost(self, side: Side) -> bool:
+        return self.seen.side_m(side) > self.config.wall.lost_beyond_m
+
+    def wall_back(self, side: Side) -> bool:
+        return not self.wall_lost(side)
+
+    def wall_goes_on_opposite(self, side: Side) -> bool:
+        return self.wall_lost(side) and self.wall_found(other(side))
+
+    def obstacle_ahead(self, free_side: Side) -> bool:
+        avoid = self.config.avoidance
+        return self.seen.front_m < avoid.front_below_m and self.seen.side_m(free_side) >= avoid.free_side_beyond_m
+
+    def curve_beside(self, side: Side) -> bool:
+        return self.curve is not None and self.curve.side == side
+
+    def corner_ahead(self) -> bool:
+        return self.seen.front_m < self.config.corner.front_below_m
+
+    def corner_turned(self, wall_side: Side) -> bool:
+        return self.seen.front_m > self.config.corner.front_clear_m and self.wall_found(wall_side)
+
+    def line_met_on_the_way_back(self) -> bool:
+        on_the_way_back = isinstance(self.follower, PathFollower) and self.follower.on_the_way_back
+        return on_the_way_back and self.return_state is State.LINE and self.on_line()
+
+    def avoided(self, into: State) -> bool:
+        return self.follower is not None and self.follower.finished and self.return_state is into
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A question of the table that can be asked by name."""
+
+    arguments: tuple[str, ...]
+    """What may stand in its brackets; without any it takes no argument."""
+    holds: Callable[[View, str], bool]
+
+
+SIDES = ("left", "right")
+STATES = tuple(State.__members__)
+
+
+def _plain(holds: Callable[[View], bool]) -> Condition:
+    return Condition((), lambda view, _: holds(view))
+
+
+def _of_side(holds: Callable[[View, Side], bool]) -> Condition:
+    return Condition(SIDES, lambda view, side: holds(view, "left" if side == "left" else "right"))
+
+
+def _of_state(holds: Callable[[View, State], bool]) -> Condition:
+    return Condition(STATES, lambda view, state: holds(view, State[state]))
+
+
+CONDITIONS: Mapping[str, Condition] = MappingProxyType(
+    {
+        "on_line": _plain(View.on_line),
+        "line_ended_by_wall": _of_side(View.line_ended_by_wall),
+        "wall_lost": _of_side(View.wall_lost),
+        "wall_back": _of_side(View.wall_back),
+        "wall_goes_on_opposite": _of_side(View.wall_goes_on_opposite),
+        "obstacle_ahead": _of_side(View.obstacle_ahead),
+        "curve_beside": _of_side(View.curve_beside),
+        "corner_ahead": _plain(View.corner_ahead),
+        "corner_turned": _of_side(View.corner_turned),
+        "line_met_on_the_way_back": _plain(View.line_met_on_the_way_back),
+        "avoided": _of_state(View.avoided),
+    }
+)
+"""Condition by name. The firmware has a function of the same name for each."""
