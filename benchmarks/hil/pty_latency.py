@@ -1,6 +1,6 @@
 """How long the firmware behind a pty takes to answer at the control rate in real time, and whether it misses a tick.
 
-The robot stands before nothing, on a line that swings; the time is from writing the sensors to having the whole command.
+The robot stands before nothing, on a line that swings; timed from writing the sensors to having the whole command.
 With `--port` the same of a real board.
 
     python benchmarks/hil/pty_latency.py [--seconds 60] [--framing framed] [--robot nominal] [--port /dev/ttyACM0]
