@@ -4,6 +4,11 @@
 
 #include <stdint.h>
 
+struct flash_pair {
+    int16_t first;
+    int16_t second;
+};
+
 #ifdef __AVR__
 
 #include <avr/pgmspace.h>
@@ -12,9 +17,12 @@
 typedef uint_farptr_t flash_address;
 #define FLASH_ADDRESS(table) pgm_get_far_address(table)
 
-static inline int16_t flash_int16(flash_address table, uint16_t index)
+/* Numbers 2 `index` and 2 `index` + 1 of a table. */
+static inline struct flash_pair flash_pair(flash_address table, uint16_t index)
 {
-    return (int16_t)pgm_read_word_far(table + 2 * (flash_address)index);
+    uint32_t both = pgm_read_dword_far(table + 4 * (flash_address)index);
+    struct flash_pair pair = {(int16_t)(uint16_t)both, (int16_t)(uint16_t)(both >> 16)};
+    return pair;
 }
 
 #else
@@ -23,9 +31,10 @@ static inline int16_t flash_int16(flash_address table, uint16_t index)
 typedef const int16_t *flash_address;
 #define FLASH_ADDRESS(table) (&(table)[0])
 
-static inline int16_t flash_int16(flash_address table, uint16_t index)
+static inline struct flash_pair flash_pair(flash_address table, uint16_t index)
 {
-    return table[index];
+    struct flash_pair pair = {table[2 * (uint32_t)index], table[2 * (uint32_t)index + 1]};
+    return pair;
 }
 
 #endif

@@ -30,14 +30,14 @@ void link_begin(void)
     dropped = 0;
 }
 
-/* CRC-16/IBM-3740: polynomial 0x1021, first 0xFFFF, nothing reflected. */
+/* CRC-16/IBM-3740: polynomial 0x1021, first 0xFFFF, nothing reflected. The eight steps of a byte are taken together. */
 static uint16_t checksum(const uint8_t *bytes, uint8_t length)
 {
     uint16_t crc = 0xFFFF;
     for (uint8_t i = 0; i < length; i++) {
-        crc ^= (uint16_t)((uint16_t)bytes[i] << 8);
-        for (uint8_t bit = 0; bit < 8; bit++)
-            crc = crc & 0x8000 ? (uint16_t)(crc << 1) ^ 0x1021 : (uint16_t)(crc << 1);
+        uint8_t top = (uint8_t)(crc >> 8) ^ bytes[i];
+        top ^= top >> 4;
+        crc = (uint16_t)(crc << 8) ^ (uint16_t)((uint16_t)top << 12) ^ (uint16_t)((uint16_t)top << 5) ^ top;
     }
     return crc;
 }

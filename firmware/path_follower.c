@@ -17,7 +17,7 @@ struct offset {
 
 void path_begin(struct path_follower *follower, struct path path, struct pose start)
 {
-    *follower = (struct path_follower){path, start, 0, 0.0f};
+    *follower = (struct path_follower){path, start, cosf(start.yaw_rad), sinf(start.yaw_rad), 0, 0.0f};
 }
 
 bool path_finished(const struct path_follower *follower)
@@ -33,7 +33,7 @@ bool path_on_the_way_back(const struct path_follower *follower)
 static struct offset in_path_frame(const struct path_follower *follower, struct pose odometry)
 {
     float dx = odometry.x_m - follower->start.x_m, dy = odometry.y_m - follower->start.y_m;
-    float c = cosf(follower->start.yaw_rad), s = sinf(follower->start.yaw_rad);
+    float c = follower->start_cos, s = follower->start_sin;
     struct offset offset = {c * dx + s * dy, c * dy - s * dx};
     return offset;
 }
@@ -50,7 +50,39 @@ static uint16_t apart(int32_t one, int32_t another)
     return distance < FARTHEST ? (uint16_t)distance : FARTHEST;
 }
 
-/* The nearest point among the next few, in whole numbers: in floats the search would take most of a tick. */
+/* Squared distance of point `index` from x, y, in path units. */
+static uint32_t squared(const struct path *path, uint16_t index, int32_t x, int32_t y)
+{
+    struct flash_pair point = flash_pair(path->points, index);
+    uint16_t dx = apart(point.first, x), dy = apart(point.second, y);
+    return (uint32_t)dx * dx + (uint32_t)dy * dy;
+}
+
+/* Strides over points that are too far off to hold the nearest, the longest first. */
+#define STRIDES 3
+static const uint8_t STRIDE[STRIDES] = {128, 32, 8};
+
+/* Squared distances beyond which none of the next STRIDE points can be nearer than `least`: from one point to the next the
+   distance changes by no more than the spacing; 3 units more than make up for all rounding. */
+static void set_bounds(uint32_t bounds[STRIDES], const struct path *path, uint32_t least)
+{
+    float spacing = 1.001f * PATH_UNITS_PER_M * path->spacing_m, nearest = 1.001f * sqrtf((float)least) + 3.0f;
+    for (uint8_t i = 0; i < STRIDES; i++) {
+        float bound = nearest + (float)STRIDE[i] * spacing;
+        bounds[i] = bound < 65000.0f ? (uint32_t)(bound * bound) : UINT32_MAX;
+    }
+}
+
+static uint8_t stride(const uint32_t bounds[STRIDES], uint32_t distance)
+{
+    for (uint8_t i = 0; i < STRIDES; i++) {
+        if (distance > bounds[i])
+            return STRIDE[i];
+    }
+    return 0;
+}
+
+/* The nearest point among the next few. A look at each of them, in floats, would take most of a tick. */
 static void find_nearest(struct path_follower *follower, float x_m, float y_m)
 {
     const struct path *path = &follower->path;
@@ -58,16 +90,21 @@ static void find_nearest(struct path_follower *follower, float x_m, float y_m)
     uint16_t end = follower->nearest + path->window_points;
     if (end > path->count)
         end = path->count;
-    uint32_t least = UINT32_MAX;
+    uint32_t least = UINT32_MAX, bounds[STRIDES];
+    bool bounded = false;
     uint16_t at = follower->nearest;
     for (uint16_t i = follower->nearest; i < end; i++) {
-        uint16_t dx = apart(flash_int16(path->points, 2 * i), x);
-        uint16_t dy = apart(flash_int16(path->points, 2 * i + 1), y);
-        uint32_t distance = (uint32_t)dx * dx + (uint32_t)dy * dy;
+        uint32_t distance = squared(path, i, x, y);
         if (distance < least) {
             least = distance;
             at = i;
+            bounded = false;
+            continue;
         }
+        if (!bounded)
+            set_bounds(bounds, path, least);
+        bounded = true;
+        i += stride(bounds, distance);
     }
     follower->nearest = at;
 }
@@ -78,7 +115,7 @@ static struct offset goal(struct path_follower *follower, struct pose odometry, 
     const struct path *path = &follower->path;
     struct offset robot = in_path_frame(follower, odometry);
     if (obstacle_beside && !path_on_the_way_back(follower)) {
-        float back_x_m = (float)flash_int16(path->points, 2 * path->back_begins) / PATH_UNITS_PER_M;
+        float back_x_m = (float)flash_pair(path->points, path->back_begins).first / PATH_UNITS_PER_M;
         float at_back_begins = back_x_m + follower->shift_m;
         follower->shift_m += fmaxf(0.0f, robot.x_m - at_back_begins + AVOIDANCE_LOOK_AHEAD_M);
     }
@@ -87,8 +124,9 @@ static struct offset goal(struct path_follower *follower, struct pose odometry, 
     uint16_t left = last - follower->nearest;
     uint16_t index = left < path->ahead_points ? last : follower->nearest + path->ahead_points;
     float beyond_m = fmaxf(0.0f, AVOIDANCE_LOOK_AHEAD_M - path->spacing_m * (float)left);
-    float x_m = (float)flash_int16(path->points, 2 * index) / PATH_UNITS_PER_M;
-    float y_m = path->mirror * (float)flash_int16(path->points, 2 * index + 1) / PATH_UNITS_PER_M;
+    struct flash_pair point = flash_pair(path->points, index);
+    float x_m = (float)point.first / PATH_UNITS_PER_M;
+    float y_m = path->mirror * (float)point.second / PATH_UNITS_PER_M;
     struct offset ahead = {x_m + follower->shift_m + beyond_m - robot.x_m, y_m - robot.y_m};
     return ahead;
 }

@@ -8,6 +8,8 @@
 struct path_follower {
     struct path path;
     struct pose start;
+    float start_cos; /* of its yaw */
+    float start_sin;
     uint16_t nearest; /* index of the path's point nearest to the robot */
     float shift_m;    /* by which the rest of the path was put off */
 };
