@@ -142,7 +142,7 @@ def test_lost_ticks_on_the_line_are_counted(framed):
 
 
 def test_the_bytes_of_an_answer_are_those_of_the_format(framed):
-    """Type, sequence, fields and CRC-16/IBM-3740, little endian, laid out here by hand; COBS undone by its definition."""
+    """Type, sequence, fields and CRC-16/IBM-3740, little endian, laid out by hand; COBS undone by its definition."""
     answer = framed.exchange(Framed().sensors(0x2A, replace(ON_LINE, run=False, start=True)))
     *stuffed, end = answer.strip(b"\0") + b"\0"
     body, at = bytearray(), 0
