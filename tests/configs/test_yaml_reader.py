@@ -2,6 +2,7 @@ from pathlib import Path
 
 import pytest
 
+import configs
 from configs.errors import InputError
 from configs.yaml_reader import parse_yaml, read_yaml
 
@@ -89,3 +90,20 @@ def test_what_is_no_file_is_refused(tmp_path: Path):
         read_yaml(tmp_path)
     with pytest.raises(InputError, match="there is no such file"):
         read_yaml(tmp_path / "none.yaml")
+
+
+@pytest.mark.parametrize("text", ["a: 'x", "a:\n\tb: 1", "a: [1, 2", "a: *b", "a: \x01", "- 1\n- b: 2: 3"])
+def test_with_and_without_libyaml_the_same_is_refused_in_the_same_words(text, monkeypatch):
+    with pytest.raises(InputError) as by_libyaml:
+        parse_yaml(text, "file")
+    monkeypatch.setattr("yaml.__with_libyaml__", False)
+    with pytest.raises(InputError) as without:
+        parse_yaml(text, "file")
+    assert str(by_libyaml.value) == str(without.value)
+
+
+def test_with_and_without_libyaml_the_same_is_read(monkeypatch):
+    texts = [path.read_text() for path in sorted(Path(configs.__file__).parent.rglob("*.yaml"))]
+    by_libyaml = [parse_yaml(text, "file") for text in texts]
+    monkeypatch.setattr("yaml.__with_libyaml__", False)
+    assert [parse_yaml(text, "file") for text in texts] == by_libyaml

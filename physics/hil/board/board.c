@@ -337,6 +337,7 @@ static void make_board(const char *mcu, uint32_t hz, const char *elf)
     firmware.frequency = hz;
     avr_load_firmware(avr, &firmware);
     avr->frequency = hz;
+    avr->run_cycle_limit = hz / 1000; /* instructions in a row while nothing is due; by default one */
     avr->sleep = no_sleep;
     for (avr_io_t *io = avr->io_port; io && !uart; io = io->next)
         if (!strcmp(io->kind, "uart") && ((avr_uart_t *)io)->name == '0')

@@ -121,16 +121,22 @@ class BoardProcess:
     def _first(self) -> bytes:
         first = self.hear(1)
         if first == b"E":
-            text = self.hear(int.from_bytes(self.hear(2), "little")).decode(errors="replace")
-            raise BoardLost(one_line(f"the simulated board stopped: {text}"))
+            raise _stopped(self.hear(int.from_bytes(self.hear(2), "little")))
         return first
 
     def _gone(self) -> BoardLost:
         """What a process that is not there any more can still say."""
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._child.wait(_END_S)
+            left = os.read(self._pipes[1].fileno(), 1 << 16)
+            if left.startswith(b"E"):
+                return _stopped(left[3:])
         self._log.seek(0)
         last = self._log.read().decode(errors="replace").splitlines()[-1:]
         return BoardLost(
             one_line(f"the simulated board ended with status {self._child.poll()}: {last[0] if last else 'no word'}")
         )
+
+
+def _stopped(why: bytes) -> BoardLost:
+    return BoardLost(one_line(f"the simulated board stopped: {why.decode(errors='replace')}"))

@@ -2,6 +2,7 @@
 
 import errno
 import importlib
+import os
 import select
 import time
 from typing import Any
@@ -91,10 +92,17 @@ def _open(port: str, baud: int) -> Any:  # noqa: ANN401 - of a package that need
     try:
         return serial.Serial(port, baud, timeout=0, write_timeout=_WRITE_S, exclusive=True)
     except (OSError, ValueError) as error:
-        what, cure = _WHY.get(getattr(error, "errno", None) or 0, (_reason(error), ""))
+        what, cure = _WHY.get(_number(error) or 0, (_reason(error), ""))
         raise InputError(what, where=f"--port {port}", cure=cure) from None
 
 
+def _number(error: BaseException) -> int | None:
+    """The system's, which pyserial leaves in the error that it caught where it is one of termios."""
+    caught = error.__context__
+    number = getattr(error, "errno", None) or (caught.args[0] if caught is not None and caught.args else None)
+    return number if isinstance(number, int) else None
+
+
 def _reason(error: BaseException) -> str:
-    number = getattr(error, "errno", None)
-    return errno.errorcode.get(number, str(error)) if isinstance(number, int) else str(error)
+    number = _number(error)
+    return str(error) if number is None else os.strerror(number)

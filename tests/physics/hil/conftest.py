@@ -1,0 +1,82 @@
+"""A drive whose numbers are easy, and a firmware that does what bytes tell it, on a simulated board."""
+
+import importlib.util
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from configs.loader import load_section
+from configs.schema.robot import RobotConfig
+from physics.control.base import State
+from physics.hil.board.build import build_board
+from physics.hil.frames import CommandFrame, SensorFrame
+from physics.hil.plausible import DriveLimits
+
+HEADER = Path("/usr/include/simavr/sim_avr.h")
+HAS_COMPILER = shutil.which("gcc") is not None
+HAS_BOARD = HAS_COMPILER and HEADER.is_file() and shutil.which("avr-gcc") is not None
+NEEDS = {
+    "test_board.py": HAS_BOARD,  # apt-get install -y gcc gcc-avr avr-libc simavr libsimavr-dev libelf-dev
+    "test_firmware_on_board.py": HAS_BOARD,
+    "test_firmware_ears.py": HAS_COMPILER,  # apt-get install -y gcc libc6-dev
+    "test_serial_link.py": importlib.util.find_spec("serial") is not None,  # pip install pyserial
+}
+collect_ignore = [name for name, is_there in NEEDS.items() if not is_there]
+
+LIMITS = DriveLimits(wheel_rad_s=20.0, wheel_radius_m=0.05, track_m=0.2)
+"""At these numbers v m/s and w rad/s are 20 v + 2 w rad/s of the right wheel and 20 v - 2 w of the left."""
+
+
+@pytest.fixture
+def limits():
+    return LIMITS
+
+
+@pytest.fixture
+def command():
+    def make(v=0.2, w=0.5, state=State.LINE, **others):
+        return CommandFrame(state, 20.0 * v + 2.0 * w, 20.0 * v - 2.0 * w, v, w, **others)
+
+    return make
+
+
+@pytest.fixture
+def seen():
+    def make(increments=(10, 12), **others):
+        return SensorFrame(increments, (1.0,) * 8, 0.5, 0.3, 2.0, **others)
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def board_program(tmp_path_factory):
+    return build_board(tmp_path_factory.mktemp("board"))
+
+
+@pytest.fixture(scope="session")
+def obedient(tmp_path_factory):
+    """Makes the firmware of `obedient.c` at a baud rate."""
+    folder = tmp_path_factory.mktemp("obedient")
+    source = Path(__file__).with_name("obedient.c")
+
+    def make(baud=500_000):
+        elf = folder / f"{baud}.elf"
+        if not elf.exists():
+            flags = ["-mmcu=atmega2560", "-DF_CPU=16000000UL", f"-DBAUD={baud}UL", "-Os"]
+            subprocess.run([shutil.which("avr-gcc"), *flags, "-o", elf, source], check=True)
+        return elf
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def nominal():
+    return RobotConfig.model_validate(load_section("robot", "nominal").tree)
+
+
+@pytest.fixture(autouse=True)
+def _benchmarks_on_the_path(monkeypatch):
+    """Benchmarks are scripts that import each other as they do when they are run."""
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[3] / "benchmarks" / "hil"))
