@@ -132,14 +132,23 @@ def robot_of():
 
 
 @pytest.fixture(scope="session")
+def robot(robot_of):
+    """With curve paths, and with the one limit that is compared with a sum off every sum of readings.
+
+    There Python decides by the rounding of doubles.
+    """
+    return robot_of("classroom", "robot.controller.avoidance.curves.face.edge_m=0.0305")
+
+
+@pytest.fixture(scope="session")
 def reference():
     return Reference
 
 
 @pytest.fixture(scope="session")
-def library(tmp_path_factory):
-    """Builds the firmware for a robot as a library, once."""
-    folder, loaded = tmp_path_factory.mktemp("native"), {}
+def library(pytestconfig):
+    """Builds the firmware for a robot as a library, once for all processes; its name tells what it is made of."""
+    folder, loaded = pytestconfig.cache.mkdir("firmware"), {}
 
     def build(robot, framing="framed", student=None):
         path = build_native(robot, folder, framing, student)

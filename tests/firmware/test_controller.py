@@ -18,16 +18,14 @@ SPACING_M = 0.4e-3
 """No shipped path has its points further apart."""
 MOST_OFF = 2
 """Points by which the nearest one may differ."""
-NO_TIE = "robot.controller.avoidance.curves.face.edge_m=0.0305"
-"""Half a millimetre from every reading: on a limit that is a sum of two readings' doubles, Python decides by rounding."""
 
 
 def assert_alike(robot, reference, tried):
     """Same states and counters at every tick, and commands that differ by no more than the numbers' rounding.
 
-    Off the paths a command is a few operations on floats of 24 bits. On a path the goal may be one of the points beside the
-    reference's, and its coordinates are rounded to half of 2^-15 m each. The curvature 2 y / (x^2 + y^2) towards a goal
-    (x, y) changes by 2 / (x^2 + y^2) per metre that the goal moves, in whatever direction.
+    Off the paths a command is a few operations on floats of 24 bits. On a path the goal may be one of the points beside
+    the reference's, and its coordinates are rounded to half of 2^-15 m each. The curvature 2 y / (x^2 + y^2) towards a
+    goal (x, y) changes by 2 / (x^2 + y^2) per metre that the goal moves, in whatever direction.
     """
     expected, got = ({name: np.array(value) for name, value in vars(drive).items()} for drive in (reference, tried))
     same = got["state"] == expected["state"]
@@ -84,7 +82,7 @@ SITUATIONS_MM = (
 
 
 def random_drive(robot, reference, wheel_counts, ticks, rng):
-    """Situations that follow each other at random; the wheels do what is commanded, or are pushed about off the paths."""
+    """Situations at random; the wheels do what is commanded, or are pushed about off the paths."""
     left, command = 0, None
     for tick in range(ticks):
         if left == 0:
@@ -103,8 +101,7 @@ def random_drive(robot, reference, wheel_counts, ticks, rng):
     return reference.drive
 
 
-def test_both_do_the_same_on_random_readings(robot_of, library, reference, wheel_counts):
-    robot = robot_of("classroom", NO_TIE)
+def test_both_do_the_same_on_random_readings(robot, library, reference, wheel_counts):
     rng = np.random.Generator(np.random.PCG64(7))
     seen = set()
     for _ in range(12):

@@ -25,8 +25,8 @@ def framing(request):
 
 
 @pytest.fixture
-def board(robot_of, library, framing):
-    board = library(robot_of("nominal"), framing.name)
+def board(robot, library, framing):
+    board = library(robot, framing.name)
     board.begin()
     return board
 
@@ -44,8 +44,7 @@ def ask(board, framing):
     return commands
 
 
-def test_a_line_to_the_left_turns_the_robot_left_by_the_paper_s_law(robot_of, ask):
-    robot = robot_of("nominal")
+def test_a_line_to_the_left_turns_the_robot_left_by_the_paper_s_law(robot, ask):
     gains, drive = robot.controller.line, robot.drive
     v, w = gains.k1_m_s - 3.0 * gains.k3_m_s, 3.0 * gains.k2_rad_s  # channels 6 and 7: +2.5 and +3.5
     (command,) = ask(LEFT)
@@ -100,8 +99,8 @@ def test_bytes_may_come_one_at_a_time(board, framing):
 
 
 @pytest.fixture
-def framed(robot_of, library):
-    board = library(robot_of("nominal"))
+def framed(robot, library):
+    board = library(robot)
     board.begin()
     return board
 
@@ -110,9 +109,9 @@ def commands(answer):
     return Framed().from_board().feed(answer)
 
 
-def test_it_says_who_it_is(robot_of, framed):
+def test_it_says_who_it_is(robot, framed):
     (hello,) = commands(framed.exchange(Framed().hello(200)))
-    _, identity = firmware_sources(robot_of("nominal"), "framed", BAUDS[0])
+    _, identity = firmware_sources(robot, "framed", BAUDS[0])
     assert (hello.protocol, hello.firmware_id, hello.baud_index) == (1, identity, 0)
 
 
@@ -142,7 +141,7 @@ def test_lost_ticks_on_the_line_are_counted(framed):
 
 
 def test_the_bytes_of_an_answer_are_those_of_the_format(framed):
-    """Type, sequence, fields and CRC-16/IBM-3740, little endian, laid out here by hand; COBS undone by its definition."""
+    """Type, sequence, fields and CRC-16/IBM-3740, little endian, laid out by hand; COBS undone by its definition."""
     answer = framed.exchange(Framed().sensors(0x2A, replace(ON_LINE, run=False, start=True)))
     *stuffed, end = answer.strip(b"\0") + b"\0"
     body, at = bytearray(), 0
@@ -159,8 +158,8 @@ def test_the_bytes_of_an_answer_are_those_of_the_format(framed):
     assert body == struct.pack("<BBBhhhhHHBH", ord("C"), 0x2A, 0, 0, 0, 0, 0, 0, 1, 0, crc)
 
 
-def test_simtwo_frames_with_a_bad_character_are_dropped(robot_of, library):
-    board = library(robot_of("nominal"), "simtwo")
+def test_simtwo_frames_with_a_bad_character_are_dropped(robot, library):
+    board = library(robot, "simtwo")
     board.begin()
     good = SimTwo().sensors(0, LEFT)
     assert good[-9:] == b"G00000001"
