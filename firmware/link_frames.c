@@ -65,6 +65,7 @@ static void send(uint8_t type, uint8_t sequence, const uint8_t *payload, uint8_t
     length += HEAD;
     put16(frame + length, checksum(frame, length));
     length += CHECKSUM;
+    uart_write(0); /* ends what noise may have left on the line, so that it spoils no frame */
     uint8_t begin = 0;
     for (uint8_t end = 0; end <= length; end++) {
         if (end < length && frame[end] != 0)

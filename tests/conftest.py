@@ -1,6 +1,7 @@
 """What several packages' tests need of the machine, and a bench of measured data that is made here."""
 
 import os
+import shutil
 import signal
 import subprocess
 from collections.abc import Callable
@@ -8,6 +9,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
+FIRMWARE_TOOLS = {
+    "a C compiler": ("gcc", "gcc libc6-dev"),
+    "a compiler for AVR": ("avr-gcc", "gcc-avr avr-libc"),
+    "simavr's headers": ("/usr/include/simavr/sim_avr.h", "simavr libsimavr-dev libelf-dev"),
+}
+"""What some tests of the firmware and its board need: program or file, and the Debian packages that bring it."""
+
+
+def pytest_report_header() -> list[str]:
+    """Says which tests are left out for want of a tool, and the line that installs it."""
+    return [
+        f"tests of the firmware are left out for want of {what}: apt-get install -y {packages}"
+        for what, (tool, packages) in FIRMWARE_TOOLS.items()
+        if shutil.which(tool) is None and not Path(tool).is_file()
+    ]
 
 
 class _Stillborn(subprocess.Popen):

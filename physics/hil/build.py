@@ -1,6 +1,7 @@
 """Compiles the firmware: for the board with avr-gcc, for this machine with gcc, and as a sketch for the Arduino IDE."""
 
 import hashlib
+import os
 import re
 import shutil
 import subprocess
@@ -21,7 +22,7 @@ Framing = Literal["framed", "simtwo"]
 BAUDS = (115_200, 250_000, 500_000, 1_000_000)
 """A board says in its hello at which place of this table its baud rate stands."""
 
-AVR_PACKAGES = "gcc-avr avr-libc binutils-avr"
+AVR_PACKAGES = "gcc-avr avr-libc"
 NATIVE_PACKAGES = "gcc libc6-dev"
 """Debian packages with the compilers."""
 
@@ -42,7 +43,7 @@ class FirmwareBuild:
     hex: Path
     """For avrdude."""
     id: str
-    """16 hexadecimal digits, the first eight bytes of the SHA-256 of sources and settings; the board's hello tells them."""
+    """16 hex digits: the first eight bytes of the SHA-256 of sources and settings, told by the board's hello."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ class FirmwareSize:
 
 def student_tasks() -> tuple[str, ...]:
     """The functions of student.c, in its order, which may be left to be written."""
-    return tuple(name.lower() for name in _TASK.findall(_hand_written()["student.c"]) if name in _task_bodies())
+    return tuple(name.lower() for name in _TASK.findall(_hand_written()["student.c"]))
 
 
 def firmware_sources(
@@ -106,15 +107,15 @@ def build_firmware(
     files, identity = firmware_sources(robot, framing, baud, student)
     place = out_dir / f"firmware-{identity}-{_short_hash(_AVR_FLAGS)}"
     build = FirmwareBuild(place / "firmware.elf", place / "firmware.hex", identity)
-    if place.is_dir():
+    if build.elf.is_file() and build.hex.is_file():
         return build
     with _scratch(files, out_dir) as scratch:
-        made = Path(scratch) / place.name
-        make_folder(made)
-        elf = made / build.elf.name
+        elf, hex_file = (Path(scratch) / path.name for path in (build.elf, build.hex))
         _compile(["avr-gcc", *_AVR_FLAGS, "-o", str(elf)], files, Path(scratch), AVR_PACKAGES)
-        _run(["avr-objcopy", "-O", "ihex", "-R", ".eeprom", str(elf), str(made / build.hex.name)], AVR_PACKAGES)
-        move(made, place)
+        _run(["avr-objcopy", "-O", "ihex", "-R", ".eeprom", str(elf), str(hex_file)], AVR_PACKAGES)
+        make_folder(place)
+        move(elf, build.elf)  # over one of another process, which is the same
+        move(hex_file, build.hex)
     return build
 
 
@@ -198,10 +199,6 @@ def student_version(todo: Sequence[str]) -> str:
     return re.sub(r"\n{3,}", "\n\n", "\n".join(kept) + "\n")
 
 
-def _task_bodies() -> set[str]:
-    return set(_TASK.findall(_hand_written()["student.c"]))
-
-
 def _hand_written() -> dict[str, str]:
     paths = (path for path in _SOURCES.iterdir() if path.suffix in {".c", ".h", ".ino"})
     return {path.name: path.read_text(encoding="utf-8") for path in sorted(paths)}
@@ -233,7 +230,7 @@ def _scratch(files: Mapping[str, str], out_dir: Path) -> tempfile.TemporaryDirec
     make_folder(out_dir)
     scratch = tempfile.TemporaryDirectory(prefix="firmware-", dir=out_dir)
     for name, text in files.items():
-        write_file(Path(scratch.name) / name, text.encode())
+        (Path(scratch.name) / name).write_text(text, encoding="utf-8")
     return scratch
 
 
@@ -252,7 +249,10 @@ def _run(command: Sequence[str], packages: str) -> str:
     program = shutil.which(command[0])
     if program is None:
         raise EnvironmentLacking(f"there is no {command[0]}; run `apt-get install -y {packages}`")
-    done = subprocess.run([program, *command[1:]], capture_output=True, text=True, errors="replace", check=False)
+    plain = {**os.environ, "LC_ALL": "C"}  # messages in English, with plain quotes
+    done = subprocess.run(
+        [program, *command[1:]], env=plain, capture_output=True, text=True, errors="replace", check=False
+    )
     if done.returncode == 0:
         return done.stdout
     errors = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines()[-1:] or ["?"]

@@ -122,7 +122,9 @@ def _settings(robot: RobotConfig) -> str:
     numbers = dict(_numbers(controller))
     lines += [_define(_macro(path), value) for path, value in numbers.items()]
     lines += ["", "/* Ranges in millimetres: a reading counts as nearer where it is below ..., */"]
-    lines += [f"#define {_macro(path)}M {_millimetres_below(numbers[path])}" for path in _RANGES_BELOW if path in numbers]
+    lines += [
+        f"#define {_macro(path)}M {_millimetres_below(numbers[path])}" for path in _RANGES_BELOW if path in numbers
+    ]
     lines += ["", "/* and as farther where it is above. */"]
     lines += [
         f"#define {_macro(path)}M {_whole_below(math.nextafter(numbers[path], math.inf), 0.001) - 1}"

@@ -2,7 +2,8 @@
 
 from collections import deque
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from types import TracebackType
+from typing import Literal, Self
 
 from configs.schema.robot import RobotConfig
 from physics.control.base import State
@@ -78,7 +79,8 @@ class Orders:
 class BoardPilot:
     """Drives the robot by what a board answers.
 
-    Call `start` once, `step` at each tick, `close` at the end. What went wrong is in `events`, also after an error.
+    Call `start` once, `step` at each tick, `close` at the end, which leaving a `with` does too. What went wrong is in
+    `events`, also after an error.
     """
 
     link: Link
@@ -99,10 +101,16 @@ class BoardPilot:
         self._pending: deque[CommandFrame | None] = deque([None] * self.settings.delay_ticks)
         self._acting: CommandFrame | None = None
 
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
     @classmethod
-    def for_robot(
-        cls, link: Link, framing: Framing, robot: RobotConfig, settings: LoopSettings | None = None
-    ) -> "BoardPilot":
+    def for_robot(cls, link: Link, framing: Framing, robot: RobotConfig, settings: LoopSettings | None = None) -> Self:
         return cls(link, framing, DriveLimits.from_robot(robot), settings or LoopSettings())
 
     def start(self) -> HelloFrame | None:
@@ -122,7 +130,7 @@ class BoardPilot:
                     if isinstance(found, HelloFrame):
                         return self._greeted(found)
                     if isinstance(found, Answer) and not hello:
-                        return None
+                        return self._drained()
         raise BoardLost(
             f"no answer from {self.link.name} in {self.settings.hello_s:g} s: is the firmware on it, built for the"
             f" framing {self.framing.name} and this baud rate?"
@@ -175,6 +183,12 @@ class BoardPilot:
             )
         self.board = hello
         return hello
+
+    def _drained(self) -> None:
+        """Let a tick pass, lest an answer to the greeting be taken for one to what comes next."""
+        self.link.start_tick(self.settings.tick_s)
+        while heard := self.link.read():
+            self._ears.feed(heard)
 
     def _answer(self) -> CommandFrame | None:
         """The command to the frame just sent, or None when the tick ends without a good one."""

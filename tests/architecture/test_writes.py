@@ -18,6 +18,7 @@ OF_NUMPY = {"np.save", "numpy.save", "np.memmap", "json.dump", "yaml.dump"}
 
 JUSTIFIED = {
     ("physics/bullet/body.py", "write_text"): "the URDF in a scratch folder, for PyBullet reads no text",
+    ("physics/hil/build.py", "write_text"): "sources in a scratch folder, for the compiler reads no text",
     ("physics/trajectory.py", "savez_compressed"): "into a buffer",
     ("diagnosis/benches/plotting.py", "savefig"): "into a buffer",
     ("blender_scenes/bpy_side/__main__.py", "fdopen"): "the pipe to the renderer",

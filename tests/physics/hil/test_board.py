@@ -194,6 +194,21 @@ def test_a_board_behind_a_pty_answers_in_real_time(board_program, obedient):
     assert not is_alive(board.pid)
 
 
+def test_a_board_behind_a_pty_answers_no_sooner_than_a_wire_lets_it(board_program, obedient):
+    """At 2400 baud a byte takes 4.2 ms, and its answer as long again, however long the board has slept before."""
+    with PtyBoard(obedient(2400), 2400, program=board_program) as board:
+        port = os.open(board.port, os.O_RDWR | os.O_NOCTTY)
+        try:
+            assert wait_until(lambda: heard_at(port, b"a", 1) == b"b")
+            for _ in range(5):
+                time.sleep(0.007)
+                began = time.monotonic()
+                assert heard_at(port, b"a", 1) == b"b"
+                assert time.monotonic() - began > 0.99 * 2 * 10 / 2400
+        finally:
+            os.close(port)
+
+
 def heard_at(port, data, length):
     os.write(port, data)
     heard = b""
