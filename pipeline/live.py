@@ -46,10 +46,10 @@ class LiveView:
         table.add_row("state", f"{int(command.state)}  {STATES[command.state]}")
         table.add_row("drive", f"v {command.v_m_s:+.3f} m/s   w {command.w_rad_s:+.2f} rad/s")
         table.add_row("wheels", f"left {left:+.2f}   right {right:+.2f} rad/s")
-        farthest_m = self._spec.robot.tof.max_range_m
+        tof = self._spec.robot.tof
         for name, range_m in (("left", seen.left_m), ("front", seen.front_m), ("right", seen.right_m)):
-            bar = "█" * round(_RANGE_CELLS * min(1.0, range_m / farthest_m))
-            table.add_row(f"{name} range", f"{range_m:5.3f} m {bar}")
+            bar = "█" * round(_RANGE_CELLS * min(1.0, range_m / tof.max_range_m))
+            table.add_row(f"{name} range", f"{range_m:.3f} m {bar}" if range_m < tof.no_target_m else "no target")
         table.add_row("line, left to right", Text("".join(_block(value) for value in reversed(seen.line))))
         faults = [f"{count} {name.replace('_', ' ')}" for name, count in self._counts.items() if name != "answered"]
         ticks = round(t_s * self._spec.rates.control_hz) + 1
