@@ -15,6 +15,7 @@ from configs.errors import EnvironmentLacking, InputError, RunFailed, one_line
 from configs.refusals import lacking
 from pipeline.commands import bench, examine, hil, keep, make
 from pipeline.commands.diagnose import diagnose
+from pipeline.commands.export import export
 from pipeline.commands.measured import measured
 from pipeline.commands.pictures import pictures
 from pipeline.commands.preview import preview
@@ -57,7 +58,7 @@ def command_line() -> typer.Typer:
         app.command(rich_help_panel="Hardware in the loop")(command)
     for command in (examine.verify, examine.compare, examine.contact_sheet, examine.doctor, examine.schema):
         app.command(rich_help_panel="Look at data, machine and format")(command)
-    for command in (keep.status, keep.repair, keep.bag):
+    for command in (keep.status, keep.repair, keep.bag, export):
         app.command(rich_help_panel="Keep data whole")(command)
     for command in (measured, diagnose, pictures):
         app.command(rich_help_panel="Understand measured data")(command)

@@ -13,6 +13,7 @@ from blender_scenes.frame_files import frame_name
 from configs.schema.scenario import RunSpec
 from pipeline.dataset.camera_model import camera_table
 from pipeline.dataset.metadata import RunRecord
+from pipeline.dataset.pixels import decoded
 from pipeline.dataset.rows import Rows
 
 ANNOTATIONS = "annotations"
@@ -115,7 +116,7 @@ def _camera_faults(document: Document, rows: Rows, spec: RunSpec) -> Iterator[Fa
 def _category_faults(folder: Path, names: set[str], category_of: dict[int, int]) -> Iterator[Fault]:
     """Each pixel's category is that of its instance; where only the categories were asked for, they are known ones."""
     for name in sorted(name for name in names if name.startswith("semantic/")):
-        semantic, instance = _decoded(folder / name), _decoded(folder / name.replace("semantic", "instance"))
+        semantic, instance = decoded(folder / name), decoded(folder / name.replace("semantic", "instance"))
         if semantic is None or semantic.ndim != 2:
             continue  # which is told elsewhere
         if instance is not None and instance.shape == semantic.shape and set(np.unique(instance)) <= {0, *category_of}:
@@ -126,17 +127,6 @@ def _category_faults(folder: Path, names: set[str], category_of: dict[int, int])
                 yield name, f"differs in {differ} pixels from the categories of the instances there"
         elif semantic.max() >= len(CATEGORIES):
             yield name, f"has the id {semantic.max()}, which {DOCUMENT} does not name"
-
-
-def _decoded(path: Path) -> np.ndarray | None:
-    """None for what is no picture."""
-    import cv2  # noqa: PLC0415 - half a second that no other command needs
-
-    data = np.frombuffer(path.read_bytes() if path.is_file() else b"", dtype=np.uint8)
-    try:
-        return cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if len(data) else None
-    except cv2.error:  # its head claims more pixels than OpenCV takes
-        return None
 
 
 def _document_faults(document: Document, numbers: Sequence[int], known: set[int]) -> Iterator[Fault]:
@@ -158,7 +148,7 @@ def _document_faults(document: Document, numbers: Sequence[int], known: set[int]
 
 
 def _picture_fault(path: Path, record: RunRecord, known: set[int]) -> str:
-    pixels = _decoded(path)
+    pixels = decoded(path)
     if pixels is None:
         return "cannot be decoded"
     dtype, channels = _FORMS[path.parent.name]

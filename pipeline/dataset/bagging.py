@@ -29,10 +29,7 @@ def make_bag(root: Path, out: Path, report: Report) -> int:
     """
     if out.exists() and not (out.is_dir() and not any(out.iterdir())):
         raise InputError("is there already", where=f"--out {out}", cure="name a folder that is new or empty")
-    inventory = Inventory.of(root)
-    if fault := next(inventory.findings(), None):
-        cure = f"see `symolo verify {root}` and `symolo repair {root}`"
-        raise InputError(f"is not as it was released: {fault}", where=str(root), cure=cure)
+    inventory = Inventory.of_whole(root)
     partial = out.absolute().with_name(f".{out.name}.bag")
     remove_folder(partial)
     make_folder(partial / PAYLOAD)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
+from configs.errors import InputError
 from pipeline.dataset.bag import BAG_INFO
 from pipeline.dataset.findings import Finding
 from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, tag_manifest
@@ -99,6 +100,19 @@ class Inventory:
         # The manifest itself where it lies under another name, as of a file that it was swapped with.
         elsewhere = _parsed(_read(root / moved), None)[0] if moved else {}
         return _judged(files, content, lists, elsewhere, _assembled(root))
+
+    @classmethod
+    def of_whole(cls, root: Path) -> "Inventory":
+        """Of a release that is as it was released.
+
+        Raises:
+            InputError: It is not; the first file that is not.
+        """
+        inventory = cls.of(root)
+        if fault := next(inventory.findings(), None):
+            cure = f"see `symolo verify {root}` and `symolo repair {root}`"
+            raise InputError(f"is not as it was released: {fault}", where=str(root), cure=cure)
+        return inventory
 
     @cached_property
     def damaged(self) -> frozenset[str]:

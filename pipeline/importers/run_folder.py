@@ -17,7 +17,8 @@ from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from physics.trajectory import TimeSeries
 from pipeline.dataset.metadata import METADATA
 from pipeline.dataset.rows import HEADER, Floats, Rows, parse_table, read_rows
-from pipeline.dataset.side import TOF, WHEELS, SideTable, tof_csv, wheels_csv
+from pipeline.dataset.side import TOF, WHEELS, tof_csv, wheels_csv
+from pipeline.dataset.side_reading import read_side
 from pipeline.importers.data_csv import row_channels, trial_of
 from pipeline.stages.assemble import DATA, SIDE
 from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
@@ -70,7 +71,7 @@ class _Run:
         """
         if not self.simulated:
             rows = read_rows(self.folder / DATA)
-            wheels, tof = (_side(self.folder / SIDE / table.file, table, rows) for table in (WHEELS, TOF))
+            wheels, tof = (read_side(self.folder / SIDE / table.file, table, rows) for table in (WHEELS, TOF))
             return rows, wheels, tof
         try:
             recording = read_recording(self.folder)
@@ -161,20 +162,6 @@ def _trial(run: _Run) -> Trial:
     status = tof[:, 1:]
     seen = row_channels(rows, status == TofStatus.NO_TARGET, status == TofStatus.HELD)
     return trial_of(run.name, rows, (*drive, *seen))
-
-
-def _side(path: Path, table: SideTable, rows: Rows) -> Floats:
-    """The numbers of a side table, at the rows of data.csv."""
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", where=str(path), cure="make the run again") from None
-    numbers, faults = parse_table(data, table.header)
-    if faults:
-        raise InputError(faults[0].what, where=f"{path}: row {faults[0].line}", cure="mend or remove the row")
-    if not np.array_equal(numbers[:, 0], rows.t_ms):
-        raise InputError(f"column t is not that of {DATA}", where=str(path), cure="make the run again")
-    return numbers
 
 
 IMPORTER = Importer("run", "run of symolo, a whole release, or what simulate made", _recognises, _read)

@@ -15,6 +15,7 @@ from physics.trajectory import Recording
 from pipeline.dataset.bag import BAG_INFO, bag_info
 from pipeline.dataset.camera_model import INTRINSICS, CameraModel, camera_table
 from pipeline.dataset.description import DESCRIPTION, markdown
+from pipeline.dataset.layout import DATA, IMAGES, POSITIONS, SIDE, SPEC
 from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, tag_manifest
 from pipeline.dataset.metadata import METADATA, FailedRun, Metadata, RunRecord, describe
 from pipeline.dataset.obstacles import obstacle_table, obstacles_csv
@@ -23,12 +24,11 @@ from pipeline.dataset.side import BOARD, CAMERA, TOF, WHEELS, board_csv, image_p
 from pipeline.files import hashes_of, holds, read_known
 from pipeline.progress import Report
 from pipeline.stages.annotate import copy_released
-from pipeline.stages.render import IMAGES, Rendered
-from pipeline.stages.simulate_runs import SPEC, read_outcome, read_recording, spec_text
+from pipeline.stages.render import Rendered
+from pipeline.stages.simulate_runs import read_outcome, read_recording, spec_text
 from pipeline.versions import versions
 from pipeline.workspace import DONE, PARTIAL, STAGES, Workspace, input_key, mark_done
 
-DATA, POSITIONS, SIDE = "data.csv", "image_positions.txt", "side"
 KEPT_METADATA = Path(STAGES) / "assemble" / METADATA
 """A copy within an output folder: of all that is released, nothing else could be made again without the scenario."""
 CHECKSUMS = (TAG_MANIFEST, MANIFEST)

@@ -17,6 +17,7 @@ from physics.hil.pilot import PilotFromBoard, build_for, firmware_id_of, pilot_f
 from physics.hil.tally import COUNTED
 from physics.trajectory import Recording
 from pipeline.cpu import cpu_class
+from pipeline.dataset.layout import SPEC
 from pipeline.dataset.metadata import BoardRecord, FailedRun
 from pipeline.files import canonical_json
 from pipeline.progress import Report
@@ -33,7 +34,7 @@ FORMAT = 3
 """Of what a simulation leaves for the later stages: from 2 on with the mean voltages of the wheels, from 3 on with a
 filter of the speed that does not hold it."""
 
-SPEC, TRAJECTORY, OUTCOME = "spec.json", "trajectory.npz", "outcome.json"
+TRAJECTORY, OUTCOME = "trajectory.npz", "outcome.json"
 MOST_EVENTS = 1000
 
 

@@ -1,0 +1,56 @@
+"""The command export: a release in formats that other people's tools open."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pipeline.commands.keep import Released
+from pipeline.commands.options import names
+from pipeline.paths import BELOW_CHARS, check_new_path
+
+_MEGABYTE = 1_000_000
+
+
+def _new(path: Path) -> Path:
+    check_new_path(path, "--out", BELOW_CHARS)
+    return path
+
+
+def export(
+    folder: Released,
+    *,
+    formats: Annotated[
+        str, typer.Option("--format", metavar="NAMES", help="tum, kitti, coco, webdataset, with commas between them.")
+    ],
+    out: Annotated[Path, typer.Option("--out", metavar="OUT", callback=_new, help="Output folder: new or empty.")],
+    runs: Annotated[
+        str | None, typer.Option("--runs", metavar="GLOB", help="Only runs whose name matches, such as 'CW/*'.")
+    ] = None,
+    shard_mb: Annotated[
+        int, typer.Option("--shard-mb", min=1, max=2000, metavar="MB", help="Largest shard of webdataset.")
+    ] = 100,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would be written; write nothing.")] = False,
+) -> None:
+    """Write a release in other formats, each in a folder of its name below OUT: whole, or not at all.
+
+    The release is checked first, and a damaged one refused. The same release gives the same bytes.
+
+    Example: symolo export data --format tum,kitti --out exported
+    """
+    from pipeline.export import check_new, exporters_of, open_release, plan
+    from pipeline.export import export as exported
+    from pipeline.exporters.base import ExportSettings
+    from pipeline.progress import report_here
+
+    exporters = exporters_of(names(formats, "--format"), "--format")
+    data = open_release(folder, runs)
+    check_new(out, data)
+    planned = plan(data, exporters, ExportSettings(shard_mb * _MEGABYTE))
+    if dry_run:
+        for one in planned:
+            size = sum(file.size_bytes() for file in one.files)
+            typer.echo(f"{one.exporter.name}: {len(one.files)} files, {size / _MEGABYTE:.3f} MB: {one.exporter.what}")
+        return
+    written = exported(data, planned, out, report_here())
+    typer.echo(f"{out}: {', '.join(one.exporter.name for one in planned)}, {written / _MEGABYTE:.1f} MB")

@@ -1,0 +1,31 @@
+"""A side table of a run, read strictly and held against the rows of data.csv."""
+
+from pathlib import Path
+
+import numpy as np
+
+from configs.errors import InputError
+from pipeline.dataset.rows import Floats, Rows, parse_table
+from pipeline.dataset.side import CAMERA, SideTable
+
+
+def read_side(path: Path, table: SideTable, rows: Rows) -> Floats:
+    """The numbers of a side table, (rows or images, columns), at the rows of data.csv or, of the camera, its images.
+
+    Raises:
+        InputError: It cannot be read, has another form, or is of other times or images.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", where=str(path), cure="make the run again") from None
+    numbers, faults = parse_table(data, table.header)
+    if faults:
+        raise InputError(faults[0].what, where=f"{path}: row {faults[0].line}", cure="mend or remove the row")
+    taken = rows.image > 0
+    keys = np.column_stack((rows.image[taken], rows.t_ms[taken])) if table is CAMERA else rows.t_ms[:, None]
+    told = numbers[:, : keys.shape[1]]
+    for name, column, expected in zip(table.header, told.T, keys.T, strict=False):
+        if not np.array_equal(column, expected):
+            raise InputError(f"column {name} is not that of data.csv", where=str(path), cure="make the run again")
+    return numbers

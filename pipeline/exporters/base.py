@@ -1,0 +1,67 @@
+"""What an exporter is: another format for a release, as a list of files that are made when they are written."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from pipeline.reader.dataset import Dataset
+
+
+class ExportedFile(Protocol):
+    """One file of an export; the same bytes for the same release."""
+
+    @property
+    def name(self) -> str:
+        """Its path within the folder of the format."""
+        ...
+
+    def size_bytes(self) -> int:
+        """How large it will be."""
+        ...
+
+    def content(self) -> bytes: ...
+
+
+@dataclass(frozen=True)
+class MadeFile:
+    """One that is worked out."""
+
+    name: str
+    make: Callable[[], bytes]
+
+    def size_bytes(self) -> int:
+        return len(self.make())
+
+    def content(self) -> bytes:
+        return self.make()
+
+
+@dataclass(frozen=True)
+class CopiedFile:
+    """One of the release as it is, under another name."""
+
+    name: str
+    source: Path
+
+    def size_bytes(self) -> int:
+        return self.source.stat().st_size
+
+    def content(self) -> bytes:
+        return self.source.read_bytes()
+
+
+@dataclass(frozen=True)
+class ExportSettings:
+    shard_bytes: int
+    """Largest shard, of formats that have shards."""
+
+
+@dataclass(frozen=True)
+class Exporter:
+    name: str
+    """What `--format` takes, and the folder of what it makes."""
+    what: str
+    """What it makes, in a line for people."""
+    files: Callable[[Dataset, ExportSettings], Iterable[ExportedFile]]
+    """Lists every file before one is written; raises InputError for a release that lacks what the format needs."""

@@ -1,0 +1,1 @@
+"""Released datasets as tables, poses and pictures in memory."""

@@ -1,0 +1,195 @@
+"""Small releases of random numbers and noise, and what is in them, for whatever reads or exports a release."""
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from blender_scenes.annotations.document import ENCODINGS
+from blender_scenes.camera import intrinsics
+from configs.draw import draw_all
+from configs.loader import load_scenario
+from pipeline.dataset.camera_model import CameraModel
+from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest
+from pipeline.dataset.metadata import RunRecord, describe
+from pipeline.dataset.rows import COLUMNS, STATES, Rows
+from pipeline.dataset.side import CAMERA, TOF, WHEELS, image_positions
+from pipeline.stages.simulate_runs import spec_text
+
+WIDTH, HEIGHT = 40, 24
+SETTINGS = [f"render.width_px={WIDTH}", f"render.height_px={HEIGHT}"]
+KINDS = ("instance", "boxes_2d", "key_points")
+CATEGORIES = ("sky", "floor", "line", "wall", "obstacle", "room", "robot")
+INSTANCES = {1: ("floor", 1), 2: ("line_0", 2), 3: ("A1", 3), 4: ("O1", 4), 5: ("A10", 3)}
+"""Name and category by id."""
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What was put into a run."""
+
+    name: str
+    table: np.ndarray
+    """(N, 19), the columns of data.csv to their digits."""
+    wheels: np.ndarray
+    X_WC: np.ndarray
+    """(M, 4, 4)."""
+    pictures: tuple[bytes, ...]
+    instances: np.ndarray
+    """(M, H, W), ids; none where there are no annotations."""
+    sightings: dict[tuple[int, int], dict[int, tuple[float, float, bool]]]
+    """By image and instance: u, v and visible by corner."""
+    K: np.ndarray
+
+
+@dataclass(frozen=True)
+class Random:
+    root: Path
+    runs: tuple[Truth, ...]
+
+
+@pytest.fixture(scope="session")
+def random_release(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Random]:
+    """Makes the release of a seed, with or without annotations; read only."""
+    made: dict[tuple[int, bool], Random] = {}
+
+    def make(seed: int = 1, *, annotated: bool = False) -> Random:
+        if (seed, annotated) not in made:
+            made[seed, annotated] = _release(tmp_path_factory.mktemp("random") / "data", seed, annotated=annotated)
+        return made[seed, annotated]
+
+    return make
+
+
+@cache
+def _scenario(*, annotated: bool):
+    asked = [f"render.annotations=[{','.join(KINDS)}]"] if annotated else []
+    loaded = load_scenario("smoke", [*SETTINGS, *asked])
+    return loaded.tree, draw_all(loaded)
+
+
+def _release(root: Path, seed: int, *, annotated: bool) -> Random:
+    rng = np.random.default_rng(seed)
+    tree, specs = _scenario(annotated=annotated)
+    truths = tuple(_run(root / spec.key, spec, rng) for spec in specs)
+    rows = [Rows.from_table(truth.table) for truth in truths]
+    records = [RunRecord.of(spec, of_run, None) for spec, of_run in zip(specs, rows, strict=True)]
+    (root / "metadata.json").write_bytes(describe(tree, specs, records, ()).to_json())
+    (root / "README.md").write_text("noise\n")
+    (root / "bag-info.txt").write_text("External-Identifier: noise\n")
+    hashes = released_hashes(root)
+    (root / MANIFEST).write_bytes(manifest(hashes))
+    (root / TAG_MANIFEST).write_bytes(tag_manifest(hashes))
+    return Random(root, truths)
+
+
+def _run(folder: Path, spec, rng: np.random.Generator) -> Truth:
+    count = int(rng.integers(5, 12))
+    table = np.zeros((count, 19))
+    table[:, 0] = np.concatenate([[0], np.cumsum(rng.integers(1, 90, count - 1))])
+    table[:, 1:3] = rng.uniform(-30, 30, (count, 2))
+    table[:, 3] = rng.uniform(-np.pi, np.pi, count)
+    table[:, 4] = rng.choice(STATES, count)
+    table[:, 5:18] = rng.uniform(0, 1, (count, 13))
+    taken = np.sort(rng.choice(count, int(rng.integers(2, 5)), replace=False))
+    table[taken, 18] = np.arange(1, len(taken) + 1)
+    table = np.column_stack([np.round(table[:, i], column.decimals) for i, column in enumerate(COLUMNS)])
+    rows = Rows.from_table(table)
+    wheels = np.column_stack((table[:, 0], np.round(rng.normal(size=(count, len(WHEELS.columns) - 1)), 5)))
+    wheels[:, WHEELS.header.index("counts_r") :][:, :2] = rng.integers(-9999, 9999, (count, 2))
+    X_WC = np.tile(np.eye(4), (len(taken), 1, 1))
+    X_WC[:, :3, :3] = np.round(Rotation.random(len(taken), random_state=int(rng.integers(2**31))).as_matrix(), 9)
+    X_WC[:, :3, 3] = np.round(rng.uniform(-30, 30, (len(taken), 3)), 6)
+    numbers = table[taken][:, [18, 0]]
+    poses = np.column_stack((X_WC[:, :3, :3].reshape(-1, 9), X_WC[:, :3, 3]))
+    camera = np.column_stack((numbers, poses, numbers[:, 1:] - 5, np.full((len(taken), 1), 10.0)))
+    noise = rng.integers(0, 255, (len(taken), HEIGHT, WIDTH, 3), dtype=np.uint8)
+    pictures = tuple(cv2.imencode(".jpg", pixels)[1].tobytes() for pixels in noise)
+    files = {
+        "data.csv": rows.to_csv(),
+        "image_positions.txt": image_positions(rows),
+        "side/wheels.csv": WHEELS.to_csv(wheels),
+        "side/tof.csv": TOF.to_csv(np.column_stack((table[:, 0], np.zeros((count, 3))))),
+        "side/camera.csv": CAMERA.to_csv(camera),
+        "side/intrinsics.json": CameraModel.of(spec).to_json(),
+        "side/spec.json": spec_text(spec),
+    }
+    files |= {f"images/{i:06d}.jpg": data for i, data in enumerate(pictures, start=1)}
+    instances, sightings = np.zeros((0, HEIGHT, WIDTH), np.uint16), {}
+    if spec.render.annotations:
+        instances = np.array([_rectangles(rng) for _ in taken])
+        sightings = {(i, one): _corners(rng) for i in range(1, len(taken) + 1) for one in (3, 4, 5)}
+        document = _document(spec, camera, X_WC, sightings)
+        files["annotations/annotations.json"] = json.dumps(document).encode()
+        for i, ids in enumerate(instances, start=1):
+            files[f"annotations/instance/{i:06d}.png"] = cv2.imencode(".png", ids)[1].tobytes()
+    for name, data in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(data)
+    K = np.array(CameraModel.of(spec).K)
+    return Truth(spec.key, table, wheels, X_WC, pictures, instances, sightings, K)
+
+
+def _rectangles(rng: np.random.Generator) -> np.ndarray:
+    """Over each other, so that masks have holes and pieces; the first pixel may be of any."""
+    ids = np.zeros((HEIGHT, WIDTH), np.uint16)
+    for one in rng.permutation([1, 1, 2, 2, 3, 3, 4, 5]).tolist():
+        (top, bottom), (left, right) = (np.sort(rng.integers(0, size + 1, 2)) for size in ids.shape)
+        ids[top:bottom, left:right] = one
+    return ids
+
+
+def _corners(rng: np.random.Generator) -> dict[int, tuple[float, float, bool]]:
+    return {
+        corner: (round(rng.uniform(0, WIDTH - 1), 4), round(rng.uniform(0, HEIGHT - 1), 4), rng.random() < 0.5)
+        for corner in range(8)
+        if rng.random() < 0.6
+    }
+
+
+def _document(spec, camera, X_WC, sightings) -> dict:
+    """By docs/annotations.md; the first key point is one of the line, which is nobody's corner."""
+    points = [{"id": 1, "name": "line_0_00", "kind": "line", "instance_id": 2, "p": [0.0, 0.0, 0.0]}]
+    for one, kind in ((3, "wall"), (4, "obstacle"), (5, "wall")):
+        for corner in range(8):
+            name = f"{INSTANCES[one][0]}_{corner}"
+            points.append(
+                {"id": 10 * one + corner, "name": name, "kind": f"{kind}_corner", "instance_id": one, "p": [0.0] * 3}
+            )
+    seen = [
+        {"image_id": image, "key_point_id": 10 * one + corner, "pixel": [u, v], "p_C": [0.0, 0.0, 1.0], "visible": told}
+        for (image, one), corners in sightings.items()
+        for corner, (u, v, told) in corners.items()
+    ]
+    seen += [
+        {"image_id": 1, "key_point_id": 1, "pixel": [1.0, 2.0], "p_C": [0.0, 0.0, 1.0], "visible": True},
+    ]
+    sizes = {"width": WIDTH, "height": HEIGHT}
+    boxes = {"bbox": [0, 0, 0, 0], "area": 0, "amodal_bbox": [1, 2, 3, 4], "amodal_area": 12}
+    return {
+        "format": 2,
+        "kinds": list(KINDS),
+        "encodings": {kind: ENCODINGS[kind] for kind in KINDS},
+        "camera": asdict(intrinsics(spec.robot.camera, WIDTH, HEIGHT)),
+        "categories": [{"id": i, "name": name} for i, name in enumerate(CATEGORIES)],
+        "instances": [
+            {"id": one, "name": name, "category_id": category, "moves": False}
+            for one, (name, category) in INSTANCES.items()
+        ],
+        "key_points": points,
+        "images": [
+            {"id": i, "file_name": f"images/{i:06d}.jpg", **sizes, "t_s": row[1] / 1000, "X_WC": X.tolist()}
+            for i, (row, X) in enumerate(zip(camera, X_WC, strict=True), start=1)
+        ],
+        "annotations": [
+            {"id": 100_003, "image_id": 1, "category_id": 3, "instance_id": 3, **boxes}
+            | {"visible_fraction": 0.25, "truncated": True}
+        ],
+        "sightings": seen,
+    }

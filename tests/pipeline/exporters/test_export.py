@@ -1,0 +1,79 @@
+"""`symolo export` refuses what it cannot do before it writes, and writes all or nothing."""
+
+import json
+
+import pytest
+
+
+def one_line(ended) -> str:
+    assert (ended.code, ended.err.count("\n")) == (2, 1)
+    return ended.err
+
+
+def test_it_says_what_it_wrote_and_of_what(random_release, tmp_path, symolo):
+    root, out = random_release(1).root, tmp_path / "out"
+    ended = symolo("export", root, "--format", "tum,webdataset", "--out", out)
+    assert (ended.code, ended.out) == (0, f"{out}: tum, webdataset, 0.0 MB\n")
+    assert sorted(path.name for path in out.iterdir()) == ["export.json", "tum", "webdataset"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["out"]
+    told = json.loads((out / "export.json").read_text())
+    assert (told["name"], told["runs"], told["licence"]) == ("smoke", ["CW/test_1", "CCW/test_1"], "CC-BY-4.0")
+    tag = (root / "tagmanifest-sha256.txt").read_text()
+    assert f"{told['manifest_sha256']}  manifest-sha256.txt" in tag
+
+
+def test_a_dry_run_says_the_size_of_what_a_run_then_writes(random_release, tmp_path, symolo):
+    root, out = random_release(1, annotated=True).root, tmp_path / "out"
+    names = "tum,kitti,coco,webdataset"
+    told = symolo("export", root, "--format", names, "--out", out, "--dry-run").out.splitlines()
+    assert not out.exists()
+    assert symolo("export", root, "--format", names, "--out", out).code == 0
+    for line, name in zip(told, names.split(","), strict=True):
+        files = [path for path in (out / name).rglob("*") if path.is_file()]
+        size = sum(path.stat().st_size for path in files) / 1e6
+        assert line.startswith(f"{name}: {len(files)} files, {size:.3f} MB: ")
+
+
+def test_only_the_runs_that_were_asked_for(random_release, tmp_path, symolo):
+    out = tmp_path / "out"
+    arguments = ("export", random_release(1).root, "--format", "tum", "--out", out, "--runs")
+    assert symolo(*arguments, "CCW/*").code == 0
+    assert sorted(path.name for path in (out / "tum").iterdir()) == ["CCW"]
+    refused = one_line(symolo(*arguments[:-2], tmp_path / "other", "--runs", "X*"))
+    assert "--runs: got 'X*', allowed: a pattern of names such as CW/test_1, CCW/test_1" in refused
+
+
+def test_what_cannot_be_exported_is_refused_before_anything_is_written(random_release, copy_of, tmp_path, symolo):
+    root, out = random_release(1).root, tmp_path / "out"
+    damaged = copy_of(root)
+    (damaged / "CW/test_1/data.csv").write_text("")
+    taken = tmp_path / "taken"
+    taken.mkdir()
+    (taken / "mine.txt").write_text("mine")
+    for arguments, what in (
+        ((root, "tun", out), "--format: got 'tun', allowed: tum, kitti, coco, webdataset; did you mean tum"),
+        ((root, "tum,", out), "names with commas between them"),
+        ((damaged, "tum", out), "CW/test_1/data.csv: was changed: its SHA-256 is not that of manifest-sha256.txt"),
+        ((damaged, "tum", out), "symolo repair"),
+        ((root / "CW/test_1", "tum", out), "is one run, which has no checksums to rely on"),
+        ((tmp_path / "taken", "tum", out), "neither a release nor a run"),
+        ((root, "tum", taken), "is there already; name a folder that is new or empty"),
+        ((root, "tum", root / "within"), "lies within the release"),
+        ((root, "coco", out), "has no pictures of its instances"),
+        ((root, "tum,coco", out), "render.annotations=[instance,boxes_2d,key_points]"),
+    ):
+        folder, formats, place = arguments
+        assert what in one_line(symolo("export", folder, "--format", formats, "--out", place))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["copy", "taken"]
+    assert [path.name for path in taken.iterdir()] == ["mine.txt"]
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, OSError(28, "No space left on device")])
+def test_what_ends_midway_leaves_nothing(error, random_release, tmp_path, symolo, monkeypatch):
+    root, out = random_release(1).root, tmp_path / "out"
+    arguments = ("export", root, "--format", "kitti", "--out", out)
+    with monkeypatch.context() as patch:
+        patch.setattr("pipeline.export.sha256_of", lambda _path: (_ for _ in ()).throw(error))
+        assert symolo(*arguments).code == (130 if error is KeyboardInterrupt else 5)
+    assert list(tmp_path.iterdir()) == []
+    assert symolo(*arguments).code == 0
