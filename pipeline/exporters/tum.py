@@ -42,8 +42,10 @@ def _odometry(run: Run) -> tuple[Floats, Floats]:
 
 
 def _text(t_s: Floats, X: Floats) -> bytes:
-    """Poses (N, 4, 4) at times (N,); of the two quaternions of a rotation the one with qw >= 0."""
+    """Poses (N, 4, 4) at times (N,); of the two quaternions of a rotation the one nearer to that of the pose before."""
     quaternions = Rotation.from_matrix(X[:, :3, :3]).as_quat(canonical=True)
+    turns = np.where(np.sum(quaternions[1:] * quaternions[:-1], axis=1) < 0, -1.0, 1.0)
+    quaternions[1:] *= np.cumprod(turns)[:, None]
     return csv_bytes(_HEADER, _DECIMALS, np.column_stack((t_s, X[:, :3, 3], quaternions)), separator=" ")
 
 

@@ -76,11 +76,11 @@ def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
 
 
 def _shards(data: Dataset, most_bytes: int) -> Iterator[tuple[_Sample, ...]]:
-    """Samples in the order of runs and images; a shard is larger than `most_bytes` only where one sample alone is."""
+    """Samples in the order of their names; a shard is larger than `most_bytes` only where one sample alone is."""
     room = most_bytes // tarfile.RECORDSIZE * tarfile.RECORDSIZE - _END_BYTES
     samples: list[_Sample] = []
     used = 0
-    for image in data.images:
+    for image in sorted(data.images, key=_key):
         sample = _sample(image)
         size = sum(member.padded for member in sample)
         if samples and used + size > room:
@@ -92,8 +92,12 @@ def _shards(data: Dataset, most_bytes: int) -> Iterator[tuple[_Sample, ...]]:
         yield tuple(samples)
 
 
+def _key(image: Image) -> str:
+    return f"{image.run.name}/{image.number:06d}"
+
+
 def _sample(image: Image) -> _Sample:
-    key = f"{image.run.name}/{image.number:06d}"
+    key = _key(image)
     members = [_Member(f"{key}.json", _record(image)), _Member(f"{key}{image.path.suffix}", image.path)]
     for kind in image.run.annotation_pictures:
         path = image.run.annotation_picture(kind, image.number)

@@ -7,8 +7,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-import webdataset
 from pycocotools.coco import COCO
+from webdataset import tariterators
 
 from pipeline.dataset.rows import HEADER
 from pipeline.dataset.side import WHEELS
@@ -142,12 +142,22 @@ def coco_differs(out, truths):
                 assert one["num_keypoints"] == len(corners)
 
 
+def read_shard(path: Path) -> list[dict]:
+    """By the stages of `webdataset.WebDataset`, which itself leaves the file open."""
+    with path.open("rb") as stream:
+        files = tariterators.tar_file_expander(
+            [{"url": str(path), "stream": stream}], handler=tariterators.reraise_exception
+        )
+        return list(tariterators.group_by_keys(files))
+
+
 def webdataset_differs(out, truths):
     shards = sorted((out / "webdataset").iterdir())
     assert [path.name for path in shards] == [f"symolo-{number:06d}.tar" for number in range(len(shards))]
     assert max(path.stat().st_size for path in shards) <= SHARD_BYTES
-    samples = list(webdataset.WebDataset([str(path) for path in shards], shardshuffle=False))
-    expected = [(truth, index) for truth in truths for index in range(len(truth.pictures))]
+    samples = [sample for path in shards for sample in read_shard(path)]
+    by_name = sorted(truths, key=lambda truth: truth.name)
+    expected = [(truth, index) for truth in by_name for index in range(len(truth.pictures))]
     assert [sample["__key__"] for sample in samples] == [f"{truth.name}/{i + 1:06d}" for truth, i in expected]
     for sample, (truth, index) in zip(samples, expected, strict=True):
         assert {name for name in sample if not name.startswith("__")} == {"jpg", "json", "instance.png"}
@@ -185,6 +195,16 @@ def test_tum_shows_a_quarter_turn_as_its_quaternion(random_release, tmp_path):
     assert header == "# timestamp tx ty tz qx qy qz qw"
     qz, qw = np.sin(theta / 2), np.cos(theta / 2)
     assert first == f"0.000 {x:.6f} {y:.6f} 0.000000 0.000000000 0.000000000 {qz:.9f} {qw:.9f}"
+
+
+def test_quaternions_go_on_from_those_before(random_release, tmp_path):
+    """q and -q are the same rotation; between two poses of a trajectory nothing may turn the long way."""
+    for seed in range(1, 4):
+        release = random_release(seed, annotated=True)
+        out = exported(release.root, tmp_path / str(seed), "tum")
+        for path in (out / "tum").rglob("*.txt"):
+            quaternions = np.loadtxt(path, ndmin=2)[:, 4:]
+            assert np.all(np.sum(quaternions[1:] * quaternions[:-1], axis=1) >= 0)
 
 
 def test_shards_tell_nothing_of_the_machine(random_release, tmp_path):
