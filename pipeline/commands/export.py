@@ -21,7 +21,8 @@ def export(
     folder: Released,
     *,
     formats: Annotated[
-        str, typer.Option("--format", metavar="NAMES", help="tum, kitti, coco, webdataset, with commas between them.")
+        str,
+        typer.Option("--format", metavar="NAMES", help="tum, kitti, coco, webdataset, parquet, with commas between."),
     ],
     out: Annotated[Path, typer.Option("--out", metavar="OUT", callback=_new, help="Output folder: new or empty.")],
     runs: Annotated[

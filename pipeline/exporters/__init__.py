@@ -1,6 +1,6 @@
 """All formats that a release is exported to, in the order in which `--help` names them."""
 
-from pipeline.exporters import coco, kitti, tum, webdataset
+from pipeline.exporters import coco, kitti, parquet, tum, webdataset
 from pipeline.exporters.base import Exporter
 
-EXPORTERS: tuple[Exporter, ...] = (tum.EXPORTER, kitti.EXPORTER, coco.EXPORTER, webdataset.EXPORTER)
+EXPORTERS: tuple[Exporter, ...] = (tum.EXPORTER, kitti.EXPORTER, coco.EXPORTER, webdataset.EXPORTER, parquet.EXPORTER)

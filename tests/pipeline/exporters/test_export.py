@@ -1,6 +1,7 @@
 """`symolo export` refuses what it cannot do before it writes, and writes all or nothing."""
 
 import json
+import sys
 
 import pytest
 
@@ -24,7 +25,7 @@ def test_it_says_what_it_wrote_and_of_what(random_release, tmp_path, symolo):
 
 def test_a_dry_run_says_the_size_of_what_a_run_then_writes(random_release, tmp_path, symolo):
     root, out = random_release(1, annotated=True).root, tmp_path / "out"
-    names = "tum,kitti,coco,webdataset"
+    names = "tum,kitti,coco,webdataset,parquet"
     told = symolo("export", root, "--format", names, "--out", out, "--dry-run").out.splitlines()
     assert not out.exists()
     assert symolo("export", root, "--format", names, "--out", out).code == 0
@@ -51,7 +52,7 @@ def test_what_cannot_be_exported_is_refused_before_anything_is_written(random_re
     taken.mkdir()
     (taken / "mine.txt").write_text("mine")
     for arguments, what in (
-        ((root, "tun", out), "--format: got 'tun', allowed: tum, kitti, coco, webdataset; did you mean tum"),
+        ((root, "tun", out), "--format: got 'tun', allowed: tum, kitti, coco, webdataset, parquet; did you mean tum"),
         ((root, "tum,", out), "names with commas between them"),
         ((damaged, "tum", out), "CW/test_1/data.csv: was changed: its SHA-256 is not that of manifest-sha256.txt"),
         ((damaged, "tum", out), "symolo repair"),
@@ -66,6 +67,13 @@ def test_what_cannot_be_exported_is_refused_before_anything_is_written(random_re
         assert what in one_line(symolo("export", folder, "--format", formats, "--out", place))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["copy", "taken"]
     assert [path.name for path in taken.iterdir()] == ["mine.txt"]
+
+
+def test_parquet_without_pyarrow_says_how_to_get_it(random_release, tmp_path, symolo, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    ended = symolo("export", random_release(1).root, "--format", "tum,parquet", "--out", tmp_path / "out")
+    assert (ended.code, ended.err) == (5, "symolo: pyarrow is missing; run: pip install 'pyarrow<26'\n")
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt, OSError(28, "No space left on device")])

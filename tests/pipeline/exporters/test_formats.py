@@ -7,6 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from pyarrow import parquet
 from pycocotools.coco import COCO
 from webdataset import tariterators
 
@@ -33,7 +34,7 @@ def exported(root: Path, out: Path, *formats: str) -> Path:
 def test_every_format_holds_the_release(seed, random_release, tmp_path):
     release = random_release(seed, annotated=True)
     out = exported(release.root, tmp_path / "out", *(exporter.name for exporter in EXPORTERS))
-    for check in (tum_differs, kitti_differs, coco_differs, webdataset_differs):
+    for check in (tum_differs, kitti_differs, coco_differs, webdataset_differs, parquet_differs):
         check(out, release.runs)
 
 
@@ -168,6 +169,26 @@ def webdataset_differs(out, truths):
         np.testing.assert_array_equal(told["X_WC"], truth.X_WC[index])
         ids = cv2.imdecode(np.frombuffer(sample["instance.png"], np.uint8), cv2.IMREAD_UNCHANGED)
         np.testing.assert_array_equal(ids, truth.instances[index])
+
+
+def parquet_differs(out, truths):
+    folder = out / "parquet"
+    tables = {path.stem: parquet.read_table(path) for path in folder.glob("*.parquet")}
+    assert {*tables} == {"rows", "wheels", "tof", "images"}
+    for table in tables.values():
+        assert table["run"].unique().to_pylist() == [truth.name for truth in truths]
+    units = {field.name: field.metadata[b"unit"].decode() for field in tables["rows"].schema}
+    assert (units["t"], units["theta"], units["v"], units["run"]) == ("ms", "rad", "m/s", "-")
+    for truth in truths:
+        rows, wheels, images = (
+            table.filter(np.array(table["run"]) == truth.name).drop(["run"])
+            for table in (tables["rows"], tables["wheels"], tables["images"])
+        )
+        np.testing.assert_array_equal(rows.to_pandas().to_numpy(), truth.table)
+        np.testing.assert_array_equal(wheels.to_pandas().to_numpy(), truth.wheels)
+        assert tuple((folder / name).read_bytes() for name in images["file_name"].to_pylist()) == truth.pictures
+        poses_by_rows = images.to_pandas()[[f"r{i}{k}" for i in (1, 2, 3) for k in (1, 2, 3)]].to_numpy()
+        np.testing.assert_array_equal(poses_by_rows.reshape(-1, 3, 3), truth.X_WC[:, :3, :3])
 
 
 def test_kitti_projects_a_point_where_the_camera_sees_it(random_release, tmp_path):
