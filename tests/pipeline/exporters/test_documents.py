@@ -1,0 +1,44 @@
+"""The programs of the pages on reader and exports run as they stand there."""
+
+import gc
+import re
+from pathlib import Path
+
+import pytest
+
+DOCS = Path(__file__).parents[3] / "docs"
+RELEASE, EXPORTED = "symolo-dataset", "exported"
+
+
+def programs(page: str) -> list[str]:
+    return re.findall(r"^```python\n(.*?)^```", (DOCS / page).read_text(), re.MULTILINE | re.DOTALL)
+
+
+@pytest.fixture
+def here(random_release, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path(RELEASE).symlink_to(random_release(1, annotated=True).root)
+
+
+@pytest.mark.usefixtures("here")
+def test_the_program_of_the_page_on_the_reader(capsys):
+    (program,) = programs("reader.md")
+    names = {}
+    exec(program, names)  # noqa: S102 - our own page
+    assert names["line"].shape == names["ids"].shape == names["pixels"].shape[:2]
+    assert "CW/test_1" in capsys.readouterr().out
+
+
+# webdataset leaves the file that it read to the garbage collector.
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning", "ignore::ResourceWarning")
+@pytest.mark.usefixtures("here")
+def test_the_commands_and_programs_of_the_page_on_exports(symolo):
+    commands = re.findall(r"^    symolo (.+)$", (DOCS / "exports.md").read_text(), re.MULTILINE)
+    assert [symolo(*command.replace('"', "").split()).code for command in commands[:2]] == [0, 0]
+    kitti, coco, webdataset, parquet = programs("exports.md")
+    names = {}
+    for program in (kitti, coco, webdataset, parquet):
+        exec(program, names)  # noqa: S102 - as above
+    assert (names["p_WC"].shape[1], names["unit"], names["mask"].ndim) == (3, b"rad/s", 2)
+    gc.collect()
+    assert names["row"]["run"] in set(names["rows"]["run"])
