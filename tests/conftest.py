@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-
 FIRMWARE_TOOLS = {
     "a C compiler": ("gcc", "gcc libc6-dev"),
     "a compiler for AVR": ("avr-gcc", "gcc-avr avr-libc"),
