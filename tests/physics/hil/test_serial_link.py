@@ -74,6 +74,17 @@ def test_a_silent_board_is_waited_for_until_half_of_the_tick(pty):
         assert time.monotonic() - began == pytest.approx(0.05, abs=0.03)
 
 
+def test_an_answer_is_waited_for_as_long_in_a_tick_that_begins_late(pty):
+    link = SerialLink(pty[1], 500_000)
+    with contextlib.closing(link):
+        link.start_tick(0.1)
+        time.sleep(0.17)
+        assert link.start_tick(0.1) == pytest.approx(0.07, abs=0.02)
+        began = time.monotonic()
+        link.read()
+        assert time.monotonic() - began == pytest.approx(0.05, abs=0.03)
+
+
 @pytest.mark.parametrize("what", ["write", "read"])
 def test_a_port_that_goes_away_is_told_of(pty, what):
     end, port = pty
