@@ -17,7 +17,7 @@ from physics.hil.framings.simtwo import SimTwo
 
 MILLI = st.integers(-32768, 32767).map(lambda number: number / 1000.0)
 RANGE = st.none() | st.integers(0, 65534).map(lambda mm: mm / 1000.0)
-INCREMENT = st.integers(-32768, 32767)
+INCREMENT = st.integers(-32767, 32767)
 SENSORS = st.builds(
     SensorFrame,
     st.tuples(INCREMENT, INCREMENT),
