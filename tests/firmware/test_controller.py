@@ -11,7 +11,6 @@ from physics.control.base import State
 from physics.control.paths import straight_path
 from pipeline.stages.simulate import simulate
 
-AVOIDING = (State.AVOID_LEFT, State.AVOID_RIGHT)
 FLOAT = 2e-5
 """What single precision makes of a few operations on numbers up to 10."""
 SPACING_M = 0.4e-3
@@ -65,47 +64,11 @@ def at_a_turn(robot, bearing):
     return np.any([np.abs(np.abs(bearing) - limit) < 0.02 for limit in limits], axis=0)
 
 
-SITUATIONS_MM = (
-    (2000, 2000, 2000),
-    (2000, 2000, 300),
-    (2000, 300, 2000),
-    (2000, 300, 300),
-    (120, 170, 300),
-    (120, 300, 170),
-    (190, 2000, 170),
-    (190, 170, 2000),
-    (360, 2000, 360),
-    (260, 2000, 2000),
-    (65535, 65535, 65535),
-)
-"""Front, left and right: nothing, walls, corners, obstacles ahead, on a bend and between two beams, sensors gone."""
-
-
-def random_drive(robot, reference, wheel_counts, ticks, rng):
-    """Situations at random; the wheels do what is commanded, or are pushed about off the paths."""
-    left, command = 0, None
-    for tick in range(ticks):
-        if left == 0:
-            left, pushed, noise = int(rng.integers(1, 30)), rng.random() < 0.25, 8.0 * (rng.random() < 0.3)
-            floor, black = int(rng.integers(180, 256)), -1 if tick < 100 else rng.integers(-8, 8)
-            base, spread = rng.choice(SITUATIONS_MM[: 3 if tick < 40 else None]), rng.choice([0, 0, 3, 20])
-        left -= 1
-        if command is None or (pushed and reference.state not in AVOIDING):
-            counts = rng.integers(-300, 300, 2).tolist()
-        else:
-            counts = np.rint(wheel_counts(robot, command) + noise * rng.standard_normal(2)).astype(int).tolist()
-        line = np.full(8, floor)
-        line[max(black, 0) : max(black, 0) + 2] = 30 if black >= 0 else floor
-        ranges = np.clip(base + np.rint(spread * rng.standard_normal(3)), 0, 65535).astype(int)
-        command = reference.step(counts, line.tolist(), ranges.tolist())
-    return reference.drive
-
-
-def test_both_do_the_same_on_random_readings(robot, library, reference, wheel_counts):
+def test_both_do_the_same_on_random_readings(robot, library, random_drive):
     rng = np.random.Generator(np.random.PCG64(7))
     seen = set()
     for _ in range(12):
-        drive = random_drive(robot, reference(robot), wheel_counts, 200, rng)
+        drive = random_drive(robot, 200, rng)
         assert_alike(robot, drive, library(robot).drive(drive))
         seen |= set(drive.state)
     assert seen == set(State)
