@@ -68,6 +68,7 @@ def draw_run(loaded: LoadedScenario, route: str, run: int) -> RunSpec:
         render=scenario.render,
         arena=scenario.arena,
         robot=scenario.robot,
+        board=scenario.board,
         look=scenario.look,
         drawn=dict(sorted(drawn.items())),  # type: ignore[arg-type]
     )

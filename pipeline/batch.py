@@ -19,7 +19,8 @@ from pipeline.stages.annotate import AnnotationTask
 from pipeline.stages.assemble import assemble
 from pipeline.stages.render import Appearance, FrameTask, Order, RenderTask, render_runs
 from pipeline.stages.simulate_runs import (
-    read_outcome,
+    prepare_boards,
+    problems_of,
     read_recording,
     simulate_runs,
     simulation_key,
@@ -74,6 +75,15 @@ class Batch:
         """
         keep_own_files((spec.look for spec in self.specs), self.loaded.assets, self.workspace.own_files)
 
+    def prepare_boards(self) -> None:
+        """See that the boards that drive can be had, before anything is written.
+
+        Raises:
+            InputError: A real one is asked for, which only `symolo hil` reaches.
+            EnvironmentLacking: What the simulated one is built with is missing.
+        """
+        prepare_boards(self.workspace, self.specs)
+
     def simulate(self, report: Report) -> list[FailedRun]:
         return simulate_runs(self.workspace, self.specs, self.workers, report, self.limits)
 
@@ -86,11 +96,7 @@ class Batch:
         for spec in self.specs:
             if not self.workspace.simulate(spec.key).is_done(simulation_key(spec)):
                 raise self._not_done(spec, "simulate")
-        return [
-            FailedRun(run=spec.key, stage="simulate", problem=text)
-            for spec in self.specs
-            for text in read_outcome(self.workspace.simulate(spec.key).path).problems
-        ]
+        return problems_of(self.workspace, self.specs)
 
     def render(self, failures: Sequence[FailedRun], report: Report) -> list[FailedRun]:
         """Images, and then what is known of those that were rendered."""

@@ -13,7 +13,7 @@ import typer
 
 from configs.errors import EnvironmentLacking, InputError, RunFailed, one_line
 from configs.refusals import lacking
-from pipeline.commands import bench, examine, keep, make
+from pipeline.commands import bench, examine, hil, keep, make
 from pipeline.commands.diagnose import diagnose
 from pipeline.commands.measured import measured
 from pipeline.commands.pictures import pictures
@@ -53,6 +53,8 @@ def command_line() -> typer.Typer:
     app.callback()(_options)
     for command in (make.plan, preview, make.release, make.simulate, make.render, make.assemble, make.rerender):
         app.command(rich_help_panel="Make data")(command)
+    for command in (hil.hil, hil.firmware):
+        app.command(rich_help_panel="Hardware in the loop")(command)
     for command in (examine.verify, examine.compare, examine.contact_sheet, examine.doctor, examine.schema):
         app.command(rich_help_panel="Look at data, machine and format")(command)
     for command in (keep.status, keep.repair, keep.bag):

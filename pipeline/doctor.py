@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from blender_scenes.surroundings import SYSTEM_PACKAGES
+from physics.hil.tools import HIL_PACKAGES, has_board
 from pipeline.versions import installed_version
 
 PACKAGES = (
@@ -19,6 +20,7 @@ PACKAGES = (
     "pandas",
     "pybullet",
     "pydantic",
+    "pyserial",
     "PyYAML",
     "rich",
     "scipy",
@@ -64,6 +66,7 @@ def examine(folder: Path) -> Iterator[Check]:
     if libraries.ok:
         yield from _blender()
     yield _pybullet()
+    yield _board()
     yield from _machine(folder)
 
 
@@ -124,6 +127,15 @@ def _blender() -> Iterator[Check]:
 def _pybullet() -> Check:
     code, _, error = _child("import pybullet; pybullet.disconnect(pybullet.connect(pybullet.DIRECT))")
     return Check("PyBullet", code == 0, "starts" if code == 0 else error or "does not start", INSTALL)
+
+
+def _board() -> Check:
+    """Never missing: only `hil --simulated` and firmware built here need it."""
+    ready, cure = (
+        "simulated board and firmware can be built",
+        f"for `hil --simulated` apt-get install -y {HIL_PACKAGES}",
+    )
+    return Check("hardware in the loop", ok=True, found=ready if has_board() else f"not set up; {cure}")
 
 
 def _child(program: str) -> tuple[int, str, str]:

@@ -83,6 +83,8 @@ def measure(link: TimedLink, framing: Framing, robot: RobotConfig, ticks: int) -
     missed = sum(event.kind == "no answer" for event in pilot.events)
     print(f"{framing.name} at {framing.baud} baud, {link.name}, {hello}")
     print(f"{ticks} ticks of {1000 / RATE_HZ:.0f} ms, missed {missed}, events {len(pilot.events)}")
+    for event in pilot.events:
+        print(f"  tick {event.tick}: {event.kind}: {event.text}, answer after {answered[event.tick]:.2f} ms")
     for name, values in (("answer [ms]", answered), ("tick begins late [ms]", late)):
         found = np.array(values)
         marks = ", ".join(f"{mark} % {np.nanpercentile(found, mark):.2f}" for mark in (50, 90, 99))

@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field, model_validator
 
 from configs.schema.arena import ArenaConfig
-from configs.schema.base import PLANNED, Fixed, FromList, Section, Slug, disagreement
+from configs.schema.base import PLANNED, Fixed, FromList, Section, Slug, absent, disagreement
+from configs.schema.board import Board
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 
@@ -96,6 +97,8 @@ class Scenario(Section):
     render: Render = Render()
     arena: ArenaConfig
     robot: RobotConfig
+    board: Board | None = Field(default_factory=absent, exclude_if=lambda board: board is None)
+    """Drives the robot in place of the built-in controller."""
     look: LookConfig
 
 
@@ -112,6 +115,7 @@ class RunSpec(Section):
     render: Render
     arena: ArenaConfig
     robot: RobotConfig
+    board: Board | None = Field(default_factory=absent, exclude_if=lambda board: board is None)
     look: LookConfig
     drawn: dict[str, float | int | str | bool]
     """By field path within this specification, for example `look.sun.elevation_deg`; those of a generated arena by

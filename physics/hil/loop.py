@@ -2,7 +2,8 @@
 
 from collections import deque
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from types import TracebackType
+from typing import Literal, Self
 
 from configs.schema.robot import RobotConfig
 from physics.control.base import State
@@ -10,7 +11,7 @@ from physics.hil.errors import BoardLost
 from physics.hil.frames import CommandFrame, HelloFrame, SensorFrame
 from physics.hil.framings.base import Answer, Damaged, Framing
 from physics.hil.links.base import Link
-from physics.hil.plausible import DriveLimits, TickCount
+from physics.hil.plausible import DriveLimits, TickCount, check_encoders
 
 PROTOCOL = 1
 """Version of the wire format that is spoken here."""
@@ -78,7 +79,8 @@ class Orders:
 class BoardPilot:
     """Drives the robot by what a board answers.
 
-    Call `start` once, `step` at each tick, `close` at the end. What went wrong is in `events`, also after an error.
+    Call `start` once, `step` at each tick, `close` at the end, which leaving a `with` does too. What went wrong is in
+    `events`, also after an error.
     """
 
     link: Link
@@ -95,15 +97,28 @@ class BoardPilot:
         self._seq = 0
         self._count = TickCount()
         self._misses = 0
-        self._answered = False
+        self._answered = self._closed = False
         self._pending: deque[CommandFrame | None] = deque([None] * self.settings.delay_ticks)
         self._acting: CommandFrame | None = None
 
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
     @classmethod
-    def for_robot(
-        cls, link: Link, framing: Framing, robot: RobotConfig, settings: LoopSettings | None = None
-    ) -> "BoardPilot":
-        return cls(link, framing, DriveLimits.from_robot(robot), settings or LoopSettings())
+    def for_robot(cls, link: Link, framing: Framing, robot: RobotConfig, settings: LoopSettings | None = None) -> Self:
+        """The pilot of a robot as it is configured.
+
+        Raises:
+            InputError: Its encoders count more in a tick than a frame holds.
+        """
+        settings = settings or LoopSettings()
+        check_encoders(robot, settings.tick_s)
+        return cls(link, framing, DriveLimits.from_robot(robot), settings)
 
     def start(self) -> HelloFrame | None:
         """Wait until the board answers, and ask who it is where the framing can.
@@ -122,7 +137,7 @@ class BoardPilot:
                     if isinstance(found, HelloFrame):
                         return self._greeted(found)
                     if isinstance(found, Answer) and not hello:
-                        return None
+                        return self._drained()
         raise BoardLost(
             f"no answer from {self.link.name} in {self.settings.hello_s:g} s: is the firmware on it, built for the"
             f" framing {self.framing.name} and this baud rate?"
@@ -152,7 +167,10 @@ class BoardPilot:
         return self._orders()
 
     def close(self) -> None:
-        """Tell the board to stand still, and let go of the line."""
+        """Tell the board to stand still, and let go of the line; may be called again."""
+        if self._closed:
+            return
+        self._closed = True
         try:
             self.link.start_tick(self.settings.tick_s)
             at_rest = SensorFrame((0, 0), (1.0,) * 8, None, None, None, run=False)
@@ -175,6 +193,12 @@ class BoardPilot:
             )
         self.board = hello
         return hello
+
+    def _drained(self) -> None:
+        """Let a tick pass, lest an answer to the greeting be taken for one to what comes next."""
+        self.link.start_tick(self.settings.tick_s)
+        while heard := self.link.read():
+            self._ears.feed(heard)
 
     def _answer(self) -> CommandFrame | None:
         """The command to the frame just sent, or None when the tick ends without a good one."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipeline.commands.options import Out, checked_input
+from pipeline.commands.options import Out, Robot, checked_input
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
 HELP = "Put a part of the robot on a bench: what the simulation makes of it, beside what is known, as JSON and plot."
 
-Robot = Annotated[str, typer.Option("--robot", metavar="NAME", help="Name of a shipped robot, or a YAML file.")]
 Seed = Annotated[int, typer.Option("--seed", min=0, max=2**63 - 1, metavar="N", help="Seed of all that is drawn.")]
 
 

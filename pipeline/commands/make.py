@@ -118,6 +118,8 @@ def _make(  # noqa: PLR0917 - the options of the commands
     failures = batch.simulated() if "simulate" not in stages else []
     if "assemble" in stages and "render" not in stages:
         failures += batch.rendered(failures)
+    if "simulate" in stages:
+        batch.prepare_boards()
     with batch.workspace.locked():
         for line in again(batch.workspace, batch.specs):
             report.say(line)
@@ -129,7 +131,7 @@ def _make(  # noqa: PLR0917 - the options of the commands
             failures += batch.render(failures, report)
         if "assemble" in stages:
             batch.assemble(failures, report)
-    return _conclude(failures, len(batch.specs), command, out)
+    return conclude(failures, len(batch.specs), command, out)
 
 
 def rerender(
@@ -188,7 +190,7 @@ def rerender(
     found, drawn = prepare(source, request)
     with open_folders(found, drawn, out, apart=looks is not None) as folders:
         failures = render_source(found, drawn, folders, workers or cores(), report_here(), limits=limits_of(memory))
-    return _conclude(failures, len(drawn), "rerender", out, "draw")
+    return conclude(failures, len(drawn), "rerender", out, "draw")
 
 
 def _chosen_looks(look: str | None, looks: str | None, draws: int | None) -> tuple[str, ...]:
@@ -199,7 +201,8 @@ def _chosen_looks(look: str | None, looks: str | None, draws: int | None) -> tup
     return names(looks, "--looks") if looks is not None else (str(look),)
 
 
-def _conclude(failures: "Sequence[FailedRun]", runs: int, command: str, out: Path, unit: str = "run") -> int:
+def conclude(failures: "Sequence[FailedRun]", runs: int, command: str, out: Path, unit: str = "run") -> int:
+    """Say what failed and what is there; the exit code."""
     for failure in failures:
         typer.echo(f"failed: {failure.run}: {failure.stage}: {failure.problem}", err=True)
     good = runs - len({failure.run for failure in failures})

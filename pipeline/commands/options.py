@@ -26,7 +26,8 @@ def _checked_new_picture(path: Path) -> Path:
     return path
 
 
-def _checked_new_folder(path: Path) -> Path:
+def checked_new_folder(path: Path) -> Path:
+    """A folder to write."""
     check_new_path(path, "--out", BELOW_CHARS)
     return path
 
@@ -37,7 +38,7 @@ Out = Annotated[
     typer.Option(
         "--out",
         metavar="DIR",
-        callback=_checked_new_folder,
+        callback=checked_new_folder,
         help="Output folder: new, empty, or one that symolo made before.",
     ),
 ]
@@ -45,6 +46,7 @@ OutPicture = Annotated[
     Path,
     typer.Option("--out", metavar="FILE", callback=_checked_new_picture, help="Picture to write, .jpg or .png."),
 ]
+Robot = Annotated[str, typer.Option("--robot", metavar="NAME", help="Name of a shipped robot, or a YAML file.")]
 Settings = Annotated[
     list[str] | None,
     typer.Option(

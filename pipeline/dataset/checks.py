@@ -17,7 +17,7 @@ from pipeline.dataset.findings import Finding
 from pipeline.dataset.metadata import RunRecord
 from pipeline.dataset.obstacles import obstacle_table, off_the_path
 from pipeline.dataset.rows import HEADER, Floats, Rows, parse_table, semantic_faults
-from pipeline.dataset.side import CAMERA, POSITIONS_HEADER, TOF, WHEELS
+from pipeline.dataset.side import BOARD, CAMERA, POSITIONS_HEADER, TOF, WHEELS
 
 MOST_PER_KIND = 5
 """Faults of one kind that are named one by one; a file in wrong units has as many as rows."""
@@ -169,7 +169,8 @@ def _specification(path: Path, name: str) -> tuple[object, RunSpec | None, list[
 
 
 def _side(folder: Path, name: str, rows: Rows, record: RunRecord, spec: RunSpec | None) -> Iterator[Finding]:
-    for side, times in ((WHEELS, rows.t_ms), (TOF, rows.t_ms), (CAMERA, rows.t_ms[rows.image > 0])):
+    by_row = (WHEELS, TOF, BOARD) if record.board else (WHEELS, TOF)
+    for side, times in (*((side, rows.t_ms) for side in by_row), (CAMERA, rows.t_ms[rows.image > 0])):
         table, faults = _table(folder / side.file, side.header)
         yield from _limited(f"{name}/{side.file}", faults)
         if len(table) and not np.array_equal(table[:, side.header.index("t")], times):

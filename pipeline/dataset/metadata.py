@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
+from configs.schema.board import BoardKind, FramingName
 from configs.schema.scenario import AnnotationName, Rates, RunSpec, StartPose
 from physics.arena import Arena
 from physics.control.base import State
 from pipeline.dataset.obstacles import obstacle_table
 from pipeline.dataset.rows import COLUMNS, HEADER, Rows
-from pipeline.dataset.side import CAMERA, TOF, WHEELS, SideTable
+from pipeline.dataset.side import BOARD, CAMERA, TOF, WHEELS, SideTable
 from pipeline.files import canonical_json
 from pipeline.versions import versions
 
@@ -47,6 +48,21 @@ class Record(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
+class BoardRecord(Record):
+    """The board that drove a run, and how the line to it did."""
+
+    kind: BoardKind
+    framing: FramingName
+    bits_per_s: int
+    actuation_delay_ticks: int
+    firmware_id: str
+    """First eight bytes of the SHA-256 of what its firmware was built from; empty where it could not be asked."""
+    rows_unanswered: int
+    """Rows in which no command came from it."""
+    events: dict[str, int]
+    """How often something else went wrong on the line, by the column of side/board.csv."""
+
+
 class RunRecord(Record):
     """Facts of one released run."""
 
@@ -74,6 +90,8 @@ class RunRecord(Record):
     drawn: dict[str, float | int | str | bool]
     """Every value drawn for this run by its field path."""
     annotations: tuple[AnnotationName, ...] = Field(default=(), exclude_if=lambda kinds: not kinds)
+    board: BoardRecord | None = Field(default=None, exclude_if=lambda board: board is None)
+    """None where the built-in controller drove."""
 
     @classmethod
     def of(
@@ -83,6 +101,8 @@ class RunRecord(Record):
         lap_time_s: float | None,
         warnings: Sequence[str] = (),
         render_device: str = "CPU",
+        *,
+        board: BoardRecord | None = None,
     ) -> "RunRecord":
         changes = np.flatnonzero(np.diff(rows.state)) + 1
         steps = np.linalg.norm(np.diff(rows.pose[:, :2], axis=0), axis=1)
@@ -108,6 +128,7 @@ class RunRecord(Record):
             warnings=list(warnings),
             drawn=dict(spec.drawn),
             annotations=spec.render.annotations,
+            board=board,
         )
 
 
@@ -159,7 +180,7 @@ class Metadata(Record):
 def side_tables(spec: RunSpec) -> tuple[SideTable, ...]:
     """The tables that every run of the scenario has; which obstacles move is not drawn."""
     obstacles = obstacle_table(Arena.from_config(spec.arena))
-    return (WHEELS, TOF, CAMERA, obstacles) if obstacles else (WHEELS, TOF, CAMERA)
+    return (WHEELS, TOF, CAMERA, *([BOARD] if spec.board else []), *([obstacles] if obstacles else []))
 
 
 def made_with() -> dict[str, str]:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from physics.hil.tally import COLUMNS as BOARD_COLUMNS
 from physics.trajectory import Recording
 from pipeline.dataset.rows import Floats, Numbers, Rows, csv_bytes, heading
 from sensors.tof import TofStatus
@@ -74,6 +75,14 @@ CAMERA = SideTable(
         SideColumn("exposure", "ms", 3),
     ),
 )
+BOARD_SERIES = "board"
+BOARD = SideTable(
+    "board.csv",
+    "the line to the board that drives, at each row of data.csv: whether it answered, whether the wheels were told to "
+    "stand still because it did not, and how many frames were damaged on the way from it and to it, refused as "
+    "impossible, answers to an older row, or repeated; whether it re-booted; whether the row began late",
+    (SideColumn("t", "ms", 0), *(SideColumn(name, "-", 0) for name in BOARD_COLUMNS)),
+)
 
 
 def image_positions(rows: Rows) -> bytes:
@@ -88,6 +97,10 @@ def wheels_csv(recording: Recording) -> bytes:
     columns = [recording[name].values for name in DRIVE_SERIES]
     theta = heading(odometry[:, 2], WHEELS.columns[-1].decimals)
     return WHEELS.to_csv(np.column_stack((_t_ms(recording), *columns, odometry[:, :2], theta)))
+
+
+def board_csv(recording: Recording) -> bytes:
+    return BOARD.to_csv(np.column_stack((_t_ms(recording), recording[BOARD_SERIES].values)))
 
 
 def tof_csv(recording: Recording) -> bytes:

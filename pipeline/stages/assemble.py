@@ -19,7 +19,7 @@ from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, tag_mani
 from pipeline.dataset.metadata import METADATA, FailedRun, Metadata, RunRecord, describe
 from pipeline.dataset.obstacles import obstacle_table, obstacles_csv
 from pipeline.dataset.rows import Rows
-from pipeline.dataset.side import CAMERA, TOF, WHEELS, image_positions, tof_csv, wheels_csv
+from pipeline.dataset.side import BOARD, CAMERA, TOF, WHEELS, board_csv, image_positions, tof_csv, wheels_csv
 from pipeline.files import hashes_of, holds, read_known
 from pipeline.progress import Report
 from pipeline.stages.annotate import copy_released
@@ -63,7 +63,8 @@ def assemble(
             rows = Rows.from_recording(read_recording(simulated))
             pictures = Rendered.read(workspace.render(spec.key).path)
             outcome = read_outcome(simulated)
-            records.append(RunRecord.of(spec, rows, outcome.lap_time_s, pictures.warnings, pictures.device))
+            warnings = (*outcome.warnings, *pictures.warnings)
+            records.append(RunRecord.of(spec, rows, outcome.lap_time_s, warnings, pictures.device, board=outcome.board))
             cpus |= {outcome.cpu, pictures.cpu}
             stage.update(spec.key, 1)
     if not good:
@@ -131,6 +132,8 @@ def tables(spec: RunSpec, recording: Recording) -> Iterator[tuple[str, bytes]]:
     yield f"{SIDE}/{TOF.file}", tof_csv(recording)
     yield f"{SIDE}/{CAMERA.file}", CAMERA.to_csv(camera_table(spec, rows))
     yield f"{SIDE}/{INTRINSICS}", CameraModel.of(spec).to_json()
+    if spec.board:
+        yield f"{SIDE}/{BOARD.file}", board_csv(recording)
     arena = Arena.from_config(spec.arena)
     if (obstacles := obstacle_table(arena)) is not None:
         yield f"{SIDE}/{obstacles.file}", obstacles_csv(obstacles, arena, recording)

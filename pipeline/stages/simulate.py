@@ -6,15 +6,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from configs.errors import RunFailed
 from configs.schema.scenario import RunSpec
 from configs.streams import stream
 from physics.arena import Arena
 from physics.bullet.simulation import BulletSimulation
-from physics.control.base import Command, ControlInput, State
-from physics.control.controller import RobotController
+from physics.control.base import ControlInput, State
 from physics.lap import Lap
+from physics.pilot import BuiltInPilot, Decision, Pilot
 from physics.trajectory import Recording, TimeSeries, Trajectory
 from pipeline.dataset.obstacles import obstacle_series
+from pipeline.dataset.side import BOARD_SERIES
 from sensors.fit_out import fit_out
 from sensors.instruments import read_current_A, read_speed_rad_s
 from sensors.odometry import Odometry
@@ -22,6 +24,8 @@ from sensors.suite import Reading, SensorSuite
 
 Progress = Callable[[float, float], None]
 """Called with the simulated time and the time limit [s]."""
+Watch = Callable[[float, ControlInput, Decision], None]
+"""Called at each control tick with the simulated time [s], what the pilot was told and what it decided."""
 
 
 @dataclass(frozen=True)
@@ -34,12 +38,21 @@ class Outcome:
     lap_time_s: float | None
 
 
-def simulate(spec: RunSpec, progress: Progress | None = None) -> Outcome:
-    """Drive one run to its end: the lap closed, the time limit, or a collision."""
+def simulate(
+    spec: RunSpec, progress: Progress | None = None, pilot: Pilot | None = None, watch: Watch | None = None
+) -> Outcome:
+    """Drive one run to its end: the lap closed, the time limit, a collision, or no more pilot.
+
+    Args:
+        spec: What to drive.
+        progress: Told of the time that has passed.
+        pilot: Who drives; the built-in controller by default.
+        watch: Shown every tick.
+    """
     arena = Arena.from_config(spec.arena)
     start = (spec.start.x_m, spec.start.y_m, math.radians(spec.start.yaw_deg))
     with BulletSimulation(spec.robot, arena, start, spec.rates) as world:
-        return _Run(spec, arena, start, world).drive(progress)
+        return _Run(spec, arena, start, world, pilot or BuiltInPilot(spec.robot), watch).drive(progress)
 
 
 @dataclass
@@ -58,8 +71,18 @@ class _Rows:
 
 
 class _Run:
-    def __init__(self, spec: RunSpec, arena: Arena, start: tuple[float, float, float], world: BulletSimulation) -> None:
+    def __init__(  # noqa: PLR0917 - what a run is made of
+        self,
+        spec: RunSpec,
+        arena: Arena,
+        start: tuple[float, float, float],
+        world: BulletSimulation,
+        pilot: Pilot,
+        watch: Watch | None,
+    ) -> None:
         self._spec = spec
+        self._pilot = pilot
+        self._watch = watch
         self._world = world
         self._arena = arena
         robot, rates = spec.robot, spec.rates
@@ -69,7 +92,6 @@ class _Run:
             robot, arena, rates.physics_hz, lambda name: stream(spec.seed, spec.route, spec.run, "sensors", name)
         )
         self._suite = SensorSuite(sensors, self._tick_steps)
-        self._controller = RobotController(robot.controller, robot.line_sensor.threshold)
         self._odometry = Odometry.from_config(robot)
         self._believed = (0.0, 0.0, 0.0)
         self._counts = np.zeros(2, dtype=np.int64)
@@ -82,8 +104,12 @@ class _Run:
         problems: list[str] = []
         lap_time_s = None
         for tick in range(limit_ticks + 1):
-            self._tick(tick)
             time_s = tick / spec.rates.control_hz
+            try:
+                self._tick(tick)
+            except RunFailed as error:
+                problems.append(str(error))
+                break
             if touched := self._world.touching():
                 problems.append(f"touched {', '.join(touched)} at {time_s:.2f} s")
                 break
@@ -97,31 +123,31 @@ class _Run:
             x, y, _ = self._world.pose()
             problems.append(
                 f"lap not finished within {spec.stop.time_limit_s:g} s, last at x = {x:.2f}, y = {y:.2f} m"
-                f" in state {self._controller.state}"
+                f" in state {self._rows.values['state'][-1]}"
             )
         return Outcome(self._recording(), not problems, tuple(problems), lap_time_s)
 
     def _tick(self, tick: int) -> None:
         readings = self._suite.read_at_tick(self._world, tick)
-        counts = readings["encoders"]
-        self._believed = self._odometry.step(self._believed, np.asarray(counts - self._counts, dtype=np.int64))
-        self._counts = np.asarray(counts, dtype=np.int64)
-        command = self._controller.step(self._controller_input(readings))
-        drive = self._spec.robot.drive
-        half_track_m, radius_m = 0.5 * drive.track_m, 0.5 * drive.wheel_diameter_m
-        right_m_s = command.v_m_s + command.w_rad_s * half_track_m
-        left_m_s = command.v_m_s - command.w_rad_s * half_track_m
-        self._world.set_wheel_speeds(right_m_s / radius_m, left_m_s / radius_m)
-        self._lap.update(self._world.pose(), on_track=command.state is State.LINE)
-        self._record(tick, readings, command)
+        counts = np.asarray(readings["encoders"], dtype=np.int64)
+        turned = counts - self._counts
+        self._believed = self._odometry.step(self._believed, turned)
+        self._counts = counts
+        seen = self._controller_input(readings)
+        decision = self._pilot.decide(seen, (int(turned[0]), int(turned[1])))
+        if self._watch is not None:
+            self._watch(tick / self._spec.rates.control_hz, seen, decision)
+        self._world.set_wheel_speeds(*decision.wheels_rad_s)
+        self._lap.update(self._world.pose(), on_track=decision.command.state is State.LINE)
+        self._record(tick, readings, decision)
 
     def _controller_input(self, readings: dict[str, Reading]) -> ControlInput:
         front_m, left_m, right_m = (float(range_m) for range_m in readings["tof"][:, 0])
         line = tuple(float(reflectance) for reflectance in readings["line"])
         return ControlInput(line, front_m, left_m, right_m, self._believed)
 
-    def _record(self, tick: int, readings: dict[str, Reading], command: Command) -> None:
-        rows, world = self._rows, self._world
+    def _record(self, tick: int, readings: dict[str, Reading], decision: Decision) -> None:
+        rows, world, command = self._rows, self._world, decision.command
         rows.add("pose", "m, m, rad", world.pose())
         rows.add("twist", "m/s, rad/s", world.twist())
         rows.add("state", "1", int(command.state))
@@ -137,7 +163,9 @@ class _Run:
         rows.add("mean_voltage_V", "V", world.take_mean_voltages())
         rows.add("current_A", "A", world.currents())
         rows.add("command", "m/s, rad/s", (command.v_m_s, command.w_rad_s))
-        rows.add("line_lost", "1", self._controller.line_lost_count)
+        rows.add("line_lost", "1", decision.line_lost)
+        if decision.board:
+            rows.add(BOARD_SERIES, "1", decision.board)
         image = 1 + tick // self._ticks_per_image if tick % self._ticks_per_image == 0 else 0
         rows.add("image", "1", image)
 

@@ -1,16 +1,23 @@
 """First stage: every run of a scenario simulated into a folder of its own."""
 
 import io
+from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from pydantic import BaseModel, ConfigDict
 
+from configs.errors import InputError, RunFailed
+from configs.schema.board import Board
 from configs.schema.scenario import RunSpec
 from configs.whole_files import write_file
+from physics.hil.loop import BoardEvent
+from physics.hil.pilot import PilotFromBoard, build_for, firmware_id_of, pilot_from_board
+from physics.hil.tally import COUNTED
 from physics.trajectory import Recording
 from pipeline.cpu import cpu_class
-from pipeline.dataset.metadata import FailedRun
+from pipeline.dataset.metadata import BoardRecord, FailedRun
 from pipeline.files import canonical_json
 from pipeline.progress import Report
 from pipeline.units import Finished, Progress, SimulateUnit
@@ -19,11 +26,15 @@ from pipeline.worker_process import Limits
 from pipeline.workers import BY_LIMITS, AnyEvent, AnyUnit, Retried, UnitFailure, run_units
 from pipeline.workspace import StageFolder, Workspace, input_key, mark_done
 
+if TYPE_CHECKING:
+    from pipeline.stages.simulate import Outcome, Watch
+
 FORMAT = 3
 """Of what a simulation leaves for the later stages: from 2 on with the mean voltages of the wheels, from 3 on with a
 filter of the speed that does not hold it."""
 
 SPEC, TRAJECTORY, OUTCOME = "spec.json", "trajectory.npz", "outcome.json"
+MOST_EVENTS = 1000
 
 
 class RunOutcome(BaseModel):
@@ -39,6 +50,20 @@ class RunOutcome(BaseModel):
     images: int
     cpu: str = ""
     """Class of the processor; empty where it was not noted."""
+    board: BoardRecord | None = None
+    """What drove the robot in place of the built-in controller."""
+    events: tuple[str, ...] = ()
+    """What happened on the line to the board, when; at most MOST_EVENTS of it."""
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a user of the run should know."""
+        board = self.board
+        if board is None or not (board.rows_unanswered or board.events):
+            return ()
+        told = [f"{board.rows_unanswered} rows unanswered"] if board.rows_unanswered else []
+        told += [f"{count} {name.replace('_', ' ')}" for name, count in board.events.items()]
+        return (f"the line to the board was disturbed: {', '.join(told)}",)
 
 
 def simulation_inputs(spec: RunSpec) -> dict:
@@ -51,7 +76,10 @@ def simulation_inputs(spec: RunSpec) -> dict:
 
 def simulation_key(spec: RunSpec) -> str:
     programs = versions("symolo", "pybullet", "numpy", "scipy")
-    return input_key("simulate", format=FORMAT, run=simulation_inputs(spec), versions=programs)
+    inputs = {"format": FORMAT, "run": simulation_inputs(spec), "versions": programs}
+    if spec.board and spec.board.kind == "simulated":
+        inputs["firmware"] = firmware_id_of(spec.robot, spec.board)
+    return input_key("simulate", **inputs)
 
 
 def simulate_runs(
@@ -69,11 +97,31 @@ def simulate_runs(
         report.say(f"simulate: {len(specs) - len(units)} of {len(specs)} runs are there already")
     failures = _do(units, workers, report, limits) if units else []
     stopped = {failure.run for failure in failures}
+    return failures + problems_of(workspace, [spec for spec in specs if spec.key not in stopped])
+
+
+def problems_of(workspace: Workspace, specs: Sequence[RunSpec]) -> list[FailedRun]:
+    """Of runs that were driven to some end."""
+    return [
+        FailedRun(run=spec.key, stage="simulate", problem=text)
+        for spec in specs
+        for text in read_outcome(workspace.simulate(spec.key).path).problems
+    ]
+
+
+def prepare_boards(workspace: Workspace, specs: Sequence[RunSpec]) -> None:
+    """Build what simulated boards of runs that are not done yet need; once, before any begins.
+
+    Raises:
+        InputError: A real board is asked for, which these commands do not reach.
+        EnvironmentLacking: A compiler or library is missing.
+    """
     for spec in specs:
-        if spec.key not in stopped:
-            outcome = read_outcome(workspace.simulate(spec.key).path)
-            failures += [FailedRun(run=spec.key, stage="simulate", problem=text) for text in outcome.problems]
-    return failures
+        if spec.board is None or workspace.simulate(spec.key).is_done(simulation_key(spec)):
+            continue
+        if spec.board.kind == "serial":
+            raise InputError("board.kind", got="serial", cure="drive its runs by `symolo hil --port PORT` first")
+        build_for(spec.robot, spec.board)
 
 
 def _do(units: Sequence[SimulateUnit], workers: int, report: Report, limits: Limits) -> list[FailedRun]:
@@ -100,12 +148,43 @@ def failed_runs(stage: str, failures: Sequence[UnitFailure], report: Report) -> 
     return failed
 
 
-def simulate_into(spec_json: str, path: Path, key: str, progress: Callable[[float], None]) -> None:
-    """Simulate one run and leave its folder whole; runs in a worker, the only one that loads the engine."""
+def simulate_into(
+    spec_json: str,
+    path: Path,
+    key: str,
+    progress: Callable[[float], None],
+    *,
+    port: str = "",
+    watch: "Watch | None" = None,
+) -> None:
+    """Simulate one run and leave its folder whole; what does it loads the engine.
+
+    Args:
+        spec_json: The run specification.
+        path: The stage's folder.
+        key: Input key of the stage.
+        progress: Told of the share that is done.
+        port: Of the serial line to the board that drives, for a specification that asks for a real one.
+        watch: Shown every control tick.
+    """
     from pipeline.stages.simulate import simulate  # noqa: PLC0415 - loads pybullet
 
     spec = RunSpec.model_validate_json(spec_json)
-    outcome = simulate(spec, lambda done_s, total_s: progress(min(1.0, done_s / total_s)))
+
+    def told(done_s: float, total_s: float) -> None:
+        progress(min(1.0, done_s / total_s))
+
+    if spec.board is None:
+        _leave(spec, simulate(spec, told, watch=watch), path, key)
+        return
+    if spec.board.kind == "serial" and not port:
+        raise RunFailed("a board at a serial port drives this run; `symolo hil --port PORT` reaches one")
+    with pilot_from_board(spec.robot, spec.board, spec.rates.control_hz, port) as pilot:
+        outcome = simulate(spec, told, pilot, watch)
+    _leave(spec, outcome, path, key, pilot)
+
+
+def _leave(spec: RunSpec, outcome: "Outcome", path: Path, key: str, pilot: PilotFromBoard | None = None) -> None:
     recording = outcome.recording
     folder = StageFolder(path)
     partial = folder.start()
@@ -120,9 +199,30 @@ def simulate_into(spec_json: str, path: Path, key: str, progress: Callable[[floa
         rows=len(recording.trajectory.t_s),
         images=int((recording["image"].values > 0).sum()),
         cpu=cpu_class(),
+        board=_board_record(spec.board, pilot) if spec.board and pilot else None,
+        events=_event_lines(pilot.events, spec.rates.control_hz) if pilot else (),
     )
     write_file(partial / OUTCOME, canonical_json(summary.model_dump(mode="json")))
     folder.publish(partial, key)
+
+
+def _board_record(board: Board, pilot: PilotFromBoard) -> BoardRecord:
+    kinds = Counter(event.kind for event in pilot.events)
+    return BoardRecord(
+        kind=board.kind,
+        framing=board.framing,
+        bits_per_s=board.bits_per_s,
+        actuation_delay_ticks=board.actuation_delay_ticks,
+        firmware_id=pilot.firmware_id,
+        rows_unanswered=kinds["no answer"],
+        events={column: kinds[kind] for kind, column in COUNTED.items() if kinds[kind]},
+    )
+
+
+def _event_lines(events: Sequence[BoardEvent], control_hz: int) -> tuple[str, ...]:
+    lines = [f"{event.tick / control_hz:.2f} s: {event.kind}: {event.text}" for event in events[:MOST_EVENTS]]
+    left = len(events) - len(lines)
+    return (*lines, *([f"and {left} more"] if left else []))
 
 
 def spec_text(spec: RunSpec) -> bytes:

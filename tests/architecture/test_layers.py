@@ -18,6 +18,7 @@ ENGINES = {
     "bpy": "blender_scenes/bpy_side/",
     "bmesh": "blender_scenes/bpy_side/",
     "mathutils": "blender_scenes/bpy_side/",
+    "serial": "physics/hil/links/",
 }
 
 

@@ -290,6 +290,7 @@ static int open_pty(void)
 
 static void real_time(void)
 {
+    run_until(avr->cycle + avr->frequency / 20); /* it has booted when its port is named */
     int master = open_pty();
     int64_t began = now_ns() - (int64_t)(avr->cycle * 1000000000ULL / avr->frequency), heard = 0;
     struct pollfd watched[2] = {{master, POLLIN, 0}, {STDIN_FILENO, POLLIN, 0}};
@@ -298,7 +299,11 @@ static void real_time(void)
         int64_t behind = now - began - (int64_t)((unsigned __int128)avr->cycle * 1000000000U / avr->frequency);
         if (behind > BEHIND_MOST_NS)
             began += behind; /* the machine slept; a board that races to catch up is no board */
-        uint8_t bytes[256];
+        run_until((uint64_t)((unsigned __int128)(now - began) * avr->frequency / 1000000000U));
+        while (waiting(&from_board) && from_board.cycle[from_board.read % QUEUE] <= avr->cycle)
+            if (write(master, &from_board.byte[from_board.read++ % QUEUE], 1) < 0 && errno != EAGAIN)
+                stop("the pty fails: %s", strerror(errno));
+        uint8_t bytes[256]; /* on the wire from now on, not from when the board was last run */
         ssize_t got = QUEUE - waiting(&to_board) > sizeof bytes ? read(master, bytes, sizeof bytes) : 0;
         for (ssize_t i = 0; i < got; i++)
             to_board.byte[to_board.write++ % QUEUE] = bytes[i];
@@ -306,10 +311,6 @@ static void real_time(void)
             heard = now;
             feed_later();
         }
-        run_until((uint64_t)((unsigned __int128)(now - began) * avr->frequency / 1000000000U));
-        while (waiting(&from_board) && from_board.cycle[from_board.read % QUEUE] <= avr->cycle)
-            if (write(master, &from_board.byte[from_board.read++ % QUEUE], 1) < 0 && errno != EAGAIN)
-                stop("the pty fails: %s", strerror(errno));
         /* Awake often enough while the firmware has something to do, and seldom while it has not. */
         struct timespec rest = {0, now - heard < BUSY_NS || waiting(&from_board) ? 100000 : 2000000};
         ppoll(watched, 2, &rest, NULL);

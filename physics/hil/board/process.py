@@ -5,7 +5,6 @@ import os
 import select
 import subprocess
 import tempfile
-import time
 from pathlib import Path
 from types import TracebackType
 from typing import Literal, Self
@@ -20,6 +19,8 @@ MCU, CLOCK_HZ = "atmega2560", 16_000_000
 _PATIENCE_S = 30.0
 """For one answer, of which the slowest firmware takes a hundredth of that."""
 _END_S = 2.0
+_MOST = 1 << 16
+"""Bytes that are read at once."""
 
 
 class BoardProcess:
@@ -45,6 +46,7 @@ class BoardProcess:
         except BaseException:
             self._log.close()
             raise
+        self._heard = b""
         self._pipes = [pipe for pipe in (self._child.stdin, self._child.stdout) if pipe is not None]
 
     def __enter__(self) -> Self:
@@ -74,15 +76,15 @@ class BoardProcess:
             BoardLost: The firmware crashed, or the process ended or hangs.
         """
         out = self._pipes[1].fileno()
-        data, until_s = b"", time.monotonic() + _PATIENCE_S
-        while len(data) < length:
-            ready, _, _ = select.select([out], [], [], max(0.0, until_s - time.monotonic()))
+        while len(self._heard) < length:
+            ready, _, _ = select.select([out], [], [], _PATIENCE_S)
             if not ready:
                 raise BoardLost(f"the simulated board gives no answer for {_PATIENCE_S:.0f} s")
-            piece = os.read(out, length - len(data))
+            piece = os.read(out, _MOST)
             if not piece:
                 raise self._gone()
-            data += piece
+            self._heard += piece
+        data, self._heard = self._heard[:length], self._heard[length:]
         return data
 
     def expect(self, kind: bytes) -> None:
@@ -128,7 +130,7 @@ class BoardProcess:
         """What a process that is not there any more can still say."""
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._child.wait(_END_S)
-            left = os.read(self._pipes[1].fileno(), 1 << 16)
+            left = self._heard + os.read(self._pipes[1].fileno(), _MOST)
             if left.startswith(b"E"):
                 return _stopped(left[3:])
         self._log.seek(0)

@@ -184,20 +184,32 @@ def test_a_board_behind_a_pty_answers_in_real_time(board_program, obedient):
     with PtyBoard(obedient(), 500_000, program=board_program) as board:
         port = os.open(board.port, os.O_RDWR | os.O_NOCTTY)
         try:
-            assert wait_until(lambda: heard_at(port, b"a", 1) == b"b")  # it boots
-            assert heard_at(port, b"hello", 5) == b"ifmmp"
-            before = heard_at(port, b"n", 1)
+            assert heard_at(port, b"hellon", 6) == b"ifmmp\6"
             board.reset()
-            assert wait_until(lambda: b"" < heard_at(port, b"n", 1) < before)
+            assert wait_until(lambda: b"" < heard_at(port, b"n", 1, 0.2) < b"\6")
         finally:
             os.close(port)
     assert not is_alive(board.pid)
 
 
-def heard_at(port, data, length):
+def test_a_board_behind_a_pty_answers_no_sooner_than_a_wire_lets_it(board_program, obedient):
+    """At 2400 baud a byte takes 4.2 ms, and its answer as long again, however long the board has slept before."""
+    with PtyBoard(obedient(2400), 2400, program=board_program) as board:
+        port = os.open(board.port, os.O_RDWR | os.O_NOCTTY)
+        try:
+            for _ in range(5):
+                time.sleep(0.007)
+                began = time.monotonic()
+                assert heard_at(port, b"a", 1) == b"b"
+                assert time.monotonic() - began > 0.99 * 2 * 10 / 2400
+        finally:
+            os.close(port)
+
+
+def heard_at(port, data, length, patience_s=5.0):
     os.write(port, data)
     heard = b""
-    while len(heard) < length and select.select([port], [], [], 0.2)[0]:
+    while len(heard) < length and select.select([port], [], [], patience_s)[0]:
         heard += os.read(port, 100)
     return heard
 
