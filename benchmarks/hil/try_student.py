@@ -1,6 +1,6 @@
 """Drive a student.c on the simulated board: the states that it passes through, and how the run ends.
 
-    python benchmarks/hil/try_student.py lesson/student.c [--scenario symolo] [--routes CW,CCW]
+    python benchmarks/hil/try_student.py lesson/student.c [--scenario symolo] [--routes CW,CCW] [--set FIELD=VALUE]
 
 Nothing is drawn or kept; a lap takes some seconds. Exit status 0 where every run closed its lap, 3 where one did not.
 """
@@ -30,10 +30,11 @@ def main() -> int:
     parser.add_argument("student", type=Path)
     parser.add_argument("--scenario", default="symolo")
     parser.add_argument("--routes", default="CW,CCW")
+    parser.add_argument("--set", action="append", default=[], metavar="FIELD=VALUE", dest="settings")
     arguments = parser.parse_args()
     try:
         text = arguments.student.read_text(encoding="utf-8")
-        loaded = load_scenario(arguments.scenario)
+        loaded = load_scenario(arguments.scenario, arguments.settings)
         specs = [draw_run(loaded, route, 1) for route in arguments.routes.split(",")]
         with tempfile.TemporaryDirectory() as folder:
             outcomes = [driven(spec, text, Path(folder)) for spec in specs]
