@@ -75,8 +75,9 @@ class Reference:
         if isinstance(follower, CurveFollower):
             follower = follower._follower
         if follower is not None:
-            looking = copy.copy(follower)  # because looking moves it on
-            goal = math.hypot(*looking._goal(self._pose, obstacle_beside=False)), looking.bearing(self._pose)
+            x, y = copy.copy(follower)._goal(self._pose, obstacle_beside=False)  # a copy, because looking moves it on
+            bearing = math.atan2(y, x) - self._pose[2] + follower._start[2]
+            goal = math.hypot(x, y), math.remainder(bearing, 2.0 * math.pi)
         drive.counts.append(tuple(counts))
         drive.line.append(tuple(line))
         drive.ranges_mm.append(tuple(ranges_mm))
@@ -179,13 +180,16 @@ SITUATIONS_MM = (
     (2000, 300, 300),
     (120, 170, 300),
     (120, 300, 170),
-    (190, 2000, 170),
-    (190, 170, 2000),
+    (190, 420, 170),
+    (190, 170, 420),
+    (65535, 65535, 65535),
     (360, 2000, 360),
     (260, 2000, 2000),
-    (65535, 65535, 65535),
+    (2000, 150, 2000),
+    (2000, 2000, 150),
 )
-"""Front, left and right: nothing, walls, corners, obstacles ahead, on a bend and between two beams, sensors gone."""
+"""Front, left and right: nothing, walls, corners, obstacles ahead, sensors gone, obstacles on a bend."""
+OF_LINES, OF_WALLS = SITUATIONS_MM[-5:], SITUATIONS_MM[:9]
 
 
 @pytest.fixture(scope="session")
@@ -194,12 +198,12 @@ def random_drive(wheel_counts):
 
     def drive(robot, ticks, rng):
         reference, command = Reference(robot), None
-        left = 0
+        left, among, has_line = 0, OF_WALLS if rng.random() < 0.5 else OF_LINES, rng.random() < 0.7
         for tick in range(ticks):
             if left == 0:
                 left, pushed, noise = int(rng.integers(1, 30)), rng.random() < 0.25, 8.0 * (rng.random() < 0.3)
-                floor, black = int(rng.integers(180, 256)), -1 if tick < 100 else rng.integers(-8, 8)
-                base, spread = rng.choice(SITUATIONS_MM[: 3 if tick < 40 else None]), rng.choice([0, 0, 3, 20])
+                floor, black = int(rng.integers(180, 256)), rng.integers(-4, 8) if has_line and tick > 100 else -1
+                base, spread = rng.choice(among[: 3 if tick < 40 else None]), rng.choice([0, 0, 3, 20])
             left -= 1
             if command is None or (pushed and reference.state not in {State.AVOID_LEFT, State.AVOID_RIGHT}):
                 counts = rng.integers(-300, 300, 2).tolist()
