@@ -12,7 +12,7 @@
 
 enum { TYPE_SENSORS = 'S', TYPE_COMMAND = 'C', TYPE_HELLO = 'H', TYPE_HELLO_BACK = 'h' };
 enum { HEAD = 2, CHECKSUM = 2, SENSORS = 19, COMMAND = 14, HELLO_BACK = 10, LONGEST = HEAD + SENSORS + CHECKSUM };
-enum { FLAG_RUN = 1, FLAG_START = 2 };
+enum { FLAG_RUN = 1, FLAG_START = 2, FLAG_BITS = 2 };
 
 #define PROTOCOL_VERSION 1
 
@@ -132,6 +132,15 @@ static void answer_hello(uint8_t sequence)
     send(TYPE_HELLO_BACK, sequence, answer, HELLO_BACK);
 }
 
+/* Six bits of the flags are those of a sum; nothing else tells the sensors of a damaged frame that the CRC lets pass. */
+static bool adds_up(const uint8_t *frame)
+{
+    uint8_t sum = frame[1];
+    for (uint8_t i = 1; i < SENSORS; i++)
+        sum += frame[HEAD + i];
+    return frame[HEAD] >> FLAG_BITS == (sum & 0x3F);
+}
+
 /* Whether the frame was a message, which has then been answered. */
 static bool understand(uint8_t *frame, uint8_t length)
 {
@@ -140,7 +149,7 @@ static bool understand(uint8_t *frame, uint8_t length)
     uint8_t payload = length - HEAD - CHECKSUM;
     if (checksum(frame, HEAD + payload) != get16(frame + HEAD + payload))
         return false;
-    if (frame[0] == TYPE_SENSORS && payload == SENSORS)
+    if (frame[0] == TYPE_SENSORS && payload == SENSORS && adds_up(frame))
         answer_sensors(frame[1], frame + HEAD);
     else if (frame[0] == TYPE_HELLO && payload == 0)
         answer_hello(frame[1]);

@@ -27,6 +27,14 @@ def pytest_report_header() -> list[str]:
     ]
 
 
+LONG = ("tests/pipeline/", "tests/diagnosis/", "tests/blender_scenes/")
+"""Folders whose files take longest."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    items.sort(key=lambda item: not item.nodeid.startswith(LONG))  # stable: else as they were found
+
+
 class _Stillborn(subprocess.Popen):
     """A child that is killed before anything can be said to it."""
 

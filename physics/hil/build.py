@@ -255,7 +255,7 @@ def _run(command: Sequence[str], packages: str) -> str:
     )
     if done.returncode == 0:
         return done.stdout
-    errors = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines()[-1:] or ["?"]
+    errors = [line for line in done.stderr.splitlines() if "error:" in line] or done.stderr.splitlines()[-1:] or ["?"]
     if any(f"{name}: No such file" in line for line in errors for name in ("avr/io.h", "stdint.h", "math.h")):
         raise EnvironmentLacking(f"{command[0]} lacks its C library; run `apt-get install -y {packages}`")
     raise InputError(f"the firmware does not compile: {errors[0].rsplit('/', 1)[-1]}")

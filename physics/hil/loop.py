@@ -11,7 +11,7 @@ from physics.hil.errors import BoardLost
 from physics.hil.frames import CommandFrame, HelloFrame, SensorFrame
 from physics.hil.framings.base import Answer, Damaged, Framing
 from physics.hil.links.base import Link
-from physics.hil.plausible import DriveLimits, TickCount
+from physics.hil.plausible import DriveLimits, TickCount, check_encoders
 
 PROTOCOL = 1
 """Version of the wire format that is spoken here."""
@@ -97,7 +97,7 @@ class BoardPilot:
         self._seq = 0
         self._count = TickCount()
         self._misses = 0
-        self._answered = False
+        self._answered = self._closed = False
         self._pending: deque[CommandFrame | None] = deque([None] * self.settings.delay_ticks)
         self._acting: CommandFrame | None = None
 
@@ -111,7 +111,14 @@ class BoardPilot:
 
     @classmethod
     def for_robot(cls, link: Link, framing: Framing, robot: RobotConfig, settings: LoopSettings | None = None) -> Self:
-        return cls(link, framing, DriveLimits.from_robot(robot), settings or LoopSettings())
+        """The pilot of a robot as it is configured.
+
+        Raises:
+            InputError: Its encoders count more in a tick than a frame holds.
+        """
+        settings = settings or LoopSettings()
+        check_encoders(robot, settings.tick_s)
+        return cls(link, framing, DriveLimits.from_robot(robot), settings)
 
     def start(self) -> HelloFrame | None:
         """Wait until the board answers, and ask who it is where the framing can.
@@ -160,7 +167,10 @@ class BoardPilot:
         return self._orders()
 
     def close(self) -> None:
-        """Tell the board to stand still, and let go of the line."""
+        """Tell the board to stand still, and let go of the line; may be called again."""
+        if self._closed:
+            return
+        self._closed = True
         try:
             self.link.start_tick(self.settings.tick_s)
             at_rest = SensorFrame((0, 0), (1.0,) * 8, None, None, None, run=False)

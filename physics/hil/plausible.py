@@ -1,9 +1,11 @@
 """What a command must be like to be obeyed, which damage that a checksum misses seldom is."""
 
+import math
 from dataclasses import dataclass, field
 
+from configs.errors import InputError
 from configs.schema.robot import RobotConfig
-from physics.hil.frames import CommandFrame
+from physics.hil.frames import MOST_INCREMENT, CommandFrame
 
 TICKS_MOST = 65535
 """At which the board's count of frames stays."""
@@ -24,8 +26,7 @@ class DriveLimits:
     @classmethod
     def from_robot(cls, robot: RobotConfig) -> "DriveLimits":
         """Limits at the speed without load, at which back-EMF is the whole voltage."""
-        no_load_rad_s = robot.power.motor_voltage_limit_V / robot.motor.torque_constant_N_m_A
-        return cls(_FASTER * no_load_rad_s, 0.5 * robot.drive.wheel_diameter_m, robot.drive.track_m)
+        return cls(_FASTER * _no_load_rad_s(robot), 0.5 * robot.drive.wheel_diameter_m, robot.drive.track_m)
 
     def twist(self, command: CommandFrame) -> tuple[float, float]:
         """Forward speed [m/s] and yaw rate [rad/s] of the set points (paper Eq. 1-2)."""
@@ -53,6 +54,23 @@ class DriveLimits:
         return ""
 
 
+def check_encoders(robot: RobotConfig, tick_s: float) -> None:
+    """See to it that a frame holds what the encoders count in a tick of `tick_s`.
+
+    Raises:
+        InputError: They are too fine.
+    """
+    most = int(MOST_INCREMENT / (_no_load_rad_s(robot) * tick_s / math.tau))
+    counts = robot.encoder.counts_per_revolution
+    if counts > most:
+        allowed = f"at most {most} for a controller on a board, whose frames hold {MOST_INCREMENT} counts a tick"
+        raise InputError("robot.encoder.counts_per_revolution", got=counts, allowed=allowed)
+
+
+def _no_load_rad_s(robot: RobotConfig) -> float:
+    return robot.power.motor_voltage_limit_V / robot.motor.torque_constant_N_m_A
+
+
 @dataclass
 class TickCount:
     """What the board's count of frames says: which it took, and whether it has started afresh."""
@@ -63,10 +81,11 @@ class TickCount:
     _lost: tuple[int, int] = (0, 0)
 
     def owed(self, increments: tuple[int, int]) -> tuple[int, int]:
-        """The increments with those that the board has missed."""
+        """The increments with those that the board has missed, as many as a frame holds; the rest comes later."""
         right, left = increments[0] + self._lost[0], increments[1] + self._lost[1]
-        self._lost = (0, 0)
-        return right, left
+        told = _held(right), _held(left)
+        self._lost = (right - told[0], left - told[1])
+        return told
 
     def sent(self, increments: tuple[int, int]) -> None:
         self._unanswered.append(increments)
@@ -97,8 +116,10 @@ class TickCount:
         if missed > 0 and last < TICKS_MOST:
             # Which of them it missed is not known where it missed some only; they are taken to be alike.
             share = missed / len(earlier)
-            self._lost = (
-                round(share * sum(right for right, _ in earlier)),
-                round(share * sum(left for _, left in earlier)),
-            )
+            right, left = (round(share * sum(side)) for side in zip(*earlier, strict=True))
+            self._lost = (self._lost[0] + right, self._lost[1] + left)
         return False
+
+
+def _held(increment: int) -> int:
+    return max(-MOST_INCREMENT, min(MOST_INCREMENT, increment))

@@ -105,9 +105,9 @@ def test_a_name_that_the_ide_does_not_take_is_refused(nominal, tmp_path, name):
 
 @pytest.mark.firmware
 def test_a_slip_in_the_student_s_part_is_told_with_its_line(nominal, tmp_path):
-    text = student_version(["follow"]).replace("return motion;", "return motoin;", 1)
-    line = 1 + text[: text.index("motoin")].count("\n")
-    with pytest.raises(InputError, match=rf"does not compile: student.c:{line}:\d+: error: 'motoin' undeclared"):
+    text = student_version(["follow"]).replace("sum / (float)active", "sun / (float)active")
+    line = 1 + text[: text.index("sun")].count("\n")
+    with pytest.raises(InputError, match=rf"does not compile: student.c:{line}:\d+: error: 'sun' undeclared"):
         build_firmware(nominal, "framed", 500_000, tmp_path, student=text)
     assert list(tmp_path.iterdir()) == []
 

@@ -1,8 +1,11 @@
 """A board in the loop: laps by the firmware beside laps by the controller in Python, and what a dataset says of it."""
 
+import functools
 import io
 import itertools
 import json
+import os
+import pty
 
 import numpy as np
 import pytest
@@ -11,6 +14,7 @@ from configs.draw import draw_run
 from configs.errors import RunFailed
 from configs.loader import load_scenario
 from physics.hil.links.pty_board import PtyBoard
+from physics.hil.loop import LoopSettings
 from physics.hil.pilot import build_for
 from physics.pilot import BuiltInPilot
 from pipeline.stages.simulate import simulate
@@ -128,3 +132,23 @@ def test_a_sketch_is_written_once(symolo, tmp_path):
     assert made.code == 0
     assert {"lap.ino", "student.c", "settings.h", "paths.h"} <= {path.name for path in (tmp_path / "lap").iterdir()}
     assert symolo("firmware", "--out", tmp_path / "lap").code == 2
+
+
+class _Silent:
+    """Somebody at the other end of a pty who never says a word."""
+
+    def __enter__(self):
+        self._ends = pty.openpty()
+        return os.ttyname(self._ends[1])
+
+    def __exit__(self, *_):
+        for end in self._ends:
+            os.close(end)
+
+
+def test_a_port_at_which_nobody_answers_is_a_run_that_failed(symolo, tmp_path, monkeypatch):
+    monkeypatch.setattr("physics.hil.pilot.LoopSettings", functools.partial(LoopSettings, hello_s=0.2))
+    with _Silent() as port:
+        ended = symolo("hil", "smoke", "--port", port, "--out", tmp_path / "data", f"--set={ONE_RUN}")
+    assert ended.code == 3
+    assert "failed: CW/test_1: simulate: no answer from" in ended.err

@@ -290,6 +290,7 @@ static int open_pty(void)
 
 static void real_time(void)
 {
+    run_until(avr->cycle + avr->frequency / 20); /* it has booted when its port is named */
     int master = open_pty();
     int64_t began = now_ns() - (int64_t)(avr->cycle * 1000000000ULL / avr->frequency), heard = 0;
     struct pollfd watched[2] = {{master, POLLIN, 0}, {STDIN_FILENO, POLLIN, 0}};

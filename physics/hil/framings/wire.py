@@ -1,7 +1,7 @@
 """Numbers as they go over the line: rounded, kept within what the bits hold, the same for every framing."""
 
 from physics.control.base import State
-from physics.hil.frames import CHANNELS, SensorFrame
+from physics.hil.frames import CHANNELS, MOST_INCREMENT, SensorFrame
 
 MISSING_MM = 65535
 """Stands for a range sensor that is not there."""
@@ -39,7 +39,7 @@ def increments(frame: SensorFrame) -> tuple[int, int]:
         ValueError: They do not fit in 16 bits, as no wheel turns in a tick.
     """
     right, left = frame.encoder_increments
-    if not (-32768 <= right <= 32767 and -32768 <= left <= 32767):
+    if max(abs(right), abs(left)) > MOST_INCREMENT:
         raise ValueError(f"encoder increments {right}, {left} do not fit in 16 bits")
     return right, left
 

@@ -55,10 +55,11 @@ class SerialLink:
         self._due_s = now_s if self._due_s is None else self._due_s + tick_s
         if self._due_s > now_s:
             time.sleep(self._due_s - now_s)
-        late_s = max(0.0, time.monotonic() - self._due_s)
+        begins_s = time.monotonic()
+        late_s = max(0.0, begins_s - self._due_s)
         if late_s > tick_s:
-            self._due_s += late_s
-        self._answer_by_s = self._due_s + self._answer_within * tick_s
+            self._due_s = begins_s
+        self._answer_by_s = begins_s + self._answer_within * tick_s
         return late_s
 
     def write(self, data: bytes) -> None:

@@ -17,7 +17,7 @@ from physics.hil.framings.simtwo import SimTwo
 
 MILLI = st.integers(-32768, 32767).map(lambda number: number / 1000.0)
 RANGE = st.none() | st.integers(0, 65534).map(lambda mm: mm / 1000.0)
-INCREMENT = st.integers(-32768, 32767)
+INCREMENT = st.integers(-32767, 32767)
 SENSORS = st.builds(
     SensorFrame,
     st.tuples(INCREMENT, INCREMENT),
@@ -82,9 +82,17 @@ def framed_by_hand(body):
 
 
 def test_a_sensor_frame_is_laid_out_as_written_down():
-    """Flags, increments, line, front 258 mm, left 2000 mm, right missing."""
-    by_hand = framed_by_hand("53 2A  03 0100 FEFF  00 FF 33 66 99 CC FF 00  0201 D007 FFFF")
+    """Flags, increments, line, front 258 mm, left 2000 mm, right missing.
+
+    Number and payload after the flags add up to 0x8FC, whose last six bits stand above run and start.
+    """
+    by_hand = framed_by_hand("53 2A  F3 0100 FEFF  00 FF 33 66 99 CC FF 00  0201 D007 FFFF")
     assert Framed().sensors(0x2A, SEEN) == by_hand
+
+
+def test_a_sensor_frame_that_does_not_add_up_is_dropped_though_its_checksum_is_right():
+    by_hand = framed_by_hand("53 2A  03 0100 FEFF  00 FF 33 66 99 CC FF 00  0201 D007 FFFF")
+    assert Framed().to_board().feed(by_hand) == [Damaged("sensors that do not add up")]
 
 
 def test_a_command_frame_is_laid_out_as_written_down():

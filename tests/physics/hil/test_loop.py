@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 
+from configs.errors import InputError
 from physics.control.base import State
 from physics.hil.errors import BoardLost
 from physics.hil.frames import HelloFrame
@@ -88,6 +89,7 @@ def test_a_board_is_greeted_and_told_to_start_once_and_to_stand_still_at_the_end
     pilot, link, step = drive()
     assert pilot.board == HelloFrame(1, "00" * 8, 0)
     step(3)
+    pilot.close()
     pilot.close()
     assert [(sensors.start, sensors.run) for sensors in link.heard] == [
         (True, True),
@@ -243,3 +245,23 @@ def test_the_way_in_lost_sensor_frames_is_told_again(drive, seen, lost):
     first = 2 if 0 in lost else 1
     assert sum(right for right, _ in told) == sum(range(first, 11))
     assert sum(left for _, left in told) == 2 * (11 - first)
+
+
+def test_more_increments_than_a_frame_holds_are_told_in_several(drive, seen):
+    pilot, link, _ = drive()
+    write = link.write
+    pilot.step(seen((0, 0)))
+    for tick in range(6):
+        link.write = (lambda _data: None) if tick < 2 else write
+        pilot.step(seen((30_000, -30_000) if tick < 3 else (0, 0)))
+    told = [sensors.encoder_increments for sensors in link.heard]
+    assert [sum(side) for side in zip(*told, strict=True)] == [90_000, -90_000]
+    assert max(abs(count) for counts in told for count in counts) == 32_767
+
+
+def test_a_robot_whose_encoders_do_not_fit_the_frame_is_refused(nominal, command):
+    """At 6 V a nominal wheel turns without load at 19.3 rad/s, in 50 ms by 0.154 turns: 32767 / 0.154 = 213000."""
+    fine = nominal.encoder.model_copy(update={"counts_per_revolution": 250_000})
+    link = StandInBoard(Framed(), lambda _sensors: command())
+    with pytest.raises(InputError, match=r"counts_per_revolution: got 250000, allowed: at most 213\d{3}"):
+        BoardPilot.for_robot(link, Framed(), nominal.model_copy(update={"encoder": fine}))

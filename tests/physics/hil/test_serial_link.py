@@ -14,6 +14,7 @@ import serial
 from configs.errors import EnvironmentLacking, InputError
 from physics.hil.errors import BoardLost
 from physics.hil.framings.framed import Framed
+from physics.hil.links import serial_link
 from physics.hil.links.serial_link import SerialLink
 from physics.hil.links.stand_in import StandInBoard
 from physics.hil.loop import BoardPilot, LoopSettings
@@ -45,33 +46,76 @@ def test_a_board_at_a_port_drives(pty, limits, command, seen):
 
     thread = threading.Thread(target=answer, daemon=True)
     thread.start()
-    link = SerialLink(port, 500_000)
-    pilot = BoardPilot(link, Framed(), limits, LoopSettings(tick_s=0.02))
+    link = SerialLink(port, 500_000, answer_within=1.0)
+    pilot = BoardPilot(link, Framed(), limits, LoopSettings(tick_s=0.02, timeout_ticks=50))
     pilot.start()
     began = time.monotonic()
     orders = [pilot.step(seen()) for _ in range(6)]
     assert time.monotonic() - began >= 5 * 0.02
-    assert [round(order.v_m_s, 3) for order in orders[1:]] == [0.1] * 5
+    assert round(orders[-1].v_m_s, 3) == 0.1
     stopped.set()
     pilot.close()
 
 
-def test_a_tick_that_begins_late_says_so_and_moves_the_next(pty):
-    link = SerialLink(pty[1], 500_000)
-    with contextlib.closing(link):
-        assert link.start_tick(0.01) < 0.01
-        time.sleep(0.05)
-        assert link.start_tick(0.01) == pytest.approx(0.04, abs=0.02)
-        assert link.start_tick(0.01) < 0.01
+class Clock:
+    """Time that passes by sleeping and by waiting for a board that says nothing."""
+
+    def __init__(self):
+        self.now_s = 100.0
+        self.waited_s = []
+
+    def monotonic(self):
+        return self.now_s
+
+    def sleep(self, seconds):
+        self.now_s += seconds
+
+    def select(self, _read, _write, _error, seconds):
+        self.waited_s.append(seconds)
+        self.sleep(seconds)
+        return [], [], []
 
 
-def test_a_silent_board_is_waited_for_until_half_of_the_tick(pty):
+@pytest.fixture
+def timed(pty, monkeypatch):
     link = SerialLink(pty[1], 500_000)
+    clock = Clock()
+    monkeypatch.setattr(serial_link, "time", clock)
+    monkeypatch.setattr(serial_link, "select", clock)
     with contextlib.closing(link):
-        link.start_tick(0.1)
-        began = time.monotonic()
-        assert link.read() == b""
-        assert time.monotonic() - began == pytest.approx(0.05, abs=0.03)
+        yield link, clock
+
+
+def test_ticks_begin_at_equal_distances(timed):
+    link, clock = timed
+    began = []
+    for busy_s in (0.01, 0.04, 0.0, 0.06, 0.01, 0.0):
+        link.start_tick(0.05)
+        began.append(clock.now_s)
+        clock.sleep(busy_s)
+    # One that is busy for longer than a tick makes the next one late, and those after it are on time again.
+    assert began == pytest.approx([100.0, 100.05, 100.10, 100.15, 100.21, 100.25])
+
+
+def test_a_tick_that_begins_late_says_so_and_one_late_by_a_tick_moves_those_after_it(timed):
+    link, clock = timed
+    link.start_tick(0.05)
+    clock.sleep(0.08)
+    assert link.start_tick(0.05) == pytest.approx(0.03)
+    clock.sleep(0.12)
+    assert link.start_tick(0.05) == pytest.approx(0.10)
+    assert link.start_tick(0.05) == pytest.approx(0.0)
+    assert clock.now_s == pytest.approx(100.25)
+
+
+@pytest.mark.parametrize("late_s", [0.0, 0.04])
+def test_an_answer_is_waited_for_until_half_a_tick_is_over_also_when_it_begins_late(timed, late_s):
+    link, clock = timed
+    link.start_tick(0.05)
+    clock.sleep(0.05 + late_s)
+    link.start_tick(0.05)
+    assert link.read() == b""
+    assert clock.waited_s == pytest.approx([0.025])
 
 
 @pytest.mark.parametrize("what", ["write", "read"])
