@@ -102,6 +102,12 @@ class Rows:
         columns = (self.t_ms, self.pose, self.state, self.twist, self.tof_m, self.line, self.image)
         return np.column_stack([column.astype(np.float64) for column in columns])
 
+    def at(self, row: int) -> Floats:
+        """(19,), one row of `table`."""
+        one = (self.pose, self.twist, self.tof_m, self.line)
+        pose, twist, tof_m, line = (series[row] for series in one)
+        return np.array([self.t_ms[row], *pose, self.state[row], *twist, *tof_m, *line, self.image[row]], np.float64)
+
     def to_csv(self) -> bytes:
         return csv_bytes(HEADER, [column.decimals for column in COLUMNS], self.table())
 

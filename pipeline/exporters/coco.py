@@ -70,9 +70,9 @@ def _document(data: Dataset) -> bytes:
 
 
 def _info(data: Dataset) -> dict[str, object]:
-    """COCO asks for a year and a day; a release tells none."""
+    """Without the year and the day that COCO has: a release tells none."""
     told = data.metadata
-    return {"description": told.description or told.name if told else data.root.name, "version": "1", "year": 0}
+    return {"description": told.description or told.name if told else data.root.name, "version": "1"}
 
 
 def _image(image: Image, number: int, run: Run) -> dict[str, object]:

@@ -108,7 +108,7 @@ def _sample(image: Image) -> _Sample:
 
 def _record(image: Image) -> bytes:
     """The row of data.csv at which the image was taken, the camera's pose and its intrinsics."""
-    row = image.run.table.table()[image.row].tolist()
+    row = image.run.table.at(image.row).tolist()
     content = {
         column.name: value if column.decimals else int(value) for column, value in zip(COLUMNS, row, strict=True)
     }

@@ -1,5 +1,6 @@
 """A released dataset, or one run of it, to be read by people and by exporters."""
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -80,7 +81,10 @@ def load(path: str | Path) -> Dataset:
         root /= PAYLOAD
     if (root / METADATA).is_file():
         metadata = _metadata(root / METADATA)
-        return Dataset(root, metadata, tuple(_run(root, record.run) for record in metadata.runs))
+        names = [record.run for record in metadata.runs]
+        if twice := [name for name, count in Counter(names).items() if count > 1]:
+            raise InputError(f"names the run {twice[0]} twice", where=str(root / METADATA), cure="see `symolo repair`")
+        return Dataset(root, metadata, tuple(_run(root, name) for name in names))
     if (root / DATA).is_file():
         absolute = root.absolute()
         return Dataset(root, None, (Run(root, f"{absolute.parent.name}/{absolute.name}"),))

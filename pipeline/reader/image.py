@@ -22,6 +22,8 @@ class Image:
     run: "Run"
     number: int
     """As in the column `img` of data.csv, from 1."""
+    index: int
+    """Which of the run's images it is, from 0."""
     row: int
     """Which row of data.csv it was taken at, from 0; its stamp is that of the row."""
 
@@ -38,7 +40,7 @@ class Image:
     @property
     def X_WC(self) -> Floats:
         """(4, 4), pose of the camera in W; C is the optical frame, x right, y down, z forward."""
-        return self.run.X_WC[self.run.index_of(self.number)]
+        return self.run.X_WC[self.index]
 
     @property
     def path(self) -> Path:

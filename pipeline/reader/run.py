@@ -114,7 +114,8 @@ class Run:
     def images(self) -> tuple[Image, ...]:
         """All images in their order; no file is opened."""
         at = np.flatnonzero(self.table.image).tolist()
-        return tuple(Image(self, number, row) for number, row in zip(self.numbers, at, strict=True))
+        taken = zip(self.numbers, at, strict=True)
+        return tuple(Image(self, number, index, row) for index, (number, row) in enumerate(taken))
 
     def image(self, number: int) -> Image:
         """That of a number, as in the column `img`.

@@ -6,7 +6,10 @@ from pathlib import Path
 
 import pytest
 
-DOCS = Path(__file__).parents[3] / "docs"
+from pipeline.exporters import EXPORTERS
+
+ROOT = Path(__file__).parents[3]
+DOCS = ROOT / "docs"
 RELEASE, EXPORTED = "symolo-dataset", "exported"
 
 
@@ -18,6 +21,15 @@ def programs(page: str) -> list[str]:
 def here(random_release, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path(RELEASE).symlink_to(random_release(1, annotated=True).root)
+
+
+def test_help_readme_and_page_name_every_format(symolo):
+    names = ", ".join(exporter.name for exporter in EXPORTERS)
+    assert names in " ".join(re.sub(r"[^a-z, ]", " ", symolo("export", "--help").out).split())
+    assert names in (ROOT / "README.md").read_text()
+    page = (DOCS / "exports.md").read_text()
+    assert re.findall(r"^## (\w+)$", page, re.MULTILINE) == names.split(", ")
+    assert re.findall(r"^\| (\w+) \|", page, re.MULTILINE) == ["format", *names.split(", ")]
 
 
 @pytest.mark.usefixtures("here")

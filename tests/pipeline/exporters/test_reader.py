@@ -100,6 +100,12 @@ DAMAGE = {
         ),
         "leads out of the dataset",
     ),
+    "a run twice": (
+        lambda root: (root / "metadata.json").write_text(
+            (root / "metadata.json").read_text().replace('"CCW/test_1"', '"CW/test_1"')
+        ),
+        "names the run CW/test_1 twice",
+    ),
     "no rows": (lambda root: (root / "CW/test_1/data.csv").unlink(), "CW/test_1/data.csv: is missing"),
     "a row cut off": (
         lambda root: (root / "CW/test_1/data.csv").write_bytes((root / "CW/test_1/data.csv").read_bytes()[:-20]),
