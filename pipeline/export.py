@@ -80,7 +80,7 @@ def check_new(out: Path, data: Dataset) -> None:
     where = f"--out {out}"
     if out.is_symlink() or (out.exists() and not (out.is_dir() and not any(out.iterdir()))):
         raise InputError("is there already", where=where, cure="name a folder that is new or empty")
-    if out.absolute().resolve().is_relative_to(data.root.resolve()):
+    if out.resolve().is_relative_to(data.root.resolve()):
         raise InputError("lies within the release", where=where, cure="name a folder beside it")
 
 
@@ -97,11 +97,12 @@ def export(data: Dataset, planned: Sequence[Planned], out: Path, report: Report)
         InputError: There is something at `out`, or a file of the release cannot be read as what it should be.
     """
     check_new(out, data)
-    partial = out.absolute().with_name(f".{out.name}.export")
+    place = out.resolve()
+    partial = place.with_name(f".{place.name}.export")
     remove_folder(partial)
     try:
         written = _fill(partial, data, planned, report)
-        replace_folder(partial, out.absolute())
+        replace_folder(partial, place)
     except BaseException:
         remove_folder(partial)
         raise

@@ -6,6 +6,7 @@ import shutil
 import struct
 import subprocess
 import sys
+import tarfile
 import zlib
 from pathlib import Path
 
@@ -91,6 +92,26 @@ def test_the_example_of_the_page_reads_them(annotated):
     assert re.search(r"^O2 \[\d+, \d+, \d+, \d+\] (0\.\d|1\.0)", done.stdout, re.MULTILINE)
     height_m, has_line = re.search(r"^floor (\S+) (\S+)$", done.stdout, re.MULTILINE).groups()
     assert (float(height_m) < 1e-3, has_line) == (True, "True")
+
+
+def test_an_export_has_the_boxes_of_what_is_seen_and_every_picture(annotated, tmp_path, symolo):
+    out = tmp_path / "out"
+    assert symolo("export", annotated, "--format", "coco,webdataset", "--out", out).code == 0
+    coco = json.loads((out / "coco/annotations/instances.json").read_text())
+    images = {image["id"]: (image["run"], image["img"]) for image in coco["images"]}
+    solid = [one for one in coco["annotations"] if one["category_id"] in {3, 4}]
+    told = {(*images[one["image_id"]], one["instance_id"]): [one["bbox"], one["area"]] for one in solid}
+    expected = {}
+    for run in ("CW/test_1", "CCW/test_1"):
+        document = json.loads((annotated / run / "annotations/annotations.json").read_text())
+        seen = [one for one in document["annotations"] if one["area"]]
+        expected |= {(run, one["image_id"], one["instance_id"]): [one["bbox"], one["area"]] for one in seen}
+    assert told == expected
+    assert told
+    with tarfile.open(out / "webdataset/symolo-000000.tar") as shard:
+        names = shard.getnames()
+    pictures = {f"{path.stem}.{path.parent.name}.png" for path in (annotated / OWN).glob("*/*.png")}
+    assert {name.rpartition("/")[2] for name in names if name.startswith(RUN) and name.endswith(".png")} == pictures
 
 
 def replaced(name, pixels):
