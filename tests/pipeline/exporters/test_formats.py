@@ -18,8 +18,8 @@ from pipeline.exporters import EXPORTERS
 from pipeline.exporters.base import ExportSettings
 from pipeline.progress import LineReport
 
-SEEDS = [pytest.param(seed, marks=[pytest.mark.faults] if seed > 3 else []) for seed in range(1, 101)]
-"""Three of them by default."""
+SEEDS = [pytest.param(seed, marks=[pytest.mark.faults] if seed > 2 else []) for seed in range(1, 101)]
+"""Two of them by default."""
 
 SHARD_BYTES = 40_000
 
@@ -193,7 +193,7 @@ def parquet_differs(out, truths):
 
 def test_kitti_projects_a_point_where_the_camera_sees_it(random_release, tmp_path):
     """A point ahead of the robot, by P0 and Tr of the file, beside OpenCV's projection by our camera's model."""
-    release = random_release(5)
+    release = random_release(1)
     out = exported(release.root, tmp_path / "out", "kitti")
     calibration = read_calibration(out / "kitti/sequences/00/calib.txt")
     p_R = np.array([0.4, 0.05, 0.02, 1.0])
@@ -209,7 +209,7 @@ def test_kitti_projects_a_point_where_the_camera_sees_it(random_release, tmp_pat
 
 def test_tum_shows_a_quarter_turn_as_its_quaternion(random_release, tmp_path):
     """cos 45 deg is 0.707106781; a turn about z has no other component."""
-    release = random_release(5)
+    release = random_release(1)
     out = exported(release.root, tmp_path / "out", "tum")
     header, first = (out / "tum/CW/test_1/robot.txt").read_text().splitlines()[:2]
     x, y, theta = release.runs[0].table[0, 1:4]
@@ -220,12 +220,10 @@ def test_tum_shows_a_quarter_turn_as_its_quaternion(random_release, tmp_path):
 
 def test_quaternions_go_on_from_those_before(random_release, tmp_path):
     """q and -q are the same rotation; between two poses of a trajectory nothing may turn the long way."""
-    for seed in range(1, 4):
-        release = random_release(seed, annotated=True)
-        out = exported(release.root, tmp_path / str(seed), "tum")
-        for path in (out / "tum").rglob("*.txt"):
-            quaternions = np.loadtxt(path, ndmin=2)[:, 4:]
-            assert np.all(np.sum(quaternions[1:] * quaternions[:-1], axis=1) >= 0)
+    out = exported(random_release(1, annotated=True).root, tmp_path / "out", "tum")
+    for path in (out / "tum").rglob("*.txt"):
+        quaternions = np.loadtxt(path, ndmin=2)[:, 4:]
+        assert np.all(np.sum(quaternions[1:] * quaternions[:-1], axis=1) >= 0)
 
 
 def test_shards_tell_nothing_of_the_machine(random_release, tmp_path):

@@ -15,7 +15,7 @@ from pipeline.dataset.side import WHEELS
 
 
 def test_rows_poses_and_side_tables_are_those_of_the_files(random_release):
-    release = random_release(3)
+    release = random_release(1)
     data = reader.load(release.root)
     assert [run.name for run in data] == [truth.name for truth in release.runs] == ["CW/test_1", "CCW/test_1"]
     for run, truth in zip(data, release.runs, strict=True):
@@ -31,7 +31,7 @@ def test_rows_poses_and_side_tables_are_those_of_the_files(random_release):
 
 
 def test_tables_know_their_units(random_release):
-    data = reader.load(random_release(3).root)
+    data = reader.load(random_release(1).root)
     units = data.runs[0].rows.attrs["units"]
     assert (units["t"], units["x"], units["theta"], units["w"], units["L0"]) == ("ms", "m", "rad", "rad/s", "-")
     assert data.rows.attrs["units"] == {"run": "-", **units}
@@ -40,7 +40,7 @@ def test_tables_know_their_units(random_release):
 
 
 def test_images_are_aligned_with_rows_and_poses(random_release):
-    release = random_release(3)
+    release = random_release(1)
     for run, truth in zip(reader.load(release.root), release.runs, strict=True):
         taken = truth.table[truth.table[:, 18] > 0]
         np.testing.assert_array_equal(run.image_rows.to_numpy(), taken)
@@ -54,7 +54,7 @@ def test_images_are_aligned_with_rows_and_poses(random_release):
 
 
 def test_all_rows_stand_under_each_other_with_their_run(random_release):
-    release = random_release(3)
+    release = random_release(1)
     rows = reader.load(release.root).rows
     for truth in release.runs:
         np.testing.assert_array_equal(rows[rows["run"] == truth.name][list(HEADER)].to_numpy(), truth.table)
@@ -62,7 +62,7 @@ def test_all_rows_stand_under_each_other_with_their_run(random_release):
 
 
 def test_masks_are_those_of_instances_and_categories(random_release):
-    release = random_release(4, annotated=True)
+    release = random_release(1, annotated=True)
     for run, truth in zip(reader.load(release.root), release.runs, strict=True):
         for image, ids in zip(run.images, truth.instances, strict=True):
             np.testing.assert_array_equal(image.annotation("instance"), ids)
@@ -73,7 +73,7 @@ def test_masks_are_those_of_instances_and_categories(random_release):
 
 
 def test_the_folder_of_a_run_and_a_bag_are_read_too(random_release, tmp_path):
-    release = random_release(3)
+    release = random_release(1)
     alone = reader.load(release.root / "CCW/test_1")
     assert (alone.metadata, alone.runs[0].name) == (None, "CCW/test_1")
     np.testing.assert_array_equal(alone.runs[0].rows.to_numpy(), release.runs[1].table)
@@ -84,7 +84,7 @@ def test_the_folder_of_a_run_and_a_bag_are_read_too(random_release, tmp_path):
 
 @pytest.fixture
 def copy(random_release, copy_of):
-    return copy_of(random_release(3).root)
+    return copy_of(random_release(1).root)
 
 
 def damaged(name, text):
@@ -139,7 +139,7 @@ def test_what_is_wrong_is_said_in_one_line(kind, copy):
 
 
 def test_a_name_that_is_not_there_is_answered_with_those_that_are(random_release):
-    data = reader.load(random_release(3).root)
+    data = reader.load(random_release(1).root)
     run = data.runs[0]
     for call, hint in (
         (lambda: data["CW/test_2"], "did you mean CW/test_1"),
@@ -154,7 +154,7 @@ def test_a_name_that_is_not_there_is_answered_with_those_that_are(random_release
 
 
 def test_tables_load_neither_opencv_nor_an_engine(random_release):
-    root = random_release(3).root
+    root = random_release(1).root
     program = (
         f"import json, sys, symolo\ndata = symolo.load({str(root)!r})\n"
         "data.rows, data.runs[0].X_WC, data.runs[0].side('wheels')\nprint(json.dumps(sorted(sys.modules)))"
@@ -170,7 +170,7 @@ def test_frames_for_pytorch_are_the_images_with_their_poses(random_release, monk
     stand_in = types.SimpleNamespace(
         utils=types.SimpleNamespace(data=types.SimpleNamespace(Dataset=object)), from_numpy=lambda array: array
     )
-    release = random_release(3)
+    release = random_release(1)
     data = reader.load(release.root)
     monkeypatch.setitem(sys.modules, "torch", stand_in)
     frames = reader.torch_dataset(data)
