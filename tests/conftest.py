@@ -1,7 +1,6 @@
 """What several packages' tests need of the machine, and a bench of measured data that is made here."""
 
 import os
-import shutil
 import signal
 import subprocess
 from collections.abc import Callable
@@ -10,20 +9,27 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-FIRMWARE_TOOLS = {
-    "a C compiler": ("gcc", "gcc libc6-dev"),
-    "a compiler for AVR": ("avr-gcc", "gcc-avr avr-libc"),
-    "simavr's headers": ("/usr/include/simavr/sim_avr.h", "simavr libsimavr-dev libelf-dev"),
-}
-"""What some tests of the firmware and its board need: program or file, and the Debian packages that bring it."""
+from physics.hil.tools import (
+    AVR_PACKAGES,
+    HIL_PACKAGES,
+    NATIVE_PACKAGES,
+    has_avr_compiler,
+    has_board,
+    has_compiler,
+)
 
 
 def pytest_report_header() -> list[str]:
     """Says which tests are left out for want of a tool, and the line that installs it."""
+    tools = {
+        "a C compiler": (has_compiler(), NATIVE_PACKAGES),
+        "a compiler for AVR": (has_avr_compiler(), AVR_PACKAGES),
+        "the simulated board": (has_board(), HIL_PACKAGES),
+    }
     return [
         f"tests of the firmware are left out for want of {what}: apt-get install -y {packages}"
-        for what, (tool, packages) in FIRMWARE_TOOLS.items()
-        if shutil.which(tool) is None and not Path(tool).is_file()
+        for what, (is_there, packages) in tools.items()
+        if not is_there
     ]
 
 

@@ -16,15 +16,12 @@ from configs.errors import EnvironmentLacking, InputError
 from configs.schema.robot import RobotConfig
 from configs.whole_files import make_folder, move, write_file
 from physics.hil.generate import generate
+from physics.hil.tools import AVR_PACKAGES, NATIVE_PACKAGES
 
 Framing = Literal["framed", "simtwo"]
 
 BAUDS = (115_200, 250_000, 500_000, 1_000_000)
 """A board says in its hello at which place of this table its baud rate stands."""
-
-AVR_PACKAGES = "gcc-avr avr-libc"
-NATIVE_PACKAGES = "gcc libc6-dev"
-"""Debian packages with the compilers."""
 
 _SOURCES = Path(firmware.__file__).parent
 _SKETCH_MAIN = "symolo.ino"
