@@ -1,7 +1,7 @@
 """A board at the other end of a serial line as the pilot of a run."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 
 from configs.schema.board import Board
@@ -61,12 +61,9 @@ def pilot_from_board(robot: RobotConfig, board: Board, control_hz: int, port: st
         timeout_ticks=board.timeout_ticks,
         give_up_s=board.give_up_s,
     )
-    loop = BoardPilot.for_robot(link, FRAMINGS[board.framing], robot, settings)
-    try:
+    with closing(link), BoardPilot.for_robot(link, FRAMINGS[board.framing], robot, settings) as loop:
         hello = loop.start()
         yield PilotFromBoard(loop, hello.firmware_id if hello else firmware_id)
-    finally:
-        loop.close()
 
 
 def firmware_id_of(robot: RobotConfig, board: Board) -> str:

@@ -1,6 +1,5 @@
 """A drive whose numbers are easy, and a firmware that does what bytes tell it, on a simulated board."""
 
-import importlib.util
 import shutil
 import subprocess
 from pathlib import Path
@@ -13,17 +12,10 @@ from physics.control.base import State
 from physics.hil.board.build import build_board
 from physics.hil.frames import CommandFrame, SensorFrame
 from physics.hil.plausible import DriveLimits
+from physics.hil.tools import has_board, has_compiler
 
-HEADER = Path("/usr/include/simavr/sim_avr.h")
-HAS_COMPILER = shutil.which("gcc") is not None
-HAS_BOARD = HAS_COMPILER and HEADER.is_file() and shutil.which("avr-gcc") is not None
-NEEDS = {
-    "test_board.py": HAS_BOARD,  # apt-get install -y gcc gcc-avr avr-libc simavr libsimavr-dev libelf-dev
-    "test_firmware_on_board.py": HAS_BOARD,
-    "test_firmware_ears.py": HAS_COMPILER,  # apt-get install -y gcc libc6-dev
-    "test_serial_link.py": importlib.util.find_spec("serial") is not None,  # pip install pyserial
-}
-collect_ignore = [name for name, is_there in NEEDS.items() if not is_there]
+NEEDS = {"test_board.py": has_board, "test_firmware_on_board.py": has_board, "test_firmware_ears.py": has_compiler}
+collect_ignore = [name for name, is_there in NEEDS.items() if not is_there()]
 
 LIMITS = DriveLimits(wheel_rad_s=20.0, wheel_radius_m=0.05, track_m=0.2)
 """At these numbers v m/s and w rad/s are 20 v + 2 w rad/s of the right wheel and 20 v - 2 w of the left."""
@@ -51,8 +43,14 @@ def seen():
 
 
 @pytest.fixture(scope="session")
-def board_program(tmp_path_factory):
-    return build_board(tmp_path_factory.mktemp("board"))
+def programs(pytestconfig):
+    """Where what is built is kept from run to run, by the hash of what it is built from."""
+    return Path(pytestconfig.cache.mkdir("firmware"))
+
+
+@pytest.fixture(scope="session")
+def board_program(programs):
+    return build_board(programs)
 
 
 @pytest.fixture(scope="session")

@@ -214,10 +214,12 @@ def heard_at(port, data, length, patience_s=5.0):
     return heard
 
 
-def test_the_board_is_built_once(board_program):
-    made = board_program.stat().st_mtime_ns
-    assert build_board(board_program.parent) == board_program
-    assert board_program.stat().st_mtime_ns == made
+def test_the_board_is_built_once(tmp_path):
+    made = build_board(tmp_path / "cache")
+    written = made.stat().st_mtime_ns
+    assert build_board(tmp_path / "cache") == made
+    assert made.stat().st_mtime_ns == written
+    assert list(made.parent.iterdir()) == [made]
 
 
 def test_without_a_compiler_the_line_that_installs_it_is_named(tmp_path, monkeypatch):

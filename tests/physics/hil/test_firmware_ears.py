@@ -8,15 +8,10 @@ import pytest
 from physics.hil.framings import FRAMINGS
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("firmware")
-
-
 @pytest.mark.parametrize("count", [20, pytest.param(72_000, marks=pytest.mark.faults)])
-def test_both_hear_the_same_frames_on_a_bad_line(nominal, folder, count):
+def test_both_hear_the_same_frames_on_a_bad_line(nominal, programs, count):
     both = importlib.import_module("firmware_line_faults")
-    firmware = both.NativeFirmware(nominal, FRAMINGS["framed"], folder)
+    firmware = both.NativeFirmware(nominal, FRAMINGS["framed"], programs)
     draw = np.random.Generator(np.random.PCG64(5))
     for kind in both.KINDS:
         pieces = both.damaged_stream(FRAMINGS["framed"], kind, count, draw)

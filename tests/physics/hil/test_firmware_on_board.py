@@ -12,17 +12,12 @@ from physics.hil.links.lockstep import LockstepLink
 from physics.hil.loop import BoardPilot, LoopSettings
 
 
-@pytest.fixture(scope="module")
-def firmware_folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("firmware")
-
-
 @pytest.fixture
-def pilot(nominal, firmware_folder, board_program):
+def pilot(nominal, programs, board_program):
     with contextlib.ExitStack() as stack:
 
         def make(framing=FRAMINGS["framed"], **settings):
-            build = build_firmware(nominal, framing.name, framing.baud, firmware_folder)
+            build = build_firmware(nominal, framing.name, framing.baud, programs)
             link = LockstepLink(build.elf, framing.baud, program=board_program)
             stack.callback(link.close)
             made = BoardPilot.for_robot(link, framing, nominal, LoopSettings(delay_ticks=0, **settings))
