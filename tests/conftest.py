@@ -1,7 +1,6 @@
 """What several packages' tests need of the machine, and a bench of measured data that is made here."""
 
 import os
-import shutil
 import signal
 import subprocess
 from collections.abc import Callable
@@ -10,21 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-FIRMWARE_TOOLS = {
-    "a C compiler": ("gcc", "gcc libc6-dev"),
-    "a compiler for AVR": ("avr-gcc", "gcc-avr avr-libc"),
-    "simavr's headers": ("/usr/include/simavr/sim_avr.h", "simavr libsimavr-dev libelf-dev"),
-}
-"""What some tests of the firmware and its board need: program or file, and the Debian packages that bring it."""
+from physics.hil.tools import HIL_PACKAGES, has_board
 
 
 def pytest_report_header() -> list[str]:
-    """Says which tests are left out for want of a tool, and the line that installs it."""
-    return [
-        f"tests of the firmware are left out for want of {what}: apt-get install -y {packages}"
-        for what, (tool, packages) in FIRMWARE_TOOLS.items()
-        if shutil.which(tool) is None and not Path(tool).is_file()
-    ]
+    """Says that tests are left out for want of a tool, and the line that installs it."""
+    left_out = f"tests of the firmware and its board are left out: apt-get install -y {HIL_PACKAGES}"
+    return [] if has_board() else [left_out]
 
 
 LONG = ("tests/pipeline/", "tests/diagnosis/", "tests/blender_scenes/")

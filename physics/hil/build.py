@@ -9,22 +9,17 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 import firmware
 from configs.errors import EnvironmentLacking, InputError
+from configs.schema.board import FramingName
 from configs.schema.robot import RobotConfig
 from configs.whole_files import make_folder, move, write_file
 from physics.hil.generate import generate
-
-Framing = Literal["framed", "simtwo"]
+from physics.hil.tools import AVR_PACKAGES, NATIVE_PACKAGES
 
 BAUDS = (115_200, 250_000, 500_000, 1_000_000)
 """A board says in its hello at which place of this table its baud rate stands."""
-
-AVR_PACKAGES = "gcc-avr avr-libc"
-NATIVE_PACKAGES = "gcc libc6-dev"
-"""Debian packages with the compilers."""
 
 _SOURCES = Path(firmware.__file__).parent
 _SKETCH_MAIN = "symolo.ino"
@@ -62,7 +57,7 @@ def student_tasks() -> tuple[str, ...]:
 
 
 def firmware_sources(
-    robot: RobotConfig, framing: Framing, baud: int, student: str | None = None
+    robot: RobotConfig, framing: FramingName, baud: int, student: str | None = None
 ) -> tuple[dict[str, str], str]:
     """All files that the firmware is made of, text by name, and its id.
 
@@ -89,7 +84,7 @@ def firmware_sources(
 
 
 def build_firmware(
-    robot: RobotConfig, framing: Framing, baud: int, out_dir: Path, student: str | None = None
+    robot: RobotConfig, framing: FramingName, baud: int, out_dir: Path, student: str | None = None
 ) -> FirmwareBuild:
     """Firmware for the board in a folder of its own within `out_dir`; compiled if it is not there.
 
@@ -119,7 +114,9 @@ def build_firmware(
     return build
 
 
-def build_native(robot: RobotConfig, out_dir: Path, framing: Framing = "framed", student: str | None = None) -> Path:
+def build_native(
+    robot: RobotConfig, out_dir: Path, framing: FramingName = "framed", student: str | None = None
+) -> Path:
     """The same firmware as a shared library of this machine, in `out_dir`; native.c says what it exports.
 
     Raises:
@@ -145,7 +142,7 @@ def firmware_size(build: FirmwareBuild) -> FirmwareSize:
 
 
 def write_sketch(
-    robot: RobotConfig, folder: Path, framing: Framing = "framed", baud: int = 500_000, todo: Sequence[str] = ()
+    robot: RobotConfig, folder: Path, framing: FramingName = "framed", baud: int = 500_000, todo: Sequence[str] = ()
 ) -> str:
     """A complete sketch for the Arduino IDE in `folder`, made new; returns the firmware's id.
 
@@ -204,7 +201,7 @@ def _hand_written() -> dict[str, str]:
     return {path.name: path.read_text(encoding="utf-8") for path in sorted(paths)}
 
 
-def _build_settings(framing: Framing, baud: int, id_bytes: bytes) -> str:
+def _build_settings(framing: FramingName, baud: int, id_bytes: bytes) -> str:
     lines = [
         "/* Made: what this firmware is built for. */",
         "#ifndef BUILD_SETTINGS_H",

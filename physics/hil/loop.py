@@ -2,11 +2,11 @@
 
 from collections import deque
 from dataclasses import dataclass, field, replace
-from types import TracebackType
 from typing import Literal, Self
 
 from configs.schema.robot import RobotConfig
 from physics.control.base import State
+from physics.hil.closing import Closing
 from physics.hil.errors import BoardLost
 from physics.hil.frames import CommandFrame, HelloFrame, SensorFrame
 from physics.hil.framings.base import Answer, Damaged, Framing
@@ -76,7 +76,7 @@ class Orders:
 
 
 @dataclass
-class BoardPilot:
+class BoardPilot(Closing):
     """Drives the robot by what a board answers.
 
     Call `start` once, `step` at each tick, `close` at the end, which leaving a `with` does too. What went wrong is in
@@ -100,14 +100,6 @@ class BoardPilot:
         self._answered = self._closed = False
         self._pending: deque[CommandFrame | None] = deque([None] * self.settings.delay_ticks)
         self._acting: CommandFrame | None = None
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     @classmethod
     def for_robot(cls, link: Link, framing: Framing, robot: RobotConfig, settings: LoopSettings | None = None) -> Self:

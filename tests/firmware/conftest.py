@@ -3,9 +3,7 @@
 import copy
 import ctypes
 import math
-import shutil
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,14 +14,13 @@ from physics.control.base import Command, ControlInput, State
 from physics.control.controller import RobotController
 from physics.control.curves import CurveFollower
 from physics.hil.build import build_native
+from physics.hil.tools import has_avr_compiler, has_board, has_compiler
 from sensors.odometry import Odometry
 
-HAS_GCC, HAS_AVR_GCC = (shutil.which(compiler) is not None for compiler in ("gcc", "avr-gcc"))
-SIMAVR = Path("/usr/include/simavr/sim_avr.h")
 collect_ignore = [
-    *([] if HAS_GCC else ["test_controller.py", "test_messages.py", "test_student.py"]),
-    *([] if HAS_AVR_GCC else ["test_avr_build.py"]),
-    *([] if HAS_GCC and HAS_AVR_GCC and SIMAVR.is_file() else ["test_on_the_board.py"]),
+    *([] if has_compiler() else ["test_controller.py", "test_messages.py", "test_student.py"]),
+    *([] if has_avr_compiler() else ["test_avr_build.py"]),
+    *([] if has_board() else ["test_on_the_board.py"]),
 ]
 
 

@@ -9,10 +9,9 @@ from pathlib import Path
 
 from configs.errors import EnvironmentLacking
 from configs.whole_files import make_folder, move
+from physics.hil.tools import BOARD_PACKAGES
 
 SOURCE = Path(__file__).with_name("board.c")
-SYSTEM_PACKAGES = "gcc libc6-dev simavr libsimavr-dev libelf-dev"
-"""Debian packages with all that the simulated board is built from."""
 _FLAGS = ("-O2", "-std=gnu11", "-Wall")
 _LIBRARIES = ("-lsimavr", "-lelf")
 _SIGNS_OF_LACK = ("No such file", "cannot find -l", "cannot find crt")
@@ -59,4 +58,4 @@ def _failure(said: str) -> Exception:
 
 
 def _lacking(what: str) -> str:
-    return f"the simulated board cannot be built: {what}; run `apt-get install -y {SYSTEM_PACKAGES}`"
+    return f"the simulated board cannot be built: {what}; run `apt-get install -y {BOARD_PACKAGES}`"

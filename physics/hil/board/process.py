@@ -6,11 +6,11 @@ import select
 import subprocess
 import tempfile
 from pathlib import Path
-from types import TracebackType
-from typing import Literal, Self
+from typing import Literal
 
 from configs.errors import one_line
 from physics.hil.board.build import build_board
+from physics.hil.closing import Closing
 from physics.hil.errors import BoardLost
 
 Mode = Literal["lockstep", "pty"]
@@ -23,7 +23,7 @@ _MOST = 1 << 16
 """Bytes that are read at once."""
 
 
-class BoardProcess:
+class BoardProcess(Closing):
     """One running board; a context manager that ends it."""
 
     def __init__(self, mode: Mode, elf: Path, baud: int, *, program: Path | None = None) -> None:
@@ -48,14 +48,6 @@ class BoardProcess:
             raise
         self._heard = b""
         self._pipes = [pipe for pipe in (self._child.stdin, self._child.stdout) if pipe is not None]
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     @property
     def pid(self) -> int:

@@ -1,13 +1,12 @@
 """The simulated board in real time, with a pty for a serial port, for whatever program talks to a board."""
 
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 from physics.hil.board.process import BoardProcess
+from physics.hil.closing import Closing
 
 
-class PtyBoard:
+class PtyBoard(Closing):
     """A board that runs while this object lives; `port` is opened like that of a real one."""
 
     def __init__(self, elf: Path, baud: int, *, program: Path | None = None) -> None:
@@ -18,14 +17,6 @@ class PtyBoard:
         except BaseException:
             self._board.close()
             raise
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     @property
     def pid(self) -> int:
