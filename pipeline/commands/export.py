@@ -6,15 +6,9 @@ from typing import Annotated
 import typer
 
 from pipeline.commands.keep import Released
-from pipeline.commands.options import names
-from pipeline.paths import BELOW_CHARS, check_new_path
+from pipeline.commands.options import checked_new_folder, names
 
 _MEGABYTE = 1_000_000
-
-
-def _new(path: Path) -> Path:
-    check_new_path(path, "--out", BELOW_CHARS)
-    return path
 
 
 def export(
@@ -24,7 +18,9 @@ def export(
         str,
         typer.Option("--format", metavar="NAMES", help="tum, kitti, coco, webdataset, parquet, with commas between."),
     ],
-    out: Annotated[Path, typer.Option("--out", metavar="OUT", callback=_new, help="Output folder: new or empty.")],
+    out: Annotated[
+        Path, typer.Option("--out", metavar="OUT", callback=checked_new_folder, help="Output folder: new or empty.")
+    ],
     runs: Annotated[
         str | None, typer.Option("--runs", metavar="GLOB", help="Only runs whose name matches, such as 'CW/*'.")
     ] = None,

@@ -20,7 +20,8 @@ from pathlib import Path
 import numpy as np
 from file_operations import FileOperations
 
-import pipeline.stages.simulate  # noqa: F401 - so that a fork finds the engine loaded
+import pipeline.export
+import pipeline.stages.simulate  # noqa: F401 - likewise
 from blender_scenes import renderer
 from blender_scenes.camera_response import encode_jpeg
 from blender_scenes.frame_files import FrameFile, frame_name, put_in_place
