@@ -21,7 +21,7 @@ import numpy as np
 from file_operations import FileOperations
 
 import pipeline.export
-import pipeline.stages.simulate  # noqa: F401 - likewise
+import pipeline.stages.simulate  # noqa: F401 - so that a fork finds both loaded
 from blender_scenes import renderer
 from blender_scenes.camera_response import encode_jpeg
 from blender_scenes.frame_files import FrameFile, frame_name, put_in_place
