@@ -14,7 +14,7 @@ import firmware
 from configs.errors import EnvironmentLacking, InputError
 from configs.schema.board import FramingName
 from configs.schema.robot import RobotConfig
-from configs.whole_files import make_folder, move, write_file
+from configs.whole_files import make_folder, move, remove_folder, write_file
 from physics.hil.generate import generate
 from physics.hil.tools import AVR_PACKAGES, NATIVE_PACKAGES
 
@@ -166,9 +166,12 @@ def write_sketch(
         del files["transitions.h"]  # it is the solution
     sketch = {name: text for name, text in files.items() if name not in {"main.c", "native.c", _SKETCH_MAIN}}
     sketch[f"{folder.name}.ino"] = files[_SKETCH_MAIN]
-    make_folder(folder)
+    partial = folder.with_name(f".{folder.name}.tmp")
+    remove_folder(partial)
+    make_folder(partial)
     for name, text in sorted(sketch.items()):
-        write_file(folder / name, text.encode())
+        write_file(partial / name, text.encode())
+    move(partial, folder)
     return identity
 
 
