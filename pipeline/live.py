@@ -51,11 +51,10 @@ class LiveView:
             bar = "█" * round(_RANGE_CELLS * min(1.0, range_m / tof.max_range_m))
             table.add_row(f"{name} range", f"{range_m:.3f} m {bar}" if range_m < tof.no_target_m else "no target")
         table.add_row("line, left to right", Text("".join(_block(value) for value in reversed(seen.line))))
-        faults = [f"{count} {name.replace('_', ' ')}" for name, count in self._counts.items() if name != "answered"]
         ticks = round(t_s * self._spec.rates.control_hz) + 1
-        quiet = all(not count for name, count in self._counts.items() if name != "answered")
-        told = "" if quiet else "; " + ", ".join(text for text in faults if not text.startswith("0 "))
-        table.add_row("board", f"{self._counts['answered']} of {ticks} answered{told}")
+        told = [f"{self._counts['answered']} of {ticks} answered"]
+        told += [f"{count} {name}" for name, count in self._counts.items() if count and name != "answered"]
+        table.add_row("board", ", ".join(told).replace("_", " "))
         return table
 
 
