@@ -13,6 +13,7 @@ import pytest
 from configs.draw import draw_run
 from configs.errors import RunFailed
 from configs.loader import load_scenario
+from physics.hil.links.lockstep import LockstepLink
 from physics.hil.links.pty_board import PtyBoard
 from physics.hil.loop import LoopSettings
 from physics.hil.pilot import build_for
@@ -152,3 +153,21 @@ def test_a_port_at_which_nobody_answers_is_a_run_that_failed(symolo, tmp_path, m
         ended = symolo("hil", "smoke", "--port", port, "--out", tmp_path / "data", f"--set={ONE_RUN}")
     assert ended.code == 3
     assert "failed: CW/test_1: simulate: no answer from" in ended.err
+
+
+def test_a_board_that_reboots_ends_the_run_and_the_outcome_says_what_happened(tmp_path, monkeypatch):
+    begin, ticks = LockstepLink.start_tick, itertools.count()
+
+    def pressed_once(link, tick_s):
+        if next(ticks) == 10:
+            link.reset()
+        return begin(link, tick_s)
+
+    monkeypatch.setattr(LockstepLink, "start_tick", pressed_once)
+    outcome, recording = driven(tmp_path / "run", spec_of("CW", BOARD, "stop.time_limit_s=2"))
+    assert not outcome.finished
+    assert any("re-booted" in problem for problem in outcome.problems)
+    assert any("re-boot" in event for event in outcome.events)
+    assert outcome.board.events["rebooted"] == 1
+    assert "1 rebooted" in outcome.warnings[0]
+    assert 0 < len(recording.trajectory.t_s) < 15
