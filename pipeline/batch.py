@@ -58,6 +58,7 @@ class Batch:
             EnvironmentLacking: The disk is too full, or a graphics card is asked for and there is none.
         """
         loaded = load_scenario(scenario, overrides)
+        executor.check()
         specs = draw_reported(loaded, report)
         check_out(out, Kind.DATASET)
         check_disk(out, Plan.of(specs, cores()).bytes_needed)

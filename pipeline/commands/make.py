@@ -8,12 +8,15 @@ import typer
 
 from configs.errors import InputError
 from pipeline.commands.options import (
+    Address,
     Device,
+    ExecutorName,
     OnDevice,
     Out,
     Part,
     Scenario,
     Settings,
+    WorkedBy,
     WorkerMemory,
     Workers,
     checked_input,
@@ -96,14 +99,21 @@ def release(
     workers: Workers = None,
     device: OnDevice = None,
     memory: WorkerMemory = None,
+    executor: WorkedBy = ExecutorName.LOCAL,
+    address: Address = "auto",
 ) -> int:
     """All stages: from a scenario to a dataset. Given again, it continues where it stopped.
 
     Example: symolo release smoke --out data
 
     What is done and unchanged is not done again: with another look only the images are made anew.
+
+    On a cluster: symolo release symolo --out /shared/data --executor ray --address head:6379
     """
-    return _make("release", scenario, out, settings, workers, device, memory)
+    if executor is ExecutorName.RAY and workers is not None:
+        raise InputError("--workers", got=workers, cure="leave it out: the size of the cluster decides")
+    where = address if executor is ExecutorName.RAY else None
+    return _make("release", scenario, out, settings, workers, device, memory, address=where)
 
 
 def _make(  # noqa: PLR0917 - the options of the commands
@@ -115,16 +125,15 @@ def _make(  # noqa: PLR0917 - the options of the commands
     device: Device | None = None,
     memory: float | None = None,
     part: str | None = None,
+    address: str | None = None,
 ) -> int:
     """Do one stage, or all for `release`."""
     from pipeline.batch import Batch
-    from pipeline.executors.local import Local
-    from pipeline.executors.part import Part
+    from pipeline.executors import chosen
     from pipeline.progress import report_here
     from pipeline.status import again
 
-    local = Local.of(workers, memory)
-    executor = local if part is None else Part.of_text(part, local)
+    executor = chosen(workers, memory, part, address)
     stages = STAGES if command == "release" else (command,)
     report = report_here()
     overrides, pictured = with_device(settings, device), command != "simulate"

@@ -84,6 +84,25 @@ Part = Annotated[
 ]
 
 
+class ExecutorName(StrEnum):
+    """Where work is done."""
+
+    LOCAL = "local"
+    RAY = "ray"
+
+
+WorkedBy = Annotated[
+    ExecutorName,
+    typer.Option(
+        "--executor",
+        help="Where the work is done: by child processes here, or by a Ray cluster whose nodes see the output folder.",
+    ),
+]
+Address = Annotated[
+    str, typer.Option(metavar="HOST:PORT", help="Of the Ray cluster; auto is the one that was started on this machine.")
+]
+
+
 class Device(StrEnum):
     """What renders."""
 

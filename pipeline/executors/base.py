@@ -17,6 +17,14 @@ class Executor(Protocol):
         """Whether it does every unit, so that afterwards nothing is left to others."""
         ...
 
+    def check(self) -> None:
+        """See that it can be reached, before anything is written.
+
+        Raises:
+            EnvironmentLacking: It cannot.
+        """
+        ...
+
     def block_frames(self, frames: int, runs: int) -> int:
         """Frames in a block, where each of `runs` runs has `frames`."""
         ...

@@ -25,6 +25,9 @@ class Local:
     def does_all(self) -> bool:
         return True
 
+    def check(self) -> None:
+        """It is this machine."""
+
     def block_frames(self, frames: int, runs: int) -> int:
         """As many blocks for each run as it takes to give every worker one: each costs a start of Blender."""
         blocks = -(-self.workers // runs)

@@ -44,6 +44,9 @@ class Part:
     def does_all(self) -> bool:
         return False
 
+    def check(self) -> None:
+        """It is this machine."""
+
     def block_frames(self, frames: int, runs: int) -> int:
         del frames, runs
         return BLOCK_FRAMES

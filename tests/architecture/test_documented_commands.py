@@ -17,6 +17,8 @@ CODE = re.compile(r"^    (.+)$|^```\w*\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
 ELSEWHERE = {
     "--port": "needs a board; tests/physics/hil drives one at a pseudo-terminal",
+    "--executor ray": "needs a cluster; tests/pipeline/executors/test_ray.py makes one",
+    "$SLURM": "the same with numbers stands on the page too",
     "optiodom_diff": "a minute or more; benchmarks/diagnosis/real_sets.py runs them",
 }
 """Words of commands that are not run here, and where they are."""

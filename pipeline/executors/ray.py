@@ -1,0 +1,204 @@
+"""A Ray cluster: units as tasks on its nodes, each done there by a supervisor of its own (https://docs.ray.io).
+
+All nodes see the output folder under the same path, and have this program with its packages. A worker or a node that
+dies takes no other with it: Ray gives its task to another one, which keeps the frames that are in place. Nothing comes
+back but a short record.
+"""
+
+import contextlib
+import os
+import socket
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict
+
+from configs.errors import EnvironmentLacking, InputError
+from pipeline.executors.base import OnEvent
+from pipeline.executors.part import BLOCK_FRAMES
+from pipeline.units import UNITS, AnyUnit, Finished
+from pipeline.worker_process import Limits
+from pipeline.workers import AnyEvent, Retried, UnitFailure, WorkerError, run_units
+
+CURE = "install the extra: pip install 'symolo[cluster]'"
+CLIENT = "ray://"
+REACHED_WITHIN_S = 10.0
+QUEUED = 2
+"""Tasks that are given to the cluster for each that it can do at a time, so that no node waits for us."""
+NODES_TRIED = 3
+"""How many nodes may say that they lack something before all are taken to."""
+
+
+class Record(BaseModel):
+    """What comes back of a unit, as plain JSON."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    failures: tuple[str, ...] = ()
+    """Of the unit as a whole or of its parts."""
+    retried: tuple[str, ...] = ()
+    error: Literal["", "input", "environment", "bug"] = ""
+    """What makes it of no use to go on with others, or with this one on this node."""
+    text: str = ""
+
+
+@dataclass(frozen=True)
+class OnRay:
+    address: str
+    """Of the cluster, as `ray.init` takes it: `auto`, `HOST:PORT` or `ray://HOST:PORT`."""
+    limits: Limits
+    """Of each worker."""
+    cores: int = 1
+    """That a unit takes on its node."""
+
+    @property
+    def does_all(self) -> bool:
+        return True
+
+    def check(self) -> None:
+        _ray()
+        host, colon, port = self.address.removeprefix(CLIENT).rpartition(":")
+        if not colon:
+            return  # `auto`, which Ray looks up on this machine
+        # Ray itself would go on asking for minutes.
+        try:
+            socket.create_connection((host, int(port)), timeout=REACHED_WITHIN_S).close()
+        except (OSError, ValueError) as error:
+            raise _no_cluster(self.address, error) from None
+
+    def block_frames(self, frames: int, runs: int) -> int:
+        del frames, runs
+        return BLOCK_FRAMES
+
+    def threads(self, units: int) -> int:
+        del units
+        return self.cores
+
+    def mine(self, unit: AnyUnit) -> bool:
+        del unit
+        return True
+
+    def do(self, units: Sequence[AnyUnit], on_event: OnEvent) -> list[UnitFailure]:
+        ray = _ray()
+        with _connected(ray, self.address):
+            return _Tasks(ray, self, list(units), on_event).done()
+
+
+class _Tasks:
+    """Units on their way over the cluster, no more at a time than it takes to keep all of it at work."""
+
+    def __init__(self, ray: ModuleType, executor: OnRay, units: list[AnyUnit], on_event: OnEvent) -> None:
+        self._ray = ray
+        self._limits = executor.limits
+        options = {"num_cpus": executor.cores, "max_retries": executor.limits.tries - 1}
+        self._remote = ray.remote(**options)(done_here)
+        self._waiting = units[::-1]
+        self._running: dict[Any, AnyUnit] = {}
+        self._cores = executor.cores
+        self._lacking: Counter[str] = Counter()
+        self._on_event = on_event
+        self._failures: list[UnitFailure] = []
+        self._bugs: list[str] = []
+
+    def done(self) -> list[UnitFailure]:
+        try:
+            while self._waiting or self._running:
+                self._fill()
+                ready, _ = self._ray.wait(list(self._running), num_returns=1)
+                for reference in ready:
+                    self._heard(self._running.pop(reference), self._record(reference))
+        except BaseException:
+            for reference in self._running:
+                with contextlib.suppress(Exception):  # what matters is why we stop
+                    self._ray.cancel(reference, force=True)
+            raise
+        if self._bugs:
+            raise WorkerError("\n".join(self._bugs))
+        return self._failures
+
+    def _fill(self) -> None:
+        """Nodes come and go, so the cluster is asked each time how large it is."""
+        slots = int(self._ray.cluster_resources().get("CPU", 0)) // self._cores
+        while self._waiting and len(self._running) < QUEUED * max(1, slots):
+            unit = self._waiting.pop()
+            limits = self._limits
+            reference = self._remote.remote(unit.model_dump_json(), limits.tries, limits.silence_s, limits.memory_bytes)
+            self._running[reference] = unit
+
+    def _record(self, reference: Any) -> Record:  # noqa: ANN401 - Ray's
+        try:
+            return Record.model_validate_json(self._ray.get(reference))
+        except self._ray.exceptions.RayTaskError as error:
+            return Record(error="bug", text=str(error))
+        except self._ray.exceptions.RayError as error:
+            told = f"given up: {type(error).__name__}: {str(error).splitlines()[0]}"
+            return Record(failures=(f"{told}; the same command tries it again",))
+
+    def _heard(self, unit: AnyUnit, record: Record) -> None:
+        for text in record.retried:
+            self._on_event(unit, Retried(text))
+        if record.error == "input":
+            raise InputError(record.text)
+        if record.error == "environment":
+            self._lacking[unit.name] += 1
+            if self._lacking.total() >= NODES_TRIED:
+                raise EnvironmentLacking(record.text)
+            self._on_event(unit, Retried(f"{unit.name}: {record.text}; trying again, maybe on another node"))
+            self._waiting.insert(0, unit)
+            return
+        if record.error == "bug":
+            self._bugs.append(f"{unit.name}: {record.text}")
+        self._failures += [UnitFailure(unit, text) for text in record.failures]
+        self._on_event(unit, Finished())
+
+
+def done_here(unit_json: str, tries: int, silence_s: float, memory_bytes: int) -> str:
+    """A task: the unit by a child process of this node's worker, watched, ended and tried again as on one machine."""
+    unit = UNITS.validate_json(unit_json)
+    retried: list[str] = []
+
+    def note(_unit: AnyUnit, event: AnyEvent) -> None:
+        if isinstance(event, Retried):
+            retried.append(event.text)
+
+    record = Record()
+    try:
+        failures = run_units([unit], 1, note, limits=Limits(tries, silence_s, memory_bytes))
+        record = Record(failures=tuple(failure.text for failure in failures))
+    except InputError as error:
+        record = Record(error="input", text=str(error))
+    except EnvironmentLacking as error:
+        record = Record(error="environment", text=str(error))
+    except WorkerError as error:
+        record = Record(error="bug", text=str(error))
+    return record.model_copy(update={"retried": tuple(retried)}).model_dump_json()
+
+
+def _ray() -> ModuleType:
+    try:
+        import ray  # noqa: PLC0415 - an extra
+    except ImportError as error:
+        raise EnvironmentLacking(f"Ray cannot be loaded: {error}; {CURE}") from None
+    return ray
+
+
+def _no_cluster(address: str, error: Exception) -> EnvironmentLacking:
+    told = (str(error).strip().splitlines() or [type(error).__name__])[0]
+    cure = "start a cluster by `ray start --head`, and name it as HOST:PORT"
+    return EnvironmentLacking(f"--address {address}: no cluster of Ray: {told}; {cure}")
+
+
+@contextlib.contextmanager
+def _connected(ray: ModuleType, address: str) -> Iterator[None]:
+    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # it would tell its makers that it was started
+    try:
+        ray.init(address=address, log_to_driver=False, logging_level="error")
+    except (ConnectionError, ValueError, RuntimeError) as error:
+        raise _no_cluster(address, error) from None
+    try:
+        yield
+    finally:
+        ray.shutdown()
