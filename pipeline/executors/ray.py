@@ -6,6 +6,7 @@ back but a short record.
 """
 
 import contextlib
+import importlib
 import os
 import socket
 from collections import Counter
@@ -179,10 +180,9 @@ def done_here(unit_json: str, tries: int, silence_s: float, memory_bytes: int) -
 
 def _ray() -> ModuleType:
     try:
-        import ray  # noqa: PLC0415 - an extra
+        return importlib.import_module("ray")  # an extra, which type checks go without
     except ImportError as error:
         raise EnvironmentLacking(f"Ray cannot be loaded: {error}; {CURE}") from None
-    return ray
 
 
 def _no_cluster(address: str, error: Exception) -> EnvironmentLacking:

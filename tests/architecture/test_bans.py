@@ -21,6 +21,7 @@ BANNED_IMPORTS = {
     "urllib": "there is no network at run time",
     "multiprocessing": "forks after engines are loaded, and pickles; workers are spawned by pipeline.workers",
 }
+ALLOWED = {"pipeline/executors/ray.py: socket": "a cluster that the user names is reached, and no other place"}
 BANNED_CALLS = {
     "eval": "runs text from a file",
     "exec": "runs text from a file",
@@ -75,7 +76,9 @@ BANS = (banned_imports, banned_calls, hidden_randomness)
 @pytest.mark.parametrize("ban", BANS, ids=lambda ban: ban.__name__)
 def test_no_module_does_what_is_banned(ban):
     assert len(MODULES) > 50
-    assert [f"{name_of(path)}: {found}" for path in MODULES for found in ban(ast.parse(path.read_text()))] == []
+    found = [(name_of(path), what) for path in MODULES for what in ban(ast.parse(path.read_text()))]
+    strays = [f"{name}: {what}" for name, what in found if f"{name}: {what.split(': ')[1].split()[0]}" not in ALLOWED]
+    assert strays == []
 
 
 def test_the_bans_find_what_they_ban():
