@@ -31,11 +31,31 @@ RUN_FAILED = 3
 STAGES = ("simulate", "render", "assemble")
 
 
-def plan(scenario: Scenario, settings: Settings = None) -> None:
+def plan(
+    scenario: Scenario,
+    *,
+    settings: Settings = None,
+    frames: Annotated[
+        int | None,
+        typer.Option(min=1, max=10**12, metavar="N", help="Price so many images, by a few that are made and timed."),
+    ] = None,
+    device: OnDevice = None,
+) -> None:
     """Say what a scenario would make, how large and how long; write nothing.
 
     Example: symolo plan symolo --set render.quality=high
+
+    What a million images would cost, in core-hours and terabytes, measured here in a minute: symolo plan symolo
+    --frames 1000000
     """
+    if frames is not None:
+        from pipeline.price import measure
+        from pipeline.progress import report_here
+
+        price, about = measure(scenario, with_device(settings, device), report_here())
+        typer.echo(price.text(frames, about))
+        return
+    settings = with_device(settings, device)
     from configs.loader import load_scenario
     from pipeline.drawing import draw_reported
     from pipeline.plan import Plan
