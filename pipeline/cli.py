@@ -17,6 +17,7 @@ from pipeline.commands import bench, examine, hil, keep, make
 from pipeline.commands.diagnose import diagnose
 from pipeline.commands.export import export
 from pipeline.commands.measured import measured
+from pipeline.commands.model import model
 from pipeline.commands.pictures import pictures
 from pipeline.commands.preview import preview
 
@@ -52,7 +53,7 @@ def command_line() -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback()(_options)
-    for command in (make.plan, preview, make.release, make.simulate, make.render, make.assemble, make.rerender):
+    for command in (make.plan, preview, make.release, make.simulate, make.render, make.assemble, make.rerender, model):
         app.command(rich_help_panel="Make data")(command)
     for command in (hil.hil, hil.firmware):
         app.command(rich_help_panel="Hardware in the loop")(command)
