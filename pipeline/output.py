@@ -72,10 +72,12 @@ def kind_of(out: Path) -> Kind | None:
         return Kind.DATASET if released or (out / STAGES / "simulate").is_dir() else None
 
 
-def check_disk(out: Path, needed_bytes: int) -> None:
+SMALLER_PICTURES = "name a folder on another disk, or lower render.width_px and render.height_px"
+
+
+def check_disk(out: Path, needed_bytes: int, cure: str = SMALLER_PICTURES) -> None:
     """Raise EnvironmentLacking when there is no room for `needed_bytes` where `out` is or will be."""
     there = sum(path.stat().st_size for path in out.rglob("*") if path.is_file())
-    cure = "name a folder on another disk, or lower render.width_px and render.height_px"
     _check_room(nearest_existing(out), needed_bytes - there, f"--out {out}", needed_bytes, cure)
 
 
