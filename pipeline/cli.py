@@ -18,6 +18,7 @@ from pipeline.commands.diagnose import diagnose
 from pipeline.commands.export import export
 from pipeline.commands.measured import measured
 from pipeline.commands.model import model
+from pipeline.commands.pack import pack
 from pipeline.commands.pictures import pictures
 from pipeline.commands.preview import preview
 
@@ -59,7 +60,7 @@ def command_line() -> typer.Typer:
         app.command(rich_help_panel="Hardware in the loop")(command)
     for command in (examine.verify, examine.compare, examine.contact_sheet, examine.doctor, examine.schema):
         app.command(rich_help_panel="Look at data, machine and format")(command)
-    for command in (keep.status, keep.repair, keep.bag, export):
+    for command in (keep.status, keep.repair, keep.bag, export, pack):
         app.command(rich_help_panel="Keep data whole")(command)
     for command in (measured, diagnose, pictures):
         app.command(rich_help_panel="Understand measured data")(command)

@@ -4,6 +4,7 @@ import tarfile
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 _END_BYTES = 2 * tarfile.BLOCKSIZE
 
@@ -36,6 +37,9 @@ class Member:
         return len(self.head) + -(-self.size // tarfile.BLOCKSIZE) * tarfile.BLOCKSIZE
 
 
+AnyMember = TypeVar("AnyMember", bound=Member)
+
+
 def tar_bytes(members: Iterable[Member]) -> int:
     """Size of the tar of these members."""
     return _whole_records(sum(member.padded for member in members))
@@ -52,13 +56,13 @@ def tar_chunks(members: Iterable[Member]) -> Iterator[bytes]:
     yield b"\0" * (_whole_records(written) - written)
 
 
-def shards(groups: Iterable[Sequence[Member]], most_bytes: int) -> Iterator[tuple[Member, ...]]:
+def shards(groups: Iterable[Sequence[AnyMember]], most_bytes: int) -> Iterator[tuple[AnyMember, ...]]:
     """Members of each tar, groups in their order and never parted.
 
     A tar is larger than `most_bytes` only where one group alone is.
     """
     room = most_bytes // tarfile.RECORDSIZE * tarfile.RECORDSIZE - _END_BYTES
-    members: list[Member] = []
+    members: list[AnyMember] = []
     used = 0
     for group in groups:
         size = sum(member.padded for member in group)
