@@ -45,8 +45,11 @@ def model(
     if run > runs.get(chosen, run):
         raise InputError("--run", got=run, allowed=f"1 to {runs[chosen]} on route {chosen}")
     check_new(out)
-    files = model_files(draw_run(loaded, chosen, run), wanted)
+    spec = draw_run(loaded, chosen, run)
+    files = model_files(spec, wanted)
     with new_folder(out) as folder:
         for name, data in files.items():
             write_file(folder / name, data)
-    typer.echo(f"{out}: {', '.join(files)} of {chosen}/test_{run}")
+    typer.echo(f"{out}: {', '.join(files)} of {spec.key}")
+    if moving := [obstacle.name for obstacle in spec.arena.obstacles if obstacle.motion is not None]:
+        typer.echo(f"standing still, where they are at t = 0: {', '.join(moving)}")

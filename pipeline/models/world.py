@@ -30,7 +30,7 @@ LINE_HEIGHT_M = 0.0005
 """Of what is drawn on the floor: so low that nothing notices, so high that no viewer flickers."""
 _CHORD_M = 0.01
 _FRICTION = 1.0
-"""Of floor, walls and obstacles; a contact has the product of both."""
+"""Of floor, walls and obstacles: a contact has the robot's own, whether an engine multiplies both or takes the less."""
 _SYSTEMS = (
     ("gz-sim-physics-system", "gz::sim::systems::Physics"),
     ("gz-sim-user-commands-system", "gz::sim::systems::UserCommands"),

@@ -66,7 +66,12 @@ class About(Section):
     """Page of the dataset; that of the DOI by default."""
     description: Annotated[str, Field(max_length=5000)] | None = None
     """In place of that of the scenario."""
-    keywords: Annotated[tuple[Line, ...], FromList] = ("mobile robot", "synthetic data", "localisation", "odometry")
+    keywords: Annotated[tuple[Line, ...], FromList, Field(min_length=1)] = (
+        "mobile robot",
+        "synthetic data",
+        "localisation",
+        "odometry",
+    )
 
     @property
     def year(self) -> int:

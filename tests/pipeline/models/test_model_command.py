@@ -10,6 +10,12 @@ def test_the_command_writes_what_is_asked_for(tmp_path, capsys):
     assert capsys.readouterr().out == f"{out}: robot.urdf of CCW/test_1\n"
 
 
+def test_what_moves_in_a_run_is_said_to_stand_still(tmp_path, capsys):
+    out = tmp_path / "model"
+    assert main(["model", "moving", "--out", str(out), "--format", "urdf"]) == 0
+    assert "where they are at t = 0: Crosser, Patrol\n" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
