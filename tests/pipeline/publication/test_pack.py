@@ -167,6 +167,7 @@ def test_a_licence_that_is_not_listed_goes_by_its_name(packed, tmp_path, sign):
         ("publisher:", "publishr:", "did you mean publisher"),
         ("publisher: Zenodo", "", "publisher"),
         ("doi: ", "doi: https://doi.org/", "doi"),
+        ("doi: ", "keywords: []\ndoi: ", "keywords"),
     ],
 )
 def test_what_is_wrong_about_it_is_told_before_anything_is_written(packed, tmp_path, capsys, line, changed, told):
