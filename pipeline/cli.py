@@ -17,6 +17,8 @@ from pipeline.commands import bench, examine, hil, keep, make
 from pipeline.commands.diagnose import diagnose
 from pipeline.commands.export import export
 from pipeline.commands.measured import measured
+from pipeline.commands.model import model
+from pipeline.commands.pack import pack
 from pipeline.commands.pictures import pictures
 from pipeline.commands.preview import preview
 
@@ -52,13 +54,13 @@ def command_line() -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback()(_options)
-    for command in (make.plan, preview, make.release, make.simulate, make.render, make.assemble, make.rerender):
+    for command in (make.plan, preview, make.release, make.simulate, make.render, make.assemble, make.rerender, model):
         app.command(rich_help_panel="Make data")(command)
     for command in (hil.hil, hil.firmware):
         app.command(rich_help_panel="Hardware in the loop")(command)
     for command in (examine.verify, examine.compare, examine.contact_sheet, examine.doctor, examine.schema):
         app.command(rich_help_panel="Look at data, machine and format")(command)
-    for command in (keep.status, keep.repair, keep.bag, export):
+    for command in (keep.status, keep.repair, keep.bag, export, pack):
         app.command(rich_help_panel="Keep data whole")(command)
     for command in (measured, diagnose, pictures):
         app.command(rich_help_panel="Understand measured data")(command)

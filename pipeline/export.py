@@ -6,12 +6,13 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from configs.errors import InputError, nearest
-from configs.whole_files import make_folder, remove_folder, replace_folder, write_file
+from configs.whole_files import make_folder, write_file
 from pipeline.dataset.inventory import Inventory
 from pipeline.dataset.manifest import MANIFEST
 from pipeline.exporters import EXPORTERS
 from pipeline.exporters.base import ExportedFile, Exporter, ExportSettings
 from pipeline.files import canonical_json, sha256_of
+from pipeline.new_folder import check_new, new_folder
 from pipeline.progress import Report
 from pipeline.reader.dataset import Dataset, load
 from pipeline.versions import versions
@@ -71,19 +72,6 @@ def plan(data: Dataset, exporters: Sequence[Exporter], settings: ExportSettings)
     return tuple(Planned(exporter, tuple(exporter.files(data, settings))) for exporter in exporters)
 
 
-def check_new(out: Path, data: Dataset) -> None:
-    """Refuse a place that is taken, or that would make the release another one.
-
-    Raises:
-        InputError: There is something, or it lies within the release.
-    """
-    where = f"--out {out}"
-    if out.is_symlink() or (out.exists() and not (out.is_dir() and not any(out.iterdir()))):
-        raise InputError("is there already", where=where, cure="name a folder that is new or empty")
-    if out.resolve().is_relative_to(data.root.resolve()):
-        raise InputError("lies within the release", where=where, cure="name a folder beside it")
-
-
 def export(data: Dataset, planned: Sequence[Planned], out: Path, report: Report) -> int:
     """Write an export, which comes into being at once; the number of its bytes.
 
@@ -96,17 +84,9 @@ def export(data: Dataset, planned: Sequence[Planned], out: Path, report: Report)
     Raises:
         InputError: There is something at `out`, or a file of the release cannot be read as what it should be.
     """
-    check_new(out, data)
-    place = out.resolve()
-    partial = place.with_name(f".{place.name}.export")
-    remove_folder(partial)
-    try:
-        written = _fill(partial, data, planned, report)
-        replace_folder(partial, place)
-    except BaseException:
-        remove_folder(partial)
-        raise
-    return written
+    check_new(out, data.root)
+    with new_folder(out) as partial:
+        return _fill(partial, data, planned, report)
 
 
 def _fill(folder: Path, data: Dataset, planned: Sequence[Planned], report: Report) -> int:

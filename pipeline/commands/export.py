@@ -35,14 +35,15 @@ def export(
 
     Example: symolo export data --format tum,kitti --out exported
     """
-    from pipeline.export import check_new, exporters_of, open_release, plan
     from pipeline.export import export as exported
+    from pipeline.export import exporters_of, open_release, plan
     from pipeline.exporters.base import ExportSettings
+    from pipeline.new_folder import check_new
     from pipeline.progress import report_here
 
     exporters = exporters_of(names(formats, "--format"), "--format")
     data = open_release(folder, runs)
-    check_new(out, data)
+    check_new(out, data.root)
     planned = plan(data, exporters, ExportSettings(shard_mb * _MEGABYTE))
     if dry_run:
         for one in planned:
