@@ -85,10 +85,10 @@ class Price:
         ]
         lines += [
             "",
-            f"Measured here, on {self.images} images of {RUNS} draws from the start of their runs, one thread",
+            f"Measured on this machine, as busy as it is: {self.images} images of {RUNS} draws from the start of their",
+            f"runs, one at a time on one thread. Assumed: blocks of {BLOCK_FRAMES} images, each on a Blender of its own,",
+            f"and {BYTES_PER_ROW} bytes a row of the tables. Other processors differ.",
         ]
-        lines += [f"each and one at a time; assumed: blocks of {BLOCK_FRAMES} images, each on a Blender of its own,"]
-        lines += [f"{BYTES_PER_ROW} bytes a row of the tables. Other processors differ."]
         if self.device == "CPU":
             lines += ["No graphics card was measured: --device gpu measures one where there is one."]
         return "\n".join(lines)
