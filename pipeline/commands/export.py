@@ -16,7 +16,11 @@ def export(
     *,
     formats: Annotated[
         str,
-        typer.Option("--format", metavar="NAMES", help="tum, kitti, coco, webdataset, parquet, with commas between."),
+        typer.Option(
+            "--format",
+            metavar="NAMES",
+            help="tum, kitti, coco, webdataset, parquet, mcap, ros1, with commas between.",
+        ),
     ],
     out: Annotated[
         Path, typer.Option("--out", metavar="OUT", callback=checked_new_folder, help="Output folder: new or empty.")

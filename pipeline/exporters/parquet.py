@@ -5,14 +5,14 @@ Each column has its unit in the metadata of its field, under `unit` (https://par
 
 import io
 from collections.abc import Callable, Iterator, Mapping
-from importlib import import_module
 from types import ModuleType
 
 import numpy as np
 import pandas as pd
 
-from configs.errors import EnvironmentLacking, InputError
+from configs.errors import InputError
 from pipeline.exporters.base import CopiedFile, ExportedFile, Exporter, ExportSettings, MadeFile
+from pipeline.exporters.optional import PYARROW, optional
 from pipeline.reader.dataset import RUN, Dataset
 from pipeline.reader.image import Image
 from pipeline.reader.run import Run
@@ -24,7 +24,7 @@ FILE_NAME = "file_name"
 
 
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
-    arrow = _arrow()
+    arrow = optional("pyarrow", PYARROW)
     names = data.runs[0].side_names
     for run in data.runs[1:]:
         if run.side_names != names:
@@ -69,16 +69,8 @@ def _parquet(arrow: ModuleType, columns: Mapping[str, np.ndarray], units: Mappin
     fields = [arrow.field(name, array.type, metadata={"unit": units[name]}) for name, array in arrays.items()]
     table = arrow.Table.from_arrays([*arrays.values()], schema=arrow.schema(fields))
     file = io.BytesIO()
-    import_module("pyarrow.parquet").write_table(table, file, compression="zstd")
+    optional("pyarrow.parquet", PYARROW).write_table(table, file, compression="zstd")
     return file.getvalue()
-
-
-def _arrow() -> ModuleType:
-    """pyarrow, which comes with the extra `export` alone; from 26 on it does not load beside Blender's numpy."""
-    try:
-        return import_module("pyarrow")
-    except ImportError:
-        raise EnvironmentLacking("pyarrow is missing; run: pip install 'pyarrow<26'") from None
 
 
 EXPORTER = Exporter("parquet", "all tables of all runs as Parquet with their units, images beside them", _files)

@@ -20,8 +20,14 @@ from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released
 from pipeline.dataset.metadata import RunRecord, describe
 from pipeline.dataset.rows import COLUMNS, STATES, Rows
 from pipeline.dataset.side import CAMERA, TOF, WHEELS, image_positions
+from pipeline.export import export, exporters_of, open_release, plan
+from pipeline.exporters.base import ExportSettings
+from pipeline.progress import LineReport
 from pipeline.stages.simulate_runs import spec_text
 
+SEEDS = [pytest.param(seed, marks=[pytest.mark.faults] if seed > 2 else []) for seed in range(1, 101)]
+"""Of releases that every format is held against; two of them by default."""
+SHARD_BYTES = 40_000
 WIDTH, HEIGHT = 40, 24
 SETTINGS = [f"render.width_px={WIDTH}", f"render.height_px={HEIGHT}"]
 KINDS = ("instance", "boxes_2d", "key_points")
@@ -38,6 +44,8 @@ class Truth:
     table: np.ndarray
     """(N, 19), the columns of data.csv to their digits."""
     wheels: np.ndarray
+    tof: np.ndarray
+    """(N, 4), the columns of tof.csv."""
     X_WC: np.ndarray
     """(M, 4, 4)."""
     pictures: tuple[bytes, ...]
@@ -52,6 +60,23 @@ class Truth:
 class Random:
     root: Path
     runs: tuple[Truth, ...]
+
+
+@pytest.fixture(params=SEEDS)
+def seed(request: pytest.FixtureRequest) -> int:
+    return request.param
+
+
+@pytest.fixture(scope="session")
+def exported() -> Callable[..., Path]:
+    """Makes an export of a release."""
+
+    def make(root: Path, out: Path, *formats: str) -> Path:
+        data = open_release(root, None)
+        export(data, plan(data, exporters_of(formats, ""), ExportSettings(SHARD_BYTES)), out, LineReport())
+        return out
+
+    return make
 
 
 @pytest.fixture(scope="session")
@@ -103,6 +128,7 @@ def _run(folder: Path, spec, rng: np.random.Generator) -> Truth:
     rows = Rows.from_table(table)
     wheels = np.column_stack((table[:, 0], np.round(rng.normal(size=(count, len(WHEELS.columns) - 1)), 5)))
     wheels[:, WHEELS.header.index("counts_r") :][:, :2] = rng.integers(-9999, 9999, (count, 2))
+    tof = np.column_stack((table[:, 0], rng.integers(0, 3, (count, 3))))
     X_WC = np.tile(np.eye(4), (len(taken), 1, 1))
     X_WC[:, :3, :3] = np.round(Rotation.random(len(taken), random_state=int(rng.integers(2**31))).as_matrix(), 9)
     X_WC[:, :3, 3] = np.round(rng.uniform(-30, 30, (len(taken), 3)), 6)
@@ -115,7 +141,7 @@ def _run(folder: Path, spec, rng: np.random.Generator) -> Truth:
         "data.csv": rows.to_csv(),
         "image_positions.txt": image_positions(rows),
         "side/wheels.csv": WHEELS.to_csv(wheels),
-        "side/tof.csv": TOF.to_csv(np.column_stack((table[:, 0], np.zeros((count, 3))))),
+        "side/tof.csv": TOF.to_csv(tof),
         "side/camera.csv": CAMERA.to_csv(camera),
         "side/intrinsics.json": CameraModel.of(spec).to_json(),
         "side/spec.json": spec_text(spec),
@@ -133,7 +159,7 @@ def _run(folder: Path, spec, rng: np.random.Generator) -> Truth:
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_bytes(data)
     K = np.array(CameraModel.of(spec).K)
-    return Truth(spec.key, table, wheels, X_WC, pictures, instances, sightings, K)
+    return Truth(spec.key, table, wheels, tof, X_WC, pictures, instances, sightings, K)
 
 
 def _rectangles(rng: np.random.Generator) -> np.ndarray:

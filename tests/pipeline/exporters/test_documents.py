@@ -25,7 +25,7 @@ def here(random_release, tmp_path, monkeypatch):
 
 def test_help_readme_and_page_name_every_format(symolo):
     names = ", ".join(exporter.name for exporter in EXPORTERS)
-    assert names in " ".join(re.sub(r"[^a-z, ]", " ", symolo("export", "--help").out).split())
+    assert names in " ".join(re.sub(r"[^a-z0-9, ]", " ", symolo("export", "--help").out).split())
     assert names in (ROOT / "README.md").read_text()
     page = (DOCS / "exports.md").read_text()
     assert re.findall(r"^## (\w+)$", page, re.MULTILINE) == names.split(", ")
@@ -47,10 +47,10 @@ def test_the_program_of_the_page_on_the_reader(capsys):
 def test_the_commands_and_programs_of_the_page_on_exports(symolo):
     commands = re.findall(r"^    symolo (.+)$", (DOCS / "exports.md").read_text(), re.MULTILINE)
     assert [symolo(*command.replace('"', "").split()).code for command in commands[:2]] == [0, 0]
-    kitti, coco, webdataset, parquet = programs("exports.md")
     names = {}
-    for program in (kitti, coco, webdataset, parquet):
+    for program in programs("exports.md"):
         exec(program, names)  # noqa: S102 - as above
     assert (names["p_WC"].shape[1], names["unit"], names["mask"].ndim) == (3, b"rad/s", 2)
+    assert names["place"].x == names["rows"].query("run == 'CW/test_1'")["x"].iloc[-1]
     gc.collect()
     assert names["row"]["run"] in set(names["rows"]["run"])

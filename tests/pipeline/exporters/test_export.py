@@ -5,6 +5,8 @@ import sys
 
 import pytest
 
+from pipeline.exporters import EXPORTERS
+
 
 def one_line(ended) -> str:
     assert (ended.code, ended.err.count("\n")) == (2, 1)
@@ -51,8 +53,9 @@ def test_what_cannot_be_exported_is_refused_before_anything_is_written(random_re
     taken = tmp_path / "taken"
     taken.mkdir()
     (taken / "mine.txt").write_text("mine")
+    known = ", ".join(exporter.name for exporter in EXPORTERS)
     for arguments, what in (
-        ((root, "tun", out), "--format: got 'tun', allowed: tum, kitti, coco, webdataset, parquet; did you mean tum"),
+        ((root, "tun", out), f"--format: got 'tun', allowed: {known}; did you mean tum"),
         ((root, "tum,", out), "names with commas between them"),
         ((damaged, "tum", out), "CW/test_1/data.csv: was changed: its SHA-256 is not that of manifest-sha256.txt"),
         ((damaged, "tum", out), "symolo repair"),
@@ -69,10 +72,19 @@ def test_what_cannot_be_exported_is_refused_before_anything_is_written(random_re
     assert [path.name for path in taken.iterdir()] == ["mine.txt"]
 
 
-def test_parquet_without_pyarrow_says_how_to_get_it(random_release, tmp_path, symolo, monkeypatch):
-    monkeypatch.setitem(sys.modules, "pyarrow", None)
-    ended = symolo("export", random_release(1).root, "--format", "tum,parquet", "--out", tmp_path / "out")
-    assert (ended.code, ended.err) == (5, "symolo: pyarrow is missing; run: pip install 'pyarrow<26'\n")
+@pytest.mark.parametrize(
+    ("name", "module", "requirement"),
+    [("parquet", "pyarrow", "pyarrow<26"), ("mcap", "rosbags", "rosbags<0.12"), ("ros1", "rosbags", "rosbags<0.12")],
+)
+def test_a_library_that_is_missing_is_named_before_anything_is_written(
+    name, module, requirement, random_release, tmp_path, symolo, monkeypatch
+):
+    for loaded in [one for one in sys.modules if one.startswith(f"{module}.")]:
+        monkeypatch.delitem(sys.modules, loaded)
+    monkeypatch.setitem(sys.modules, module, None)
+    ended = symolo("export", random_release(1).root, "--format", f"tum,{name}", "--out", tmp_path / "out")
+    told = f"symolo: {module}, of the extra `export`, is missing; run: pip install '{requirement}'\n"
+    assert (ended.code, ended.err) == (5, told)
     assert list(tmp_path.iterdir()) == []
 
 
