@@ -19,7 +19,7 @@ def export(
         typer.Option(
             "--format",
             metavar="NAMES",
-            help="tum, kitti, coco, webdataset, parquet, mcap, ros1, with commas between.",
+            help="tum, kitti, coco, webdataset, parquet, mcap, ros1, hdf5, with commas between.",
         ),
     ],
     out: Annotated[

@@ -1,6 +1,6 @@
 """All formats that a release is exported to, in the order in which `--help` names them."""
 
-from pipeline.exporters import coco, kitti, mcap, parquet, ros1, tum, webdataset
+from pipeline.exporters import coco, hdf5, kitti, mcap, parquet, ros1, tum, webdataset
 from pipeline.exporters.base import Exporter
 
 EXPORTERS: tuple[Exporter, ...] = (
@@ -11,4 +11,5 @@ EXPORTERS: tuple[Exporter, ...] = (
     parquet.EXPORTER,
     mcap.EXPORTER,
     ros1.EXPORTER,
+    hdf5.EXPORTER,
 )

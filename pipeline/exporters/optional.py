@@ -8,7 +8,7 @@ from configs.errors import EnvironmentLacking
 PYARROW = "pyarrow<26"
 """From 26 on it does not load beside Blender's numpy."""
 ROSBAGS = "rosbags<0.12"
-H5PY = "h5py<4"
+H5PY = "h5py>=3.13,<4"
 
 
 def optional(module: str, requirement: str) -> ModuleType:

@@ -4,14 +4,13 @@ The files of a sample have the same name up to the first dot: `CW/test_1/000001.
 """
 
 import io
-import json
 import tarfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeline.dataset.rows import COLUMNS
 from pipeline.exporters.base import ExportedFile, Exporter, ExportSettings
+from pipeline.exporters.record import record_of
 from pipeline.reader.dataset import Dataset
 from pipeline.reader.image import Image
 
@@ -98,23 +97,12 @@ def _key(image: Image) -> str:
 
 def _sample(image: Image) -> _Sample:
     key = _key(image)
-    members = [_Member(f"{key}.json", _record(image)), _Member(f"{key}{image.path.suffix}", image.path)]
+    members = [_Member(f"{key}.json", record_of(image)), _Member(f"{key}{image.path.suffix}", image.path)]
     for kind in image.run.annotation_pictures:
         path = image.run.annotation_picture(kind, image.number)
         if path.is_file():  # the last image has no flow
             members.append(_Member(f"{key}.{kind}.png", path))
     return tuple(sorted(members, key=lambda member: member.name))
-
-
-def _record(image: Image) -> bytes:
-    """The row of data.csv at which the image was taken, the camera's pose and its intrinsics."""
-    row = image.run.table.at(image.row).tolist()
-    content = {
-        column.name: value if column.decimals else int(value) for column, value in zip(COLUMNS, row, strict=True)
-    }
-    camera = image.run.camera
-    content |= {"run": image.run.name, "X_WC": image.X_WC.tolist(), "K": camera.K, "D": camera.D}
-    return (json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n").encode()
 
 
 EXPORTER = Exporter(

@@ -29,7 +29,8 @@ def test_help_readme_and_page_name_every_format(symolo):
     assert names in (ROOT / "README.md").read_text()
     page = (DOCS / "exports.md").read_text()
     assert re.findall(r"^## (\w+)$", page, re.MULTILINE) == names.split(", ")
-    assert re.findall(r"^\| (\w+) \|", page, re.MULTILINE) == ["format", *names.split(", ")]
+    overview = page.partition("\n## ")[0]
+    assert re.findall(r"^\| (\w+) \|", overview, re.MULTILINE) == ["format", *names.split(", ")]
 
 
 @pytest.mark.usefixtures("here")
@@ -51,6 +52,7 @@ def test_the_commands_and_programs_of_the_page_on_exports(symolo):
     for program in programs("exports.md"):
         exec(program, names)  # noqa: S102 - as above
     assert (names["p_WC"].shape[1], names["unit"], names["mask"].ndim) == (3, b"rad/s", 2)
+    assert (names["pixels"].shape[2], names["row"]["run"]) == (3, "CW/test_1")
     assert names["place"].x == names["rows"].query("run == 'CW/test_1'")["x"].iloc[-1]
     gc.collect()
     assert names["row"]["run"] in set(names["rows"]["run"])

@@ -74,7 +74,12 @@ def test_what_cannot_be_exported_is_refused_before_anything_is_written(random_re
 
 @pytest.mark.parametrize(
     ("name", "module", "requirement"),
-    [("parquet", "pyarrow", "pyarrow<26"), ("mcap", "rosbags", "rosbags<0.12"), ("ros1", "rosbags", "rosbags<0.12")],
+    [
+        ("parquet", "pyarrow", "pyarrow<26"),
+        ("mcap", "rosbags", "rosbags<0.12"),
+        ("ros1", "rosbags", "rosbags<0.12"),
+        ("hdf5", "h5py", "h5py>=3.13,<4"),
+    ],
 )
 def test_a_library_that_is_missing_is_named_before_anything_is_written(
     name, module, requirement, random_release, tmp_path, symolo, monkeypatch

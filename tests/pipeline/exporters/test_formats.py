@@ -150,7 +150,8 @@ def webdataset_differs(out, truths):
     expected = [(truth, index) for truth in by_name for index in range(len(truth.pictures))]
     assert [sample["__key__"] for sample in samples] == [f"{truth.name}/{i + 1:06d}" for truth, i in expected]
     for sample, (truth, index) in zip(samples, expected, strict=True):
-        assert {name for name in sample if not name.startswith("__")} == {"jpg", "json", "instance.png"}
+        others = {f"{kind}.png" for kind, stored in truth.passes.items() if index < len(stored)}
+        assert {name for name in sample if not name.startswith("__")} == {"jpg", "json", "instance.png"} | others
         assert sample["jpg"] == truth.pictures[index]
         told = json.loads(sample["json"])
         row = truth.table[truth.table[:, 18] > 0][index]
