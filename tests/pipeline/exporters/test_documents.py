@@ -4,6 +4,7 @@ import gc
 import re
 from pathlib import Path
 
+import datasets
 import pytest
 
 from pipeline.exporters import EXPORTERS
@@ -20,6 +21,8 @@ def programs(page: str) -> list[str]:
 @pytest.fixture
 def here(random_release, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(datasets.config, "HF_HUB_OFFLINE", True)
+    monkeypatch.setattr(datasets.config, "HF_DATASETS_CACHE", tmp_path / "cache")
     Path(RELEASE).symlink_to(random_release(1, annotated=True).root)
 
 
@@ -53,6 +56,7 @@ def test_the_commands_and_programs_of_the_page_on_exports(symolo):
         exec(program, names)  # noqa: S102 - as above
     assert (names["p_WC"].shape[1], names["unit"], names["mask"].ndim) == (3, b"rad/s", 2)
     assert (names["pixels"].shape[2], names["row"]["run"]) == (3, "CW/test_1")
+    assert len(names["rows_20_Hz"]) == len(names["rows"])
     assert names["place"].x == names["rows"].query("run == 'CW/test_1'")["x"].iloc[-1]
     gc.collect()
     assert names["row"]["run"] in set(names["rows"]["run"])
