@@ -19,7 +19,7 @@ def export(
         typer.Option(
             "--format",
             metavar="NAMES",
-            help="tum, kitti, coco, webdataset, parquet, mcap, ros1, hdf5, huggingface, with commas between.",
+            help="tum, kitti, coco, webdataset, parquet, mcap, ros1, hdf5, huggingface, lerobot, with commas between.",
         ),
     ],
     out: Annotated[
@@ -29,7 +29,10 @@ def export(
         str | None, typer.Option("--runs", metavar="GLOB", help="Only runs whose name matches, such as 'CW/*'.")
     ] = None,
     shard_mb: Annotated[
-        int, typer.Option("--shard-mb", min=1, max=2000, metavar="MB", help="Largest shard of webdataset, huggingface.")
+        int,
+        typer.Option(
+            "--shard-mb", min=1, max=2000, metavar="MB", help="Largest shard of webdataset, huggingface, lerobot."
+        ),
     ] = 100,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would be written; write nothing.")] = False,
 ) -> None:

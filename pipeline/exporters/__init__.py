@@ -1,6 +1,6 @@
 """All formats that a release is exported to, in the order in which `--help` names them."""
 
-from pipeline.exporters import coco, hdf5, huggingface, kitti, mcap, parquet, ros1, tum, webdataset
+from pipeline.exporters import coco, hdf5, huggingface, kitti, lerobot, mcap, parquet, ros1, tum, webdataset
 from pipeline.exporters.base import Exporter
 
 EXPORTERS: tuple[Exporter, ...] = (
@@ -13,4 +13,5 @@ EXPORTERS: tuple[Exporter, ...] = (
     ros1.EXPORTER,
     hdf5.EXPORTER,
     huggingface.EXPORTER,
+    lerobot.EXPORTER,
 )

@@ -83,5 +83,5 @@ def stacked_bytes(data: Dataset, read: Callable[[Run], pd.DataFrame]) -> bytes:
     """A file of the tables of all runs under each other, the name of the run in the first column."""
     tables = [read(run) for run in data.runs]
     columns = {RUN: column(np.repeat([run.name for run in data.runs], [len(table) for table in tables]))}
-    columns |= {name: column(np.concatenate([table[name].to_numpy() for table in tables])) for name in tables[0]}
+    columns |= {str(name): column(np.concatenate([table[name].to_numpy() for table in tables])) for name in tables[0]}
     return parquet_bytes(columns, {RUN: "-"} | tables[0].attrs[UNITS])

@@ -73,9 +73,9 @@ def seed(request: pytest.FixtureRequest) -> int:
 def exported() -> Callable[..., Path]:
     """Makes an export of a release."""
 
-    def make(root: Path, out: Path, *formats: str) -> Path:
+    def make(root: Path, out: Path, *formats: str, shard_bytes: int = SHARD_BYTES) -> Path:
         data = open_release(root, None)
-        export(data, plan(data, exporters_of(formats, ""), ExportSettings(SHARD_BYTES)), out, LineReport())
+        export(data, plan(data, exporters_of(formats, ""), ExportSettings(shard_bytes)), out, LineReport())
         return out
 
     return make
