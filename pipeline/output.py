@@ -72,10 +72,10 @@ def kind_of(out: Path) -> Kind | None:
         return Kind.DATASET if released or (out / STAGES / "simulate").is_dir() else None
 
 
-def check_disk(out: Path, needed_bytes: int) -> None:
+def check_disk(out: Path, needed_bytes: int, or_else: str = "lower render.width_px and render.height_px") -> None:
     """Raise EnvironmentLacking when there is no room for `needed_bytes` where `out` is or will be."""
     there = sum(path.stat().st_size for path in out.rglob("*") if path.is_file())
-    cure = "name a folder on another disk, or lower render.width_px and render.height_px"
+    cure = f"name a folder on another disk, or {or_else}"
     _check_room(nearest_existing(out), needed_bytes - there, f"--out {out}", needed_bytes, cure)
 
 

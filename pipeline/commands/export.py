@@ -42,7 +42,7 @@ def export(
 
     Example: symolo export data --format tum,kitti --out exported
     """
-    from pipeline.export import check_new, exporters_of, open_release, plan
+    from pipeline.export import check_new, check_room, exporters_of, open_release, plan
     from pipeline.export import export as exported
     from pipeline.exporters.base import ExportSettings
     from pipeline.progress import report_here
@@ -56,5 +56,6 @@ def export(
             size = sum(file.size_bytes() for file in one.files)
             typer.echo(f"{one.exporter.name}: {len(one.files)} files, {size / _MEGABYTE:.3f} MB: {one.exporter.what}")
         return
+    check_room(planned, out)
     written = exported(data, planned, out, report_here())
     typer.echo(f"{out}: {', '.join(one.exporter.name for one in planned)}, {written / _MEGABYTE:.1f} MB")

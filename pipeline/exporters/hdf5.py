@@ -6,6 +6,7 @@ Keys and forms are those of its `write_hdf5` with colours, depth, normals, optic
 
 import json
 from collections.abc import Callable, Iterator, Mapping
+from functools import cache
 from types import ModuleType
 from typing import Any
 
@@ -35,8 +36,9 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     h5py = optional("h5py", H5PY)
     yield MadeFile("tables.hdf5", lambda: _tables(h5py, data))
     for run in data.runs:
+        like_first = cache(lambda run=run: len(_frame(h5py, run.images[0])))
         for image in run.images:
-            yield MadeFile(f"{run.name}/{image.index}.hdf5", lambda image=image: _frame(h5py, image))
+            yield MadeFile(f"{run.name}/{image.index}.hdf5", lambda image=image: _frame(h5py, image), like_first)
 
 
 def _whole(h5py: ModuleType, fill: Callable[[Any], None]) -> bytes:

@@ -39,7 +39,8 @@ def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
     shards = list(_shards(data.images, settings.shard_bytes))
     for number, images in enumerate(shards):
         name = f"images/train-{number:05d}-of-{len(shards):05d}.parquet"
-        yield MadeFile(name, lambda images=images: _pictures(images, first.annotation_pictures))
+        size = sum(map(_bytes, images))
+        yield MadeFile(name, lambda images=images: _pictures(images, first.annotation_pictures), lambda size=size: size)
     yield MadeFile("rows/train-00000-of-00001.parquet", lambda: stacked_bytes(data, _wide))
 
 
@@ -48,7 +49,7 @@ def _shards(images: Sequence[Image], most_bytes: int) -> Iterator[tuple[Image, .
     shard: list[Image] = []
     used = 0
     for image in images:
-        size = sum(path.stat().st_size for path in (image.path, *_annotations(image).values()))
+        size = _bytes(image)
         if shard and used + size > most_bytes:
             yield tuple(shard)
             shard, used = [], 0
@@ -56,6 +57,11 @@ def _shards(images: Sequence[Image], most_bytes: int) -> Iterator[tuple[Image, .
         used += size
     if shard:
         yield tuple(shard)
+
+
+def _bytes(image: Image) -> int:
+    """Of its picture and annotations."""
+    return sum(path.stat().st_size for path in (image.path, *_annotations(image).values()))
 
 
 def _annotations(image: Image) -> dict[str, Path]:

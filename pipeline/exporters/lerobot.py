@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from configs.errors import InputError
-from pipeline.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
+from pipeline.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile, pictures_bytes
 from pipeline.exporters.features import parquet_bytes, picture, pictured, value, vector
 from pipeline.exporters.lerobot_stats import Levels, Stats, vector_stats
 from pipeline.exporters.optional import PYARROW, optional
@@ -31,6 +31,8 @@ _VECTORS = {_STATE: _STATE_NAMES, _ACTION: _ACTION_NAMES, _POSE: _POSE_NAMES}
 _COUNTS = ("frame_index", "episode_index", "index", "task_index")
 _FILES_PER_CHUNK = 1000
 _FRAMES_PER_GROUP = 100
+_STATS_BYTES = 10_000
+"""What the statistics of an episode take, about."""
 _PLACE = "chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 
 
@@ -66,6 +68,7 @@ class _Episode:
         whole = (count, np.full_like(count, self.index), self.first + count, np.full_like(count, self.task_index))
         return found | {name: one.astype(np.int64) for name, one in zip(_COUNTS, whole, strict=True)}
 
+    @cached_property
     def levels(self) -> Levels:
         return Levels.of(image.pixels() for image in self.run.images)
 
@@ -90,11 +93,14 @@ def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
     plan = _plan(data, settings.shard_bytes)
     yield MadeFile("README.md", lambda: _card(plan))
     yield MadeFile("meta/info.json", lambda: canonical_json(_info(plan)))
-    yield MadeFile("meta/stats.json", lambda: canonical_json(_stats(plan.episodes)))
+    yield MadeFile("meta/stats.json", lambda: canonical_json(_stats(plan.episodes)), lambda: _STATS_BYTES)
     yield MadeFile("meta/tasks.parquet", lambda: _tasks(plan))
-    yield MadeFile(f"meta/episodes/{_place(0)}", lambda: _episodes(plan))
+    about = _STATS_BYTES * len(plan.episodes)
+    yield MadeFile(f"meta/episodes/{_place(0)}", lambda: _episodes(plan), lambda: about)
     for number, episodes in enumerate(plan.files):
-        yield MadeFile(f"data/{_place(number)}", lambda episodes=episodes: _frames(episodes))
+        size = sum(pictures_bytes(one.run.images) for one in episodes)
+        name = f"data/{_place(number)}"
+        yield MadeFile(name, lambda episodes=episodes: _frames(episodes), lambda size=size: size)
 
 
 def _plan(data: Dataset, most_bytes: int) -> _Plan:
@@ -108,7 +114,7 @@ def _plan(data: Dataset, most_bytes: int) -> _Plan:
     files: list[list[_Episode]] = []
     used, frames = 0, 0
     for index, run in enumerate(data.runs):
-        size = sum(image.path.stat().st_size for image in run.images)
+        size = pictures_bytes(run.images)
         if not files or used + size > most_bytes:
             files.append([])
             used = 0
@@ -153,7 +159,7 @@ def _info(plan: _Plan) -> dict[str, Any]:
 
 def _stats(episodes: Sequence[_Episode]) -> dict[str, Stats]:
     """Of every feature over some episodes."""
-    levels = [one.levels() for one in episodes]
+    levels = [one.levels for one in episodes]
     found = {_FRONT: sum(levels[1:], start=levels[0]).stats()}
     for name in episodes[0].numbers:
         found[name] = vector_stats(np.concatenate([one.numbers[name] for one in episodes]))

@@ -6,7 +6,7 @@ from tempfile import TemporaryDirectory
 
 from pipeline.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
 from pipeline.exporters.optional import ROSBAGS, optional
-from pipeline.exporters.ros_messages import TOPICS, Vocabulary, messages
+from pipeline.exporters.ros_messages import TOPICS, Vocabulary, about_bytes, messages
 from pipeline.reader.dataset import Dataset
 from pipeline.reader.run import Run
 
@@ -14,7 +14,7 @@ from pipeline.reader.run import Run
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     optional("rosbags.rosbag2", ROSBAGS)
     for run in data.runs:
-        yield MadeFile(f"{run.name}.mcap", lambda run=run: _bag(run))
+        yield MadeFile(f"{run.name}.mcap", lambda run=run: _bag(run), lambda run=run: about_bytes(run))
 
 
 def _bag(run: Run) -> bytes:

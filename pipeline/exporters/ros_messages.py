@@ -15,6 +15,7 @@ import pandas as pd
 from scipy.spatial.transform import Rotation
 
 from pipeline.dataset.rows import Floats
+from pipeline.exporters.base import pictures_bytes
 from pipeline.reader.image import Image
 from pipeline.reader.run import Run
 from sensors.tof import TofStatus
@@ -113,6 +114,15 @@ class Topic:
     """In the order of time."""
     latched: bool = False
     """Whether who comes later gets the last one."""
+
+
+_ROW_BYTES = 2_700
+"""What the messages of a row take in a bag, about."""
+
+
+def about_bytes(run: Run) -> int:
+    """How large a bag of a run is, about."""
+    return pictures_bytes(run.images) + _ROW_BYTES * len(run)
 
 
 def messages(run: Run, ros: Vocabulary) -> Iterator[tuple[Topic, int, Any]]:

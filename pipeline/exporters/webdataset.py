@@ -60,6 +60,9 @@ class _Shard:
     def size_bytes(self) -> int:
         return -(-self._used // tarfile.RECORDSIZE) * tarfile.RECORDSIZE
 
+    def room_bytes(self) -> int:
+        return self.size_bytes()
+
     def content(self) -> bytes:
         file = io.BytesIO()
         for sample in self.samples:

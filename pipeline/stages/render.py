@@ -23,7 +23,7 @@ from configs.whole_files import make_folder, remove_file, remove_folder, write_f
 from physics.arena import Arena
 from physics.robot_path import RobotPath
 from pipeline.cpu import cpu_class
-from pipeline.dataset.layout import IMAGES
+from pipeline.dataset.layout import IMAGES, JOB
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Rows
 from pipeline.files import canonical_json, sha256_of
@@ -35,7 +35,7 @@ from pipeline.worker_process import Limits
 from pipeline.workers import BY_LIMITS, AnyEvent, AnyUnit, Retried, cores, run_units
 from pipeline.workspace import DONE, FAILED, StageFolder, input_key, mark_done
 
-JOB, FRAMES, INPUTS = "job.json", "frames.json", "inputs.json"
+FRAMES, INPUTS = "frames.json", "inputs.json"
 
 
 @dataclass(frozen=True)
