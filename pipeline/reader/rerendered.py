@@ -1,4 +1,4 @@
-"""Camera and poses of pictures that `rerender` made: of the job that they were rendered from, for want of side tables."""
+"""Camera and poses of pictures that `rerender` made: of the job that they were rendered from, as there is no side/."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -134,10 +134,10 @@ class Run:
 
     @cached_property
     def X_WC(self) -> Floats:
-        """(images, 4, 4), pose of the camera in W at each shutter, of side/camera.csv.
+        """(images, 4, 4), pose of the camera in W at each shutter, of side/camera.csv or what `rerender` rendered.
 
         Raises:
-            InputError: The table is damaged or of other images than data.csv.
+            InputError: It is damaged or of other images than data.csv.
         """
         if self.is_rerendered:
             from pipeline.reader.rerendered import poses_of
@@ -155,7 +155,7 @@ class Run:
 
     @cached_property
     def camera(self) -> "CameraModel":
-        """Intrinsics, distortion, exposure and the camera's pose on the robot, of side/intrinsics.json.
+        """Intrinsics, distortion, exposure and the camera's pose on the robot, of side/intrinsics.json or as above.
 
         Raises:
             InputError: The file is missing or damaged.

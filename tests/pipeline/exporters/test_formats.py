@@ -238,11 +238,3 @@ def test_a_plan_knows_the_size_of_every_file(random_release):
     data = open_release(random_release(1, annotated=True).root, None)
     for planned in plan(data, EXPORTERS, ExportSettings(40_000)):
         assert [file.size_bytes() for file in planned.files] == [len(file.content()) for file in planned.files]
-
-
-def test_twice_the_same_bytes(random_release, exported, tmp_path, release_of):
-    release = random_release(2, annotated=True)
-    names = [exporter.name for exporter in EXPORTERS]
-    once, again = (release_of(exported(release.root, tmp_path / name, *names)) for name in ("a", "b"))
-    assert once == again
-    assert {name.split("/")[0] for name in once} == {*names, "export.json"}
