@@ -79,7 +79,7 @@ def test_what_cannot_be_exported_is_refused_before_anything_is_written(random_re
 @pytest.mark.parametrize(
     ("name", "module", "requirement"),
     [
-        ("parquet", "pyarrow", "pyarrow<26"),
+        *((name, "pyarrow", "pyarrow<26") for name in ("parquet", "huggingface", "lerobot")),
         ("mcap", "rosbags", "rosbags<0.12"),
         ("ros1", "rosbags", "rosbags<0.12"),
         ("hdf5", "h5py", "h5py>=3.13,<4"),

@@ -64,7 +64,7 @@ def stats_differ(told, values):
     expected |= {name: np.quantile(numbers, share, axis=0, method=how) for name, share in QUANTILES.items()}
     assert {*told} == {*expected, "count"}
     for name, one in expected.items():
-        got = np.array(told[name].tolist() if hasattr(told[name], "tolist") else told[name], dtype=np.float64)
+        got = np.array(told[name], dtype=np.float64)
         assert got.shape == ((3, 1, 1) if is_picture else one.shape)
         np.testing.assert_allclose(got.ravel(), one, rtol=1e-9, atol=1e-12, err_msg=name)
 
@@ -75,53 +75,61 @@ def pixels_of(truths):
 
 
 def nested(array):
-    return np.array([*map(nested, array)]) if isinstance(array, np.ndarray) and array.dtype == object else array
+    """Lists in lists, as pandas hands them out, as one array."""
+    return np.array([*map(nested, array)]) if array.dtype == object else array
+
+
+def info_differs(info, counts):
+    assert (info["codebase_version"], info["fps"], info["robot_type"]) == ("v3.0", 5, "nominal")
+    assert (info["total_episodes"], info["total_frames"], info["splits"]) == (2, sum(counts), {"train": "0:2"})
+    ours = {"observation.images.front", "observation.state", "action", "pose"}
+    assert {*info["features"]} == COUNTS | {"timestamp"} | ours
+    assert info["features"]["observation.state"]["names"] == STATE
+    assert info["features"]["observation.images.front"]["shape"] == [24, 40, 3]
+
+
+def row_differs(row, episode, begin, count):
+    """Where an episode lies; files take one each here."""
+    assert (row["episode_index"], row["length"]) == (episode, count)
+    assert (row["dataset_from_index"], row["dataset_to_index"]) == (begin, begin + count)
+    assert (row["data/chunk_index"], row["data/file_index"]) == (0, episode)
+    assert {row[key][0] for key in row.index if key.endswith("/count")} == {count}
+
+
+def told_stats(row, name):
+    keys = [key for key in row.index if key.startswith(f"stats/{name}/")]
+    return {key.rpartition("/")[2]: nested(row[key]) for key in keys}
+
+
+def frames_differ(of_run, row, truth, robot):
+    """Pictures, numbers and statistics of an episode."""
+    names = ("observation.state", "action", "timestamp", "pose")
+    for name, expected in zip(names, expected_numbers(truth, robot), strict=True):
+        np.testing.assert_array_equal(np.array(of_run[name][:], np.float32), expected.astype(np.float32))
+        stats_differ(told_stats(row, name), expected.astype(np.float32).reshape(len(expected), -1))
+    stats_differ(told_stats(row, "observation.images.front"), pixels_of([truth]))
+    assert [one["bytes"] for one in of_run["observation.images.front"]] == [*truth.pictures]
+    assert of_run["frame_index"][:] == list(range(len(truth.pictures)))
+    assert {*of_run["episode_index"]} == {row["episode_index"]}
 
 
 def test_lerobot_holds_the_release(seed, random_release, exported, tmp_path):
     release = random_release(seed)
     folder = exported(release.root, tmp_path / "out", "lerobot", shard_bytes=1) / "lerobot"
     info, frames, episodes = read_info(folder), read_frames(folder, tmp_path / "cache"), read_episodes(folder)
-    counts = [len(truth.pictures) for truth in release.runs]
-    assert (info["codebase_version"], info["fps"], info["robot_type"]) == ("v3.0", 5, "nominal")
-    assert (info["total_episodes"], info["total_frames"], info["splits"]) == (2, sum(counts), {"train": "0:2"})
-    assert {*info["features"]} == COUNTS | {
-        "timestamp",
-        "observation.images.front",
-        "observation.state",
-        "action",
-        "pose",
-    }
-    assert info["features"]["observation.state"]["names"] == STATE
-    assert info["features"]["observation.images.front"]["shape"] == [24, 40, 3]
-    assert frames["index"][:] == list(range(sum(counts)))
     tasks = pd.read_parquet(folder / "meta/tasks.parquet")
-    begin = 0
-    for episode, (truth, count) in enumerate(zip(release.runs, counts, strict=True)):
-        row = episodes.iloc[episode]
-        assert (row["episode_index"], row["length"]) == (episode, count)
-        assert (row["dataset_from_index"], row["dataset_to_index"]) == (begin, begin + count)
-        of_file = folder / info["data_path"].format(chunk_index=row["data/chunk_index"], file_index=episode)
-        assert (row["data/file_index"], of_file.is_file()) == (episode, True)
-        of_run = frames.select(range(begin, begin + count))
+    counts = [len(truth.pictures) for truth in release.runs]
+    info_differs(info, counts)
+    assert frames["index"][:] == list(range(sum(counts)))
+    for episode, truth in enumerate(release.runs):
+        row, begin = episodes.iloc[episode], sum(counts[:episode])
+        row_differs(row, episode, begin, counts[episode])
+        assert (folder / info["data_path"].format(chunk_index=0, file_index=episode)).is_file()
+        of_run = frames.select(range(begin, begin + counts[episode]))
         robot = json.loads((release.root / truth.name / "side/spec.json").read_text())["robot"]
-        state, action, timestamp, pose = expected_numbers(truth, robot)
-        names = ("observation.state", "action", "timestamp", "pose")
-        for name, expected in zip(names, (state, action, timestamp, pose), strict=True):
-            np.testing.assert_array_equal(np.array(of_run[name][:], np.float32), expected.astype(np.float32))
-            values = expected.astype(np.float32).reshape(count, -1)
-            told = {key: nested(row[f"stats/{name}/{key}"]) for key in ("min", "max", "mean", "std", *QUANTILES)}
-            stats_differ(told | {"count": [count]}, values)
-        told = {key: nested(row[f"stats/observation.images.front/{key}"]) for key in (*QUANTILES, "min", "max")}
-        told |= {key: nested(row[f"stats/observation.images.front/{key}"]) for key in ("mean", "std", "count")}
-        stats_differ(told, pixels_of([truth]))
-        assert [one["bytes"] for one in of_run["observation.images.front"]] == [*truth.pictures]
-        assert of_run["frame_index"][:] == list(range(count))
-        assert {*of_run["episode_index"]} == {episode}
-        (task,) = row["tasks"]
-        assert tasks.iloc[of_run["task_index"][0]].name == task
-        assert task.endswith(f"route {truth.name.split('/')[0]}")
-        begin += count
+        frames_differ(of_run, row, truth, robot)
+        assert [tasks.iloc[of_run["task_index"][0]].name] == [*row["tasks"]]
+        assert row["tasks"][0].endswith(f"route {truth.name.split('/')[0]}")
     whole = json.loads((folder / "meta/stats.json").read_text())
     assert {*whole} == {*info["features"]}
     stats_differ(whole["observation.images.front"], pixels_of(release.runs))
