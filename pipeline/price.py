@@ -86,7 +86,7 @@ class Price:
         lines += [
             "",
             f"Measured on this machine, as busy as it is: {self.images} images of {RUNS} draws from the start of their",
-            f"runs, one at a time on one thread. Assumed: blocks of {BLOCK_FRAMES} images, each on a Blender of its own,",
+            f"runs, one at a time on one thread. Assumed: blocks of {BLOCK_FRAMES} images, a Blender for each,",
             f"and {BYTES_PER_ROW} bytes a row of the tables. Other processors differ.",
         ]
         if self.device == "CPU":

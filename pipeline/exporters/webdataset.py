@@ -3,12 +3,11 @@
 The files of a sample have the same name up to the first dot: `CW/test_1/000001.jpg`, `.json`, `.depth.png`...
 """
 
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from pipeline.dataset.rows import COLUMNS
 from pipeline.exporters.base import ExportedFile, Exporter, ExportSettings
+from pipeline.exporters.record import record_of
 from pipeline.reader.dataset import Dataset
 from pipeline.reader.image import Image
 from pipeline.tars import Member, shards, tar_bytes, tar_chunks
@@ -21,6 +20,9 @@ class _Shard:
 
     def size_bytes(self) -> int:
         return tar_bytes(self.members)
+
+    def room_bytes(self) -> int:
+        return self.size_bytes()
 
     def content(self) -> bytes:
         return b"".join(tar_chunks(self.members))
@@ -39,23 +41,12 @@ def _key(image: Image) -> str:
 
 def _sample(image: Image) -> tuple[Member, ...]:
     key = _key(image)
-    members = [Member(f"{key}.json", _record(image)), Member(f"{key}{image.path.suffix}", image.path)]
+    members = [Member(f"{key}.json", record_of(image)), Member(f"{key}{image.path.suffix}", image.path)]
     for kind in image.run.annotation_pictures:
         path = image.run.annotation_picture(kind, image.number)
         if path.is_file():  # the last image has no flow
             members.append(Member(f"{key}.{kind}.png", path))
     return tuple(sorted(members, key=lambda member: member.name))
-
-
-def _record(image: Image) -> bytes:
-    """The row of data.csv at which the image was taken, the camera's pose and its intrinsics."""
-    row = image.run.table.at(image.row).tolist()
-    content = {
-        column.name: value if column.decimals else int(value) for column, value in zip(COLUMNS, row, strict=True)
-    }
-    camera = image.run.camera
-    content |= {"run": image.run.name, "X_WC": image.X_WC.tolist(), "K": camera.K, "D": camera.D}
-    return (json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n").encode()
 
 
 EXPORTER = Exporter(
