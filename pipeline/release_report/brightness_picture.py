@@ -8,10 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from blender_scenes.exposure_guard import BLACK_UP_TO, BURNT_FROM
-from diagnosis.benches.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, PURPLE, SKY, VERMILION, finished
+from diagnosis.benches.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, PURPLE, SKY, VERMILION, finished, svg
 from pipeline.dataset.rows import Floats, Ints
 from pipeline.release_report.image_numbers import GREYS, ImageNumbers
-from pipeline.release_report.svg import svg
 
 MOST_CURVES = 8
 """Of runs; of more, each route has one curve."""

@@ -42,6 +42,7 @@ def _pictures(data: Dataset, facts: ReleaseFacts, report: Report) -> Pictures:
     of_run = {one.record.run: one for one in facts.runs}
     maps = maps_of(facts.runs)
     sheets = shown_of_states(facts.runs)
+    rows = spread(facts.images, MOST_ROWS)
     runs = {}
     with report.stage("pictures", len(facts.detailed), "runs") as stage:
         for done, name in enumerate(facts.detailed, start=1):
@@ -56,7 +57,8 @@ def _pictures(data: Dataset, facts: ReleaseFacts, report: Report) -> Pictures:
         sheets=sheets,
         images={(run, number): thumbnail(data, run, number) for run, number in sorted(shown)},
         brightness=brightness_picture(facts.images) if facts.images else b"",
-        spread=spread_picture(spread(facts.images, MOST_ROWS)) if facts.images else b"",
+        spread=spread_picture(rows) if rows else b"",
+        spread_of=len(rows),
     )
 
 

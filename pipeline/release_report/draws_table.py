@@ -21,21 +21,20 @@ def draws_section(facts: ReleaseFacts) -> Iterator[Html]:
     )
     if len(facts.runs) == 1:
         told += "This is one run, so that there is one draw of each."
+        rows = [[tag("td", d.field, class_="field"), in_words(d.asked), _number(d.values[0])] for d in draws]
+        made = table(["field", "asked for", "value"], rows, class_="draws")
     else:
-        told += (
-            "A mark is a run; the grey below is the range that was asked for, of a normal distribution 2 sd each way."
-        )
+        told += "A mark is a run; the grey below is the range that was asked for, of a normal one 2 sd to each side."
+        made = table(["field", "asked for", "smallest", "median", "largest", "runs"], _rows(draws), class_="draws")
     yield tag("p", told, class_="note")
-    yield table(["field", "asked for", "smallest", "median", "largest", "runs"], _rows(draws), class_="draws")
+    yield made
 
 
 def _rows(draws: tuple[Draw, ...]) -> Iterator[list[str]]:
     for draw in draws:
         field, asked = tag("td", draw.field, class_="field"), in_words(draw.asked)
         numbers = draw.numbers
-        if len(draw.values) == 1:
-            yield [field, asked, "", _number(draw.values[0]), "", ""]
-        elif numbers is None:
+        if numbers is None:
             options = [f"{value} {count}" for value, count in draw.counts[:_MOST_OPTIONS]]
             more = f" and {len(draw.counts) - _MOST_OPTIONS} more" if len(draw.counts) > _MOST_OPTIONS else ""
             yield [field, asked, "", "", "", ", ".join(options) + more]

@@ -10,13 +10,12 @@ from matplotlib.patches import Patch, Polygon
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MultipleLocator
 
-from diagnosis.benches.plotting import BLACK, GREY
+from diagnosis.benches.plotting import BLACK, GREY, svg
 from physics.arena import Box
 from pipeline.dataset.rows import Floats
 from pipeline.release_report.maps import Map
 from pipeline.release_report.run_facts import Track
 from pipeline.release_report.states import MARKS, named, stretches
-from pipeline.release_report.svg import svg
 
 _WALL, _OBSTACLE, _TAPE = "#8A8A8A", "#F4F4F4", "#C9C9C9"
 _MARGIN = 0.06

@@ -58,9 +58,14 @@ def _map(facts: ReleaseFacts, pictures: Pictures) -> Iterator[Html]:
         told += f" {tracks} of {len(facts.runs)} runs are drawn, spread evenly over them."
     if len(pictures.maps) * 2 < pictures.maps_in_all:
         told += f" The first and last and some between of {pictures.maps_in_all} arenas are shown."
-    yield tag("p", told, class_="note")
-    for one in pictures.maps:
-        yield tag("figure", picture(one, "Paths of the runs over the arena, by state", SVG))
+    figures = [tag("figure", picture(one, "Paths of the runs over the arena, by state", SVG)) for one in pictures.maps]
+    yield _whole(tag("p", told, class_="note"), *figures[:1])
+    yield from figures[1:]
+
+
+def _whole(*content: Html) -> Html:
+    """What is on one page of a print."""
+    return tag("div", content, class_="whole")
 
 
 def _runs(facts: ReleaseFacts, pictures: Pictures) -> Iterator[Html]:
@@ -76,17 +81,17 @@ def _runs(facts: ReleaseFacts, pictures: Pictures) -> Iterator[Html]:
     yield tag("p", told, class_="note")
     by_name = {one.record.run: one for one in facts.runs}
     for name, svg in pictures.runs.items():
-        yield tag("h3", name, id=anchor(name))
-        yield tag("p", of_one(by_name[name]))
-        yield tag("figure", picture(svg, f"{name} against time: states, speeds, ranges, line, distance from it", SVG))
+        seen = picture(svg, f"{name} against time: states, speeds, ranges, line, distance from it", SVG)
+        told = tag("p", of_one(by_name[name]))
+        yield _whole(tag("h3", name, id=anchor(name)), told, tag("figure", seen))
 
 
 def _sheets(pictures: Pictures) -> Iterator[Html]:
     if not pictures.sheets:
         yield tag("p", "There are no images.")
     for state, shown in pictures.sheets.items():
-        yield tag("h3", named(state))
-        yield _sheet([(one.run, one.number, f"{one.t_s:.1f} s") for one in shown], pictures)
+        sheet = _sheet([(one.run, one.number, f"{one.t_s:.1f} s") for one in shown], pictures)
+        yield _whole(tag("h3", named(state)), sheet)
 
 
 def _sheet(shown: list[tuple[str, int, str]], pictures: Pictures) -> Html:
@@ -102,11 +107,13 @@ def _images(facts: ReleaseFacts, pictures: Pictures) -> Iterator[Html]:
     if not facts.images:
         yield tag("p", "There are no images.")
         return
-    yield tag("p", "Grey values of all pixels. Up to the first dashed line a pixel is black, from the second on burnt.")
-    yield tag("figure", picture(pictures.brightness, "Histogram of grey values", SVG))
+    told = "Grey values of all pixels. Up to the first dashed line a pixel is black, from the second on burnt."
+    yield _whole(tag("p", told), tag("figure", picture(pictures.brightness, "Histogram of grey values", SVG)))
     told = "Each image by its mean, its clipped pixels and its sharpness: ends, middle half and median of each run."
-    yield tag("p", told)
-    yield tag("figure", picture(pictures.spread, "Brightness, clipping and sharpness by run", SVG))
+    if pictures.spread_of < len(facts.images):
+        told += f" {pictures.spread_of} of {len(facts.images)} runs are shown."
+    figure = tag("figure", picture(pictures.spread, "Brightness, clipping and sharpness by run", SVG))
+    yield _whole(tag("p", told), figure)
     yield tag("h3", "Unlike the others")
     found = facts.outliers
     if not found:

@@ -19,5 +19,7 @@ a { color: var(--mark); }
 td.field { white-space: nowrap; font-family: ui-monospace, monospace; font-size: .95em; }
 td.hash { overflow-wrap: anywhere; font-family: ui-monospace, monospace; }
 @media print { h1 { font-size: 1.5rem; } nav { display: none; } h3 { break-after: avoid; }
+  .whole, .sheet, .note { break-inside: avoid; } .sheet { grid-template-columns: repeat(6, 1fr); gap: .3rem; }
+  .sheet figcaption { font-size: .7rem; }
   .strip .band { fill: #bbbbbb; } .strip .mark { fill: #000000; } }
 """

@@ -22,3 +22,5 @@ class Pictures:
     """SVG; empty where there is no image."""
     spread: bytes
     """SVG; empty where there is no image."""
+    spread_of: int
+    """Of how many runs that is."""

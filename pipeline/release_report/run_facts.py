@@ -48,7 +48,7 @@ def run_facts(run: Run, record: RunRecord, *, with_track: bool) -> RunFacts:
     run = fresh(run)
     rows, spec = run.table, run.spec
     arena = Arena.from_config(spec.arena)
-    following = rows.state == State.LINE.value
+    following = (rows.state == State.LINE.value) & bool(arena.line.pieces)
     off_m = off_line_m(arena.line, ahead_of(rows.pose[following], spec.robot.line_sensor.x_m))
     taken = np.flatnonzero(rows.image)
     return RunFacts(

@@ -5,14 +5,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from diagnosis.benches.plotting import BLACK, BLUE, GREY, PALE, VERMILION
+from diagnosis.benches.plotting import BLACK, BLUE, GREY, PALE, VERMILION, svg
 from physics.arena import Arena
 from pipeline.dataset.rows import Floats, Rows
 from pipeline.reader.run import Run
 from pipeline.release_report.off_line import ahead_of, off_line_m
 from pipeline.release_report.run_facts import RunFacts, fresh
 from pipeline.release_report.states import MARKS, Stretch, named, stretches
-from pipeline.release_report.svg import svg
 
 _WIDTH_IN = 11.0
 _CHANNELS = 8
@@ -67,14 +66,14 @@ def _ranges(axes: Axes, t_s: Floats, rows: Rows, facts: RunFacts) -> None:
     for (name, colour, dash), values in zip(_RANGES, rows.tof_m.T, strict=True):
         seen = np.where(values == none, np.nan, values)
         axes.plot(t_s, seen, color=colour, linestyle=dash, linewidth=1.1, label=name)
-    axes.set_ylim(0.0, 1.05 * min(facts.record.tof_max_range_m, max(0.1, _largest(rows.tof_m[rows.tof_m != none]))))
+    found = rows.tof_m[rows.tof_m != none]
+    farthest = float(found.max()) if found.size else facts.record.tof_max_range_m
+    axes.set_ylim(0.0, 1.05 * min(facts.record.tof_max_range_m, farthest))
+    if not found.size:
+        axes.text(0.5, 0.5, "no sensor saw a target", transform=axes.transAxes, ha="center", va="center")
     axes.set_ylabel("range [m]")
     axes.grid(alpha=0.3)
     axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="small", frameon=False)
-
-
-def _largest(values: Floats) -> float:
-    return float(values.max()) if len(values) else 0.0
 
 
 def _line(axes: Axes, t_s: Floats, line: Floats) -> None:
@@ -87,6 +86,10 @@ def _line(axes: Axes, t_s: Floats, line: Floats) -> None:
 
 def _off_line(axes: Axes, rows: Rows, arena: Arena, ahead_m: float) -> None:
     """Linear up to 1 mm, logarithmic from there on."""
+    axes.set_ylabel("off the line [mm]")
+    if not arena.line.pieces:
+        axes.text(0.5, 0.5, "there is no line", transform=axes.transAxes, ha="center", va="center")
+        return
     t_s, off_mm = rows.t_ms / 1000, 1000.0 * off_line_m(arena.line, ahead_of(rows.pose, ahead_m))
     for part in stretches(rows.state):
         inside = slice(part.first, part.end + 1)
@@ -97,7 +100,6 @@ def _off_line(axes: Axes, rows: Rows, arena: Arena, ahead_m: float) -> None:
     axes.set_yscale("symlog", linthresh=1.0)
     axes.set_ylim(0.0, max(20.0, 2.2 * float(off_mm.max())))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.set_ylabel("off the line [mm]")
     axes.grid(alpha=0.3)
 
 

@@ -25,7 +25,7 @@ def text_page(root, most_detailed=12):
     sheets = shown_of_states(facts.runs)
     images = {(run.name, number): b"jpeg" for run in data for number in run.numbers}
     runs = dict.fromkeys(facts.detailed, b"svg")
-    return page(facts, Pictures((b"svg",), 1, runs, sheets, images, b"svg", b"svg"))
+    return page(facts, Pictures((b"svg",), 1, runs, sheets, images, b"svg", b"svg", min(3, len(facts.images))))
 
 
 def words(html):
@@ -116,10 +116,17 @@ def test_each_run_has_a_row_with_its_farthest_place_off_the_line(painted):
         assert f"{run} 2.0 - 0.42 41 11 30.0 0 5 0" in told
 
 
+def test_an_arena_without_a_line_has_no_distance_from_it(painted):
+    told = words(text_page(painted(settings=["arena.line.pieces=[]"])))
+    assert "CW/test_1 2.0 - 0.42 41 11 - 0 5 0" in told
+    assert "It never follows the line." in told
+
+
 def test_of_many_runs_some_are_shown_and_the_page_says_so(painted):
     root = painted(settings=["routes.0.runs=4"])
     html = text_page(root, most_detailed=2)
     assert "2 of 5 runs are shown, spread evenly over them." in words(html)
+    assert "median of each run. 3 of 5 runs are shown." in words(html)
     assert re.findall(r'<h3 id="run-([^"]*)">', html) == ["CW/test_1", "CCW/test_1"]
     assert re.findall(r'href="#run-([^"]*)"', html) == ["CW/test_1", "CCW/test_1"]
     assert "are shown, spread" not in words(text_page(root, most_detailed=5))
