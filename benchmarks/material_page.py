@@ -1,12 +1,13 @@
 """One picture of each floor, kind of line, wall and obstacle, as the robot's camera sees them, side by side.
 
-python benchmarks/material_page.py FOLDER [--samples 4] [--only carpet brick ...]
+python benchmarks/material_page.py FOLDER [--samples 4] [--only carpet brick ...] [--each docs/reference/materials]
 """
 
 import argparse
 from pathlib import Path
 from typing import get_args
 
+import cv2
 from sample_page import POSE, nominal_robot, pictures, sample_arena, save_page
 
 from blender_scenes.job import build_job
@@ -35,12 +36,13 @@ def main() -> None:
     parser.add_argument("folder", type=Path, help="gets materials.png, and the pictures, to go on from")
     parser.add_argument("--samples", type=int, default=4)
     parser.add_argument("--only", nargs="+", help="captions")
+    parser.add_argument("--each", type=Path, help="gets each picture as a small JPEG too")
     asked = parser.parse_args()
     robot, render = nominal_robot(), Render(width_px=320, height_px=240, samples=asked.samples)
     cells: list[tuple[str, dict[str, object], SurfaceName]] = [
         (name, own, "cardboard") for name, own in looks().items()
     ]
-    cells += [(name, {}, name) for name in get_args(SurfaceName)]
+    cells += [(f"{name} wall", {}, name) for name in get_args(SurfaceName)]
     seen = {}
     for caption, settings, surface in cells:
         if not asked.only or caption in asked.only:
@@ -48,6 +50,10 @@ def main() -> None:
             job = build_job(sample_arena(surface), robot, look, render, [POSE], seed=3)
             seen[caption] = pictures(job, asked.folder / caption.replace(" ", "_"))
     save_page(seen, COLUMNS, asked.folder / "materials.png")
+    if asked.each:
+        asked.each.mkdir(parents=True, exist_ok=True)
+        for caption, (picture,) in seen.items():
+            cv2.imwrite(str(asked.each / f"{caption.replace(' ', '_')}.jpg"), picture, [cv2.IMWRITE_JPEG_QUALITY, 80])
 
 
 if __name__ == "__main__":

@@ -13,8 +13,8 @@ import secrets
 import shutil
 from pathlib import Path
 
-LEFT_FILE = re.compile(r"\..+\.[0-9a-f]{1,16}\.tmp")
-LEFT_FOLDER = re.compile(r"\..+\.dropped")
+UNFINISHED = re.compile(r"\.(.+)\.[0-9a-f]{1,16}\.tmp")
+DROPPED = re.compile(r"\..+\.dropped")
 
 
 def write_file(path: Path, data: bytes) -> None:
@@ -25,8 +25,7 @@ def write_file(path: Path, data: bytes) -> None:
     Raises:
         OSError: The disk did not take it, or does not give back what was written. The place is as it was before.
     """
-    # By chance, not by the number of the process: after a restart of the machine another one may have that.
-    beside = path.with_name(f".{path.name}.{secrets.token_hex(8)}.tmp")
+    beside = _unfinished(path)
     try:
         _write_beside(beside, data)
         _check_kept(beside, data, path)
@@ -36,6 +35,17 @@ def write_file(path: Path, data: bytes) -> None:
             beside.unlink(missing_ok=True)
         raise
     sync_folder(path.parent)
+
+
+def _unfinished(path: Path) -> Path:
+    """By chance, not by the number of the process: after a restart of the machine another one may have that."""
+    return path.with_name(f".{path.name}.{secrets.token_hex(8)}.tmp")
+
+
+def place_of(unfinished: Path) -> Path | None:
+    """The place that an unfinished file or folder was meant for; None of what bears no such name."""
+    found = UNFINISHED.fullmatch(unfinished.name)
+    return unfinished.with_name(found.group(1)) if found else None
 
 
 def _write_beside(beside: Path, data: bytes) -> None:
@@ -105,6 +115,13 @@ def make_folder(path: Path) -> None:
         sync_folder(folder.parent)
 
 
+def new_folder_beside(path: Path) -> Path:
+    """An empty folder of the caller alone, to be filled and put in the place `path`."""
+    beside = _unfinished(path)
+    make_folder(beside)
+    return beside
+
+
 def move(path: Path, place: Path) -> None:
     """Rename a whole file to another folder of the same disk, over what is there."""
     os.replace(path, place)  # noqa: PTH105 - as above
@@ -144,9 +161,9 @@ def remove_leftovers(folder: Path, *, below: bool = False) -> None:
         if path.is_symlink():
             continue
         if path.is_dir():
-            if LEFT_FOLDER.fullmatch(path.name):
+            if DROPPED.fullmatch(path.name) or place_of(path):
                 shutil.rmtree(path)
             elif below:
                 remove_leftovers(path, below=True)
-        elif LEFT_FILE.fullmatch(path.name):
+        elif place_of(path):
             path.unlink()

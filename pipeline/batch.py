@@ -11,6 +11,7 @@ from configs.schema.scenario import RunSpec
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Rows
 from pipeline.drawing import draw_reported
+from pipeline.executors.base import Executor
 from pipeline.output import check_disk, check_out
 from pipeline.own_files import keep_own_files
 from pipeline.plan import Plan
@@ -25,8 +26,7 @@ from pipeline.stages.simulate_runs import (
     simulate_runs,
     simulation_key,
 )
-from pipeline.worker_process import Limits
-from pipeline.workers import BY_LIMITS, cores
+from pipeline.workers import cores
 from pipeline.workspace import Kind, Workspace
 
 
@@ -37,10 +37,8 @@ class Batch:
     loaded: LoadedScenario
     specs: tuple[RunSpec, ...]
     workspace: Workspace
-    workers: int
+    executor: Executor
     device: DeviceKind = "CPU"
-    limits: Limits = BY_LIMITS
-    """Of each worker."""
 
     @classmethod
     def open(
@@ -48,11 +46,10 @@ class Batch:
         scenario: str,
         overrides: Sequence[str],
         out: Path,
-        workers: int | None,
+        executor: Executor,
         report: Report,
         *,
         pictured: bool = True,
-        limits: Limits = BY_LIMITS,
     ) -> "Batch":
         """Load and draw the scenario and see that there is room for it, and what it is rendered on where `pictured`.
 
@@ -65,7 +62,7 @@ class Batch:
         check_out(out, Kind.DATASET)
         check_disk(out, Plan.of(specs, cores()).bytes_needed)
         device = device_for(specs[0].render.device) if pictured else "CPU"
-        return cls(loaded, specs, Workspace(out.absolute()), workers or cores(), device, limits)
+        return cls(loaded, specs, Workspace(out.absolute()), executor, device)
 
     def keep_own_files(self) -> None:
         """Copy the user's own files for the renderers: before the runs are simulated, which leaves time to change them.
@@ -85,7 +82,7 @@ class Batch:
         prepare_boards(self.workspace, self.specs)
 
     def simulate(self, report: Report) -> list[FailedRun]:
-        return simulate_runs(self.workspace, self.specs, self.workers, report, self.limits)
+        return simulate_runs(self.workspace, self.specs, self.executor, report)
 
     def simulated(self) -> list[FailedRun]:
         """Problems of runs simulated before.
@@ -101,10 +98,10 @@ class Batch:
     def render(self, failures: Sequence[FailedRun], report: Report) -> list[FailedRun]:
         """Images, and then what is known of those that were rendered."""
         tasks: list[FrameTask] = []
-        failed = render_runs(_noted(self._render_orders(failures), tasks), self.workers, report, limits=self.limits)
+        failed = render_runs(_noted(self._render_orders(failures), tasks), self.executor, report)
         orders = self._annotation_orders(tasks, failed)
         if self._annotated:
-            failed += render_runs(orders, self.workers, report, "annotate", self.limits)
+            failed += render_runs(orders, self.executor, report, "annotate")
         return failed
 
     def rendered(self, failures: Sequence[FailedRun]) -> list[FailedRun]:

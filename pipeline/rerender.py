@@ -25,6 +25,7 @@ from pipeline.dataset.annotation_checks import ANNOTATIONS
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Ints, Rows, read_rows
 from pipeline.dataset.side import image_positions
+from pipeline.executors.base import Executor
 from pipeline.files import canonical_json, hashes_of, holds, read_known
 from pipeline.output import check_disk, check_out
 from pipeline.own_files import keep_own_files
@@ -44,8 +45,6 @@ from pipeline.stages.render import (
     render_runs,
 )
 from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
-from pipeline.worker_process import Limits
-from pipeline.workers import BY_LIMITS
 from pipeline.workspace import Kind, Workspace, input_key, mark_done
 
 CARRIER = "symolo"
@@ -127,10 +126,8 @@ def render_source(
     source: Source,
     draws: Sequence[Draw],
     folders: Sequence[Workspace],
-    workers: int,
+    executor: Executor,
     report: Report,
-    *,
-    limits: Limits = BY_LIMITS,
 ) -> list[FailedRun]:
     """Render what `prepare` found, annotate it where asked for, and fill a folder with each of it."""
     places = {draw.name: (draw, folder) for draw, folder in zip(draws, folders, strict=True)}
@@ -152,9 +149,9 @@ def render_source(
                 annotations[name] = order.task
                 yield order
 
-    failures = render_runs(picture_orders(), workers, report, limits=limits)
+    failures = render_runs(picture_orders(), executor, report)
     failed = {failure.run for failure in failures}
-    failures += render_runs(annotation_orders(), workers, report, "annotate", limits)
+    failures += render_runs(annotation_orders(), executor, report, "annotate")
     failed = {failure.run for failure in failures}
     for name, (draw, folder) in places.items():
         if name not in failed:

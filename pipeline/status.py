@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from configs.errors import InputError, one_line
 from configs.schema.scenario import RunSpec
+from configs.whole_files import place_of
 from pipeline.dataset.inventory import Inventory
 from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST
 from pipeline.files import holds
@@ -19,7 +20,7 @@ from pipeline.stages.assemble import read_metadata
 from pipeline.stages.render import IMAGES
 from pipeline.stages.simulate_runs import SPEC, RunOutcome, read_outcome, simulation_key
 from pipeline.why import changes, told
-from pipeline.workspace import FAILED, PARTIAL, STAGES, Kind, StageFolder, Workspace
+from pipeline.workspace import FAILED, STAGES, Kind, StageFolder, Workspace
 
 OF_RUNS = ("simulate", "render", "annotate", "assemble")
 """Stages in their order."""
@@ -119,8 +120,7 @@ def _simulated(workspace: Workspace, run: str, spec: RunSpec | None, *, check: b
     folder = workspace.simulate(run)
     done, stored = folder.done(), _read_spec(folder.path / SPEC)
     if done is None or stored is None:
-        begun = folder.path.with_name(folder.path.name + PARTIAL).exists()
-        return StageStatus("simulate", "begun" if begun else "not begun", "it was never finished")
+        return StageStatus("simulate", "begun" if folder.is_begun() else "not begun", "it was never finished")
     if check and not holds(folder.path, done.files):
         return StageStatus("simulate", "damaged", "files of it are damaged or missing")
     asked = spec or stored
@@ -175,8 +175,9 @@ def _runs(workspace: Workspace, specs: Sequence[RunSpec]) -> dict[str, RunSpec |
     found: set[str] = set()
     for stage in OF_RUNS:
         root = workspace.out / STAGES / stage
+        begun = [place for path in root.glob("*/.test_*.tmp") if (place := place_of(path))]
         places = [path for path in root.glob("*/test_*") if path.is_dir()]
-        found |= {path.relative_to(root).as_posix().removesuffix(PARTIAL) for path in places}
+        found |= {path.relative_to(root).as_posix() for path in begun + places}
     metadata = read_metadata(workspace.out)
     found |= {record.run for record in metadata.runs} if metadata else set()
     return dict.fromkeys(sorted(found, key=_in_order))

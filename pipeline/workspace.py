@@ -13,14 +13,21 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from configs.errors import EnvironmentLacking, InputError
 from configs.refusals import NOT_THERE
-from configs.whole_files import make_folder, remove_folder, remove_leftovers, replace_folder, write_file
+from configs.whole_files import (
+    make_folder,
+    new_folder_beside,
+    place_of,
+    remove_folder,
+    remove_leftovers,
+    replace_folder,
+    write_file,
+)
 from pipeline.files import canonical_json, hashes_of, holds
 
 DONE, FAILED = "done.json", "failed.json"
 STAGES = ".stages"
 KIND = "kind"
 """File in `.stages` with the kind of folder this is."""
-PARTIAL = ".tmp"
 
 
 def input_key(stage: str, **inputs: object) -> str:
@@ -75,15 +82,24 @@ class StageFolder:
         return done is not None and done.key == key and holds(self.path, done.files)
 
     def start(self) -> Path:
-        """An empty folder beside the final one, to be filled and handed to `publish`."""
-        partial = self.path.with_name(self.path.name + PARTIAL)
-        remove_folder(partial)
-        make_folder(partial)
-        return partial
+        """An empty folder beside the final one, of this caller alone, to be filled and handed to `publish`."""
+        return new_folder_beside(self.path)
 
-    def publish(self, partial: Path, key: str) -> None:
+    def is_begun(self) -> bool:
+        """Whether somebody has started to fill it, now or before a kill."""
+        return any(place_of(path) == self.path for path in self.path.parent.glob(".*.tmp"))
+
+    def publish(self, partial: Path, key: str, *, over: bool = False) -> None:
+        """Put the filled folder in place; what others have made of the same inputs stays, but where `over`.
+
+        Others may be reading it, and the same inputs give the same bytes, but for a board that is real.
+        """
         mark_done(partial, key)
-        replace_folder(partial, self.path)
+        with held(self.path.parent):
+            if self.is_done(key) and not over:
+                remove_folder(partial)
+            else:
+                replace_folder(partial, self.path)
 
     def fail(self, key: str, problem: str) -> None:
         """Note that these inputs come to nothing that can be released, so that later stages know."""
@@ -122,6 +138,17 @@ def mark_done(folder: Path, key: str, files: dict[str, str] | None = None) -> No
     write_file(folder / DONE, canonical_json(Done(key=key, files=files).model_dump()))
 
 
+@contextlib.contextmanager
+def held(folder: Path) -> Iterator[None]:
+    """Wait until no other process holds a folder, and hold it; for what takes moments."""
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)
+
+
 @dataclass(frozen=True)
 class Workspace:
     """`out` with its released runs, and the hidden `.stages` that a rerun continues from."""
@@ -147,15 +174,19 @@ class Workspace:
         return self.out / STAGES / "assets"
 
     @contextlib.contextmanager
-    def locked(self) -> Iterator[None]:
-        """Hold the folder for this process; the operating system lets go of it however the process ends."""
+    def locked(self, *, alone: bool = True) -> Iterator[None]:
+        """Hold the folder for this process; the operating system lets go of it however the process ends.
+
+        Processes that are not to be `alone`, for each does a part of the work, hold it together.
+        """
         make_folder(self.out / STAGES)
         descriptor = os.open(self.out / STAGES, os.O_RDONLY | os.O_DIRECTORY)
         try:
-            self._lock(descriptor)
+            self._lock(descriptor, fcntl.LOCK_EX if alone else fcntl.LOCK_SH)
             if not (self.out / STAGES / KIND).exists():
                 write_file(self.out / STAGES / KIND, f"{self.kind}\n".encode())
-            self._sweep()
+            if alone:
+                self._sweep()
             yield
         finally:
             os.close(descriptor)
@@ -167,9 +198,9 @@ class Workspace:
             remove_leftovers(folder)
         remove_leftovers(self.out / STAGES, below=True)
 
-    def _lock(self, descriptor: int) -> None:
+    def _lock(self, descriptor: int, kind: int) -> None:
         try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
         except BlockingIOError:
             raise InputError(
                 "another symolo command is working in this folder",

@@ -70,17 +70,17 @@ def hil(
     Given again it continues: runs that were driven are kept.
     """
     from pipeline.batch import Batch
+    from pipeline.executors.local import Local
     from pipeline.hil import check_board, drive_runs
     from pipeline.progress import report_here
     from pipeline.status import again
-    from pipeline.worker_process import limits_of
 
     if (port is None) is not simulated:
         raise InputError("--port" if port is not None else "--simulated", allowed="either --port PORT or --simulated")
     board = [f"board.kind={'simulated' if simulated else 'serial'}", f"board.framing={framing}"]
     overrides = with_device([*(settings or ()), *board, *([f"board.baud={baud}"] if baud else [])], device)
     report = report_here()
-    batch = Batch.open(scenario, overrides, out, workers, report, limits=limits_of(memory))
+    batch = Batch.open(scenario, overrides, out, Local.of(workers, memory), report)
     check_board(batch.workspace, batch.specs, port or "")
     with batch.workspace.locked():
         for line in again(batch.workspace, batch.specs):

@@ -11,6 +11,7 @@ from pipeline.commands.options import (
     Device,
     OnDevice,
     Out,
+    Part,
     Scenario,
     Settings,
     WorkerMemory,
@@ -43,13 +44,19 @@ def plan(scenario: Scenario, settings: Settings = None) -> None:
 
 
 def simulate(
-    scenario: Scenario, out: Out, *, settings: Settings = None, workers: Workers = None, memory: WorkerMemory = None
+    scenario: Scenario,
+    out: Out,
+    *,
+    settings: Settings = None,
+    workers: Workers = None,
+    memory: WorkerMemory = None,
+    part: Part = None,
 ) -> int:
     """First stage: drive every run in PyBullet and store its trajectory and readings.
 
     Example: symolo simulate smoke --out data
     """
-    return _make("simulate", scenario, out, settings, workers, memory=memory)
+    return _make("simulate", scenario, out, settings, workers, memory=memory, part=part)
 
 
 def render(
@@ -60,12 +67,15 @@ def render(
     workers: Workers = None,
     device: OnDevice = None,
     memory: WorkerMemory = None,
+    part: Part = None,
 ) -> int:
     """Second stage: render the images of every simulated run in Blender, and annotate them where asked for.
 
     Example: symolo render smoke --out data
+
+    One job of ten, each on a machine of its own: symolo render smoke --out data --part 3/10
     """
-    return _make("render", scenario, out, settings, workers, device, memory)
+    return _make("render", scenario, out, settings, workers, device, memory, part)
 
 
 def assemble(
@@ -104,23 +114,27 @@ def _make(  # noqa: PLR0917 - the options of the commands
     workers: int | None,
     device: Device | None = None,
     memory: float | None = None,
+    part: str | None = None,
 ) -> int:
     """Do one stage, or all for `release`."""
     from pipeline.batch import Batch
+    from pipeline.executors.local import Local
+    from pipeline.executors.part import Part
     from pipeline.progress import report_here
     from pipeline.status import again
-    from pipeline.worker_process import limits_of
 
+    local = Local.of(workers, memory)
+    executor = local if part is None else Part.of_text(part, local)
     stages = STAGES if command == "release" else (command,)
     report = report_here()
     overrides, pictured = with_device(settings, device), command != "simulate"
-    batch = Batch.open(scenario, overrides, out, workers, report, pictured=pictured, limits=limits_of(memory))
+    batch = Batch.open(scenario, overrides, out, executor, report, pictured=pictured)
     failures = batch.simulated() if "simulate" not in stages else []
     if "assemble" in stages and "render" not in stages:
         failures += batch.rendered(failures)
     if "simulate" in stages:
         batch.prepare_boards()
-    with batch.workspace.locked():
+    with batch.workspace.locked(alone=executor.does_all):
         for line in again(batch.workspace, batch.specs):
             report.say(line)
         if "render" in stages:
@@ -131,7 +145,16 @@ def _make(  # noqa: PLR0917 - the options of the commands
             failures += batch.render(failures, report)
         if "assemble" in stages:
             batch.assemble(failures, report)
+    if part is not None:
+        return _concluded_part(failures, command, part, out)
     return conclude(failures, len(batch.specs), command, out)
+
+
+def _concluded_part(failures: "Sequence[FailedRun]", command: str, part: str, out: Path) -> int:
+    for failure in failures:
+        typer.echo(f"failed: {failure.run}: {failure.stage}: {failure.problem}", err=True)
+    typer.echo(f"{command}: part {part} is done, in {out}; when all are, `symolo release` finishes")
+    return RUN_FAILED if failures else 0
 
 
 def rerender(
@@ -179,17 +202,16 @@ def rerender(
     The first draw of a look is the one that --look gives; the others have seeds of their own, which look.json
     tells.
     """
+    from pipeline.executors.local import Local
     from pipeline.progress import report_here
     from pipeline.rerender import Request, open_folders, prepare, render_source
-    from pipeline.worker_process import limits_of
-    from pipeline.workers import cores
 
     chosen = _chosen_looks(look, looks, draws)
     option = "--look" if looks is None else "--looks"
     request = Request(chosen, draws or 1, arena, robot, camera_hz, seed, with_device(settings, device), option)
     found, drawn = prepare(source, request)
     with open_folders(found, drawn, out, apart=looks is not None) as folders:
-        failures = render_source(found, drawn, folders, workers or cores(), report_here(), limits=limits_of(memory))
+        failures = render_source(found, drawn, folders, Local.of(workers, memory), report_here())
     return conclude(failures, len(drawn), "rerender", out, "draw")
 
 

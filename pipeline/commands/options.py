@@ -74,6 +74,16 @@ WorkerMemory = Annotated[
 ]
 
 
+Part = Annotated[
+    str | None,
+    typer.Option(
+        metavar="K/N",
+        help="Only the K-th of N parts of the work, such as 3/10, in a folder that all of them share; several may be "
+        "made at the same time, on any machine that sees the folder. `release` finishes what the parts have made.",
+    ),
+]
+
+
 class Device(StrEnum):
     """What renders."""
 

@@ -11,6 +11,7 @@ import numpy as np
 from blender_scenes.frame_files import frame_name
 from blender_scenes.preview.renderer import FlatRenderer
 from pipeline.dataset.metadata import FailedRun
+from pipeline.executors.local import Local
 from pipeline.output import check_scratch
 from pipeline.own_files import keep_own_files
 from pipeline.plan import pictures_bytes
@@ -74,7 +75,7 @@ def _cycles(views: Sequence[View], folder: Path, own_files: Path, workers: int, 
     views = on_device(views)
     folders = {view.number: StageFolder(folder / str(view.number)) for view in views}
     orders = (RenderTask.order(view.name, folders[view.number], view.job(), (view.frame,), own_files) for view in views)
-    failures = render_runs(orders, workers, report)
+    failures = render_runs(orders, Local(workers), report)
     failed = {failure.run for failure in failures}
     good = [view.number for view in views if view.name not in failed]
     return {n: _read(folders[n].path / IMAGES / frame_name(n)) for n in good}, failures

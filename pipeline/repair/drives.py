@@ -8,12 +8,13 @@ from zipfile import BadZipFile
 from configs.schema.scenario import RunSpec
 from physics.trajectory import Recording
 from pipeline.dataset.annotation_checks import ANNOTATIONS
+from pipeline.executors.local import Local
 from pipeline.repair.mending import Means, Mending
 from pipeline.stages.assemble import tables
 from pipeline.stages.render import IMAGES
 from pipeline.stages.simulate_runs import read_recording, simulation_key
 from pipeline.units import Finished, Progress, SimulateUnit
-from pipeline.workers import AnyEvent, AnyUnit, run_units
+from pipeline.workers import AnyEvent, AnyUnit
 from pipeline.workspace import StageFolder
 
 BY_FRAME = (f"{IMAGES}/", f"{ANNOTATIONS}/")
@@ -61,5 +62,5 @@ def _drive(specs: Sequence[RunSpec], means: Means) -> list[Path]:
             if isinstance(event, Progress | Finished):
                 stage.update(unit.name, event.share if isinstance(event, Progress) else 1.0)
 
-        run_units(units, means.workers, on_event)
+        Local(means.workers).do(units, on_event)
     return [StageFolder(folder).path for folder in folders]

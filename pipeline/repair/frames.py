@@ -12,13 +12,14 @@ from configs.schema.scenario import RunSpec
 from configs.whole_files import make_folder, write_file
 from pipeline.dataset.annotation_checks import ANNOTATIONS
 from pipeline.dataset.rows import read_rows
+from pipeline.executors.local import Local
 from pipeline.files import sha256_of
 from pipeline.repair.mending import Means, Mending
 from pipeline.stages.annotate import AnnotationTask
 from pipeline.stages.assemble import DATA
 from pipeline.stages.render import IMAGES, JOB, Appearance, FrameTask, Order, RenderTask, blocks
 from pipeline.units import Finished, Progress, RenderUnit
-from pipeline.workers import AnyEvent, AnyUnit, run_units
+from pipeline.workers import AnyEvent, AnyUnit
 from pipeline.workspace import StageFolder
 
 
@@ -109,6 +110,7 @@ def _render(tasks: list[FrameTask], means: Means) -> None:
     tasks = [task for task in tasks if task.frames]
     if not tasks:
         return
+    local = Local(means.workers)
     with means.report.stage("render", sum(len(task.frames) for task in tasks), "frames") as stage:
 
         def on_event(unit: AnyUnit, event: AnyEvent) -> None:
@@ -116,7 +118,7 @@ def _render(tasks: list[FrameTask], means: Means) -> None:
                 share = event.share if isinstance(event, Progress) else 1.0
                 stage.update(f"{unit.name} {unit.work} from {unit.numbers[0]}", share * len(unit.numbers))
 
-        for failure in run_units(blocks(tasks, means.workers), means.workers, on_event):
+        for failure in local.do(blocks(tasks, local), on_event):
             means.report.say(f"render: {failure.unit.name}: {failure.text}")
 
 

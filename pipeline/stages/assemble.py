@@ -27,7 +27,7 @@ from pipeline.stages.annotate import copy_released
 from pipeline.stages.render import Rendered
 from pipeline.stages.simulate_runs import read_outcome, read_recording, spec_text
 from pipeline.versions import versions
-from pipeline.workspace import DONE, PARTIAL, STAGES, Workspace, input_key, mark_done
+from pipeline.workspace import DONE, STAGES, Workspace, input_key, mark_done
 
 KEPT_METADATA = Path(STAGES) / "assemble" / METADATA
 """A copy within an output folder: of all that is released, nothing else could be made again without the scenario."""
@@ -100,8 +100,7 @@ def _release_run(workspace: Workspace, spec: RunSpec) -> dict[str, str]:
     if done is not None and done.key == key and holds(released, done.files):
         return done.files
     _remove_files(workspace.out, CHECKSUMS)
-    partial = workspace.out / STAGES / "assemble" / (spec.key + PARTIAL)
-    remove_folder(partial)
+    partial = marker.start()
     _fill(workspace, spec, files["render"], partial)
     hashes = hashes_of(partial)
     replace_folder(partial, released)

@@ -26,14 +26,14 @@ from pipeline.cpu import cpu_class
 from pipeline.dataset.layout import IMAGES
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Rows
+from pipeline.executors.base import Executor
 from pipeline.files import canonical_json, sha256_of
 from pipeline.progress import Report
 from pipeline.stages.simulate_runs import failed_runs
 from pipeline.units import Finished, Progress, RenderUnit
 from pipeline.versions import versions
-from pipeline.worker_process import Limits
-from pipeline.workers import BY_LIMITS, AnyEvent, AnyUnit, Retried, cores, run_units
-from pipeline.workspace import DONE, FAILED, StageFolder, input_key, mark_done
+from pipeline.workers import AnyEvent, AnyUnit, Retried
+from pipeline.workspace import DONE, FAILED, StageFolder, held, input_key, mark_done
 
 JOB, FRAMES, INPUTS = "job.json", "frames.json", "inputs.json"
 
@@ -199,12 +199,11 @@ def frame_poses(rows: Rows) -> tuple[FramePose, ...]:
     )
 
 
-def render_runs(
-    orders: Iterable[Order], workers: int, report: Report, name: str = "render", limits: Limits = BY_LIMITS
-) -> list[FailedRun]:
+def render_runs(orders: Iterable[Order], executor: Executor, report: Report, name: str = "render") -> list[FailedRun]:
     """Do what is not there yet; frames made before an interruption are kept when their job is the same.
 
-    All jobs are written, one after the other, before the first is begun.
+    All jobs are written, one after the other, before the first is begun. An executor that does not do all leaves the
+    folders for one that does to finish.
     """
     pending, there = [], 0
     for order in orders:
@@ -217,8 +216,8 @@ def render_runs(
         report.say(f"{name}: {there} of {there + len(pending)} runs are there already")
     if not pending:
         return []
-    units = blocks(pending, workers)
-    with report.stage(name, sum(len(task.frames) for task in pending), "images") as stage:
+    units = [unit for unit in blocks(pending, executor) if executor.mine(unit)]
+    with report.stage(name, sum(len(unit.numbers) for unit in units), "images") as stage:
 
         def on_event(unit: AnyUnit, event: AnyEvent) -> None:
             if isinstance(unit, RenderUnit) and isinstance(event, Progress | Finished):
@@ -227,10 +226,10 @@ def render_runs(
             elif isinstance(event, Retried):
                 stage.say(event.text)
 
-        failures = run_units(units, workers, on_event, limits=limits)
+        failures = executor.do(units, on_event)
     failed = {failure.unit.name for failure in failures}
     found = failed_runs(name, failures, report)
-    for task in pending:
+    for task in pending if executor.does_all else ():
         if task.run not in failed and (problem := _finish(task, name, report)):
             found.append(FailedRun(run=task.run, stage=name, problem=problem))
     return found
@@ -249,39 +248,39 @@ def _finish(task: FrameTask, name: str, report: Report) -> str:
     return findings.problem
 
 
-def blocks(tasks: Sequence[FrameTask], workers: int) -> list[RenderUnit]:
-    """Frames in blocks, as many for each run as it takes to give every worker one."""
-    count = -(-workers // len(tasks))
-    threads = max(1, cores() // min(workers, count * len(tasks)))
-    units = []
-    for task in tasks:
-        numbers = [frame.number for frame in task.frames]
-        size = max(1, -(-len(numbers) // count))
-        units += [
-            RenderUnit(
-                work=task.WORK,
-                name=task.run,
-                job=task.folder.path / JOB,
-                folder=task.files,
-                numbers=tuple(numbers[start : start + size]),
-                threads=threads,
-                own_files=task.own_files,
-            )
-            for start in range(0, len(numbers), size)
-        ]
-    return units
+def blocks(tasks: Sequence[FrameTask], executor: Executor) -> list[RenderUnit]:
+    """The frames of each run in blocks of the size that the executor asks for."""
+    numbers = [tuple(frame.number for frame in task.frames) for task in tasks]
+    sizes = [executor.block_frames(len(own), len(tasks)) for own in numbers]
+    threads = executor.threads(sum(-(-len(own) // size) for own, size in zip(numbers, sizes, strict=True)))
+    return [
+        RenderUnit(
+            work=task.WORK,
+            name=task.run,
+            job=task.folder.path / JOB,
+            folder=task.files,
+            numbers=own[start : start + size],
+            threads=threads,
+            own_files=task.own_files,
+        )
+        for task, own, size in zip(tasks, numbers, sizes, strict=True)
+        for start in range(0, len(own), size)
+    ]
 
 
 def _prepare(order: Order) -> None:
+    """Make a folder ready to be filled, which several parts of the work may do at once."""
     task, path = order.task, order.task.folder.path
     inputs = canonical_json({"key": task.key})
-    if not (path / INPUTS).is_file() or (path / INPUTS).read_bytes() != inputs:
-        remove_folder(path)
-    make_folder(task.files)
-    for left in (DONE, FAILED):
-        remove_file(path / left)
-    write_file(path / JOB, order.job_text.encode())
-    write_file(path / INPUTS, inputs)
+    make_folder(path.parent)
+    with held(path.parent):
+        if not (path / INPUTS).is_file() or (path / INPUTS).read_bytes() != inputs:
+            remove_folder(path)
+        make_folder(task.files)
+        for left in (DONE, FAILED):
+            remove_file(path / left)
+        write_file(path / JOB, order.job_text.encode())
+        write_file(path / INPUTS, inputs)
 
 
 @dataclass(frozen=True)

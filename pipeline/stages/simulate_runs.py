@@ -19,12 +19,12 @@ from physics.trajectory import Recording
 from pipeline.cpu import cpu_class
 from pipeline.dataset.layout import SPEC
 from pipeline.dataset.metadata import BoardRecord, FailedRun
+from pipeline.executors.base import Executor
 from pipeline.files import canonical_json
 from pipeline.progress import Report
 from pipeline.units import Finished, Progress, SimulateUnit
 from pipeline.versions import versions
-from pipeline.worker_process import Limits
-from pipeline.workers import BY_LIMITS, AnyEvent, AnyUnit, Retried, UnitFailure, run_units
+from pipeline.workers import AnyEvent, AnyUnit, Retried, UnitFailure
 from pipeline.workspace import StageFolder, Workspace, input_key, mark_done
 
 if TYPE_CHECKING:
@@ -84,10 +84,10 @@ def simulation_key(spec: RunSpec) -> str:
 
 
 def simulate_runs(
-    workspace: Workspace, specs: Sequence[RunSpec], workers: int, report: Report, limits: Limits = BY_LIMITS
+    workspace: Workspace, specs: Sequence[RunSpec], executor: Executor, report: Report
 ) -> list[FailedRun]:
     """Simulate the runs that are not done yet, and tell of all that failed, now or before."""
-    units = []
+    units: list[SimulateUnit] = []
     for spec in specs:
         folder, key = workspace.simulate(spec.key), simulation_key(spec)
         if folder.is_done(key):
@@ -96,8 +96,9 @@ def simulate_runs(
             units.append(SimulateUnit(name=spec.key, spec=spec.model_dump_json(), folder=folder.path, key=key))
     if len(units) < len(specs):
         report.say(f"simulate: {len(specs) - len(units)} of {len(specs)} runs are there already")
-    failures = _do(units, workers, report, limits) if units else []
-    stopped = {failure.run for failure in failures}
+    units, others = [unit for unit in units if executor.mine(unit)], [u.name for u in units if not executor.mine(u)]
+    failures = _do(units, executor, report) if units else []
+    stopped = {failure.run for failure in failures}.union(others)
     return failures + problems_of(workspace, [spec for spec in specs if spec.key not in stopped])
 
 
@@ -125,7 +126,7 @@ def prepare_boards(workspace: Workspace, specs: Sequence[RunSpec]) -> None:
         build_for(spec.robot, spec.board)
 
 
-def _do(units: Sequence[SimulateUnit], workers: int, report: Report, limits: Limits) -> list[FailedRun]:
+def _do(units: Sequence[SimulateUnit], executor: Executor, report: Report) -> list[FailedRun]:
     with report.stage("simulate", len(units), "runs") as stage:
 
         def on_event(unit: AnyUnit, event: AnyEvent) -> None:
@@ -136,7 +137,7 @@ def _do(units: Sequence[SimulateUnit], workers: int, report: Report, limits: Lim
             elif isinstance(event, Retried):
                 stage.say(event.text)
 
-        failures = run_units(units, workers, on_event, limits=limits)
+        failures = executor.do(units, on_event)
     return failed_runs("simulate", failures, report)
 
 
@@ -176,18 +177,19 @@ def simulate_into(
         progress(min(1.0, done_s / total_s))
 
     if spec.board is None:
-        _leave(spec, simulate(spec, told, watch=watch), path, key)
+        _leave(spec, simulate(spec, told, watch=watch), StageFolder(path), key)
         return
     if spec.board.kind == "serial" and not port:
         raise RunFailed("a board at a serial port drives this run; `symolo hil --port PORT` reaches one")
     with pilot_from_board(spec.robot, spec.board, spec.rates.control_hz, port) as pilot:
         outcome = simulate(spec, told, pilot, watch)
-    _leave(spec, outcome, path, key, pilot)
+    _leave(spec, outcome, StageFolder(path), key, pilot)
 
 
-def _leave(spec: RunSpec, outcome: "Outcome", path: Path, key: str, pilot: PilotFromBoard | None = None) -> None:
+def _leave(
+    spec: RunSpec, outcome: "Outcome", folder: StageFolder, key: str, pilot: PilotFromBoard | None = None
+) -> None:
     recording = outcome.recording
-    folder = StageFolder(path)
     partial = folder.start()
     archive = io.BytesIO()
     recording.save(archive)
@@ -204,7 +206,7 @@ def _leave(spec: RunSpec, outcome: "Outcome", path: Path, key: str, pilot: Pilot
         events=_event_lines(pilot.events, spec.rates.control_hz) if pilot else (),
     )
     write_file(partial / OUTCOME, canonical_json(summary.model_dump(mode="json")))
-    folder.publish(partial, key)
+    folder.publish(partial, key, over=bool(spec.board and spec.board.kind == "serial"))
 
 
 def _board_record(board: Board, pilot: PilotFromBoard) -> BoardRecord:

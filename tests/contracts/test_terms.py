@@ -215,12 +215,12 @@ def test_the_order_in_a_file_does_not_matter(tmp_path, read_in_twin, read_on_ben
 
 
 def test_every_term_is_a_row_of_the_documentation():
-    table = (ROOT / "docs" / "terms.md").read_text()
+    table = (ROOT / "docs/reference/terms.md").read_text()
     for term in TERMS.values():
         rows = []
         for name, number in term.numbers.items():
             null = "-" if number.null is None else f"{number.null:g}"
             rows.append(f"| {name} | {number.unit} | {null} | {number.start:g} | {number.low:g} ... {number.high:g} |")
-        rows.append(f"{term.cause}; seen in: {term.excitation}")
+        rows.append(f"{term.cause[1:]}. Seen in: {term.excitation}.")
         assert [row for row in rows if row not in table] == []
-        assert f"### {term.name}" in table
+        assert f"## {term.name}\n" in table

@@ -31,8 +31,8 @@ from configs.errors import EnvironmentLacking, InputError
 from configs.loader import load_scenario
 from pipeline import batch
 from pipeline.cli import main
+from pipeline.executors import local
 from pipeline.plan import Plan
-from pipeline.stages import render, simulate_runs
 from pipeline.units import Failed, Progress
 from pipeline.worker_main import do
 from pipeline.workers import UnitFailure, WorkerError
@@ -79,7 +79,7 @@ def _painted(request, camera_samples: int, on_begin: Callable[[int], None]) -> I
 
 
 def _here(shuffle: int | None) -> Callable:
-    """In place of `run_units`: the units one by one in this process, with a worker's words for what goes wrong."""
+    """In place of child processes: the units one by one in this one, with a worker's words for what goes wrong."""
 
     def run_units(units: Sequence, workers: int, on_event: Callable, **options: object) -> list[UnitFailure]:
         del workers, options
@@ -103,7 +103,7 @@ def _here(shuffle: int | None) -> Callable:
 
 def _command(order: Order) -> int:
     renderer._blender_files = _painted
-    render.run_units = simulate_runs.run_units = _here(order.shuffle)
+    local.run_units = _here(order.shuffle)
     if order.any_disk:
         batch.check_disk = lambda _out, _needed: None
     return main(order.arguments)

@@ -19,6 +19,7 @@ from configs.loader import load_scenario
 from pipeline.dataset.description import markdown
 from pipeline.dataset.metadata import FailedRun, RunRecord, describe
 from pipeline.dataset.rows import Rows
+from pipeline.executors.local import Local
 from pipeline.progress import LineReport
 from pipeline.stages.render import FRAMES, Order, Rendered, RenderTask, render_runs
 from pipeline.units import RenderUnit
@@ -46,8 +47,8 @@ def render(tmp_path, monkeypatch):
                 put_grey(task.files, "of a job", frame.number, grey)
             return []
 
-        monkeypatch.setattr("pipeline.stages.render.run_units", paint)
-        return task, render_runs([Order(task, "{}")], 1, LineReport())
+        monkeypatch.setattr("pipeline.executors.local.run_units", paint)
+        return task, render_runs([Order(task, "{}")], Local(1), LineReport())
 
     return rendered
 
@@ -91,9 +92,9 @@ def test_of_a_thousand_jobs_no_more_than_two_are_held_at_a_time(tmp_path, monkey
     def stop(*_: object, **__: object) -> None:
         raise RunFailed("no more is asked for")
 
-    monkeypatch.setattr("pipeline.stages.render.run_units", stop)
+    monkeypatch.setattr("pipeline.executors.local.run_units", stop)
     with pytest.raises(RunFailed):
-        render_runs(orders(), 1, LineReport())
+        render_runs(orders(), Local(1), LineReport())
     assert len(made) == 6
     assert all((tmp_path / f"{number}/job.json").read_text() == "{}" for number in range(1, 7))
 
@@ -111,7 +112,7 @@ def test_stage_by_stage_a_run_of_black_images_has_failed_as_in_a_release(
                 put_grey(unit.folder, job, number, 0 if unit.name in black else 128)
         return []
 
-    monkeypatch.setattr("pipeline.stages.render.run_units", paint)
+    monkeypatch.setattr("pipeline.executors.local.run_units", paint)
     arguments = ("smoke", "--out", out, *tiny, "--set", "look.camera.brightness=0.3")
     for stage in ("render", "render", "assemble", "assemble"):
         ended = symolo(stage, *arguments)

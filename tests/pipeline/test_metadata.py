@@ -12,10 +12,10 @@ from pipeline.dataset.checks import check_run
 from pipeline.dataset.description import markdown
 from pipeline.dataset.metadata import FailedRun, Metadata, RunRecord, describe, made_with
 from pipeline.dataset.rows import Rows
+from pipeline.executors.local import Local
 from pipeline.progress import LineReport
 from pipeline.stages import simulate_runs
 from pipeline.units import SimulateUnit
-from pipeline.worker_process import Limits
 from pipeline.workers import UnitFailure
 
 
@@ -118,7 +118,7 @@ def test_a_problem_is_one_line_without_this_machines_folders(text, problem):
 def test_the_log_of_a_failed_run_goes_to_the_error_output_alone(monkeypatch, capsys, tmp_path):
     unit = SimulateUnit(name="CW/test_1", spec="", folder=tmp_path, key="")
     text = f"cannot open {tmp_path}/x.urdf; the last lines of its log:\n  a traceback"
-    monkeypatch.setattr(simulate_runs, "run_units", lambda *_, **__: [UnitFailure(unit, text)])
-    (failed,) = simulate_runs._do([unit], 1, LineReport(), Limits())
+    monkeypatch.setattr("pipeline.executors.local.run_units", lambda *_, **__: [UnitFailure(unit, text)])
+    (failed,) = simulate_runs._do([unit], Local(1), LineReport())
     assert failed.problem == "cannot open x.urdf"
     assert text in capsys.readouterr().err

@@ -13,6 +13,7 @@ from configs.draw import draw_look
 from configs.errors import InputError
 from configs.loader import load_section
 from pipeline import batch
+from pipeline.executors.local import Local
 from pipeline.own_files import keep_own_files
 from pipeline.progress import LineReport
 from pipeline.rerender import Request, prepare, render_source
@@ -54,7 +55,7 @@ def test_what_was_begun_is_rendered_although_the_folder_is_gone(dataset, own, tm
     assert {path.name: path.read_bytes() for path in kept.iterdir()} == {sha256(RED): RED, sha256(HALL): HALL}
     written = {path: path.stat().st_mtime_ns for path in kept.iterdir()}
     shutil.rmtree(tmp_path / "photos")
-    assert render_source(source, draws, [workspace], 1, LineReport()) == []
+    assert render_source(source, draws, [workspace], Local(1), LineReport()) == []
     assert {path: path.stat().st_mtime_ns for path in kept.iterdir()} == written
     blue, _, red = cv2.imread(str(workspace.out / "images/000001.jpg")).astype(float).mean(axis=(0, 1)).tolist()
     assert red > 1.5 * blue

@@ -1,0 +1,148 @@
+"""Every key of a scenario file, from its JSON Schema: what may stand there, the default, what it means."""
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from markdown import anchor, page, table, text
+
+from configs.json_schema import scenario_json_schema
+from configs.references import SECTIONS, shipped_names
+from configs.schema.base import FIXED_KEY
+
+ABOUT = """What may stand in a scenario, with bounds and defaults; units are in the names. A key is written below its
+section, `render: {width_px: 320}`, or on the command line, `--set render.width_px=320`. *fixed*: no
+[distribution](../../README.md#scenarios) may stand there. Sections without a path of their own stand wherever a key
+refers to them."""
+
+OFTEN = 3
+"""A section that more paths than this lead to has a name of its own."""
+
+
+@dataclass
+class _Section:
+    name: str
+    schema: Mapping[str, Any]
+    paths: list[str] = field(default_factory=list)
+
+    @property
+    def heading(self) -> str:
+        if not self.paths[0] or len(self.paths) > OFTEN:
+            return self.name
+        kind = self.schema["properties"].get("kind", {}).get("const")
+        return " / ".join(self.paths) + (f" of kind {kind}" if kind else "")
+
+
+def configuration() -> str:
+    schema = scenario_json_schema()
+    definitions = {**schema["$defs"], "Scenario": {key: value for key, value in schema.items() if key != "$defs"}}
+    sections = _sections(definitions)
+    return page("Settings", ABOUT, (part for section in sections.values() for part in _told(section, sections)))
+
+
+def _sections(definitions: Mapping[str, Any]) -> dict[str, _Section]:
+    """In the order in which a reader of a scenario meets them, with all paths that lead to each."""
+    found: dict[str, _Section] = {}
+
+    def walk(name: str, path: str, within: tuple[str, ...]) -> None:
+        if name == "Terms" or name in within:
+            return  # docs/reference/terms.md has those
+        section = found.setdefault(name, _Section(name, definitions[name]))
+        section.paths.append(path)
+        for key, value in section.schema.get("properties", {}).items():
+            listed = "items" in value
+            for inner in _referred(value):
+                walk(inner, f"{path}.{key}".lstrip(".") + ("[]" if listed else ""), (*within, name))
+
+    walk("Scenario", "", ())
+    return found
+
+
+def _referred(schema: Mapping[str, Any]) -> Iterator[str]:
+    """Sections that may stand in a field."""
+    if "$ref" in schema:
+        name = schema["$ref"].rsplit("/", 1)[1]
+        if not name.endswith("_distribution"):
+            yield name
+    for key in ("anyOf", "oneOf", "prefixItems"):
+        for inner in schema.get(key, ()):
+            yield from _referred(inner)
+    if isinstance(schema.get("items"), dict):
+        yield from _referred(schema["items"])
+
+
+def _told(section: _Section, sections: Mapping[str, _Section]) -> Iterator[str]:
+    yield f"## {section.heading}"
+    if section.schema.get("description"):
+        yield text(section.schema["description"])
+    needed = section.schema.get("required", ())
+    rows = []
+    for key, value in section.schema.get("properties", {}).items():
+        default = "required" if key in needed else _default(value)
+        rows.append((f"`{key}`", _allowed(key, value, sections), default, text(value.get("description", ""))))
+    yield table(("key", "what may stand there", "default", ""), rows)
+
+
+def _default(schema: Mapping[str, Any]) -> str:
+    """A section's own defaults stand in its table."""
+    default = schema.get("default")
+    if default is None or default == "" or isinstance(default, dict):
+        return ""
+    return f"`{json.dumps(default)}`" if not isinstance(default, str) else f"`{default}`"
+
+
+def _allowed(key: str, schema: Mapping[str, Any], sections: Mapping[str, _Section]) -> str:
+    if key == "terms":
+        return "[terms](terms.md)"
+    if key in SECTIONS:
+        section = next(_referred(schema))
+        return f"{', '.join(shipped_names(key))}, a path, or {_link(section, sections)}"
+    what = _value(schema, sections)
+    return f"{what}; *fixed*" if FIXED_KEY in schema else what
+
+
+def _value(schema: Mapping[str, Any], sections: Mapping[str, _Section]) -> str:
+    if "$ref" in schema:
+        return _link(schema["$ref"].rsplit("/", 1)[1], sections)
+    if "prefixItems" in schema:
+        return "[" + ", ".join(_value(item, sections) for item in schema["prefixItems"]) + "]"
+    if "items" in schema:
+        return f"a list of: {_value(schema['items'], sections)}"
+    choices = [inner for key in ("anyOf", "oneOf") for inner in schema.get(key, ())]
+    if choices:
+        told = [_value(inner, sections) for inner in choices]
+        return ", ".join(dict.fromkeys(one for one in told if one))
+    return _leaf(schema)
+
+
+def _leaf(schema: Mapping[str, Any]) -> str:
+    if "enum" in schema:
+        return ", ".join(f"`{option}`" for option in schema["enum"])
+    if "const" in schema:
+        return f"`{schema['const']}`"
+    low = _bound(schema, "minimum", "exclusiveMinimum", ("at least", "above"))
+    high = _bound(schema, "maximum", "exclusiveMaximum", ("at most", "below"))
+    if "minimum" in schema and "maximum" in schema:
+        return f"{_number(schema['minimum'])} ... {_number(schema['maximum'])}"
+    kind = {"null": "null", "boolean": "true, false", "string": "text", "integer": "whole number", "number": "number"}
+    return " ".join(word for word in (kind.get(schema.get("type", ""), ""), low, high) if word)
+
+
+def _bound(schema: Mapping[str, Any], inclusive: str, exclusive: str, words: tuple[str, str]) -> str:
+    for key, word in zip((inclusive, exclusive), words, strict=True):
+        if key in schema:
+            return f"{word} {_number(schema[key])}"
+    return ""
+
+
+def _number(value: float) -> str:
+    return str(value) if isinstance(value, int) else f"{value:.12g}"
+
+
+def _link(name: str, sections: Mapping[str, _Section]) -> str:
+    """To a section; a distribution needs no word, for what is not fixed may be drawn."""
+    if name.endswith("_distribution"):
+        return ""
+    section = sections[name]
+    return f"[{name}]({anchor(section.heading)})"

@@ -1,0 +1,60 @@
+"""The k-th of n parts of the work, for jobs that know nothing of each other, such as those of a Slurm array.
+
+Which part a unit belongs to depends on the unit and n alone, not on what is done already, so nobody has to deal them
+out. Parts that overlap, as when a job is given twice, do some work twice and harm nothing.
+"""
+
+import re
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from configs.errors import InputError
+from pipeline.executors.base import OnEvent
+from pipeline.executors.local import Local
+from pipeline.units import AnyUnit, RenderUnit
+from pipeline.workers import UnitFailure
+
+BLOCK_FRAMES = 25
+"""Long enough that Blender's start is a small part of it, short enough that there is work for many machines."""
+MOST_PARTS = 100_000
+
+
+@dataclass(frozen=True)
+class Part:
+    number: int
+    """From 1."""
+    of: int
+    local: Local
+
+    @classmethod
+    def of_text(cls, text: str, local: Local) -> "Part":
+        """From `k/n`.
+
+        Raises:
+            InputError: It is not that, or k is not among the n.
+        """
+        found = re.fullmatch(r"(\d{1,6})/(\d{1,6})", text)
+        number, of = map(int, found.groups()) if found else (0, 0)
+        if not 1 <= number <= of <= MOST_PARTS:
+            raise InputError("--part", got=text, allowed=f"k/n with 1 <= k <= n <= {MOST_PARTS}, such as 3/10")
+        return cls(number, of, local)
+
+    @property
+    def does_all(self) -> bool:
+        return False
+
+    def block_frames(self, frames: int, runs: int) -> int:
+        del frames, runs
+        return BLOCK_FRAMES
+
+    def threads(self, units: int) -> int:
+        return self.local.threads(max(1, units // self.of))
+
+    def mine(self, unit: AnyUnit) -> bool:
+        """Blocks of a run go to parts one after the other, from one that the run's name decides."""
+        block = (unit.numbers[0] - 1) // BLOCK_FRAMES if isinstance(unit, RenderUnit) else 0
+        return (zlib.crc32(unit.name.encode()) + block) % self.of == self.number - 1
+
+    def do(self, units: Sequence[AnyUnit], on_event: OnEvent) -> list[UnitFailure]:
+        return self.local.do(units, on_event) if units else []

@@ -1,0 +1,113 @@
+"""Every command of README.md and docs is one; and each runs, made small, in the order of its page (`-m documents`)."""
+
+import re
+import shlex
+import shutil
+from pathlib import Path
+
+import pytest
+from typer.main import get_command
+
+from pipeline.cli import command_line, main
+
+ROOT = Path(__file__).parents[2]
+SHARED = ROOT.parent / "shared"
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted((ROOT / "docs/tutorials").glob("*.md"))]
+CODE = re.compile(r"^    (.+)$|^```\w*\n(.*?)^```", re.MULTILINE | re.DOTALL)
+
+ELSEWHERE = {
+    "--port": "needs a board; tests/physics/hil drives one at a pseudo-terminal",
+    "optiodom_diff": "a minute or more; benchmarks/diagnosis/real_sets.py runs them",
+}
+"""Words of commands that are not run here, and where they are."""
+SMALL = ("render.width_px=32", "render.height_px=24", "render.samples=1", "stop.lap=false", "stop.time_limit_s=1.0")
+
+
+def _commands(page):
+    lines = [line for block in CODE.findall(page.read_text()) for part in block for line in part.splitlines()]
+    joined = re.sub(r" *\\\n *", " ", "\n".join(lines))
+    found = re.findall(r"^ *(?:.*&& )?(?:\.venv/bin/)?symolo ((?:[^#|>&\n]|(?<=')[^'\n]*')+)", joined, re.MULTILINE)
+    return [re.split(r" {3,}", command.strip())[0] for command in found]
+
+
+WITH_COMMANDS = [page for page in PAGES if _commands(page)]
+of_pages = pytest.mark.parametrize("page", WITH_COMMANDS, ids=[str(page.relative_to(ROOT)) for page in WITH_COMMANDS])
+
+
+def test_most_pages_have_commands():
+    assert len(WITH_COMMANDS) > 10
+
+
+@of_pages
+def test_its_commands_parse(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    group = get_command(command_line())
+    for command in _commands(page):
+        name, *arguments = shlex.split(command)
+        if name.startswith("--"):
+            continue
+        leaf = group.get_command(None, name)
+        assert leaf is not None, command
+        if name == "bench":
+            leaf, arguments = leaf.get_command(None, arguments[0]), arguments[1:]
+        leaf.make_context(name, arguments)
+
+
+@pytest.fixture(scope="session")
+def release(tmp_path_factory):
+    """What pages call `data` or `symolo-dataset`."""
+    folder = tmp_path_factory.mktemp("documents") / "data"
+    kinds = "render.annotations=[depth,instance,semantic,boxes_2d,key_points]"
+    assert main(["release", "symolo", "--out", str(folder), *_small(), "--set", kinds]) == 0
+    return folder
+
+
+@pytest.fixture
+def desk(tmp_path, release, monkeypatch):
+    """Where a reader of a page would be: a release, a robot's logs, a run of a real camera, the measured sets."""
+    for name in ("data", "symolo-dataset", "my_release", "A", "B"):
+        shutil.copytree(release, tmp_path / name)
+    for name, case in (("bench_1", "motor_steady_001"), ("drive_1", "drive_log_001")):
+        shutil.copytree(SHARED / "gap_examples" / case, tmp_path / "my_robot" / name)
+    shutil.copytree(release / "CW/test_2", tmp_path / "measured/run_1")
+    for name in ("tof_vl53l0x_scan", "tof_vl53l0x_static"):
+        (tmp_path / "measured" / name).symlink_to(SHARED / "measured" / name)
+    (tmp_path / "elsewhere").mkdir()
+    shutil.copy(release / "CW/test_1/data.csv", tmp_path / "elsewhere/data.csv")
+    scenario = (ROOT / "README.md").read_text().partition("    # my_scenario.yaml\n")[2].split("\n\n")[0]
+    (tmp_path / "my_scenario.yaml").write_text("\n".join(line.removeprefix("    ") for line in scenario.splitlines()))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.documents
+@of_pages
+def test_its_commands_run(page, desk):
+    if page.name == "round_trip.md":
+        return  # as it stands there, in tests/pipeline/test_round_trip.py
+    for command in _commands(page):
+        if any(word in command for word in ELSEWHERE):
+            continue
+        words = shlex.split(command)
+        if "--out" in words:
+            _removed(desk / words[words.index("--out") + 1])  # pages use a name again for another thing
+        assert main(_made_small(words)) == 0, command
+
+
+def _removed(path):
+    if path.is_dir():
+        shutil.rmtree(path)
+    path.unlink(missing_ok=True)
+
+
+def _made_small(arguments):
+    name = arguments[0]
+    if name in {"release", "simulate", "render", "assemble", "hil", "plan"}:
+        return [*arguments, *_small()]
+    if name == "preview":
+        return [*arguments, "--width-px", "32"]
+    return arguments
+
+
+def _small():
+    return [word for setting in SMALL for word in ("--set", setting)]

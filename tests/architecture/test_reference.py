@@ -1,0 +1,73 @@
+"""The pages that are written from the code say what it says, and lead to something."""
+
+import re
+from pathlib import Path
+
+import pytest
+from typer.main import get_command
+
+from blender_scenes.materials import FLOORS, SURFACES
+from configs.schema.look import LookConfig
+from configs.schema.robot import RobotConfig
+from pipeline.cli import command_line
+from pipeline.exporters import EXPORTERS
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+@pytest.fixture
+def drifted(monkeypatch):
+    monkeypatch.syspath_prepend(str(DOCS / "generate"))
+    from pages import drifted  # noqa: PLC0415 - a script of docs
+
+    return drifted
+
+
+def _page(name):
+    return (DOCS / "reference" / name).read_text()
+
+
+def test_every_page_is_what_the_code_says(drifted):
+    assert drifted() == ()
+
+
+def test_every_command_has_a_section():
+    for name, command in get_command(command_line()).commands.items():
+        inner = [f"{name} {one}" for one in command.commands] if hasattr(command, "commands") else [name]
+        for one in inner:
+            assert f"\n## {one}\n" in _page("commands.md")
+
+
+def test_every_field_of_robot_and_look_is_a_key():
+    keys = set(re.findall(r"^\| `(\w+)` \|", _page("configuration.md"), re.MULTILINE))
+    for section in (RobotConfig, LookConfig):
+        assert set(section.model_fields) - keys == set()
+
+
+def test_every_material_has_a_picture():
+    pictures = re.findall(r"!\[[^]]*]\(([^)]+)\)", _page("materials.md"))
+    assert len(pictures) >= len(FLOORS) - 1 + len(SURFACES)
+    assert [name for name in pictures if not (DOCS / "reference" / name).is_file()] == []
+
+
+def test_every_format_is_explained():
+    page = (DOCS / "exports.md").read_text()
+    assert [exporter.name for exporter in EXPORTERS if f"\n## {exporter.name}\n" not in page] == []
+
+
+@pytest.mark.parametrize("page", sorted(DOCS.rglob("*.md")), ids=lambda path: path.name)
+def test_every_link_leads_to_a_file_and_a_heading(page):
+    for link in re.findall(r"]\(([^)\s]+)\)", re.sub(r"^(    |```).*?$", "", page.read_text(), flags=re.MULTILINE)):
+        if "://" in link:
+            continue
+        file, _, heading = link.partition("#")
+        target = page.parent / file if file else page
+        assert target.exists(), link
+        if heading:
+            headings = re.findall(r"^#+ (.*)$", target.read_text(), re.MULTILINE)
+            assert heading in {_slug(one) for one in headings}, link
+
+
+def _slug(heading):
+    """As GitHub makes it of a heading: lower case, without punctuation, hyphens for spaces."""
+    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
