@@ -43,3 +43,7 @@ def test_what_ends_midway_leaves_the_page_that_was_there(painted, tmp_path, symo
     assert symolo("report", painted(), "--out", out).code == 130
     assert [path.name for path in tmp_path.iterdir()] == ["report.html"]
     assert out.read_text() == "before"
+
+
+def test_its_help_gives_an_example(symolo):
+    assert "Example: symolo report data --out report.html" in " ".join(symolo("report", "--help").out.split())
