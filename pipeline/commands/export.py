@@ -16,7 +16,9 @@ def export(
     *,
     formats: Annotated[
         str,
-        typer.Option("--format", metavar="NAMES", help="tum, kitti, coco, webdataset, parquet, with commas between."),
+        typer.Option(
+            "--format", metavar="NAMES", help="tum, kitti, coco, webdataset, parquet, rerun, with commas between."
+        ),
     ],
     out: Annotated[
         Path, typer.Option("--out", metavar="OUT", callback=checked_new_folder, help="Output folder: new or empty.")

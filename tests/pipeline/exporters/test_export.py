@@ -52,7 +52,10 @@ def test_what_cannot_be_exported_is_refused_before_anything_is_written(random_re
     taken.mkdir()
     (taken / "mine.txt").write_text("mine")
     for arguments, what in (
-        ((root, "tun", out), "--format: got 'tun', allowed: tum, kitti, coco, webdataset, parquet; did you mean tum"),
+        (
+            (root, "tun", out),
+            "--format: got 'tun', allowed: tum, kitti, coco, webdataset, parquet, rerun; did you mean tum",
+        ),
         ((root, "tum,", out), "names with commas between them"),
         ((damaged, "tum", out), "CW/test_1/data.csv: was changed: its SHA-256 is not that of manifest-sha256.txt"),
         ((damaged, "tum", out), "symolo repair"),
