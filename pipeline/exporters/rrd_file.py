@@ -18,9 +18,9 @@ Arrays = Any
 """Of pyarrow, which is loaded when something is exported."""
 
 _VERSION = (0, 23, 1)
-_HEAD = struct.pack("<4s4B4B", b"RRF2", 0, *_VERSION[1:], 0, 1, 2, 0, 0)
+_HEAD = struct.pack("<4s4B4B", b"RRF2", *_VERSION, 0, 1, 2, 0, 0)
 _STORE_INFO, _ARROW, _END = 1, 2, 0
-_RECORDING, _ARROW_IPC = 1, 1
+_RECORDING, _ARROW_IPC, _OTHER = 1, 1, 6
 _ROW_ID = {
     "rerun.kind": "control",
     "rerun.is_sorted": "true",
@@ -105,9 +105,8 @@ def _batch(arrow: ModuleType, chunk: Chunk, numbers: "count[int]") -> Arrays:
 
 def _store_info(recording: str, number: int) -> bytes:
     row_id = struct.pack("<BQBQ", 1 << 3 | 1, 1, 2 << 3 | 1, number)
-    major, minor, patch = _VERSION
-    version = _number(1, major << 24 | minor << 16 | patch << 8)
-    source = _number(1, 1)
+    version = _number(1, int.from_bytes((*_VERSION, 0), "little"))
+    source = _number(1, _OTHER) + _bytes(2, _bytes(1, b"symolo"))
     about = _bytes(1, _bytes(1, b"symolo")) + _bytes(2, _store_id(recording)) + _bytes(5, source) + _bytes(6, version)
     return _bytes(1, row_id) + _bytes(2, about)
 

@@ -34,7 +34,7 @@ def release_report(data: Dataset, most_detailed: int, report: Report) -> bytes:
 
 
 def _pictures(data: Dataset, facts: ReleaseFacts, report: Report) -> Pictures:
-    # Matplotlib takes half a second, which whoever only asks for the facts does not need.
+    # Matplotlib takes half a second to load, and is asked for only when the facts are sound.
     from pipeline.release_report.brightness_picture import brightness_picture, spread_picture  # noqa: PLC0415
     from pipeline.release_report.map_picture import map_picture  # noqa: PLC0415
     from pipeline.release_report.run_picture import run_picture  # noqa: PLC0415

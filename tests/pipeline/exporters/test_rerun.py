@@ -1,9 +1,13 @@
 """Recordings for Rerun, read back by Rerun's own reader."""
 
 import warnings
+from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
+import pyarrow as pa
 import pytest
+from scipy.spatial.transform import Rotation
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
@@ -11,6 +15,7 @@ from physics.arena import Arena
 from pipeline.dataset.rows import COLUMNS
 from pipeline.export import export, exporters_of, open_release, plan
 from pipeline.exporters.base import ExportSettings
+from pipeline.exporters.rerun import _box, _Maker
 from pipeline.progress import LineReport
 
 SEEDS = [pytest.param(seed, marks=[pytest.mark.faults] if seed > 1 else []) for seed in range(1, 101)]
@@ -75,9 +80,8 @@ def poses(truth, columns):
     _, places = at_rows(columns, "/world/robot:Translation3D")
     np.testing.assert_allclose(np.array(places)[:, 0, :2], truth.table[:, 1:3], rtol=1e-6)
     _, turns = at_rows(columns, "/world/robot:TransformMat3x3")
-    ahead = matrices(turns)[:, :, 0]
-    headings = np.column_stack((np.cos(truth.table[:, 3]), np.sin(truth.table[:, 3]), np.zeros(len(turns))))
-    np.testing.assert_allclose(ahead, headings, atol=1e-6)
+    expected = Rotation.from_euler("z", truth.table[:, 3:4]).as_matrix()
+    np.testing.assert_allclose(matrices(turns), expected, atol=1e-6)
     rows, turns = at_rows(columns, "/world/camera:TransformMat3x3")
     assert rows == np.flatnonzero(truth.table[:, 18]).tolist()
     np.testing.assert_allclose(matrices(turns), truth.X_WC[:, :3, :3], atol=1e-6)
@@ -118,7 +122,7 @@ def test_the_arena_stands_where_it_is(random_release, tmp_path):
 
 
 def test_where_no_target_was_seen_the_range_has_a_gap(random_release, copy_of, sign, tmp_path):
-    root = copy_of(random_release(1).root)
+    truth, root = random_release(1).runs[0], copy_of(random_release(1).root)
     path = root / "CW/test_1/data.csv"
     head, first, *rest = path.read_text().splitlines()
     cells = first.split(",")
@@ -127,7 +131,19 @@ def test_where_no_target_was_seen_the_range_has_a_gap(random_release, copy_of, s
     sign(root)
     _, _, columns, _ = read(exported(root, tmp_path / "out") / "CW/test_1.rrd")
     assert not columns["/range/d_f:Scalar"][0]
-    assert all(len(one) == 1 for one in columns["/range/d_f:Scalar"][1:])
+    assert columns["/range/d_f:Scalar"][1:] == [[value] for value in truth.table[1:, 7].tolist()]
+
+
+def test_an_obstacle_that_moves_has_the_pose_of_each_row():
+    (box, *_) = Arena.from_config(draw_run(load_scenario("moving"), "CW", 1).arena).moving
+    t_s = np.array([0.0, 0.5, 2.0])
+    table = pd.DataFrame(box.poses_at(t_s), columns=[f"{box.name}_{field}" for field in ("x", "y", "theta")])
+    _, pose = _box(_Maker(pa), box, SimpleNamespace(t_s=t_s, side={"obstacles": table}.get))
+    assert pose.t_s is t_s
+    places, turns = (component.values.to_pylist() for component in pose.components)  # noqa: PD011 - no pandas
+    x, y, yaw = box.poses_at(t_s).T
+    np.testing.assert_allclose(np.array(places)[:, 0], np.column_stack((x, y, [box.center[2]] * 3)), atol=1e-6)
+    np.testing.assert_allclose(matrices(turns), Rotation.from_euler("z", yaw[:, None]).as_matrix(), atol=1e-6)
 
 
 def test_the_bytes_are_the_same_again(random_release, tmp_path):
