@@ -2,17 +2,16 @@
 
 from collections.abc import Iterator
 from functools import partial
-from importlib import import_module
 from types import ModuleType
 
 import numpy as np
 from numpy.typing import NDArray
 
-from configs.errors import EnvironmentLacking
 from physics.arena import Arena, Box
 from pipeline.dataset.manifest import MANIFEST
 from pipeline.dataset.rows import COLUMNS, Floats
 from pipeline.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
+from pipeline.exporters.optional import PYARROW, optional
 from pipeline.exporters.rrd_file import Arrays, Chunk, Component, rrd
 from pipeline.files import sha256_of
 from pipeline.reader.dataset import Dataset
@@ -27,7 +26,7 @@ _IMAGE_PLANE_M = 0.15
 
 
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
-    arrow = _arrow()
+    arrow = optional("pyarrow", PYARROW)
     release = sha256_of(data.root / MANIFEST)[:16]
     for run in data.runs:
         yield MadeFile(f"{run.name}.rrd", partial(_recording, arrow, run, f"{release}/{run.name}"))
@@ -206,14 +205,6 @@ class _Maker:
 
     def _offsets(self, ends: NDArray[np.generic]) -> Arrays:
         return self._arrow.array(ends.astype(np.int32))
-
-
-def _arrow() -> ModuleType:
-    """pyarrow, which comes with the extra `export` alone; from 26 on it does not load beside Blender's numpy."""
-    try:
-        return import_module("pyarrow")
-    except ImportError:
-        raise EnvironmentLacking("pyarrow is missing; run: pip install 'pyarrow<26'") from None
 
 
 EXPORTER = Exporter("rerun", "a recording of each run for Rerun's viewer: arena, robot, images, readings", _files)
