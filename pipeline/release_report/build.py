@@ -7,11 +7,12 @@ from pipeline.reader.dataset import Dataset
 from pipeline.release_report.facts import ReleaseFacts, release_facts
 from pipeline.release_report.maps import Map, maps_of
 from pipeline.release_report.page import MOST_OUTLIERS, page
-from pipeline.release_report.pictures import Pictures
+from pipeline.release_report.pictures import A_FIGURE, Pictures
 from pipeline.release_report.spread import spread
 from pipeline.release_report.state_sheets import shown_of_states, thumbnail
 
 MOST_MAPS = 12
+"""Whole figures of them."""
 MOST_ROWS = 40
 """Runs whose images' numbers have a row of their own."""
 
@@ -51,7 +52,7 @@ def _pictures(data: Dataset, facts: ReleaseFacts, report: Report) -> Pictures:
     shown = {(one.run, one.number) for of_state in sheets.values() for one in of_state}
     shown |= {(one.run, one.worst) for one in facts.outliers[:MOST_OUTLIERS]}
     return Pictures(
-        maps=tuple(map_picture(some) for some in _by_two(spread(maps, MOST_MAPS))),
+        maps=tuple(map_picture(some) for some in _figures(spread(maps, MOST_MAPS))),
         maps_in_all=len(maps),
         runs=runs,
         sheets=sheets,
@@ -62,5 +63,5 @@ def _pictures(data: Dataset, facts: ReleaseFacts, report: Report) -> Pictures:
     )
 
 
-def _by_two(maps: Sequence[Map]) -> Iterator[tuple[Map, ...]]:
-    return (tuple(maps[i : i + 2]) for i in range(0, len(maps), 2))
+def _figures(maps: Sequence[Map]) -> Iterator[tuple[Map, ...]]:
+    return (tuple(maps[i : i + A_FIGURE]) for i in range(0, len(maps), A_FIGURE))

@@ -9,7 +9,7 @@ from pipeline.release_report.draws_table import draws_section
 from pipeline.release_report.facts import ReleaseFacts
 from pipeline.release_report.outliers import Outlier
 from pipeline.release_report.page_style import STYLE as OWN_STYLE
-from pipeline.release_report.pictures import Pictures
+from pipeline.release_report.pictures import A_FIGURE, Pictures
 from pipeline.release_report.provenance import provenance, warnings
 from pipeline.release_report.runs_table import anchor, of_one, runs_table
 from pipeline.release_report.states import named
@@ -56,8 +56,8 @@ def _map(facts: ReleaseFacts, pictures: Pictures) -> Iterator[Html]:
     told = "The middle of the axle, from the floor's frame W. Numbers on the first run of each map are states."
     if tracks < len(facts.runs):
         told += f" {tracks} of {len(facts.runs)} runs are drawn, spread evenly over them."
-    if len(pictures.maps) * 2 < pictures.maps_in_all:
-        told += f" The first and last and some between of {pictures.maps_in_all} arenas are shown."
+    if len(pictures.maps) * A_FIGURE < pictures.maps_in_all:
+        told += f" {len(pictures.maps) * A_FIGURE} of {pictures.maps_in_all} maps are shown."
     figures = [tag("figure", picture(one, "Paths of the runs over the arena, by state", SVG)) for one in pictures.maps]
     yield _whole(tag("p", told, class_="note"), *figures[:1])
     yield from figures[1:]

@@ -5,11 +5,14 @@ from dataclasses import dataclass
 
 from pipeline.release_report.state_sheets import Shown
 
+A_FIGURE = 2
+"""Maps side by side; the last figure may have fewer."""
+
 
 @dataclass(frozen=True)
 class Pictures:
     maps: tuple[bytes, ...]
-    """SVG."""
+    """SVG, of `A_FIGURE` maps each."""
     maps_in_all: int
     """How many there would be; some are left out of a release with many arenas."""
     runs: Mapping[str, bytes]

@@ -18,14 +18,14 @@ from pipeline.release_report.state_sheets import shown_of_states
 HOSTILE = '<script src="https://example.org/x.js"></script>"\'&'
 
 
-def text_page(root, most_detailed=12):
+def text_page(root, most_detailed=12, maps=1):
     """The page without its pictures, which take a second each."""
     data = load(root)
     facts = release_facts(data, data.metadata, most_detailed, LineReport())
     sheets = shown_of_states(facts.runs)
     images = {(run.name, number): b"jpeg" for run in data for number in run.numbers}
     runs = dict.fromkeys(facts.detailed, b"svg")
-    return page(facts, Pictures((b"svg",), 1, runs, sheets, images, b"svg", b"svg", min(3, len(facts.images))))
+    return page(facts, Pictures((b"svg",), maps, runs, sheets, images, b"svg", b"svg", min(3, len(facts.images))))
 
 
 def words(html):
@@ -130,6 +130,8 @@ def test_of_many_runs_some_are_shown_and_the_page_says_so(painted):
     assert re.findall(r'<h3 id="run-([^"]*)">', html) == ["CW/test_1", "CCW/test_1"]
     assert re.findall(r'href="#run-([^"]*)"', html) == ["CW/test_1", "CCW/test_1"]
     assert "are shown, spread" not in words(text_page(root, most_detailed=5))
+    assert "2 of 30 maps are shown." in words(text_page(root, maps=30))
+    assert "maps are shown" not in words(text_page(root, maps=2))
 
 
 def test_warnings_and_runs_set_aside_are_named_and_linked_from_the_top(painted):
