@@ -21,6 +21,7 @@ from pipeline.commands.model import model
 from pipeline.commands.pack import pack
 from pipeline.commands.pictures import pictures
 from pipeline.commands.preview import preview
+from pipeline.commands.report import report
 
 EPILOG = """Exit codes: 0 done; 1 a bug; 2 bad input or usage, nothing written; 3 a run failed, the others are finished;
 4 verify found faults, or repair left some; 5 the environment lacks something; 6, 7 compare: equal within the
@@ -58,7 +59,7 @@ def command_line() -> typer.Typer:
         app.command(rich_help_panel="Make data")(command)
     for command in (hil.hil, hil.firmware):
         app.command(rich_help_panel="Hardware in the loop")(command)
-    for command in (examine.verify, examine.compare, examine.contact_sheet, examine.doctor, examine.schema):
+    for command in (examine.verify, examine.compare, examine.contact_sheet, report, examine.doctor, examine.schema):
         app.command(rich_help_panel="Look at data, machine and format")(command)
     for command in (keep.status, keep.repair, keep.bag, export, pack):
         app.command(rich_help_panel="Keep data whole")(command)

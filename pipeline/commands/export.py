@@ -19,7 +19,8 @@ def export(
         typer.Option(
             "--format",
             metavar="NAMES",
-            help="tum, kitti, coco, webdataset, parquet, mcap, ros1, hdf5, huggingface, lerobot, with commas between.",
+            help="tum, kitti, coco, webdataset, parquet, mcap, ros1, hdf5, huggingface, lerobot, rerun, with commas "
+            "between.",
         ),
     ],
     out: Annotated[

@@ -1,6 +1,6 @@
 """All formats that a release is exported to, in the order in which `--help` names them."""
 
-from pipeline.exporters import coco, hdf5, huggingface, kitti, lerobot, mcap, parquet, ros1, tum, webdataset
+from pipeline.exporters import coco, hdf5, huggingface, kitti, lerobot, mcap, parquet, rerun, ros1, tum, webdataset
 from pipeline.exporters.base import Exporter
 
 EXPORTERS: tuple[Exporter, ...] = (
@@ -14,4 +14,5 @@ EXPORTERS: tuple[Exporter, ...] = (
     hdf5.EXPORTER,
     huggingface.EXPORTER,
     lerobot.EXPORTER,
+    rerun.EXPORTER,
 )
