@@ -7,29 +7,17 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pyarrow as pa
-import pytest
 from scipy.spatial.transform import Rotation
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from physics.arena import Arena
 from pipeline.dataset.rows import COLUMNS
-from pipeline.export import export, exporters_of, open_release, plan
-from pipeline.exporters.base import ExportSettings
 from pipeline.exporters.rerun import _box, _Maker
-from pipeline.progress import LineReport
 
-SEEDS = [pytest.param(seed, marks=[pytest.mark.faults] if seed > 1 else []) for seed in range(1, 101)]
-"""One of them by default."""
 PATHS = {"state": "/state", "v": "/motion/v", "w": "/motion/w", "d_f": "/range/d_f", "d_l": "/range/d_l"}
 PATHS |= {"d_r": "/range/d_r"} | {f"L{i}": f"/line/L{i}" for i in range(8)}
 NO_TARGET_M = 2.0
-
-
-def exported(root, out):
-    data = open_release(root, None)
-    export(data, plan(data, exporters_of(("rerun",), ""), ExportSettings(1)), out, LineReport())
-    return out / "rerun"
 
 
 def read(path):
@@ -60,10 +48,9 @@ def matrices(values):
     return np.array(values).reshape(-1, 3, 3).transpose(0, 2, 1)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-def test_a_recording_holds_what_the_run_has(seed, random_release, tmp_path):
+def test_a_recording_holds_what_the_run_has(seed, random_release, exported, tmp_path):
     release = random_release(seed, annotated=True)
-    folder = exported(release.root, tmp_path / "out")
+    folder = exported(release.root, tmp_path / "out", "rerun") / "rerun"
     assert {path.relative_to(folder).as_posix() for path in folder.rglob("*.rrd")} == {
         f"{truth.name}.rrd" for truth in release.runs
     }
@@ -104,8 +91,8 @@ def images(truth, columns, lasting):
     assert lasting["/world/camera/image:Resolution"] == [[40.0, 24.0]]
 
 
-def test_the_arena_stands_where_it_is(random_release, tmp_path):
-    folder = exported(random_release(1).root, tmp_path / "out")
+def test_the_arena_stands_where_it_is(random_release, exported, tmp_path):
+    folder = exported(random_release(1).root, tmp_path / "out", "rerun") / "rerun"
     arena = Arena.from_config(draw_run(load_scenario("smoke"), "CW", 1).arena)
     _, _, _, lasting = read(folder / "CW/test_1.rrd")
     for box in arena.boxes:
@@ -122,7 +109,7 @@ def test_the_arena_stands_where_it_is(random_release, tmp_path):
     assert first[0].tolist() == first[-1].tolist()
 
 
-def test_where_no_target_was_seen_the_range_has_a_gap(random_release, copy_of, sign, tmp_path):
+def test_where_no_target_was_seen_the_range_has_a_gap(random_release, exported, copy_of, sign, tmp_path):
     truth, root = random_release(1).runs[0], copy_of(random_release(1).root)
     path = root / "CW/test_1/data.csv"
     head, first, *rest = path.read_text().splitlines()
@@ -130,7 +117,7 @@ def test_where_no_target_was_seen_the_range_has_a_gap(random_release, copy_of, s
     cells[7] = f"{NO_TARGET_M:.4f}"
     path.write_text("\n".join([head, ",".join(cells), *rest, ""]))
     sign(root)
-    _, _, columns, _ = read(exported(root, tmp_path / "out") / "CW/test_1.rrd")
+    _, _, columns, _ = read(exported(root, tmp_path / "out", "rerun") / "rerun" / "CW/test_1.rrd")
     assert not columns["/range/d_f:Scalar"][0]
     assert columns["/range/d_f:Scalar"][1:] == [[value] for value in truth.table[1:, 7].tolist()]
 
@@ -147,12 +134,12 @@ def test_an_obstacle_that_moves_has_the_pose_of_each_row():
     np.testing.assert_allclose(matrices(turns), Rotation.from_euler("z", yaw[:, None]).as_matrix(), atol=1e-6)
 
 
-def test_the_bytes_are_the_same_again(random_release, tmp_path):
+def test_the_bytes_are_the_same_again(random_release, exported, tmp_path):
     one, other = (exported(random_release(1).root, tmp_path / name) / "CW/test_1.rrd" for name in ("a", "b"))
     assert one.read_bytes() == other.read_bytes()
 
-
-def test_without_pyarrow_it_says_how_to_get_it(random_release, tmp_path, symolo, monkeypatch):
+    root = random_release(1).root
+    one, other = (exported(root, tmp_path / name, "rerun") / "rerun/CW/test_1.rrd" for name in ("a", "b"))
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     ended = symolo("export", random_release(1).root, "--format", "rerun", "--out", tmp_path / "out")
     assert (ended.code, ended.err.count("\n")) == (5, 1)
