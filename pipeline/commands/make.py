@@ -48,21 +48,20 @@ def plan(
     What a million images would cost, in core-hours and terabytes, measured here in a minute: symolo plan symolo
     --frames 1000000
     """
-    if frames is not None:
-        from pipeline.price import measure
-        from pipeline.progress import report_here
-
-        price, about = measure(scenario, with_device(settings, device), report_here())
-        typer.echo(price.text(frames, about))
-        return
-    settings = with_device(settings, device)
     from configs.loader import load_scenario
     from pipeline.drawing import draw_reported
     from pipeline.plan import Plan
     from pipeline.progress import report_here
     from pipeline.workers import cores
 
-    specs = draw_reported(load_scenario(scenario, settings or ()), report_here())
+    overrides = with_device(settings, device)
+    if frames is not None:
+        from pipeline.price import measure
+
+        price, about = measure(scenario, overrides, report_here())
+        typer.echo(price.text(frames, about))
+        return
+    specs = draw_reported(load_scenario(scenario, overrides), report_here())
     typer.echo(Plan.of(specs, cores()).text())
 
 
