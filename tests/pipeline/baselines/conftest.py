@@ -1,0 +1,80 @@
+"""Short drives of a worn and of a nominal robot, and a world in which everything is what the filters take it for."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from configs.schema.robot import LineSensor, TofMount
+from physics.arena import Arena, Box, Line, Straight
+from pipeline.baselines.given import Drawing, Given, Start
+from pipeline.baselines.runs import LoggedRun, open_runs
+from pipeline.cli import main
+from sensors.odometry import Odometry
+
+WALL_X_M = 0.5
+SENSOR_X_M = 0.085
+PER_COUNT_M = 5e-6
+"""So fine that rounding does not matter."""
+
+
+@pytest.fixture(scope="session")
+def simulated(tmp_path_factory) -> Callable[[str], Path]:
+    """What `simulate` makes of 14 s counter-clockwise by a robot, past the first obstacle and the corner."""
+    made = {}
+
+    def simulate(robot: str) -> Path:
+        if robot not in made:
+            folder = tmp_path_factory.mktemp("baselines")
+            scenario = folder / "drive.yaml"
+            scenario.write_text(
+                "extends: symolo\nname: drive\nrobot: " + robot + "\nstop: {lap: false, time_limit_s: 14}\n"
+                "routes: [{name: CCW, start: {x_m: 0.55, y_m: -0.20, yaw_deg: 90}, runs: 1}]\n"
+            )
+            assert main(["simulate", str(scenario), "--out", str(folder / "out"), "--workers", "1"]) == 0
+            made[robot] = folder / "out"
+        return made[robot]
+
+    return simulate
+
+
+@pytest.fixture(scope="session")
+def driven(simulated) -> Callable[[str], LoggedRun]:
+    def drive(robot: str) -> LoggedRun:
+        (run,) = open_runs(simulated(robot))
+        return run
+
+    return drive
+
+
+@pytest.fixture(scope="session")
+def before_a_wall() -> Callable[..., Given]:
+    """A robot that drives along x towards a wall across it; no line, and only the front sensor reads."""
+    center, size = (WALL_X_M + 0.5, 0.0, 0.5), (1.0, 4.0, 1.0)
+    wall = Box("wall", "wall", center, size, 0.0, "white_board")
+    arena = Arena("test", 5.0, 0.8, Line((Straight((9.0, 9.0), (9.5, 9.0)),), 0.015, 0.05), (wall,))
+    mounts = [TofMount(x_m=SENSOR_X_M, y_m=0.0, z_m=0.5, yaw_deg=yaw) for yaw in (0, 45, -45)]
+    line_sensor = LineSensor(
+        x_m=0.08, height_m=0.003, pitch_m=0.009525, spot_diameter_at_floor_m=0.002, spot_growth=1.0, period_s=0.005,
+        delay_s=0.0, gain_sd=0.0, offset_sd=0.0, noise_sd=0.0, adc_bits=10, threshold=0.45, dropout_probability=0.0,
+    )  # fmt: skip
+
+    def given(ways_m: np.ndarray, front_m: np.ndarray, start: Start) -> Given:
+        """With the wheels' ways (N, 2) between rows and readings (N,); the ways of the first row are left aside."""
+        rows = len(front_m)
+        nothing = np.full(rows, np.nan)
+        counts = np.rint(np.cumsum(ways_m, axis=0) / PER_COUNT_M).astype(np.int64)
+        return Given(
+            t_s=0.05 * np.arange(rows),
+            counts=counts,
+            ranges_m=np.column_stack((front_m, nothing, nothing)),
+            fresh=np.ones((rows, 3), dtype=bool),
+            on_line=np.zeros((rows, 8), dtype=bool),
+            start=start,
+            drawing=Drawing(Odometry(PER_COUNT_M, 0.14), tuple(mounts), np.radians(25.0), 1.2, 1e-9, line_sensor),
+            map=arena,
+            pictures=None,
+        )
+
+    return given
