@@ -11,11 +11,12 @@ from pydantic import ValidationError
 
 from configs.errors import InputError
 from configs.schema.scenario import RunSpec
+from physics.trajectory import Recording
 from pipeline.baselines.base import Lesson
 from pipeline.baselines.given import Given, Pictures, Start
 from pipeline.dataset.layout import SPEC
 from pipeline.dataset.metadata import METADATA
-from pipeline.dataset.rows import Floats, Rows, parse_table
+from pipeline.dataset.rows import HEADER, Floats, Rows, parse_table
 from pipeline.dataset.side import TOF, WHEELS, tof_csv, wheels_csv
 from pipeline.export import open_release
 from pipeline.reader.run import Run
@@ -34,6 +35,14 @@ class LoggedRun:
     """side/tof.csv."""
     pictures: Pictures | None
     """None of a run that has not been rendered."""
+
+    @classmethod
+    def of_recording(cls, name: str, spec: RunSpec, recording: Recording) -> "LoggedRun":
+        """As text and back, so that a run says the same before and after its release."""
+        rows = parse_table(Rows.from_recording(recording).to_csv(), HEADER)[0]
+        wheels = parse_table(wheels_csv(recording), WHEELS.header)[0]
+        tof = parse_table(tof_csv(recording), TOF.header)[0]
+        return cls(name, spec, Rows.from_table(rows), wheels, tof, None)
 
     @property
     def truth(self) -> Floats:
@@ -80,17 +89,13 @@ def _name(folder: Path) -> str:
 
 
 def _simulated(folder: Path) -> LoggedRun:
-    """As text and back, so that a run says the same before and after its release."""
     try:
         spec = RunSpec.model_validate_json((folder / SPEC).read_bytes())
         recording = read_recording(folder)
     except (OSError, ValueError, KeyError, ValidationError, BadZipFile) as error:
         what = f"cannot be read: {str(error).splitlines()[0]}"
         raise InputError(what, where=str(folder), cure="run `symolo simulate` again") from None
-    rows = Rows.from_recording(recording)
-    tables = ((wheels_csv(recording), WHEELS), (tof_csv(recording), TOF))
-    wheels, tof = (parse_table(text, table.header)[0] for text, table in tables)
-    return LoggedRun(_name(folder), spec, rows, wheels, tof, None)
+    return LoggedRun.of_recording(_name(folder), spec, recording)
 
 
 def _released(run: Run) -> LoggedRun:

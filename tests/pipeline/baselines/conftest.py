@@ -1,16 +1,18 @@
 """Short drives of a worn and of a nominal robot, and a world in which everything is what the filters take it for."""
 
 from collections.abc import Callable
-from pathlib import Path
+from functools import cache
 
 import numpy as np
 import pytest
 
+from configs.draw import draw_run
+from configs.loader import load_scenario
 from configs.schema.robot import LineSensor, TofMount
 from physics.arena import Arena, Box, Line, Straight
 from pipeline.baselines.given import Drawing, Given, Start
-from pipeline.baselines.runs import LoggedRun, open_runs
-from pipeline.cli import main
+from pipeline.baselines.runs import LoggedRun
+from pipeline.stages.simulate import simulate
 from sensors.odometry import Odometry
 
 WALL_X_M = 0.5
@@ -20,30 +22,13 @@ PER_COUNT_M = 5e-6
 
 
 @pytest.fixture(scope="session")
-def simulated(tmp_path_factory) -> Callable[[str], Path]:
-    """What `simulate` makes of 14 s counter-clockwise by a robot, past the first obstacle and the corner."""
-    made = {}
+def driven() -> Callable[[str], LoggedRun]:
+    """12 s counter-clockwise by a robot, past the first obstacle and the bend."""
 
-    def simulate(robot: str) -> Path:
-        if robot not in made:
-            folder = tmp_path_factory.mktemp("baselines")
-            scenario = folder / "drive.yaml"
-            scenario.write_text(
-                "extends: symolo\nname: drive\nrobot: " + robot + "\nstop: {lap: false, time_limit_s: 14}\n"
-                "routes: [{name: CCW, start: {x_m: 0.55, y_m: -0.20, yaw_deg: 90}, runs: 1}]\n"
-            )
-            assert main(["simulate", str(scenario), "--out", str(folder / "out"), "--workers", "1"]) == 0
-            made[robot] = folder / "out"
-        return made[robot]
-
-    return simulate
-
-
-@pytest.fixture(scope="session")
-def driven(simulated) -> Callable[[str], LoggedRun]:
+    @cache
     def drive(robot: str) -> LoggedRun:
-        (run,) = open_runs(simulated(robot))
-        return run
+        spec = draw_run(load_scenario("symolo", [f"robot={robot}", "stop={lap: false, time_limit_s: 12}"]), "CCW", 1)
+        return LoggedRun.of_recording(spec.key, spec, simulate(spec).recording)
 
     return drive
 

@@ -7,10 +7,13 @@ import pytest
 
 import symolo as reader
 from pipeline.baselines import odometry, regressor
-from pipeline.baselines.compare import why_not
+from pipeline.baselines.compare import compare, why_not
 from pipeline.baselines.runs import open_runs
+from pipeline.baselines.written import table
 from pipeline.cli import main
+from pipeline.progress import LineReport
 
+EXACT = np.full(3, 0.001)
 METHODS = ["odometry", "ekf", "particles", "pictures"]
 
 
@@ -20,7 +23,7 @@ def files(dataset, tmp_path_factory):
     made = []
     for name in ("one", "two"):
         out = tmp_path_factory.mktemp("made") / name
-        assert main(["baselines", str(dataset), "--out", str(out), "--start-sd-cm", "2"]) == 0
+        assert main(["baselines", str(dataset), "--out", str(out), "--runs", "CW/*", "--start-sd-cm", "2"]) == 0
         made.append({path.relative_to(out).as_posix(): path.read_bytes() for path in out.rglob("*") if path.is_file()})
     return made
 
@@ -30,7 +33,7 @@ def test_the_same_release_gives_the_same_bytes(files):
 
 
 def test_it_leaves_a_table_numbers_a_figure_and_every_estimate(files):
-    estimates = {f"estimates/{run}/{name}.csv" for run in ("CW/test_1", "CCW/test_1") for name in METHODS}
+    estimates = {f"estimates/CW/test_1/{name}.csv" for name in METHODS}
     assert files[0].keys() == {"baselines.md", "baselines.json", "baselines.png"} | estimates
     assert files[0]["baselines.png"].startswith(b"\x89PNG")
 
@@ -39,6 +42,7 @@ def test_the_numbers_are_those_of_the_estimates(files, dataset):
     data = reader.load(dataset)
     told = json.loads(files[0]["baselines.json"])
     assert told["start_sd"]["x_m"] == pytest.approx(0.02)
+    assert list(told["runs"]) == ["CW/test_1"]
     for run, methods in told["runs"].items():
         assert list(methods) == sorted(METHODS)
         for name, errors in methods.items():
@@ -52,10 +56,10 @@ def test_the_numbers_are_those_of_the_estimates(files, dataset):
 
 def test_of_what_simulate_made_pictures_are_left_out_with_the_reason(symolo, tiny, tmp_path):
     assert symolo("simulate", "smoke", "--out", tmp_path / "driven", *tiny, "--workers", "1").code == 0
-    ended = symolo("baselines", tmp_path / "driven", "--out", tmp_path / "out", "--runs", "CCW/*")
+    ended = symolo("baselines", tmp_path / "driven", "--out", tmp_path / "out", "--methods", "odometry,ekf")
     assert ended.code == 0
     assert "| CCW/test_1 | odometry |" in ended.out
-    assert "- pictures: left out, there are no pictures" in ended.out
+    assert "| median | ekf |" in ended.out
     refused = symolo("baselines", tmp_path / "driven", "--out", tmp_path / "other", "--methods", "pictures")
     assert refused.code == 2
     assert "no pictures" in refused.err
@@ -66,6 +70,11 @@ def test_a_release_of_one_run_has_nothing_to_learn_from(dataset):
     first = open_runs(dataset)[0]
     assert "one run only" in why_not(regressor.METHOD, [first])
     assert not why_not(odometry.METHOD, [first])
+    told = table(
+        compare([odometry.METHOD, regressor.METHOD], [first], [first], start_sd=EXACT, seed=1, report=LineReport())
+    )
+    assert "- pictures: left out, there is one run only" in told
+    assert "| CW/test_1 | odometry |" in told
     assert not why_not(regressor.METHOD, [first, first])
 
 
