@@ -17,6 +17,7 @@ from configs.schema.scenario import RunSpec
 from physics.arena import Arena
 from pipeline.dataset.rows import Floats, Ints, Rows
 from pipeline.dataset.side import TOF, WHEELS
+from sensors.line_sensor import channel_weights
 from sensors.odometry import Odometry
 from sensors.tof import TofStatus
 
@@ -29,6 +30,22 @@ MAP_SD_M = 0.003
 
 
 @dataclass(frozen=True)
+class LineRow:
+    """Where the channels of the line sensor are, and how wide each of them looks."""
+
+    x_m: float
+    y_m: Floats
+    """(8,), from the robot's right to its left."""
+    spot_sd_m: float
+
+    @classmethod
+    def of(cls, sensor: LineSensor) -> "LineRow":
+        diameter_m = sensor.spot_diameter_at_floor_m + sensor.spot_growth * sensor.height_m
+        # A uniform disc of diameter D has a standard deviation of D / 4 along each axis.
+        return cls(sensor.x_m, channel_weights(sensor.channels) * sensor.pitch_m, 0.25 * diameter_m)
+
+
+@dataclass(frozen=True)
 class Drawing:
     """What is known of a robot from its drawing and the data sheets of its parts."""
 
@@ -38,8 +55,7 @@ class Drawing:
     field_of_view_rad: float
     longest_range_m: float
     range_period_s: float
-    line_sensor: LineSensor
-    """Its geometry and threshold are used; noise and spread of its channels are not."""
+    line: LineRow
 
     @classmethod
     def of(cls, robot: RobotConfig) -> "Drawing":
@@ -50,7 +66,7 @@ class Drawing:
             field_of_view_rad=radians(tof.field_of_view_deg),
             longest_range_m=tof.max_range_m,
             range_period_s=tof.period_s,
-            line_sensor=robot.line_sensor,
+            line=LineRow.of(robot.line_sensor),
         )
 
 
@@ -108,7 +124,7 @@ class Given:
     start: Start
     drawing: Drawing
     map: Arena
-    """Line, walls and obstacles that stand still. One that moves is on no map."""
+    """Line, walls and obstacles that stand still, all of one material. What moves is on no map."""
     pictures: Pictures | None
 
     @classmethod
@@ -118,7 +134,6 @@ class Given:
         """From the tables data.csv, side/wheels.csv and side/tof.csv, whose true columns are not looked at."""
         status = tof[:, TOF.header.index("status_f") :][:, :3]
         counts = wheels[:, WHEELS.header.index("counts_r") :][:, :2]
-        arena = Arena.from_config(spec.arena)
         return cls(
             t_s=rows.t_ms / 1000,
             counts=np.rint(counts).astype(np.int64),
@@ -127,7 +142,7 @@ class Given:
             on_line=rows.line < spec.robot.line_sensor.threshold,
             start=start,
             drawing=Drawing.of(spec.robot),
-            map=replace(arena, boxes=tuple(box for box in arena.boxes if box.motion is None)),
+            map=_map(Arena.from_config(spec.arena)),
             pictures=pictures,
         )
 
@@ -139,3 +154,9 @@ class Given:
     def __len__(self) -> int:
         """Number of rows."""
         return len(self.t_s)
+
+
+def _map(arena: Arena) -> Arena:
+    """Shapes alone: a map tells neither materials nor how bright floor and tape are."""
+    standing = tuple(replace(box, surface="white_board") for box in arena.boxes if box.motion is None)
+    return replace(arena, boxes=standing, floor_reflectance=1.0, line=replace(arena.line, reflectance=0.0))

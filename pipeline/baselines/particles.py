@@ -65,6 +65,8 @@ class _Filter:
         state, covariance = begun(given.start)
         self.particles = state + rng.standard_normal((PARTICLES, len(state))) * np.sqrt(np.diag(covariance))
         self.log_weight = np.full(PARTICLES, -np.log(PARTICLES))
+        self._duration_s = 0.0
+        self._seen_from = self.particles[:, :3]
 
     def predict(self, ways_m: Floats, duration_s: float) -> None:
         noise = slip_sd_m(ways_m) * self._rng.standard_normal((PARTICLES, 2))

@@ -57,7 +57,7 @@ class _Regressor:
         self._mean = features.mean(axis=0)
         _, size, axes = np.linalg.svd(features - self._mean, full_matrices=False)
         size, axes = size[:COMPONENTS], axes[:COMPONENTS]
-        self._to_components = axes.T / np.maximum(size, 1e-9 * size[0]) ** WHITENING
+        self._to_components = axes.T / np.maximum(size, 1e-9) ** WHITENING
         self._taught = (features - self._mean) @ self._to_components
         self._pose = np.concatenate([lesson.pose for lesson in lessons])
         self._all = _weighted(np.zeros((1, len(self._pose))), self._pose, 1.0)[1][0]
@@ -71,6 +71,8 @@ class _Regressor:
 
     def _judged(self, folds: Sequence[Ints]) -> tuple[float, float]:
         """The width of the least median error in left-out pictures, and the share of them that are of elsewhere."""
+        if not folds:
+            return WIDTHS[0], 1.0
         found = []
         for width in WIDTHS:
             told = []
@@ -102,9 +104,9 @@ def _weighted(distances: Floats, taught: Floats, width: float) -> tuple[Floats, 
     weight /= weight.sum(axis=1, keepdims=True)
     yaw = np.arctan2(weight @ np.sin(taught[:, 2]), weight @ np.cos(taught[:, 2]))
     pose = np.column_stack((weight @ taught[:, :2], yaw))
-    off = taught[None] - pose[:, None]
-    off[..., 2] = wrapped(off[..., 2])
-    covariance = np.einsum("mt,mti,mtj->mij", weight, off, off, optimize=True)
+    away = taught[None] - pose[:, None]
+    away[..., 2] = wrapped(away[..., 2])
+    covariance = np.einsum("mt,mti,mtj->mij", weight, away, away, optimize=True)
     return pose, covariance + np.diag(LEAST_SD**2)
 
 
@@ -115,9 +117,10 @@ def _distances(asked: Floats, taught: Floats) -> Floats:
 
 
 def _folds(counts: Sequence[int]) -> list[Ints]:
-    """Which pictures are left out together: those of a run, or of a part of the one run."""
+    """Which pictures are left out together: those of a run, or of a part of the one run; none of a single picture."""
     rows = np.arange(sum(counts))
-    return np.array_split(rows, PARTS) if len(counts) == 1 else np.split(rows, np.cumsum(counts)[:-1])
+    parts = np.array_split(rows, PARTS) if len(counts) == 1 else np.split(rows, np.cumsum(counts)[:-1])
+    return [part for part in parts if 0 < len(part) < len(rows)]
 
 
 def _estimate(given: Given, lessons: Sequence[Lesson], _rng: np.random.Generator) -> Estimate:

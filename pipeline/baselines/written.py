@@ -19,13 +19,7 @@ from pipeline.versions import versions
 TABLE, NUMBERS, FIGURE, ESTIMATES = "baselines.md", "baselines.json", "baselines.png", "estimates"
 
 _COVARIANCE = [(i, j) for i in range(3) for j in range(i, 3)]
-_ESTIMATE_HEADER = (
-    "t",
-    "x",
-    "y",
-    "theta",
-    *("".join(("x", "y", "theta")[k] + "_" for k in ij)[:-1] for ij in _COVARIANCE),
-)
+_ESTIMATE_HEADER = ("t", "x", "y", "theta", "x_x", "x_y", "x_theta", "y_y", "y_theta", "theta_theta")
 _ESTIMATE_DECIMALS = (0, 6, 6, 6, *[12] * len(_COVARIANCE))
 
 _COLUMNS = (
@@ -76,10 +70,8 @@ def table(compared: Compared) -> str:
     """In Markdown: a row for each run and method, and one for the middle of the runs."""
     sd = compared.start_sd
     lines = ["# Localisation baselines", "", _ABOUT]
-    lines += [
-        f"The robot is put down to {1e3 * sd[0]:g} mm and {np.degrees(sd[2]):.3g} deg (one standard deviation).",
-        "",
-    ]
+    put_down = f"to {1e3 * sd[0]:g} mm and {np.degrees(sd[2]):.3g} deg (one standard deviation)"
+    lines += [f"The robot is put down {put_down}.", ""]
     lines += [f"- {method.name}: {method.what}" for method in compared.methods]
     lines += [f"- {name}: left out, {why}" for name, why in compared.left_out.items()]
     lines += [

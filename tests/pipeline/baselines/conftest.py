@@ -8,9 +8,9 @@ import pytest
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from configs.schema.robot import LineSensor, TofMount
+from configs.schema.robot import TofMount
 from physics.arena import Arena, Box, Line, Straight
-from pipeline.baselines.given import Drawing, Given, Start
+from pipeline.baselines.given import Drawing, Given, LineRow, Start
 from pipeline.baselines.runs import LoggedRun
 from pipeline.stages.simulate import simulate
 from sensors.odometry import Odometry
@@ -40,10 +40,7 @@ def before_a_wall() -> Callable[..., Given]:
     wall = Box("wall", "wall", center, size, 0.0, "white_board")
     arena = Arena("test", 5.0, 0.8, Line((Straight((9.0, 9.0), (9.5, 9.0)),), 0.015, 0.05), (wall,))
     mounts = [TofMount(x_m=SENSOR_X_M, y_m=0.0, z_m=0.5, yaw_deg=yaw) for yaw in (0, 45, -45)]
-    line_sensor = LineSensor(
-        x_m=0.08, height_m=0.003, pitch_m=0.009525, spot_diameter_at_floor_m=0.002, spot_growth=1.0, period_s=0.005,
-        delay_s=0.0, gain_sd=0.0, offset_sd=0.0, noise_sd=0.0, adc_bits=10, threshold=0.45, dropout_probability=0.0,
-    )  # fmt: skip
+    row = LineRow(0.08, 0.009525 * (np.arange(8) - 3.5), 0.00125)
 
     def given(ways_m: np.ndarray, front_m: np.ndarray, start: Start) -> Given:
         """With the wheels' ways (N, 2) between rows and readings (N,); the ways of the first row are left aside."""
@@ -57,7 +54,7 @@ def before_a_wall() -> Callable[..., Given]:
             fresh=np.ones((rows, 3), dtype=bool),
             on_line=np.zeros((rows, 8), dtype=bool),
             start=start,
-            drawing=Drawing(Odometry(PER_COUNT_M, 0.14), tuple(mounts), np.radians(25.0), 1.2, 1e-9, line_sensor),
+            drawing=Drawing(Odometry(PER_COUNT_M, 0.14), tuple(mounts), np.radians(25.0), 1.2, 1e-9, row),
             map=arena,
             pictures=None,
         )

@@ -55,7 +55,8 @@ def test_methods_know_neither_the_truth_nor_what_is_hidden_in_the_robot(driven):
     }
     robot = robot.model_copy(update={"terms": Terms(), **sensors})
     floor = run.spec.arena.floor.model_copy(update={"reflectance": 0.5})
-    arena = run.spec.arena.model_copy(update={"floor": floor})
+    walls = tuple(wall.model_copy(update={"surface": "metal"}) for wall in run.spec.arena.walls)
+    arena = run.spec.arena.model_copy(update={"floor": floor, "walls": walls})
     spec = run.spec.model_copy(update={"robot": robot, "arena": arena, "seed": 99})
     other = replace(run, rows=Rows.from_table(table), wheels=wheels, spec=spec)
     for method in (odometry, ekf, particles):

@@ -57,3 +57,11 @@ def test_where_two_places_look_alike_it_is_unsure(before_a_wall):
         sd[name] = np.sqrt(estimate.covariance[:, 0, 0])
     assert np.median(sd["twofold"]) > 0.5
     assert np.median(sd["twofold"]) > 2.0 * np.median(sd["clear"])
+
+
+def test_of_one_picture_it_learns_that_one_pose(before_a_wall):
+    only = lesson(1, 0.5)
+    one = Lesson(Pictures(np.arange(1), only.pictures.pixels), only.pose[:1])
+    estimate = METHOD.estimate(asked(before_a_wall, lesson(2, 0.6).pictures), [one], NO_RNG)
+    assert np.allclose(estimate.pose, only.pose[0], atol=1e-12)
+    assert np.all(np.linalg.eigvalsh(estimate.covariance) > 0.0)
