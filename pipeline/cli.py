@@ -14,6 +14,7 @@ import typer
 from configs.errors import EnvironmentLacking, InputError, RunFailed, one_line
 from configs.refusals import lacking
 from pipeline.commands import bench, examine, hil, keep, make
+from pipeline.commands.baselines import baselines
 from pipeline.commands.diagnose import diagnose
 from pipeline.commands.export import export
 from pipeline.commands.measured import measured
@@ -59,7 +60,8 @@ def command_line() -> typer.Typer:
         app.command(rich_help_panel="Make data")(command)
     for command in (hil.hil, hil.firmware):
         app.command(rich_help_panel="Hardware in the loop")(command)
-    for command in (examine.verify, examine.compare, examine.contact_sheet, report, examine.doctor, examine.schema):
+    looks = examine.verify, examine.compare, examine.contact_sheet, report, baselines, examine.doctor, examine.schema
+    for command in looks:
         app.command(rich_help_panel="Look at data, machine and format")(command)
     for command in (keep.status, keep.repair, keep.bag, export, pack):
         app.command(rich_help_panel="Keep data whole")(command)
