@@ -26,8 +26,8 @@ SETTLED = 0.02
 """Change of the cost at which a fit ends; chances of a name change at some units."""
 STEPS = 15
 FAR = 40.0
-"""Cost above the best of the fits side by side, and of that which they are held against, from which one is given up
-that would not get there at its pace: no rival at that distance, its exact cost tells nobody anything."""
+"""Cost above the best of the fits side by side, from which one is given up that would not get there at its pace: no
+rival at that distance, its exact cost tells nobody anything."""
 STRETCHES = (0.4, 0.7, 0.85, 1.2, 1.4, 2.2)
 """Times as large, that an effect is tried where no step helps any more."""
 NUISANCE_STEP = 0.05
@@ -101,13 +101,13 @@ class _State:
         return self.hypothesis, _around(self.hypothesis, self.x)
 
 
-def fits(evidence: Evidence, starts: Sequence[tuple[Hypothesis, Array]], against: float = np.inf) -> list[Fit]:
+def fits(evidence: Evidence, starts: Sequence[tuple[Hypothesis, Array]], goal: float = np.inf) -> list[Fit]:
     """The best fit from each start: a hypothesis and its coordinates, (P,).
 
     Args:
         evidence: What was observed.
         starts: Of fits side by side.
-        against: Cost of another fit that they are held against.
+        goal: Cost from which down a fit matters; one that would not get there at its pace is given up.
     """
     states = [_State(hypothesis, hypothesis.clipped(x)) for hypothesis, x in starts]
     active = states
@@ -118,15 +118,19 @@ def fits(evidence: Evidence, starts: Sequence[tuple[Hypothesis, Array]], against
         falls = _stepped(evidence, active, known)
         # The cost of play and of limits ripples, and slopes lead into the nearest trough.
         further = _stretched(evidence, active, [fall <= SETTLED for fall in falls])
-        least = min(against, *(state.cost for state in states))
+        least = min(state.cost for state in states)
         wholes = [max(fall, 0.0) + more for fall, more in zip(falls, further, strict=True)]
-        active = [state for state, fall in zip(active, wholes, strict=True) if _goes_on(fall, state.cost - least)]
+        active = [
+            state
+            for state, fall in zip(active, wholes, strict=True)
+            if _goes_on(fall, state.cost - least, FAR) and _goes_on(fall, state.cost - goal, 0.0)
+        ]
     return _linearised(evidence, states)
 
 
-def _goes_on(fall: float, behind: float) -> bool:
-    """Whether a fit is worth another step after a fall of its cost, that much behind the best beside it."""
-    return fall > SETTLED and not (behind > FAR and fall < behind / STEPS)
+def _goes_on(fall: float, behind: float, far: float) -> bool:
+    """Whether a fit is worth another step after a fall of its cost, that much behind what it should reach."""
+    return fall > SETTLED and not (behind > far and fall < behind / STEPS)
 
 
 def at(evidence: Evidence, hypothesis: Hypothesis, x: Array) -> Fit:

@@ -19,7 +19,7 @@ import numpy as np
 
 from diagnosis.inference.adequacy import adequacy
 from diagnosis.inference.evidence import Evidence
-from diagnosis.inference.fit import Fit, fits
+from diagnosis.inference.fit import FAR, Fit, fits
 from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
 from diagnosis.inference.likelihood import costs_of_residuals
 from diagnosis.inference.remembered import remembered
@@ -120,7 +120,7 @@ def _entered(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> tuple[F
     names = {effect.term.name for effect in fit.hypothesis.effects}
     prospects = _looked_at(evidence, fit, tuple(effect for effect in effects if effect.term.name not in names))
     entries: list[Entry] = []
-    for tried in ranked(_fitted(evidence, fit, promising(prospects)), effects):
+    for tried in ranked(_fitted(evidence, fit, promising(prospects), fit.cost - RESCUE), effects):
         (effect,) = (e for e in tried.hypothesis.effects if e not in fit.hypothesis.effects)
         drop = fit.cost - tried.cost
         reason = refusal(evidence, fit, tried, effect)
@@ -141,7 +141,7 @@ def rescued(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> Fit | No
     if len(names) == MOST:
         return None
     prospects = _looked_at(evidence, fit, tuple(e for e in effects if e.term.name not in names))
-    for tried in ranked(_fitted(evidence, fit, promising(prospects)), effects):
+    for tried in ranked(_fitted(evidence, fit, promising(prospects), fit.cost - RESCUE), effects):
         (effect,) = (e for e in tried.hypothesis.effects if e not in fit.hypothesis.effects)
         if refusal(evidence, fit, tried, effect, RESCUE + PER_NUMBER * (len(effect.coordinates) - 1)):
             continue
@@ -164,8 +164,8 @@ def _looked_at(evidence: Evidence, fit: Fit, effects: tuple[Effect, ...]) -> tup
 
 
 @remembered
-def _fitted(evidence: Evidence, fit: Fit, prospects: tuple[Prospect, ...], against: float = np.inf) -> list[Fit]:
-    return fits(evidence, [(fit.hypothesis.with_effect(p.effect), p.start) for p in prospects], against)
+def _fitted(evidence: Evidence, fit: Fit, prospects: tuple[Prospect, ...], goal: float) -> list[Fit]:
+    return fits(evidence, [(fit.hypothesis.with_effect(p.effect), p.start) for p in prospects], goal)
 
 
 def ranked(found: Sequence[Fit], effects: Sequence[Effect]) -> list[Fit]:
@@ -242,7 +242,7 @@ def is_of_noise(fit: Fit, effect: Effect) -> bool:
 def without(evidence: Evidence, fit: Fit, effect: Effect) -> Fit:
     """The fit of all but one effect."""
     fewer = fit.hypothesis.without(effect)
-    (base,) = fits(evidence, [(fewer, moved(fit.x, fit.hypothesis, fewer))], fit.cost)
+    (base,) = fits(evidence, [(fewer, moved(fit.x, fit.hypothesis, fewer))], fit.cost + FAR)
     return base
 
 
@@ -262,7 +262,7 @@ def replaced(evidence: Evidence, fit: Fit, effect: Effect, base: Fit, effects: S
     if not is_of_noise(fit, effect):
         effects = [e for e in effects if e.term.slot is not Slot.RANGE_NOISE]
     prospects = _looked_at(evidence, base, tuple(e for e in effects if e.term.name not in names and e != effect))
-    return ranked(_fitted(evidence, base, promising(prospects), fit.cost), effects)
+    return ranked(_fitted(evidence, base, promising(prospects), fit.cost + FAR), effects)
 
 
 def _swapped(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> Fit:
