@@ -54,6 +54,8 @@ FEWEST = 8
 """Samples, below which nothing is named."""
 NO_SLOPE = 1e-6
 """Change of the mean in sigmas: what sums in another order differ by."""
+NEAR = 0.1
+"""Standard errors from the end of its range, from which an amplitude is there: it would go on if it could."""
 WORSE = 2.0
 """Rise of the cost of held-out rows that an effect is allowed, in standard deviations of their sum."""
 
@@ -193,6 +195,8 @@ def refusal(evidence: Evidence, before: Fit, after: Fit, effect: Effect, least: 
         return "the effect is smaller than a simulation in steps resolves"
     if is_at_bound(after, effect):
         return "it would have to be larger than it can be"
+    if pushed := [e.name for e in before.hypothesis.effects if is_at_bound(after, e) and not is_at_bound(before, e)]:
+        return f"{pushed[0]} would then have to be larger than it can be"
     was, now = (costs_of_residuals(evidence, of.z, of.sd) for of in (before, after))
     falls = was - now
     of_fit = np.maximum(falls[evidence.fit], 0.0)
@@ -227,8 +231,11 @@ def is_negligible(fit: Fit, effect: Effect) -> bool:
 
 def is_at_bound(fit: Fit, effect: Effect) -> bool:
     """Whether an amplitude lies at the end of its range, as where an effect does another's work."""
-    for x, c in zip(fit.x[fit.hypothesis.parameters(effect)].tolist(), effect.coordinates, strict=True):
-        if c.null is not None and not c.is_ceiling and (x >= c.high > c.null or x <= c.low < c.null):
+    places = fit.hypothesis.parameters(effect)
+    errors = np.sqrt(np.diag(fit.covariance)[places])
+    near = np.where(np.isfinite(errors), NEAR * errors, 0.0).tolist()
+    for x, c, by in zip(fit.x[places].tolist(), effect.coordinates, near, strict=True):
+        if c.null is not None and not c.is_ceiling and (x + by >= c.high > c.null or x - by <= c.low < c.null):
             return True
     return False
 
