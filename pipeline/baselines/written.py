@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from configs.whole_files import make_folder, remove_folder, replace_folder, write_file
+from configs.whole_files import make_folder, write_file
 from pipeline.baselines.base import Estimate
 from pipeline.baselines.compare import Compared
 from pipeline.baselines.errors import OVER_M, OVER_S, SHARE
@@ -14,6 +14,7 @@ from pipeline.baselines.figure import figure
 from pipeline.baselines.runs import LoggedRun
 from pipeline.dataset.rows import Floats, csv_bytes, heading
 from pipeline.files import canonical_json
+from pipeline.new_folder import new_folder
 from pipeline.versions import versions
 
 TABLE, NUMBERS, FIGURE, ESTIMATES = "baselines.md", "baselines.json", "baselines.png", "estimates"
@@ -43,17 +44,10 @@ the share of poses whose truth lies in the method's own 95 % region.
 
 def write(compared: Compared, out: Path) -> None:
     """At once, whole, or not at all; `out` is new or empty."""
-    place = out.resolve()
-    partial = place.with_name(f".{place.name}.baselines")
-    remove_folder(partial)
-    try:
+    with new_folder(out) as folder:
         for name, data in _files(compared):
-            make_folder((partial / name).parent)
-            write_file(partial / name, data)
-        replace_folder(partial, place)
-    except BaseException:
-        remove_folder(partial)
-        raise
+            make_folder((folder / name).parent)
+            write_file(folder / name, data)
 
 
 def _files(compared: Compared) -> Iterator[tuple[str, bytes]]:

@@ -52,12 +52,11 @@ def baselines(
     from pipeline.baselines.compare import compare, methods_of, why_not
     from pipeline.baselines.runs import chosen, open_runs
     from pipeline.baselines.written import table, write
-    from pipeline.export import check_new
+    from pipeline.new_folder import check_new
     from pipeline.progress import report_here
-    from pipeline.reader.dataset import Dataset
 
     asked = METHODS if methods is None else methods_of(names(methods, "--methods"), "--methods")
-    check_new(out, Dataset(folder, None, ()))
+    check_new(out, folder)
     everything = open_runs(folder)
     for method in asked if methods is not None else ():
         if why := why_not(method, everything):
