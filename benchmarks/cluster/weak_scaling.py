@@ -1,0 +1,62 @@
+"""How much of a second worker is lost, with Cycles on one thread.
+
+python benchmarks/cluster/weak_scaling.py [--workers 2] [--images 25] [--repetitions 5] [--width 640]
+
+As many runs of the scenario `smoke` as workers, simulated before, are rendered by one worker one after the other and
+by all of them side by side, in turn. Runs differ in what they cost, so a share is that of the whole: efficiency is
+the time of one over the time of all and their number. Starts of workers and of Blender are in it.
+"""
+
+import argparse
+import shutil
+import statistics
+import tempfile
+import time
+from pathlib import Path
+
+from pipeline.batch import Batch
+from pipeline.price import OneCore
+from pipeline.progress import LineReport, Report
+
+
+class Silent(LineReport):
+    def say(self, text: str) -> None:
+        del text
+
+
+def rendered_s(settings: list[str], out: Path, simulated: Path, workers: int, report: Report) -> float:
+    """All runs, whose trajectories are there [s]."""
+    shutil.rmtree(out, ignore_errors=True)
+    shutil.copytree(simulated, out)
+    batch = Batch.open("smoke", settings, out, OneCore(workers), report)
+    begin = time.perf_counter()
+    failures = batch.render([], report)
+    assert not failures, failures  # noqa: S101 - or the time is of something else
+    return time.perf_counter() - begin
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--images", type=int, default=25)
+    parser.add_argument("--repetitions", type=int, default=5)
+    parser.add_argument("--width", type=int, default=640)
+    asked = parser.parse_args()
+    size = [f"render.width_px={asked.width}", f"render.height_px={asked.width * 3 // 4}", "render.quality=draft"]
+    settings = [*size, f"stop.time_limit_s={(asked.images - 0.5) / 5}"]
+    settings += [f"routes=[{{name: CW, start: {{x_m: 0.55, y_m: -0.20, yaw_deg: -90}}, runs: {asked.workers}}}]"]
+    report = Silent()
+    with tempfile.TemporaryDirectory() as scratch:
+        simulated, out = Path(scratch) / "simulated", Path(scratch) / "out"
+        assert not Batch.open("smoke", settings, simulated, OneCore(1), report).simulate(report)  # noqa: S101
+        taken: dict[int, list[float]] = {1: [], asked.workers: []}
+        for _ in range(asked.repetitions):
+            for workers, times in taken.items():
+                times.append(rendered_s(settings, out, simulated, workers, report))
+    one_s, all_s = (statistics.median(times) for times in taken.values())
+    told = f"{asked.workers} runs of {asked.images} images: {one_s:.2f} s by 1 worker, {all_s:.2f} s by {asked.workers}"
+    print(f"{told}; efficiency {one_s / all_s / asked.workers:.3f} (medians of {asked.repetitions}, in turn)")
+
+
+if __name__ == "__main__":
+    main()
