@@ -19,10 +19,11 @@ from pipeline.commands.export import export
 from pipeline.commands.measured import measured
 from pipeline.commands.pictures import pictures
 from pipeline.commands.preview import preview
+from pipeline.commands.store import download, upload
 
 EPILOG = """Exit codes: 0 done; 1 a bug; 2 bad input or usage, nothing written; 3 a run failed, the others are finished;
-4 verify found faults, or repair left some; 5 the environment lacks something; 6, 7 compare: equal within the
-tolerance, different; 130 interrupted.
+4 verify or upload --check found faults, or repair left some; 5 the environment lacks something; 6, 7 compare: equal
+within the tolerance, different; 130 interrupted.
 
 First steps:
 
@@ -58,7 +59,7 @@ def command_line() -> typer.Typer:
         app.command(rich_help_panel="Hardware in the loop")(command)
     for command in (examine.verify, examine.compare, examine.contact_sheet, examine.doctor, examine.schema):
         app.command(rich_help_panel="Look at data, machine and format")(command)
-    for command in (keep.status, keep.repair, keep.bag, export):
+    for command in (keep.status, keep.repair, keep.bag, export, upload, download):
         app.command(rich_help_panel="Keep data whole")(command)
     for command in (measured, diagnose, pictures):
         app.command(rich_help_panel="Understand measured data")(command)

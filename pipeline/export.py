@@ -7,6 +7,7 @@ from pathlib import Path
 
 from configs.errors import InputError, nearest
 from configs.whole_files import make_folder, remove_folder, replace_folder, write_file
+from pipeline import output
 from pipeline.dataset.inventory import Inventory
 from pipeline.dataset.manifest import MANIFEST
 from pipeline.exporters import EXPORTERS
@@ -77,11 +78,9 @@ def check_new(out: Path, data: Dataset) -> None:
     Raises:
         InputError: There is something, or it lies within the release.
     """
-    where = f"--out {out}"
-    if out.is_symlink() or (out.exists() and not (out.is_dir() and not any(out.iterdir()))):
-        raise InputError("is there already", where=where, cure="name a folder that is new or empty")
+    output.check_new(out)
     if out.resolve().is_relative_to(data.root.resolve()):
-        raise InputError("lies within the release", where=where, cure="name a folder beside it")
+        raise InputError("lies within the release", where=f"--out {out}", cure="name a folder beside it")
 
 
 def export(data: Dataset, planned: Sequence[Planned], out: Path, report: Report) -> int:

@@ -49,6 +49,16 @@ def check_out(out: Path, kind: Kind, *, within_looks: bool = False) -> None:
         raise InputError(what, where=where, cure="name another folder") from None
 
 
+def check_new(out: Path) -> None:
+    """Refuse a folder that is not new or empty.
+
+    Raises:
+        InputError: There is something.
+    """
+    if out.is_symlink() or (out.exists() and not (out.is_dir() and not any(out.iterdir()))):
+        raise InputError("is there already", where=f"--out {out}", cure=NEW_OR_EMPTY)
+
+
 def _check_kind(out: Path, kind: Kind, where: str) -> None:
     if (out / STAGES).is_symlink():
         what = f"{STAGES} in it is a link, and what lies behind it is not this folder's"
@@ -77,6 +87,12 @@ def check_disk(out: Path, needed_bytes: int) -> None:
     there = sum(path.stat().st_size for path in out.rglob("*") if path.is_file())
     cure = "name a folder on another disk, or lower render.width_px and render.height_px"
     _check_room(nearest_existing(out), needed_bytes - there, f"--out {out}", needed_bytes, cure)
+
+
+def check_room(out: Path, lacking_bytes: int) -> None:
+    """Raise EnvironmentLacking when there is no room for so many more where `out` will be."""
+    cure = "or name a folder on another disk"
+    _check_room(nearest_existing(out), lacking_bytes, f"--out {out}", lacking_bytes, cure)
 
 
 def check_scratch(needed_bytes: int, cure: str) -> None:
