@@ -11,6 +11,7 @@ from pipeline.dataset.inventory import LISTS
 from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, tag_manifest
 from pipeline.files import hashes_of
 from pipeline.output import check_new, check_room
+from pipeline.paths import BELOW_CHARS
 from pipeline.progress import Report
 from pipeline.storage.base import Store
 from pipeline.storage.side_by_side import side_by_side
@@ -65,6 +66,7 @@ def _read(listed: bytes, tags: bytes, url: str) -> dict[str, str]:
     for name in digests:
         path = PurePosixPath(name)
         strange = path.is_absolute() or ".." in path.parts or str(path) != name or not name.isprintable()
+        strange = strange or name == "." or len(name.encode()) > BELOW_CHARS
         if strange or path in folders or path.parts[0] == STAGES or name in LISTS:
             raise InputError(f"{MANIFEST} names what is no file of a release", where=url, got=name)
     return digests
@@ -87,6 +89,8 @@ def download(remote: Remote, out: Path, report: Report) -> int:
     check_new(out)
     place = out.resolve()
     partial = place.with_name(f".{place.name}.download")
+    if partial.is_symlink():
+        remove_file(partial)
     make_folder(partial)
     with held_or_refused(partial, f"--out {out}"):
         fetched = _fill(partial, remote, out, report)

@@ -38,7 +38,10 @@ class Folder:
         return found
 
     def digest(self, name: str) -> str:
-        return sha256_of(self.root / name)
+        try:
+            return sha256_of(self.root / name)
+        except NOT_THERE:  # gone since it was listed
+            return ""
 
     def put(self, file: LocalFile) -> None:
         place = self.root / file.name

@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from pipeline.storage import bucket
+from pipeline.storage import address, bucket
 
 SECRET = "s3cr3t-k3y"  # noqa: S105 - of nobody
 
@@ -14,6 +14,8 @@ def nothing_in_the_environment(monkeypatch):
     for names in bucket.KEYS.values():
         for name in names:
             monkeypatch.delenv(name, raising=False)
+    for name in address.ENDPOINTS:
+        monkeypatch.delenv(name, raising=False)
 
 
 @pytest.mark.parametrize(
@@ -50,6 +52,20 @@ def test_a_key_in_an_address_is_refused_and_not_repeated(symolo, tmp_path, argum
     assert ended.code == 2
     assert "by the environment alone" in ended.err
     assert SECRET not in ended.err + ended.out
+
+
+@pytest.mark.parametrize("variable", address.ENDPOINTS)
+@pytest.mark.parametrize(
+    ("server", "told"),
+    [("http://localhost:9000", "sends everything unencrypted"), (f"https://name:{SECRET}@host", "holds a name, a key")],
+)
+def test_a_server_that_the_environment_names_is_held_to_the_same(symolo, tmp_path, monkeypatch, variable, server, told):
+    monkeypatch.setenv(variable, server)
+    ended = symolo("download", "s3://bucket/x", "--out", tmp_path / "out")
+    assert ended.code == 2
+    assert variable in ended.err
+    assert told in ended.err
+    assert SECRET not in ended.err
 
 
 @pytest.mark.parametrize(("kind", "variable"), [("s3", "AWS_ACCESS_KEY_ID"), ("gs", "GOOGLE_APPLICATION_CREDENTIALS")])

@@ -78,6 +78,15 @@ def test_what_was_begun_of_another_release_is_dropped(filled, release_of, tmp_pa
     assert release_of(tmp_path / "out") == release_of(tmp_path / "data")
 
 
+def test_it_does_not_gather_behind_a_link(filled, release_of, tmp_path):
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / ".out.download").symlink_to(tmp_path / "elsewhere")
+    download(Remote.of(filled), tmp_path / "out", LineReport())
+    assert list((tmp_path / "elsewhere").iterdir()) == []
+    assert not (tmp_path / "out").is_symlink()
+    assert release_of(tmp_path / "out") == release_of(tmp_path / "data")
+
+
 def test_a_wrong_byte_leaves_nothing(release, tmp_path, symolo):
     url, shelf, out = f"file://{tmp_path}/shelf", tmp_path / "shelf", tmp_path / "out"
     assert symolo("upload", release(), url).code == 0
@@ -111,7 +120,20 @@ def test_what_is_not_whole_is_refused_before_anything_is_fetched(release, tmp_pa
 
 
 @pytest.mark.parametrize(
-    "name", ["../escaped", "/escaped", "a/../../escaped", "a//b", "./a", "a/", ".stages/kind", "tty\x1b[2J", MANIFEST]
+    "name",
+    [
+        "../escaped",
+        "/escaped",
+        "a/../../escaped",
+        "a//b",
+        "./a",
+        ".",
+        "a/",
+        "a" * 300,
+        ".stages/kind",
+        "tty\x1b[2J",
+        MANIFEST,
+    ],
 )
 def test_a_list_cannot_name_a_place_outside(name):
     digests = {name: hashlib.sha256(b"x").hexdigest()}
