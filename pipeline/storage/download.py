@@ -102,11 +102,10 @@ def download(remote: Remote, out: Path, report: Report) -> int:
 def _fill(partial: Path, remote: Remote, out: Path, report: Report) -> int:
     remove_leftovers(partial, below=True)
     expected = {**remote.digests, **_lists(remote)}
-    there = hashes_of(partial)
-    if there.keys() - expected.keys():  # another release was begun there
+    if _holds_others(partial, expected):
         for path in partial.iterdir():
             (remove_folder if path.is_dir() and not path.is_symlink() else remove_file)(path)
-        there = {}
+    there = hashes_of(partial)
     check_room(out, remote.size_bytes - sum((partial / name).stat().st_size for name in there))
     wanted = [name for name in expected if there.get(name) != expected[name]]
     for name in wanted:
@@ -116,6 +115,15 @@ def _fill(partial: Path, remote: Remote, out: Path, report: Report) -> int:
         for number, _ in enumerate(side_by_side(fetch, wanted), start=1):
             stage.update("all", number)
     return len(wanted)
+
+
+def _holds_others(partial: Path, expected: Mapping[str, str]) -> bool:
+    """Whether something there is of no use, such as what was begun of another release."""
+    folders = {parent.as_posix() for name in expected for parent in PurePosixPath(name).parents}
+    return any(
+        path.is_symlink() or path.relative_to(partial).as_posix() not in (folders if path.is_dir() else expected)
+        for path in partial.rglob("*")
+    )
 
 
 def _lists(remote: Remote) -> dict[str, str]:

@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import stat
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -33,8 +34,9 @@ class Folder:
         found: dict[str, int] = {}
         for folder, _, names in os.walk(self.root):
             for path in (Path(folder, name) for name in names):
-                if not path.is_symlink() and not place_of(path):
-                    found[path.relative_to(self.root).as_posix()] = path.stat().st_size
+                status = path.lstat()
+                if stat.S_ISREG(status.st_mode) and not place_of(path):  # a link or a pipe is no object
+                    found[path.relative_to(self.root).as_posix()] = status.st_size
         return found
 
     def digest(self, name: str) -> str:

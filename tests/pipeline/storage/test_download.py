@@ -70,11 +70,13 @@ def test_one_that_was_interrupted_leaves_nothing_and_then_fetches_only_the_rest(
     assert release_of(out) == release_of(tmp_path / "data")
 
 
-def test_what_was_begun_of_another_release_is_dropped(filled, release_of, tmp_path):
-    old = tmp_path / ".out.download/README.md"
-    old.mkdir(parents=True)
-    (old / "old.txt").write_text("old")
+@pytest.mark.parametrize("name", ["README.md/old.txt", "CW/test_9/images", "CW/test_1/data.csv", "old.txt"])
+def test_what_was_begun_of_another_release_is_dropped(filled, release_of, tmp_path, name):
+    old = tmp_path / ".out.download" / name
+    old.parent.mkdir(parents=True)
+    old.write_text("old") if name.endswith(".txt") else old.mkdir()
     download(Remote.of(filled), tmp_path / "out", LineReport())
+    assert not (tmp_path / "out/CW/test_9").exists()
     assert release_of(tmp_path / "out") == release_of(tmp_path / "data")
 
 

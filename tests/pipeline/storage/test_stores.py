@@ -1,6 +1,7 @@
 """What every kind of store does."""
 
 import hashlib
+import os
 
 import pytest
 
@@ -60,6 +61,14 @@ def test_what_a_killed_upload_left_is_no_object_and_is_swept(tmp_path):
         assert store.sizes() == {"CW/test_1/data.csv": 3}
         store.sweep()
     assert [path.name for path in (tmp_path / "shelf").rglob("*") if path.is_file()] == ["data.csv"]
+
+
+def test_a_link_and_a_pipe_are_no_objects(tmp_path):
+    shelf = tmp_path / "shelf"
+    shelf.mkdir()
+    (shelf / "link.csv").symlink_to(tmp_path)
+    os.mkfifo(shelf / "pipe.csv")
+    assert Folder("file:///shelf", shelf).sizes() == {}
 
 
 def test_a_folder_is_never_written_to_through_a_link(tmp_path):
