@@ -1,6 +1,8 @@
 """Pictures on disk: put in place whole or not at all, and known again by their hash."""
 
+import contextlib
 import hashlib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,6 +24,8 @@ class FrameFile:
     size_bytes: int
     seconds: float
     """What rendering, developing and writing it took."""
+    threads: int = 1
+    """Of Cycles meanwhile."""
 
 
 @dataclass(frozen=True)
@@ -70,19 +74,21 @@ class Ledger:
     def add(self, frame: FrameFile) -> None:
         append_line(self._path, _ENTRY.dump_json(_Entry(self._job_sha256, frame)))
 
+    def files(self) -> list[FrameFile]:
+        """All that was ever put in place for a job, in that order, what was made again too."""
+        return [entry.frame for entry in self._entries() if entry.job_sha256 == self._job_sha256]
+
     def whole_files(self) -> dict[str, FrameFile]:
         """Recorded files of this job that lie in the folder as they were written, by their path in it."""
-        if not self._path.exists():
-            return {}
-        recorded = {}
-        for line in self._path.read_bytes().splitlines():
-            try:
-                entry = _ENTRY.validate_json(line)
-            except ValidationError:  # a line cut short by a kill
-                continue
-            if entry.job_sha256 == self._job_sha256:
-                recorded[entry.frame.file] = entry.frame
+        recorded = {frame.file: frame for frame in self.files()}
         return {name: frame for name, frame in recorded.items() if self._is_whole(frame)}
+
+    def _entries(self) -> Iterator[_Entry]:
+        if not self._path.exists():
+            return
+        for line in self._path.read_bytes().splitlines():
+            with contextlib.suppress(ValidationError):  # a line cut short by a kill
+                yield _ENTRY.validate_json(line)
 
     def _is_whole(self, frame: FrameFile) -> bool:
         path = self._images_dir / frame.file

@@ -7,10 +7,12 @@ dot and ends in `.tmp` or `.dropped` is unfinished, and belongs to nobody once i
 import contextlib
 import errno
 import fcntl
+import hashlib
 import os
 import re
 import secrets
 import shutil
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 UNFINISHED = re.compile(r"\.(.+)\.[0-9a-f]{1,16}\.tmp")
@@ -25,10 +27,39 @@ def write_file(path: Path, data: bytes) -> None:
     Raises:
         OSError: The disk did not take it, or does not give back what was written. The place is as it was before.
     """
+    with _whole(path) as beside:
+        _write_beside(beside, (data,))
+        _check_kept(beside, data, path)
+
+
+def write_chunks(path: Path, chunks: Iterable[bytes]) -> str:
+    """The same of a file that is too large to be held at once; its SHA-256.
+
+    Raises:
+        OSError: As of `write_file`.
+    """
+    written = hashlib.sha256()
+
+    def noted() -> Iterator[bytes]:
+        for chunk in chunks:
+            written.update(chunk)
+            yield chunk
+
+    with _whole(path) as beside:
+        _write_beside(beside, noted())
+        with beside.open("rb") as file:
+            kept = hashlib.file_digest(file, "sha256").hexdigest()
+        if kept != written.hexdigest():
+            raise OSError(errno.EIO, "what is on the disk is not what was written", str(path))
+    return kept
+
+
+@contextlib.contextmanager
+def _whole(path: Path) -> Iterator[Path]:
+    """An exclusive name beside a place, for a file that takes the place when the block ends."""
     beside = _unfinished(path)
     try:
-        _write_beside(beside, data)
-        _check_kept(beside, data, path)
+        yield beside
         os.replace(beside, path)  # noqa: PTH105 - of the two ways to say it the one that a fault test can stand in for
     except BaseException:
         with contextlib.suppress(OSError):
@@ -48,10 +79,11 @@ def place_of(unfinished: Path) -> Path | None:
     return unfinished.with_name(found.group(1)) if found else None
 
 
-def _write_beside(beside: Path, data: bytes) -> None:
+def _write_beside(beside: Path, chunks: Iterable[bytes]) -> None:
     descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW, 0o666)
     try:
-        _write_all(descriptor, data)
+        for chunk in chunks:
+            _write_all(descriptor, chunk)
         os.fsync(descriptor)
     finally:
         os.close(descriptor)

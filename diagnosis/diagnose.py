@@ -155,6 +155,8 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     kept = {effect.name for effect in fit.hypothesis.effects}
     extended = fit.hypothesis.robot(fit.x)
     calibrated = selection.nominal.hypothesis.robot(selection.nominal.x)
+    # Dozens of fits with all their slopes, for which nobody asks again.
+    evidence.known.clear()
     return Diagnosis(
         measurement=measurement,
         evidence=evidence,

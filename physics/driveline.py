@@ -72,10 +72,14 @@ class Driveline:
         self, held_V: Array, command_V: Array, time_s: float | Array, duration_s: float
     ) -> tuple[Array, Array]:
         """What a lag holds after `duration_s`, and the voltage at the motors."""
+        held_V = self.held_V(held_V, command_V, duration_s)
+        return held_V, self.of_battery_V(held_V, time_s)
+
+    def held_V(self, held_V: Array, command_V: Array, duration_s: float | Array) -> Array:
+        """What a lag holds after `duration_s`; the command where nothing lags."""
         for lag in self._actuator:
             held_V = lag(held_V, command_V, duration_s)
-        held_V = held_V if self._actuator else command_V
-        return held_V, self.of_battery_V(held_V, time_s)
+        return held_V if self._actuator else command_V
 
     def of_battery_V(self, voltage_V: Array, time_s: float | Array) -> Array:
         """What is left of a voltage at the motors."""
@@ -99,10 +103,13 @@ class Driveline:
     def current_A(self, voltage_V: Array, speed_rad_s: Array) -> Array:
         """Through the windings, at the voltage that the bridge would give from a full supply."""
         emf_V = voltage_V - self.torque_constant_N_m_A * speed_rad_s
-        bridge = Bridge(self.supply_V, voltage_V / self.supply_V, self.resistance_ohm, self._driving_V)
-        current_A = bridge.current_A(emf_V)
-        for sag in self._supply:
-            current_A = sag(emf_V, bridge)
+        if self._supply:
+            (sag,) = self._supply
+            current_A = sag(
+                emf_V, Bridge(self.supply_V, voltage_V / self.supply_V, self.resistance_ohm, self._driving_V)
+            )
+        else:
+            current_A = self._driving_V(emf_V) / self.resistance_ohm
         return through(self._limit, current_A)
 
     def _driving_V(self, emf_V: Array) -> Array:

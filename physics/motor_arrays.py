@@ -33,7 +33,7 @@ class HeldDrive:
         final = np.where(standing & (np.abs(torque) <= friction), 0.0, final)
         behind = share_behind(duration_s, time_constant) if behind is None else behind
         speed, angle = _relaxed(speed_rad_s, final, duration_s, time_constant, behind)
-        if not (np.sign(speed) * speed_rad_s < 0.0).any():
+        if not np.count_nonzero(np.sign(speed) * speed_rad_s < 0.0):
             return speed, angle
         return self._through_stops(speed_rad_s, final, duration_s, time_constant)
 
@@ -62,4 +62,5 @@ def share_behind(duration_s: float | Array, time_constant_s: Array) -> Array:
 def _relaxed(
     start: Array, final: Array, duration_s: float | Array, time_constant_s: Array, behind: Array
 ) -> tuple[Array, Array]:
-    return start + (final - start) * behind, final * duration_s + (start - final) * time_constant_s * behind
+    way = final - start
+    return start + way * behind, final * duration_s - way * time_constant_s * behind

@@ -5,7 +5,6 @@ The board on the robot knows nothing of the terms: wheel loop, odometry and cont
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import reduce
 from typing import Any, TypeVar
 
 import numpy as np
@@ -23,7 +22,9 @@ Value = TypeVar("Value")
 
 def through(functions: tuple[Callable[..., Any], ...], value: Value, *context: object) -> Value:
     """The value after one function after the other, each with the same context."""
-    return reduce(lambda changed, function: function(changed, *context), functions, value)
+    for function in functions:
+        value = function(value, *context)
+    return value
 
 
 @dataclass(frozen=True)

@@ -45,8 +45,12 @@ class PlayingShaft:
         self._driveline = driveline
         self._config = model.config.motor
         self._play = model.effects(Slot.GEARBOX)
-        motor_side = model.config.motor.motor_side_inertia_fraction * driveline.inertia_kg_m2
-        self._longest_s = min(LONGEST_S, SHARE * float(np.min(motor_side / driveline.damping_N_m_s_rad)))
+        inertia, viscous = self._config.motor_side_inertia_fraction, driveline.viscous_N_m_s_rad
+        self._inertias = inertia * driveline.inertia_kg_m2, (1.0 - inertia) * driveline.inertia_kg_m2
+        share = self._config.motor_side_friction_fraction
+        winding = driveline.damping_N_m_s_rad - viscous
+        self._dampings = winding + share * viscous, (1.0 - share) * viscous
+        self._longest_s = min(LONGEST_S, SHARE * float(np.min(self._inertias[0] / driveline.damping_N_m_s_rad)))
 
     def moved(self, part: HeldPart, state: TwoMass) -> TwoMass:
         substeps = max(1, ceil(float(np.max(part.duration_s)) / self._longest_s - 1e-9))
@@ -57,14 +61,13 @@ class PlayingShaft:
 
     def _step(self, voltage_V: Array, state: TwoMass, time_s: Array, duration_s: float | Array) -> TwoMass:
         driveline, speed = self._driveline, state.motor_rad_s
-        torque = driveline.stall_torque_N_m(voltage_V) + driveline.extra_torque_N_m(voltage_V, speed)
+        torque = driveline.stall_torque_N_m(voltage_V)
+        torque = torque + driveline.extra_torque_N_m(voltage_V, speed) if driveline.adds_torque else torque
         friction = driveline.friction_N_m(torque, speed, time_s)
-        share, inertia = self._config.motor_side_friction_fraction, self._config.motor_side_inertia_fraction
-        viscous, whole = driveline.viscous_N_m_s_rad, driveline.inertia_kg_m2
-        winding = driveline.damping_N_m_s_rad - viscous
+        share = self._config.motor_side_friction_fraction
         of_load = (1.0 - share) * driveline.friction_N_m(torque, state.load_rad_s, time_s)
-        motor_side = Load(torque, winding + share * viscous, share * friction, inertia * whole)
-        load_side = Load(np.zeros_like(torque), (1.0 - share) * viscous, of_load, (1.0 - inertia) * whole)
+        motor_side = Load(torque, self._dampings[0], share * friction, self._inertias[0])
+        load_side = Load(np.zeros_like(torque), self._dampings[1], of_load, self._inertias[1])
         for play in self._play:
             state = play(state, motor_side, load_side, duration_s)
         return state

@@ -1,98 +1,74 @@
-"""The robot as URDF text, written from its configuration; the same text for the same numbers.
+"""The robot as URDF, written from its links; the same text for the same numbers.
 
-The base link's frame is R put down on the floor: x forward, y left, origin under the middle of the axle. The wheels
-touch the floor in the middle of their treads, so that the track between the contact points is exactly the configured
-one. The reflected rotor inertia is not in it: URDF has no word for it.
+The reflected rotor inertia is not in it: URDF has no word for it.
 """
 
-from configs.schema.robot import RobotConfig
-from physics.motor import MotorModel
-from physics.robot_model import RobotModel
+from xml.etree import ElementTree as ET
 
-RIGHT_WHEEL, LEFT_WHEEL, CASTER = "right_wheel", "left_wheel", "caster"
-CASTER_MASS_KG = 1e-3
-"""Of the ball alone; the chassis carries the rest."""
+from configs.schema.robot import RobotConfig
+from physics.links import BASE, BoxShape, Link, SphereShape, Vector, robot_links
+
+_NOWHERE = (0.0, 0.0, 0.0)
 
 
 def robot_urdf(robot: RobotConfig) -> str:
-    """URDF 1.0. The joints' damping is back-EMF and viscous friction; Coulomb friction is the engine's to add."""
-    drive = robot.drive
-    model = RobotModel.from_config(robot)
-    geometry, motors = model.geometry, model.motors
-    right, left, half_track = geometry.right_radius_m, geometry.left_radius_m, 0.5 * geometry.track_m
-    lines = [
-        '<?xml version="1.0"?>',
-        f'<robot name="{robot.name}">',
-        *_base(robot),
-        *_wheel(RIGHT_WHEEL, robot, right),
-        *_joint(RIGHT_WHEEL, "continuous", (0.0, -half_track, right), motors.right),
-        *_wheel(LEFT_WHEEL, robot, left),
-        *_joint(LEFT_WHEEL, "continuous", (0.0, half_track, left), motors.left),
-        *_caster(drive.caster_radius_m),
-        *_joint(CASTER, "fixed", (drive.caster_x_m, 0.0, drive.caster_radius_m)),
-        "</robot>",
-    ]
-    return "\n".join(lines) + "\n"
+    """URDF 1.0, as the engine reads it."""
+    return urdf_text(robot_element(robot))
 
 
-def _base(robot: RobotConfig) -> list[str]:
-    chassis = robot.chassis
-    size = (chassis.length_m, chassis.width_m, chassis.base_height_m - chassis.clearance_m)
-    xx, yy, zz = (size[1] ** 2 + size[2] ** 2, size[0] ** 2 + size[2] ** 2, size[0] ** 2 + size[1] ** 2)
-    twelfth = chassis.mass_kg / 12.0
-    inertia = (twelfth * xx, twelfth * yy, twelfth * zz)
-    center = (0.0, 0.0, chassis.clearance_m + 0.5 * size[2])
-    return [
-        '  <link name="base">',
-        _inertial(chassis.mass_kg, inertia, (chassis.center_of_mass_x_m, 0.0, chassis.center_of_mass_z_m)),
-        f'    <collision><origin xyz="{_text(center)}"/><geometry><box size="{_text(size)}"/></geometry></collision>',
-        "  </link>",
-    ]
+def robot_element(robot: RobotConfig) -> ET.Element:
+    """The same as elements. The joints' damping is back-EMF and viscous friction; Coulomb friction is the engine's."""
+    root = ET.Element("robot", name=robot.name)
+    for link in robot_links(robot):
+        _link(root, link)
+        if link.name != BASE:
+            _joint(root, link)
+    return root
 
 
-def _wheel(name: str, robot: RobotConfig, radius: float) -> list[str]:
-    """A disc that meets the floor as a sphere of the same radius: one contact, in the middle of the tread."""
-    drive = robot.drive
-    mass = drive.wheel_mass_kg
-    across = mass * (3.0 * radius**2 + drive.wheel_width_m**2) / 12.0
-    spin = 0.5 * mass * radius**2
-    return [
-        f'  <link name="{name}">',
-        _inertial(mass, (across, spin, across)),
-        f'    <collision><geometry><sphere radius="{radius!r}"/></geometry></collision>',
-        "  </link>",
-    ]
+def urdf_text(root: ET.Element) -> str:
+    """Of a finished tree, which is indented by it."""
+    ET.indent(root)
+    return '<?xml version="1.0"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
 
 
-def _caster(radius_m: float) -> list[str]:
-    inertia = 0.4 * CASTER_MASS_KG * radius_m**2
-    return [
-        f'  <link name="{CASTER}">',
-        _inertial(CASTER_MASS_KG, (inertia, inertia, inertia)),
-        f'    <collision><geometry><sphere radius="{radius_m!r}"/></geometry></collision>',
-        "  </link>",
-    ]
+def add_shape(parent: ET.Element, shape: BoxShape | SphereShape) -> None:
+    geometry = ET.SubElement(parent, "geometry")
+    match shape:
+        case BoxShape(size):
+            ET.SubElement(geometry, "box", size=numbers(size))
+        case SphereShape(radius):
+            ET.SubElement(geometry, "sphere", radius=repr(radius))
 
 
-def _joint(child: str, kind: str, origin: tuple[float, float, float], motor: MotorModel | None = None) -> list[str]:
-    dynamics = [f'    <dynamics damping="{motor.damping_N_m_s_rad!r}" friction="0"/>'] if motor else []
-    return [
-        f'  <joint name="{child}_joint" type="{kind}">',
-        f'    <parent link="base"/><child link="{child}"/><origin xyz="{_text(origin)}"/><axis xyz="0 1 0"/>',
-        *dynamics,
-        "  </joint>",
-    ]
-
-
-def _inertial(
-    mass_kg: float, diagonal: tuple[float, float, float], origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
-) -> str:
-    ixx, iyy, izz = diagonal
-    return (
-        f'    <inertial><origin xyz="{_text(origin)}"/><mass value="{mass_kg!r}"/>'
-        f'<inertia ixx="{ixx!r}" iyy="{iyy!r}" izz="{izz!r}" ixy="0" ixz="0" iyz="0"/></inertial>'
-    )
-
-
-def _text(vector: tuple[float, float, float]) -> str:
+def numbers(vector: Vector) -> str:
+    """As many digits as it takes to read the same numbers again."""
     return " ".join(repr(value) for value in vector)
+
+
+def add_inertial(parent: ET.Element, mass_kg: float, center: Vector, inertia_kg_m2: Vector) -> None:
+    inertial = ET.SubElement(parent, "inertial")
+    ET.SubElement(inertial, "origin", xyz=numbers(center))
+    ET.SubElement(inertial, "mass", value=repr(mass_kg))
+    xx, yy, zz = map(repr, inertia_kg_m2)
+    ET.SubElement(inertial, "inertia", ixx=xx, iyy=yy, izz=zz, ixy="0", ixz="0", iyz="0")
+
+
+def _link(root: ET.Element, link: Link) -> None:
+    element = ET.SubElement(root, "link", name=link.name)
+    add_inertial(element, link.mass_kg, link.center_of_mass, link.inertia_kg_m2)
+    collision = ET.SubElement(element, "collision")
+    if link.shape_center != _NOWHERE:
+        ET.SubElement(collision, "origin", xyz=numbers(link.shape_center))
+    add_shape(collision, link.shape)
+
+
+def _joint(root: ET.Element, link: Link) -> None:
+    kind = "fixed" if link.motor is None else "continuous"
+    joint = ET.SubElement(root, "joint", name=f"{link.name}_joint", type=kind)
+    ET.SubElement(joint, "parent", link=BASE)
+    ET.SubElement(joint, "child", link=link.name)
+    ET.SubElement(joint, "origin", xyz=numbers(link.origin))
+    ET.SubElement(joint, "axis", xyz="0 1 0")
+    if link.motor is not None:
+        ET.SubElement(joint, "dynamics", damping=repr(link.motor.damping_N_m_s_rad), friction="0")

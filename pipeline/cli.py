@@ -14,11 +14,15 @@ import typer
 from configs.errors import EnvironmentLacking, InputError, RunFailed, one_line
 from configs.refusals import lacking
 from pipeline.commands import bench, examine, hil, keep, make
+from pipeline.commands.baselines import baselines
 from pipeline.commands.diagnose import diagnose
 from pipeline.commands.export import export
 from pipeline.commands.measured import measured
+from pipeline.commands.model import model
+from pipeline.commands.pack import pack
 from pipeline.commands.pictures import pictures
 from pipeline.commands.preview import preview
+from pipeline.commands.report import report
 from pipeline.commands.store import download, upload
 
 EPILOG = """Exit codes: 0 done; 1 a bug; 2 bad input or usage, nothing written; 3 a run failed, the others are finished;
@@ -53,13 +57,14 @@ def command_line() -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback()(_options)
-    for command in (make.plan, preview, make.release, make.simulate, make.render, make.assemble, make.rerender):
+    for command in (make.plan, preview, make.release, make.simulate, make.render, make.assemble, make.rerender, model):
         app.command(rich_help_panel="Make data")(command)
     for command in (hil.hil, hil.firmware):
         app.command(rich_help_panel="Hardware in the loop")(command)
-    for command in (examine.verify, examine.compare, examine.contact_sheet, examine.doctor, examine.schema):
+    looks = examine.verify, examine.compare, examine.contact_sheet, report, baselines, examine.doctor, examine.schema
+    for command in looks:
         app.command(rich_help_panel="Look at data, machine and format")(command)
-    for command in (keep.status, keep.repair, keep.bag, export, upload, download):
+    for command in (keep.status, keep.repair, keep.bag, export, pack, upload, download):
         app.command(rich_help_panel="Keep data whole")(command)
     for command in (measured, diagnose, pictures):
         app.command(rich_help_panel="Understand measured data")(command)

@@ -6,17 +6,20 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from configs.errors import InputError, nearest
-from configs.whole_files import make_folder, remove_folder, replace_folder, write_file
-from pipeline import output
+from configs.whole_files import make_folder, write_file
 from pipeline.dataset.inventory import Inventory
 from pipeline.dataset.manifest import MANIFEST
 from pipeline.exporters import EXPORTERS
 from pipeline.exporters.base import ExportedFile, Exporter, ExportSettings
 from pipeline.files import canonical_json, sha256_of
+from pipeline.new_folder import check_new, new_folder
+from pipeline.output import check_disk
 from pipeline.progress import Report
 from pipeline.reader.dataset import Dataset, load
 from pipeline.versions import versions
 
+_BLOCK_BYTES = 4096
+"""What a disk gives to a file at a time, commonly; a small file takes one."""
 SOURCE = "export.json"
 """At the top of an export: which release it is of."""
 
@@ -50,6 +53,9 @@ def open_release(root: Path, runs: str | None) -> Dataset:
         InputError: It is no release or a damaged one, or no run matches.
     """
     data = load(root)
+    if data.metadata is None and data.runs[0].is_rerendered:
+        what = "holds pictures of `symolo rerender`, which are no release: they have no side tables and no checksums"
+        raise InputError(what, where=str(root), cure="export the release that their run is of")
     if data.metadata is None:
         cure = "name the folder of the release, and the run by --runs"
         raise InputError("is one run, which has no checksums to rely on", where=str(root), cure=cure)
@@ -72,15 +78,14 @@ def plan(data: Dataset, exporters: Sequence[Exporter], settings: ExportSettings)
     return tuple(Planned(exporter, tuple(exporter.files(data, settings))) for exporter in exporters)
 
 
-def check_new(out: Path, data: Dataset) -> None:
-    """Refuse a place that is taken, or that would make the release another one.
+def check_room(planned: Sequence[Planned], out: Path) -> None:
+    """Refuse what would fill the disk.
 
     Raises:
-        InputError: There is something, or it lies within the release.
+        EnvironmentLacking: There is no room where `out` will be; says what is needed and what is free.
     """
-    output.check_new(out)
-    if out.resolve().is_relative_to(data.root.resolve()):
-        raise InputError("lies within the release", where=f"--out {out}", cure="name a folder beside it")
+    sizes = (file.room_bytes() for one in planned for file in one.files)
+    check_disk(out, sum(-(-size // _BLOCK_BYTES) * _BLOCK_BYTES for size in sizes), "choose runs by --runs")
 
 
 def export(data: Dataset, planned: Sequence[Planned], out: Path, report: Report) -> int:
@@ -95,17 +100,9 @@ def export(data: Dataset, planned: Sequence[Planned], out: Path, report: Report)
     Raises:
         InputError: There is something at `out`, or a file of the release cannot be read as what it should be.
     """
-    check_new(out, data)
-    place = out.resolve()
-    partial = place.with_name(f".{place.name}.export")
-    remove_folder(partial)
-    try:
-        written = _fill(partial, data, planned, report)
-        replace_folder(partial, place)
-    except BaseException:
-        remove_folder(partial)
-        raise
-    return written
+    check_new(out, data.root)
+    with new_folder(out) as partial:
+        return _fill(partial, data, planned, report)
 
 
 def _fill(folder: Path, data: Dataset, planned: Sequence[Planned], report: Report) -> int:

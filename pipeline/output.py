@@ -49,16 +49,6 @@ def check_out(out: Path, kind: Kind, *, within_looks: bool = False) -> None:
         raise InputError(what, where=where, cure="name another folder") from None
 
 
-def check_new(out: Path) -> None:
-    """Refuse a folder that is not new or empty.
-
-    Raises:
-        InputError: There is something.
-    """
-    if out.is_symlink() or (out.exists() and not (out.is_dir() and not any(out.iterdir()))):
-        raise InputError("is there already", where=f"--out {out}", cure=NEW_OR_EMPTY)
-
-
 def _check_kind(out: Path, kind: Kind, where: str) -> None:
     if (out / STAGES).is_symlink():
         what = f"{STAGES} in it is a link, and what lies behind it is not this folder's"
@@ -82,10 +72,10 @@ def kind_of(out: Path) -> Kind | None:
         return Kind.DATASET if released or (out / STAGES / "simulate").is_dir() else None
 
 
-def check_disk(out: Path, needed_bytes: int) -> None:
+def check_disk(out: Path, needed_bytes: int, or_else: str = "lower render.width_px and render.height_px") -> None:
     """Raise EnvironmentLacking when there is no room for `needed_bytes` where `out` is or will be."""
     there = sum(path.stat().st_size for path in out.rglob("*") if path.is_file())
-    cure = "name a folder on another disk, or lower render.width_px and render.height_px"
+    cure = f"name a folder on another disk, or {or_else}"
     _check_room(nearest_existing(out), needed_bytes - there, f"--out {out}", needed_bytes, cure)
 
 

@@ -22,6 +22,7 @@ from configs.streams import stream
 from configs.tree import dotted
 from configs.whole_files import make_folder, move, remove_file, remove_folder, replace_folder, write_file
 from pipeline.dataset.annotation_checks import ANNOTATIONS
+from pipeline.dataset.layout import JOB, LOOK
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Ints, Rows, read_rows
 from pipeline.dataset.side import image_positions
@@ -36,7 +37,6 @@ from pipeline.stages.assemble import DATA, POSITIONS, SIDE
 from pipeline.stages.render import (
     FRAMES,
     IMAGES,
-    JOB,
     Appearance,
     FrameTask,
     Order,
@@ -51,9 +51,6 @@ CARRIER = "symolo"
 """The scenario whose reader checks `--set render...`, and whose picture settings a foreign trajectory gets."""
 
 SECTIONS = ("look", "render", "arena", "robot")
-
-LOOK = "look.json"
-"""What was drawn for a set of pictures."""
 
 
 @dataclass(frozen=True)

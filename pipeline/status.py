@@ -9,15 +9,18 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
+from blender_scenes.frame_files import Ledger
 from configs.errors import InputError, one_line
 from configs.schema.scenario import RunSpec
 from configs.whole_files import place_of
+from pipeline.dataset.annotation_checks import ANNOTATIONS
 from pipeline.dataset.inventory import Inventory
 from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST
-from pipeline.files import holds
+from pipeline.files import holds, sha256_of
 from pipeline.output import kind_of
+from pipeline.plan import Plan
 from pipeline.stages.assemble import read_metadata
-from pipeline.stages.render import IMAGES
+from pipeline.stages.render import IMAGES, JOB
 from pipeline.stages.simulate_runs import SPEC, RunOutcome, read_outcome, simulation_key
 from pipeline.why import changes, told
 from pipeline.workspace import FAILED, STAGES, Kind, StageFolder, Workspace
@@ -73,6 +76,8 @@ def status(out: Path, specs: Sequence[RunSpec] = (), *, check: bool = False) -> 
     for reason, count in reasons.items():
         yield f"would be done by the next release, {count} {'run' if count == 1 else 'runs'}: {reason}"
     yield _release(workspace, check=check)
+    if cost := _cost(workspace, [run.run for run in runs], specs):
+        yield cost
     yield _disk(workspace)
 
 
@@ -226,6 +231,25 @@ def _release(workspace: Workspace, *, check: bool) -> str:
     return (
         f"release: {faults} faults, which symolo verify names" if faults else "release: every file as it was released"
     )
+
+
+def _cost(workspace: Workspace, runs: Sequence[str], specs: Sequence[RunSpec]) -> str:
+    """What the images there took, by the journals of their making; the starts of Blender are not in it."""
+    images, core_s = 0, 0.0
+    for run in runs:
+        for folder, name in ((workspace.render(run), IMAGES), (workspace.annotate(run), ANNOTATIONS)):
+            if not (folder.path / JOB).is_file():
+                continue
+            made = Ledger(folder.path / name, sha256_of(folder.path / JOB)).files()
+            core_s += sum(file.seconds * file.threads for file in made)
+            images += len({file.file for file in made}) if name == IMAGES else 0
+    if not images:
+        return ""
+    told = f"cost: {images} images took {core_s / 3600:.3g} core-hours, {core_s / images:.3g} core-seconds each"
+    if not specs:
+        return told
+    planned = Plan.of(specs, 1)
+    return f"{told}; planned were {planned.render_s / planned.images:.3g} each, with the starts of Blender"
 
 
 def _disk(workspace: Workspace) -> str:

@@ -6,6 +6,7 @@ import signal
 import sys
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import TextIO
 
@@ -71,7 +72,8 @@ def _render(request: Request, replies: TextIO) -> None:
         data = encode_jpeg(pixels, job.response.jpeg_quality)
         path = Path(request.folder) / frame_name(number)
         sha256 = put_in_place(data, path, job.camera.width_px, job.camera.height_px)
-        _say(replies, FrameDone(FrameFile(number, path.name, sha256, len(data), time.perf_counter() - begin)))
+        taken_s = time.perf_counter() - begin
+        _say(replies, FrameDone(FrameFile(number, path.name, sha256, len(data), taken_s, request.threads)))
 
 
 def _annotate(request: Request, replies: TextIO) -> None:
@@ -85,7 +87,7 @@ def _annotate(request: Request, replies: TextIO) -> None:
     for number in request.numbers:
         _say(replies, FrameBegun(number))
         for file in annotate.annotate(job, views[number], Path(request.folder)):
-            _say(replies, FrameDone(file))
+            _say(replies, FrameDone(replace(file, threads=request.threads)))
 
 
 _WORK = {"pictures": _render, "annotations": _annotate}

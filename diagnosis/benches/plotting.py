@@ -1,4 +1,4 @@
-"""What the pictures of all benches share: colours that colour-blind readers tell apart, and the way to a PNG.
+"""What the pictures of all benches share: colours that colour-blind readers tell apart, and the way to PNG and SVG.
 
 Figures are made without pyplot, which keeps state of its own and looks for a display.
 """
@@ -6,8 +6,10 @@ Figures are made without pyplot, which keeps state of its own and looks for a di
 import io
 from typing import TYPE_CHECKING
 
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 if TYPE_CHECKING:
@@ -33,6 +35,17 @@ def png(figure: Figure) -> bytes:
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=RESOLUTION_DPI)
     return buffer.getvalue()
+
+
+def svg(figure: Figure) -> bytes:
+    """The figure as SVG, the same bytes for the same figure; what is rasterised in it has `RESOLUTION_DPI`."""
+    # Letters as shapes are as wide as they were measured, whatever fonts the reader has; without a salt the names of
+    # clip paths are drawn at random.
+    with rc_context({"svg.fonttype": "path", "svg.hashsalt": "symolo", "path.simplify_threshold": 0.2}):
+        FigureCanvasSVG(figure)
+        buffer = io.BytesIO()
+        figure.savefig(buffer, format="svg", dpi=RESOLUTION_DPI, metadata={"Date": None, "Creator": None})
+        return buffer.getvalue()
 
 
 def finished(

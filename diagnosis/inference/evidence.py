@@ -1,6 +1,6 @@
 """All that was observed, of all stages, as one vector of samples; and its predictions by many robots at once."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
@@ -34,6 +34,10 @@ class Prediction:
     sd: Array
     """(M, N)."""
 
+    def some(self, which: slice | Sequence[int]) -> "Prediction":
+        """Of some of the robots."""
+        return Prediction(self.mean[which], self.sd[which])
+
 
 class Evidence:
     """N samples; those of each observed quantity lie together, in the order of the stages."""
@@ -61,6 +65,8 @@ class Evidence:
         ]
         self.weight = np.concatenate(worth)
         """(N,), independent samples that one is worth, for noise that lasts longer than a row says less."""
+        self.known: dict[Hashable, object] = {}
+        """What was worked out of it (`diagnosis.inference.remembered`)."""
 
     @cached_property
     def resolution(self) -> Array:
@@ -92,6 +98,7 @@ class Evidence:
     def without(self, channel: str) -> "Evidence":
         """The same, with no rows of a channel to be fitted."""
         others = copy(self)
+        others.known = {}
         others.fit = self.fit.copy()
         for quantity, place in zip(self.observed, self.places, strict=True):
             if quantity.channel == channel:

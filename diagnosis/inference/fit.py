@@ -2,7 +2,8 @@
 
 Each step solves the normal equations of the robust weights (iteratively reweighted Gauss-Newton; of noise effects the
 Fisher information of log sd) under several dampings, predicts them all at once and takes the best: a batch of
-predictions costs little more than one. Bounds hold by projection, and a coordinate that a bound holds is left out.
+predictions costs little more than one. So the slopes where the full step leads are predicted along with it, for mostly
+it is taken. Bounds hold by projection, and a coordinate that a bound holds is left out.
 """
 
 from collections.abc import Sequence
@@ -19,8 +20,8 @@ from diagnosis.inference.likelihood import SPREAD, cost, residuals, robust_weigh
 from diagnosis.measured.channel import Array
 
 DAMPINGS = ((0.0, 1.0), (0.0, 0.4), (0.0, 0.1), (0.03, 1.0), (1.0, 1.0))
-"""Of the diagonal, and the share of the step that is taken: the full step, parts of it for bent valleys, and steps
-nearer to steepest descent."""
+"""Of the diagonal, and the share of the step that is taken: the full step first, parts of it for bent valleys, and
+steps nearer to steepest descent."""
 SETTLED = 0.02
 """Change of the cost at which a fit ends; chances of a name change at some units."""
 STEPS = 15
@@ -33,7 +34,7 @@ NUISANCE_STEP = 0.05
 """Of a derivative, in standard deviations of the tolerance."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Fit:
     hypothesis: Hypothesis
     x: Array
@@ -84,65 +85,118 @@ class Fit:
         return {c.name: abs(c.slope(x)) * e for c, x, e in zip(effect.coordinates, at, errors, strict=True)}
 
 
-@dataclass
+@dataclass(eq=False)
 class _State:
+    """A fit under way."""
+
     hypothesis: Hypothesis
     x: Array
-    cost: float
-    is_settled: bool = False
+    cost: float = np.inf
+    fit: Fit | None = None
+    """At x, once its slopes are known."""
+
+    @property
+    def around(self) -> tuple[Hypothesis, Array]:
+        """What is to be predicted for the slopes at x: there, and beside it along each coordinate."""
+        return self.hypothesis, _around(self.hypothesis, self.x)
 
 
-def fits(evidence: Evidence, starts: Sequence[tuple[Hypothesis, Array]]) -> list[Fit]:
-    """The best fit from each start: a hypothesis and its coordinates, (P,)."""
-    states = [_State(hypothesis, hypothesis.clipped(x), np.inf) for hypothesis, x in starts]
-    found: list[Fit | None] = [None] * len(states)
+def fits(evidence: Evidence, starts: Sequence[tuple[Hypothesis, Array]], goal: float = np.inf) -> list[Fit]:
+    """The best fit from each start: a hypothesis and its coordinates, (P,).
+
+    Args:
+        evidence: What was observed.
+        starts: Of fits side by side.
+        goal: Cost from which down a fit matters; one that would not get there at its pace is given up.
+    """
+    states = [_State(hypothesis, hypothesis.clipped(x)) for hypothesis, x in starts]
+    active = states
     for _ in range(STEPS):
-        active = [k for k, state in enumerate(states) if not state.is_settled]
         if not active:
             break
-        for k, fit in zip(active, _linearised(evidence, [states[k] for k in active]), strict=True):
-            found[k] = fit
-            states[k].cost = fit.cost
-        steps = [_steps(evidence, found[k]) for k in active]  # pyright: ignore[reportArgumentType]
-        falls = _moved(evidence, [states[k] for k in active], steps)
+        known = _linearised(evidence, active)
+        falls = _stepped(evidence, active, known)
         # The cost of play and of limits ripples, and slopes lead into the nearest trough.
-        resting = [k for k, fall in zip(active, falls, strict=True) if fall <= SETTLED]
-        stretched = [_stretched(states[k].hypothesis, states[k].x) for k in resting]
-        further = dict(zip(resting, _moved(evidence, [states[k] for k in resting], stretched), strict=True))
+        further = _stretched(evidence, active, [fall <= SETTLED for fall in falls])
         least = min(state.cost for state in states)
-        for k, fall in zip(active, falls, strict=True):
-            whole, behind = max(fall, 0.0) + further.get(k, 0.0), states[k].cost - least
-            if not whole > SETTLED or (behind > FAR and whole < behind / STEPS):
-                states[k].is_settled = True
-    moved = [k for k, state in enumerate(states) if found[k] is None or not np.array_equal(found[k].x, state.x)]  # pyright: ignore[reportOptionalMemberAccess]
-    for k, fit in zip(moved, _linearised(evidence, [states[k] for k in moved]), strict=True):
-        found[k] = fit
-    return [fit for fit in found if fit is not None]
+        wholes = [max(fall, 0.0) + more for fall, more in zip(falls, further, strict=True)]
+        active = [
+            state
+            for state, fall in zip(active, wholes, strict=True)
+            if _goes_on(fall, state.cost - least, FAR) and _goes_on(fall, state.cost - goal, 0.0)
+        ]
+    return _linearised(evidence, states)
+
+
+def _goes_on(fall: float, behind: float, far: float) -> bool:
+    """Whether a fit is worth another step after a fall of its cost, that much behind what it should reach."""
+    return fall > SETTLED and not (behind > far and fall < behind / STEPS)
 
 
 def at(evidence: Evidence, hypothesis: Hypothesis, x: Array) -> Fit:
     """A hypothesis at given coordinates (P,), wherever the best are."""
-    (found,) = _linearised(evidence, [_State(hypothesis, x, np.inf)])
+    (found,) = _linearised(evidence, [_State(hypothesis, x)])
     return found
 
 
-def _moved(evidence: Evidence, states: Sequence[_State], trials: Sequence[Array]) -> list[float]:
-    """Falls of the cost by the best of the coordinates (M, P) that each is to try, and takes if the cost does fall."""
-    if not states:
-        return []
+def _linearised(evidence: Evidence, states: Sequence[_State]) -> list[Fit]:
+    """Residuals and derivatives of each at its coordinates, predicted where they are not known yet."""
+    unknown = [state for state in states if state.fit is None]
+    for state, prediction in zip(unknown, _predicted(evidence, [state.around for state in unknown]), strict=True):
+        state.fit = _fit(evidence, state.hypothesis, state.x, prediction)
+        state.cost = state.fit.cost
+    return [state.fit for state in states if state.fit is not None]
+
+
+def _stepped(evidence: Evidence, states: Sequence[_State], known: Sequence[Fit]) -> list[float]:
+    """Falls of the cost by the best step of each, which it takes if the cost does fall."""
+    trials = [_steps(evidence, fit) for fit in known]
+    asked = [
+        (state.hypothesis, np.concatenate([tried, _around(state.hypothesis, tried[0])[1:]]))
+        for state, tried in zip(states, trials, strict=True)
+    ]
     falls = []
-    for state, tried, of in zip(
-        states, trials, _costs(evidence, [(s.hypothesis, x) for s, x in zip(states, trials, strict=True)]), strict=True
-    ):
-        best = int(np.argmin(of)) if len(of) else -1
-        fall = state.cost - float(of[best]) if len(of) else 0.0
-        if fall > 0.0:
-            state.x, state.cost = tried[best], float(of[best])
+    for state, tried, prediction in zip(states, trials, _predicted(evidence, asked), strict=True):
+        best, fall = _tried(evidence, state, tried, prediction.some(slice(len(tried))))
+        if fall > 0.0 and best == 0:
+            beside = prediction.some([0, *range(len(tried), len(prediction.mean))])
+            state.fit = _fit(evidence, state.hypothesis, state.x, beside)
         falls.append(fall)
     return falls
 
 
-def _stretched(hypothesis: Hypothesis, x: Array) -> Array:
+def _stretched(evidence: Evidence, states: Sequence[_State], rests: Sequence[bool]) -> list[float]:
+    """Falls of the cost where resting fits try their effects larger and smaller; others learn their slopes."""
+    asked = [
+        (state.hypothesis, _stretches(state.hypothesis, state.x)) if rest else state.around
+        for state, rest in zip(states, rests, strict=True)
+        if rest or state.fit is None
+    ]
+    predictions = iter(_predicted(evidence, asked))
+    falls = []
+    for state, rest in zip(states, rests, strict=True):
+        fall = 0.0
+        if rest:
+            fall = _tried(evidence, state, _stretches(state.hypothesis, state.x), next(predictions))[1]
+        elif state.fit is None:
+            state.fit = _fit(evidence, state.hypothesis, state.x, next(predictions))
+        falls.append(fall)
+    return falls
+
+
+def _tried(evidence: Evidence, state: _State, tried: Array, prediction: Prediction) -> tuple[int, float]:
+    """Which of the coordinates (M, P) is the best, and the fall of the cost by it, which is taken if it does fall."""
+    if not len(tried):
+        return -1, 0.0
+    costs = cost(evidence, prediction, state.hypothesis.prior(tried), evidence.fit)
+    best = int(np.argmin(costs))
+    fall = state.cost - float(costs[best])
+    if fall > 0.0:
+        state.x, state.cost, state.fit = tried[best], float(costs[best]), None
+    return best, fall
+
+
+def _stretches(hypothesis: Hypothesis, x: Array) -> Array:
     """(M, P), each effect so many times as large, all else as it is."""
     found = []
     for effect in hypothesis.effects:
@@ -158,22 +212,9 @@ def _stretched(hypothesis: Hypothesis, x: Array) -> Array:
     return hypothesis.clipped(np.array(found).reshape(len(found), len(x)))
 
 
-def _linearised(evidence: Evidence, states: Sequence[_State]) -> list[Fit]:
-    """Residuals and derivatives of each at its coordinates."""
-    if not states:
-        return []
-    robots, sizes = [], []
-    for state in states:
-        around = np.concatenate([state.x[None], state.x + np.diag(_offsets(state.hypothesis, state.x))])
-        robots += state.hypothesis.robots(around)
-        sizes.append(len(around))
-    prediction = evidence.of(robots)
-    found, first = [], 0
-    for state, size in zip(states, sizes, strict=True):
-        of = Prediction(prediction.mean[first : first + size], prediction.sd[first : first + size])
-        found.append(_fit(evidence, state, of))
-        first += size
-    return found
+def _around(hypothesis: Hypothesis, x: Array) -> Array:
+    """(1 + P, P), coordinates, and those a little further along each axis."""
+    return np.concatenate([x[None], x + np.diag(_offsets(hypothesis, x))])
 
 
 def _offsets(hypothesis: Hypothesis, x: Array) -> Array:
@@ -185,10 +226,11 @@ def _offsets(hypothesis: Hypothesis, x: Array) -> Array:
     return np.where(x + steps > high, -steps, steps)
 
 
-def _fit(evidence: Evidence, state: _State, prediction: Prediction) -> Fit:
-    hypothesis, x = state.hypothesis, state.x
+def _fit(evidence: Evidence, hypothesis: Hypothesis, x: Array, prediction: Prediction) -> Fit:
+    """At coordinates (P,), from the predictions around them."""
     offsets = _offsets(hypothesis, x)[:, None]
-    z = residuals(evidence, Prediction(prediction.mean[:1], prediction.sd[:1]))[0]
+    here = prediction.some(slice(1))
+    z = residuals(evidence, here)[0]
     slopes = (prediction.mean[1:] - prediction.mean[0]) / (prediction.sd[0] * offsets)
     spreads = np.log(prediction.sd[1:] / prediction.sd[0]) / offsets
     slopes, spreads = (np.where(np.isfinite(of), of, 0.0) for of in (slopes, spreads))
@@ -198,8 +240,7 @@ def _fit(evidence: Evidence, state: _State, prediction: Prediction) -> Fit:
     information = of_mean @ slopes[:, rows].T + 2.0 * SPREAD * (spreads[:, rows] * weight) @ spreads[:, rows].T
     nuisances = len(hypothesis.nuisances)
     information[range(nuisances), range(nuisances)] += 1.0
-    at = Prediction(prediction.mean[:1], prediction.sd[:1])
-    whole = float(cost(evidence, at, hypothesis.prior(x)[None], rows)[0])
+    whole = float(cost(evidence, here, hypothesis.prior(x)[None], rows)[0])
     return Fit(hypothesis, x.copy(), whole, z, prediction.sd[0], slopes, spreads, information)
 
 
@@ -224,13 +265,10 @@ def _steps(evidence: Evidence, fit: Fit) -> Array:
     return hypothesis.clipped(tried)
 
 
-def _costs(evidence: Evidence, trials: Sequence[tuple[Hypothesis, Array]]) -> list[Array]:
-    """Of each hypothesis at several coordinates (M, P)."""
-    robots = [robot for hypothesis, x in trials for robot in hypothesis.robots(x)]
-    prediction = evidence.of(robots)
-    found, first = [], 0
-    for hypothesis, x in trials:
-        of = Prediction(prediction.mean[first : first + len(x)], prediction.sd[first : first + len(x)])
-        found.append(cost(evidence, of, hypothesis.prior(x), evidence.fit))
-        first += len(x)
-    return found
+def _predicted(evidence: Evidence, asked: Sequence[tuple[Hypothesis, Array]]) -> list[Prediction]:
+    """Of each hypothesis at several coordinates (M, P), all in one go."""
+    if not asked:
+        return []
+    whole = evidence.of([robot for hypothesis, x in asked for robot in hypothesis.robots(x)])
+    ends = np.cumsum([len(x) for _, x in asked]).tolist()
+    return [whole.some(slice(end - len(x), end)) for (_, x), end in zip(asked, ends, strict=True)]

@@ -46,8 +46,12 @@ def residuals(evidence: Evidence, prediction: Prediction) -> Array:
 
 def sample_costs(evidence: Evidence, prediction: Prediction) -> Array:
     """(M, N), of each sample; 0 at those not usable."""
-    z = residuals(evidence, prediction)
-    wider = np.log(prediction.sd / evidence.sd)
+    return costs_of_residuals(evidence, residuals(evidence, prediction), prediction.sd)
+
+
+def costs_of_residuals(evidence: Evidence, z: Array, sd: Array) -> Array:
+    """(..., N), of each sample by its residual and the standard deviation of its noise, (..., N)."""
+    wider = np.log(sd / evidence.sd)
     usable = np.isfinite(evidence.values)
     return np.where(usable, evidence.weight * (loss(z) + 2.0 * SPREAD * np.where(usable, wider, 0.0)), 0.0)
 

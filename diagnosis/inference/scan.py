@@ -16,7 +16,7 @@ from diagnosis.inference.coordinate import Coordinate
 from diagnosis.inference.evidence import Evidence, Prediction
 from diagnosis.inference.fit import Fit
 from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
-from diagnosis.inference.likelihood import robust_weight, sample_costs
+from diagnosis.inference.likelihood import costs_of_residuals, robust_weight, sample_costs
 from diagnosis.inference.projection import orthonormal
 from diagnosis.measured.channel import Array
 
@@ -34,7 +34,7 @@ NOTHING = 1e-12
 """Share of a change's square beyond all that is fitted, up to which it is that of rounding."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Prospect:
     """One effect on top of a fit."""
 
@@ -53,7 +53,7 @@ def scan(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> list[Prospe
     hypotheses = {effect: fit.hypothesis.with_effect(effect) for effect in effects}
     starts = [_placed(hypotheses[effect], fit, effect, numbers) for effect, numbers in tries]
     robots = [hypotheses[effect].robot(x) for (effect, _), x in zip(tries, starts, strict=True)]
-    (here,) = sample_costs(evidence, evidence.of([fit.hypothesis.robot(fit.x)]))
+    here = costs_of_residuals(evidence, fit.z, fit.sd)
     there = evidence.of(robots)
     drops, sizes = _along_lines(evidence, fit, there.mean)
     best: dict[Effect, Prospect] = {}

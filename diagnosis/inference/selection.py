@@ -19,11 +19,11 @@ import numpy as np
 
 from diagnosis.inference.adequacy import adequacy
 from diagnosis.inference.evidence import Evidence
-from diagnosis.inference.fit import Fit, fits
+from diagnosis.inference.fit import FAR, Fit, fits
 from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
-from diagnosis.inference.likelihood import sample_costs
+from diagnosis.inference.likelihood import costs_of_residuals
+from diagnosis.inference.remembered import remembered
 from diagnosis.inference.scan import Prospect, scan
-from diagnosis.measured.channel import Array
 from physics.terms.base import Slot
 
 THRESHOLD = 15.0
@@ -54,6 +54,8 @@ FEWEST = 8
 """Samples, below which nothing is named."""
 NO_SLOPE = 1e-6
 """Change of the mean in sigmas: what sums in another order differ by."""
+NEAR = 0.1
+"""Standard errors from the end of its range, from which an amplitude is there: it would go on if it could."""
 WORSE = 2.0
 """Rise of the cost of held-out rows that an effect is allowed, in standard deviations of their sum."""
 
@@ -118,9 +120,9 @@ def select(
 def _entered(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> tuple[Fit | None, list[Entry]]:
     """The fit with the best effect more, if any is believed."""
     names = {effect.term.name for effect in fit.hypothesis.effects}
-    prospects = scan(evidence, fit, [effect for effect in effects if effect.term.name not in names])
+    prospects = _looked_at(evidence, fit, tuple(effect for effect in effects if effect.term.name not in names))
     entries: list[Entry] = []
-    for tried in ranked(_fitted(evidence, fit, promising(prospects)), effects):
+    for tried in ranked(_fitted(evidence, fit, promising(prospects), fit.cost - RESCUE), effects):
         (effect,) = (e for e in tried.hypothesis.effects if e not in fit.hypothesis.effects)
         drop = fit.cost - tried.cost
         reason = refusal(evidence, fit, tried, effect)
@@ -140,8 +142,8 @@ def rescued(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> Fit | No
     names = {effect.term.name for effect in fit.hypothesis.effects}
     if len(names) == MOST:
         return None
-    prospects = scan(evidence, fit, [e for e in effects if e.term.name not in names])
-    for tried in ranked(_fitted(evidence, fit, promising(prospects)), effects):
+    prospects = _looked_at(evidence, fit, tuple(e for e in effects if e.term.name not in names))
+    for tried in ranked(_fitted(evidence, fit, promising(prospects), fit.cost - RESCUE), effects):
         (effect,) = (e for e in tried.hypothesis.effects if e not in fit.hypothesis.effects)
         if refusal(evidence, fit, tried, effect, RESCUE + PER_NUMBER * (len(effect.coordinates) - 1)):
             continue
@@ -150,16 +152,22 @@ def rescued(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> Fit | No
     return None
 
 
-def promising(prospects: Sequence[Prospect]) -> list[Prospect]:
+def promising(prospects: Sequence[Prospect]) -> tuple[Prospect, ...]:
     """Those worth a fit; prospects come best first."""
     if not prospects:
-        return []
+        return ()
     worth = NEARLY * prospects[0].drop
-    return [p for k, p in enumerate(prospects) if p.drop > HOPELESS and (k < PROMISING or p.drop >= worth)]
+    return tuple(p for k, p in enumerate(prospects) if p.drop > HOPELESS and (k < PROMISING or p.drop >= worth))
 
 
-def _fitted(evidence: Evidence, fit: Fit, prospects: Sequence[Prospect]) -> list[Fit]:
-    return fits(evidence, [(fit.hypothesis.with_effect(p.effect), p.start) for p in prospects])
+@remembered
+def _looked_at(evidence: Evidence, fit: Fit, effects: tuple[Effect, ...]) -> tuple[Prospect, ...]:
+    return tuple(scan(evidence, fit, effects))
+
+
+@remembered
+def _fitted(evidence: Evidence, fit: Fit, prospects: tuple[Prospect, ...], goal: float) -> list[Fit]:
+    return fits(evidence, [(fit.hypothesis.with_effect(p.effect), p.start) for p in prospects], goal)
 
 
 def ranked(found: Sequence[Fit], effects: Sequence[Effect]) -> list[Fit]:
@@ -187,7 +195,10 @@ def refusal(evidence: Evidence, before: Fit, after: Fit, effect: Effect, least: 
         return "the effect is smaller than a simulation in steps resolves"
     if is_at_bound(after, effect):
         return "it would have to be larger than it can be"
-    falls = _costs(evidence, before) - _costs(evidence, after)
+    if pushed := [e.name for e in before.hypothesis.effects if is_at_bound(after, e) and not is_at_bound(before, e)]:
+        return f"{pushed[0]} would then have to be larger than it can be"
+    was, now = (costs_of_residuals(evidence, of.z, of.sd) for of in (before, after))
+    falls = was - now
     of_fit = np.maximum(falls[evidence.fit], 0.0)
     if np.count_nonzero(evidence.fit) < FEWEST:
         return f"fewer than {FEWEST} samples"
@@ -220,8 +231,11 @@ def is_negligible(fit: Fit, effect: Effect) -> bool:
 
 def is_at_bound(fit: Fit, effect: Effect) -> bool:
     """Whether an amplitude lies at the end of its range, as where an effect does another's work."""
-    for x, c in zip(fit.x[fit.hypothesis.parameters(effect)].tolist(), effect.coordinates, strict=True):
-        if c.null is not None and not c.is_ceiling and (x >= c.high > c.null or x <= c.low < c.null):
+    places = fit.hypothesis.parameters(effect)
+    errors = np.sqrt(np.diag(fit.covariance)[places])
+    near = np.where(np.isfinite(errors), NEAR * errors, 0.0).tolist()
+    for x, c, by in zip(fit.x[places].tolist(), effect.coordinates, near, strict=True):
+        if c.null is not None and not c.is_ceiling and (x + by >= c.high > c.null or x - by <= c.low < c.null):
             return True
     return False
 
@@ -231,15 +245,11 @@ def is_of_noise(fit: Fit, effect: Effect) -> bool:
     return float(np.abs(fit.slopes[fit.hypothesis.parameters(effect)]).max()) < NO_SLOPE
 
 
-def _costs(evidence: Evidence, fit: Fit) -> Array:
-    (found,) = sample_costs(evidence, evidence.of([fit.hypothesis.robot(fit.x)]))
-    return found
-
-
+@remembered
 def without(evidence: Evidence, fit: Fit, effect: Effect) -> Fit:
     """The fit of all but one effect."""
     fewer = fit.hypothesis.without(effect)
-    (base,) = fits(evidence, [(fewer, moved(fit.x, fit.hypothesis, fewer))])
+    (base,) = fits(evidence, [(fewer, moved(fit.x, fit.hypothesis, fewer))], fit.cost + FAR)
     return base
 
 
@@ -258,8 +268,8 @@ def replaced(evidence: Evidence, fit: Fit, effect: Effect, base: Fit, effects: S
     # Noise may stand in for any structure of the mean, and is no rival of what explains that.
     if not is_of_noise(fit, effect):
         effects = [e for e in effects if e.term.slot is not Slot.RANGE_NOISE]
-    prospects = scan(evidence, base, [e for e in effects if e.term.name not in names and e != effect])
-    return ranked(_fitted(evidence, base, promising(prospects)), effects)
+    prospects = _looked_at(evidence, base, tuple(e for e in effects if e.term.name not in names and e != effect))
+    return ranked(_fitted(evidence, base, promising(prospects), fit.cost + FAR), effects)
 
 
 def _swapped(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> Fit:
@@ -281,8 +291,7 @@ def _swapped(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> Fit:
 def _pruned(evidence: Evidence, fit: Fit) -> Fit:
     """Without the effects whose absence costs too little."""
     while len(fit.hypothesis.effects) > 1:
-        fewer = [fit.hypothesis.without(effect) for effect in fit.hypothesis.effects]
-        found = fits(evidence, [(h, moved(fit.x, fit.hypothesis, h)) for h in fewer])
+        found = [without(evidence, fit, effect) for effect in fit.hypothesis.effects]
         rises = [of.cost - fit.cost - needed(effect) for of, effect in zip(found, fit.hypothesis.effects, strict=True)]
         worst = int(np.argmin(rises))
         if rises[worst] >= 0.0:

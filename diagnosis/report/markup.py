@@ -42,9 +42,9 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], **attributes: str)
     return tag("div", tag("table", tag("thead", top), tag("tbody", body), **attributes), class_="wide")
 
 
-def picture(png: bytes, alternative: str) -> Html:
-    """Within the page itself."""
-    return tag("img", src=f"data:image/png;base64,{base64.b64encode(png).decode()}", alt=alternative)
+def picture(data: bytes, alternative: str, kind: str = "image/png") -> Html:
+    """Within the page itself; `kind` is the media type of the data."""
+    return tag("img", src=f"data:{kind};base64,{base64.b64encode(data).decode()}", alt=alternative)
 
 
 def _flat(content: Iterable[str | Iterable[str]]) -> Iterable[str]:

@@ -66,10 +66,12 @@ class MotorStep:
     def _means(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
         rows = sum(len(place) for place in self._grid.places)
         current, speed = np.empty((len(robots), rows)), np.empty((len(robots), rows))
+        trials = self._voltage_V.shape[1]
         t_s = self._grid.period_s * np.arange(len(self._voltage_V))
         for group in alike(robots):
             several = [robots[k] for k in group]
-            model, terms = RobotModel.from_config(stacked(several, axes=2)), stacked_terms(several, axes=1)
+            model = RobotModel.from_config(stacked(several, axes=2, times=trials))
+            terms = stacked_terms(several, axes=1)
             moving = step_responses(model, self._voltage_V[1:], self._grid.period_s, self._grid.begins_s)
             # Robots that differ in what their instruments say alone share one motion.
             each = (of if of.ndim > self._voltage_V.ndim else of[:, None] for of in moving)

@@ -8,7 +8,7 @@ from physics.terms.base import Slot, Term
 
 
 def limited(values: CurrentLimit, current_A: Array) -> Array:
-    return np.clip(current_A, -values.limit_A, values.limit_A)
+    return np.minimum(np.maximum(current_A, -values.limit_A), values.limit_A)
 
 
 TERM = Term(

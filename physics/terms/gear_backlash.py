@@ -18,12 +18,11 @@ def played(values: GearBacklash, state: TwoMass, motor: Load, load: Load, durati
     load_rad_s, load_rad = load.moved(state.load_rad_s, duration_s)
     gained_rad = motor_rad - load_rad
     slack_rad = state.slack_rad + gained_rad
-    side = np.sign(slack_rad)
     pushing = np.abs(slack_rad) >= half
-    if not pushing.any():
+    if not np.count_nonzero(pushing):
         return TwoMass(motor_rad_s, load_rad_s, slack_rad)
     nearer = np.where(gained_rad == 0.0, 1.0, gained_rad)
-    apart = np.clip((half * side - state.slack_rad) / nearer, 0.0, 1.0)
+    apart = np.minimum(np.maximum((half * np.sign(slack_rad) - state.slack_rad) / nearer, 0.0), 1.0)
     at_contact = (
         motor.inertia_kg_m2 * (state.motor_rad_s + apart * (motor_rad_s - state.motor_rad_s))
         + load.inertia_kg_m2 * (state.load_rad_s + apart * (load_rad_s - state.load_rad_s))
@@ -32,7 +31,7 @@ def played(values: GearBacklash, state: TwoMass, motor: Load, load: Load, durati
     return TwoMass(
         np.where(pushing, together, motor_rad_s),
         np.where(pushing, together, load_rad_s),
-        np.clip(slack_rad, -half, half),
+        np.minimum(np.maximum(slack_rad, -half), half),
     )
 
 

@@ -1,5 +1,6 @@
 """Commands that look at data or at the machine: verify, contact-sheet, schema, doctor."""
 
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -94,16 +95,31 @@ def contact_sheet(
     typer.echo(str(out))
 
 
-def schema() -> None:
-    """Print the JSON Schema of scenario files, for editors that check and complete YAML.
+class SchemaOf(StrEnum):
+    """What there is a schema of."""
+
+    SCENARIO = "scenario"
+    METADATA = "metadata"
+
+
+def schema(
+    of: Annotated[
+        SchemaOf, typer.Option("--of", help="scenario: what one writes; metadata: metadata.json of a dataset.")
+    ] = SchemaOf.SCENARIO,
+) -> None:
+    """Print the JSON Schema of scenario files, for editors that check and complete YAML, or that of metadata.json.
 
     Example: symolo schema > scenario.schema.json
+
+    Example: symolo schema --of metadata > metadata.schema.json
     """
     import json
 
     from configs.json_schema import scenario_json_schema
+    from pipeline.dataset.metadata_schema import metadata_json_schema
 
-    typer.echo(json.dumps(scenario_json_schema(), indent=2, ensure_ascii=False))
+    found = scenario_json_schema() if of is SchemaOf.SCENARIO else metadata_json_schema()
+    typer.echo(json.dumps(found, indent=2, ensure_ascii=False))
 
 
 def doctor() -> int:

@@ -16,7 +16,12 @@ def export(
     *,
     formats: Annotated[
         str,
-        typer.Option("--format", metavar="NAMES", help="tum, kitti, coco, webdataset, parquet, with commas between."),
+        typer.Option(
+            "--format",
+            metavar="NAMES",
+            help="tum, kitti, coco, webdataset, parquet, mcap, ros1, hdf5, huggingface, lerobot, rerun, with commas "
+            "between.",
+        ),
     ],
     out: Annotated[
         Path, typer.Option("--out", metavar="OUT", callback=checked_new_folder, help="Output folder: new or empty.")
@@ -25,7 +30,10 @@ def export(
         str | None, typer.Option("--runs", metavar="GLOB", help="Only runs whose name matches, such as 'CW/*'.")
     ] = None,
     shard_mb: Annotated[
-        int, typer.Option("--shard-mb", min=1, max=2000, metavar="MB", help="Largest shard of webdataset.")
+        int,
+        typer.Option(
+            "--shard-mb", min=1, max=2000, metavar="MB", help="Largest shard of webdataset, huggingface, lerobot."
+        ),
     ] = 100,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would be written; write nothing.")] = False,
 ) -> None:
@@ -35,19 +43,21 @@ def export(
 
     Example: symolo export data --format tum,kitti --out exported
     """
-    from pipeline.export import check_new, exporters_of, open_release, plan
+    from pipeline.export import check_room, exporters_of, open_release, plan
     from pipeline.export import export as exported
     from pipeline.exporters.base import ExportSettings
+    from pipeline.new_folder import check_new
     from pipeline.progress import report_here
 
     exporters = exporters_of(names(formats, "--format"), "--format")
     data = open_release(folder, runs)
-    check_new(out, data)
+    check_new(out, data.root)
     planned = plan(data, exporters, ExportSettings(shard_mb * _MEGABYTE))
     if dry_run:
         for one in planned:
             size = sum(file.size_bytes() for file in one.files)
             typer.echo(f"{one.exporter.name}: {len(one.files)} files, {size / _MEGABYTE:.3f} MB: {one.exporter.what}")
         return
+    check_room(planned, out)
     written = exported(data, planned, out, report_here())
     typer.echo(f"{out}: {', '.join(one.exporter.name for one in planned)}, {written / _MEGABYTE:.1f} MB")

@@ -31,10 +31,22 @@ RUN_FAILED = 3
 STAGES = ("simulate", "render", "assemble")
 
 
-def plan(scenario: Scenario, settings: Settings = None) -> None:
+def plan(
+    scenario: Scenario,
+    *,
+    settings: Settings = None,
+    frames: Annotated[
+        int | None,
+        typer.Option(min=1, max=10**12, metavar="N", help="Price so many images, by a few that are made and timed."),
+    ] = None,
+    device: OnDevice = None,
+) -> None:
     """Say what a scenario would make, how large and how long; write nothing.
 
     Example: symolo plan symolo --set render.quality=high
+
+    What a million images would cost, in core-hours and terabytes, measured here in a minute: symolo plan symolo
+    --frames 1000000
     """
     from configs.loader import load_scenario
     from pipeline.drawing import draw_reported
@@ -42,7 +54,14 @@ def plan(scenario: Scenario, settings: Settings = None) -> None:
     from pipeline.progress import report_here
     from pipeline.workers import cores
 
-    specs = draw_reported(load_scenario(scenario, settings or ()), report_here())
+    overrides = with_device(settings, device)
+    if frames is not None:
+        from pipeline.price import measure
+
+        price, about = measure(scenario, overrides, report_here())
+        typer.echo(price.text(frames, about))
+        return
+    specs = draw_reported(load_scenario(scenario, overrides), report_here())
     typer.echo(Plan.of(specs, cores()).text())
 
 

@@ -81,7 +81,7 @@ def download(
 
     Example: symolo download file:///mnt/shelf/data --out fetched
     """
-    from pipeline.output import check_new
+    from pipeline.new_folder import check_new
     from pipeline.progress import report_here
     from pipeline.storage.address import store_of
     from pipeline.storage.download import Remote

@@ -5,11 +5,12 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from configs.errors import InputError
-from configs.whole_files import make_folder, remove_folder, replace_folder, write_file
+from configs.whole_files import make_folder, write_file
 from pipeline.dataset.bag import BAG_INFO, DECLARATION, bag_info, read_cpu_classes
 from pipeline.dataset.inventory import Inventory
 from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest
 from pipeline.dataset.metadata import METADATA, Metadata
+from pipeline.new_folder import check_new, new_folder
 from pipeline.progress import Report
 
 PAYLOAD = "data"
@@ -27,15 +28,17 @@ def make_bag(root: Path, out: Path, report: Report) -> int:
     Raises:
         InputError: The release is damaged, or there is something at `out`.
     """
-    if out.exists() and not (out.is_dir() and not any(out.iterdir())):
-        raise InputError("is there already", where=f"--out {out}", cure="name a folder that is new or empty")
+    check_new(out)
     inventory = Inventory.of_whole(root)
-    partial = out.absolute().with_name(f".{out.name}.bag")
-    remove_folder(partial)
+    with new_folder(out) as partial:
+        return _fill(partial, root, inventory.files.digests, report)
+
+
+def _fill(partial: Path, root: Path, digests: Mapping[str, str], report: Report) -> int:
     make_folder(partial / PAYLOAD)
     sizes: list[int] = []
-    with report.stage("bag", len(inventory.files.digests), "files") as stage:
-        for name, digest in sorted(inventory.files.digests.items()):
+    with report.stage("bag", len(digests), "files") as stage:
+        for name, digest in sorted(digests.items()):
             data = (root / name).read_bytes()
             if hashlib.sha256(data).hexdigest() != digest:
                 raise InputError("has changed meanwhile", where=str(root / name), cure="run the command again")
@@ -44,9 +47,8 @@ def make_bag(root: Path, out: Path, report: Report) -> int:
             write_file(copy, data)
             sizes.append(len(data))
             stage.update("all", len(sizes))
-    for name, data in tag_files(root, inventory.files.digests).items():
+    for name, data in tag_files(root, digests).items():
         write_file(partial / name, data)
-    replace_folder(partial, out.absolute())
     return len(sizes)
 
 

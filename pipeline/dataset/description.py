@@ -16,20 +16,20 @@ DESCRIPTION = "README.md"
 
 def markdown(metadata: Metadata, example: RunSpec) -> bytes:
     """The description; dimensions of robot and arena are those of the run `example`."""
-    parts = [_head(metadata), _layout(metadata), _columns(metadata), _side_tables(metadata, example)]
-    parts += [_annotations(metadata), _frames(metadata), _robot(example), _arena(metadata, example)]
-    parts += [_runs(metadata), _warnings(metadata), _failed(metadata), _checks()]
+    parts = [_head(metadata), _layout(metadata), columns_part(metadata), _side_tables(metadata, example)]
+    parts += [_annotations(metadata), frames_part(metadata), _robot(example), _arena(metadata, example)]
+    parts += [runs_part(metadata), _warnings(metadata), _failed(metadata), _checks()]
     return ("\n\n".join(part for part in parts if part) + "\n").encode()
 
 
 def _head(metadata: Metadata) -> str:
     made = ", ".join(f"{name} {version}" for name, version in sorted(metadata.made_with.items()))
-    about = f"{_safe(metadata.description)}\n\n" if metadata.description else ""
+    about = f"{plain_text(metadata.description)}\n\n" if metadata.description else ""
     return (
-        f"# {_safe(metadata.name)}\n\n{about}"
+        f"# {plain_text(metadata.name)}\n\n{about}"
         "A synthetic dataset in the layout of SyMoLo (Synthetic Dataset for Mobile Robots Localization Algorithms).\n"
         "The motion is simulated with PyBullet; the pictures are path-traced with Blender Cycles at its poses.\n\n"
-        f"Licence: {_safe(metadata.licence)}. Seed: {metadata.seed}. Made with: {made}."
+        f"Licence: {plain_text(metadata.licence)}. Seed: {metadata.seed}. Made with: {made}."
     )
 
 
@@ -50,15 +50,15 @@ def _layout(metadata: Metadata) -> str:
     )
 
 
-def _columns(metadata: Metadata) -> str:
+def columns_part(metadata: Metadata) -> str:
     rows = [(c.name, c.unit, c.meaning) for c in metadata.columns["data.csv"]]
     # In an order of their own, for metadata.json keeps none: from the file the same text must follow.
     states = [(str(number), meaning) for number, meaning in sorted(metadata.states.items())]
     tof = metadata.runs[0]
     return (
-        f"## data.csv\n\n{_table(('column', 'unit', 'meaning'), rows)}\n\n"
+        f"## data.csv\n\n{markdown_table(('column', 'unit', 'meaning'), rows)}\n\n"
         f"Ranges are valid from {tof.tof_min_range_m:g} to {tof.tof_max_range_m:g} m; where the sensor saw no target,"
-        f" the value is {tof.tof_no_target_m:g} m.\n\n{_table(('state', 'meaning'), states)}"
+        f" the value is {tof.tof_no_target_m:g} m.\n\n{markdown_table(('state', 'meaning'), states)}"
     )
 
 
@@ -70,7 +70,7 @@ def _side_tables(metadata: Metadata, example: RunSpec) -> str:
     meaning = "camera matrix K, distortion D, size, exposure; poses X_RC of the optical frame, X_CB of the body frame"
     rows.append((INTRINSICS, meaning, "JSON"))
     rows.append(("spec.json", "every number that the run was made from, arena and robot included", "JSON"))
-    return f"## side/\n\n{_table(('file', 'meaning', 'columns'), rows)}"
+    return f"## side/\n\n{markdown_table(('file', 'meaning', 'columns'), rows)}"
 
 
 def _annotations(metadata: Metadata) -> str:
@@ -81,13 +81,13 @@ def _annotations(metadata: Metadata) -> str:
     return (
         f"## annotations/\n\nWhat is known exactly of each image, through the middle of each pixel and at the shutter's"
         f" time; of glass the pane itself. `{DOCUMENT}` holds categories, instances, camera and images, and all that is"
-        f" no picture.\n\n{_table(('annotation', 'encoding'), rows)}"
+        f" no picture.\n\n{markdown_table(('annotation', 'encoding'), rows)}"
     )
 
 
-def _frames(metadata: Metadata) -> str:
+def frames_part(metadata: Metadata) -> str:
     inwards = sorted(metadata.frames.items(), reverse=True)  # W, R, C, B: from the world to the camera's body
-    return f"## Frames\n\n{_table(('frame', 'meaning'), inwards)}"
+    return f"## Frames\n\n{markdown_table(('frame', 'meaning'), inwards)}"
 
 
 def _robot(spec: RunSpec) -> str:
@@ -113,8 +113,8 @@ def _robot(spec: RunSpec) -> str:
         ("lens", "as k1, k2, p1, p2, k3 of OpenCV: " + ", ".join(f"{k:g}" for k in coefficients(camera))),
     ]
     return (
-        f"## Robot\n\n{_safe(robot.name)}: {_safe(robot.description)}. Positions are in R; values are those of"
-        f" {spec.key} where they are drawn per run.\n\n{_table(('part', 'value'), rows)}"
+        f"## Robot\n\n{plain_text(robot.name)}: {plain_text(robot.description)}. Positions are in R; values are those"
+        f" of {spec.key} where they are drawn per run.\n\n{markdown_table(('part', 'value'), rows)}"
     )
 
 
@@ -133,14 +133,14 @@ def _arena(metadata: Metadata, spec: RunSpec) -> str:
         (o.name, "obstacle", _place(o), " x ".join(f"{s:g}" for s in o.size) + " m", o.surface) for o in arena.obstacles
     ]
     return (
-        f"## Arena\n\n{_safe(arena.name)}: {_safe(arena.description.rstrip('.'))}. {whose}"
+        f"## Arena\n\n{plain_text(arena.name)}: {plain_text(arena.description.rstrip('.'))}. {whose}"
         f" Line {arena.line.width_m:g} m wide in {len(arena.line.pieces)} pieces ({pieces_at})."
         " Positions in W [m].\n\n"
-        f"{_table(('name', 'kind', 'position', 'size', 'surface'), rows)}"
+        f"{markdown_table(('name', 'kind', 'position', 'size', 'surface'), rows)}"
     )
 
 
-def _runs(metadata: Metadata) -> str:
+def runs_part(metadata: Metadata) -> str:
     rows = [
         (
             run.run,
@@ -155,19 +155,19 @@ def _runs(metadata: Metadata) -> str:
         for run in metadata.runs
     ]
     header = ("run", "duration [s]", "lap [s]", "distance [m]", "rows", "images", "size [px]", "order of states")
-    return f"## Runs\n\n{_table(header, rows)}"
+    return f"## Runs\n\n{markdown_table(header, rows)}"
 
 
 def _warnings(metadata: Metadata) -> str:
     rows = [(run.run, warning) for run in metadata.runs for warning in run.warnings]
-    return f"## Warnings\n\n{_table(('run', 'warning'), rows)}" if rows else ""
+    return f"## Warnings\n\n{markdown_table(('run', 'warning'), rows)}" if rows else ""
 
 
 def _failed(metadata: Metadata) -> str:
     if not metadata.failed_runs:
         return ""
     rows = [(run.run, run.stage, run.problem) for run in metadata.failed_runs]
-    return f"## Runs that failed and are not here\n\n{_table(('run', 'stage', 'problem'), rows)}"
+    return f"## Runs that failed and are not here\n\n{markdown_table(('run', 'stage', 'problem'), rows)}"
 
 
 def _checks() -> str:
@@ -178,9 +178,9 @@ def _checks() -> str:
     )
 
 
-def _table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+def markdown_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     lines = [header, ["---"] * len(header), *rows]
-    return "\n".join("| " + " | ".join(_safe(cell) for cell in line) + " |" for line in lines)
+    return "\n".join("| " + " | ".join(plain_text(cell) for cell in line) + " |" for line in lines)
 
 
 def _point(point: tuple[float, float]) -> str:
@@ -192,6 +192,6 @@ def _place(obstacle: Obstacle) -> str:
     return _point(obstacle.center) + moves
 
 
-def _safe(text: str) -> str:
+def plain_text(text: str) -> str:
     """Text of a scenario file as plain text of a Markdown page, whatever it holds."""
     return html.escape(one_line(text), quote=False).replace("|", "\\|")

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Protocol
 
 from pipeline.reader.dataset import Dataset
+from pipeline.reader.image import Image
 
 
 class ExportedFile(Protocol):
@@ -20,6 +21,10 @@ class ExportedFile(Protocol):
         """How large it will be."""
         ...
 
+    def room_bytes(self) -> int:
+        """About how large, told at once."""
+        ...
+
     def content(self) -> bytes: ...
 
 
@@ -29,9 +34,14 @@ class MadeFile:
 
     name: str
     make: Callable[[], bytes]
+    about: Callable[[], int] | None = None
+    """About how large it will be, of one that takes long to make."""
 
     def size_bytes(self) -> int:
         return len(self.make())
+
+    def room_bytes(self) -> int:
+        return self.about() if self.about else self.size_bytes()
 
     def content(self) -> bytes:
         return self.make()
@@ -47,8 +57,16 @@ class CopiedFile:
     def size_bytes(self) -> int:
         return self.source.stat().st_size
 
+    def room_bytes(self) -> int:
+        return self.size_bytes()
+
     def content(self) -> bytes:
         return self.source.read_bytes()
+
+
+def pictures_bytes(images: Iterable[Image]) -> int:
+    """The files of some images, without their annotations."""
+    return sum(image.path.stat().st_size for image in images)
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,7 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
     for run in data.runs[1:]:
         if run.annotations.categories != known:
             raise InputError("has other categories than the first run", where=str(run.folder), cure="use --runs")
-    yield MadeFile("annotations/instances.json", lambda: _document(data))
+    yield MadeFile("annotations/instances.json", lambda: _document(data), lambda: _about_bytes(data))
     for run in data.runs:
         for image in run.images:
             yield CopiedFile(f"images/{_file_name(image)}", image.path)
@@ -48,6 +48,12 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
 def _file_name(image: Image) -> str:
     """Within images/."""
     return f"{image.run.name}/{image.path.name}"
+
+
+def _about_bytes(data: Dataset) -> int:
+    """Were all images of a run like its first."""
+    firsts = [(run, json.dumps([*_Labels(run).of(run.images[0])])) for run in data.runs if run.numbers]
+    return sum(len(run.numbers) * len(of_first) for run, of_first in firsts)
 
 
 def _document(data: Dataset) -> bytes:

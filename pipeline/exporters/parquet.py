@@ -3,17 +3,15 @@
 Each column has its unit in the metadata of its field, under `unit` (https://parquet.apache.org/docs/file-format/).
 """
 
-import io
-from collections.abc import Callable, Iterator, Mapping
-from importlib import import_module
-from types import ModuleType
+from collections.abc import Callable, Iterator
 
-import numpy as np
 import pandas as pd
 
-from configs.errors import EnvironmentLacking, InputError
+from configs.errors import InputError
 from pipeline.exporters.base import CopiedFile, ExportedFile, Exporter, ExportSettings, MadeFile
-from pipeline.reader.dataset import RUN, Dataset
+from pipeline.exporters.features import stacked_bytes
+from pipeline.exporters.optional import PYARROW, optional
+from pipeline.reader.dataset import Dataset
 from pipeline.reader.image import Image
 from pipeline.reader.run import Run
 from pipeline.reader.tables import UNITS
@@ -24,16 +22,16 @@ FILE_NAME = "file_name"
 
 
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
-    arrow = _arrow()
+    optional("pyarrow", PYARROW)
     names = data.runs[0].side_names
     for run in data.runs[1:]:
         if run.side_names != names:
             raise InputError("has other side tables than the first run", where=str(run.folder), cure="use --runs")
-    yield _table(arrow, "rows", data, lambda run: run.rows)
+    yield _table("rows", data, lambda run: run.rows)
     for name in names:
         if name != _CAMERA:
-            yield _table(arrow, name, data, lambda run, name=name: run.side(name))
-    yield _table(arrow, "images", data, _images)
+            yield _table(name, data, lambda run, name=name: run.side(name))
+    yield _table("images", data, _images)
     for image in data.images:
         yield CopiedFile(_file_name(image), image.path)
 
@@ -50,35 +48,8 @@ def _images(run: Run) -> pd.DataFrame:
     return table
 
 
-def _table(arrow: ModuleType, name: str, data: Dataset, read: Callable[[Run], pd.DataFrame]) -> MadeFile:
-    """The tables of all runs under each other, the name of the run in the first column."""
-
-    def make() -> bytes:
-        tables = [read(run) for run in data.runs]
-        runs = np.repeat([run.name for run in data.runs], [len(table) for table in tables])
-        columns = {RUN: runs} | {
-            column: np.concatenate([table[column].to_numpy() for table in tables]) for column in tables[0].columns
-        }
-        return _parquet(arrow, columns, {RUN: "-"} | tables[0].attrs[UNITS])
-
-    return MadeFile(f"{name}.parquet", make)
-
-
-def _parquet(arrow: ModuleType, columns: Mapping[str, np.ndarray], units: Mapping[str, str]) -> bytes:
-    arrays = {name: arrow.array(values) for name, values in columns.items()}
-    fields = [arrow.field(name, array.type, metadata={"unit": units[name]}) for name, array in arrays.items()]
-    table = arrow.Table.from_arrays([*arrays.values()], schema=arrow.schema(fields))
-    file = io.BytesIO()
-    import_module("pyarrow.parquet").write_table(table, file, compression="zstd")
-    return file.getvalue()
-
-
-def _arrow() -> ModuleType:
-    """pyarrow, which comes with the extra `export` alone; from 26 on it does not load beside Blender's numpy."""
-    try:
-        return import_module("pyarrow")
-    except ImportError:
-        raise EnvironmentLacking("pyarrow is missing; run: pip install 'pyarrow<26'") from None
+def _table(name: str, data: Dataset, read: Callable[[Run], pd.DataFrame]) -> MadeFile:
+    return MadeFile(f"{name}.parquet", lambda: stacked_bytes(data, read))
 
 
 EXPORTER = Exporter("parquet", "all tables of all runs as Parquet with their units, images beside them", _files)

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from configs.errors import InputError, nearest
 from pipeline.dataset.bag import DECLARATION
 from pipeline.dataset.bagging import PAYLOAD
-from pipeline.dataset.layout import DATA
+from pipeline.dataset.layout import DATA, LOOK
 from pipeline.dataset.metadata import METADATA, Metadata
 from pipeline.reader.image import Image
 from pipeline.reader.run import Run
@@ -88,6 +88,10 @@ def load(path: str | Path) -> Dataset:
     if (root / DATA).is_file():
         absolute = root.absolute()
         return Dataset(root, None, (Run(root, f"{absolute.parent.name}/{absolute.name}"),))
+    draws = sorted(folder.name for folder in root.iterdir() if (folder / LOOK).is_file() and (folder / DATA).is_file())
+    if draws:
+        cure = f"name the folder of one, such as {draws[0]}"
+        raise InputError("holds draws of `symolo rerender`", where=str(root), cure=cure)
     what = f"is neither a release nor a run: there is no {METADATA} and no {DATA} in it"
     raise InputError(what, where=str(root), cure="name a folder that `symolo release` made, or a run's within it")
 

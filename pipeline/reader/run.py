@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from configs.errors import InputError, nearest
 from configs.schema.scenario import RunSpec
-from pipeline.dataset.layout import DATA, IMAGES, SIDE, SPEC
+from pipeline.dataset.layout import DATA, IMAGES, LOOK, SIDE, SPEC
 from pipeline.dataset.metadata import side_tables
 from pipeline.dataset.rows import Floats, Rows, read_rows
 from pipeline.dataset.side import CAMERA, SideTable
@@ -22,6 +22,7 @@ from pipeline.reader.tables import frame, rows_frame
 
 if TYPE_CHECKING:
     from blender_scenes.annotations.document import Document
+    from blender_scenes.job import RenderJob
     from pipeline.dataset.camera_model import CameraModel
 
 # Whatever knows of pictures loads OpenCV, which takes half a second; tables and poses do without.
@@ -68,6 +69,7 @@ class Run:
         Raises:
             InputError: side/spec.json is missing or damaged.
         """
+        self._check_has_side()
         path = self.folder / SIDE / SPEC
         try:
             return RunSpec.model_validate_json(path.read_bytes())
@@ -132,11 +134,17 @@ class Run:
 
     @cached_property
     def X_WC(self) -> Floats:
-        """(images, 4, 4), pose of the camera in W at each shutter, of side/camera.csv.
+        """(images, 4, 4), pose of the camera in W at each shutter, of side/camera.csv or what `rerender` rendered.
 
         Raises:
-            InputError: The table is damaged or of other images than data.csv.
+            InputError: It is damaged or of other images than data.csv.
         """
+        if self.is_rerendered:
+            from pipeline.reader.rerendered import poses_of
+
+            poses = poses_of(self._job)
+            poses.flags.writeable = False
+            return poses
         table = self._side(CAMERA)
         first = CAMERA.header.index("r11")
         poses = np.tile(np.eye(4), (len(table), 1, 1))
@@ -147,13 +155,17 @@ class Run:
 
     @cached_property
     def camera(self) -> "CameraModel":
-        """Intrinsics, distortion, exposure and the camera's pose on the robot, of side/intrinsics.json.
+        """Intrinsics, distortion, exposure and the camera's pose on the robot, of side/intrinsics.json or as above.
 
         Raises:
             InputError: The file is missing or damaged.
         """
         from pipeline.dataset.camera_model import INTRINSICS, read_camera_model
 
+        if self.is_rerendered:
+            from pipeline.reader.rerendered import camera_of
+
+            return camera_of(self._job)
         path = self.folder / SIDE / INTRINSICS
         try:
             return read_camera_model(path)
@@ -205,7 +217,24 @@ class Run:
 
         return self.folder / ANNOTATIONS
 
+    @property
+    def is_rerendered(self) -> bool:
+        """Whether these are pictures of `rerender`, which have no side tables."""
+        return (self.folder / LOOK).is_file() and not (self.folder / SIDE).exists()
+
+    @cached_property
+    def _job(self) -> "RenderJob":
+        from pipeline.reader.rerendered import read_job
+
+        return read_job(self.folder, self.numbers)
+
+    def _check_has_side(self) -> None:
+        if self.is_rerendered:
+            what = "holds pictures of `symolo rerender`, which have no side tables and no specification"
+            raise InputError(what, where=str(self.folder), cure="take those of the run that they were made from")
+
     def _side(self, table: SideTable) -> Floats:
+        self._check_has_side()
         return read_side(self.folder / SIDE / table.file, table, self.table)
 
     def __iter__(self) -> Iterator[Image]:

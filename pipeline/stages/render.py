@@ -23,7 +23,7 @@ from configs.whole_files import make_folder, remove_file, remove_folder, write_f
 from physics.arena import Arena
 from physics.robot_path import RobotPath
 from pipeline.cpu import cpu_class
-from pipeline.dataset.layout import IMAGES
+from pipeline.dataset.layout import IMAGES, JOB
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Rows
 from pipeline.executors.base import Executor
@@ -35,7 +35,7 @@ from pipeline.versions import versions
 from pipeline.workers import AnyEvent, AnyUnit, Retried
 from pipeline.workspace import DONE, FAILED, StageFolder, held, input_key, mark_done
 
-JOB, FRAMES, INPUTS = "job.json", "frames.json", "inputs.json"
+FRAMES, INPUTS = "frames.json", "inputs.json"
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,8 @@ from configs.whole_files import make_folder, remove_file, remove_folder, remove_
 from pipeline.dataset.inventory import LISTS
 from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, tag_manifest
 from pipeline.files import hashes_of
-from pipeline.output import check_new, check_room
+from pipeline.new_folder import check_new
+from pipeline.output import check_room
 from pipeline.paths import BELOW_CHARS
 from pipeline.progress import Report
 from pipeline.storage.base import Store

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
+import symolo as symolo_reader
 from pipeline.cli import main
 from pipeline.rerender import Request, prepare
 from pipeline.workspace import Kind, Workspace
@@ -202,3 +203,34 @@ def test_render_settings_are_drawn_with_the_key_of_the_request(dataset):
 
     assert samples("CW/test_1") == samples("CW/test_1")
     assert len({samples("CW/test_1"), samples("CCW/test_1"), samples("CW/test_1", seed=7)}) == 3
+
+
+def test_the_reader_takes_the_pictures_with_the_poses_and_camera_of_the_run(dataset, again):
+    run, pictures = symolo_reader.load(dataset)[RUN], symolo_reader.load(again).runs[0]
+    np.testing.assert_allclose(pictures.X_WC, run.X_WC, rtol=0, atol=1e-6)
+    told, true = pictures.camera, run.camera
+    for name in ("K", "D", "X_RC", "X_CB"):
+        np.testing.assert_allclose(getattr(told, name), getattr(true, name), rtol=0, atol=1e-8)
+    sizes = [(one.width_px, one.height_px, one.exposure_s, one.read_out_s) for one in (told, true)]
+    assert sizes[0] == sizes[1]
+    for one, other in zip(pictures, run, strict=True):
+        np.testing.assert_array_equal(one.pixels(), other.pixels())
+        assert (one.t_s, one.pose.tolist()) == (other.t_s, other.pose.tolist())
+
+
+def test_what_the_pictures_have_not_is_named_with_where_it_is(again, tmp_path, symolo, copy_of):
+    pictures = symolo_reader.load(again).runs[0]
+    for ask in (lambda: pictures.side("wheels"), lambda: pictures.spec, lambda: pictures.side_names):
+        with pytest.raises(symolo_reader.InputError, match="take those of the run that they were made from"):
+            ask()
+    refused = symolo("export", again, "--format", "kitti", "--out", tmp_path / "out")
+    assert (refused.code, refused.err.count("\n")) == (2, 1)
+    assert "export the release that their run is of" in refused.err
+    draws = tmp_path / "draws"
+    shutil.copytree(again, draws / "classroom_1", ignore=shutil.ignore_patterns(".stages"))
+    with pytest.raises(symolo_reader.InputError, match=r"holds draws of .*name the folder of one, such as classroom_1"):
+        symolo_reader.load(draws)
+    damaged = copy_of(again)
+    (damaged / "job.json").write_text("{}")
+    with pytest.raises(symolo_reader.InputError, match=r"job\.json: is damaged"):
+        _ = symolo_reader.load(damaged).runs[0].X_WC

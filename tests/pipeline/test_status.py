@@ -27,6 +27,19 @@ def test_a_finished_release_is_up_to_date(out, symolo, tiny):
     assert {path: path.stat().st_mtime_ns for path in out.rglob("*")} == before
 
 
+def test_what_images_cost_is_summed_over_their_journals_and_threads(out, symolo, tiny):
+    """Twelve images of 0.6 s on two threads, one of which was made again in 1.2 s on one: 15.6 core-seconds."""
+    for journal in (out / ".stages/render").rglob("images.jsonl"):
+        lines = [json.loads(line) for line in journal.read_text().splitlines()]
+        for line in lines:
+            line["frame"].update(seconds=0.6, threads=2)
+        if "CCW" in journal.parts:
+            lines.append({**lines[0], "frame": {**lines[0]["frame"], "seconds": 1.2, "threads": 1}})
+        journal.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    assert "cost: 12 images took 0.00433 core-hours, 1.3 core-seconds each\n" in symolo("status", out).out
+    assert "each; planned were" in symolo("status", out, "smoke", *tiny).out
+
+
 def test_a_folder_in_use_is_told_with_the_process(out, symolo):
     descriptor = os.open(out / ".stages", os.O_RDONLY)
     try:

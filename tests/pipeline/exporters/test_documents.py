@@ -4,6 +4,7 @@ import gc
 import re
 from pathlib import Path
 
+import datasets
 import pytest
 
 from pipeline.exporters import EXPORTERS
@@ -20,16 +21,19 @@ def programs(page: str) -> list[str]:
 @pytest.fixture
 def here(random_release, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(datasets.config, "HF_HUB_OFFLINE", True)
+    monkeypatch.setattr(datasets.config, "HF_DATASETS_CACHE", tmp_path / "cache")
     Path(RELEASE).symlink_to(random_release(1, annotated=True).root)
 
 
 def test_help_readme_and_page_name_every_format(symolo):
     names = ", ".join(exporter.name for exporter in EXPORTERS)
-    assert names in " ".join(re.sub(r"[^a-z, ]", " ", symolo("export", "--help").out).split())
+    assert names in " ".join(re.sub(r"[^a-z0-9, ]", " ", symolo("export", "--help").out).split())
     assert names in (ROOT / "README.md").read_text()
     page = (DOCS / "exports.md").read_text()
     assert re.findall(r"^## (\w+)$", page, re.MULTILINE) == names.split(", ")
-    assert re.findall(r"^\| (\w+) \|", page, re.MULTILINE) == ["format", *names.split(", ")]
+    overview = page.partition("\n## ")[0]
+    assert re.findall(r"^\| (\w+) \|", overview, re.MULTILINE) == ["format", *names.split(", ")]
 
 
 @pytest.mark.usefixtures("here")
@@ -47,10 +51,12 @@ def test_the_program_of_the_page_on_the_reader(capsys):
 def test_the_commands_and_programs_of_the_page_on_exports(symolo):
     commands = re.findall(r"^    symolo (.+)$", (DOCS / "exports.md").read_text(), re.MULTILINE)
     assert [symolo(*command.replace('"', "").split()).code for command in commands[:2]] == [0, 0]
-    kitti, coco, webdataset, parquet = programs("exports.md")
     names = {}
-    for program in (kitti, coco, webdataset, parquet):
+    for program in programs("exports.md"):
         exec(program, names)  # noqa: S102 - as above
     assert (names["p_WC"].shape[1], names["unit"], names["mask"].ndim) == (3, b"rad/s", 2)
+    assert (names["pixels"].shape[2], names["row"]["run"]) == (3, "CW/test_1")
+    assert len(names["rows_20_Hz"]) == len(names["rows"])
+    assert names["place"].x == names["rows"].query("run == 'CW/test_1'")["x"].iloc[-1]
     gc.collect()
     assert names["row"]["run"] in set(names["rows"]["run"])

@@ -1,9 +1,15 @@
 """`symolo export` refuses what it cannot do before it writes, and writes all or nothing."""
 
 import json
+import re
+import shutil
 import sys
 
 import pytest
+
+from pipeline.export import open_release, plan
+from pipeline.exporters import EXPORTERS
+from pipeline.exporters.base import ExportSettings
 
 
 def one_line(ended) -> str:
@@ -51,8 +57,9 @@ def test_what_cannot_be_exported_is_refused_before_anything_is_written(random_re
     taken = tmp_path / "taken"
     taken.mkdir()
     (taken / "mine.txt").write_text("mine")
+    known = ", ".join(exporter.name for exporter in EXPORTERS)
     for arguments, what in (
-        ((root, "tun", out), "--format: got 'tun', allowed: tum, kitti, coco, webdataset, parquet; did you mean tum"),
+        ((root, "tun", out), f"--format: got 'tun', allowed: {known}; did you mean tum"),
         ((root, "tum,", out), "names with commas between them"),
         ((damaged, "tum", out), "CW/test_1/data.csv: was changed: its SHA-256 is not that of manifest-sha256.txt"),
         ((damaged, "tum", out), "symolo repair"),
@@ -69,10 +76,24 @@ def test_what_cannot_be_exported_is_refused_before_anything_is_written(random_re
     assert [path.name for path in taken.iterdir()] == ["mine.txt"]
 
 
-def test_parquet_without_pyarrow_says_how_to_get_it(random_release, tmp_path, symolo, monkeypatch):
-    monkeypatch.setitem(sys.modules, "pyarrow", None)
-    ended = symolo("export", random_release(1).root, "--format", "tum,parquet", "--out", tmp_path / "out")
-    assert (ended.code, ended.err) == (5, "symolo: pyarrow is missing; run: pip install 'pyarrow<26'\n")
+@pytest.mark.parametrize(
+    ("name", "module", "requirement"),
+    [
+        *((name, "pyarrow", "pyarrow<26") for name in ("parquet", "huggingface", "lerobot")),
+        ("mcap", "rosbags", "rosbags<0.12"),
+        ("ros1", "rosbags", "rosbags<0.12"),
+        ("hdf5", "h5py", "h5py>=3.13,<4"),
+    ],
+)
+def test_a_library_that_is_missing_is_named_before_anything_is_written(
+    name, module, requirement, random_release, tmp_path, symolo, monkeypatch
+):
+    for loaded in [one for one in sys.modules if one.startswith(f"{module}.")]:
+        monkeypatch.delitem(sys.modules, loaded)
+    monkeypatch.setitem(sys.modules, module, None)
+    ended = symolo("export", random_release(1).root, "--format", f"tum,{name}", "--out", tmp_path / "out")
+    told = f"symolo: {module}, of the extra `export`, is missing; run: pip install '{requirement}'\n"
+    assert (ended.code, ended.err) == (5, told)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -85,3 +106,26 @@ def test_what_ends_midway_leaves_nothing(error, random_release, tmp_path, symolo
         assert symolo(*arguments).code == (130 if error is KeyboardInterrupt else 5)
     assert list(tmp_path.iterdir()) == []
     assert symolo(*arguments).code == 0
+
+
+def test_a_disk_without_room_is_told_before_the_work_starts(random_release, tmp_path, symolo, monkeypatch):
+    """50 kB free: enough for trajectories, not for pictures."""
+    root = random_release(1).root
+    usage = shutil.disk_usage(tmp_path)._replace(free=50_000)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _path: usage)
+    formats = ",".join(exporter.name for exporter in EXPORTERS if exporter.name != "coco")
+    refused = symolo("export", root, "--format", formats, "--out", tmp_path / "out")
+    assert (refused.code, refused.err.count("\n")) == (5, 1)
+    assert re.search(r"/out: about \d+ MB are needed and 0 MB are free", refused.err)
+    assert "another disk, or choose runs by --runs" in refused.err
+    assert list(tmp_path.iterdir()) == []
+    assert symolo("export", root, "--format", "tum", "--out", tmp_path / "out").code == 0
+
+
+def test_the_room_that_is_looked_for_is_about_what_is_written(random_release):
+    """Within a factor of two for each format, also where the size is not worked out first."""
+    data = open_release(random_release(2, annotated=True).root, None)
+    for planned in plan(data, EXPORTERS, ExportSettings(10**6)):
+        asked = sum(file.room_bytes() for file in planned.files)
+        taken = sum(file.size_bytes() for file in planned.files)
+        assert 0.5 < asked / taken < 2, planned.exporter.name

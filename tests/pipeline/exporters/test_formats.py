@@ -6,34 +6,23 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-import pytest
 from pyarrow import parquet
 from pycocotools.coco import COCO
 from webdataset import tariterators
 
 from pipeline.dataset.rows import HEADER
 from pipeline.dataset.side import WHEELS
-from pipeline.export import export, exporters_of, open_release, plan
+from pipeline.export import exporters_of, open_release, plan
 from pipeline.exporters import EXPORTERS
 from pipeline.exporters.base import ExportSettings
-from pipeline.progress import LineReport
 
-SEEDS = [pytest.param(seed, marks=[pytest.mark.faults] if seed > 2 else []) for seed in range(1, 101)]
-"""Two of them by default."""
-
-SHARD_BYTES = 40_000
+FORMATS = ("tum", "kitti", "coco", "webdataset", "parquet")
+"""The others have files of their own."""
 
 
-def exported(root: Path, out: Path, *formats: str) -> Path:
-    data = open_release(root, None)
-    export(data, plan(data, exporters_of(formats, ""), ExportSettings(SHARD_BYTES)), out, LineReport())
-    return out
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-def test_every_format_holds_the_release(seed, random_release, tmp_path):
+def test_every_format_holds_the_release(seed, random_release, exported, tmp_path):
     release = random_release(seed, annotated=True)
-    out = exported(release.root, tmp_path / "out", *(exporter.name for exporter in EXPORTERS))
+    out = exported(release.root, tmp_path / "out", *FORMATS)
     for check in (tum_differs, kitti_differs, coco_differs, webdataset_differs, parquet_differs):
         check(out, release.runs)
 
@@ -155,13 +144,14 @@ def read_shard(path: Path) -> list[dict]:
 def webdataset_differs(out, truths):
     shards = sorted((out / "webdataset").iterdir())
     assert [path.name for path in shards] == [f"symolo-{number:06d}.tar" for number in range(len(shards))]
-    assert max(path.stat().st_size for path in shards) <= SHARD_BYTES
+    assert max(path.stat().st_size for path in shards) <= 40_000
     samples = [sample for path in shards for sample in read_shard(path)]
     by_name = sorted(truths, key=lambda truth: truth.name)
     expected = [(truth, index) for truth in by_name for index in range(len(truth.pictures))]
     assert [sample["__key__"] for sample in samples] == [f"{truth.name}/{i + 1:06d}" for truth, i in expected]
     for sample, (truth, index) in zip(samples, expected, strict=True):
-        assert {name for name in sample if not name.startswith("__")} == {"jpg", "json", "instance.png"}
+        others = {f"{kind}.png" for kind, stored in truth.passes.items() if index < len(stored)}
+        assert {name for name in sample if not name.startswith("__")} == {"jpg", "json", "instance.png"} | others
         assert sample["jpg"] == truth.pictures[index]
         told = json.loads(sample["json"])
         row = truth.table[truth.table[:, 18] > 0][index]
@@ -191,7 +181,7 @@ def parquet_differs(out, truths):
         np.testing.assert_array_equal(poses_by_rows.reshape(-1, 3, 3), truth.X_WC[:, :3, :3])
 
 
-def test_kitti_projects_a_point_where_the_camera_sees_it(random_release, tmp_path):
+def test_kitti_projects_a_point_where_the_camera_sees_it(random_release, exported, tmp_path):
     """A point ahead of the robot, by P0 and Tr of the file, beside OpenCV's projection by our camera's model."""
     release = random_release(1)
     out = exported(release.root, tmp_path / "out", "kitti")
@@ -207,7 +197,7 @@ def test_kitti_projects_a_point_where_the_camera_sees_it(random_release, tmp_pat
     np.testing.assert_allclose([u / depth, v / depth], pixel[0], atol=1e-5)
 
 
-def test_tum_shows_a_quarter_turn_as_its_quaternion(random_release, tmp_path):
+def test_tum_shows_a_quarter_turn_as_its_quaternion(random_release, exported, tmp_path):
     """cos 45 deg is 0.707106781; a turn about z has no other component."""
     release = random_release(1)
     out = exported(release.root, tmp_path / "out", "tum")
@@ -218,7 +208,7 @@ def test_tum_shows_a_quarter_turn_as_its_quaternion(random_release, tmp_path):
     assert first == f"0.000 {x:.6f} {y:.6f} 0.000000 0.000000000 0.000000000 {qz:.9f} {qw:.9f}"
 
 
-def test_quaternions_go_on_from_those_before(random_release, tmp_path):
+def test_quaternions_go_on_from_those_before(random_release, exported, tmp_path):
     """q and -q are the same rotation; between two poses of a trajectory nothing may turn the long way."""
     out = exported(random_release(1, annotated=True).root, tmp_path / "out", "tum")
     for path in (out / "tum").rglob("*.txt"):
@@ -226,7 +216,7 @@ def test_quaternions_go_on_from_those_before(random_release, tmp_path):
         assert np.all(np.sum(quaternions[1:] * quaternions[:-1], axis=1) >= 0)
 
 
-def test_shards_tell_nothing_of_the_machine(random_release, tmp_path):
+def test_shards_tell_nothing_of_the_machine(random_release, exported, tmp_path):
     out = exported(random_release(1, annotated=True).root, tmp_path / "out", "webdataset")
     shards = sorted((out / "webdataset").iterdir())
     assert len(shards) > 1
@@ -246,13 +236,5 @@ def test_a_sample_larger_than_a_shard_gets_one_of_its_own(random_release):
 
 def test_a_plan_knows_the_size_of_every_file(random_release):
     data = open_release(random_release(1, annotated=True).root, None)
-    for planned in plan(data, EXPORTERS, ExportSettings(SHARD_BYTES)):
+    for planned in plan(data, EXPORTERS, ExportSettings(40_000)):
         assert [file.size_bytes() for file in planned.files] == [len(file.content()) for file in planned.files]
-
-
-def test_twice_the_same_bytes(random_release, tmp_path, release_of):
-    release = random_release(2, annotated=True)
-    names = [exporter.name for exporter in EXPORTERS]
-    once, again = (release_of(exported(release.root, tmp_path / name, *names)) for name in ("a", "b"))
-    assert once == again
-    assert {name.split("/")[0] for name in once} == {*names, "export.json"}

@@ -1,0 +1,106 @@
+"""CPU seconds that a diagnosis takes, side by side with another checkout, and whether both find the same.
+
+The checkouts take turns at every case, each in a process of its own on one thread, so that a slow spell of the machine
+meets both. The time is from the file's rows to the answer, without what it takes to start.
+
+    python benchmarks/diagnosis/cpu_time.py OTHER_CHECKOUT [--cases 12] [--seed 1] [--kinds motor_step]
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+
+from hidden_cases import KINDS, hidden_case, plans, write
+from score import variant
+
+HERE = Path(__file__).parents[2]
+DIAGNOSE = """
+import json, sys, time
+from pathlib import Path
+from diagnosis.diagnose import diagnose
+from diagnosis.importers import IMPORTERS
+from diagnosis.importers.choose import read_measurement
+measurement = read_measurement(Path(sys.argv[1]), IMPORTERS)
+begin = time.process_time()
+answer = diagnose(measurement).answer()
+print(json.dumps({"seconds": time.process_time() - begin, "answer": answer}))
+"""
+
+
+@dataclass(frozen=True)
+class Run:
+    seconds: float
+    answer: dict
+
+    @property
+    def found(self) -> list[tuple[str, frozenset[str]]]:
+        """Names, each with its ambiguity set, in any order."""
+        return sorted((variant(each), frozenset(each["ambiguous_with"])) for each in self.answer["effects"])
+
+    def numbers(self, key: str) -> dict[tuple[str, str], float]:
+        """`parameters` or `std` of every name."""
+        return {
+            (variant(each), name): value
+            for each in self.answer["effects"]
+            for name, value in each[key].items()
+            if not isinstance(value, str)
+        }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("other", type=Path)
+    parser.add_argument("--cases", type=int, default=12)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--kinds", default="motor_step")
+    arguments = parser.parse_args()
+    kinds = arguments.kinds.split(",")
+    if unknown := [kind for kind in kinds if kind not in KINDS]:
+        parser.error(f"--kinds: got {unknown[0]}, allowed: {', '.join(KINDS)}")
+    if not (arguments.other / "diagnosis").is_dir():
+        parser.error(f"OTHER_CHECKOUT: got {arguments.other}, which has no folder diagnosis")
+    print(f"{'case':30} {'other s':>8} {'here s':>8} {'ratio':>6}  found here")
+    pairs = []
+    for plan in plans(arguments.cases, arguments.seed, kinds):
+        with tempfile.TemporaryDirectory() as folder:
+            case = Path(folder) / plan.name
+            write(hidden_case(plan), case)
+            other, here = (run(checkout, case) for checkout in (arguments.other, HERE))
+        pairs.append((other, here))
+        found = ", ".join(name for name, _ in here.found) or "nothing"
+        times = f"{other.seconds:8.1f} {here.seconds:8.1f} {other.seconds / here.seconds:6.2f}"
+        print(f"{plan.name:30} {times}  {found}{difference(other, here)}", flush=True)
+    for name, of in (("median", median), ("longest", max)):
+        was, now = (of(pair[k].seconds for pair in pairs) for k in (0, 1))
+        print(f"{name:30} {was:8.1f} {now:8.1f} {was / now:6.2f}")
+
+
+def run(checkout: Path, case: Path) -> Run:
+    """A diagnosis by the code of a checkout."""
+    alone = {"PYTHONPATH": str(checkout.resolve()), "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    command = [sys.executable, "-c", DIAGNOSE, str(case.resolve())]
+    # The folder that python runs in comes first among those it imports from.
+    done = subprocess.run(command, cwd=checkout, env=os.environ | alone, check=True, capture_output=True, text=True)
+    return Run(**json.loads(done.stdout))
+
+
+def difference(other: Run, here: Run) -> str:
+    """What the two do not agree on, in words; of numbers the largest difference in standard errors."""
+    if other.found != here.found:
+        return f"; OTHERWISE {', '.join(name for name, _ in other.found) or 'nothing'}, or other sets"
+    places = [run.answer.get("unexplained_where") for run in (other, here)]
+    if places[0] != places[1]:
+        return f"; OTHERWISE unexplained {places[0]} and not {places[1]}"
+    was, now, std = other.numbers("parameters"), here.numbers("parameters"), other.numbers("std")
+    off = max((abs(was[key] - now[key]) / std[key] for key in was if std.get(key)), default=0.0)
+    return f"; numbers {off:.2f} standard errors off" if off >= 0.005 else ""
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,7 @@
+"""Localisation baselines on a release: one file for each method, one line for each here."""
+
+from pipeline.baselines import ekf, odometry, particles, regressor
+from pipeline.baselines.base import Method
+
+METHODS: tuple[Method, ...] = (odometry.METHOD, ekf.METHOD, particles.METHOD, regressor.METHOD)
+"""In the order of tables and figures."""

@@ -1,0 +1,86 @@
+"""All methods on all runs: what each told, and how far that is from the truth."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from configs.errors import InputError, nearest
+from configs.streams import stream
+from pipeline.baselines import METHODS
+from pipeline.baselines.base import Estimate, Lesson, Method
+from pipeline.baselines.errors import Errors, errors_of
+from pipeline.baselines.given import Given
+from pipeline.baselines.runs import LoggedRun
+from pipeline.dataset.rows import Floats
+from pipeline.progress import Report
+
+
+@dataclass(frozen=True)
+class Told:
+    """By one method of one run."""
+
+    estimate: Estimate
+    errors: Errors
+
+
+@dataclass(frozen=True)
+class Compared:
+    methods: tuple[Method, ...]
+    runs: tuple[LoggedRun, ...]
+    told: Mapping[tuple[str, str], Told]
+    """By name of run and method."""
+    left_out: Mapping[str, str]
+    """Methods that could not be used on any run, and why."""
+    start_sd: Floats
+    """(3,), x [m], y [m], yaw [rad]: how well the robot is put down."""
+    seed: int
+
+
+def methods_of(names: Sequence[str], where: str) -> tuple[Method, ...]:
+    """Each once, in the order of the table.
+
+    Raises:
+        InputError: There is none of a name.
+    """
+    known = {method.name: method for method in METHODS}
+    for name in names:
+        if name not in known:
+            raise InputError(where, got=name, allowed=", ".join(known), nearest=nearest(name, known))
+    return tuple(method for method in METHODS if method.name in names)
+
+
+def why_not(method: Method, runs: Sequence[LoggedRun]) -> str:
+    """Why a method cannot be used on a release with these runs; nothing where it can."""
+    if not method.learns:
+        return ""
+    if any(run.pictures is None for run in runs):
+        return "there are no pictures: release the scenario in place of simulating it"
+    return "there is one run only: it learns from the others" if len(runs) == 1 else ""
+
+
+def compare(
+    methods: Sequence[Method],
+    runs: Sequence[LoggedRun],
+    everything: Sequence[LoggedRun],
+    *,
+    start_sd: Floats,
+    seed: int,
+    report: Report,
+) -> Compared:
+    """Localise in `runs`; `everything` is what there is to learn from, each run left out for itself."""
+    left_out = {method.name: why for method in methods if (why := why_not(method, everything))}
+    usable = tuple(method for method in methods if method.name not in left_out)
+    lessons = {run.name: lesson for run in everything if (lesson := run.lesson())}
+    told = {}
+    with report.stage("baselines", len(runs) * len(usable), "estimates") as stage:
+        for run in runs:
+            given = run.given(start_sd, stream(seed, run.name, "start"))
+            others = [lesson for name, lesson in lessons.items() if name != run.name]
+            for method in usable:
+                told[run.name, method.name] = _told(method, run, given, others, seed)
+                stage.update("all", len(told))
+    return Compared(usable, tuple(runs), told, left_out, start_sd, seed)
+
+
+def _told(method: Method, run: LoggedRun, given: Given, others: Sequence[Lesson], seed: int) -> Told:
+    estimate = method.estimate(given, others if method.learns else (), stream(seed, run.name, method.name))
+    return Told(estimate, errors_of(estimate, given.t_s, run.truth))

@@ -1,0 +1,124 @@
+"""Extended Kalman filter: odometry, corrected by ToF readings that agree with the map (Thrun, Burgard and Fox,
+Probabilistic Robotics, 2005, sections 3.3 and 7.4).
+
+Beside pose and wheels the state has, for each ToF sensor, a gain of its error that is the same for ever, and an offset
+that lasts while it looks at one wall from one side, as a first-order Gauss-Markov process. To take either for new noise
+in every reading would make the filter ever surer of what is wrong.
+"""
+
+from collections.abc import Sequence
+from math import exp
+
+import numpy as np
+
+from pipeline.baselines.base import Estimate, Lesson, Method
+from pipeline.baselines.given import Given
+from pipeline.baselines.motion import STATES, Motion, begun, slip_sd_m, ways
+from pipeline.baselines.range_model import GAIN_SD, LASTING_SD_M, RangeModel, white_sd_m
+from pipeline.dataset.rows import Floats
+from sensors.tof import log_error_m
+
+RAYS = 30
+GAIN, OFFSET = STATES, STATES + 3
+"""Where the gains and the offsets of the three sensors begin in the state."""
+ALL = STATES + 6
+LASTING_S = 1.0
+"""After which the offset of a sensor is another one, for it looks at another wall or from another side."""
+GATE = 6.635
+"""99 % of chi-square with one degree of freedom: what is less likely is of something that is on no map."""
+LEAST_STEP = np.array([0.002, 0.002, 0.01])
+"""Of the differences by x [m], y [m], yaw [rad], which are otherwise as wide as the pose is uncertain."""
+WIDTH = 3.0
+"""Squared, in standard deviations: that of a Gaussian's differences (Norgaard and others, as below)."""
+
+
+def updated(
+    state: Floats, covariance: Floats, row: Floats, innovation: float, variance: float
+) -> tuple[Floats, Floats]:
+    """A Kalman update by one scalar reading.
+
+    Args:
+        state: (n,).
+        covariance: (n, n).
+        row: (n,), the reading's Jacobian by the state.
+        innovation: The reading less what was expected.
+        variance: Of the reading's own noise.
+
+    Returns:
+        State and covariance after it; the covariance in Joseph's form, which stays symmetric and positive.
+    """
+    gain = covariance @ row / (row @ covariance @ row + variance)
+    kept = np.eye(len(state)) - np.outer(gain, row)
+    return state + gain * innovation, kept @ covariance @ kept.T + variance * np.outer(gain, gain)
+
+
+class _Filter:
+    def __init__(self, given: Given) -> None:
+        self._motion = Motion(given.drawing.odometry)
+        self._ranges = RangeModel(given, RAYS)
+        state, covariance = begun(given.start)
+        self.state = np.concatenate([state, np.zeros(6)])
+        self.covariance = np.diag([0.0] * STATES + [GAIN_SD**2] * 3 + [LASTING_SD_M**2] * 3)
+        self.covariance[:STATES, :STATES] = covariance
+        self._speed = np.zeros(3)
+
+    def predict(self, ways_m: Floats, duration_s: float) -> None:
+        kept = exp(-duration_s / LASTING_S)
+        by_state, by_ways = np.diag([1.0] * OFFSET + [kept] * 3), np.zeros((ALL, 2))
+        by_state[:STATES, :STATES], by_ways[:STATES] = self._motion.jacobians(self.state[:STATES], ways_m)
+        noise = (by_ways * slip_sd_m(ways_m) ** 2) @ by_ways.T
+        noise[OFFSET:, OFFSET:] += (1.0 - kept**2) * LASTING_SD_M**2 * np.eye(3)
+        self.covariance = by_state @ self.covariance @ by_state.T + noise
+        moved = self._motion.moved(self.state[:STATES], ways_m)
+        if duration_s > 0.0:
+            self._speed = (moved - self.state[:STATES])[:3] / duration_s
+        self.state[:STATES] = moved
+        self.state[OFFSET:] *= kept
+
+    def correct(self, ranges_m: Floats) -> None:
+        """By readings (3,), nan where there is none."""
+        if np.isnan(ranges_m).all():
+            return
+        at = self.state[:3].copy()
+        expected_m, slopes, bend_m = self._expected(at)
+        for sensor in np.flatnonzero(~np.isnan(ranges_m + expected_m)).tolist():
+            now_m, slope = float(expected_m[sensor]), slopes[sensor]
+            gain, offset = self.state[GAIN + sensor], self.state[OFFSET + sensor]
+            error_m = float(log_error_m(expected_m[sensor]))
+            row = np.zeros(ALL)
+            row[:3], row[GAIN + sensor], row[OFFSET + sensor] = slope, error_m, 1.0
+            late_m = slope @ self._speed * self._ranges.age_sd_s
+            variance = float(white_sd_m(now_m) ** 2 + late_m**2 + bend_m[sensor] ** 2)
+            innovation = float(ranges_m[sensor] - now_m - gain * error_m - offset - slope @ (self.state[:3] - at))
+            if innovation**2 <= GATE * float(row @ self.covariance @ row + variance):
+                self.state, self.covariance = updated(self.state, self.covariance, row, innovation, variance)
+
+    def _expected(self, at: Floats) -> tuple[Floats, Floats, Floats]:
+        """Mean ranges (3,), their slopes (3, 3) by x, y, yaw, and deviations (3,) by which no straight line says them.
+
+        By differences as wide as the pose is uncertain (the filter DD2 of Norgaard, Poulsen and Ravn, "New developments
+        in state estimation for nonlinear systems", Automatica 36 (2000) 1627-1638): where an edge of the map may be in
+        the beam the deviation is large, and where there may be no target all of it is nan.
+        """
+        root = np.linalg.cholesky(self.covariance[:3, :3] + np.diag(LEAST_STEP**2))
+        moves = np.sqrt(WIDTH) * np.concatenate([np.zeros((3, 1)), root, -root], axis=1).T
+        here, *around = self._ranges.expected(at - self._ranges.age_s * self._speed + moves)
+        ahead, behind = np.array(around[:3]), np.array(around[3:])
+        bends = (ahead + behind - 2.0 * here) / WIDTH
+        slopes = np.linalg.solve(root.T, (ahead - behind) / (2.0 * np.sqrt(WIDTH)))
+        return here + 0.5 * bends.sum(axis=0), slopes.T, 0.5 * np.sqrt((WIDTH - 1.0) * (bends**2).sum(axis=0))
+
+
+def _estimate(given: Given, _lessons: Sequence[Lesson], _rng: np.random.Generator) -> Estimate:
+    ekf = _Filter(given)
+    poses, covariances = [], []
+    readings = np.where(given.fresh, given.ranges_m, np.nan)
+    for ways_m, duration_s, ranges_m in zip(ways(given), np.diff(given.t_s, prepend=0.0), readings, strict=True):
+        ekf.predict(ways_m, duration_s)
+        ekf.correct(ranges_m)
+        poses.append(ekf.state[:3].copy())
+        covariances.append(ekf.covariance[:3, :3])
+    return Estimate(np.arange(len(given)), np.array(poses), np.array(covariances))
+
+
+METHOD = Method("ekf", "EKF", "odometry, corrected by ToF readings that agree with the map", _estimate)

@@ -1,0 +1,121 @@
+"""How far an estimate is from the truth, and whether it knows: ATE, RPE and NEES.
+
+ATE and RPE are those of Sturm et al., "A benchmark for the evaluation of RGB-D SLAM systems", IROS 2012, and of Zhang
+and Scaramuzza, "A tutorial on quantitative trajectory evaluation for visual(-inertial) odometry", IROS 2018, in the
+plane. Nothing is aligned: every method is told where it starts, so an alignment would only hide errors. NEES is that
+of Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, section 5.4.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+
+from pipeline.baselines.base import Estimate
+from pipeline.dataset.rows import Floats, Ints, wrapped
+
+OVER_S = 1.0
+OVER_M = 1.0
+TOLERANCE = 0.1
+"""Of the distance, within which a pair of poses is so far apart; the tolerance of evo's pairs."""
+SHARE = 0.95
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Root mean squares but where another name says so."""
+
+    ate_m: float
+    ate_rad: float
+    median_m: float
+    """Half of the poses are nearer to the truth."""
+    worst_m: float
+    end_m: float
+    """At the last pose."""
+    rpe_per_s_m: float | None
+    """Over one second; None where no two poses are so far apart."""
+    rpe_per_s_rad: float | None
+    rpe_per_m_m: float | None
+    """Over one metre of the true path."""
+    rpe_per_m_rad: float | None
+    nees: float
+    """Mean over the run divided by 3, its degrees of freedom: about 1 where the stated covariance is honest,
+    above where the method is too sure of itself."""
+    within: float
+    """Share of the poses whose truth lies in the method's own 95 % region."""
+
+
+def errors_of(estimate: Estimate, t_s: Floats, truth: Floats) -> Errors:
+    """Of an estimate against the true poses (N, 3) of all rows at the times (N,)."""
+    true, told = truth[estimate.rows], estimate.pose
+    off_m, off_rad = off(estimate, truth)
+    seconds = pairs_by_time(t_s[estimate.rows], OVER_S)
+    metres = pairs_by_distance(true, OVER_M)
+    squares = nees(estimate, truth)
+    return Errors(
+        _rms(off_m),
+        _rms(off_rad),
+        float(np.median(off_m)),
+        float(off_m.max()),
+        float(off_m[-1]),
+        *_relative(true, told, seconds),
+        *_relative(true, told, metres),
+        float(squares.mean() / 3),
+        float(np.mean(squares <= chi2.ppf(SHARE, 3))),
+    )
+
+
+def off(estimate: Estimate, truth: Floats) -> tuple[Floats, Floats]:
+    """Distance from the true place [m] and angle from the true heading [rad], (M,) each."""
+    difference = estimate.pose - truth[estimate.rows]
+    return np.hypot(*difference[:, :2].T), np.abs(wrapped(difference[:, 2]))
+
+
+def nees(estimate: Estimate, truth: Floats) -> Floats:
+    """Normalised estimation error squared of each pose, (M,): chi-square with 3 degrees of freedom if honest."""
+    error = estimate.pose - truth[estimate.rows]
+    error[:, 2] = wrapped(error[:, 2])
+    return np.einsum("ij,ij->i", error, np.linalg.solve(estimate.covariance, error[..., None])[..., 0])
+
+
+def pairs_by_time(t_s: Floats, apart_s: float) -> Ints:
+    """(K, 2), every pair of indices whose times (M,) are so far apart, to half a millisecond."""
+    later = np.searchsorted(t_s, t_s + apart_s - 5e-4)
+    first = np.flatnonzero(later < len(t_s))
+    later = later[first]
+    exact = np.abs(t_s[later] - t_s[first] - apart_s) < 5e-4
+    return np.column_stack((first[exact], later[exact]))
+
+
+def pairs_by_distance(pose: Floats, apart_m: float) -> Ints:
+    """(K, 2), from each pose (M, 3) to the one after it that is next to so far along the path, to a tenth of that."""
+    way_m = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(pose[:, :2], axis=0).T))])
+    after = np.searchsorted(way_m, way_m + apart_m)
+    choices = np.clip(np.stack([after - 1, after]), 0, len(way_m) - 1)
+    wrong = np.abs(way_m[choices] - way_m - apart_m)
+    best = wrong.argmin(axis=0)
+    first = np.arange(len(way_m))
+    later = choices[best, first]
+    near = (wrong[best, first] <= TOLERANCE * apart_m) & (later > first)
+    return np.column_stack((first[near], later[near]))
+
+
+def _relative(true: Floats, told: Floats, pairs: Ints) -> tuple[float | None, float | None]:
+    """RPE of place [m] and heading [rad] over the pairs."""
+    if not len(pairs):
+        return None, None
+    first, later = pairs.T
+    moved, believed = _seen_from(true[first], true[later]), _seen_from(told[first], told[later])
+    # The length of a difference is the same in whatever frame it is told.
+    return _rms(np.hypot(*(believed - moved)[:, :2].T)), _rms(wrapped((believed - moved)[:, 2]))
+
+
+def _seen_from(here: Floats, there: Floats) -> Floats:
+    """(K, 3), the poses `there` in the frames of the poses `here`."""
+    x, y, yaw = (there - here).T
+    c, s = np.cos(here[:, 2]), np.sin(here[:, 2])
+    return np.stack([c * x + s * y, c * y - s * x, yaw], axis=1)
+
+
+def _rms(values: Floats) -> float:
+    return float(np.sqrt(np.mean(values**2)))

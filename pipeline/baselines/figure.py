@@ -1,0 +1,72 @@
+"""Paths over the map, and errors over time: a row of panels for each run."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
+
+from diagnosis.benches.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, VERMILION, finished, png
+from physics.arena import Arena
+from pipeline.baselines.base import Method
+from pipeline.baselines.compare import Compared
+from pipeline.baselines.errors import off
+from pipeline.baselines.runs import LoggedRun
+
+MOST_RUNS = 8
+"""More would be a poster."""
+_STYLES = ((VERMILION, "--"), (BLUE, "-"), (GREEN, "-."), (ORANGE, ""))
+"""Colour and line by method, in the order of the table; none is points alone."""
+
+
+def figure(compared: Compared) -> bytes:
+    """As PNG: of the first runs."""
+    shown = compared.runs[:MOST_RUNS]
+    drawn = Figure(figsize=(13.5, 4.0 * len(shown) + 0.3), layout="constrained")
+    panels = drawn.subplots(len(shown), 3, width_ratios=(1.0, 1.15, 1.15), squeeze=False)
+    for row, (run, (floor, place, turn)) in enumerate(zip(shown, panels, strict=True)):
+        _map(floor, Arena.from_config(run.spec.arena))
+        floor.plot(*run.truth[:, :2].T, color=BLACK, linewidth=2.4, label="truth")
+        floor.plot(*run.truth[0, :2], "o", color=BLACK, markersize=6)
+        for method, style in zip(compared.methods, _STYLES, strict=False):
+            _method(compared, run, method, style, (floor, place, turn))
+        low, high = run.truth[:, :2].min(axis=0) - 0.3, run.truth[:, :2].max(axis=0) + 0.3
+        floor.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+        place.set_yscale("log")
+        place.set_ylim(bottom=0.3)
+        turn.set_yscale("log")
+        turn.set_ylim(bottom=0.01)
+        finished(floor, f"{run.name}, from the dot on", "x [m]", "y [m]", legend=False)
+        finished(place, "Off the true place", "time [s]", "distance [mm]", legend=False)
+        finished(turn, "Off the true heading", "time [s]", "angle [deg]", legend=False)
+        if row == 0:
+            handles, labels = floor.get_legend_handles_labels()
+            drawn.legend(handles, labels, loc="outside upper center", ncols=len(labels), frameon=False)
+    return png(drawn)
+
+
+def _method(
+    compared: Compared, run: LoggedRun, method: Method, style: tuple[str, str], panels: tuple[Axes, Axes, Axes]
+) -> None:
+    floor, place, turn = panels
+    colour, line = style
+    estimate = compared.told[run.name, method.name].estimate
+    t_s = run.rows.t_ms[estimate.rows] / 1000
+    off_m, off_rad = off(estimate, run.truth)
+    look = {
+        "color": colour,
+        "linewidth": 1.3,
+        "linestyle": line or "none",
+        "marker": "" if line else ".",
+        "markersize": 3,
+    }
+    floor.plot(*estimate.pose[:, :2].T, label=method.title, **look)
+    place.plot(t_s, np.maximum(1e3 * off_m, 1e-3), **look)
+    turn.plot(t_s, np.maximum(np.degrees(off_rad), 1e-4), **look)
+
+
+def _map(axes: Axes, arena: Arena) -> None:
+    for left, right in arena.line.edges():
+        axes.add_patch(Polygon(np.concatenate([left, right[::-1]]), facecolor=PALE, edgecolor="none"))
+    for box in arena.boxes:
+        moves = box.motion is not None
+        axes.add_patch(Polygon(box.footprint(), facecolor="none" if moves else GREY, edgecolor=GREY))

@@ -1,0 +1,27 @@
+"""How likely it is that the channels of the line sensor are over the tape, for many poses at once."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.baselines.given import MAP_SD_M, Given
+from pipeline.dataset.rows import Floats
+from sensors.line_sensor import tape_share
+
+WRONG = 0.02
+"""Of readings that no place explains: a joint of the tape, a stain, a threshold near its limit."""
+
+
+class LineModel:
+    def __init__(self, given: Given) -> None:
+        self._row = given.drawing.line
+        self._line = given.map.line
+        self._blur_m = float(np.hypot(self._row.spot_sd_m, MAP_SD_M))
+
+    def log_likelihood(self, poses: Floats, on_line: NDArray[np.bool_]) -> Floats:
+        """(P,), of readings (8,) at the poses (P, 3)."""
+        c, s = np.cos(poses[:, 2:]), np.sin(poses[:, 2:])
+        x = poses[:, :1] + c * self._row.x_m - s * self._row.y_m
+        y = poses[:, 1:2] + s * self._row.x_m + c * self._row.y_m
+        share = tape_share(self._line, np.column_stack((x.ravel(), y.ravel())), self._blur_m).reshape(x.shape)
+        likely = WRONG + (1.0 - 2.0 * WRONG) * np.where(on_line, share, 1.0 - share)
+        return np.log(likely).sum(axis=1)

@@ -1,0 +1,86 @@
+"""How a robot moves by its encoder counts, when its wheels are not quite what the drawing says.
+
+The state is x [m], y [m], yaw [rad] and three shares by which the robot may differ from its drawing: of the mean wheel
+radius, of the difference between the two radii, and of the track. They stay what they are while it drives, so that a
+filter that has them as states knows that odometry errs by a drift and not by noise, and can learn the drift.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from diagnosis.usual_tolerances import PAIR_SHARE, TRACK_SHARE, WHEEL_SHARE
+from pipeline.baselines.given import Given, Start
+from pipeline.dataset.rows import Floats
+from sensors.odometry import Odometry
+
+STATES = 6
+SHARES_SD = np.array([WHEEL_SHARE, PAIR_SHARE, TRACK_SHARE])
+"""Between robots of one drawing, as the diagnosis takes them where nobody has measured better."""
+SLIP_M_SQRT_M = 3e-4
+"""Random error of a wheel's way, standard deviation after 1 m, its variance growing with the way (the form of Chong and
+Kleeman, "Accurate odometry and error modelling for a mobile robot", ICRA 1997). The number is a usual one for rubber on
+a clean floor: 0.3 mm."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The step from one row to the next, and how sure it is."""
+
+    odometry: Odometry
+
+    def moved(self, state: Floats, ways_m: Floats) -> Floats:
+        """The states (..., 6) after the wheels have rolled the ways (..., 2) by the drawing, right and left.
+
+        The mid-point rule of `sensors.odometry`, with the wheels and track of each state.
+        """
+        radius, pair, track = state[..., 3], state[..., 4], state[..., 5]
+        right = ways_m[..., 0] * (1.0 + radius + 0.5 * pair)
+        left = ways_m[..., 1] * (1.0 + radius - 0.5 * pair)
+        forward, turn = 0.5 * (right + left), (right - left) / (self.odometry.track_m * (1.0 + track))
+        middle = state[..., 2] + 0.5 * turn
+        moved = state.copy()
+        moved[..., 0] += forward * np.cos(middle)
+        moved[..., 1] += forward * np.sin(middle)
+        moved[..., 2] += turn
+        return moved
+
+    def jacobians(self, state: Floats, ways_m: Floats) -> tuple[Floats, Floats]:
+        """Of `moved` by one state, (6, 6), and by the ways, (6, 2), in closed form."""
+        radius, pair, track = state[3:]
+        wide = self.odometry.track_m * (1.0 + track)
+        scale = np.array([1.0 + radius + 0.5 * pair, 1.0 + radius - 0.5 * pair])
+        right, left = ways_m * scale
+        forward, turn = 0.5 * (right + left), (right - left) / wide
+        middle = state[2] + 0.5 * turn
+        ahead, across = np.array([np.cos(middle), np.sin(middle)]), np.array([-np.sin(middle), np.cos(middle)])
+
+        def column(d_right: float, d_left: float, d_turn: float) -> Floats:
+            """What a change of the rolled ways and, beside it, of the turn does to the pose."""
+            d_forward, d_turn = 0.5 * (d_right + d_left), d_turn + (d_right - d_left) / wide
+            return np.array([*(d_forward * ahead + 0.5 * forward * d_turn * across), d_turn])
+
+        by_state = np.eye(STATES)
+        by_state[:2, 2] = forward * across
+        by_state[:3, 3] = column(ways_m[0], ways_m[1], 0.0)
+        by_state[:3, 4] = column(0.5 * ways_m[0], -0.5 * ways_m[1], 0.0)
+        by_state[:3, 5] = column(0.0, 0.0, -turn / (1.0 + track))
+        by_ways = np.zeros((STATES, 2))
+        by_ways[:3, 0], by_ways[:3, 1] = column(scale[0], 0.0, 0.0), column(0.0, scale[1], 0.0)
+        return by_state, by_ways
+
+
+def ways(given: Given) -> Iterator[Floats]:
+    """How far each wheel rolled since the row before, (2,) [m], right and left, by drawing and encoder."""
+    yield from given.steps * given.drawing.odometry.metres_per_count
+
+
+def slip_sd_m(ways_m: Floats) -> Floats:
+    """Of the ways of the wheels, of the same shape."""
+    return SLIP_M_SQRT_M * np.sqrt(np.abs(ways_m))
+
+
+def begun(start: Start) -> tuple[Floats, Floats]:
+    """The state (6,) at the start and its covariance (6, 6): as drawn, but for the usual tolerances."""
+    return np.concatenate([start.pose, np.zeros(3)]), np.diag(np.concatenate([start.sd, SHARES_SD]) ** 2)

@@ -1,0 +1,25 @@
+"""Wheel odometry: counts added up from the start, and nothing else looked at."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pipeline.baselines.base import Estimate, Lesson, Method
+from pipeline.baselines.given import Given
+from pipeline.baselines.motion import Motion, begun, slip_sd_m, ways
+
+
+def _estimate(given: Given, _lessons: Sequence[Lesson], _rng: np.random.Generator) -> Estimate:
+    motion = Motion(given.drawing.odometry)
+    state, covariance = begun(given.start)
+    poses, covariances = [], []
+    for ways_m in ways(given):
+        by_state, by_ways = motion.jacobians(state, ways_m)
+        covariance = by_state @ covariance @ by_state.T + (by_ways * slip_sd_m(ways_m) ** 2) @ by_ways.T
+        state = motion.moved(state, ways_m)
+        poses.append(state[:3])
+        covariances.append(covariance[:3, :3])
+    return Estimate(np.arange(len(given)), np.array(poses), np.array(covariances))
+
+
+METHOD = Method("odometry", "wheel odometry", "encoder counts added up from the start", _estimate)

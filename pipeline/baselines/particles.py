@@ -1,0 +1,127 @@
+"""Particle filter: odometry, weighed by ToF and line readings (Thrun, Burgard and Fox, Probabilistic Robotics, 2005,
+sections 4.3, 6.3 and 8.3).
+
+A particle is a pose and, as in the EKF, what its robot's wheels are. Resampling moves each particle a little towards
+the mean and then scatters it, which keeps mean and covariance (Liu and West, "Combined parameter and state estimation
+in simulation-based filtering", 2001): without it what does not change by itself, the wheels, would soon be one value.
+
+What is wrong in one reading is wrong in the next, so all readings of a second count as one (ibid. 6.3.4): the
+logarithm of each likelihood is weighed by the share of the second that it stands for.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.special import logsumexp
+
+from pipeline.baselines.base import Estimate, Lesson, Method
+from pipeline.baselines.given import Given
+from pipeline.baselines.line_model import LineModel
+from pipeline.baselines.motion import Motion, begun, slip_sd_m, ways
+from pipeline.baselines.range_model import RangeModel, lasting_sd_m, white_sd_m
+from pipeline.dataset.rows import Floats, Ints, wrapped
+
+PARTICLES = 300
+RAYS = 6
+AS_ONE_S = 1.0
+"""Readings within this time count as one."""
+SCATTER = 0.22
+"""Bandwidth of the scattering, of the particles' own spread: a discount of 0.95 in the words of Liu and West."""
+SEEN, SHORT, MISSED = 0.8, 0.15, 0.05
+"""Of readings where the map has a target: of it, of something before it that is on no map, of nothing."""
+STRAY = 0.2
+"""Of readings where the map has no target, but there is one."""
+LEAST_SD = np.array([1e-4, 1e-4, 1e-4])
+"""Of the covariance told, x [m], y [m], yaw [rad]: particles at one place do not make a robot that is sure."""
+
+
+def resampled(weight: Floats, offset: float) -> Ints:
+    """Which particles go on: each in the mean as often as its weight (N,) says, times N (low variance sampling).
+
+    Args:
+        weight: Of the particles, 1 in sum.
+        offset: Of the comb, from 0 to 1.
+    """
+    comb = (np.arange(len(weight)) + offset) / len(weight)
+    return np.minimum(np.searchsorted(np.cumsum(weight), comb, side="right"), len(weight) - 1)
+
+
+def scattered(particles: Floats, rng: np.random.Generator) -> Floats:
+    """The particles (N, D) drawn to their mean and scattered, so that mean and covariance stay what they were."""
+    mean = particles.mean(axis=0)
+    from_mean = particles - mean
+    spread = np.linalg.qr(from_mean / np.sqrt(len(particles)), mode="r")
+    noise = rng.standard_normal(particles.shape) @ spread
+    return mean + np.sqrt(1.0 - SCATTER**2) * from_mean + SCATTER * noise
+
+
+class _Filter:
+    def __init__(self, given: Given, rng: np.random.Generator) -> None:
+        self._rng = rng
+        self._motion = Motion(given.drawing.odometry)
+        self._ranges = RangeModel(given, RAYS)
+        self._line = LineModel(given)
+        self._longest_m = given.drawing.longest_range_m
+        state, covariance = begun(given.start)
+        self.particles = state + rng.standard_normal((PARTICLES, len(state))) * np.sqrt(np.diag(covariance))
+        self.log_weight = np.full(PARTICLES, -np.log(PARTICLES))
+        self._duration_s = 0.0
+        self._seen_from = self.particles[:, :3]
+
+    def predict(self, ways_m: Floats, duration_s: float) -> None:
+        noise = slip_sd_m(ways_m) * self._rng.standard_normal((PARTICLES, 2))
+        before, self.particles = self.particles, self._motion.moved(self.particles, ways_m + noise)
+        self._duration_s = duration_s
+        earlier = self._ranges.age_s / duration_s if duration_s > 0.0 else 0.0
+        self._seen_from = (self.particles - earlier * (self.particles - before))[:, :3]
+
+    def weigh(self, ranges_m: Floats, fresh: np.ndarray, on_line: np.ndarray) -> None:
+        log = self._line.log_likelihood(self.particles[:, :3], on_line)
+        if fresh.any():
+            log += (self._range_log_likelihood(ranges_m) * fresh).sum(axis=1)
+        self.log_weight += log * min(self._duration_s / AS_ONE_S, 1.0)
+        self.log_weight -= logsumexp(self.log_weight)
+        weight = np.exp(self.log_weight)
+        if 1.0 / np.sum(weight**2) < 0.5 * PARTICLES:
+            self.particles = scattered(self.particles[resampled(weight, self._rng.random())], self._rng)
+            self.log_weight = np.full(PARTICLES, -np.log(PARTICLES))
+
+    def _range_log_likelihood(self, ranges_m: Floats) -> Floats:
+        """(P, 3), of readings (3,)."""
+        expected_m = self._ranges.expected(self._seen_from)
+        target = ~np.isnan(expected_m)
+        filled = np.where(target, expected_m, self._longest_m)
+        sd_m = np.hypot(white_sd_m(filled), lasting_sd_m(filled))
+        read = ~np.isnan(ranges_m)
+        reading = np.where(read, ranges_m, 0.0)
+        bell = np.exp(-0.5 * ((reading - filled) / sd_m) ** 2) / (np.sqrt(2.0 * np.pi) * sd_m)
+        stray = 1.0 / self._longest_m
+        of_target = np.where(read, SEEN * bell + SHORT * stray, MISSED)
+        of_none = np.where(read, STRAY * stray, 1.0 - STRAY)
+        return np.log(np.where(target, of_target, of_none))
+
+    def told(self) -> tuple[Floats, Floats]:
+        """Mean pose (3,) and covariance (3, 3)."""
+        weight = np.exp(self.log_weight - logsumexp(self.log_weight))
+        x, y, yaw = self.particles[:, :3].T
+        heading = float(np.arctan2(weight @ np.sin(yaw), weight @ np.cos(yaw)))
+        mean = np.array([weight @ x, weight @ y, heading])
+        from_mean = self.particles[:, :3] - mean
+        from_mean[:, 2] = wrapped(from_mean[:, 2])
+        return mean, (weight * from_mean.T) @ from_mean + np.diag(LEAST_SD**2)
+
+
+def _estimate(given: Given, _lessons: Sequence[Lesson], rng: np.random.Generator) -> Estimate:
+    particles = _Filter(given, rng)
+    told = []
+    durations_s = np.diff(given.t_s, prepend=0.0)
+    rows = zip(ways(given), durations_s, given.ranges_m, given.fresh, given.on_line, strict=True)
+    for ways_m, duration_s, *readings in rows:
+        particles.predict(ways_m, duration_s)
+        particles.weigh(*readings)
+        told.append(particles.told())
+    poses, covariances = zip(*told, strict=True)
+    return Estimate(np.arange(len(given)), np.array(poses), np.array(covariances))
+
+
+METHOD = Method("particles", "particle filter", "odometry, weighed by ToF and line readings by the map", _estimate)

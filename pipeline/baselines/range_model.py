@@ -1,0 +1,77 @@
+"""What the ToF sensors of a robot at a pose would read by the map, for many poses at once, and how far that may be off.
+
+A sensor is a cone of few rays whose ranges are averaged by beam profile and incidence, as the paper's section 6 has it.
+"""
+
+import numpy as np
+
+from physics.rays import RayScene
+from pipeline.baselines.given import MAP_SD_M, Given
+from pipeline.dataset.rows import Floats
+from sensors.tof import NOISE_AT_NEAR_MM, log_error_m, noise_sd_m, ray_directions, ray_pattern
+
+BEAM_SD_SHARE = 0.28
+"""Of the field of view: the beam falls to about a fifth at its edge."""
+LEAST_SIGNAL = 0.15
+"""Of the light that a wall head-on returns: with less the device tells no target."""
+REACH = 1.25
+"""Rays end at so much of the longest range."""
+
+SURFACE_SD_M = 0.0041
+"""Root mean square of the offsets of the nine materials at 100 mm (paper Tables 3 and 4); a map tells no material."""
+LASTING_SD_M = float(np.hypot(SURFACE_SD_M, MAP_SD_M))
+"""Of an offset that stays while the robot looks at one wall."""
+GAIN_SD = 0.03 / float(log_error_m(np.array(1.0)))
+"""Of the error's size, in the form of Eq. 24: at 1 m it makes the 3 % of the VL53L0X's data sheet."""
+
+
+class RangeModel:
+    def __init__(self, given: Given, rays: int) -> None:
+        """With so many rays for each sensor."""
+        drawing = given.drawing
+        self._scene = RayScene(given.map)
+        self._longest_m = drawing.longest_range_m
+        angle, roll = ray_pattern(rays, drawing.field_of_view_rad)
+        self._profile = np.exp(-0.5 * (angle / (BEAM_SD_SHARE * drawing.field_of_view_rad)) ** 2)
+        self._profile /= self._profile.sum()
+        self._head_on = float(self._profile @ np.cos(angle))
+        self._directions_R = np.concatenate([ray_directions(mount, angle, roll) for mount in drawing.mounts])
+        origins = [[mount.x_m, mount.y_m, mount.z_m] for mount in drawing.mounts]
+        self._origins_R = np.repeat(np.array(origins), rays, axis=0)
+        self.age_s = 0.5 * drawing.range_period_s
+        """Of a reading in the mean: it is taken at some time in the device's period before the row."""
+        self.age_sd_s = drawing.range_period_s / np.sqrt(12.0)
+
+    def expected(self, poses: Floats) -> Floats:
+        """Readings (P, 3) at the poses (P, 3) by the map; nan where no target is expected."""
+        reach_m = REACH * self._longest_m
+        turned = _turned(self._directions_R, poses)
+        origins = _turned(self._origins_R, poses)
+        origins[..., :2] += poses[:, None, :2]
+        flat, along = origins.reshape(-1, 3), turned.reshape(-1, 3)
+        hits = self._scene.cast(flat, flat + reach_m * along)
+        shape = (len(poses), 3, len(self._profile))
+        cosine = np.abs(np.einsum("ij,ij->i", along, hits.normal)).reshape(shape)
+        weight = self._profile * cosine
+        returned = weight.sum(axis=2)
+        range_m = self._head_on * reach_m * (weight * hits.fraction.reshape(shape)).sum(axis=2)
+        range_m /= np.maximum(returned, 1e-12)
+        seen = (returned >= LEAST_SIGNAL * self._head_on) & (range_m <= self._longest_m)
+        return np.where(seen, range_m, np.nan)
+
+
+def white_sd_m(range_m: Floats | float) -> Floats:
+    """Of what is new in every reading: Eq. 23."""
+    return noise_sd_m(np.array(1e-3 * NOISE_AT_NEAR_MM), np.asarray(range_m))
+
+
+def lasting_sd_m(range_m: Floats) -> Floats:
+    """Of what stays while the robot looks at the same wall: its material, and the accuracy of the device."""
+    return np.hypot(LASTING_SD_M, GAIN_SD * log_error_m(range_m))
+
+
+def _turned(vectors_R: Floats, poses: Floats) -> Floats:
+    """(P, K, 3), vectors of R (K, 3) along the axes of W, for poses (P, 3)."""
+    c, s = np.cos(poses[:, 2:]), np.sin(poses[:, 2:])
+    x, y, z = vectors_R.T
+    return np.stack([c * x - s * y, s * x + c * y, np.broadcast_to(z, (len(poses), len(z)))], axis=2)

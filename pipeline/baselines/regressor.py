@@ -1,0 +1,133 @@
+"""Where a picture was taken, by the pictures of other runs that look like it: retrieval, then kernel regression.
+
+A picture becomes the directions of its edges, cell by cell, without their signs and strengths (Dalal and Triggs,
+"Histograms of oriented gradients for human detection", CVPR 2005), for light, floor and walls are others in every
+run. By the principal components of those, whitened half-way, pictures are compared. The pose told is the mean over
+the taught pictures, weighted by likeness (Nadaraya and Watson, 1964). Its covariance is theirs, and some of that of
+all poses, for a share of the pictures is taken for one of quite another place that looks alike. How narrow the
+weights are, and how large that share is, is found by leaving out one taught run after the other.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.ndimage import gaussian_filter
+from scipy.optimize import root_scalar
+
+from configs.errors import InputError
+from pipeline.baselines.base import Estimate, Lesson, Method
+from pipeline.baselines.errors import nees, off
+from pipeline.baselines.given import Given
+from pipeline.dataset.rows import Floats, Ints, wrapped
+
+CELL_PX = 4
+DIRECTIONS = 6
+FAINT = 0.01
+"""Edges below this contrast count little."""
+COMPONENTS = 60
+WHITENING = 0.5
+WIDTHS = (0.05, 0.1, 0.2, 0.3, 0.5, 0.8)
+"""Widths that are tried, of the weights: in shares of the distance to the likest picture."""
+PARTS = 4
+"""Of the one run that there is to learn from, each left out in turn."""
+LEAST_SD = np.array([0.01, 0.01, 0.02])
+"""Of the covariance told: neighbouring pictures are 3 cm apart."""
+
+
+def edge_directions(grey: Floats) -> Floats:
+    """Features (M, F) of pictures (M, h, w): root of the share of each direction in each cell."""
+    down, right = np.gradient(grey, axis=(1, 2))
+    strength = np.hypot(right, down)
+    direction = np.arctan2(down, right) % np.pi * (DIRECTIONS / np.pi)
+    planes = []
+    for number in range(DIRECTIONS):
+        # Distance in bins, around the half turn; an edge between two directions counts for both.
+        away = np.abs((direction - number + 0.5 * DIRECTIONS) % DIRECTIONS - 0.5 * DIRECTIONS)
+        planes.append(strength * np.maximum(1.0 - away, 0.0))
+    spread = gaussian_filter(np.array(planes), (0, 0, 0.5 * CELL_PX, 0.5 * CELL_PX))
+    cells = spread[:, :, CELL_PX // 2 :: CELL_PX, CELL_PX // 2 :: CELL_PX]
+    shares = cells / np.sqrt((cells**2).sum(axis=0) + FAINT**2)
+    return np.sqrt(shares).transpose(1, 0, 2, 3).reshape(len(grey), -1)
+
+
+class _Regressor:
+    def __init__(self, lessons: Sequence[Lesson]) -> None:
+        features = np.concatenate([edge_directions(lesson.pictures.thumbnails) for lesson in lessons])
+        self._mean = features.mean(axis=0)
+        _, size, axes = np.linalg.svd(features - self._mean, full_matrices=False)
+        size, axes = size[:COMPONENTS], axes[:COMPONENTS]
+        self._to_components = axes.T / np.maximum(size, 1e-9) ** WHITENING
+        self._taught = (features - self._mean) @ self._to_components
+        self._pose = np.concatenate([lesson.pose for lesson in lessons])
+        self._all = _weighted(np.zeros((1, len(self._pose))), self._pose, 1.0)[1][0]
+        self._width, self._share = self._judged(_folds([len(lesson.pose) for lesson in lessons]))
+
+    def tell(self, grey: Floats) -> tuple[Floats, Floats]:
+        """Poses (M, 3) and covariances (M, 3, 3) of pictures (M, h, w)."""
+        asked = (edge_directions(grey) - self._mean) @ self._to_components
+        pose, covariance = _weighted(_distances(asked, self._taught), self._pose, self._width)
+        return pose, covariance + self._share * self._all
+
+    def _judged(self, folds: Sequence[Ints]) -> tuple[float, float]:
+        """The width of the least median error in left-out pictures, and the share of them that are of elsewhere."""
+        if not folds:
+            return WIDTHS[0], 1.0
+        found = []
+        for width in WIDTHS:
+            told = []
+            for out in folds:
+                kept = np.setdiff1d(np.arange(len(self._pose)), out)
+                distances = _distances(self._taught[out], self._taught[kept])
+                told.append(Estimate(out, *_weighted(distances, self._pose[kept], width)))
+            median_m = np.median(np.concatenate([off(one, self._pose)[0] for one in told]))
+            found.append((float(median_m), width, told))
+        _, width, told = min(found, key=lambda one: one[:2])
+        return width, self._elsewhere(told)
+
+    def _elsewhere(self, told: Sequence[Estimate]) -> float:
+        """The share with which the estimates' mean NEES is that of honest ones."""
+
+        def too_sure(share: float) -> float:
+            wider = (replace(one, covariance=one.covariance + share * self._all) for one in told)
+            return float(np.concatenate([nees(one, self._pose) for one in wider]).mean()) - 3.0
+
+        if too_sure(1.0) >= 0.0:
+            return 1.0
+        return float(root_scalar(too_sure, bracket=(0.0, 1.0), xtol=1e-3).root) if too_sure(0.0) > 0.0 else 0.0
+
+
+def _weighted(distances: Floats, taught: Floats, width: float) -> tuple[Floats, Floats]:
+    """Mean poses (M, 3) and covariances (M, 3, 3) of taught poses (T, 3), by squared distances (M, T)."""
+    nearest = distances.min(axis=1, keepdims=True)
+    weight = np.exp(-0.5 * (distances / np.maximum(nearest, 1e-12) - 1.0) / width**2)
+    weight /= weight.sum(axis=1, keepdims=True)
+    yaw = np.arctan2(weight @ np.sin(taught[:, 2]), weight @ np.cos(taught[:, 2]))
+    pose = np.column_stack((weight @ taught[:, :2], yaw))
+    away = taught[None] - pose[:, None]
+    away[..., 2] = wrapped(away[..., 2])
+    covariance = np.einsum("mt,mti,mtj->mij", weight, away, away, optimize=True)
+    return pose, covariance + np.diag(LEAST_SD**2)
+
+
+def _distances(asked: Floats, taught: Floats) -> Floats:
+    """(M, T), squared."""
+    squares = (asked**2).sum(axis=1)[:, None] - 2.0 * asked @ taught.T + (taught**2).sum(axis=1)
+    return np.maximum(squares, 0.0)
+
+
+def _folds(counts: Sequence[int]) -> list[Ints]:
+    """Which pictures are left out together: those of a run, or of a part of the one run; none of a single picture."""
+    rows = np.arange(sum(counts))
+    parts = np.array_split(rows, PARTS) if len(counts) == 1 else np.split(rows, np.cumsum(counts)[:-1])
+    return [part for part in parts if 0 < len(part) < len(rows)]
+
+
+def _estimate(given: Given, lessons: Sequence[Lesson], _rng: np.random.Generator) -> Estimate:
+    if given.pictures is None:
+        raise InputError("the run has no pictures", cure="release its scenario in place of simulating it")
+    pose, covariance = _Regressor(lessons).tell(given.pictures.thumbnails)
+    return Estimate(given.pictures.rows.copy(), pose, covariance)
+
+
+METHOD = Method("pictures", "picture regressor", "one picture, beside those of the other runs", _estimate, learns=True)

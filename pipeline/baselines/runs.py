@@ -1,0 +1,106 @@
+"""Runs to localise in: those of a release or of what `simulate` left, with the truth that judges the methods."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
+from pydantic import ValidationError
+
+from configs.errors import InputError
+from configs.schema.scenario import RunSpec
+from physics.trajectory import Recording
+from pipeline.baselines.base import Lesson
+from pipeline.baselines.given import Given, Pictures, Start
+from pipeline.dataset.layout import SPEC
+from pipeline.dataset.metadata import METADATA
+from pipeline.dataset.rows import HEADER, Floats, Rows, parse_table
+from pipeline.dataset.side import TOF, WHEELS, tof_csv, wheels_csv
+from pipeline.export import open_release
+from pipeline.reader.run import Run
+from pipeline.stages.simulate_runs import TRAJECTORY, read_recording
+from pipeline.workspace import STAGES
+
+
+@dataclass(frozen=True)
+class LoggedRun:
+    name: str
+    spec: RunSpec
+    rows: Rows
+    wheels: Floats
+    """side/wheels.csv."""
+    tof: Floats
+    """side/tof.csv."""
+    pictures: Pictures | None
+    """None of a run that has not been rendered."""
+
+    @classmethod
+    def of_recording(cls, name: str, spec: RunSpec, recording: Recording) -> "LoggedRun":
+        """As text and back, so that a run says the same before and after its release."""
+        rows = parse_table(Rows.from_recording(recording).to_csv(), HEADER)[0]
+        wheels = parse_table(wheels_csv(recording), WHEELS.header)[0]
+        tof = parse_table(tof_csv(recording), TOF.header)[0]
+        return cls(name, spec, Rows.from_table(rows), wheels, tof, None)
+
+    @property
+    def truth(self) -> Floats:
+        """(N, 3), x [m], y [m], yaw [rad] in W."""
+        return self.rows.pose
+
+    def given(self, start_sd: Floats, rng: np.random.Generator) -> Given:
+        """What its robot knows, put down with the deviations (3,) from where it believes to be."""
+        start = Start.drawn(self.truth[0], start_sd, rng)
+        return Given.of(self.spec, self.rows, wheels=self.wheels, tof=self.tof, start=start, pictures=self.pictures)
+
+    def lesson(self) -> Lesson | None:
+        """Its pictures with their true poses, for other runs to learn from."""
+        return Lesson(self.pictures, self.truth[self.pictures.rows]) if self.pictures else None
+
+
+def open_runs(root: Path) -> tuple[LoggedRun, ...]:
+    """All runs of a release, which is checked first, or of what `simulate` made.
+
+    Raises:
+        InputError: It is neither, or it is damaged.
+    """
+    folders = sorted(path.parent for path in root.glob(f"{STAGES}/simulate/*/*/{TRAJECTORY}"))
+    if folders and not (root / METADATA).exists():
+        return tuple(_simulated(folder) for folder in folders)
+    return tuple(_released(run) for run in open_release(root, None).runs)
+
+
+def chosen(runs: Sequence[LoggedRun], pattern: str | None) -> tuple[LoggedRun, ...]:
+    """Those whose name a pattern matches, or all.
+
+    Raises:
+        InputError: None matches.
+    """
+    found = tuple(run for run in runs if pattern is None or fnmatchcase(run.name, pattern))
+    if not found:
+        names = ", ".join(run.name for run in runs[:5])
+        raise InputError("--runs", got=pattern, allowed=f"a pattern of names such as {names}")
+    return found
+
+
+def _name(folder: Path) -> str:
+    return f"{folder.parent.name}/{folder.name}"
+
+
+def _simulated(folder: Path) -> LoggedRun:
+    try:
+        spec = RunSpec.model_validate_json((folder / SPEC).read_bytes())
+        recording = read_recording(folder)
+    except (OSError, ValueError, KeyError, ValidationError, BadZipFile) as error:
+        what = f"cannot be read: {str(error).splitlines()[0]}"
+        raise InputError(what, where=str(folder), cure="run `symolo simulate` again") from None
+    return LoggedRun.of_recording(_name(folder), spec, recording)
+
+
+def _released(run: Run) -> LoggedRun:
+    wheels, tof = (run.side(table.file.partition(".")[0]).to_numpy(float) for table in (WHEELS, TOF))
+    images = run.images
+    rows = np.array([image.row for image in images], dtype=np.int64)
+    pictures = Pictures(rows, lambda index: images[index].pixels()) if images else None
+    return LoggedRun(run.name, run.spec, run.table, wheels, tof, pictures)

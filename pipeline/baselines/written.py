@@ -1,0 +1,122 @@
+"""What `symolo baselines` leaves: a table, its numbers, a figure, and every estimate."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+
+from configs.whole_files import make_folder, write_file
+from pipeline.baselines.base import Estimate
+from pipeline.baselines.compare import Compared
+from pipeline.baselines.errors import OVER_M, OVER_S, SHARE
+from pipeline.baselines.figure import figure
+from pipeline.baselines.runs import LoggedRun
+from pipeline.dataset.rows import Floats, csv_bytes, heading
+from pipeline.files import canonical_json
+from pipeline.new_folder import new_folder
+from pipeline.versions import versions
+
+TABLE, NUMBERS, FIGURE, ESTIMATES = "baselines.md", "baselines.json", "baselines.png", "estimates"
+
+_COVARIANCE = [(i, j) for i in range(3) for j in range(i, 3)]
+_ESTIMATE_HEADER = ("t", "x", "y", "theta", "x_x", "x_y", "x_theta", "y_y", "y_theta", "theta_theta")
+_ESTIMATE_DECIMALS = (0, 6, 6, 6, *[12] * len(_COVARIANCE))
+
+_COLUMNS = (
+    ("ATE [mm]", "ate_m", 1e3, 1),
+    ("median [mm]", "median_m", 1e3, 1),
+    ("worst [mm]", "worst_m", 1e3, 1),
+    ("ATE [deg]", "ate_rad", 180 / np.pi, 2),
+    (f"RPE {OVER_S:g} s [mm]", "rpe_per_s_m", 1e3, 2),
+    (f"RPE {OVER_M:g} m [mm]", "rpe_per_m_m", 1e3, 1),
+    (f"RPE {OVER_M:g} m [deg]", "rpe_per_m_rad", 180 / np.pi, 2),
+    ("NEES", "nees", 1.0, 2),
+    (f"in {SHARE:.0%}", "within", 1.0, 2),
+)
+_ABOUT = """\
+Against the true poses; nothing is aligned, for every method is told the start. ATE is the root mean square over all
+poses of a run, RPE that of the error of a movement over one second or one metre of the path. NEES is divided by its
+degrees of freedom: 1 where the stated covariance is honest, more where the method is too sure of itself. "in 95%" is
+the share of poses whose truth lies in the method's own 95 % region.
+"""
+
+
+def write(compared: Compared, out: Path) -> None:
+    """At once, whole, or not at all; `out` is new or empty."""
+    with new_folder(out) as folder:
+        for name, data in _files(compared):
+            make_folder((folder / name).parent)
+            write_file(folder / name, data)
+
+
+def _files(compared: Compared) -> Iterator[tuple[str, bytes]]:
+    yield TABLE, table(compared).encode()
+    yield NUMBERS, numbers(compared)
+    yield FIGURE, figure(compared)
+    for run in compared.runs:
+        for method in compared.methods:
+            estimate = compared.told[run.name, method.name].estimate
+            yield f"{ESTIMATES}/{run.name}/{method.name}.csv", estimate_csv(run, estimate)
+
+
+def table(compared: Compared) -> str:
+    """In Markdown: a row for each run and method, and one for the middle of the runs."""
+    sd = compared.start_sd
+    lines = ["# Localisation baselines", "", _ABOUT]
+    put_down = f"to {1e3 * sd[0]:g} mm and {np.degrees(sd[2]):.3g} deg (one standard deviation)"
+    lines += [f"The robot is put down {put_down}.", ""]
+    lines += [f"- {method.name}: {method.what}" for method in compared.methods]
+    lines += [f"- {name}: left out, {why}" for name, why in compared.left_out.items()]
+    lines += [
+        "",
+        "| run | method | " + " | ".join(head for head, *_ in _COLUMNS) + " |",
+        "|---|---|" + "---:|" * len(_COLUMNS),
+    ]
+    for run in compared.runs:
+        lines += [_row(run.name, method.name, [compared.told[run.name, method.name]]) for method in compared.methods]
+    if len(compared.runs) > 1:
+        for method in compared.methods:
+            lines.append(_row("median", method.name, [compared.told[run.name, method.name] for run in compared.runs]))
+    return "\n".join(lines) + "\n"
+
+
+def _row(run: str, method: str, told: Sequence) -> str:
+    cells = []
+    for _, name, factor, digits in _COLUMNS:
+        values = [getattr(one.errors, name) for one in told]
+        known = [value for value in values if value is not None]
+        cells.append(f"{factor * float(np.median(known)):.{digits}f}" if known else "-")
+    return f"| {run} | {method} | " + " | ".join(cells) + " |"
+
+
+def numbers(compared: Compared) -> bytes:
+    """All errors by run and method, in SI."""
+    return canonical_json(
+        {
+            "definitions": " ".join(_ABOUT.split()),
+            "left_out": dict(compared.left_out),
+            "made_with": versions("symolo", "numpy", "scipy"),
+            "methods": {method.name: method.what for method in compared.methods},
+            "runs": {
+                run.name: {
+                    method.name: {
+                        name: None if value is None else round(value, 6)
+                        for name, value in asdict(compared.told[run.name, method.name].errors).items()
+                    }
+                    for method in compared.methods
+                }
+                for run in compared.runs
+            },
+            "seed": compared.seed,
+            "start_sd": {"x_m": compared.start_sd[0], "y_m": compared.start_sd[1], "yaw_rad": compared.start_sd[2]},
+        }
+    )
+
+
+def estimate_csv(run: LoggedRun, estimate: Estimate) -> bytes:
+    """Time [ms], x, y [m], theta [rad], and the covariance's upper triangle."""
+    yaw = heading(estimate.pose[:, 2], _ESTIMATE_DECIMALS[3])
+    covariance = [estimate.covariance[:, i, j] for i, j in _COVARIANCE]
+    columns: list[Floats] = [run.rows.t_ms[estimate.rows].astype(float), *estimate.pose[:, :2].T, yaw, *covariance]
+    return csv_bytes(_ESTIMATE_HEADER, _ESTIMATE_DECIMALS, np.column_stack(columns))

@@ -1,0 +1,55 @@
+"""The command model: robot and arena of a run as files for other people's simulators and viewers."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pipeline.commands.options import Scenario, Settings, checked_new_folder, names
+
+
+def model(
+    scenario: Scenario,
+    *,
+    out: Annotated[
+        Path, typer.Option("--out", metavar="DIR", callback=checked_new_folder, help="Output folder: new or empty.")
+    ],
+    route: Annotated[
+        str | None, typer.Option("--route", metavar="NAME", help="Route of the run; the first by default.")
+    ] = None,
+    run: Annotated[int, typer.Option("--run", min=1, max=100_000, metavar="N", help="Which of its runs.")] = 1,
+    formats: Annotated[str, typer.Option("--format", metavar="NAMES", help="urdf, sdf, with a comma between.")] = (
+        "urdf,sdf"
+    ),
+    settings: Settings = None,
+) -> None:
+    """Write robot and arena of a run as URDF and SDF, for ROS, Gazebo, PyBullet and others; simulates nothing.
+
+    robot.urdf and robot.sdf have the bodies that are simulated, the shapes that are rendered and the frames of the
+    sensors; arena.sdf has floor, line, walls and obstacles, world.sdf the robot at its start in them. What is drawn per
+    run is as in that run.
+
+    Example: symolo model symolo --route CCW --out model
+    """
+    from configs.draw import draw_run
+    from configs.errors import InputError
+    from configs.loader import load_scenario
+    from configs.whole_files import write_file
+    from pipeline.models.files import formats_of, model_files
+    from pipeline.new_folder import check_new, new_folder
+
+    wanted = formats_of(names(formats, "--format"), "--format")
+    loaded = load_scenario(scenario, settings or ())
+    chosen = route or loaded.routes[0].name
+    runs = {item.name: item.runs for item in loaded.routes}
+    if run > runs.get(chosen, run):
+        raise InputError("--run", got=run, allowed=f"1 to {runs[chosen]} on route {chosen}")
+    check_new(out)
+    spec = draw_run(loaded, chosen, run)
+    files = model_files(spec, wanted)
+    with new_folder(out) as folder:
+        for name, data in files.items():
+            write_file(folder / name, data)
+    typer.echo(f"{out}: {', '.join(files)} of {spec.key}")
+    if moving := [obstacle.name for obstacle in spec.arena.obstacles if obstacle.motion is not None]:
+        typer.echo(f"standing still, where they are at t = 0: {', '.join(moving)}")

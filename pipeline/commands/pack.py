@@ -1,0 +1,62 @@
+"""The command pack: a release as what is uploaded to an archive."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pipeline.commands.keep import Released
+from pipeline.commands.options import checked_input, checked_new_folder
+
+DOCUMENTS = 5
+
+
+def pack(
+    folder: Released,
+    *,
+    about: Annotated[
+        Path,
+        typer.Option(
+            "--about",
+            metavar="FILE",
+            callback=checked_input,
+            help="YAML file with title, authors, published, publisher.",
+        ),
+    ],
+    out: Annotated[
+        Path, typer.Option("--out", metavar="OUT", callback=checked_new_folder, help="Output folder: new or empty.")
+    ],
+    shard_gb: Annotated[
+        float, typer.Option("--shard-gb", min=0.00001, max=50, metavar="GB", help="Largest tar, 1 GB = 1e9 bytes.")
+    ] = 10.0,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would be written; write nothing.")] = False,
+) -> None:
+    """Pack a release for Zenodo, the Hugging Face Hub or alike: tar shards, and what people and machines know it by.
+
+    The shards unpack to the release as it is. Beside them lie the tables of all runs as CSV, README.md (a dataset
+    card), CITATION.cff, croissant.json (MLCommons), datacite.json and SHA256SUMS. A damaged release is refused. The
+    same one gives the same bytes.
+
+    Example: symolo pack data --about about.yaml --out upload
+    """
+    from pipeline.new_folder import check_new
+    from pipeline.progress import report_here
+    from pipeline.publication.about import read_about
+    from pipeline.publication.limits import told
+    from pipeline.publication.pack import pack as packed
+    from pipeline.publication.pack import plan
+
+    known = read_about(about)
+    check_new(out, folder)
+    planned = plan(folder, known, round(shard_gb * 1e9))
+    if dry_run:
+        for shard in planned.shards:
+            typer.echo(f"{shard.name}: {len(shard.members)} files, {shard.size / 1e6:.3f} MB")
+        for table in planned.tables:
+            typer.echo(f"{table.file}: {table.source} of {len(table.files)} runs, {table.size / 1e6:.3f} MB")
+    else:
+        written = packed(planned, out, report_here())
+        parts = f"{len(planned.shards)} shards, {len(planned.tables)} tables, {DOCUMENTS} documents"
+        typer.echo(f"{out}: {parts}, {written / 1e6:.1f} MB")
+    for line in told([*(file.size for file in (*planned.shards, *planned.tables)), *[0] * DOCUMENTS]):
+        typer.echo(line)

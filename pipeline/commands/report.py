@@ -1,0 +1,51 @@
+"""The command report: one page about a release, for people."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from configs.errors import InputError
+from pipeline.commands.keep import Released
+from pipeline.paths import check_new_path
+
+
+def _checked_new_page(path: Path) -> Path:
+    check_new_path(path, "--out")
+    if path.suffix != ".html" or path.is_dir() or not path.absolute().parent.is_dir():
+        allowed = "a file name ending in .html in a folder that exists"
+        raise InputError("--out", got=str(path), allowed=allowed)
+    return path
+
+
+def report(
+    folder: Released,
+    *,
+    out: Annotated[
+        Path, typer.Option("--out", metavar="FILE", callback=_checked_new_page, help="Page to write, .html.")
+    ],
+    runs: Annotated[
+        str | None, typer.Option("--runs", metavar="GLOB", help="Only runs whose name matches, such as 'CW/*'.")
+    ] = None,
+    detail: Annotated[
+        int, typer.Option("--detail", min=0, max=200, metavar="N", help="Runs shown one by one, at most.")
+    ] = 12,
+) -> None:
+    """Make one HTML page about a release: what is in it, its paths, runs, images, draws, warnings and provenance.
+
+    The page holds everything that it shows and loads nothing. The release is checked first, and a damaged one refused.
+    The same release gives the same bytes.
+
+    Example: symolo report data --out report.html
+    """
+    from configs.whole_files import write_file
+    from pipeline.export import open_release
+    from pipeline.progress import report_here
+    from pipeline.release_report.build import release_report
+
+    data = open_release(folder, runs)
+    if out.resolve().is_relative_to(folder.resolve()):
+        raise InputError("lies within the release", where=f"--out {out}", cure="name a place beside it")
+    made = release_report(data, detail, report_here())
+    write_file(out, made)
+    typer.echo(f"{out}: {len(data)} runs, {len(made) / 1e6:.1f} MB")

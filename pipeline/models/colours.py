@@ -1,0 +1,25 @@
+"""The colours of a run's things, as its pictures show them from afar."""
+
+from collections import Counter
+
+from blender_scenes.description import Scene
+from blender_scenes.scene import describe
+from blender_scenes.shading import RGB
+from blender_scenes.typical import typical_color
+from configs.schema.scenario import RunSpec
+from physics.arena import Arena
+from pipeline.models.geometry import srgb
+from pipeline.stages.render import picture_seed
+
+
+def scene_of(spec: RunSpec) -> Scene:
+    """What the run's camera sees, and its robot."""
+    seed = picture_seed(spec.seed, spec.route, spec.run)
+    return describe(Arena.from_config(spec.arena), spec.robot, spec.look, seed)
+
+
+def colours(scene: Scene) -> dict[str, RGB]:
+    """The sRGB of each mesh by its name: that of the surface which most of its faces have."""
+    typical = {surface.name: srgb(typical_color(surface)) for surface in scene.surfaces}
+    meshes = (*scene.meshes, *scene.moving, *scene.robot)
+    return {mesh.name: typical[Counter(mesh.face_surface).most_common(1)[0][0]] for mesh in meshes}

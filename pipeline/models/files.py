@@ -1,0 +1,43 @@
+"""Which files each format of a model is."""
+
+from collections.abc import Callable, Mapping, Sequence
+
+from configs.errors import InputError, nearest
+from configs.schema.scenario import RunSpec
+from pipeline.models.robot import RobotParts
+from pipeline.models.sdf import document, robot_model
+from pipeline.models.urdf import robot_model_urdf
+from pipeline.models.world import arena_sdf, world_sdf
+
+
+def _urdf(_spec: RunSpec, parts: RobotParts) -> dict[str, bytes]:
+    return {"robot.urdf": robot_model_urdf(parts)}
+
+
+def _sdf(spec: RunSpec, parts: RobotParts) -> dict[str, bytes]:
+    return {
+        "robot.sdf": document(robot_model(parts)),
+        "arena.sdf": arena_sdf(spec),
+        "world.sdf": world_sdf(spec, parts),
+    }
+
+
+FORMATS: Mapping[str, Callable[[RunSpec, RobotParts], dict[str, bytes]]] = {"urdf": _urdf, "sdf": _sdf}
+
+
+def formats_of(names: Sequence[str], where: str) -> tuple[str, ...]:
+    """Each once, in the order of `names`.
+
+    Raises:
+        InputError: There is none of a name.
+    """
+    for name in names:
+        if name not in FORMATS:
+            raise InputError(where, got=name, allowed=", ".join(FORMATS), nearest=nearest(name, FORMATS))
+    return tuple(dict.fromkeys(names))
+
+
+def model_files(spec: RunSpec, formats: tuple[str, ...]) -> dict[str, bytes]:
+    """Content by file name of the robot and the arena of a run; the same bytes for the same specification."""
+    parts = RobotParts.of(spec)
+    return {name: data for form in formats for name, data in FORMATS[form](spec, parts).items()}

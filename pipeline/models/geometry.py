@@ -1,0 +1,79 @@
+"""Poses, shapes and colours as model files tell them, from what physics and pictures are made of."""
+
+from dataclasses import dataclass
+from math import atan2, hypot
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blender_scenes.description import Mesh
+from blender_scenes.shading import RGB
+from physics.links import BoxShape, SphereShape, Vector
+
+Array = NDArray[np.float64]
+_POLE = 1e-9
+"""Cosine of the pitch below which roll and yaw turn about the same axis."""
+
+
+@dataclass(frozen=True)
+class Placement:
+    """A pose: origin [m], and roll, pitch, yaw [rad] about the fixed axes x, y, z, as URDF and SDF have it."""
+
+    xyz: Vector = (0.0, 0.0, 0.0)
+    rpy: Vector = (0.0, 0.0, 0.0)
+
+    @classmethod
+    def of(cls, X: Array) -> "Placement":
+        """Of a (4, 4) pose."""
+        x, y, z = (X[:3, 3] + 0.0).tolist()
+        return cls((x, y, z), roll_pitch_yaw(X[:3, :3]))
+
+
+@dataclass(frozen=True)
+class CylinderShape:
+    """About the y axis of its frame, as wheels are."""
+
+    radius_m: float
+    width_m: float
+
+
+Shape = BoxShape | SphereShape | CylinderShape
+
+
+@dataclass(frozen=True)
+class Visual:
+    """Something that is seen."""
+
+    name: str
+    shape: Shape
+    center: Vector
+    """[m], in the frame of its link."""
+    srgb: RGB
+    """0-1 each, as it is to be shown."""
+
+
+def roll_pitch_yaw(rotation: Array) -> Vector:
+    """Angles [rad] of a (3, 3) rotation, which is Rz(yaw) Ry(pitch) Rx(roll); no roll where the pitch is upright."""
+    r = rotation
+    level = hypot(r[0, 0], r[1, 0])
+    pitch = atan2(-r[2, 0], level)
+    if level < _POLE:
+        return 0.0, pitch, atan2(-r[0, 1], r[1, 1]) + 0.0
+    return atan2(r[2, 1], r[2, 2]) + 0.0, pitch + 0.0, atan2(r[1, 0], r[0, 0]) + 0.0
+
+
+def srgb(linear: RGB) -> RGB:
+    """By the transfer function of IEC 61966-2-1; to four digits."""
+    value = np.clip(np.asarray(linear, dtype=float), 0.0, 1.0)
+    shown = np.where(value <= 0.0031308, 12.92 * value, 1.055 * value ** (1 / 2.4) - 0.055)
+    red, green, blue = (round(part, 4) for part in shown.tolist())
+    return red, green, blue
+
+
+def bounding_box(mesh: Mesh) -> tuple[Vector, Vector]:
+    """Centre and size [m] along the axes of the mesh's frame."""
+    vertices = np.array(mesh.vertices)
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    x, y, z = (np.round(0.5 * (low + high), 9) + 0.0).tolist()
+    length, width, height = np.round(high - low, 9).tolist()
+    return (x, y, z), (length, width, height)

@@ -1,0 +1,111 @@
+"""What model files tell of the robot beside the links that the engine simulates: looks and frames of sensors."""
+
+from dataclasses import dataclass
+from math import radians
+
+import numpy as np
+
+from blender_scenes.camera import horizontal_field_of_view_rad, intrinsics, pose_X_RC
+from blender_scenes.description import Intrinsics
+from blender_scenes.robot_body import robot_body
+from configs.schema.robot import RobotConfig, TofMount, TofMounts
+from configs.schema.scenario import RunSpec
+from physics.links import BASE, CASTER, LEFT_WHEEL, RIGHT_WHEEL, BoxShape, Link, robot_links
+from physics.robot_model import through
+from physics.terms.base import Slot, effects
+from pipeline.dataset.camera_model import X_CB
+from pipeline.models.colours import colours, scene_of
+from pipeline.models.geometry import CylinderShape, Placement, Visual, bounding_box
+from sensors.terms import SENSOR_TERMS
+
+CAMERA, CAMERA_OPTICAL, LINE_SENSOR = "camera", "camera_optical", "line_sensor"
+_ROUND = {
+    "robot_tyre_left": LEFT_WHEEL,
+    "robot_hub_left": LEFT_WHEEL,
+    "robot_tyre_right": RIGHT_WHEEL,
+    "robot_hub_right": RIGHT_WHEEL,
+    "robot_caster": CASTER,
+}
+"""The link of each part of the picture's robot that is a cylinder; all others are boxes of the base."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A named frame that is fixed to the base."""
+
+    name: str
+    placement: Placement
+    """In R."""
+
+
+@dataclass(frozen=True)
+class RobotParts:
+    config: RobotConfig
+    links: tuple[Link, ...]
+    visuals: dict[str, tuple[Visual, ...]]
+    """By link."""
+    frames: tuple[Frame, ...]
+    """`camera` (x along the axis), `camera_optical` (z along the axis), `tof_*` (x along the axis), `line_sensor`."""
+    camera: Intrinsics
+    horizontal_field_of_view_rad: float
+    camera_hz: int
+    control_hz: int
+
+    @classmethod
+    def of(cls, spec: RunSpec) -> "RobotParts":
+        links = robot_links(spec.robot)
+        return cls(
+            spec.robot,
+            links,
+            _visuals(spec, links),
+            frames(spec.robot),
+            intrinsics(spec.robot.camera, spec.render.width_px, spec.render.height_px),
+            horizontal_field_of_view_rad(spec.robot.camera),
+            spec.rates.camera_hz,
+            spec.rates.control_hz,
+        )
+
+    def frame(self, name: str) -> Frame:
+        return next(frame for frame in self.frames if frame.name == name)
+
+
+def frames(robot: RobotConfig) -> tuple[Frame, ...]:
+    X_RC = pose_X_RC(robot.camera, robot.chassis.base_height_m)
+    line = robot.line_sensor
+    return (
+        Frame(CAMERA, Placement.of(X_RC @ np.array(X_CB))),
+        Frame(CAMERA_OPTICAL, Placement.of(X_RC)),
+        *tof_frames(robot),
+        Frame(LINE_SENSOR, Placement((line.x_m, 0.0, line.height_m))),
+    )
+
+
+def tof_frames(robot: RobotConfig) -> tuple[Frame, ...]:
+    """Front, left and right, as the terms of the robot have turned them."""
+    askew = through(effects(SENSOR_TERMS, robot.terms, Slot.RANGE_MOUNT), np.zeros(3))
+    names = tuple(TofMounts.model_fields)
+    mounts: list[TofMount] = [getattr(robot.tof.mounts, name) for name in names]
+    return tuple(
+        Frame(
+            f"tof_{name}",
+            Placement(
+                (mount.x_m, mount.y_m, mount.z_m),
+                (0.0, -radians(mount.pitch_up_deg) + 0.0, radians(mount.yaw_deg) + extra_rad),
+            ),
+        )
+        for name, mount, extra_rad in zip(names, mounts, askew.tolist(), strict=True)
+    )
+
+
+def _visuals(spec: RunSpec, links: tuple[Link, ...]) -> dict[str, tuple[Visual, ...]]:
+    colour = colours(scene_of(spec))
+    found: dict[str, list[Visual]] = {link.name: [] for link in links}
+    for mesh in robot_body(spec.robot):
+        link = _ROUND.get(mesh.name, BASE)
+        center, size = bounding_box(mesh)
+        if link == BASE:
+            visual = Visual(mesh.name, BoxShape(size), center, colour[mesh.name])
+        else:  # about its own axle, wherever the terms of the robot have put that
+            visual = Visual(mesh.name, CylinderShape(0.5 * size[2], size[1]), (0.0, 0.0, 0.0), colour[mesh.name])
+        found[link].append(visual)
+    return {link: tuple(visuals) for link, visuals in found.items()}

@@ -1,0 +1,135 @@
+"""The arena as SDF 1.9, a world of Gazebo: floor, line, walls and obstacles at t = 0, alone or with the robot."""
+
+from collections.abc import Iterator
+from itertools import pairwise
+from math import atan2, ceil, hypot, radians
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from configs.schema.scenario import RunSpec
+from physics.arena import Arc, Arena, Box, Straight
+from physics.body_inertia import GRAVITY_M_S2
+from physics.links import BoxShape
+from pipeline.models.colours import colours, scene_of
+from pipeline.models.geometry import Placement
+from pipeline.models.robot import RobotParts
+from pipeline.models.sdf import (
+    FLOOR_BIT,
+    WALLS_BIT,
+    add_geometry,
+    add_material,
+    add_pose,
+    add_surface,
+    child,
+    document,
+    robot_model,
+)
+
+LINE_HEIGHT_M = 0.0005
+"""Of what is drawn on the floor: so low that nothing notices, so high that no viewer flickers."""
+_CHORD_M = 0.01
+_FRICTION = 1.0
+"""Of floor, walls and obstacles: a contact has the robot's own, whether an engine multiplies both or takes the less."""
+_SYSTEMS = (
+    ("gz-sim-physics-system", "gz::sim::systems::Physics"),
+    ("gz-sim-user-commands-system", "gz::sim::systems::UserCommands"),
+    ("gz-sim-scene-broadcaster-system", "gz::sim::systems::SceneBroadcaster"),
+    ("gz-sim-sensors-system", "gz::sim::systems::Sensors"),
+)
+
+
+def arena_sdf(spec: RunSpec) -> bytes:
+    """A world with the arena alone."""
+    return document(_world(spec))
+
+
+def world_sdf(spec: RunSpec, parts: RobotParts) -> bytes:
+    """A world with the arena, and the robot at the start of the run."""
+    world = _world(spec)
+    start = spec.start
+    world.append(robot_model(parts, Placement((start.x_m, start.y_m, 0.0), (0.0, 0.0, radians(start.yaw_deg)))))
+    return document(world)
+
+
+def _world(spec: RunSpec) -> ET.Element:
+    arena, colour = Arena.from_config(spec.arena), colours(scene_of(spec))
+    world = ET.Element("world", name=arena.name)
+    physics = child(world, "physics", name="as_simulated", type="ignored")
+    child(physics, "max_step_size", 1 / spec.rates.physics_hz)
+    child(physics, "real_time_factor", 1)
+    child(world, "gravity", (0, 0, -GRAVITY_M_S2))
+    for filename, name in _SYSTEMS:
+        plugin = child(world, "plugin", filename=filename, name=name)
+        if filename == "gz-sim-sensors-system":
+            child(plugin, "render_engine", "ogre2")
+    _light(world)
+    _floor(world, arena, colour["floor"])
+    if arena.line.pieces:
+        _line(world, arena, [colour[f"{spec.look.line}_{number}"] for number in range(len(arena.line.pieces))])
+    for box in arena.boxes:
+        _box(world, box, colour[f"{box.kind}_{box.name}"])
+    return world
+
+
+def _light(world: ET.Element) -> None:
+    """So that something is seen; the light of the look is the pictures' matter."""
+    sun = child(world, "light", name="sun", type="directional")
+    child(sun, "pose", (0, 0, 10, 0, 0, 0))
+    child(sun, "diffuse", (0.9, 0.9, 0.9, 1))
+    child(sun, "specular", (0.1, 0.1, 0.1, 1))
+    child(sun, "direction", (-0.4, 0.3, -0.9))
+    child(sun, "cast_shadows", "true")
+
+
+def _fixed(world: ET.Element, name: str, placement: Placement) -> ET.Element:
+    model = child(world, "model", name=name)
+    child(model, "static", "true")
+    add_pose(model, placement)
+    return child(model, "link", name="link")
+
+
+def _floor(world: ET.Element, arena: Arena, srgb: tuple[float, float, float]) -> None:
+    link = _fixed(world, "floor", Placement())
+    size = (2 * arena.floor_half_extent_m,) * 2
+    for tag in ("collision", "visual"):
+        element = child(link, tag, name=tag)
+        plane = child(child(element, "geometry"), "plane")
+        child(plane, "normal", (0, 0, 1))
+        child(plane, "size", size)
+        if tag == "collision":
+            add_surface(element, FLOOR_BIT, _FRICTION)
+        else:
+            add_material(element, srgb)
+
+
+def _line(world: ET.Element, arena: Arena, srgb: list[tuple[float, float, float]]) -> None:
+    """Flat boxes on the floor that nothing touches; an arc by its chords, for PyBullet reads no outline (polyline)."""
+    link = _fixed(world, "line", Placement())
+    for number, piece in enumerate(arena.line.pieces):
+        for part, (placement, length_m) in enumerate(_chords(piece, arena.line.width_m)):
+            visual = child(link, "visual", name=f"piece_{number}_{part}")
+            add_pose(visual, placement)
+            add_geometry(visual, BoxShape((length_m, arena.line.width_m, LINE_HEIGHT_M)))
+            add_material(visual, srgb[number])
+
+
+def _chords(piece: Straight | Arc, width_m: float) -> Iterator[tuple[Placement, float]]:
+    """Middle and length [m] of each; so long that they leave no wedge open on the outside of a bend."""
+    count = 1 if isinstance(piece, Straight) else ceil(piece.length_m / _CHORD_M)
+    ends = piece.at(np.linspace(0.0, piece.length_m, count + 1))
+    longer = 1.0 + 0.5 * width_m * abs(piece.curvature_per_m)
+    for begin, end in pairwise(ends):
+        (x, y), (dx, dy) = (0.5 * (begin + end)).tolist(), (end - begin).tolist()
+        yield Placement((x, y, 0.5 * LINE_HEIGHT_M), (0.0, 0.0, atan2(dy, dx))), longer * hypot(dx, dy)
+
+
+def _box(world: ET.Element, box: Box, srgb: tuple[float, float, float]) -> None:
+    link = _fixed(world, f"{box.kind}_{box.name}", Placement(box.center, (0.0, 0.0, box.yaw_rad)))
+    for tag in ("collision", "visual"):
+        element = child(link, tag, name=tag)
+        add_geometry(element, BoxShape(box.size))
+        if tag == "collision":
+            add_surface(element, WALLS_BIT, _FRICTION)
+        else:
+            add_material(element, srgb)

@@ -1,0 +1,79 @@
+"""Tar files that are the same bytes for the same content: heads tell no owner, no day and no machine."""
+
+import tarfile
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+_END_BYTES = 2 * tarfile.BLOCKSIZE
+
+
+@dataclass(frozen=True)
+class Member:
+    """A file in a tar: bytes, or where they lie."""
+
+    name: str
+    source: bytes | Path
+
+    @property
+    def size(self) -> int:
+        return len(self.source) if isinstance(self.source, bytes) else self.source.stat().st_size
+
+    @property
+    def content(self) -> bytes:
+        return self.source if isinstance(self.source, bytes) else self.source.read_bytes()
+
+    @property
+    def head(self) -> bytes:
+        """Nothing of the machine, the user or the day."""
+        info = tarfile.TarInfo(self.name)
+        info.size, info.mode, info.mtime = self.size, 0o644, 0
+        return info.tobuf(tarfile.USTAR_FORMAT)
+
+    @property
+    def padded(self) -> int:
+        """Bytes in the tar."""
+        return len(self.head) + -(-self.size // tarfile.BLOCKSIZE) * tarfile.BLOCKSIZE
+
+
+AnyMember = TypeVar("AnyMember", bound=Member)
+
+
+def tar_bytes(members: Iterable[Member]) -> int:
+    """Size of the tar of these members."""
+    return _whole_records(sum(member.padded for member in members))
+
+
+def tar_chunks(members: Iterable[Member]) -> Iterator[bytes]:
+    """The tar's content, a member at a time."""
+    written = 0
+    for member in members:
+        data = member.content
+        chunk = member.head + data + b"\0" * (-len(data) % tarfile.BLOCKSIZE)
+        written += len(chunk)
+        yield chunk
+    yield b"\0" * (_whole_records(written) - written)
+
+
+def shards(groups: Iterable[Sequence[AnyMember]], most_bytes: int) -> Iterator[tuple[AnyMember, ...]]:
+    """Members of each tar, groups in their order and never parted.
+
+    A tar is larger than `most_bytes` only where one group alone is.
+    """
+    room = most_bytes // tarfile.RECORDSIZE * tarfile.RECORDSIZE - _END_BYTES
+    members: list[AnyMember] = []
+    used = 0
+    for group in groups:
+        size = sum(member.padded for member in group)
+        if members and used + size > room:
+            yield tuple(members)
+            members, used = [], 0
+        members += group
+        used += size
+    if members:
+        yield tuple(members)
+
+
+def _whole_records(used: int) -> int:
+    return -(-(used + _END_BYTES) // tarfile.RECORDSIZE) * tarfile.RECORDSIZE

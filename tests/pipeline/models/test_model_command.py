@@ -1,0 +1,39 @@
+import pytest
+
+from pipeline.cli import main
+
+
+def test_the_command_writes_what_is_asked_for(tmp_path, capsys):
+    out = tmp_path / "model"
+    assert main(["model", "smoke", "--out", str(out), "--route", "CCW", "--format", "urdf"]) == 0
+    assert [path.name for path in out.iterdir()] == ["robot.urdf"]
+    assert capsys.readouterr().out == f"{out}: robot.urdf of CCW/test_1\n"
+
+
+def test_what_moves_in_a_run_is_said_to_stand_still(tmp_path, capsys):
+    out = tmp_path / "model"
+    assert main(["model", "moving", "--out", str(out), "--format", "urdf"]) == 0
+    assert "where they are at t = 0: Crosser, Patrol\n" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["--format", "urdf,sfd"], "--format: got 'sfd', allowed: urdf, sdf; did you mean sdf"),
+        (["--route", "CVV"], "route: got 'CVV', allowed: CW, CCW"),
+        (["--run", "2"], "--run: got 2, allowed: 1 to 1 on route CW"),
+        (["--set", "robot.drive.track_m=2"], "robot.drive.track_m"),
+    ],
+)
+def test_what_cannot_be_written_is_refused_before_a_folder_is_made(tmp_path, capsys, arguments, told):
+    out = tmp_path / "model"
+    assert main(["model", "smoke", "--out", str(out), *arguments]) == 2
+    assert told in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_a_folder_with_something_in_it_is_left_alone(tmp_path, capsys):
+    (tmp_path / "mine.txt").write_text("mine")
+    assert main(["model", "smoke", "--out", str(tmp_path)]) == 2
+    assert "is there already" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]

@@ -1,0 +1,54 @@
+"""croissant.json is read by mlcroissant, MLCommons' own reader."""
+
+import io
+
+import numpy as np
+import pytest
+from PIL import Image
+
+pytestmark = [
+    pytest.mark.filterwarnings("ignore::DeprecationWarning"),  # of rdflib, at mlcroissant's way to call it
+    pytest.mark.filterwarnings("ignore:unclosed file:ResourceWarning"),  # of mlcroissant, which closes no picture
+]
+
+
+@pytest.fixture(scope="module")
+def croissant(packed, tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("CROISSANT_CACHE", str(tmp_path_factory.mktemp("croissant")))
+        import mlcroissant  # noqa: PLC0415 - it reads at import where to unpack
+
+        yield mlcroissant.Dataset(packed.out / "croissant.json")
+
+
+def test_mlcroissant_finds_nothing_to_say(croissant):
+    assert not croissant.metadata.issues.errors
+    assert not croissant.metadata.issues.warnings
+    assert croissant.metadata.license == ["https://creativecommons.org/licenses/by/4.0/"]
+
+
+def test_rows_are_those_of_the_release_with_their_types(croissant, packed):
+    records = list(croissant.records("rows"))
+    table = np.concatenate([run.table for run in packed.truth])
+    names = [name for run in packed.truth for name in [run.name] * len(run.table)]
+    assert [record["rows/run"].decode() for record in records] == names
+    assert [record["rows/x"] for record in records] == table[:, 1].tolist()
+    assert [record["rows/img"] for record in records] == table[:, 18].tolist()
+    assert (type(records[0]["rows/t"]), type(records[0]["rows/x"])) == (int, float)
+
+
+def test_the_poses_of_the_camera_are_records_too(croissant, packed):
+    records = list(croissant.records("camera"))
+    expected = np.concatenate([run.X_WC[:, 0, 3] for run in packed.truth])
+    assert [record["camera/p_x"] for record in records] == expected.tolist()
+
+
+def test_images_have_their_run_their_number_and_their_pixels(croissant, packed):
+    """From several shards."""
+    expected = {(run.name, i): data for run in packed.truth for i, data in enumerate(run.pictures, start=1)}
+    found = {}
+    for record in croissant.records("images"):
+        found[record["images/run"].decode(), record["images/img"]] = np.asarray(record["images/image"])
+    assert found.keys() == expected.keys()
+    for key, data in expected.items():
+        assert np.array_equal(found[key], np.asarray(Image.open(io.BytesIO(data))))

@@ -1,0 +1,59 @@
+"""Which runs share a map, and how obstacles stand on it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from configs.draw import draw_run
+from configs.loader import load_scenario
+from physics.arena import Arena
+from pipeline.reader.dataset import load
+from pipeline.release_report.map_picture import footprints
+from pipeline.release_report.maps import maps_of
+from pipeline.release_report.run_facts import run_facts
+
+
+@pytest.fixture(scope="module")
+def facts(painted):
+    data = load(painted(settings=["arena.floor.reflectance={uniform: [0.7, 0.9]}"]))
+    return [run_facts(run, record, with_track=True) for run, record in zip(data, data.metadata.runs, strict=True)]
+
+
+def names(maps):
+    return [[one.record.run for one in of.runs] for of in maps]
+
+
+def test_runs_of_a_route_share_a_map_though_the_floor_is_lighter(facts):
+    assert facts[0].arena.floor_reflectance != facts[1].arena.floor_reflectance
+    found = maps_of(facts)
+    assert names(found) == [["CW/test_1", "CW/test_2"], ["CCW/test_1"]]
+    assert [one.title for one in found] == ["CW: test_1, test_2", "CCW: test_1"]
+
+
+def test_a_run_among_other_obstacles_has_a_map_of_its_own(facts):
+    other = replace(facts[1], arena=replace(facts[1].arena, boxes=facts[1].arena.boxes[:-1]))
+    assert names(maps_of([facts[0], other, facts[2]])) == [["CW/test_1"], ["CW/test_2"], ["CCW/test_1"]]
+
+
+def test_a_run_without_a_track_is_on_no_map(facts):
+    assert names(maps_of([replace(facts[0], track=None), *facts[1:]])) == [["CW/test_2"], ["CCW/test_1"]]
+
+
+def test_the_farthest_place_off_the_line_is_told_of_line_following_alone(facts):
+    # Rows 32 on are state 0 at x = 0.58 beside the straight x = 0.55; rows 20 to 31, as far away, are avoidance.
+    assert [one.farthest_following_m for one in facts] == pytest.approx([0.03] * 3, abs=1e-6)
+
+
+def test_an_obstacle_that_moves_is_drawn_where_it_is_and_one_that_stands_once():
+    arena = Arena.from_config(draw_run(load_scenario("moving"), "CW", 1).arena)
+    t_s = np.linspace(0.0, 20.0, 5)
+    for box in arena.boxes:
+        drawn = list(footprints(box, t_s))
+        assert len(drawn) == (5 if box.motion else 1)
+        assert drawn[0] == pytest.approx(box.footprint())
+        for corners, (x, y, yaw) in zip(drawn, box.poses_at(t_s), strict=False):
+            assert corners.mean(axis=0) == pytest.approx([x, y])
+            side = corners[1] - corners[0]
+            assert np.hypot(*side) == pytest.approx(box.size[0])
+            assert np.exp(1j * yaw) == pytest.approx((side[0] + 1j * side[1]) / box.size[0])

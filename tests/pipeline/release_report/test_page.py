@@ -1,0 +1,170 @@
+"""The page says what the release holds, stands alone, and is the same bytes for the same release."""
+
+import base64
+import re
+import xml.etree.ElementTree as ET
+from html import unescape
+
+import pytest
+
+from pipeline.dataset.metadata import FailedRun
+from pipeline.progress import LineReport
+from pipeline.reader.dataset import load
+from pipeline.release_report.facts import release_facts
+from pipeline.release_report.page import page
+from pipeline.release_report.pictures import Pictures
+from pipeline.release_report.state_sheets import shown_of_states
+
+HOSTILE = '<script src="https://example.org/x.js"></script>"\'&'
+
+
+def text_page(root, most_detailed=12, maps=1):
+    """The page without its pictures, which take a second each."""
+    data = load(root)
+    facts = release_facts(data, data.metadata, most_detailed, LineReport())
+    sheets = shown_of_states(facts.runs)
+    images = {(run.name, number): b"jpeg" for run in data for number in run.numbers}
+    runs = dict.fromkeys(facts.detailed, b"svg")
+    return page(facts, Pictures((b"svg",), maps, runs, sheets, images, b"svg", b"svg", min(3, len(facts.images))))
+
+
+def words(html):
+    """What a reader sees of it, spaces that do not break as others."""
+    body = html.partition("<body>")[2]
+    return " ".join(unescape(re.sub(r"<[^>]*>", " ", body)).replace("\N{NO-BREAK SPACE}", " ").split())
+
+
+@pytest.fixture(scope="module")
+def whole(painted, tmp_path_factory):
+    """A release, and its page as the command makes it."""
+    from pipeline.cli import main  # noqa: PLC0415
+
+    root, out = painted(), tmp_path_factory.mktemp("page") / "report.html"
+    assert main(["report", str(root), "--out", str(out), "--detail", "1"]) == 0
+    return root, out.read_text()
+
+
+def loads(html):
+    """Addresses that a browser would fetch or go to, in the page and in every picture within it."""
+    tree = ET.fromstring(html.removeprefix("<!DOCTYPE html>\n"))  # noqa: S314 - our own page
+    for element in tree.iter():
+        assert element.tag.rpartition("}")[2] not in {"script", "link", "iframe", "object", "embed", "base", "form"}
+        for name, value in element.attrib.items():
+            assert not name.startswith("on"), f"{name} runs a script"
+            if name.rpartition("}")[2] in {"src", "href", "srcset", "action", "data", "poster", "background"}:
+                yield value
+                if value.startswith("data:image/svg+xml;base64,"):
+                    yield from loads(base64.b64decode(value.partition(",")[2]).decode().partition("?>")[2].strip())
+        if element.tag.rpartition("}")[2] == "style":
+            assert "@import" not in (element.text or "")
+            yield from re.findall(r"url\(([^)]*)\)", element.text or "")
+
+
+def loads_of(html):
+    return [*loads(re.sub(r"<!DOCTYPE svg[^>]*>", "", html))]
+
+
+def test_nothing_is_loaded_from_elsewhere(whole):
+    _, html = whole
+    addresses = loads_of(html)
+    inside = [one for one in addresses if one.startswith("#")]
+    embedded = [one for one in addresses if re.match(r"data:image/(png|jpeg|svg\+xml);base64,", one)]
+    assert sorted(inside + embedded) == sorted(addresses)
+    assert sum(one.startswith("data:image/svg") for one in embedded) == 4  # map, one run, histogram, spread
+    assert any(one.startswith("data:image/jpeg") for one in embedded)
+
+
+def test_every_link_leads_somewhere(whole):
+    _, html = whole
+    there = set(re.findall(r'id="([^"]*)"', html))
+    links = re.findall(r'<a href="#([^"]*)"', html)
+    assert len(links) >= 9
+    assert set(links) <= there
+
+
+def test_the_same_release_gives_the_same_bytes(whole, symolo, tmp_path):
+    root, html = whole
+    out = tmp_path / "again.html"
+    ended = symolo("report", root, "--out", out, "--detail", "1")
+    assert (ended.code, ended.out) == (0, f"{out}: 3 runs, {out.stat().st_size / 1e6:.1f} MB\n")
+    assert out.read_text() == html
+    assert "tmp" not in words(html)
+
+
+def test_images_are_those_of_the_release(whole):
+    root, html = whole
+    found = re.findall(r'src="data:image/jpeg;base64,([^"]*)" alt="([^,"]*), image (\d+)"', html)
+    assert len(found) == 12  # six of each state
+    for data, run, number in found:
+        assert base64.b64decode(data) == (root / run / f"images/{int(number):06d}.jpg").read_bytes()
+
+
+def test_the_head_says_what_is_in_it(painted):
+    root = painted()
+    told = words(text_page(root))
+    # Three runs of 40 steps of 50 ms and 10 mm, but for one that goes 30 mm sideways as well: 0.39 m + 0.0316 m.
+    assert "3 runs on 2 routes, 6.0 s and 1.3 m of driving: 123 rows, 33 images. Licence: CC-BY-4.0." in told
+    files = [path for path in root.rglob("*") if path.is_file() and "manifest" not in path.name]
+    size = sum(path.stat().st_size for path in files) / 1e6
+    assert f"Size {size:.1f} MB in {len(files)} files" in told
+    assert "33, 5 in a second, 48 x 32 px" in told
+
+
+def test_each_run_has_a_row_with_its_farthest_place_off_the_line(painted):
+    told = words(text_page(painted()))
+    for run in ("CW/test_1", "CW/test_2", "CCW/test_1"):
+        assert f"{run} 2.0 - 0.42 41 11 30.0 0 5 0" in told
+
+
+def test_an_arena_without_a_line_has_no_distance_from_it(painted):
+    told = words(text_page(painted(settings=["arena.line.pieces=[]"])))
+    assert "CW/test_1 2.0 - 0.42 41 11 - 0 5 0" in told
+    assert "It never follows the line." in told
+
+
+def test_of_many_runs_some_are_shown_and_the_page_says_so(painted):
+    root = painted(settings=["routes.0.runs=4"])
+    html = text_page(root, most_detailed=2)
+    assert "2 of 5 runs are shown, spread evenly over them." in words(html)
+    assert "median of each run. 3 of 5 runs are shown." in words(html)
+    assert re.findall(r'<h3 id="run-([^"]*)">', html) == ["CW/test_1", "CCW/test_1"]
+    assert re.findall(r'href="#run-([^"]*)"', html) == ["CW/test_1", "CCW/test_1"]
+    assert "are shown, spread" not in words(text_page(root, most_detailed=5))
+    assert "2 of 30 maps are shown." in words(text_page(root, maps=30))
+    assert "maps are shown" not in words(text_page(root, maps=2))
+
+
+def test_warnings_and_runs_set_aside_are_named_and_linked_from_the_top(painted):
+    failed = [FailedRun(run="CW/test_9", stage="simulate", problem="hit the wall A2 at 12.3 s")]
+    html = text_page(painted(warnings=["3 of 10 images are black"], failed=failed))
+    told = words(html)
+    assert "1 warning, 1 run set aside" in told
+    assert html.index('href="#warnings" class="warn"') < html.index("What is in it")
+    assert "CW/test_1 3 of 10 images are black" in told
+    assert "CW/test_9 simulate hit the wall A2 at 12.3 s" in told
+
+
+def test_without_any_it_says_so(painted):
+    told = words(text_page(painted()))
+    assert "set aside" not in told.partition("What is in it")[0]
+    assert "Warnings None: no run was set aside" in told
+
+
+def test_one_run_has_one_draw_of_each_value(painted):
+    (route,) = ["[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}, runs: 1}]"]
+    html = text_page(painted(settings=["routes.0.runs=1", f"routes={route}"]))
+    assert "This is one run, so that there is one draw of each." in words(html)
+    assert 'class="strip"' not in html
+
+
+def test_images_that_stand_out_are_named(painted):
+    told = words(text_page(painted(grey=lambda run, image: 230 if (run, image) == (1, 7) else 100 + image)))
+    assert "CW/test_2 image 7, mean grey 230, bright; alone" in told
+
+
+def test_markup_in_a_release_is_text_on_its_page(painted):
+    failed = [FailedRun(run=HOSTILE, stage=HOSTILE, problem=HOSTILE)]
+    html = text_page(painted(description=HOSTILE, licence=HOSTILE, warnings=[HOSTILE], failed=failed))
+    assert "<script" not in html
+    ET.fromstring(html.removeprefix("<!DOCTYPE html>\n"))  # noqa: S314 - our own page
+    assert words(html).count(HOSTILE) >= 6

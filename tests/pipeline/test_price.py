@@ -1,0 +1,55 @@
+"""What many images would cost: sums by hand, and a few that are really made."""
+
+import re
+
+import pytest
+
+from pipeline.price import Price
+
+PRICE = Price(
+    device="CPU",
+    images=12,
+    rows_per_image=4.0,
+    simulate_s=0.036,
+    start_s=9.0,
+    render_s=3.24,
+    annotate_s=0.36,
+    picture_bytes=97_600.0,
+    annotation_bytes=100_000.0,
+)
+
+
+def test_a_million_images_cost_a_million_times_one_and_their_share_of_a_block():
+    """3.24 s and 9 s / 25 are 3.6 s, a thousandth of an hour; a row takes 600 bytes."""
+    text = PRICE.text(1_000_000, "640 x 480 px")
+    told = dict(re.findall(r"^(\w+) +([\d.,]+ \S+)", text, re.MULTILINE))
+    assert told["simulate"] == "10 core-hours"
+    assert told["render"] == "1,000 core-hours:"
+    assert told["annotate"] == "200 core-hours"
+    assert told["disk"] == "100 GB,"
+    assert "with all annotations 200 GB" in text
+    assert "shards     100 of 1 GB, with all annotations 200" in text
+    assert "No graphics card was measured" in text
+
+
+def test_a_card_is_priced_in_hours_of_its_own():
+    text = PRICE.__class__(**{**PRICE.__dict__, "device": "OPTIX"}).text(1000, "some")
+    assert "1 OPTIX-hours" in text
+    assert "No graphics card" not in text
+
+
+def test_a_few_images_are_made_timed_and_thrown_away(monkeypatch, tmp_path, symolo, tiny):
+    monkeypatch.setattr("pipeline.price.RUNS", 1)
+    monkeypatch.setattr("pipeline.price.IMAGES", 2)
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr("tempfile.tempdir", None)
+    ended = symolo("plan", "smoke", *tiny, "--frames", 50)
+    assert ended.code == 0
+    assert "50 images of 32 x 24 px" in ended.out
+    assert "2 images of 1 draws" in ended.out
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("frames", ["0", "-1", "many"])
+def test_no_number_of_images_is_refused(symolo, frames):
+    assert symolo("plan", "smoke", "--frames", frames).code == 2
