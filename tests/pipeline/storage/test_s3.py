@@ -1,6 +1,6 @@
 """Upload and download by a server that speaks S3 on this machine: killed at random instants, refused, and in parts.
 
-pip install "moto[server]", which no environment of ours has: it brings thirty packages and other versions of some.
+pip install "moto[server]", which is in no lock file of ours, for it brings some forty packages.
 """
 
 import logging
