@@ -23,10 +23,11 @@ from pipeline.commands.pack import pack
 from pipeline.commands.pictures import pictures
 from pipeline.commands.preview import preview
 from pipeline.commands.report import report
+from pipeline.commands.store import download, upload
 
 EPILOG = """Exit codes: 0 done; 1 a bug; 2 bad input or usage, nothing written; 3 a run failed, the others are finished;
-4 verify found faults, or repair left some; 5 the environment lacks something; 6, 7 compare: equal within the
-tolerance, different; 130 interrupted.
+4 verify or upload --check found faults, or repair left some; 5 the environment lacks something; 6, 7 compare: equal
+within the tolerance, different; 130 interrupted.
 
 First steps:
 
@@ -63,7 +64,7 @@ def command_line() -> typer.Typer:
     looks = examine.verify, examine.compare, examine.contact_sheet, report, baselines, examine.doctor, examine.schema
     for command in looks:
         app.command(rich_help_panel="Look at data, machine and format")(command)
-    for command in (keep.status, keep.repair, keep.bag, export, pack):
+    for command in (keep.status, keep.repair, keep.bag, export, pack, upload, download):
         app.command(rich_help_panel="Keep data whole")(command)
     for command in (measured, diagnose, pictures):
         app.command(rich_help_panel="Understand measured data")(command)

@@ -79,6 +79,12 @@ def check_disk(out: Path, needed_bytes: int, or_else: str = "lower render.width_
     _check_room(nearest_existing(out), needed_bytes - there, f"--out {out}", needed_bytes, cure)
 
 
+def check_room(out: Path, lacking_bytes: int) -> None:
+    """Raise EnvironmentLacking when there is no room for so many more where `out` will be."""
+    cure = "or name a folder on another disk"
+    _check_room(nearest_existing(out), lacking_bytes, f"--out {out}", lacking_bytes, cure)
+
+
 def check_scratch(needed_bytes: int, cure: str) -> None:
     """The same of the folder for temporary files."""
     scratch = Path(tempfile.gettempdir())

@@ -149,6 +149,29 @@ def held(folder: Path) -> Iterator[None]:
         os.close(descriptor)
 
 
+@contextlib.contextmanager
+def held_or_refused(folder: Path, where: str) -> Iterator[None]:
+    """Hold a folder for this process, however it ends.
+
+    Raises:
+        InputError: Another process holds it.
+    """
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        _lock(descriptor, fcntl.LOCK_EX, where)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def _lock(descriptor: int, kind: int, where: str) -> None:
+    try:
+        fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
+    except BlockingIOError:
+        what, cure = "another symolo command is working in this folder", "wait for it, or name another folder"
+        raise InputError(what, where=where, cure=cure) from None
+
+
 @dataclass(frozen=True)
 class Workspace:
     """`out` with its released runs, and the hidden `.stages` that a rerun continues from."""
@@ -182,7 +205,7 @@ class Workspace:
         make_folder(self.out / STAGES)
         descriptor = os.open(self.out / STAGES, os.O_RDONLY | os.O_DIRECTORY)
         try:
-            self._lock(descriptor, fcntl.LOCK_EX if alone else fcntl.LOCK_SH)
+            _lock(descriptor, fcntl.LOCK_EX if alone else fcntl.LOCK_SH, f"--out {self.out}")
             if not (self.out / STAGES / KIND).exists():
                 write_file(self.out / STAGES / KIND, f"{self.kind}\n".encode())
             if alone:
@@ -197,13 +220,3 @@ class Workspace:
         for folder in (self.out, *routes):
             remove_leftovers(folder)
         remove_leftovers(self.out / STAGES, below=True)
-
-    def _lock(self, descriptor: int, kind: int) -> None:
-        try:
-            fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise InputError(
-                "another symolo command is working in this folder",
-                where=f"--out {self.out}",
-                cure="wait for it, or name another folder",
-            ) from None

@@ -20,6 +20,9 @@ CODE = re.compile(r"^    (.+)$|^```\w*\n(.*?)^```", re.MULTILINE | re.DOTALL)
 ELSEWHERE = {
     "--port": "needs a board; tests/physics/hil drives one at a pseudo-terminal",
     "--executor ray": "needs a cluster; tests/pipeline/executors/test_ray.py makes one",
+    "file://": "leads out of the desk; tests/pipeline/storage goes there and back",
+    "s3://": "needs a server; tests/pipeline/storage/test_s3.py starts one",
+    "gs://": "needs an account",
     "$SLURM": "the same with numbers stands on the page too",
     "optiodom_diff": "a minute or more; benchmarks/diagnosis/real_sets.py runs them",
 }

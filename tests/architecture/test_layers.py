@@ -17,6 +17,7 @@ ENGINES = {
     "bmesh": "blender_scenes/bpy_side/",
     "mathutils": "blender_scenes/bpy_side/",
     "serial": "physics/hil/links/",
+    "obstore": "pipeline/storage/bucket.py",
     "ray": "pipeline/executors/ray.py",
 }
 

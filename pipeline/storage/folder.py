@@ -1,0 +1,59 @@
+"""A folder as a store, such as one of a mounted disk: every file is whole, and on the disk when it is told stored."""
+
+import contextlib
+import os
+import stat
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from configs.errors import InputError
+from configs.refusals import NOT_THERE
+from configs.whole_files import make_folder, place_of, remove_leftovers, write_file
+from pipeline.files import sha256_of
+from pipeline.storage.base import LocalFile
+from pipeline.workspace import held_or_refused
+
+
+@dataclass(frozen=True)
+class Folder:
+    url: str
+    root: Path
+
+    @contextlib.contextmanager
+    def held(self) -> Iterator[None]:
+        """By a lock of the operating system, which lets go of it however the process ends."""
+        make_folder(self.root)
+        with held_or_refused(self.root, self.url):
+            yield
+
+    def sweep(self) -> None:
+        remove_leftovers(self.root, below=True)
+
+    def sizes(self) -> dict[str, int]:
+        found: dict[str, int] = {}
+        for folder, _, names in os.walk(self.root):
+            for path in (Path(folder, name) for name in names):
+                status = path.lstat()
+                if stat.S_ISREG(status.st_mode) and not place_of(path):  # a link or a pipe is no object
+                    found[path.relative_to(self.root).as_posix()] = status.st_size
+        return found
+
+    def digest(self, name: str) -> str:
+        try:
+            return sha256_of(self.root / name)
+        except NOT_THERE:  # gone since it was listed
+            return ""
+
+    def put(self, file: LocalFile) -> None:
+        place = self.root / file.name
+        if place.parent.resolve() != (self.root.resolve() / file.name).parent:
+            raise InputError("leads through a link", where=f"{self.url}: {file.name}", cure="remove the link")
+        make_folder(place.parent)
+        write_file(place, b"".join(file.chunks()))
+
+    def get(self, name: str) -> bytes | None:
+        try:
+            return (self.root / name).read_bytes()
+        except NOT_THERE:
+            return None

@@ -1,0 +1,174 @@
+"""A download is whole and right, or nothing is there; what strangers put into a store stays out of other places."""
+
+import hashlib
+import shutil
+from types import SimpleNamespace
+
+import pytest
+
+from configs.errors import EnvironmentLacking, InputError
+from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, tag_manifest
+from pipeline.progress import LineReport
+from pipeline.storage.comparison import released_files
+from pipeline.storage.download import Remote, download
+from pipeline.storage.folder import Folder
+from pipeline.storage.upload import upload
+
+
+@pytest.fixture
+def filled(release, store):
+    """A store that holds the release."""
+    upload(released_files(release()), store, LineReport())
+    return store
+
+
+def test_what_was_uploaded_comes_back(filled, release_of, tmp_path):
+    out = tmp_path / "out"
+    assert download(Remote.of(filled), out, LineReport()) == 10
+    assert release_of(out) == release_of(tmp_path / "data")
+    assert {path.name for path in tmp_path.iterdir()} - {"shelf"} == {"data", "out"}
+
+
+def test_by_the_command_line(release, release_of, tmp_path, symolo):
+    url, out = f"file://{tmp_path}/shelf", tmp_path / "out"
+    assert symolo("upload", release(), url).code == 0
+    assert symolo("download", url, "--out", out, "--dry-run").out == f"{url}: 8 files and their lists, 0.0 MB\n"
+    assert not out.exists()
+    told = f"{out}: 8 files and their lists, 0.0 MB; 10 of them fetched now\n"
+    assert symolo("download", url, "--out", out).out == told
+    assert release_of(out) == release_of(tmp_path / "data")
+    again = symolo("download", url, "--out", out)
+    assert (again.code, "is there already" in again.err) == (2, True)
+
+
+class Failing:
+    """A store that gives so many objects, and then no more."""
+
+    def __init__(self, store, gives):
+        self._store, self._gives = store, iter(range(gives))
+
+    def __getattr__(self, name):
+        return getattr(self._store, name)
+
+    def get(self, name):
+        if name not in {MANIFEST, TAG_MANIFEST} and next(self._gives, None) is None:
+            raise EnvironmentLacking("the network is gone")
+        return self._store.get(name)
+
+
+def test_one_that_was_interrupted_leaves_nothing_and_then_fetches_only_the_rest(filled, release_of, tmp_path, counting):
+    out = tmp_path / "out"
+    with pytest.raises(EnvironmentLacking, match="the network is gone"):
+        download(Remote.of(Failing(filled, 3)), out, LineReport())
+    assert not out.exists()
+    came = [path for path in (tmp_path / ".out.download").rglob("*") if path.is_file()]
+    assert len([path for path in came if path.name not in {MANIFEST, TAG_MANIFEST}]) == 3
+    counted = counting(filled)
+    download(Remote.of(counted), out, LineReport())
+    content = [name for name in counted.got_names if name not in {MANIFEST, TAG_MANIFEST}]
+    assert len(content) == 8 - 3
+    assert release_of(out) == release_of(tmp_path / "data")
+
+
+@pytest.mark.parametrize("name", ["README.md/old.txt", "CW/test_9/images", "CW/test_1/data.csv", "old.txt"])
+def test_what_was_begun_of_another_release_is_dropped(filled, release_of, tmp_path, name):
+    old = tmp_path / ".out.download" / name
+    old.parent.mkdir(parents=True)
+    old.write_text("old") if name.endswith(".txt") else old.mkdir()
+    download(Remote.of(filled), tmp_path / "out", LineReport())
+    assert not (tmp_path / "out/CW/test_9").exists()
+    assert release_of(tmp_path / "out") == release_of(tmp_path / "data")
+
+
+def test_it_does_not_gather_behind_a_link(filled, release_of, tmp_path):
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / ".out.download").symlink_to(tmp_path / "elsewhere")
+    download(Remote.of(filled), tmp_path / "out", LineReport())
+    assert list((tmp_path / "elsewhere").iterdir()) == []
+    assert not (tmp_path / "out").is_symlink()
+    assert release_of(tmp_path / "out") == release_of(tmp_path / "data")
+
+
+def test_a_wrong_byte_leaves_nothing(release, tmp_path, symolo):
+    url, shelf, out = f"file://{tmp_path}/shelf", tmp_path / "shelf", tmp_path / "out"
+    assert symolo("upload", release(), url).code == 0
+    picture = shelf / "CW/test_1/images/000001.jpg"
+    picture.write_bytes(b"\xff" + picture.read_bytes()[1:])
+    ended = symolo("download", url, "--out", out)
+    assert ended.code == 2
+    assert f"{url}: CW/test_1/images/000001.jpg: is not what manifest-sha256.txt says" in ended.err
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("damage", "told"),
+    [
+        (lambda shelf: (shelf / TAG_MANIFEST).unlink(), f"holds no finished release: there is no {TAG_MANIFEST}"),
+        (lambda shelf: (shelf / MANIFEST).unlink(), f"holds no finished release: there is no {MANIFEST}"),
+        (lambda shelf: (shelf / MANIFEST).write_bytes(b"x\n"), "line 1 is not a checksum"),
+        (lambda shelf: (shelf / TAG_MANIFEST).write_bytes(b""), f"is not the one that {TAG_MANIFEST} names"),
+        (lambda shelf: (shelf / "README.md").unlink(), "README.md is missing; upload the release again"),
+        (shutil.rmtree, "holds no finished release"),
+    ],
+)
+def test_what_is_not_whole_is_refused_before_anything_is_fetched(release, tmp_path, symolo, damage, told):
+    url = f"file://{tmp_path}/shelf"
+    assert symolo("upload", release(), url).code == 0
+    damage(tmp_path / "shelf")
+    ended = symolo("download", url, "--out", tmp_path / "out")
+    assert (ended.code, ended.err.count("\n")) == (2, 1)
+    assert told in ended.err
+    assert {path.name for path in tmp_path.iterdir()} - {"shelf"} == {"data"}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "../escaped",
+        "/escaped",
+        "a/../../escaped",
+        "a//b",
+        "./a",
+        ".",
+        "a/",
+        "a" * 300,
+        ".stages/kind",
+        "tty\x1b[2J",
+        MANIFEST,
+    ],
+)
+def test_a_list_cannot_name_a_place_outside(name):
+    digests = {name: hashlib.sha256(b"x").hexdigest()}
+    with pytest.raises(InputError, match="names what is no file of a release"):
+        Remote.of(_Stranger(digests))
+
+
+def test_a_list_cannot_name_a_file_below_a_file():
+    with pytest.raises(InputError, match="names what is no file of a release: got 'a'"):
+        Remote.of(_Stranger(dict.fromkeys(("a", "a/b"), hashlib.sha256(b"x").hexdigest())))
+
+
+class _Stranger:
+    """A store with lists that fit each other, and every object that they name."""
+
+    url = "s3://bucket/stranger"
+
+    def __init__(self, digests):
+        lists = {MANIFEST: manifest(digests), TAG_MANIFEST: tag_manifest(digests)}
+        self._objects = dict.fromkeys(digests, b"x") | lists
+
+    def sizes(self):
+        return {name: len(content) for name, content in self._objects.items()}
+
+    def get(self, name):
+        return self._objects.get(name)
+
+
+def test_a_disk_without_room_is_told_before_anything_is_fetched(release, tmp_path, monkeypatch, counting):
+    shelf = Folder(f"file://{tmp_path}/shelf", tmp_path / "shelf")
+    upload(released_files(release()), shelf, LineReport())
+    counted = counting(shelf)
+    monkeypatch.setattr("shutil.disk_usage", lambda _path: SimpleNamespace(free=100))
+    with pytest.raises(EnvironmentLacking, match=r"are free; free some space, or name a folder on another disk"):
+        download(Remote.of(counted), tmp_path / "out", LineReport())
+    assert counted.got_names == [MANIFEST, TAG_MANIFEST]
