@@ -52,4 +52,8 @@ def torch_dataset(data: Dataset, transform: Callable[[Pixels], Any] | None = Non
             pose, X_WC = (torch.from_numpy(np.array(pose)) for pose in (image.pose, image.X_WC))
             return Frame(shown, pose, X_WC, image.t_s, image.run.name)
 
+        def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+            """For loaders whose workers are spawned: a class made here has no name that another process finds."""
+            return torch_dataset, (data, transform)
+
     return Frames()

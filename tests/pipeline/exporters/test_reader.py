@@ -1,6 +1,7 @@
 """`symolo.load` gives back what was put into a release, and says in one line what is wrong with one."""
 
 import json
+import pickle
 import subprocess
 import sys
 import types
@@ -179,6 +180,8 @@ def test_frames_for_pytorch_are_the_images_with_their_poses(random_release, monk
     assert (last.run, last.t_s, last.image.shape) == ("CCW/test_1", image.t_s, (3, 24, 40))
     np.testing.assert_allclose(last.image * 255, image.pixels().transpose(2, 0, 1), atol=1e-4)
     np.testing.assert_array_equal(last.X_WC, release.runs[1].X_WC[-1])
+    sent = pickle.loads(pickle.dumps(frames))  # noqa: S301 - as loaders do for workers that are spawned
+    np.testing.assert_array_equal(sent[len(sent) - 1].image, last.image)
     monkeypatch.setitem(sys.modules, "torch", None)
     with pytest.raises(reader.EnvironmentLacking, match="pip install torch"):
         reader.torch_dataset(data)
