@@ -110,6 +110,9 @@ def diagnose(
     if explain and as_json:
         raise InputError("--explain and --json", cure="ask for one of them; reasoning.txt is written in any case")
     found = cases_of(cases)
+    if any(case.path.absolute() == out.absolute() for case in found):
+        # `table-1` would be looked for in the folder `table-1` as soon as that is there.
+        raise InputError("is the name of a case", where=f"--out {out}", cure="name another folder")
     reading = Reading(importer=as_, part=part, held_out=tuple(hold_out or ()))
     robot = nominal_json(nominal, against)
     check_out(out, Kind.DIAGNOSIS)

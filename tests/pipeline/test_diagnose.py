@@ -110,6 +110,15 @@ def divides_by_zero(*_arguments, **_options):
     raise ZeroDivisionError("by nought")
 
 
+def test_an_output_folder_of_the_cases_own_name_is_refused(symolo, tmp_path, monkeypatch):
+    """Once it is there, `table-1` would be looked for in it."""
+    monkeypatch.chdir(tmp_path)
+    ended = symolo("diagnose", "table-1", "--out", "table-1")
+    assert (ended.code, ended.err.count("\n")) == (2, 1)
+    assert "--out table-1: is the name of a case" in ended.err
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_bug_that_one_of_several_cases_brings_out_fails_that_case_alone(tmp_path, monkeypatch):
     monkeypatch.setattr("pipeline.diagnosing.diagnose_into", divides_by_zero)
     with pytest.raises(RunFailed, match=r"a bug of symolo: ZeroDivisionError: by nought; please report it with .*"):
