@@ -67,6 +67,7 @@ def test_every_command_is_in_the_readme():
 def test_readme_names_the_libraries_that_the_renderer_asks_for():
     assert SYSTEM_PACKAGES in README
     assert HIL_PACKAGES in README
+    assert SYSTEM_PACKAGES in (ROOT / "Containerfile").read_text()
 
 
 def test_the_scripts_run_the_test_command_of_the_readme():
