@@ -106,10 +106,6 @@ def desk(tmp_path, release, monkeypatch):
         (tmp_path / "measured" / name).symlink_to(SHARED / "measured" / name)
     (tmp_path / "elsewhere").mkdir()
     shutil.copy(release / "CW/test_1/data.csv", tmp_path / "elsewhere/data.csv")
-    scenario = (ROOT / "README.md").read_text().partition("    # my_scenario.yaml\n")[2].split("\n\n")[0]
-    about = (ROOT / "docs/publishing.md").read_text().partition("```yaml\n")[2].partition("```")[0]
-    (tmp_path / "about.yaml").write_text(about)
-    (tmp_path / "my_scenario.yaml").write_text("\n".join(line.removeprefix("    ") for line in scenario.splitlines()))
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
