@@ -106,6 +106,8 @@ def desk(tmp_path, release, monkeypatch):
         (tmp_path / "measured" / name).symlink_to(SHARED / "measured" / name)
     (tmp_path / "elsewhere").mkdir()
     shutil.copy(release / "CW/test_1/data.csv", tmp_path / "elsewhere/data.csv")
+    about = (ROOT / "docs/publishing.md").read_text().partition("```yaml\n")[2].partition("```")[0]
+    (tmp_path / "about.yaml").write_text(about)
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
