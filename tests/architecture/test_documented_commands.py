@@ -24,6 +24,8 @@ ELSEWHERE = {
     "s3://": "needs a server; tests/pipeline/storage/test_s3.py starts one",
     "gs://": "needs an account",
     "$SLURM": "the same with numbers stands on the page too",
+    "measured/run_1": "needs pictures that show the line; tests/pipeline/test_pictures.py has some",
+    "pictures/robot.yaml": "likewise; the robot file of that command",
     "optiodom_diff": "a minute or more; benchmarks/diagnosis/real_sets.py runs them",
 }
 """Words of commands that are not run here, and where they are."""
