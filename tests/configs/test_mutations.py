@@ -56,7 +56,7 @@ def _read_or_refused(content: bytes) -> None:
 
 
 @pytest.mark.usefixtures("here")
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(st.tuples(st.floats(0, 1), st.integers(0, 60), st.sampled_from(PASSAGES)), min_size=1, max_size=3))
 def test_damaged_text_is_read_or_refused(cuts: list[tuple[float, int, str]]):
     text = TEXT
@@ -67,7 +67,7 @@ def test_damaged_text_is_read_or_refused(cuts: list[tuple[float, int, str]]):
 
 
 @pytest.mark.usefixtures("here")
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(st.tuples(st.sampled_from(PATHS), st.sampled_from(VALUES)), min_size=1, max_size=3))
 def test_a_wrong_value_at_any_field_is_read_or_refused(changes: list[tuple[tuple[str | int, ...], Any]]):
     tree = yaml.safe_load(TEXT)
@@ -87,7 +87,7 @@ def _put(tree: Any, path: tuple[str | int, ...], value: object) -> None:
         tree[path[-1]] = value
 
 
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.binary(max_size=200))
 @pytest.mark.usefixtures("here")
 def test_any_bytes_are_read_or_refused(content: bytes):

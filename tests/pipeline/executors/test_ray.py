@@ -21,9 +21,10 @@ pytestmark = pytest.mark.cluster
 
 @pytest.fixture
 def cluster(monkeypatch):
-    cluster_utils = pytest.importorskip("ray.cluster_utils")
+    from ray.cluster_utils import Cluster  # noqa: PLC0415 - of the extra `cluster`
+
     monkeypatch.setenv("RAY_USAGE_STATS_ENABLED", "0")
-    made = cluster_utils.Cluster(initialize_head=True, head_node_args={"num_cpus": 0, "include_dashboard": False})
+    made = Cluster(initialize_head=True, head_node_args={"num_cpus": 0, "include_dashboard": False})
     for _ in range(3):
         made.add_node(num_cpus=1, include_dashboard=False)
     yield made
