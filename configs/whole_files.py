@@ -16,6 +16,9 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 UNFINISHED = re.compile(r"\.(.+)\.[0-9a-f]{1,16}\.tmp")
+WRITER = "SYMOLO_WRITER"
+"""Variable with the first half of the chance in all such names of a process and its children, once they are given it:
+whoever ends them can then tell what they left from what others are writing beside them."""
 DROPPED = re.compile(r"\..+\.dropped")
 
 
@@ -70,7 +73,12 @@ def _whole(path: Path) -> Iterator[Path]:
 
 def _unfinished(path: Path) -> Path:
     """By chance, not by the number of the process: after a restart of the machine another one may have that."""
-    return path.with_name(f".{path.name}.{secrets.token_hex(8)}.tmp")
+    return path.with_name(f".{path.name}.{os.environ.get(WRITER) or new_writer()}{secrets.token_hex(4)}.tmp")
+
+
+def new_writer() -> str:
+    """A value for `WRITER` that nobody else has."""
+    return secrets.token_hex(4)
 
 
 def place_of(unfinished: Path) -> Path | None:
@@ -187,15 +195,22 @@ def remove_file(path: Path) -> None:
         sync_folder(path.parent)
 
 
-def remove_leftovers(folder: Path, *, below: bool = False) -> None:
-    """Remove what a killed process left unfinished in a folder that nobody else writes to, or also in those `below`."""
+def remove_leftovers(folder: Path, *, below: bool = False, of: str = "") -> None:
+    """Remove what a killed process left unfinished in a folder, or also in those `below`.
+
+    Nobody else may be writing there, but where only what is `of` one `WRITER` is to go.
+    """
     for path in list(folder.iterdir()) if folder.is_dir() else ():
         if path.is_symlink():
             continue
         if path.is_dir():
-            if DROPPED.fullmatch(path.name) or place_of(path):
+            if _is_left(path, of) or (not of and DROPPED.fullmatch(path.name)):
                 shutil.rmtree(path)
             elif below:
-                remove_leftovers(path, below=True)
-        elif place_of(path):
+                remove_leftovers(path, below=True, of=of)
+        elif _is_left(path, of):
             path.unlink()
+
+
+def _is_left(path: Path, of: str) -> bool:
+    return place_of(path) is not None and path.suffixes[-2].startswith(f".{of}")

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
 from blender_scenes.protocol import Work
 from configs.errors import EnvironmentLacking, InputError, RunFailed
-from configs.whole_files import make_folder, write_file
+from configs.whole_files import make_folder, remove_leftovers, write_file
 from pipeline.reading import Reading
 
 
@@ -39,6 +39,13 @@ class UnitOfWork(Message):
     """Whether it is done in a process that has done another one before, with the same bytes and no more memory."""
 
     name: str
+    folder: Path
+    """What it fills, or fills with others."""
+
+    def clear(self, writer: str) -> None:
+        """Remove what a process that is gone left unfinished: the folder itself, or files in it."""
+        remove_leftovers(self.folder.parent, of=writer)
+        remove_leftovers(self.folder, below=True, of=writer)
 
     def part(self, frame: int) -> str:
         """What a frame of the unit is called."""
@@ -60,7 +67,6 @@ class SimulateUnit(UnitOfWork):
     kind: Literal["simulate"] = "simulate"
     spec: str
     """The run specification as JSON text."""
-    folder: Path
     key: str
     """Input key of the stage."""
 
@@ -75,9 +81,8 @@ class RenderUnit(UnitOfWork):
 
     kind: Literal["render"] = "render"
     work: Work
+    """Whether `folder` is for the pictures, or for the files of the annotations."""
     job: Path
-    folder: Path
-    """For the pictures, or for the files of the annotations."""
     numbers: tuple[int, ...]
     threads: int
     own_files: Path | None = None
@@ -132,7 +137,6 @@ class DiagnoseUnit(UnitOfWork):
     reading: Reading
     nominal: str
     """The nominal robot as JSON text; empty for that of the case's own parameters."""
-    folder: Path
     pybullet: bool
     """Whether before and after are also measured by PyBullet."""
     against: Path | None

@@ -18,6 +18,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from blender_scenes.surroundings import without_blender_settings
+from configs.whole_files import WRITER, new_writer
 from pipeline.units import EVENTS, Alive, AnyMessage, AnyUnit, Failed, Finished
 
 COMMAND = (sys.executable, "-m", "pipeline.worker_main")
@@ -56,6 +57,8 @@ class WorkerProcess:
     """Started at once; `close` or `end` ends it."""
 
     def __init__(self, environment: Mapping[str, str], command: Sequence[str] = COMMAND) -> None:
+        self.writer = new_writer()
+        """Of all that it and its children leave unfinished."""
         self._log = tempfile.TemporaryFile("a+b")  # noqa: SIM115 - lives as long as the process
         self._ended_for = ""
         self._lock = threading.Lock()
@@ -70,7 +73,7 @@ class WorkerProcess:
             stderr=self._log,
             start_new_session=True,
             # Safe path, for a folder `configs` where the user stands is not ours.
-            env={**without_blender_settings(os.environ), "PYTHONSAFEPATH": "1", **environment},
+            env={**without_blender_settings(os.environ), "PYTHONSAFEPATH": "1", WRITER: self.writer, **environment},
         )
 
     def do(self, unit: AnyUnit) -> Iterator[AnyMessage]:

@@ -211,6 +211,7 @@ class _Slots:
             if not isinstance(last, Failed) or last.error not in AGAIN or self.stopped.is_set():
                 self.events.put((tried.unit, last))
                 return worker
+            tried.left.clear(worker.writer)
             if (end := self._after(tried, last)) is not None:
                 self.events.put((tried.unit, end))
                 return worker

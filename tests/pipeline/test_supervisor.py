@@ -36,6 +36,10 @@ for line in sys.stdin:
         first = tries.read_text() == "x"
         if what == "die" or (what == "die_once" and first):
             os.kill(os.getpid(), 9)
+        if what == "die_writing" and first:
+            from configs import whole_files
+            os.replace = lambda *_: os.kill(os.getpid(), 9)
+            whole_files.write_file(made, b"half")
         if what == "hang_once" and first:
             time.sleep(60)
         if what == "eat_once" and first:
@@ -86,6 +90,16 @@ def test_a_frame_at_which_a_worker_fails_once_is_made_by_the_next(tmp_path, what
     assert "image 2" in retried.text
     assert "trying again (2 of 3)" in retried.text
     assert [(tmp_path / f"bad_{i}.tries").read_text() for i in (1, 2, 3)] == ["x", "xx", "x"], "one frame was lost"
+
+
+def test_what_a_killed_worker_left_unfinished_is_removed_and_what_another_command_is_writing_is_not(tmp_path):
+    of_another = tmp_path / ".bad_2.0123456789abcdef.tmp"
+    of_another.write_text("a part of the same release, written by another process at this moment")
+    assert run_units([unit(tmp_path, "bad 2=die_writing")], 1, lambda *_: None, command=COMMAND) == []
+    assert {p.name for p in tmp_path.glob("*bad_?*") if p.suffix != ".tries"} == {
+        *(f"bad_{i}" for i in (1, 2, 3)),
+        of_another.name,
+    }
 
 
 @pytest.mark.parametrize("what", ["die", "refuse"])
