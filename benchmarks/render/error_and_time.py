@@ -76,9 +76,11 @@ def contenders(asked: argparse.Namespace) -> list[Contender]:
     for samples in asked.plain:
         settings = {"kind": "plain", "cycles": {**BLENDERS_DEFAULT, "samples": samples}}
         found.append(Contender(f"plain loop, {samples}", "plain loop", "painter.py", settings))
-    for light, colour in asked.apart:
-        settings = {"kind": "apart", "light": light, "colour": colour}
-        found.append(Contender(f"colour apart, {light} and {colour}", "colour apart", "painter.py", settings))
+    for light, colour, texel_mm in asked.apart:
+        texel_m = None if texel_mm is None else 1e-3 * texel_mm
+        settings = {"kind": "apart", "light": light, "colour": colour, "floor_texel_m": texel_m}
+        name = f"{light} and {colour}" + (f", floor {texel_mm:g} mm" if texel_mm else "")
+        found.append(Contender(f"colour apart, {name}", "colour apart", "painter.py", settings))
     if asked.blenderproc:
         for paths in asked.blenderprocs_light_paths:
             python, settings = str(asked.blenderproc), {"light_paths": paths}
@@ -221,9 +223,9 @@ def _pose(text: str) -> tuple[float, float, float]:
     return x, y, yaw
 
 
-def _pair(text: str) -> tuple[int, int]:
-    light, colour = map(int, text.split(","))
-    return light, colour
+def _apart(text: str) -> tuple[int, int, float | None]:
+    light, colour, *texel_mm = text.split(",")
+    return int(light), int(colour), float(*texel_mm) if texel_mm else None
 
 
 def _say(text: str) -> None:
@@ -242,8 +244,8 @@ def asked_for() -> argparse.Namespace:
     words = "qualities, or samples and denoiser such as 8,FAST,BALANCED"
     parser.add_argument("--ours", nargs="*", type=_quality, default=ours, help=words)
     parser.add_argument("--plain", nargs="*", type=int, default=[2, 4, 8, 16, 32], help="samples")
-    words = "samples of light and of colour, as colour_apart.py has it"
-    parser.add_argument("--apart", nargs="*", type=_pair, default=[], metavar="LIGHT,COLOUR", help=words)
+    words = "samples of light and of colour, as colour_apart.py has it, and a texel of the floor's map [mm]"
+    parser.add_argument("--apart", nargs="*", type=_apart, default=[], metavar="LIGHT,COLOUR[,TEXEL]", help=words)
     parser.add_argument("--blenderproc", type=Path, help="interpreter of BlenderProc's environment")
     parser.add_argument("--blenderprocs-repetitions", type=int, default=1, help="it takes minutes a frame")
     paths = ["defaults", "ours"]

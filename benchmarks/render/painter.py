@@ -3,8 +3,8 @@
     python painter.py JOB SETTINGS FOLDER THREADS
 
 Settings: {"kind": "ours", "sampling": fields of `Sampling`}, {"kind": "plain", "cycles": properties of Cycles},
-{"kind": "apart", "light": samples, "colour": samples} as `colour_apart` has it, or {"kind": "passes", "samples": N,
-"seed": N}.
+{"kind": "apart", "light": samples, "colour": samples, "floor_texel_m": of a map, or null} as `colour_apart` has it,
+or {"kind": "passes", "samples": N, "seed": N}.
 """
 
 import sys
@@ -65,8 +65,8 @@ def _plain(asked: Asked) -> Paint:
 def _apart(asked: Asked) -> Paint:
     from colour_apart import ColourApart  # noqa: PLC0415 - it imports bpy
 
-    size = asked.job.camera.width_px, asked.job.camera.height_px
-    trial = ColourApart(size, asked.folder, asked.settings["light"], asked.settings["colour"])
+    own = asked.settings
+    trial = ColourApart(asked.job, asked.folder, own["light"], own["colour"], own["floor_texel_m"])
     return _painted(
         asked, lambda view, warm_up: trial.light(view, warm_up=warm_up) * np.array(view.light_gain, np.float32)
     )
