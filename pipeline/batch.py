@@ -1,6 +1,6 @@
 """A scenario and an output folder: which stages are to be done for which runs, and what came of it."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -96,13 +96,25 @@ class Batch:
                 raise self._not_done(spec, "simulate")
         return problems_of(self.workspace, self.specs)
 
-    def render(self, failures: Sequence[FailedRun], report: Report) -> list[FailedRun]:
-        """Images, and then what is known of those that were rendered."""
+    def render(
+        self,
+        failures: Sequence[FailedRun],
+        report: Report,
+        on_whole: Callable[[RunSpec], None] = lambda _spec: None,
+    ) -> list[FailedRun]:
+        """Images, and then what is known of those that were rendered; `on_whole` hears of each run that has all."""
+        specs = {spec.key: spec for spec in self.specs}
+
+        def on_pictures(run: str) -> None:
+            if not specs[run].render.annotations:
+                on_whole(specs[run])
+
         tasks: list[FrameTask] = []
-        failed = render_runs(_noted(self._render_orders(failures), tasks), self.executor, report)
+        orders = _noted(self._render_orders(failures), tasks)
+        failed = render_runs(orders, self.executor, report, on_whole=on_pictures)
         orders = self._annotation_orders(tasks, failed)
         if self._annotated:
-            failed += render_runs(orders, self.executor, report, "annotate")
+            failed += render_runs(orders, self.executor, report, "annotate", lambda run: on_whole(specs[run]))
         return failed
 
     def rendered(self, failures: Sequence[FailedRun]) -> list[FailedRun]:

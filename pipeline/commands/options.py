@@ -103,6 +103,15 @@ Address = Annotated[
 ]
 
 
+Endpoint = Annotated[
+    str | None,
+    typer.Option(metavar="URL", help="Server that speaks S3, such as MinIO; without it Amazon's, or AWS_ENDPOINT_URL."),
+]
+AllowHttp = Annotated[
+    bool, typer.Option("--allow-http", help="Let requests go unencrypted, as to a server on the same machine.")
+]
+
+
 class Device(StrEnum):
     """What renders."""
 

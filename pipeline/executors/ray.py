@@ -22,7 +22,7 @@ from pipeline.executors.base import OnEvent
 from pipeline.executors.part import BLOCK_FRAMES
 from pipeline.units import UNITS, AnyUnit, Finished
 from pipeline.worker_process import Limits
-from pipeline.workers import AnyEvent, Retried, UnitFailure, WorkerError, run_units
+from pipeline.workers import AnyEvent, Retried, SetAside, UnitFailure, WorkerError, run_units
 
 CURE = "install the extra: pip install 'symolo[cluster]'"
 CLIENT = "ray://"
@@ -152,7 +152,9 @@ class _Tasks:
             return
         if record.error == "bug":
             self._bugs.append(f"{unit.name}: {record.text}")
-        self._failures += [UnitFailure(unit, text) for text in record.failures]
+        for text in record.failures:
+            self._on_event(unit, SetAside(text))
+            self._failures.append(UnitFailure(unit, text))
         self._on_event(unit, Finished())
 
 

@@ -46,10 +46,16 @@ class AnnotationTask(FrameTask):
         return AnnotationJob.from_json((self.folder.path / JOB).read_text())
 
 
-def copy_released(annotated: StageFolder, run: Path) -> None:
-    """Put the files of a run's annotations that are released below the run's folder; records are in the document."""
+def copy_released(annotated: StageFolder, run: Path) -> dict[str, str]:
+    """Put the files of a run's annotations that are released below the run's folder; their SHA-256 by path.
+
+    Records are in the document.
+    """
+    copied = {}
     for name, digest in sorted(annotated.files().items()):
         folder = PurePosixPath(name).parent
         if name.startswith(f"{ANNOTATIONS}/") and folder.name != RECORDS_DIR:
             make_folder(run / folder)
             write_file(run / name, read_known(annotated.path / name, digest))
+            copied[name] = digest
+    return copied

@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from configs.errors import EnvironmentLacking
 from configs.refusals import NOT_THERE
 from configs.schema.scenario import RunSpec
 from configs.whole_files import make_folder, remove_file, remove_folder, replace_folder, write_file
@@ -58,7 +59,7 @@ def assemble(
     with report.stage("assemble", len(good), "runs") as stage:
         _take_back(workspace, {spec.key for spec in good})
         for spec in good:
-            hashes |= {f"{spec.key}/{name}": digest for name, digest in _release_run(workspace, spec).items()}
+            hashes |= {f"{spec.key}/{name}": digest for name, digest in release_run(workspace, spec).items()}
             simulated = workspace.simulate(spec.key).path
             rows = Rows.from_recording(read_recording(simulated))
             pictures = Rendered.read(workspace.render(spec.key).path)
@@ -88,8 +89,12 @@ def _describe(workspace: Workspace, metadata: Metadata, page: bytes, hashes: dic
         _write_if_new(out / name, data)
 
 
-def _release_run(workspace: Workspace, spec: RunSpec) -> dict[str, str]:
-    """Put one run's folder in place unless it is there unchanged; SHA-256 of its files by their path in it."""
+def release_run(workspace: Workspace, spec: RunSpec) -> dict[str, str]:
+    """Put one run's folder in place unless it is there unchanged; SHA-256 of its files by their path in it.
+
+    Raises:
+        EnvironmentLacking: What it is put together from, or what lies there then, is not what was written.
+    """
     stages = {"simulate": workspace.simulate(spec.key), "render": workspace.render(spec.key)}
     if spec.render.annotations:
         stages["annotate"] = workspace.annotate(spec.key)
@@ -101,25 +106,32 @@ def _release_run(workspace: Workspace, spec: RunSpec) -> dict[str, str]:
         return done.files
     _remove_files(workspace.out, CHECKSUMS)
     partial = marker.start()
-    _fill(workspace, spec, files["render"], partial)
+    written = _fill(workspace, spec, files["render"], partial)
     hashes = hashes_of(partial)
+    if hashes != written:
+        raise EnvironmentLacking(f"{partial} is not on the disk as it was written; run the same command again")
     replace_folder(partial, released)
     make_folder(marker.path)
     mark_done(marker.path, key, hashes)
     return hashes
 
 
-def _fill(workspace: Workspace, spec: RunSpec, rendered: Mapping[str, str], folder: Path) -> None:
+def _fill(workspace: Workspace, spec: RunSpec, rendered: Mapping[str, str], folder: Path) -> dict[str, str]:
+    """Write the files of a run; SHA-256 of what was written by path."""
     make_folder(folder / SIDE)
     make_folder(folder / IMAGES)
+    written: dict[str, str] = {}
     for name, data in tables(spec, read_recording(workspace.simulate(spec.key).path)):
         write_file(folder / name, data)
+        written[name] = hashlib.sha256(data).hexdigest()
     pictures = workspace.render(spec.key).path
     for name, digest in sorted(rendered.items()):
         if name.startswith(f"{IMAGES}/"):
             write_file(folder / name, read_known(pictures / name, digest))
+            written[name] = digest
     if spec.render.annotations:
-        copy_released(workspace.annotate(spec.key), folder)
+        written |= copy_released(workspace.annotate(spec.key), folder)
+    return written
 
 
 def tables(spec: RunSpec, recording: Recording) -> Iterator[tuple[str, bytes]]:

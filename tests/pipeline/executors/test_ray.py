@@ -92,8 +92,9 @@ def test_two_releases_lose_workers_and_a_node_and_are_those_of_one_machine_with_
     scenarios = {"smoke": "smoke", "other": str(tmp_path / "other.yaml")}
     outs = [tmp_path / "shared" / name for name in scenarios]
     outs[0].parent.mkdir()
-    address = ("--executor", "ray", "--address", cluster.address)
-    started = [_release(scenario, out, *address) for scenario, out in zip(scenarios.values(), outs, strict=True)]
+    address, shelf = ("--executor", "ray", "--address", cluster.address), tmp_path / "shelf"
+    upload = {"other": ["--upload", f"file://{shelf}"]}
+    started = [_release(scenarios[out.name], out, *address, *upload.get(out.name, [])) for out in outs]
     kills = []
     for images in (6, 20):
         _wait_for(lambda images=images: min(map(_images, outs)) >= images)
@@ -110,6 +111,7 @@ def test_two_releases_lose_workers_and_a_node_and_are_those_of_one_machine_with_
         alone = tmp_path / "alone" / name
         assert main(["release", scenario, "--out", str(alone), *SMALL, "--workers", "1"]) == 0
         assert release_of(out) == release_of(alone)
+    assert release_of(shelf) == release_of(outs[1])
     for kill in kills:  # what was in place and noted then was never touched again
         assert {path: path.stat().st_mtime_ns for path in kill.written_ns} == kill.written_ns
     made = _journalled(outs)
