@@ -11,7 +11,7 @@ from configs.whole_files import make_folder, write_file
 from physics.arena import Arena
 from pipeline.dataset.annotation_checks import ANNOTATIONS
 from pipeline.files import read_known, sha256_of
-from pipeline.stages.render import IMAGES, JOB, Appearance, Findings, FrameTask, Order
+from pipeline.stages.render import IMAGES, JOB, Appearance, Findings, FrameTask, Order, Rendered, journal
 from pipeline.workspace import StageFolder, mark_done
 
 
@@ -59,3 +59,11 @@ def copy_released(annotated: StageFolder, run: Path) -> dict[str, str]:
             write_file(run / name, read_known(annotated.path / name, digest))
             copied[name] = digest
     return copied
+
+
+def processors(render: StageFolder, annotate: StageFolder | None) -> tuple[str, ...]:
+    """Classes of the processors that made a run's images and, where it has any, its annotations; sorted."""
+    found = {*Rendered.read(render.path).cpus}
+    if annotate is not None:
+        found |= {*journal(annotate, ANNOTATIONS).processors()}
+    return tuple(sorted(found))

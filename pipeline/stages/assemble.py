@@ -23,8 +23,8 @@ from pipeline.dataset.obstacles import obstacle_table, obstacles_csv
 from pipeline.dataset.rows import Rows
 from pipeline.dataset.side import BOARD, CAMERA, TOF, WHEELS, board_csv, image_positions, tof_csv, wheels_csv
 from pipeline.files import hashes_of, holds, read_known
-from pipeline.progress import Report
-from pipeline.stages.annotate import copy_released
+from pipeline.progress import Report, StageReport
+from pipeline.stages.annotate import copy_released, processors
 from pipeline.stages.render import Rendered
 from pipeline.stages.simulate_runs import read_outcome, read_recording, spec_text
 from pipeline.versions import versions
@@ -65,14 +65,31 @@ def assemble(
             pictures = Rendered.read(workspace.render(spec.key).path)
             outcome = read_outcome(simulated)
             warnings = (*outcome.warnings, *pictures.warnings)
-            records.append(RunRecord.of(spec, rows, outcome.lap_time_s, warnings, pictures.device, board=outcome.board))
-            cpus |= {outcome.cpu, pictures.cpu}
+            made_on = _processors(workspace, spec, stage)
+            device, board = pictures.device, outcome.board
+            record = RunRecord.of(spec, rows, outcome.lap_time_s, warnings, device, cpus=made_on, board=board)
+            records.append(record)
+            cpus |= {outcome.cpu, *made_on}
             stage.update(spec.key, 1)
     if not good:
         _remove_files(workspace.out, (*CHECKSUMS, BAG_INFO, METADATA, DESCRIPTION))
         return
     metadata = describe(tree, specs, records, failures)
     _describe(workspace, metadata, markdown(metadata, good[0]), hashes, cpus)
+
+
+def _processors(workspace: Workspace, spec: RunSpec, stage: StageReport) -> tuple[str, ...]:
+    """Classes of those that made its images and annotations; where they are several, that is told."""
+    annotate = workspace.annotate(spec.key) if spec.render.annotations else None
+    found = processors(workspace.render(spec.key), annotate)
+    if len(found) > 1:
+        stage.say(f"{spec.key}: {of_several_classes(found)}")
+    return found
+
+
+def of_several_classes(cpus: Sequence[str]) -> str:
+    """What is to be known of a run whose frames were made on several classes of processor."""
+    return f"its frames were made on {' and '.join(cpus)}: low bits may not be those of a machine of one class"
 
 
 def _describe(workspace: Workspace, metadata: Metadata, page: bytes, hashes: dict[str, str], cpus: set[str]) -> None:

@@ -185,7 +185,9 @@ class RenderTask(FrameTask):
             for frame in self.frames
         ]
         warnings = exposure_warnings(seen)
-        told = {"cpu": cpu_class(), "device": self.device, "frames": records, "warnings": list(warnings)}
+        cpus = Ledger(self.files, self.job_sha256).processors() or (cpu_class(),)
+        cpu = cpus[0] if len(cpus) == 1 else list(cpus)
+        told = {"cpu": cpu, "device": self.device, "frames": records, "warnings": list(warnings)}
         write_file(self.folder.path / FRAMES, canonical_json(told))
         pictures = {record["file"]: record["sha256"] for record in records}
         texts = {name: sha256_of(self.folder.path / name) for name in (JOB, FRAMES)}
@@ -339,10 +341,16 @@ class Rendered:
     """On which they were rendered, as Cycles calls it."""
     warnings: tuple[str, ...]
     """What was found wrong with their exposure."""
-    cpu: str
-    """Class of the processor; empty where it was not noted."""
+    cpus: tuple[str, ...]
+    """Classes of the processors; nothing where it was not noted."""
 
     @classmethod
     def read(cls, folder: Path) -> "Rendered":
         told = json.loads((folder / FRAMES).read_bytes())
-        return cls(told["device"], tuple(told["warnings"]), told.get("cpu", ""))
+        cpu = told.get("cpu", [])
+        return cls(told["device"], tuple(told["warnings"]), (cpu,) if isinstance(cpu, str) else tuple(cpu))
+
+
+def journal(folder: StageFolder, files: str) -> Ledger:
+    """Of a folder whose job is written; `files` is the folder within it that is filled."""
+    return Ledger(folder.path / files, sha256_of(folder.path / JOB))

@@ -4,48 +4,14 @@ import shlex
 import time
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
-from blender_scenes.camera_response import encode_jpeg
-from blender_scenes.frame_files import FrameFile, Ledger, frame_name, put_in_place
 from configs.errors import EnvironmentLacking
 from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST
-from pipeline.files import sha256_of
 from pipeline.storage.folder import Folder
-from pipeline.units import Finished, RenderUnit
-from pipeline.worker_main import do
 
 SMALL = ["--set=stop.time_limit_s=0.2", "--set=render.width_px=32", "--set=render.height_px=24", "--workers=1"]
 LISTS = [MANIFEST, TAG_MANIFEST]
-
-
-def paint(unit, grey=128):
-    """In place of Blender: a picture of one grey for each frame."""
-    data = encode_jpeg(np.full((24, 32, 3), grey, np.uint8), 92)
-    ledger = Ledger(unit.folder, sha256_of(unit.job))
-    for number in unit.numbers:
-        name = frame_name(number)
-        ledger.add(FrameFile(number, name, put_in_place(data, unit.folder / name, 32, 24), len(data), 0.0))
-
-
-@pytest.fixture
-def hands(monkeypatch):
-    """Units done one by one in this process, pictures by `hands.paint`."""
-    chosen = SimpleNamespace(paint=paint)
-
-    def run_units(units, workers, on_event, **_options):
-        del workers
-        for unit in units:
-            if isinstance(unit, RenderUnit):
-                chosen.paint(unit)
-                on_event(unit, Finished())
-            else:
-                on_event(unit, do(unit, lambda *_, **__: None))
-        return []
-
-    monkeypatch.setattr("pipeline.executors.local.run_units", run_units)
-    return chosen
 
 
 @pytest.fixture
@@ -78,12 +44,14 @@ def test_a_run_is_there_while_the_next_is_made_and_the_lists_come_last(
 ):
     there = {}
 
+    plain = hands.paint
+
     def look(unit):
         end = time.monotonic() + 60
         while unit.name == "CCW/test_1" and len(there) < 9 and time.monotonic() < end:
             time.sleep(0.01)
             there.update((name, (shelf.root / name).read_bytes()) for name in Folder("", shelf.root).sizes())
-        paint(unit)
+        plain(unit)
 
     hands.paint = look
     ended = release()
@@ -100,15 +68,17 @@ def test_a_run_is_there_while_the_next_is_made_and_the_lists_come_last(
 
 
 def test_interrupted_and_given_again_it_sends_the_rest_and_then_nothing(release, hands, shelf, tmp_path, release_of):
+    plain = hands.paint
+
     def stop(unit):
         if unit.name == "CCW/test_1":
             raise KeyboardInterrupt
-        paint(unit)
+        plain(unit)
 
     hands.paint = stop
     assert release().code == 130
     assert not {*LISTS} & {*shelf.names}
-    hands.paint = paint
+    hands.paint = plain
     assert release().code == 0
     content = release_of(tmp_path / "out")
     assert release_of(shelf.root) == content
@@ -146,7 +116,8 @@ def test_a_network_that_comes_back_costs_nothing(release, shelf, tmp_path, relea
 
 
 def test_where_a_run_failed_the_place_is_not_finished(release, hands, shelf, tmp_path):
-    hands.paint = lambda unit: paint(unit, 0 if unit.name == "CW/test_1" else 128)
+    plain = hands.paint
+    hands.paint = lambda unit: plain(unit, grey=0 if unit.name == "CW/test_1" else 128)
     ended = release()
     assert (ended.code, "not finished, for a run failed" in ended.out) == (3, True)
     assert {name.split("/")[0] for name in shelf.names} == {"CCW"}
