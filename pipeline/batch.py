@@ -63,7 +63,7 @@ class Batch:
         check_out(out, Kind.DATASET)
         check_disk(out, Plan.of(specs, cores()).bytes_needed)
         device = device_for(specs[0].render.device) if pictured else "CPU"
-        return cls(loaded, specs, Workspace(out.absolute()), executor, device)
+        return cls(loaded, specs, Workspace(out.absolute()), executor.on(device), device)
 
     def keep_own_files(self) -> None:
         """Copy the user's own files for the renderers: before the runs are simulated, which leaves time to change them.

@@ -15,6 +15,7 @@ from pipeline.commands.options import (
     Device,
     Endpoint,
     ExecutorName,
+    GpuShare,
     OnDevice,
     Out,
     Part,
@@ -127,6 +128,7 @@ def release(
     memory: WorkerMemory = None,
     executor: WorkedBy = ExecutorName.LOCAL,
     address: Address = "auto",
+    gpu_share: GpuShare = None,
     upload: Annotated[
         str | None,
         typer.Option(
@@ -150,9 +152,13 @@ def release(
     """
     if executor is ExecutorName.RAY and workers is not None:
         raise InputError("--workers", got=workers, cure="leave it out: the size of the cluster decides")
+    if executor is not ExecutorName.RAY and gpu_share is not None:
+        raise InputError("--gpu-share", got=gpu_share, cure="leave it out: here --workers take the cards in turn")
     where = address if executor is ExecutorName.RAY else None
     to = _destination(out, upload, endpoint, allow_http=allow_http)
-    return _make("release", scenario, out, settings, workers, device, memory, address=where, to=to)
+    return _make(
+        "release", scenario, out, settings, workers, device, memory, address=where, card_share=gpu_share, to=to
+    )
 
 
 def _destination(out: Path, url: str | None, endpoint: str | None, *, allow_http: bool) -> "Destination | None":
@@ -178,6 +184,7 @@ def _make(  # noqa: PLR0917 - the options of the commands
     memory: float | None = None,
     part: str | None = None,
     address: str | None = None,
+    card_share: float | None = None,
     to: "Destination | None" = None,
 ) -> int:
     """Do one stage, or all for `release`."""
@@ -185,7 +192,7 @@ def _make(  # noqa: PLR0917 - the options of the commands
     from pipeline.executors import chosen
     from pipeline.progress import report_here
 
-    executor = chosen(workers, memory, part, address)
+    executor = chosen(workers, memory, part, address, card_share)
     stages = STAGES if command == "release" else (command,)
     report = report_here()
     overrides, pictured = with_device(settings, device), command != "simulate"
@@ -294,7 +301,8 @@ def rerender(
     request = Request(chosen, draws or 1, arena, robot, camera_hz, seed, with_device(settings, device), option)
     found, drawn = prepare(source, request)
     with open_folders(found, drawn, out, apart=looks is not None) as folders:
-        failures = render_source(found, drawn, folders, Local.of(workers, memory), report_here())
+        executor = Local.of(workers, memory).on(drawn[0].appearance.device)
+        failures = render_source(found, drawn, folders, executor, report_here())
     return conclude(failures, len(drawn), "rerender", out, "draw")
 
 
