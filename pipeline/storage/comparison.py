@@ -66,9 +66,9 @@ def compare(
         EnvironmentLacking: The store cannot be reached.
     """
     sizes = store.sizes()
-    asked = _of_right_size(files, sizes)
+    asked = [file for file in _of_right_size(files, sizes) if file.name not in known]
     if not asked:
-        return compare_listed(files, sizes, store)
+        return compare_listed(files, sizes, store, known)
     with report.stage("compare", len(asked), "files") as stage:
         return compare_listed(files, sizes, store, known, lambda done: stage.update("all", done))
 

@@ -64,6 +64,7 @@ def test_a_run_is_there_while_the_next_is_made_and_the_lists_come_last(
     assert sorted(shelf.names) == sorted(content)
     assert ended.out.splitlines()[1] == f"{shelf.url}: 23 files there, 23 sent now, 5 of them at the end"
     assert "upload: CW/test_1: 9 files sent, 0.0 MB; 0 were there" in ended.err
+    assert "compare" not in ended.err  # this process has sent it all
     assert symolo("verify", shelf.root).code == 0
 
 
