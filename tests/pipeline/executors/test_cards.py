@@ -2,7 +2,6 @@
 
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
@@ -55,43 +54,7 @@ def test_of_four_workers_two_see_each_of_two_cards_and_what_replaces_one_sees_it
     assert sorted(path.read_text() for path in tmp_path.iterdir()) == ["0 0 ", "0 0 ", "1 1 ", "1 1 "]
 
 
-class _Ray:
-    """Does every task when it is asked for, and notes what tasks ask for."""
-
-    exceptions = SimpleNamespace(RayTaskError=LookupError, RayError=LookupError)
-
-    def __init__(self, **resources):
-        self.asked, self._resources = [], resources
-        self.most = self._given = 0
-
-    def init(self, **options):
-        assert options["address"] == "auto"
-
-    def shutdown(self):
-        assert self._given == 0
-
-    def cluster_resources(self):
-        return self._resources
-
-    def remote(self, **options):
-        self.asked.append(options)
-        return lambda _function: SimpleNamespace(remote=self._give)
-
-    def _give(self, *_arguments):
-        self._given += 1
-        self.most = max(self.most, self._given)
-        return object()
-
-    def wait(self, references, num_returns):
-        return references[:num_returns], references[num_returns:]
-
-    def get(self, _reference):
-        self._given -= 1
-        return "{}"
-
-
-def _asked_on(ray, monkeypatch, device, units, share=None):
-    monkeypatch.setitem(sys.modules, "ray", ray)
+def _asked_on(ray, device, units, share=None):
     executor = chosen(None, None, None, "auto", share).on(device)
     assert executor.do(units, lambda *_: None) == []
     return [task.get("num_gpus") for task in ray.asked]
@@ -99,22 +62,22 @@ def _asked_on(ray, monkeypatch, device, units, share=None):
 
 @pytest.mark.parametrize(("given", "share", "at_a_time"), [(None, 0.5, 4), (0.25, 0.25, 8), (1.0, 1.0, 2)])
 def test_a_block_on_ray_asks_for_its_share_and_the_cards_decide_how_many_are_given(
-    monkeypatch, given, share, at_a_time
+    pretended_ray, given, share, at_a_time
 ):
-    ray = _Ray(CPU=64.0, GPU=2.0)
-    assert _asked_on(ray, monkeypatch, "OPTIX", _units(Path(), 100), given) == [share]
+    ray = pretended_ray(CPU=64.0, GPU=2.0)
+    assert _asked_on(ray, "OPTIX", _units(Path(), 100), given) == [share]
     assert ray.most == 2 * at_a_time  # one to do and one that waits
 
 
-def test_on_ray_neither_simulation_nor_the_processor_asks_for_a_card(monkeypatch):
+def test_on_ray_neither_simulation_nor_the_processor_asks_for_a_card(pretended_ray):
     simulation = SimulateUnit(name="run", spec="", folder=Path(), key="")
-    assert _asked_on(_Ray(CPU=8.0, GPU=1.0), monkeypatch, "OPTIX", [simulation]) == [None]
-    assert _asked_on(_Ray(CPU=8.0), monkeypatch, "CPU", _units(Path())) == [None]
+    assert _asked_on(pretended_ray(CPU=8.0, GPU=1.0), "OPTIX", [simulation]) == [None]
+    assert _asked_on(pretended_ray(CPU=8.0), "CPU", _units(Path())) == [None]
 
 
-def test_a_cluster_without_a_card_is_told_before_ray_waits_for_one(monkeypatch):
+def test_a_cluster_without_a_card_is_told_before_ray_waits_for_one(pretended_ray):
     with pytest.raises(EnvironmentLacking, match=r"no node .* has a graphics card.*--num-gpus.*--device cpu"):
-        _asked_on(_Ray(CPU=8.0), monkeypatch, "OPTIX", _units(Path()))
+        _asked_on(pretended_ray(CPU=8.0), "OPTIX", _units(Path()))
 
 
 def test_a_share_is_of_a_cluster_alone(symolo, tmp_path):
