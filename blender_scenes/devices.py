@@ -3,7 +3,7 @@
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from typing import Literal
 
 from blender_scenes.surroundings import SYSTEM_PACKAGES, without_blender_settings
@@ -17,6 +17,13 @@ GPU_KINDS: tuple[DeviceKind, ...] = ("OPTIX", "CUDA", "HIP", "METAL", "ONEAPI")
 
 LISTED = "gpu "
 """Before each kind in what the process that lists them prints, amid Blender's own chatter."""
+VISIBLE: dict[DeviceKind, str] = {
+    "OPTIX": "CUDA_VISIBLE_DEVICES",
+    "CUDA": "CUDA_VISIBLE_DEVICES",
+    "HIP": "HIP_VISIBLE_DEVICES",
+    "ONEAPI": "ZE_AFFINITY_MASK",
+}
+"""Variables by which NVIDIA's, AMD's and Intel's drivers show a process some of the cards; Apple's knows none."""
 _TIMEOUT_S = 120
 
 
@@ -40,8 +47,29 @@ def device_for(asked: RenderDevice, listed: Callable[[], Collection[str]] | None
     return "CPU"
 
 
+def one_card_each(
+    kind: DeviceKind, environment: Mapping[str, str], listed: Callable[[], Collection[str]] | None = None
+) -> tuple[dict[str, str], ...]:
+    """For each card of a kind, the variables with which a process sees that card alone; nothing for the processor.
+
+    Args:
+        kind: As `device_for` gave it.
+        environment: Of this process; where it sees some of the machine's cards, these are dealt out and no others.
+        listed: The kind of each card; Blender lists them by default.
+
+    Raises:
+        EnvironmentLacking: Blender does not start.
+    """
+    if kind not in VISIBLE:
+        return ()
+    count = list((listed or listed_gpus)()).count(kind)
+    seen = [name.strip() for name in environment.get(VISIBLE[kind], "").split(",") if name.strip()]
+    names = seen or [str(number) for number in range(count)]
+    return tuple({VISIBLE[kind]: name} for name in names[:count])
+
+
 def listed_gpus() -> tuple[str, ...]:
-    """Kinds of card that Blender lists, found out in a process of its own, which takes a second.
+    """The kind of each card that Blender lists, found out in a process of its own, which takes a second.
 
     Raises:
         EnvironmentLacking: Blender does not start.

@@ -26,6 +26,8 @@ class FrameFile:
     """What rendering, developing and writing it took."""
     threads: int = 1
     """Of Cycles meanwhile."""
+    cpu: str = ""
+    """Class of the processor that made it; empty where it was not noted."""
 
 
 @dataclass(frozen=True)
@@ -82,6 +84,11 @@ class Ledger:
         """Recorded files of this job that lie in the folder as they were written, by their path in it."""
         recorded = {frame.file: frame for frame in self.files()}
         return {name: frame for name, frame in recorded.items() if self._is_whole(frame)}
+
+    def processors(self) -> tuple[str, ...]:
+        """Classes of those that made this job's files, each as it was put in place last; none that was not noted."""
+        last = {frame.file: frame.cpu for frame in self.files()}
+        return tuple(sorted({*last.values()} - {""}))
 
     def _entries(self) -> Iterator[_Entry]:
         if not self._path.exists():

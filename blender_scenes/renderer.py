@@ -10,7 +10,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO
 
@@ -72,13 +72,14 @@ def render_job(
     on_frame: Callable[[int], None] | None = None,
     on_begin: Callable[[int], None] | None = None,
     own_files: Path | None = None,
+    cpu: str = "",
 ) -> FrameSet:
     """Puts the files of the frames `numbers` of a job (all by default) below `folder`: pictures, or annotations.
 
     Their bytes depend on the job and the frame's number alone. Finished files are recorded in a journal beside the
     folder, `<folder>.jsonl`; a frame whose files are all there and whole is not done again. `on_frame` hears of every
     frame in place, `on_begin` of each that is begun. `own_files` is the folder that holds the user's own files by their
-    SHA-256, for a job that shows some.
+    SHA-256, for a job that shows some. `cpu` is the class of this machine's processor, for the journal.
 
     Raises:
         EnvironmentLacking: bpy cannot be loaded, the disk is full or refuses, or the job's graphics card is not there.
@@ -108,7 +109,7 @@ def render_job(
             request = Request(work, str(job_path), str(folder), missing, threads, scratch, own)
             pixels = job.camera.width_px * job.camera.height_px
             for file in _blender_files(request, pixels * job.sampling.samples, on_begin or (lambda _number: None)):
-                ledger.add(file)
+                ledger.add(replace(file, cpu=cpu))
                 whole[file.file] = file
                 left[file.number].discard(file.file)
                 if not left[file.number]:

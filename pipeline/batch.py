@@ -1,6 +1,6 @@
 """A scenario and an output folder: which stages are to be done for which runs, and what came of it."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -63,7 +63,7 @@ class Batch:
         check_out(out, Kind.DATASET)
         check_disk(out, Plan.of(specs, cores()).bytes_needed)
         device = device_for(specs[0].render.device) if pictured else "CPU"
-        return cls(loaded, specs, Workspace(out.absolute()), executor, device)
+        return cls(loaded, specs, Workspace(out.absolute()), executor.on(device), device)
 
     def keep_own_files(self) -> None:
         """Copy the user's own files for the renderers: before the runs are simulated, which leaves time to change them.
@@ -96,13 +96,25 @@ class Batch:
                 raise self._not_done(spec, "simulate")
         return problems_of(self.workspace, self.specs)
 
-    def render(self, failures: Sequence[FailedRun], report: Report) -> list[FailedRun]:
-        """Images, and then what is known of those that were rendered."""
+    def render(
+        self,
+        failures: Sequence[FailedRun],
+        report: Report,
+        on_whole: Callable[[RunSpec], None] = lambda _spec: None,
+    ) -> list[FailedRun]:
+        """Images, and then what is known of those that were rendered; `on_whole` hears of each run that has all."""
+        specs = {spec.key: spec for spec in self.specs}
+
+        def on_pictures(run: str) -> None:
+            if not specs[run].render.annotations:
+                on_whole(specs[run])
+
         tasks: list[FrameTask] = []
-        failed = render_runs(_noted(self._render_orders(failures), tasks), self.executor, report)
+        orders = _noted(self._render_orders(failures), tasks)
+        failed = render_runs(orders, self.executor, report, on_whole=on_pictures)
         orders = self._annotation_orders(tasks, failed)
         if self._annotated:
-            failed += render_runs(orders, self.executor, report, "annotate")
+            failed += render_runs(orders, self.executor, report, "annotate", lambda run: on_whole(specs[run]))
         return failed
 
     def rendered(self, failures: Sequence[FailedRun]) -> list[FailedRun]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import get_args
 
 from blender_scenes.devices import device_for
-from blender_scenes.frame_files import FrameFile, Ledger
+from blender_scenes.frame_files import FrameFile
 from configs.draw import draw_run
 from configs.errors import RunFailed
 from configs.loader import load_scenario
@@ -17,11 +17,10 @@ from pipeline.batch import Batch
 from pipeline.dataset.metadata import FailedRun
 from pipeline.executors.local import Local
 from pipeline.executors.part import BLOCK_FRAMES
-from pipeline.files import sha256_of
 from pipeline.output import check_scratch
 from pipeline.plan import BYTES_PER_ROW, Plan
 from pipeline.progress import Report, seconds
-from pipeline.stages.render import JOB
+from pipeline.stages.render import journal
 from pipeline.stages.simulate_runs import simulate_runs
 from pipeline.workers import cores
 from pipeline.workspace import StageFolder, Workspace
@@ -154,7 +153,7 @@ def _timed(batch: Batch, simulate_s: float, report: Report) -> Price:
 
 
 def _files(folder: StageFolder, name: str) -> list[FrameFile]:
-    return list(Ledger(folder.path / name, sha256_of(folder.path / JOB)).whole_files().values())
+    return list(journal(folder, name).whole_files().values())
 
 
 def _good(failures: Sequence[FailedRun]) -> None:

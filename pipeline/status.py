@@ -16,11 +16,11 @@ from configs.whole_files import place_of
 from pipeline.dataset.annotation_checks import ANNOTATIONS
 from pipeline.dataset.inventory import Inventory
 from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST
-from pipeline.files import holds, sha256_of
+from pipeline.files import holds
 from pipeline.output import kind_of
 from pipeline.plan import Plan
-from pipeline.stages.assemble import read_metadata
-from pipeline.stages.render import IMAGES, JOB
+from pipeline.stages.assemble import of_several_classes, read_metadata
+from pipeline.stages.render import IMAGES, JOB, journal
 from pipeline.stages.simulate_runs import SPEC, RunOutcome, read_outcome, simulation_key
 from pipeline.why import changes, told
 from pipeline.workspace import FAILED, STAGES, Kind, StageFolder, Workspace
@@ -75,6 +75,7 @@ def status(out: Path, specs: Sequence[RunSpec] = (), *, check: bool = False) -> 
     reasons = Counter(f"{stage.stage}: {stage.again}" for run in runs for stage in run.stages if stage.again)
     for reason, count in reasons.items():
         yield f"would be done by the next release, {count} {'run' if count == 1 else 'runs'}: {reason}"
+    yield from _mixed(workspace, [run.run for run in runs])
     yield _release(workspace, check=check)
     if cost := _cost(workspace, [run.run for run in runs], specs):
         yield cost
@@ -237,10 +238,8 @@ def _cost(workspace: Workspace, runs: Sequence[str], specs: Sequence[RunSpec]) -
     """What the images there took, by the journals of their making; the starts of Blender are not in it."""
     images, core_s = 0, 0.0
     for run in runs:
-        for folder, name in ((workspace.render(run), IMAGES), (workspace.annotate(run), ANNOTATIONS)):
-            if not (folder.path / JOB).is_file():
-                continue
-            made = Ledger(folder.path / name, sha256_of(folder.path / JOB)).files()
+        for name, of_run in _journals(workspace, run):
+            made = of_run.files()
             core_s += sum(file.seconds * file.threads for file in made)
             images += len({file.file for file in made}) if name == IMAGES else 0
     if not images:
@@ -250,6 +249,21 @@ def _cost(workspace: Workspace, runs: Sequence[str], specs: Sequence[RunSpec]) -
         return told
     planned = Plan.of(specs, 1)
     return f"{told}; planned were {planned.render_s / planned.images:.3g} each, with the starts of Blender"
+
+
+def _mixed(workspace: Workspace, runs: Sequence[str]) -> Iterator[str]:
+    """Runs whose frames were made on several classes of processor."""
+    for run in runs:
+        cpus = {cpu for _, of_run in _journals(workspace, run) for cpu in of_run.processors()}
+        if len(cpus) > 1:
+            yield f"{run}: {of_several_classes(sorted(cpus))}"
+
+
+def _journals(workspace: Workspace, run: str) -> Iterator[tuple[str, Ledger]]:
+    """Of its images and annotations, as far as they were begun, with the name of the folder that each is of."""
+    for folder, name in ((workspace.render(run), IMAGES), (workspace.annotate(run), ANNOTATIONS)):
+        if (folder.path / JOB).is_file():
+            yield name, journal(folder, name)
 
 
 def _disk(workspace: Workspace) -> str:

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 from blender_scenes.protocol import Work
 from configs.errors import EnvironmentLacking, InputError, RunFailed
 from configs.whole_files import make_folder, remove_leftovers, write_file
+from pipeline.cpu import cpu_class
 from pipeline.reading import Reading
 
 
@@ -107,6 +108,7 @@ class RenderUnit(UnitOfWork):
                 on_frame=on_frame,
                 on_begin=lambda number: progress(len(done) / len(self.numbers), number),
                 own_files=self.own_files,
+                cpu=cpu_class(),
             )
         except RenderError as error:
             raise EngineFailed(str(error)) from error

@@ -66,6 +66,7 @@ def run_units(
     *,
     limits: Limits = BY_LIMITS,
     command: Sequence[str] = COMMAND,
+    of_slots: Sequence[Mapping[str, str]] = (),
 ) -> list[UnitFailure]:
     """Do all units, at most `workers` at once, and return those that failed, as a whole or in part.
 
@@ -76,6 +77,8 @@ def run_units(
         environment: Variables of the children beside those of this process.
         limits: Of each child, and of what is tried again.
         command: What a child runs; it is told units, and tells what comes of them, as `pipeline.worker_main` does.
+        of_slots: Further variables, such as of a graphics card: dealt out in turn to the children at a time, and kept
+            by the one that replaces another.
 
     Raises:
         EnvironmentLacking, InputError: As soon as one worker says so; it would hit every unit.
@@ -83,7 +86,7 @@ def run_units(
     """
     with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as scratch:
         variables = {**environment, "TMPDIR": scratch, SCRATCH: scratch}
-        slots = _Slots(deque(_Try(unit, unit) for unit in units), variables, limits, command)
+        slots = _Slots(deque(_Try(unit, unit) for unit in units), variables, limits, command, of_slots or ({},))
         return _supervised(slots, units, workers, on_event)
 
 
@@ -91,7 +94,8 @@ def _supervised(
     slots: "_Slots", units: Sequence[AnyUnit], workers: int, on_event: Callable[[AnyUnit, AnyEvent], None]
 ) -> list[UnitFailure]:
     found = _Found()
-    threads = [threading.Thread(target=slots.work, daemon=True) for _ in range(max(1, min(workers, len(units))))]
+    count = max(1, min(workers, len(units)))
+    threads = [threading.Thread(target=slots.work, args=(slot,), daemon=True) for slot in range(count)]
     threads.append(threading.Thread(target=slots.watch, daemon=True))
     try:
         for thread in threads:
@@ -156,17 +160,18 @@ class _Slots:
     environment: Mapping[str, str]
     limits: Limits
     command: Sequence[str]
+    of_slots: Sequence[Mapping[str, str]]
     events: "queue.SimpleQueue[tuple[AnyUnit, AnyEvent]]" = field(default_factory=queue.SimpleQueue)
     running: set[WorkerProcess] = field(default_factory=set)
     stopped: threading.Event = field(default_factory=threading.Event)
     lock: threading.Lock = field(default_factory=threading.Lock)
 
-    def work(self) -> None:
+    def work(self, slot: int) -> None:
         worker: WorkerProcess | None = None
         try:
             while (tried := self._next()) is not None:
                 try:
-                    worker = self._do(tried, worker)
+                    worker = self._do(tried, worker, slot)
                 except Exception as error:  # noqa: BLE001 - a thread must not end in silence: `run_units` waits
                     self.events.put((tried.unit, _supervisor_failed(error)))
         finally:
@@ -198,13 +203,13 @@ class _Slots:
         with self.lock:
             return self.waiting.popleft() if self.waiting else None
 
-    def _do(self, tried: _Try, worker: WorkerProcess | None) -> WorkerProcess | None:
+    def _do(self, tried: _Try, worker: WorkerProcess | None, slot: int) -> WorkerProcess | None:
         """Try a unit until it is done or given up, in this worker or a new one; the worker for the next unit."""
         while True:
             if worker is None or not worker.alive or not tried.left.shares_a_worker:
                 if worker is not None:
                     self._let_go(worker)
-                worker = self._started()
+                worker = self._started(slot)
                 if worker is None:
                     return None
             last = self._once(tried, worker)
@@ -216,11 +221,12 @@ class _Slots:
                 self.events.put((tried.unit, end))
                 return worker
 
-    def _started(self) -> WorkerProcess | None:
+    def _started(self, slot: int) -> WorkerProcess | None:
         with self.lock:
             if self.stopped.is_set():
                 return None
-            worker = WorkerProcess(self.environment, self.command)
+            own = self.of_slots[slot % len(self.of_slots)]
+            worker = WorkerProcess({**self.environment, **own}, self.command)
             self.running.add(worker)
             return worker
 

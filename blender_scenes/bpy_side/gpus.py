@@ -1,4 +1,4 @@
-"""The graphics cards that Cycles can render on. `python -m blender_scenes.bpy_side.gpus` prints their kinds."""
+"""The graphics cards that Cycles can render on. `python -m blender_scenes.bpy_side.gpus` prints the kind of each."""
 
 import sys
 
@@ -37,4 +37,4 @@ def enable(kind: str) -> None:
 
 
 if __name__ == "__main__":
-    sys.stdout.write("".join(f"\n{LISTED}{kind}" for kind in listed()) + "\n")
+    sys.stdout.write("".join(f"\n{LISTED}{kind}" * len(names) for kind, names in listed().items()) + "\n")

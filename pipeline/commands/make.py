@@ -1,6 +1,8 @@
 """Commands that make data: plan, simulate, render, assemble, release, rerender."""
 
+import shlex
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,8 +11,11 @@ import typer
 from configs.errors import InputError
 from pipeline.commands.options import (
     Address,
+    AllowHttp,
     Device,
+    Endpoint,
     ExecutorName,
+    GpuShare,
     OnDevice,
     Out,
     Part,
@@ -25,7 +30,10 @@ from pipeline.commands.options import (
 )
 
 if TYPE_CHECKING:
+    from pipeline.batch import Batch
     from pipeline.dataset.metadata import FailedRun
+    from pipeline.progress import Report
+    from pipeline.storage.along import Along, Destination
 
 RUN_FAILED = 3
 STAGES = ("simulate", "render", "assemble")
@@ -120,6 +128,17 @@ def release(
     memory: WorkerMemory = None,
     executor: WorkedBy = ExecutorName.LOCAL,
     address: Address = "auto",
+    gpu_share: GpuShare = None,
+    upload: Annotated[
+        str | None,
+        typer.Option(
+            metavar="URL",
+            help="Send each run there as soon as it is whole, while others are made, and the lists of checksums at the "
+            "end: s3://BUCKET/PREFIX, gs://BUCKET/PREFIX or file:///FOLDER.",
+        ),
+    ] = None,
+    endpoint: Endpoint = None,
+    allow_http: AllowHttp = False,
 ) -> int:
     """All stages: from a scenario to a dataset. Given again, it continues where it stopped.
 
@@ -128,11 +147,31 @@ def release(
     What is done and unchanged is not done again: with another look only the images are made anew.
 
     On a cluster: symolo release symolo --out /shared/data --executor ray --address head:6379
+
+    Sent while it is made: symolo release smoke --out data --upload file:///mnt/shelf/data
     """
     if executor is ExecutorName.RAY and workers is not None:
         raise InputError("--workers", got=workers, cure="leave it out: the size of the cluster decides")
+    if executor is not ExecutorName.RAY and gpu_share is not None:
+        raise InputError("--gpu-share", got=gpu_share, cure="leave it out: here --workers take the cards in turn")
     where = address if executor is ExecutorName.RAY else None
-    return _make("release", scenario, out, settings, workers, device, memory, address=where)
+    to = _destination(out, upload, endpoint, allow_http=allow_http)
+    return _make(
+        "release", scenario, out, settings, workers, device, memory, address=where, card_share=gpu_share, to=to
+    )
+
+
+def _destination(out: Path, url: str | None, endpoint: str | None, *, allow_http: bool) -> "Destination | None":
+    if url is None:
+        if endpoint or allow_http:
+            raise InputError("--endpoint" if endpoint else "--allow-http", cure="name the place by --upload")
+        return None
+    from pipeline.storage.address import store_of
+    from pipeline.storage.along import Destination
+
+    options = [*(["--endpoint", endpoint] if endpoint else []), *(["--allow-http"] if allow_http else [])]
+    command = shlex.join(["symolo", "upload", str(out), url, *options])
+    return Destination(store_of(url, endpoint, allow_http=allow_http), command)
 
 
 def _make(  # noqa: PLR0917 - the options of the commands
@@ -145,14 +184,15 @@ def _make(  # noqa: PLR0917 - the options of the commands
     memory: float | None = None,
     part: str | None = None,
     address: str | None = None,
+    card_share: float | None = None,
+    to: "Destination | None" = None,
 ) -> int:
     """Do one stage, or all for `release`."""
     from pipeline.batch import Batch
     from pipeline.executors import chosen
     from pipeline.progress import report_here
-    from pipeline.status import again
 
-    executor = chosen(workers, memory, part, address)
+    executor = chosen(workers, memory, part, address, card_share)
     stages = STAGES if command == "release" else (command,)
     report = report_here()
     overrides, pictured = with_device(settings, device), command != "simulate"
@@ -162,20 +202,42 @@ def _make(  # noqa: PLR0917 - the options of the commands
         failures += batch.rendered(failures)
     if "simulate" in stages:
         batch.prepare_boards()
-    with batch.workspace.locked(alone=executor.does_all):
-        for line in again(batch.workspace, batch.specs):
-            report.say(line)
-        if "render" in stages:
-            batch.keep_own_files()
-        if "simulate" in stages:
-            failures += batch.simulate(report)
-        if "render" in stages:
-            failures += batch.render(failures, report)
-        if "assemble" in stages:
-            batch.assemble(failures, report)
-    if part is not None:
-        return _concluded_part(failures, command, part, out)
-    return conclude(failures, len(batch.specs), command, out)
+    with ExitStack() as held:
+        along = held.enter_context(to.opened(batch.workspace, batch.loaded.tree, batch.specs, report)) if to else None
+        held.enter_context(batch.workspace.locked(alone=executor.does_all))
+        failures = _done(batch, stages, failures, report, along)
+        if part is not None:
+            return _concluded_part(failures, command, part, out)
+        code = conclude(failures, len(batch.specs), command, out)
+        if along is not None:
+            typer.echo(along.finish(complete=not failures))
+    return code
+
+
+def _done(
+    batch: "Batch",
+    stages: Sequence[str],
+    failures: "Sequence[FailedRun]",
+    report: "Report",
+    along: "Along | None",
+) -> "list[FailedRun]":
+    """What failed, before these stages or in them; of a release `along` its way each run leaves as it is whole."""
+    from pipeline.status import again
+
+    failed = [*failures]
+    for line in again(batch.workspace, batch.specs):
+        report.say(line)
+    if "render" in stages:
+        batch.keep_own_files()
+    if "simulate" in stages:
+        failed += batch.simulate(report)
+    if "render" in stages:
+        failed += batch.render(failed, report, along.whole) if along else batch.render(failed, report)
+    if along:
+        along.assembled()
+    if "assemble" in stages:
+        batch.assemble(failed, report)
+    return failed
 
 
 def _concluded_part(failures: "Sequence[FailedRun]", command: str, part: str, out: Path) -> int:
@@ -239,7 +301,8 @@ def rerender(
     request = Request(chosen, draws or 1, arena, robot, camera_hz, seed, with_device(settings, device), option)
     found, drawn = prepare(source, request)
     with open_folders(found, drawn, out, apart=looks is not None) as folders:
-        failures = render_source(found, drawn, folders, Local.of(workers, memory), report_here())
+        executor = Local.of(workers, memory).on(drawn[0].appearance.device)
+        failures = render_source(found, drawn, folders, executor, report_here())
     return conclude(failures, len(drawn), "rerender", out, "draw")
 
 

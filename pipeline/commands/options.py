@@ -103,6 +103,28 @@ Address = Annotated[
 ]
 
 
+GpuShare = Annotated[
+    float | None,
+    typer.Option(
+        "--gpu-share",
+        min=0.01,
+        max=1.0,
+        metavar="SHARE",
+        help="Of a graphics card that each task on the Ray cluster takes, with --device auto or gpu; 0.5 by default, "
+        "which is two on a card.",
+    ),
+]
+
+
+Endpoint = Annotated[
+    str | None,
+    typer.Option(metavar="URL", help="Server that speaks S3, such as MinIO; without it Amazon's, or AWS_ENDPOINT_URL."),
+]
+AllowHttp = Annotated[
+    bool, typer.Option("--allow-http", help="Let requests go unencrypted, as to a server on the same machine.")
+]
+
+
 class Device(StrEnum):
     """What renders."""
 

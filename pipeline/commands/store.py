@@ -7,19 +7,12 @@ import typer
 
 from pipeline.commands.examine import FAULTS
 from pipeline.commands.keep import Released
-from pipeline.commands.options import checked_new_folder
+from pipeline.commands.options import AllowHttp, Endpoint, checked_new_folder
 
 _MEGABYTE = 1_000_000
 
 Url = Annotated[
     str, typer.Argument(metavar="URL", help="s3://BUCKET/PREFIX, gs://BUCKET/PREFIX or file:///FOLDER, for it alone.")
-]
-Endpoint = Annotated[
-    str | None,
-    typer.Option(metavar="URL", help="Server that speaks S3, such as MinIO; without it Amazon's, or AWS_ENDPOINT_URL."),
-]
-AllowHttp = Annotated[
-    bool, typer.Option("--allow-http", help="Let requests go unencrypted, as to a server on the same machine.")
 ]
 
 

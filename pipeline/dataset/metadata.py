@@ -75,6 +75,8 @@ class RunRecord(Record):
     image_height_px: int
     render_device: str = "CPU"
     """As Cycles calls it: what the images were rendered on."""
+    cpu_classes: tuple[str, ...] = Field(default=(), exclude_if=lambda classes: not classes)
+    """Classes of the processors that made its images and annotations, where they are several: low bits may differ."""
     rows: int
     images: int
     duration_s: float
@@ -102,6 +104,7 @@ class RunRecord(Record):
         warnings: Sequence[str] = (),
         render_device: str = "CPU",
         *,
+        cpus: Sequence[str] = (),
         board: BoardRecord | None = None,
     ) -> "RunRecord":
         changes = np.flatnonzero(np.diff(rows.state)) + 1
@@ -116,6 +119,7 @@ class RunRecord(Record):
             image_width_px=spec.render.width_px,
             image_height_px=spec.render.height_px,
             render_device=render_device,
+            cpu_classes=tuple(cpus) if len(cpus) > 1 else (),
             rows=len(rows.t_ms),
             images=int(np.count_nonzero(rows.image)),
             duration_s=float(rows.t_ms[-1]) / 1000,

@@ -1,8 +1,9 @@
 """What an executor is: it does units of work somewhere, and what comes of them does not depend on where."""
 
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from typing import Protocol, Self
 
+from blender_scenes.devices import DeviceKind
 from pipeline.units import AnyUnit
 from pipeline.workers import AnyEvent, UnitFailure
 
@@ -23,6 +24,10 @@ class Executor(Protocol):
         Raises:
             EnvironmentLacking: It cannot.
         """
+        ...
+
+    def on(self, device: DeviceKind) -> Self:
+        """The same for work that renders on such a device."""
         ...
 
     def block_frames(self, frames: int, runs: int) -> int:

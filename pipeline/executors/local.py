@@ -1,8 +1,11 @@
 """Child processes of this one, on this machine: the default."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Self
 
+from blender_scenes.devices import DeviceKind, one_card_each
 from pipeline.executors.base import OnEvent
 from pipeline.units import AnyUnit
 from pipeline.worker_process import Limits, limits_of
@@ -15,6 +18,8 @@ class Local:
     """At a time."""
     limits: Limits = BY_LIMITS
     """Of each worker."""
+    cards: tuple[Mapping[str, str], ...] = ()
+    """Variables for each graphics card with which a worker sees that one alone; workers take them in turn."""
 
     @classmethod
     def of(cls, workers: int | None, memory_gb: float | None) -> "Local":
@@ -27,6 +32,9 @@ class Local:
 
     def check(self) -> None:
         """It is this machine."""
+
+    def on(self, device: DeviceKind) -> Self:
+        return replace(self, cards=one_card_each(device, os.environ))
 
     def block_frames(self, frames: int, runs: int) -> int:
         """As many blocks for each run as it takes to give every worker one: each costs a start of Blender."""
@@ -41,4 +49,4 @@ class Local:
         return True
 
     def do(self, units: Sequence[AnyUnit], on_event: OnEvent) -> list[UnitFailure]:
-        return run_units(units, self.workers, on_event, limits=self.limits)
+        return run_units(units, self.workers, on_event, limits=self.limits, of_slots=self.cards)

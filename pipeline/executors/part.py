@@ -7,8 +7,10 @@ out. Parts that overlap, as when a job is given twice, do some work twice and ha
 import re
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
+from blender_scenes.devices import DeviceKind
 from configs.errors import InputError
 from pipeline.executors.base import OnEvent
 from pipeline.executors.local import Local
@@ -46,6 +48,9 @@ class Part:
 
     def check(self) -> None:
         """It is this machine."""
+
+    def on(self, device: DeviceKind) -> Self:
+        return replace(self, local=self.local.on(device))
 
     def block_frames(self, frames: int, runs: int) -> int:
         del frames, runs

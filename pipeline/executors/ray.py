@@ -11,24 +11,27 @@ import os
 import socket
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import ModuleType
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict
 
+from blender_scenes.devices import DeviceKind
 from configs.errors import EnvironmentLacking, InputError
 from pipeline.executors.base import OnEvent
 from pipeline.executors.part import BLOCK_FRAMES
-from pipeline.units import UNITS, AnyUnit, Finished
+from pipeline.units import UNITS, AnyUnit, Finished, RenderUnit
 from pipeline.worker_process import Limits
-from pipeline.workers import AnyEvent, Retried, UnitFailure, WorkerError, run_units
+from pipeline.workers import AnyEvent, Retried, SetAside, UnitFailure, WorkerError, run_units
 
 CURE = "install the extra: pip install 'symolo[cluster]'"
 CLIENT = "ray://"
 REACHED_WITHIN_S = 10.0
 QUEUED = 2
 """Tasks that are given to the cluster for each that it can do at a time, so that no node waits for us."""
+CARD_SHARE = 0.5
+"""Two processes on a card: while one builds a scene, develops or writes, the other one traces."""
 NODES_TRIED = 3
 """How many nodes may say that they lack something before all are taken to."""
 
@@ -54,6 +57,9 @@ class OnRay:
     """Of each worker."""
     cores: int = 1
     """That a unit takes on its node."""
+    card_share: float = CARD_SHARE
+    """Of a graphics card that a block takes on its node, where it is rendered on one."""
+    device: DeviceKind = "CPU"
 
     @property
     def does_all(self) -> bool:
@@ -69,6 +75,9 @@ class OnRay:
             socket.create_connection((host, int(port)), timeout=REACHED_WITHIN_S).close()
         except (OSError, ValueError) as error:
             raise _no_cluster(self.address, error) from None
+
+    def on(self, device: DeviceKind) -> Self:
+        return replace(self, device=device)
 
     def block_frames(self, frames: int, runs: int) -> int:
         del frames, runs
@@ -94,11 +103,15 @@ class _Tasks:
     def __init__(self, ray: ModuleType, executor: OnRay, units: list[AnyUnit], on_event: OnEvent) -> None:
         self._ray = ray
         self._limits = executor.limits
-        options = {"num_cpus": executor.cores, "max_retries": executor.limits.tries - 1}
+        self._needs: dict[str, float] = {"CPU": executor.cores}
+        options: dict[str, float] = {"num_cpus": executor.cores, "max_retries": executor.limits.tries - 1}
+        if executor.device != "CPU":
+            _check_cards(ray)
+            if any(isinstance(unit, RenderUnit) for unit in units):
+                self._needs["GPU"] = options["num_gpus"] = executor.card_share
         self._remote = ray.remote(**options)(done_here)
         self._waiting = units[::-1]
         self._running: dict[Any, AnyUnit] = {}
-        self._cores = executor.cores
         self._lacking: Counter[str] = Counter()
         self._on_event = on_event
         self._failures: list[UnitFailure] = []
@@ -122,7 +135,8 @@ class _Tasks:
 
     def _fill(self) -> None:
         """Nodes come and go, so the cluster is asked each time how large it is."""
-        slots = int(self._ray.cluster_resources().get("CPU", 0)) // self._cores
+        there = self._ray.cluster_resources()
+        slots = min(int(there.get(name, 0) / needed) for name, needed in self._needs.items())
         while self._waiting and len(self._running) < QUEUED * max(1, slots):
             unit = self._waiting.pop()
             limits = self._limits
@@ -152,7 +166,9 @@ class _Tasks:
             return
         if record.error == "bug":
             self._bugs.append(f"{unit.name}: {record.text}")
-        self._failures += [UnitFailure(unit, text) for text in record.failures]
+        for text in record.failures:
+            self._on_event(unit, SetAside(text))
+            self._failures.append(UnitFailure(unit, text))
         self._on_event(unit, Finished())
 
 
@@ -176,6 +192,13 @@ def done_here(unit_json: str, tries: int, silence_s: float, memory_bytes: int) -
     except WorkerError as error:
         record = Record(error="bug", text=str(error))
     return record.model_copy(update={"retried": tuple(retried)}).model_dump_json()
+
+
+def _check_cards(ray: ModuleType) -> None:
+    """Ray would wait for a card for ever."""
+    if not ray.cluster_resources().get("GPU", 0):
+        cure = "start nodes that have one by `ray start --num-gpus 1`, or give --device cpu"
+        raise EnvironmentLacking(f"no node of the cluster has a graphics card, as Ray counts them; {cure}")
 
 
 def _ray() -> ModuleType:

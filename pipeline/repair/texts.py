@@ -13,8 +13,8 @@ from pipeline.dataset.bag import BAG_INFO, bag_info, read_cpu_classes
 from pipeline.dataset.description import DESCRIPTION, markdown
 from pipeline.dataset.metadata import METADATA, Metadata
 from pipeline.repair.mending import Mending, with_one_bit_less_wrong
+from pipeline.stages.annotate import processors
 from pipeline.stages.assemble import SIDE
-from pipeline.stages.render import Rendered
 from pipeline.stages.simulate_runs import SPEC, read_outcome, spec_text
 
 
@@ -88,7 +88,8 @@ def _noted(mending: Mending, metadata: Metadata) -> set[str]:
     for record in metadata.runs:
         try:
             cpus.add(read_outcome(mending.workspace.simulate(record.run).path).cpu)
-            cpus.add(Rendered.read(mending.workspace.render(record.run).path).cpu)
+            annotate = mending.workspace.annotate(record.run) if record.annotations else None
+            cpus |= {*processors(mending.workspace.render(record.run), annotate)}
         except (OSError, ValueError, KeyError):
             return set()
     return cpus

@@ -11,7 +11,7 @@ from configs.whole_files import make_folder, write_file
 from physics.arena import Arena
 from pipeline.dataset.annotation_checks import ANNOTATIONS
 from pipeline.files import read_known, sha256_of
-from pipeline.stages.render import IMAGES, JOB, Appearance, Findings, FrameTask, Order
+from pipeline.stages.render import IMAGES, JOB, Appearance, Findings, FrameTask, Order, Rendered, journal
 from pipeline.workspace import StageFolder, mark_done
 
 
@@ -46,10 +46,24 @@ class AnnotationTask(FrameTask):
         return AnnotationJob.from_json((self.folder.path / JOB).read_text())
 
 
-def copy_released(annotated: StageFolder, run: Path) -> None:
-    """Put the files of a run's annotations that are released below the run's folder; records are in the document."""
+def copy_released(annotated: StageFolder, run: Path) -> dict[str, str]:
+    """Put the files of a run's annotations that are released below the run's folder; their SHA-256 by path.
+
+    Records are in the document.
+    """
+    copied = {}
     for name, digest in sorted(annotated.files().items()):
         folder = PurePosixPath(name).parent
         if name.startswith(f"{ANNOTATIONS}/") and folder.name != RECORDS_DIR:
             make_folder(run / folder)
             write_file(run / name, read_known(annotated.path / name, digest))
+            copied[name] = digest
+    return copied
+
+
+def processors(render: StageFolder, annotate: StageFolder | None) -> tuple[str, ...]:
+    """Classes of the processors that made a run's images and, where it has any, its annotations; sorted."""
+    found = {*Rendered.read(render.path).cpus}
+    if annotate is not None:
+        found |= {*journal(annotate, ANNOTATIONS).processors()}
+    return tuple(sorted(found))

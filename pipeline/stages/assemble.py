@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from configs.errors import EnvironmentLacking
 from configs.refusals import NOT_THERE
 from configs.schema.scenario import RunSpec
 from configs.whole_files import make_folder, remove_file, remove_folder, replace_folder, write_file
@@ -22,8 +23,8 @@ from pipeline.dataset.obstacles import obstacle_table, obstacles_csv
 from pipeline.dataset.rows import Rows
 from pipeline.dataset.side import BOARD, CAMERA, TOF, WHEELS, board_csv, image_positions, tof_csv, wheels_csv
 from pipeline.files import hashes_of, holds, read_known
-from pipeline.progress import Report
-from pipeline.stages.annotate import copy_released
+from pipeline.progress import Report, StageReport
+from pipeline.stages.annotate import copy_released, processors
 from pipeline.stages.render import Rendered
 from pipeline.stages.simulate_runs import read_outcome, read_recording, spec_text
 from pipeline.versions import versions
@@ -58,20 +59,37 @@ def assemble(
     with report.stage("assemble", len(good), "runs") as stage:
         _take_back(workspace, {spec.key for spec in good})
         for spec in good:
-            hashes |= {f"{spec.key}/{name}": digest for name, digest in _release_run(workspace, spec).items()}
+            hashes |= {f"{spec.key}/{name}": digest for name, digest in release_run(workspace, spec).items()}
             simulated = workspace.simulate(spec.key).path
             rows = Rows.from_recording(read_recording(simulated))
             pictures = Rendered.read(workspace.render(spec.key).path)
             outcome = read_outcome(simulated)
             warnings = (*outcome.warnings, *pictures.warnings)
-            records.append(RunRecord.of(spec, rows, outcome.lap_time_s, warnings, pictures.device, board=outcome.board))
-            cpus |= {outcome.cpu, pictures.cpu}
+            made_on = _processors(workspace, spec, stage)
+            device, board = pictures.device, outcome.board
+            record = RunRecord.of(spec, rows, outcome.lap_time_s, warnings, device, cpus=made_on, board=board)
+            records.append(record)
+            cpus |= {outcome.cpu, *made_on}
             stage.update(spec.key, 1)
     if not good:
         _remove_files(workspace.out, (*CHECKSUMS, BAG_INFO, METADATA, DESCRIPTION))
         return
     metadata = describe(tree, specs, records, failures)
     _describe(workspace, metadata, markdown(metadata, good[0]), hashes, cpus)
+
+
+def _processors(workspace: Workspace, spec: RunSpec, stage: StageReport) -> tuple[str, ...]:
+    """Classes of those that made its images and annotations; where they are several, that is told."""
+    annotate = workspace.annotate(spec.key) if spec.render.annotations else None
+    found = processors(workspace.render(spec.key), annotate)
+    if len(found) > 1:
+        stage.say(f"{spec.key}: {of_several_classes(found)}")
+    return found
+
+
+def of_several_classes(cpus: Sequence[str]) -> str:
+    """What is to be known of a run whose frames were made on several classes of processor."""
+    return f"its frames were made on {' and '.join(cpus)}: low bits may not be those of a machine of one class"
 
 
 def _describe(workspace: Workspace, metadata: Metadata, page: bytes, hashes: dict[str, str], cpus: set[str]) -> None:
@@ -88,8 +106,12 @@ def _describe(workspace: Workspace, metadata: Metadata, page: bytes, hashes: dic
         _write_if_new(out / name, data)
 
 
-def _release_run(workspace: Workspace, spec: RunSpec) -> dict[str, str]:
-    """Put one run's folder in place unless it is there unchanged; SHA-256 of its files by their path in it."""
+def release_run(workspace: Workspace, spec: RunSpec) -> dict[str, str]:
+    """Put one run's folder in place unless it is there unchanged; SHA-256 of its files by their path in it.
+
+    Raises:
+        EnvironmentLacking: What it is put together from, or what lies there then, is not what was written.
+    """
     stages = {"simulate": workspace.simulate(spec.key), "render": workspace.render(spec.key)}
     if spec.render.annotations:
         stages["annotate"] = workspace.annotate(spec.key)
@@ -101,25 +123,32 @@ def _release_run(workspace: Workspace, spec: RunSpec) -> dict[str, str]:
         return done.files
     _remove_files(workspace.out, CHECKSUMS)
     partial = marker.start()
-    _fill(workspace, spec, files["render"], partial)
+    written = _fill(workspace, spec, files["render"], partial)
     hashes = hashes_of(partial)
+    if hashes != written:
+        raise EnvironmentLacking(f"{partial} is not on the disk as it was written; run the same command again")
     replace_folder(partial, released)
     make_folder(marker.path)
     mark_done(marker.path, key, hashes)
     return hashes
 
 
-def _fill(workspace: Workspace, spec: RunSpec, rendered: Mapping[str, str], folder: Path) -> None:
+def _fill(workspace: Workspace, spec: RunSpec, rendered: Mapping[str, str], folder: Path) -> dict[str, str]:
+    """Write the files of a run; SHA-256 of what was written by path."""
     make_folder(folder / SIDE)
     make_folder(folder / IMAGES)
+    written: dict[str, str] = {}
     for name, data in tables(spec, read_recording(workspace.simulate(spec.key).path)):
         write_file(folder / name, data)
+        written[name] = hashlib.sha256(data).hexdigest()
     pictures = workspace.render(spec.key).path
     for name, digest in sorted(rendered.items()):
         if name.startswith(f"{IMAGES}/"):
             write_file(folder / name, read_known(pictures / name, digest))
+            written[name] = digest
     if spec.render.annotations:
-        copy_released(workspace.annotate(spec.key), folder)
+        written |= copy_released(workspace.annotate(spec.key), folder)
+    return written
 
 
 def tables(spec: RunSpec, recording: Recording) -> Iterator[tuple[str, bytes]]:

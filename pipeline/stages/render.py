@@ -3,7 +3,8 @@
 import hashlib
 import json
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
@@ -30,12 +31,14 @@ from pipeline.executors.base import Executor
 from pipeline.files import canonical_json, sha256_of
 from pipeline.progress import Report
 from pipeline.stages.simulate_runs import failed_runs
-from pipeline.units import Finished, Progress, RenderUnit
+from pipeline.units import Failed, Finished, Progress, RenderUnit
 from pipeline.versions import versions
-from pipeline.workers import AnyEvent, AnyUnit, Retried
+from pipeline.workers import AnyEvent, AnyUnit, Retried, SetAside
 from pipeline.workspace import DONE, FAILED, StageFolder, held, input_key, mark_done
 
 FRAMES, INPUTS = "frames.json", "inputs.json"
+
+OnWhole = Callable[[str], None]
 
 
 @dataclass(frozen=True)
@@ -182,7 +185,9 @@ class RenderTask(FrameTask):
             for frame in self.frames
         ]
         warnings = exposure_warnings(seen)
-        told = {"cpu": cpu_class(), "device": self.device, "frames": records, "warnings": list(warnings)}
+        cpus = Ledger(self.files, self.job_sha256).processors() or (cpu_class(),)
+        cpu = cpus[0] if len(cpus) == 1 else list(cpus)
+        told = {"cpu": cpu, "device": self.device, "frames": records, "warnings": list(warnings)}
         write_file(self.folder.path / FRAMES, canonical_json(told))
         pictures = {record["file"]: record["sha256"] for record in records}
         texts = {name: sha256_of(self.folder.path / name) for name in (JOB, FRAMES)}
@@ -199,16 +204,30 @@ def frame_poses(rows: Rows) -> tuple[FramePose, ...]:
     )
 
 
-def render_runs(orders: Iterable[Order], executor: Executor, report: Report, name: str = "render") -> list[FailedRun]:
+def render_runs(
+    orders: Iterable[Order],
+    executor: Executor,
+    report: Report,
+    name: str = "render",
+    on_whole: OnWhole = lambda _run: None,
+) -> list[FailedRun]:
     """Do what is not there yet; frames made before an interruption are kept when their job is the same.
 
     All jobs are written, one after the other, before the first is begun. An executor that does not do all leaves the
     folders for one that does to finish.
+
+    Args:
+        orders: Of the runs.
+        executor: Who does them.
+        report: Where to tell.
+        name: Of the stage.
+        on_whole: Called with each run that is finished without a problem, while others are still being made.
     """
     pending, there = [], 0
     for order in orders:
         if order.task.folder.is_done(order.task.key):
             there += 1
+            on_whole(order.task.run)
         else:
             _prepare(order)
             pending.append(order.task)
@@ -217,6 +236,7 @@ def render_runs(orders: Iterable[Order], executor: Executor, report: Report, nam
     if not pending:
         return []
     units = [unit for unit in blocks(pending, executor) if executor.mine(unit)]
+    finishing = _Finishing(pending if executor.does_all else (), units, name, report, on_whole)
     with report.stage(name, sum(len(unit.numbers) for unit in units), "images") as stage:
 
         def on_event(unit: AnyUnit, event: AnyEvent) -> None:
@@ -225,14 +245,44 @@ def render_runs(orders: Iterable[Order], executor: Executor, report: Report, nam
                 stage.update(f"{unit.name} from {unit.numbers[0]}", share * len(unit.numbers))
             elif isinstance(event, Retried):
                 stage.say(event.text)
+            finishing.hear(unit, event)
 
         failures = executor.do(units, on_event)
-    failed = {failure.unit.name for failure in failures}
     found = failed_runs(name, failures, report)
-    for task in pending if executor.does_all else ():
-        if task.run not in failed and (problem := _finish(task, name, report)):
-            found.append(FailedRun(run=task.run, stage=name, problem=problem))
-    return found
+    return found + finishing.rest({failure.unit.name for failure in failures})
+
+
+class _Finishing:
+    """Finishes each run as soon as the last of its blocks is done."""
+
+    def __init__(
+        self, tasks: Sequence[FrameTask], units: Sequence[RenderUnit], name: str, report: Report, on_whole: OnWhole
+    ) -> None:
+        self._tasks = {task.run: task for task in tasks}
+        self._left = Counter(unit.name for unit in units)
+        self._name, self._report, self._on_whole = name, report, on_whole
+        self._failed: list[FailedRun] = []
+
+    def hear(self, unit: AnyUnit, event: AnyEvent) -> None:
+        if isinstance(event, Failed | SetAside):
+            self._tasks.pop(unit.name, None)
+        elif isinstance(event, Finished):
+            self._left[unit.name] -= 1
+            if not self._left[unit.name] and (task := self._tasks.pop(unit.name, None)):
+                self._finish(task)
+
+    def rest(self, failed: Collection[str]) -> list[FailedRun]:
+        """Finish those whose end nobody told, and return all that came to nothing; but not those that `failed`."""
+        for task in self._tasks.values():
+            if task.run not in failed:
+                self._finish(task)
+        return self._failed
+
+    def _finish(self, task: FrameTask) -> None:
+        if problem := _finish(task, self._name, self._report):
+            self._failed.append(FailedRun(run=task.run, stage=self._name, problem=problem))
+        else:
+            self._on_whole(task.run)
 
 
 def _finish(task: FrameTask, name: str, report: Report) -> str:
@@ -291,10 +341,16 @@ class Rendered:
     """On which they were rendered, as Cycles calls it."""
     warnings: tuple[str, ...]
     """What was found wrong with their exposure."""
-    cpu: str
-    """Class of the processor; empty where it was not noted."""
+    cpus: tuple[str, ...]
+    """Classes of the processors; nothing where it was not noted."""
 
     @classmethod
     def read(cls, folder: Path) -> "Rendered":
         told = json.loads((folder / FRAMES).read_bytes())
-        return cls(told["device"], tuple(told["warnings"]), told.get("cpu", ""))
+        cpu = told.get("cpu", [])
+        return cls(told["device"], tuple(told["warnings"]), (cpu,) if isinstance(cpu, str) else tuple(cpu))
+
+
+def journal(folder: StageFolder, files: str) -> Ledger:
+    """Of a folder whose job is written; `files` is the folder within it that is filled."""
+    return Ledger(folder.path / files, sha256_of(folder.path / JOB))

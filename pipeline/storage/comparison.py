@@ -1,9 +1,10 @@
 """A release beside what a store holds, by listing and by checksums that the store tells: no content is sent for it."""
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 from pipeline.dataset.findings import Finding
 from pipeline.dataset.inventory import LISTS, Inventory
@@ -49,36 +50,60 @@ def released_files(root: Path) -> tuple[LocalFile, ...]:
     return tuple(LocalFile(name, root / name, (root / name).stat().st_size, digest) for name, digest in digests.items())
 
 
-def compare(files: Sequence[LocalFile], store: Store, report: Report) -> Comparison:
+def compare(
+    files: Sequence[LocalFile], store: Store, report: Report, known: Mapping[str, str] = MappingProxyType({})
+) -> Comparison:
     """What of a release a store holds.
+
+    Args:
+        files: Of the release.
+        store: Where they are looked for.
+        report: Where to tell.
+        known: SHA-256 of objects that this process has sent or asked for, which are not asked for again.
 
     Raises:
         InputError: There is no such place.
         EnvironmentLacking: The store cannot be reached.
     """
     sizes = store.sizes()
+    asked = [file for file in _of_right_size(files, sizes) if file.name not in known]
+    if not asked:
+        return compare_listed(files, sizes, store, known)
+    with report.stage("compare", len(asked), "files") as stage:
+        return compare_listed(files, sizes, store, known, lambda done: stage.update("all", done))
+
+
+def compare_listed(
+    files: Sequence[LocalFile],
+    sizes: Mapping[str, int],
+    store: Store,
+    known: Mapping[str, str] = MappingProxyType({}),
+    tell: Callable[[int], None] = lambda _done: None,
+) -> Comparison:
+    """The same by a listing that was made before; `tell` is called with the number of files that were asked for."""
     missing = tuple(file for file in files if file.name not in sizes)
-    of_other_size = {
+    alike = _of_right_size(files, sizes)
+    other = {
         file.name: f"has {sizes[file.name]} bytes in place of {file.size_bytes}"
         for file in files
         if sizes.get(file.name, file.size_bytes) != file.size_bytes
     }
-    alike = [file for file in files if file.name in sizes and file.name not in of_other_size]
-    told: dict[str, str] = {}
-    if alike:
-        with report.stage("compare", len(alike), "files") as stage:
-            for file, digest in side_by_side(lambda file: _digest(store, file.name), alike):
-                told[file.name] = digest
-                stage.update("all", len(told))
-    other = of_other_size | {
-        file.name: _difference(told[file.name]) for file in alike if told[file.name] != file.digest
-    }
+    told = {file.name: known[file.name] for file in alike if file.name in known}
+    asked = [file.name for file in alike if file.name not in told]
+    for done, (name, digest) in enumerate(side_by_side(lambda name: digest_of(store, name), asked), start=1):
+        told[name] = digest
+        tell(done)
+    other |= {file.name: _difference(told[file.name]) for file in alike if told[file.name] != file.digest}
     extra = tuple(sorted(sizes.keys() - {file.name for file in files}))
     same = tuple(file for file in alike if file.name not in other)
     return Comparison(missing, other, same, extra, tuple(files))
 
 
-def _digest(store: Store, name: str) -> str:
+def _of_right_size(files: Sequence[LocalFile], sizes: Mapping[str, int]) -> list[LocalFile]:
+    return [file for file in files if sizes.get(file.name) == file.size_bytes]
+
+
+def digest_of(store: Store, name: str) -> str:
     """Of the lists themselves: whoever put them there may have told no checksum, and much hangs on them."""
     if name in LISTS:
         return hashlib.sha256(store.get(name) or b"").hexdigest()

@@ -1,7 +1,8 @@
 """A release sent to a store: what is there is not sent again, and the lists of checksums come last."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 
 from configs.errors import InputError
 from pipeline.dataset.inventory import LISTS
@@ -14,32 +15,53 @@ from pipeline.storage.side_by_side import side_by_side
 ANOTHER_PLACE = "name another prefix, or remove what is there by the tools of the store"
 
 
+def check_apart(root: Path, store: Store) -> None:
+    """Raise InputError where the store lies within the release, or around it."""
+    if not isinstance(store, Folder):
+        return
+    place, release = store.root.resolve(), root.resolve()
+    if place.is_relative_to(release) or release.is_relative_to(place):
+        how = "within" if place.is_relative_to(release) else "around"
+        raise InputError(f"lies {how} the release", where=store.url, cure="name a folder beside it")
+
+
 def files_to_upload(root: Path, store: Store) -> tuple[LocalFile, ...]:
-    """All of a release that is whole, and that the store does not lie within.
+    """All of a release that is whole, and that the store lies apart from.
 
     Raises:
-        InputError: It is damaged, or the store does.
+        InputError: It is damaged, or the store does not.
     """
-    if isinstance(store, Folder) and store.root.resolve().is_relative_to(root.resolve()):
-        raise InputError("lies within the release", where=store.url, cure="name a folder beside it")
+    check_apart(root, store)
     return released_files(root)
 
 
-def planned(files: Sequence[LocalFile], store: Store, report: Report) -> Comparison:
-    """What an upload would send; sends nothing.
+def planned(
+    files: Sequence[LocalFile], store: Store, report: Report, known: Mapping[str, str] = MappingProxyType({})
+) -> Comparison:
+    """What an upload would send; sends nothing. `known` is as of `compare`.
 
     Raises:
         InputError: What the store holds there is something else.
         EnvironmentLacking: The store cannot be reached.
     """
-    found = compare(files, store, report)
+    found = compare(files, store, report, known)
     if any(name in found.other for name in LISTS):
-        raise InputError("holds another release", where=store.url, cure=ANOTHER_PLACE)
+        raise another_release(store)
+    refuse_extra(found, store)
+    return found
+
+
+def another_release(store: Store, what: str = "") -> InputError:
+    """The refusal of a place that holds one; `what` tells it."""
+    return InputError("holds another release" + (f": {what}" if what else ""), where=store.url, cure=ANOTHER_PLACE)
+
+
+def refuse_extra(found: Comparison, store: Store) -> None:
+    """Raise InputError where a place holds what is no part of the release."""
     if found.extra:
         first, *others = found.extra
         what = f"holds what is no part of this release: {first}" + (f" and {len(others)} more" if others else "")
         raise InputError(what, where=store.url, cure=ANOTHER_PLACE)
-    return found
 
 
 def upload(files: Sequence[LocalFile], store: Store, report: Report) -> Comparison:
@@ -52,14 +74,21 @@ def upload(files: Sequence[LocalFile], store: Store, report: Report) -> Comparis
         EnvironmentLacking: The store cannot be reached.
     """
     with store.held():
-        found = planned(files, store, report)
-        store.sweep()
-        content = [file for file in found.to_send if file.name not in LISTS]
-        lists = [file for file in found.to_send if file.name in LISTS]
-        with report.stage("upload", len(content) + len(lists), "files") as stage:
-            for sent, _ in enumerate(side_by_side(store.put, content), start=1):
-                stage.update("all", sent)
-            for sent, file in enumerate(lists, start=len(content) + 1):
-                store.put(file)
-                stage.update("all", sent)
+        return send(files, store, report)
+
+
+def send(
+    files: Sequence[LocalFile], store: Store, report: Report, known: Mapping[str, str] = MappingProxyType({})
+) -> Comparison:
+    """The same to a store that this process holds; `known` is as of `compare`."""
+    found = planned(files, store, report, known)
+    store.sweep()
+    content = [file for file in found.to_send if file.name not in LISTS]
+    lists = [file for file in found.to_send if file.name in LISTS]
+    with report.stage("upload", len(content) + len(lists), "files") as stage:
+        for sent, _ in enumerate(side_by_side(store.put, content), start=1):
+            stage.update("all", sent)
+        for sent, file in enumerate(lists, start=len(content) + 1):
+            store.put(file)
+            stage.update("all", sent)
     return found

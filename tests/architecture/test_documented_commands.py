@@ -20,6 +20,7 @@ CODE = re.compile(r"^    (.+)$|^```\w*\n(.*?)^```", re.MULTILINE | re.DOTALL)
 ELSEWHERE = {
     "--port": "needs a board; tests/physics/hil drives one at a pseudo-terminal",
     "--executor ray": "needs a cluster; tests/pipeline/executors/test_ray.py makes one",
+    "--device gpu": "needs a card; tests/pipeline/executors/test_cards.py sees to who gets which",
     "file://": "leads out of the desk; tests/pipeline/storage goes there and back",
     "s3://": "needs a server; tests/pipeline/storage/test_s3.py starts one",
     "gs://": "needs an account",

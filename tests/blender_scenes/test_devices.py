@@ -1,5 +1,6 @@
 """What renders: the processor, or a graphics card where Blender finds one."""
 
+import os
 from dataclasses import replace
 from typing import get_args
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 
 from blender_scenes import devices
-from blender_scenes.devices import GPU_KINDS, DeviceKind, device_for
+from blender_scenes.devices import GPU_KINDS, DeviceKind, device_for, one_card_each
 from blender_scenes.job import FramePose, build_job
 from blender_scenes.renderer import render_job
 from configs.errors import EnvironmentLacking
@@ -49,6 +50,39 @@ def test_blender_is_asked_for_the_cards_of_this_machine():
     found = devices.listed_gpus()
     assert set(found) <= set(GPU_KINDS)
     assert not {"METAL", "CUDA"} <= set(found)
+
+
+CYCLES = """
+from types import SimpleNamespace as Has
+CARDS = {"OPTIX": 2, "CUDA": 2}
+def of(kind):
+    if kind == "METAL":
+        raise TypeError
+    return [Has(type=made, name=made) for made in [kind] * CARDS.get(kind, 0) + ["CPU"]]
+context = Has(preferences=Has(addons={"cycles": Has(preferences=Has(get_devices_for_type=of))}))
+"""
+
+
+def test_each_card_that_cycles_lists_is_counted_by_each_way_to_it(tmp_path, monkeypatch):
+    (tmp_path / "bpy.py").write_text(CYCLES)
+    monkeypatch.setenv("PYTHONPATH", f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}")
+    assert devices.listed_gpus() == ("OPTIX", "OPTIX", "CUDA", "CUDA")
+
+
+@pytest.mark.parametrize(
+    ("kind", "environment", "expected"),
+    [
+        ("CUDA", {}, [{"CUDA_VISIBLE_DEVICES": "0"}, {"CUDA_VISIBLE_DEVICES": "1"}]),
+        ("OPTIX", {"CUDA_VISIBLE_DEVICES": "3, GPU-5f"}, [{"CUDA_VISIBLE_DEVICES": name} for name in ("3", "GPU-5f")]),
+        ("HIP", {"CUDA_VISIBLE_DEVICES": "3"}, [{"HIP_VISIBLE_DEVICES": "0"}, {"HIP_VISIBLE_DEVICES": "1"}]),
+        ("ONEAPI", {}, [{"ZE_AFFINITY_MASK": "0"}, {"ZE_AFFINITY_MASK": "1"}]),
+        ("METAL", {}, []),
+        ("CPU", {"CUDA_VISIBLE_DEVICES": "3"}, []),
+    ],
+)
+def test_each_card_that_is_seen_is_shown_alone_by_the_variable_of_its_driver(kind, environment, expected):
+    listed = _has(*[card for card in GPU_KINDS for _ in range(2)])
+    assert [*one_card_each(kind, environment, listed)] == expected
 
 
 def test_a_blender_that_does_not_start_is_the_machines_fault(tmp_path, monkeypatch):

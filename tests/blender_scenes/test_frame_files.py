@@ -1,5 +1,6 @@
 import errno
 import os
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -41,6 +42,15 @@ def test_recorded_pictures_are_known_again(tmp_path):
     assert ledger.whole_files() == {}
     ledger.add(frame)
     assert Ledger(tmp_path / "images", "job").whole_files() == {"000001.jpg": frame}
+
+
+def test_the_processor_that_put_a_file_in_place_last_made_it_and_one_that_was_not_noted_is_none(tmp_path):
+    ledger = Ledger(tmp_path / "images", "job")
+    frames = [_made(tmp_path / "images", number) for number in (1, 2, 3)]
+    for frame, cpu in zip((*frames, frames[0]), ("b", "a", "", "c"), strict=True):
+        ledger.add(replace(frame, cpu=cpu))
+    assert ledger.processors() == ("a", "c")
+    assert Ledger(tmp_path / "images", "another job").processors() == ()
 
 
 @pytest.mark.parametrize("damage", ["shorter", "one bit", "missing", "another job", "record cut"])

@@ -4,19 +4,26 @@ import multiprocessing
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
+from blender_scenes.camera_response import encode_jpeg
+from blender_scenes.frame_files import FrameFile, Ledger, frame_name, put_in_place
 from configs.schema.scenario import RunSpec
 from physics.hil.tools import has_board
 from pipeline.cli import main
 from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest
+from pipeline.files import sha256_of
 from pipeline.stages.simulate import Outcome, simulate
-from pipeline.workers import cores
+from pipeline.units import AnyUnit, Finished, RenderUnit
+from pipeline.worker_main import do
+from pipeline.workers import UnitFailure, cores
 
 collect_ignore = [] if has_board() else ["test_hil.py"]
 
@@ -108,6 +115,35 @@ def release_of() -> Callable[[Path], dict[str, bytes]]:
         return {path.relative_to(root).as_posix(): path.read_bytes() for path in files}
 
     return read
+
+
+def _paint(unit: RenderUnit, grey: int = 128, cpu: str = "") -> None:
+    """In place of Blender: a picture of one grey for each frame, 32 x 24, told to be made by a class of processor."""
+    data = encode_jpeg(np.full((24, 32, 3), grey, np.uint8), 92)
+    ledger = Ledger(unit.folder, sha256_of(unit.job))
+    for number in unit.numbers:
+        name = frame_name(number)
+        digest = put_in_place(data, unit.folder / name, 32, 24)
+        ledger.add(FrameFile(number, name, digest, len(data), 0.0, cpu=cpu))
+
+
+@pytest.fixture
+def hands(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+    """Units of work are done one by one in this process, the pictures by `paint`, which a test may replace."""
+    chosen = SimpleNamespace(paint=_paint)
+
+    def run_units(units: Sequence[AnyUnit], workers: int, on_event: Callable, **_options: object) -> list[UnitFailure]:
+        del workers
+        for unit in units:
+            if isinstance(unit, RenderUnit):
+                chosen.paint(unit)
+                on_event(unit, Finished())
+            else:
+                on_event(unit, do(unit, lambda *_, **__: None))
+        return []
+
+    monkeypatch.setattr("pipeline.executors.local.run_units", run_units)
+    return chosen
 
 
 @pytest.fixture(scope="session")

@@ -14,6 +14,7 @@ import cv2
 import pytest
 
 from configs.whole_files import remove_folder
+from pipeline.cpu import class_of
 from pipeline.workspace import Workspace
 
 ARENA_WITH_A_SILL = """
@@ -38,6 +39,15 @@ def test_columns_and_folders_are_those_of_the_paper(dataset):
         assert (run / "image_positions.txt").read_text().splitlines()[0] == "img x y theta"
         assert sorted(p.name for p in (run / "images").iterdir()) == [f"{i:06d}.jpg" for i in range(1, 7)]
         assert cv2.imread(str(run / "images" / "000001.jpg")).shape == (24, 32, 3)
+
+
+def test_the_journal_names_the_processor_of_each_frame_and_metadata_names_none_where_it_is_one(dataset):
+    here = class_of(Path("/proc/cpuinfo").read_text(), platform.machine())
+    journals = sorted((dataset / ".stages/render").rglob("*.jsonl"))
+    lines = [json.loads(line) for path in journals for line in path.read_text().splitlines()]
+    assert [line["frame"]["cpu"] for line in lines] == [here] * 12
+    assert f"\nCPU-Class: {here}\n" in (dataset / "bag-info.txt").read_text()
+    assert "cpu_classes" not in (dataset / "metadata.json").read_text()
 
 
 def test_both_routes_start_where_the_paper_says(dataset):

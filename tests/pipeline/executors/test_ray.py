@@ -1,20 +1,25 @@
-"""A release on a Ray cluster of three nodes on this machine, whose workers and one of whose nodes are killed."""
+"""Two releases on a Ray cluster of three nodes on this machine, whose workers and one of whose nodes are killed."""
 
 import json
+import logging
 import os
 import signal
 import subprocess
 import sys
 import time
 from collections import Counter
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
 from pipeline.cli import main
 
-SMALL = ["--set=stop.time_limit_s=21", "--set=render.width_px=32", "--set=render.height_px=24"]
-SMALL += ["--set=render.samples=1", "--set=render.annotations=[instance]"]
+SMALL = ["--set=stop.time_limit_s=12", "--set=render.width_px=32", "--set=render.height_px=24"]
+SMALL += ["--set=render.samples=1"]
+OTHER = "extends: smoke\nname: other\nseed: 7\narena: {extends: moving}\nrender: {annotations: [instance]}\n"
+
+LOG = logging.getLogger(__name__)
 
 pytestmark = pytest.mark.cluster
 
@@ -31,23 +36,21 @@ def cluster(monkeypatch):
     made.shutdown()
 
 
-def _release(out, *arguments):
+def _release(scenario, out, *arguments):
     program = "import sys; from pipeline.cli import main; sys.exit(main())"
-    command = [sys.executable, "-P", "-c", program, "release", "smoke", "--out", str(out), *SMALL, *arguments]
+    command = [sys.executable, "-P", "-c", program, "release", scenario, "--out", str(out), *SMALL, *arguments]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
-def _journals(out):
-    return sorted((out / ".stages/render").rglob("*.jsonl"))
+def _journalled(outs):
+    """How often each file was put in place, by its path, with the frame that it is of."""
+    journals = [path for out in outs for path in (out / ".stages").rglob("*.jsonl")]
+    lines = [(path.with_suffix(""), line) for path in journals for line in path.read_text().splitlines()]
+    frames = [(folder, json.loads(line)["frame"]) for folder, line in lines]
+    return Counter((folder / frame["file"], (folder, frame["number"])) for folder, frame in frames)
 
 
-def _rendered(out):
-    """How often each frame was put in place."""
-    lines = [(path.parent.parent.name, line) for path in _journals(out) for line in path.read_text().splitlines()]
-    return Counter((run, json.loads(line)["frame"]["file"]) for run, line in lines)
-
-
-def _frames(out):
+def _images(out):
     return sum(1 for _ in (out / ".stages/render").rglob("*.jpg")) if out.exists() else 0
 
 
@@ -58,38 +61,65 @@ def _wait_for(condition, timeout_s=240.0):
         time.sleep(0.05)
 
 
-def _workers():
-    """Processes in which Ray does our tasks."""
+def _running(beginning):
+    """Processes whose command line begins so."""
     found = []
     for path in Path("/proc").glob("[0-9]*/cmdline"):
         try:
-            if path.read_bytes().startswith(b"ray::done_here"):
+            if path.read_bytes().startswith(beginning):
                 found.append(int(path.parent.name))
         except OSError:  # gone meanwhile
             continue
     return found
 
 
-def test_killed_workers_and_a_killed_node_change_no_byte_and_cost_no_frame_but_those_in_flight(
+@dataclass(frozen=True)
+class Kill:
+    written_ns: dict[Path, int]
+    """Of each file that stood in a journal then, when it was written."""
+    in_flight: int
+    """Units that the processes were at that died; each renders one frame at a time."""
+
+    @classmethod
+    def now(cls, outs, in_flight):
+        return cls({path: path.stat().st_mtime_ns for path, _ in _journalled(outs)}, in_flight)
+
+
+def test_two_releases_lose_workers_and_a_node_and_are_those_of_one_machine_with_no_frame_made_twice_but_in_flight(
     cluster, tmp_path, release_of
 ):
-    alone, shared = tmp_path / "alone", tmp_path / "shared"
-    assert main(["release", "smoke", "--out", str(alone), *SMALL, "--workers", "1"]) == 0
-    started = _release(shared, "--executor", "ray", "--address", cluster.address)
-    kills = 0
-    for frames in (10, 60):
-        _wait_for(lambda frames=frames: _frames(shared) >= frames or started.poll() is not None)
-        assert started.poll() is None, started.communicate()
-        os.kill(_workers()[0], signal.SIGKILL)
-        kills += 1
-    _wait_for(lambda: _frames(shared) >= 90)
+    (tmp_path / "other.yaml").write_text(OTHER)
+    scenarios = {"smoke": "smoke", "other": str(tmp_path / "other.yaml")}
+    outs = [tmp_path / "shared" / name for name in scenarios]
+    outs[0].parent.mkdir()
+    address, shelf = ("--executor", "ray", "--address", cluster.address), tmp_path / "shelf"
+    upload = {"other": ["--upload", f"file://{shelf}"]}
+    started = [_release(scenarios[out.name], out, *address, *upload.get(out.name, [])) for out in outs]
+    kills = []
+    for images in (6, 20):
+        _wait_for(lambda images=images: min(map(_images, outs)) >= images)
+        kills.append(Kill.now(outs, in_flight=1))
+        os.kill(_running(b"ray::done_here")[0], signal.SIGKILL)
+    _wait_for(lambda: min(map(_images, outs)) >= 35)
+    kills.append(Kill.now(outs, in_flight=1))
+    assert [command.poll() for command in started] == [None, None]
     cluster.remove_node(next(iter(cluster.worker_nodes)), allow_graceful=False)
-    kills += 1
-    out, err = started.communicate(timeout=600)
-    assert started.returncode == 0, err + out
-    assert release_of(shared) == release_of(alone)
-    again = {frame: times - 1 for frame, times in _rendered(shared).items() if times > 1}
-    assert sum(again.values()) <= kills
+    for command in started:
+        out, err = command.communicate(timeout=600)
+        assert command.returncode == 0, err + out
+    for (name, scenario), out in zip(scenarios.items(), outs, strict=True):
+        alone = tmp_path / "alone" / name
+        assert main(["release", scenario, "--out", str(alone), *SMALL, "--workers", "1"]) == 0
+        assert release_of(out) == release_of(alone)
+    assert release_of(shelf) == release_of(outs[1])
+    for kill in kills:  # what was in place and noted then was never touched again
+        assert {path: path.stat().st_mtime_ns for path in kill.written_ns} == kill.written_ns
+    made = _journalled(outs)
+    again = {frame for (_, frame), times in made.items() if times > 1}
+    there = [len(kill.written_ns) for kill in kills]
+    LOG.info("kills with %s of %d files in place; made again: %s", there, len(made), again)
+    assert max(made.values()) <= 1 + len(kills)
+    assert len(again) <= sum(kill.in_flight for kill in kills)
 
 
 def test_a_cluster_that_is_not_there_is_told_in_a_line(tmp_path, capsys):

@@ -188,6 +188,27 @@ def test_a_download_that_is_killed_fetches_nothing_twice_but_what_was_in_flight(
     assert gets - len(watched.begun) <= kills * AT_ONCE  # answered, and not yet on the disk, is in flight too
 
 
+def test_a_release_that_is_killed_while_it_is_made_and_sent_goes_on_with_both(
+    server, at, release_of, read_back, symolo, tmp_path, tiny
+):
+    out, watched = tmp_path / "out", server[0]
+    command = ["release", "smoke", "--out", out, *tiny, "--set=render.annotations=[instance]", "--workers=1"]
+    command += ["--upload", "s3://bucket/made", *at]
+    process = symolo.start(*command)
+    while watched.begun.total() < 5 and process.poll() is None:
+        time.sleep(0.001)
+    in_flight = watched.killed(process)
+    there = read_back("made")
+    assert {name.partition("/")[0] for name in there} == {"CW"}
+    assert not (out / "metadata.json").exists()  # the other run was still to be made
+    assert symolo(*command).code == 0
+    assert read_back("made") == release_of(out)
+    assert there.items() <= release_of(out).items()
+    assert symolo("upload", out, "s3://bucket/made", *at, "--check").code == 0
+    assert not (watched.begun - Counter(watched.begun.keys())) - in_flight
+    LOG.info("%d objects, %d puts, %d in flight", len(watched.begun), watched.begun.total(), in_flight.total())
+
+
 def test_an_interrupt_ends_with_what_is_in_flight(server, at, release, symolo):
     root, watched = release(**_many(390)), server[0]
     process = symolo.start("upload", root, "s3://bucket/interrupted", *at)

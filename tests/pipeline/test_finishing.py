@@ -1,0 +1,73 @@
+"""When a run of the render stage is finished: as its last block ends, and never one of which a frame was given up."""
+
+import numpy as np
+import pytest
+
+from blender_scenes.camera_response import encode_jpeg
+from blender_scenes.frame_files import FrameFile, Ledger, frame_name, put_in_place
+from blender_scenes.job import FramePose
+from pipeline.progress import LineReport
+from pipeline.stages.render import Order, RenderTask, render_runs
+from pipeline.units import Finished
+from pipeline.workers import SetAside, UnitFailure
+from pipeline.workspace import StageFolder
+
+GREY = encode_jpeg(np.full((24, 32, 3), 128, np.uint8), 92)
+
+
+class Blocks:
+    """An executor of blocks of one frame, painted in the order of `places`; of the one at `given_up` a frame fails."""
+
+    does_all = True
+
+    def __init__(self, places, given_up=None, after=lambda: None):
+        self._places, self._given_up, self._after = places, given_up, after
+
+    def block_frames(self, frames, runs):
+        assert (frames, runs) == (2, 2)
+        return 1
+
+    def threads(self, units):
+        return units // units
+
+    def mine(self, unit):
+        return bool(unit.numbers)
+
+    def do(self, units, on_event):
+        failures = []
+        for place in self._places:
+            unit, name = units[place], frame_name(units[place].numbers[0])
+            digest = put_in_place(GREY, unit.folder / name, 32, 24)
+            Ledger(unit.folder, f"job of {unit.name}").add(FrameFile(unit.numbers[0], name, digest, len(GREY), 0.0))
+            if place == self._given_up:
+                on_event(unit, SetAside("given up"))
+                failures.append(UnitFailure(unit, "given up"))
+            on_event(unit, Finished())
+            self._after()
+        return failures
+
+
+@pytest.fixture
+def orders(tmp_path):
+    frames = tuple(FramePose(number, 0.0, 0.0, 0.0, 0.0) for number in (1, 2))
+    tasks = [RenderTask(run, StageFolder(tmp_path / run), f"job of {run}", frames) for run in ("CW/1", "CW/2")]
+    return [Order(task, "{}") for task in tasks]
+
+
+def test_a_run_is_whole_as_its_last_block_ends_while_others_are_made(orders):
+    whole, seen = [], []
+    executor = Blocks((0, 2, 1, 3), after=lambda: seen.append([*whole]))
+    assert render_runs(orders, executor, LineReport(), on_whole=whole.append) == []
+    assert seen == [[], [], ["CW/1"], ["CW/1", "CW/2"]]
+    again = []
+    assert render_runs(orders, executor, LineReport(), on_whole=again.append) == []
+    assert again == ["CW/1", "CW/2"]  # they were there
+    assert len(seen) == 4
+
+
+def test_a_run_of_which_a_frame_was_given_up_is_not_whole_though_its_files_are_there(orders):
+    whole = []
+    failed = render_runs(orders, Blocks(range(4), given_up=0), LineReport(), on_whole=whole.append)
+    assert [(one.run, one.problem) for one in failed] == [("CW/1", "given up")]
+    assert whole == ["CW/2"]
+    assert not orders[0].task.folder.is_done(orders[0].task.key)
