@@ -1,5 +1,7 @@
 """Names the installed packages that symolo with some extras does not run on: `unneeded.py cloud,export`."""
 
+# ruff: noqa: INP001
+
 import sys
 from importlib.metadata import PackageNotFoundError, distribution, distributions
 

@@ -59,7 +59,7 @@ class Network:
         self._switch.wait()
 
     def _host(self, number: int) -> Host:
-        holder = _holder(_HELD, "--net", "--mount", "--pid", "--uts", "--ipc", "--fork", "--mount-proc")
+        holder = _holder(_HELD, "--net", "--mount", "--pid", "--uts", "--ipc", "--fork", "--kill-child", "--mount-proc")
         host = Host(number, holder, _child(holder.pid))
         self._in_switch("link", "add", f"port{number}", "type", "veth", "peer", "name", "eth0", "netns", str(host.pid))
         self._in_switch("link", "set", f"port{number}", "master", "switch", "up")
@@ -76,7 +76,7 @@ class Network:
 
 def refuse_where_there_are_none() -> None:
     """End with a line where hosts cannot be made."""
-    missing = [name for name in ("ip", "unshare", "nsenter") if shutil.which(name) is None]
+    missing = [name for name in ("ip", "nsenter", "setpriv", "unshare") if shutil.which(name) is None]
     if missing:
         sys.exit(f"{', '.join(missing)}: not found; apt-get install -y iproute2 util-linux")
     words = ["unshare", "--net", "--mount", "--pid", "--fork", "ip", "link", "add", "name", "one", "type", "veth"]
@@ -87,7 +87,8 @@ def refuse_where_there_are_none() -> None:
 
 def _holder(program: str, *namespaces: str) -> subprocess.Popen[bytes]:
     """A process in namespaces of its own, once it is ready."""
-    holder = subprocess.Popen(["unshare", *namespaces, "sh", "-c", program])
+    with_us = ["setpriv", "--pdeathsig", "KILL"]
+    holder = subprocess.Popen([*with_us, "unshare", *namespaces, "sh", "-c", program])
     pid = _child(holder.pid) if "--fork" in namespaces else holder.pid
     _wait(lambda: Path(f"/proc/{pid}/cmdline").read_bytes().startswith(b"sleep"))
     return holder

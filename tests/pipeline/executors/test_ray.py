@@ -1,5 +1,6 @@
 """A release on a Ray cluster of three nodes on this machine, whose workers and one of whose nodes are killed."""
 
+import contextlib
 import json
 import os
 import signal
@@ -15,6 +16,9 @@ from pipeline.cli import main
 
 SMALL = ["--set=stop.time_limit_s=21", "--set=render.width_px=32", "--set=render.height_px=24"]
 SMALL += ["--set=render.samples=1", "--set=render.annotations=[instance]"]
+
+SILENT_S = 300.0
+"""Ray by itself waits for seven minutes for a node that closes no connection."""
 
 pytestmark = pytest.mark.cluster
 
@@ -90,6 +94,33 @@ def test_killed_workers_and_a_killed_node_change_no_byte_and_cost_no_frame_but_t
     assert release_of(shared) == release_of(alone)
     again = {frame: times - 1 for frame, times in _rendered(shared).items() if times > 1}
     assert sum(again.values()) <= kills
+
+
+def _tree(pid):
+    """A process and all below it."""
+    children = [int(word) for path in Path(f"/proc/{pid}/task").glob("*/children") for word in path.read_text().split()]
+    return [pid, *(below for child in children for below in _tree(child))]
+
+
+def test_a_node_that_says_nothing_any_more_is_given_up_within_minutes(cluster, tmp_path):
+    """Stopped rather than killed: nothing closes its connections, as where a cable is pulled."""
+    shared = tmp_path / "shared"
+    started = _release(shared, "--executor", "ray", "--address", cluster.address)
+    _wait_for(lambda: _frames(shared) >= 10 or started.poll() is not None)
+    assert started.poll() is None, started.communicate()
+    nodes = [_tree(node.all_processes["raylet"][0].process.pid) for node in cluster.worker_nodes]
+    stopped = next(tree for tree in nodes if set(tree) & set(_workers()))
+    for pid in stopped:
+        os.kill(pid, signal.SIGSTOP)
+    try:
+        out, err = started.communicate(timeout=SILENT_S)
+    finally:
+        for pid in stopped:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+        started.kill()
+    assert started.returncode == 0, err + out
+    assert len(_rendered(shared)) == 2 * 106
 
 
 def test_a_cluster_that_is_not_there_is_told_in_a_line(tmp_path, capsys):
