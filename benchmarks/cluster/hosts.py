@@ -88,7 +88,8 @@ def refuse_where_there_are_none() -> None:
 def _holder(program: str, *namespaces: str) -> subprocess.Popen[bytes]:
     """A process in namespaces of its own, once it is ready."""
     with_us = ["setpriv", "--pdeathsig", "KILL"]
-    holder = subprocess.Popen([*with_us, "unshare", *namespaces, "sh", "-c", program])
+    inside = [*with_us, "unshare", *namespaces, "sh", "-c", program]
+    holder = subprocess.Popen(inside, stderr=subprocess.DEVNULL)
     pid = _child(holder.pid) if "--fork" in namespaces else holder.pid
     _wait(lambda: Path(f"/proc/{pid}/cmdline").read_bytes().startswith(b"sleep"))
     return holder
