@@ -1,11 +1,11 @@
 """A release on a Ray cluster of hosts with addresses of their own, one of which is lost in the middle.
 
-python benchmarks/cluster/lost_host.py [--out FOLDER] [--lose power|link|blink|nothing] [--blink 20] [--seconds 21]
+python benchmarks/cluster/lost_host.py [--out FOLDER] [--lose kill|cable|blink|nothing] [--blink 20] [--seconds 21]
 
-One host asks for the release, one is the head of the cluster, two render with one core each. `power` kills all
-processes of one of these two, `link` pulls its cable for good, `blink` for some seconds. Each release is held against
-the one made by one process here. Wants root, and Ray (`pip install "symolo[cluster]"`); all hosts share this
-machine's folders.
+One host asks for the release, one is the head of the cluster, two render with one core each. `kill` kills all
+processes of one of these two; `cable` pulls its cable for good, as a power cut would, and `blink` for some seconds.
+Each release is held against the one made by one process here. Wants root, and Ray (`pip install "symolo[cluster]"`);
+all hosts share this machine's folders.
 """
 
 import argparse
@@ -81,8 +81,8 @@ def with_loss(out: Path, how: str, seconds: float, blink_s: float) -> None:
             time.sleep(0.1)
         lost_s, there = time.monotonic() - begin, frames(out)
         print(f"    {lost_s:5.1f} s  lost: {how}, with {there} frames", flush=True)
-        if how == "power":
-            workers[0].power_cut()
+        if how == "kill":
+            workers[0].kill()
         elif how != "nothing":
             network.link(workers[0], "down")
         if how == "blink":
@@ -98,7 +98,7 @@ def with_loss(out: Path, how: str, seconds: float, blink_s: float) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, help="an empty or new folder that is kept")
-    parser.add_argument("--lose", choices=["power", "link", "blink", "nothing"], action="append")
+    parser.add_argument("--lose", choices=["kill", "cable", "blink", "nothing"], action="append")
     parser.add_argument("--blink", type=float, default=20.0)
     parser.add_argument("--seconds", type=float, default=21.0, help="of each of the two drives")
     asked = parser.parse_args()
@@ -108,7 +108,7 @@ def main() -> None:
         alone = folder / "alone"
         if not (alone / "manifest-sha256.txt").exists():
             subprocess.run(release(alone, asked.seconds, "--workers", "1"), check=True, stdout=subprocess.DEVNULL)
-        for how in asked.lose or ["power", "link", "blink"]:
+        for how in asked.lose or ["kill", "cable", "blink"]:
             out = folder / how
             with_loss(out, how, asked.seconds, asked.blink)
             same = "the same bytes" if manifest(out) == manifest(alone) else "OTHER BYTES"
