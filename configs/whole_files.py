@@ -19,6 +19,8 @@ UNFINISHED = re.compile(r"\.(.+)\.[0-9a-f]{1,16}\.tmp")
 WRITER = "SYMOLO_WRITER"
 """Variable with the first half of the chance in all such names of a process and its children, once they are given it:
 whoever ends them can then tell what they left from what others are writing beside them."""
+LOCK = ".lock"
+"""In a folder that is locked; it stays, for who removes it could remove that of somebody who has just come."""
 DROPPED = re.compile(r"\..+\.dropped")
 
 
@@ -136,6 +138,15 @@ def append_line(path: Path, line: bytes) -> None:
         os.close(descriptor)
     if new:
         sync_folder(path.parent)
+
+
+def opened_lock(folder: Path) -> int:
+    """Descriptor of the file whose `flock` stands for that of a folder, wherever the folder is mounted.
+
+    A lock on the folder itself is seen on one machine alone: clients of network file systems pass on locks of files,
+    and exclusive ones only of files that are open for writing (flock(2), on NFS).
+    """
+    return os.open(folder / LOCK, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o666)
 
 
 def sync_folder(path: Path) -> None:

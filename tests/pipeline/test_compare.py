@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pipeline.compare.folders import Verdict, compare
-from pipeline.cpu import class_of
+from pipeline.cpu import class_of, cpu_class
 
 TABLE = "t,x,state\n0,4.0,0\n50,-8.0,0\n100,2.0,1\n"
 
@@ -183,3 +183,11 @@ V4 = f"{V3} avx512f avx512bw avx512cd avx512dq avx512vl"
 def test_the_class_of_a_processor_is_its_level_maker_and_family(cpuinfo, expected):
     """Levels as in the x86-64 psABI, section 3.1.1."""
     assert class_of(cpuinfo, "aarch64") == expected
+
+
+def test_a_processor_whose_kernels_the_environment_names_is_of_another_class(monkeypatch):
+    """OpenBLAS then takes the kernels of that core (its USAGE.md), and low bits of NumPy's products are others."""
+    monkeypatch.delenv("OPENBLAS_CORETYPE", raising=False)
+    by_itself = cpu_class()
+    monkeypatch.setenv("OPENBLAS_CORETYPE", "Prescott")
+    assert cpu_class() == f"{by_itself} OPENBLAS_CORETYPE=Prescott"

@@ -41,7 +41,7 @@ def test_what_images_cost_is_summed_over_their_journals_and_threads(out, symolo,
 
 
 def test_a_folder_in_use_is_told_with_the_process(out, symolo):
-    descriptor = os.open(out / ".stages", os.O_RDONLY)
+    descriptor = os.open(out / ".stages/.lock", os.O_RDONLY)
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX)
         first = symolo("status", out).out.splitlines()[0]

@@ -122,6 +122,15 @@ def test_two_releases_lose_workers_and_a_node_and_are_those_of_one_machine_with_
     assert len(again) <= sum(kill.in_flight for kill in kills)
 
 
+@pytest.mark.parametrize(("own", "expected"), [({}, 60_000), ({"RAY_grpc_client_keepalive_timeout_ms": "5000"}, 5_000)])
+def test_a_host_that_closes_no_connection_is_waited_for_as_long_as_set(own, expected):
+    program = "from pipeline.executors.ray import _ray; _ray(); from ray._raylet import Config"
+    program += "; print(Config.grpc_client_keepalive_timeout_ms())"
+    command = [sys.executable, "-P", "-c", program]
+    told = subprocess.run(command, env=os.environ | own, capture_output=True, text=True, check=True).stdout
+    assert int(told) == expected
+
+
 def test_a_cluster_that_is_not_there_is_told_in_a_line(tmp_path, capsys):
     out = tmp_path / "out"
     arguments = ["--executor", "ray", "--address", "127.0.0.1:1"]

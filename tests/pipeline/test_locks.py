@@ -1,0 +1,46 @@
+"""Locks of folders that several machines share: what a network file system passes on, by flock(2)."""
+
+import fcntl
+import os
+import stat
+
+import pytest
+
+from configs.errors import InputError
+from pipeline.workspace import Workspace, held
+
+
+@pytest.fixture
+def locked(monkeypatch):
+    """Kind and mode of everything that is locked."""
+    seen = []
+    flock = fcntl.flock
+
+    def noted(descriptor, operation):
+        seen.append((stat.S_IFMT(os.fstat(descriptor).st_mode), fcntl.fcntl(descriptor, fcntl.F_GETFL) & os.O_ACCMODE))
+        flock(descriptor, operation)
+
+    monkeypatch.setattr(fcntl, "flock", noted)
+    return seen
+
+
+@pytest.mark.parametrize("alone", [True, False])
+def test_a_workspace_is_locked_by_a_file_open_for_writing(tmp_path, locked, alone):
+    with Workspace(tmp_path).locked(alone=alone):
+        pass
+    assert set(locked) == {(stat.S_IFREG, os.O_RDWR)}
+
+
+def test_a_folder_of_runs_is_locked_by_a_file_open_for_writing(tmp_path, locked):
+    with held(tmp_path):
+        pass
+    assert locked == [(stat.S_IFREG, os.O_RDWR)]
+
+
+def test_a_second_command_is_refused_and_parts_are_not(tmp_path):
+    workspace = Workspace(tmp_path)
+    refused = pytest.raises(InputError, match="another symolo command")
+    with workspace.locked(alone=False), workspace.locked(alone=False), refused, workspace.locked():
+        pass
+    with workspace.locked():
+        pass
