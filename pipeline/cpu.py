@@ -17,7 +17,7 @@ _TOLD = ("OPENBLAS_CORETYPE",)
 
 
 def cpu_class() -> str:
-    """The class of this machine's processor, such as `x86-64-v3 AuthenticAMD family 25`, with what NumPy is told of it."""
+    """The class of this machine's processor, such as `x86-64-v3 AuthenticAMD family 25`, and what NumPy is told."""
     try:
         text = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
     except OSError:
