@@ -5,6 +5,7 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import BinaryIO
 
 import cv2
@@ -45,19 +46,32 @@ def decoded(data: bytes, flags: int, size: tuple[int, int], *, is_strict: bool =
 
 
 @contextmanager
+def unsaid() -> Iterator[None]:
+    """Nothing that a decoder says reaches the terminal; nobody else may have anything to say there meanwhile."""
+    with Path(os.devnull).open("wb") as nowhere, _stderr_into(nowhere):
+        yield
+
+
+@contextmanager
 def _stderr_kept() -> Iterator[BinaryIO]:
-    """A file that takes what is written to the standard error stream: libpng and libjpeg go past OpenCV's log."""
-    with tempfile.TemporaryFile() as said:
-        try:
-            before = os.dup(_STDERR)
-        except OSError:  # there is none
-            yield said
-            return
-        if sys.stderr is not None:
-            sys.stderr.flush()
-        os.dup2(said.fileno(), _STDERR)
-        try:
-            yield said
-        finally:
-            os.dup2(before, _STDERR)
-            os.close(before)
+    """A file that takes what is written to the standard error stream."""
+    with tempfile.TemporaryFile() as said, _stderr_into(said):
+        yield said
+
+
+@contextmanager
+def _stderr_into(said: BinaryIO) -> Iterator[None]:
+    """By its descriptor: libpng and libjpeg go past OpenCV's log and past Python."""
+    try:
+        before = os.dup(_STDERR)
+    except OSError:  # there is none
+        yield
+        return
+    if sys.stderr is not None:
+        sys.stderr.flush()
+    os.dup2(said.fileno(), _STDERR)
+    try:
+        yield
+    finally:
+        os.dup2(before, _STDERR)
+        os.close(before)

@@ -24,12 +24,14 @@ def verify(
 
     Example: symolo verify data
     """
+    from configs.assets.quiet import unsaid
     from pipeline.verify import verify as findings_of
 
     count = 0
-    for finding in findings_of(folder):
-        typer.echo(str(finding))
-        count += 1
+    with unsaid():
+        for finding in findings_of(folder):
+            typer.echo(str(finding))
+            count += 1
     typer.echo(f"{folder}: {count} faults" if count else f"{folder}: no fault", err=bool(count))
     return FAULTS if count else 0
 

@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 import pytest
 
+from pipeline.cli import main
 from pipeline.verify import verify
 
 RUN = "CW/test_1"
@@ -383,3 +384,19 @@ def test_many_faults_of_a_kind_are_summed_up(dataset, copy_of, sign):
     found = [finding.what for finding in verify(root) if "theta" in finding.what or "of this kind" in finding.what]
     assert len([text for text in found if text.startswith("line")]) == 5
     assert "and 16 more of this kind" in found
+
+
+def test_what_libjpeg_says_of_damaged_pixels_is_not_on_the_terminal(dataset, copy_of, capfd):
+    root = copy_of(dataset)
+    path = root / RUN / "images/000001.jpg"
+    data = bytearray(path.read_bytes())
+    middle = len(data) - 60
+    data[middle : middle + 40] = b"\xff\xd0" * 20  # restart markers where none belong
+    path.write_bytes(data)
+    found = cv2.imdecode(np.frombuffer(bytes(data), np.uint8), cv2.IMREAD_COLOR)
+    assert found is not None
+    assert "Corrupt JPEG" in capfd.readouterr().err, "libjpeg does say something"
+    assert main(["verify", str(root)]) == 4
+    told = capfd.readouterr()
+    assert f"{RUN}/images/000001.jpg" in told.out
+    assert told.err == f"{root}: 1 faults\n"
