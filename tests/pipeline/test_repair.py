@@ -1,7 +1,10 @@
 """`symolo repair` makes exactly the damaged files again; the rest is in tests/faults/test_corruptions.py."""
 
 import json
+import shutil
 
+import cv2
+import numpy as np
 import pytest
 
 from pipeline.repair.mending import with_one_bit_less_wrong
@@ -95,3 +98,47 @@ def test_without_stages_a_run_is_simulated_and_only_the_damaged_frames_are_rende
     assert "1 of 1 frames" in ended.err
     assert release_of(root) == release_of(dataset)
     assert not (root / ".stages").exists()
+
+
+@pytest.mark.faults
+def test_without_stages_annotations_are_made_again_with_the_frames_that_need_it(
+    tmp_path, tiny, copy_of, symolo, release_of
+):
+    """One file of each kind, the tables, and the picture of another frame."""
+    kinds = ["depth", "instance", "semantic", "normals", "flow", "free_floor"]
+    asked = f"render.annotations=[{','.join(kinds)},boxes_2d,boxes_3d,key_points]"
+    made = tmp_path / "made"
+    assert symolo("release", "smoke", "--out", made, *tiny, f"--set={asked}", "--workers", "1").code == 0
+    root = copy_of(made)
+    for number, kind in enumerate(kinds, start=1):
+        path = root / RUN / f"annotations/{kind}/{number:06d}.png"
+        path.write_bytes(path.read_bytes()[:50] if number % 2 else b"")
+    (root / RUN / "annotations/annotations.json").unlink()
+    (root / RUN / "images/000002.jpg").unlink()
+    ended = symolo("repair", root)
+    assert (ended.code, list(verify(root))) == (0, [])
+    assert release_of(root) == release_of(made)
+    assert not (root / ".stages").exists()
+
+
+@pytest.mark.faults
+def test_pictures_of_the_users_own_are_needed_to_make_a_frame_again(tmp_path, tiny, copy_of, symolo, release_of):
+    """They lie in .stages/assets alone: with it the frame comes out the same, without it the reason is told."""
+    floor = np.random.Generator(np.random.PCG64(1)).integers(0, 256, (64, 64, 3), dtype=np.uint8)
+    assert cv2.imwrite(str(tmp_path / "floor.png"), floor)
+    look = "name: own\nassets: .\nfloor: {material: image, image: {file: floor.png}}\n"
+    (tmp_path / "own.yaml").write_text(look)
+    own = [f"--set=look={tmp_path / 'own.yaml'}"]
+    made = tmp_path / "made"
+    assert symolo("release", "smoke", "--out", made, *tiny, *own, "--workers", "1").code == 0
+    root = copy_of(made)
+    shutil.copytree(made / ".stages/assets", root / ".stages/assets")
+    picture = root / RUN / "images/000003.jpg"
+    picture.unlink()
+    assert symolo("repair", root).code == 0
+    assert release_of(root) == release_of(made)
+    shutil.rmtree(root / ".stages")
+    picture.unlink()
+    ended = symolo("repair", root)
+    assert ended.code == 4
+    assert ".stages/assets no longer holds them" in ended.out + ended.err
