@@ -213,10 +213,12 @@ class _Slots:
                 if worker is None:
                     return None
             last = self._once(tried, worker)
-            if not isinstance(last, Failed) or last.error not in AGAIN or self.stopped.is_set():
+            if not isinstance(last, Failed) or last.error not in AGAIN:
                 self.events.put((tried.unit, last))
                 return worker
             tried.left.clear(worker.writer)
+            if self.stopped.is_set():
+                return worker
             if (end := self._after(tried, last)) is not None:
                 self.events.put((tried.unit, end))
                 return worker

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from configs.errors import EnvironmentLacking
-from pipeline.units import Failed, Finished, RenderUnit
+from pipeline.units import Failed, Finished, Progress, RenderUnit
 from pipeline.worker_process import Limits, limits_of, memory_of
 from pipeline.workers import Retried, run_units
 
@@ -39,6 +39,10 @@ for line in sys.stdin:
         if what == "die_writing" and first:
             from configs import whole_files
             os.replace = lambda *_: os.kill(os.getpid(), 9)
+            whole_files.write_file(made, b"half")
+        if what == "hang_writing":
+            from configs import whole_files
+            os.replace = lambda *_: (say("progress", share=0.5, at=99), time.sleep(60))
             whole_files.write_file(made, b"half")
         if what == "hang_once" and first:
             time.sleep(60)
@@ -100,6 +104,16 @@ def test_what_a_killed_worker_left_unfinished_is_removed_and_what_another_comman
         *(f"bad_{i}" for i in (1, 2, 3)),
         of_another.name,
     }
+
+
+def test_nothing_unfinished_is_left_by_an_interrupt(tmp_path):
+    def interrupted(_unit, event):
+        if isinstance(event, Progress) and event.at == 99:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_units([unit(tmp_path, "bad 2=hang_writing")], 1, interrupted, command=COMMAND)
+    assert {p.name for p in tmp_path.glob("*bad_?*") if p.suffix != ".tries"} == {"bad_1"}
 
 
 @pytest.mark.parametrize("what", ["die", "refuse"])
