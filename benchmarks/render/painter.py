@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from painter_side import Asked, Paint, own_replies, serve
 
+from blender_scenes.bpy_side.loading import load_bpy
 from blender_scenes.camera_response import develop, encode_jpeg
 from blender_scenes.description import FrameView
 from configs.assets.exr import read_exr
@@ -28,6 +29,7 @@ _METERED = 1.0
 def main() -> None:
     replies = own_replies()
     asked = Asked.from_arguments(sys.argv[1:])
+    load_bpy(asked.threads)
     from blender_scenes.bpy_side import build, engine  # noqa: PLC0415 - they import bpy
 
     kind = asked.settings["kind"]

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TextIO
 
 from blender_scenes.annotations.job import AnnotationJob
+from blender_scenes.bpy_side.loading import load_bpy
 from blender_scenes.camera_response import develop, encode_jpeg, median_luminance
 from blender_scenes.frame_files import FrameFile, frame_name, put_in_place
 from blender_scenes.job import RenderJob
@@ -37,7 +38,7 @@ def main() -> int:
     threading.Thread(target=_leave_with_the_renderer, args=(request.scratch_dir,), daemon=True).start()
     threading.Thread(target=_keep_saying_so, args=(replies,), daemon=True).start()
     try:
-        import bpy  # noqa: F401, PLC0415 - a missing system library is reported, not raised
+        load_bpy(request.threads)  # a missing system library is reported, not raised
     except ImportError as error:
         _say(replies, Failed(str(error), lacking="libraries"))
         return 1
