@@ -15,7 +15,7 @@ import shutil
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-UNFINISHED = re.compile(r"\.(.+)\.[0-9a-f]{1,16}\.tmp")
+UNFINISHED = re.compile(r"\.(.+)\.([0-9a-f]{1,16})\.tmp")
 WRITER = "SYMOLO_WRITER"
 """Variable with the first half of the chance in all such names of a process and its children, once they are given it:
 whoever ends them can then tell what they left from what others are writing beside them."""
@@ -224,4 +224,5 @@ def remove_leftovers(folder: Path, *, below: bool = False, of: str = "") -> None
 
 
 def _is_left(path: Path, of: str) -> bool:
-    return place_of(path) is not None and path.suffixes[-2].startswith(f".{of}")
+    found = UNFINISHED.fullmatch(path.name)
+    return found is not None and found.group(2).startswith(of)

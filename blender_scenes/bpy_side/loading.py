@@ -1,5 +1,6 @@
 """Blender loaded with no more threads than it is to render with."""
 
+import contextlib
 import os
 from pathlib import Path
 
@@ -20,4 +21,5 @@ def load_bpy(threads: int) -> None:
         import bpy  # noqa: F401, PLC0415 - the moment matters
     finally:
         for task in Path("/proc/self/task").iterdir():  # what the libraries have started meanwhile too
-            os.sched_setaffinity(int(task.name), cores)
+            with contextlib.suppress(ProcessLookupError):  # one that has just ended
+                os.sched_setaffinity(int(task.name), cores)
