@@ -2,9 +2,26 @@
 
 import math
 from dataclasses import dataclass
+from typing import Annotated
+
+from pydantic import Field
 
 from blender_scenes.devices import DeviceKind
 from configs.schema.scenario import Render, RenderQuality
+
+
+@dataclass(frozen=True)
+class PartSamples:
+    """Of a picture that is put together from its parts (`bpy_side/part_pictures.py`)."""
+
+    light: int
+    """Light paths per pixel of a picture with half as many pixels each way."""
+    surfaces: int
+    """Camera rays per pixel for what the surfaces reflect."""
+
+
+def _is_whole(parts: PartSamples | None) -> bool:
+    return parts is None
 
 
 @dataclass(frozen=True)
@@ -22,6 +39,8 @@ class Sampling:
     transmission_bounces: int = 6
     filter_width_px: float = 1.5
     device: DeviceKind = "CPU"
+    parts: Annotated[PartSamples | None, Field(exclude_if=_is_whole)] = None
+    """None where a picture is traced whole; else `samples` and the denoiser's settings are not used."""
 
 
 @dataclass(frozen=True)

@@ -65,11 +65,12 @@ def _render(request: Request, replies: TextIO) -> None:
     build.build(job.scene, job.camera, Path(request.own_files) if request.own_files else None)
     engine.configure(job, request.threads, Path(request.scratch_dir))
     metered = median_luminance(engine.metered_light(job))
+    pictures = engine.Pictures(job, request.threads, Path(request.scratch_dir))
     _say(replies, Ready(time.perf_counter() - begin))
     for number in request.numbers:
         begin = time.perf_counter()
         _say(replies, FrameBegun(number))
-        pixels = develop(engine.frame_light(job, views[number]), job.response, metered, number)
+        pixels = develop(pictures.light(views[number]), job.response, metered, number)
         data = encode_jpeg(pixels, job.response.jpeg_quality)
         path = Path(request.folder) / frame_name(number)
         sha256 = put_in_place(data, path, job.camera.width_px, job.camera.height_px)

@@ -6,7 +6,9 @@ import bpy
 import numpy as np
 
 from blender_scenes.bpy_side import gpus
+from blender_scenes.bpy_side.part_pictures import PartPictures
 from blender_scenes.bpy_side.placing import open_shutter, place
+from blender_scenes.bpy_side.rendering import rendered
 from blender_scenes.description import FrameView
 from blender_scenes.job import RenderJob
 from blender_scenes.lens_warp import pinhole_picture, through_lens
@@ -14,15 +16,11 @@ from blender_scenes.metering import metered_views, metering_camera
 from blender_scenes.read_out import lateness
 from blender_scenes.sampling import Sampling
 from blender_scenes.shutter import window
-from blender_scenes.surroundings import require_room
-from configs.assets.exr import read_exr
 from configs.streams import stream
 
 _SCRATCH = "light.exr"
 _METERING_SAMPLES = 8
 _EXR_PIXEL_BYTES = 12
-_EXR_EXTRA_BYTES = 2**17
-"""More than header, table of lines and their heads take."""
 
 
 def configure(job: RenderJob, threads: int, scratch: Path) -> None:
@@ -101,15 +99,25 @@ def _cycles(cycles: bpy.types.PropertyGroup, sampling: Sampling) -> None:
         setattr(cycles, name, value)
 
 
-def frame_light(job: RenderJob, view: FrameView) -> np.ndarray:
-    """(H, W, 3) linear light of one of the job's frames."""
-    rendered = pinhole_picture(job.camera).camera
-    sampling = job.sampling
-    seed = _noise_seed(sampling.seed, "frame", view.number)
-    size = rendered.width_px, rendered.height_px
-    light = _light(view, size, seed=seed, samples=sampling.samples, denoise=sampling.denoise)
-    light *= np.array(view.light_gain, np.float32)
-    return through_lens(light, job.camera, lateness(view, job.camera, job.shutter))
+class Pictures:
+    """The light of a configured job's frames."""
+
+    def __init__(self, job: RenderJob, threads: int, scratch: Path) -> None:
+        self._job = job
+        rendered = pinhole_picture(job.camera).camera
+        self._size = rendered.width_px, rendered.height_px
+        self._parts = PartPictures(job, threads, scratch) if job.sampling.parts else None
+
+    def light(self, view: FrameView) -> np.ndarray:
+        """(H, W, 3) linear light of one of the job's frames."""
+        job = self._job
+        seed = _noise_seed(job.sampling.seed, "frame", view.number)
+        if self._parts is not None:
+            light = self._parts.light(view, seed)
+        else:
+            light = _light(view, self._size, seed=seed, samples=job.sampling.samples, denoise=job.sampling.denoise)
+        light *= np.array(view.light_gain, np.float32)
+        return through_lens(light, job.camera, lateness(view, job.camera, job.shutter))
 
 
 def metered_light(job: RenderJob) -> np.ndarray:
@@ -136,24 +144,9 @@ def _light(view: FrameView, size: tuple[int, int], *, seed: int, samples: int, d
 def traced(
     view: FrameView, size: tuple[int, int], pixel_bytes: int, *, seed: int, samples: int, denoise: bool
 ) -> dict[str, np.ndarray]:
-    """Channel name -> (H, W) of what Blender writes of a view, `pixel_bytes` for each pixel.
-
-    Raises:
-        OSError: The disk is full.
-        ValueError: Blender left no whole picture.
-        RuntimeError: Blender reports an error.
-    """
+    """Channel name -> (H, W) of what Blender writes of a view; `pixel_bytes` and errors as `rendered` has them."""
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = size
     scene.cycles.seed, scene.cycles.samples, scene.cycles.use_denoising = seed, samples, denoise
     place(view)
-    scratch = Path(scene.render.filepath)
-    scratch.unlink(missing_ok=True)
-    try:
-        bpy.ops.render.render(write_still=True)
-        return read_exr(scratch.read_bytes() if scratch.exists() else b"")
-    except (RuntimeError, ValueError):
-        # Blender does not say why it wrote half a picture; a full disk is told here.
-        scratch.unlink(missing_ok=True)
-        require_room(scratch.parent, size[0] * size[1] * pixel_bytes + _EXR_EXTRA_BYTES)
-        raise
+    return rendered(scene, pixel_bytes)

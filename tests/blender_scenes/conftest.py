@@ -48,7 +48,8 @@ build.start()
 build.build(job.scene, job.camera, Path(sys.argv[1]) if sys.argv[1:] else None)
 with tempfile.TemporaryDirectory() as scratch:
     engine.configure(job, 1, Path(scratch))
-    out.write(np.stack([engine.frame_light(job, view) for view in job.frames]).tobytes())
+    pictures = engine.Pictures(job, 1, Path(scratch))
+    out.write(np.stack([pictures.light(view) for view in job.frames]).tobytes())
 """
 
 

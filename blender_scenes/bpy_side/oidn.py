@@ -1,0 +1,98 @@
+"""Intel's Open Image Denoise as bpy brings it, with guides of our own.
+
+API: https://www.openimagedenoise.org/documentation.html, "RT" filter.
+"""
+
+import ctypes
+import importlib.util
+from functools import cache
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Image = NDArray[np.float32]
+_CPU, _FLOAT3 = 1, 3
+_QUALITIES = {"BALANCED": 5, "HIGH": 6}
+_INPUTS = ("color", "albedo", "normal")
+
+
+class Denoiser:
+    """Takes the noise off pictures, the guides of which are taken for free of it.
+
+    A filter and its pictures are kept for each size that has been asked for: to make one costs more than to use it.
+    """
+
+    def __init__(self, threads: int, quality: Literal["BALANCED", "HIGH"]) -> None:
+        """Raises FileNotFoundError: bpy is missing, or brings no such library."""
+        self._library, self._quality = _library(), _QUALITIES[quality]
+        self._device = self._library.oidnNewDevice(_CPU)
+        self._library.oidnSetDeviceInt(self._device, b"numThreads", threads)
+        self._library.oidnSetDeviceBool(self._device, b"setAffinity", False)  # noqa: FBT003 - a C function's
+        self._library.oidnCommitDevice(self._device)
+        self._filters: dict[tuple[int, ...], tuple[int, dict[str, Image]]] = {}
+
+    def __call__(self, light: Image, normal: Image, albedo: Image | None = None) -> Image:
+        """(H, W, 3) linear light without its noise; an albedo of None is white.
+
+        Raises:
+            RuntimeError: The library reports an error.
+        """
+        made, images = self._filter(light.shape)
+        white = np.float32(1.0)
+        for name, image in zip(_INPUTS, (light, white if albedo is None else albedo, normal), strict=True):
+            images[name][...] = image
+        self._library.oidnExecuteFilter(made)
+        self._require_success()
+        return images["output"].copy()
+
+    def _filter(self, shape: tuple[int, ...]) -> tuple[int, dict[str, Image]]:
+        if shape not in self._filters:
+            height, width, _ = shape
+            images = {name: np.zeros(shape, np.float32) for name in (*_INPUTS, "output")}
+            made = self._library.oidnNewFilter(self._device, b"RT")
+            for name, image in images.items():
+                place = name.encode(), image.ctypes.data, _FLOAT3
+                self._library.oidnSetSharedFilterImage(made, *place, width, height, 0, 0, 0)
+            for name in (b"hdr", b"cleanAux"):
+                self._library.oidnSetFilterBool(made, name, True)  # noqa: FBT003 - a C function's
+            self._library.oidnSetFilterInt(made, b"quality", self._quality)
+            self._library.oidnCommitFilter(made)
+            self._require_success()
+            self._filters[shape] = made, images
+        return self._filters[shape]
+
+    def _require_success(self) -> None:
+        message = ctypes.c_char_p()
+        if self._library.oidnGetDeviceError(self._device, ctypes.byref(message)):
+            raise RuntimeError(f"Open Image Denoise: {(message.value or b'').decode()}")
+
+
+@cache
+def _library() -> ctypes.CDLL:
+    spec = importlib.util.find_spec("bpy")
+    if spec is None or spec.origin is None:
+        raise FileNotFoundError("bpy is missing; run ./setup")
+    paths = sorted((Path(spec.origin).parent / "lib").glob("libOpenImageDenoise.so*"))
+    if not paths:
+        raise FileNotFoundError(f"{Path(spec.origin).parent / 'lib'} has no libOpenImageDenoise.so")
+    library = ctypes.CDLL(str(paths[0]))
+    pointer, size, integer, text = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_int, ctypes.c_char_p
+    signatures = {
+        "oidnNewDevice": (pointer, [integer]),
+        "oidnSetDeviceInt": (None, [pointer, text, integer]),
+        "oidnSetDeviceBool": (None, [pointer, text, ctypes.c_bool]),
+        "oidnCommitDevice": (None, [pointer]),
+        "oidnNewFilter": (pointer, [pointer, text]),
+        "oidnSetSharedFilterImage": (None, [pointer, text, pointer, integer, size, size, size, size, size]),
+        "oidnSetFilterBool": (None, [pointer, text, ctypes.c_bool]),
+        "oidnSetFilterInt": (None, [pointer, text, integer]),
+        "oidnCommitFilter": (None, [pointer]),
+        "oidnExecuteFilter": (None, [pointer]),
+        "oidnGetDeviceError": (integer, [pointer, ctypes.POINTER(text)]),
+    }
+    for name, (result, arguments) in signatures.items():
+        function = getattr(library, name)
+        function.restype, function.argtypes = result, arguments
+    return library

@@ -1,0 +1,93 @@
+"""Copies of a surface's material that show one side of it: what it reflects, how it shines, what light falls on it."""
+
+import bpy
+
+COVER, NORMAL = "cover", "relief"
+"""Passes of their own: how much of a pixel is floor; the normal of its relief."""
+MIDDLE_GREY = 0.5
+"""What the light's floor reflects, whatever lies there."""
+
+
+def in_grey(material: bpy.types.Material) -> bpy.types.Material:
+    """Seen by the camera, of one colour with the gloss and the relief that it has; met by other rays as it is.
+
+    What is seen in mirrors and through glass so keeps its texture.
+    """
+    copy = material.copy()
+    tree, own = copy.node_tree, _principled(copy)
+    grey = tree.nodes.new(own.bl_idname)
+    for as_in, into in zip(own.inputs, grey.inputs, strict=True):
+        _feed(tree, as_in, into)
+    base = grey.inputs["Base Color"]
+    for link in list(base.links):
+        tree.links.remove(link)
+    base.default_value = (MIDDLE_GREY, MIDDLE_GREY, MIDDLE_GREY, 1.0)
+    _shown_to_the_camera(tree, grey.outputs[0])
+    return copy
+
+
+def shining(material: bpy.types.Material) -> bpy.types.Material:
+    """Shines in its own colour, and tells the normal of its relief."""
+    copy = material.copy()
+    tree, own = copy.node_tree, _principled(copy)
+    shine = tree.nodes.new("ShaderNodeEmission")
+    _feed(tree, own.inputs["Base Color"], shine.inputs["Color"])
+    told = tree.nodes.new("ShaderNodeOutputAOV")
+    told.aov_name = NORMAL
+    if own.inputs["Normal"].is_linked:
+        _feed(tree, own.inputs["Normal"], told.inputs["Color"])
+    else:
+        tree.links.new(tree.nodes.new("ShaderNodeNewGeometry").outputs["Normal"], told.inputs["Color"])
+    tree.links.new(shine.outputs[0], _output(tree).inputs["Surface"])
+    return copy
+
+
+def turned(material: bpy.types.Material) -> bpy.types.Material:
+    """White and matt to the camera, facing where its object's colour says: x, y and z of a unit vector."""
+    copy = material.copy()
+    tree = copy.node_tree
+    white = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    white.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    tree.links.new(tree.nodes.new("ShaderNodeObjectInfo").outputs["Color"], white.inputs["Normal"])
+    _shown_to_the_camera(tree, white.outputs[0])
+    return copy
+
+
+def covering() -> bpy.types.Material:
+    """Black, and told by 1 in the pass of the cover."""
+    made = bpy.data.materials.new("covering")
+    made.use_nodes = True
+    tree = made.node_tree
+    tree.nodes.clear()
+    black, told = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputAOV")
+    black.inputs["Strength"].default_value = 0.0
+    told.aov_name = COVER
+    told.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    tree.links.new(black.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
+    return made
+
+
+def _principled(material: bpy.types.Material) -> bpy.types.Node:
+    (found,) = (node for node in material.node_tree.nodes if node.bl_idname == "ShaderNodeBsdfPrincipled")
+    return found
+
+
+def _output(tree: bpy.types.NodeTree) -> bpy.types.Node:
+    (found,) = (node for node in tree.nodes if node.bl_idname == "ShaderNodeOutputMaterial")
+    return found
+
+
+def _feed(tree: bpy.types.NodeTree, as_in: bpy.types.NodeSocket, into: bpy.types.NodeSocket) -> None:
+    if as_in.is_linked:
+        tree.links.new(as_in.links[0].from_socket, into)
+    elif hasattr(as_in, "default_value"):
+        into.default_value = as_in.default_value
+
+
+def _shown_to_the_camera(tree: bpy.types.NodeTree, shader: bpy.types.NodeSocket) -> None:
+    surface = _output(tree).inputs["Surface"]
+    mix = tree.nodes.new("ShaderNodeMixShader")
+    tree.links.new(tree.nodes.new("ShaderNodeLightPath").outputs["Is Camera Ray"], mix.inputs[0])
+    tree.links.new(surface.links[0].from_socket, mix.inputs[1])
+    tree.links.new(shader, mix.inputs[2])
+    tree.links.new(mix.outputs[0], surface)

@@ -1,0 +1,196 @@
+"""Blender scenes beside the main one, each of which shows a part of its picture.
+
+They share the main scene's things, so that what `place` puts in place is so in all of them. Each keeps its own data in
+Cycles between renders, which is what makes taking turns cheap.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from blender_scenes.bpy_side.build import ROBOT, moving_name
+from blender_scenes.bpy_side.part_materials import COVER, NORMAL, covering, in_grey, shining, turned
+from blender_scenes.bpy_side.placing import place
+from blender_scenes.bpy_side.rendering import rendered
+from blender_scenes.description import FrameView, Scene
+
+Image = np.ndarray
+Passes = dict[str, Image]
+"""Name of a pass -> (H, W, 3), or (H, W, 1) of a single channel, float32, the first row at the top."""
+
+_ABOVE_M = 0.5
+_EXR_PIXEL_BYTES = 52
+"""Colour with its cover and at most three more passes, four bytes each."""
+_LIGHT_PASSES = ("diffuse_color", "diffuse_direct", "diffuse_indirect")
+Dresser = Callable[[bpy.types.Material], bpy.types.Material]
+
+
+def lies_on_the_floor(name: str) -> bool:
+    """Whether a mesh belongs to the floor, flat and on z = 0 for all that a camera can tell; by its name."""
+    return name == "floor" or name.startswith(("tape_", "paint_"))
+
+
+class PartScenes:
+    """Made from the scene that stands in Blender, configured by `engine.configure`."""
+
+    def __init__(self, scene: Scene, scratch: Path) -> None:
+        self._main, self._scratch = bpy.context.scene, scratch
+        moving = [bpy.data.objects[moving_name(number)] for number in range(len(scene.moving))]
+        self._moves = {thing for thing in bpy.data.objects if thing.parent and thing.parent.name == ROBOT} | {*moving}
+        self._floor = [bpy.data.objects[mesh.name] for mesh in scene.meshes if lies_on_the_floor(mesh.name)]
+        self._dressed: dict[tuple[Dresser, str], bpy.types.Material] = {}
+        self._light = self._scene("light", _LIGHT_PASSES)
+        self._dress_floor(self._light, in_grey)
+        self._still = self._light.copy()
+        self._still.name, self._still.render.filepath = "still", str(scratch / "still.exr")
+        for thing in self._moves:
+            self._still.collection.objects.unlink(thing)
+        self._surfaces = self._surface_scene(moving)
+        self._reflectance = self._scene("reflectance", ())
+        self._keep_floor(self._reflectance)
+        self._dress_floor(self._reflectance, shining)
+        _add_pass(self._reflectance, NORMAL)
+        self._irradiance = self._scene("irradiance", _LIGHT_PASSES)
+        self._hide_all_but_floor(self._irradiance)
+        self._lit_floor = self._dress_floor(self._irradiance, turned)
+        for baking in (self._reflectance, self._irradiance):
+            _look_down(baking)
+
+    def light(self, size: tuple[int, int], samples: int, seed: int, view: FrameView) -> tuple[Passes, Passes]:
+        """Light on a grey floor and on all else in a view: as it is, and without what moves, by the same numbers.
+
+        `size` is width and height [px]; each pixel is the mean of its square.
+        """
+        place(view)
+        blurred = bool(view.exposure)
+        with_all, without = (self._traced(s, size, samples, seed, blurred) for s in (self._light, self._still))
+        return with_all, without
+
+    def surfaces(self, size: tuple[int, int], samples: int, seed: int, view: FrameView) -> Passes:
+        """What the surfaces reflect, the floor black and told by its cover; call after `light` of the same view."""
+        return self._traced(self._surfaces, size, samples, seed, bool(view.exposure))
+
+    def reflectance(self, low: tuple[float, float], texel_m: float, texels: int, seed: int) -> tuple[Image, Image]:
+        """(N, N, 3) reflectance and normal of the floor from above; [row along y, column along x] from `low` [m]."""
+        passes = self._from_above(self._reflectance, low, texel_m, texels, 1, seed)
+        return passes["Combined"][::-1], passes[NORMAL][::-1]
+
+    def irradiance(  # noqa: PLR0917 - all of a tile
+        self, low: tuple[float, float], texel_m: float, texels: int, samples: int, seed: int, facing: tuple[float, ...]
+    ) -> Image:
+        """(N, N, 3) light on the floor without what moves, were it turned to the unit vector `facing`."""
+        for thing in self._lit_floor:
+            thing.color = (*facing, 1.0)
+        passes = self._from_above(self._irradiance, low, texel_m, texels, samples, seed)
+        return (passes["DiffDir"] + passes["DiffInd"])[::-1]
+
+    def _scene(self, name: str, passes: tuple[str, ...]) -> bpy.types.Scene:
+        made = self._main.copy()
+        made.name, made.render.filepath = name, str(self._scratch / f"{name}.exr")
+        made.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
+        cycles, layer = made.cycles, made.view_layers[0]
+        cycles.use_denoising = False
+        cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
+        for one in passes:
+            setattr(layer, f"use_pass_{one}", True)
+        layer.use_pass_z = False
+        return made
+
+    def _surface_scene(self, moving: list[bpy.types.Object]) -> bpy.types.Scene:
+        made = self._scene("surfaces", ("diffuse_color", "normal", "z"))
+        made.view_layers[0].use_pass_z = True
+        made.world, made.cycles.max_bounces = None, 0
+        made.cycles.pixel_filter_type = self._main.cycles.pixel_filter_type
+        made.cycles.filter_width = self._main.cycles.filter_width
+        for thing in list(made.collection.objects):
+            if thing.type == "LIGHT" or (thing in self._moves and thing not in moving):
+                made.collection.objects.unlink(thing)
+        black = covering()
+        self._dress_floor(made, lambda _: black)
+        _add_pass(made, COVER)
+        return made
+
+    def _dress_floor(self, scene: bpy.types.Scene, dresser: Dresser) -> list[bpy.types.Object]:
+        """Copies of the floor's things in other materials take their place in a scene."""
+        made = []
+        for thing in self._floor:
+            copy = thing.copy()
+            for slot in copy.material_slots:
+                own = slot.material
+                slot.link = "OBJECT"
+                slot.material = self._once(dresser, own)
+            scene.collection.objects.unlink(thing)
+            scene.collection.objects.link(copy)
+            made.append(copy)
+        return made
+
+    def _once(self, dresser: Dresser, material: bpy.types.Material) -> bpy.types.Material:
+        if (dresser, material.name) not in self._dressed:
+            self._dressed[dresser, material.name] = dresser(material)
+        return self._dressed[dresser, material.name]
+
+    def _keep_floor(self, scene: bpy.types.Scene) -> None:
+        scene.world, scene.cycles.max_bounces = None, 0
+        for thing in list(scene.collection.objects):
+            if thing not in self._floor:
+                scene.collection.objects.unlink(thing)
+
+    def _hide_all_but_floor(self, scene: bpy.types.Scene) -> None:
+        for thing in list(scene.collection.objects):
+            if thing in self._floor or thing.type not in {"MESH", "LIGHT"}:
+                continue
+            scene.collection.objects.unlink(thing)
+            if thing in self._moves:
+                continue
+            hidden = thing.copy()
+            hidden.visible_camera = False
+            scene.collection.objects.link(hidden)
+
+    def _from_above(  # noqa: PLR0917 - as `irradiance`
+        self, scene: bpy.types.Scene, low: tuple[float, float], texel_m: float, texels: int, samples: int, seed: int
+    ) -> Passes:
+        side = texel_m * texels
+        scene.camera.data.ortho_scale = side
+        scene.camera.matrix_world = Matrix.Translation((low[0] + 0.5 * side, low[1] + 0.5 * side, _ABOVE_M))
+        return self._traced(scene, (texels, texels), samples, seed, blurred=False)
+
+    def _traced(
+        self,
+        scene: bpy.types.Scene,
+        size: tuple[int, int],
+        samples: int,
+        seed: int,
+        blurred: bool,  # noqa: FBT001
+    ) -> Passes:
+        scene.render.resolution_x, scene.render.resolution_y = size
+        scene.render.use_motion_blur = blurred
+        scene.cycles.samples, scene.cycles.seed = samples, seed
+        return _by_pass(rendered(scene, _EXR_PIXEL_BYTES))
+
+
+def _look_down(scene: bpy.types.Scene) -> None:
+    data = bpy.data.cameras.new(f"{scene.name} above")
+    data.type, data.clip_start = "ORTHO", 0.5 * _ABOVE_M
+    camera = bpy.data.objects.new(data.name, data)
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+
+
+def _add_pass(scene: bpy.types.Scene, name: str) -> None:
+    made = scene.view_layers[0].aovs.add()
+    made.name, made.type = name, "COLOR"
+
+
+def _by_pass(channels: dict[str, np.ndarray]) -> Passes:
+    found: dict[str, dict[str, np.ndarray]] = {}
+    for name, values in channels.items():
+        *_, of, component = name.split(".")
+        found.setdefault(of, {})[component] = values
+    stacked = {}
+    for of, parts in found.items():
+        order = next((o for o in ("RGB", "XYZ") if o[0] in parts), "".join(parts))
+        stacked[of] = np.stack([parts[c] for c in order], axis=-1).astype(np.float32)
+    return stacked

@@ -1,0 +1,91 @@
+"""Which points of the floor the pixels of a picture see, while the shutter is open and all over their filter."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blender_scenes.camera import Array, pose_X_WR
+from blender_scenes.description import FrameView, Intrinsics
+from blender_scenes.shutter import MOMENTS
+
+Image = NDArray[np.float32]
+_POINTS = 4
+"""Of a pixel's filter along each axis."""
+_CYCLES_FILTER = 2.0
+"""Cycles' Blackman-Harris filter reaches this many half widths from the pixel's middle (scene/film.cpp)."""
+_STRIDE = 7
+"""No divisor of 16 but 1: a point's time has nothing to do with its place."""
+
+
+@dataclass(frozen=True)
+class FilterPoint:
+    """A share of a pixel's light."""
+
+    right_px: float
+    """From the pixel's middle."""
+    down_px: float
+    time: float
+    """In its exposure, 0 to 1."""
+
+
+MIDDLE = FilterPoint(0.0, 0.0, 0.5)
+
+
+def filter_points(width_px: float) -> tuple[FilterPoint, ...]:
+    """Points for equal shares of Cycles' Blackman-Harris filter of a width."""
+    reach = 0.5 * _CYCLES_FILTER * width_px
+    at = np.linspace(-reach, reach, 4001)
+    turn = np.pi * (at / reach + 1)
+    weight = 0.35875 - 0.48829 * np.cos(turn) + 0.14128 * np.cos(2 * turn) - 0.01168 * np.cos(3 * turn)
+    share = np.cumsum(weight) / weight.sum()
+    offsets = np.interp((np.arange(_POINTS) + 0.5) / _POINTS, share, at).tolist()
+    count = _POINTS**2
+    times = [((_STRIDE * k) % count + 0.5) / count for k in range(count)]
+    places = [(right, down) for down in offsets for right in offsets]
+    return tuple(FilterPoint(*place, time) for place, time in zip(places, times, strict=True))
+
+
+class FloorSight:
+    def __init__(self, camera: Intrinsics, view: FrameView, row_share: float) -> None:
+        """Of a camera without distortion, on the robot as any view has it; `row_share` as `shutter.Window` has it."""
+        self._camera, self._row_share = camera, row_share
+        self._X_RC = np.linalg.inv(pose_X_WR(*view.robot_pose)) @ np.array(view.X_WC)
+        # One array for each point of the filter: they are the same in every frame.
+        self._in_robot = lru_cache(maxsize=_POINTS**2 + 1)(self._seen_in_robot)
+
+    def depth_m(self) -> Image:
+        """(H, W) of the floor along the optical axis in the middle of each pixel; NaN above the horizon."""
+        return (-self._X_RC[2, 3] / self._down(0.0, 0.0)[0]).astype(np.float32)
+
+    def points(self, view: FrameView, point: FilterPoint, rows: slice = slice(None)) -> NDArray[np.float64]:
+        """(H, W, 2) x and y in W [m] of what each pixel sees of the floor, in some rows; NaN above the horizon."""
+        x, y, yaw = (one[rows, None] for one in self._robot_poses(view, point.time))
+        ahead, left = (self._in_robot(point.right_px, point.down_px)[rows, :, axis] for axis in (0, 1))
+        cosine, sine = np.cos(yaw), np.sin(yaw)
+        return np.stack([x + cosine * ahead - sine * left, y + sine * ahead + cosine * left], axis=-1)
+
+    def _robot_poses(self, view: FrameView, time: float) -> tuple[Array, Array, Array]:
+        """(H,) x, y and yaw at a share of each row's exposure; Cycles' rolling shutter as in `shutter.window`."""
+        rows = self._camera.height_px
+        if not view.exposure:
+            return tuple(np.full(rows, value) for value in view.robot_pose)
+        middle = 0.5 + ((np.arange(rows) + 1) / rows - 0.5) * (1 - self._row_share)
+        at = middle + (time - 0.5) * self._row_share
+        x, y, yaw = np.array([moment.robot_pose for moment in view.exposure]).T
+        known = np.linspace(0.0, 1.0, MOMENTS)
+        return np.interp(at, known, x), np.interp(at, known, y), np.interp(at, known, np.unwrap(yaw))
+
+    def _seen_in_robot(self, right_px: float, down_px: float) -> Image:
+        down, rays = self._down(right_px, down_px)
+        return (self._X_RC[:2, 3] - (self._X_RC[2, 3] / down)[..., None] * rays[..., :2]).astype(np.float32)
+
+    def _down(self, right_px: float, down_px: float) -> tuple[Array, Array]:
+        """(H, W) how far each ray of depth 1 goes down, below 0, or NaN; (H, W, 3) the rays in R."""
+        camera = self._camera
+        v, u = np.indices((camera.height_px, camera.width_px), dtype=np.float64)
+        x = (u + right_px - camera.cx_px) / camera.fx_px
+        y = (v + down_px - camera.cy_px) / camera.fy_px
+        rays = np.stack([x, y, np.ones_like(x)], axis=-1) @ self._X_RC[:3, :3].T
+        return np.where(rays[..., 2] < -1e-6, rays[..., 2], np.nan), rays

@@ -1,0 +1,144 @@
+"""What lies on a plane as tiles of several finenesses, each made when it is first looked at.
+
+A tile depends on its place alone, so that whichever process looks at it first sees the same.
+"""
+
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+Image = NDArray[np.float32]
+Make = Callable[[tuple[float, float], float, int, tuple[int, int, int]], Image]
+"""From the lower left corner [m], the side of a texel [m], the texels of a side and (level, column, row) of the tile:
+(N, N, K), rows along y."""
+
+
+@dataclass(frozen=True)
+class Tiling:
+    texel_m: float
+    """Of level 0; that of each level is twice the one before."""
+    levels: int
+    core: int
+    """Texels along a side of a tile."""
+    margin: int = 0
+    """More of them on each side, over which a tile passes into its neighbours."""
+
+    def side(self) -> int:
+        return self.core + 2 * self.margin
+
+    def shares(self) -> Image:
+        """(side,) what a tile counts for along an axis; those of all tiles together are 1 everywhere."""
+        if not self.margin:
+            return np.ones(self.core, np.float32)
+        rise = (np.arange(2 * self.margin) + 0.5) / (2 * self.margin)
+        flat = np.ones(self.side() - 4 * self.margin)
+        return np.concatenate([rise, flat, rise[::-1]]).astype(np.float32)
+
+
+@dataclass(frozen=True)
+class Patch:
+    """Tiles of one level side by side."""
+
+    low: NDArray[np.float64]
+    texel_m: float
+    texels: Image
+    """(H, W, K), NaN where no tile was asked for."""
+
+    def at(self, points: NDArray[np.floating]) -> Image:
+        """(..., K) between the texels at points (M, N, 2) [m]."""
+        where = ((points - self.low) / self.texel_m - 0.5).astype(np.float32)
+        return cv2.remap(self.texels, where[..., 0], where[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+
+
+class TiledMap:
+    def __init__(self, tiling: Tiling, make: Make, most_bytes: int) -> None:
+        self.tiling = tiling
+        self._make, self._most_bytes = make, most_bytes
+        self._tiles: OrderedDict[tuple[int, int, int], NDArray[np.float16]] = OrderedDict()
+        self._bytes = 0
+        self._last: dict[int, tuple[set[tuple[int, int]], Patch]] = {}
+        """Of each level: a picture looks at much the same tiles as the one before."""
+
+    def patch(self, level: int, points: NDArray[np.floating]) -> Patch:
+        """Where these points (..., 2) [m] and those on straight lines between neighbours of them can be looked up."""
+        own = self.tiling
+        texel_m = own.texel_m * 2**level
+        reach = own.margin + 2
+        found = _tiles_at(points.reshape(-1, 2) / texel_m, reach, own.core)
+        wanted = {(i, j) for i, j in found.tolist()}
+        there, patch = self._last.get(level, (set(), None))
+        if patch is None or not wanted <= there:
+            patch = self._laid_out(level, found)
+            self._last[level] = wanted, patch
+        return patch
+
+    def _laid_out(self, level: int, found: NDArray[np.int64]) -> Patch:
+        own, texel_m = self.tiling, self.tiling.texel_m * 2**level
+        (left, bottom), (right, top) = found.min(axis=0), found.max(axis=0)
+        count = np.array([top - bottom + 1, right - left + 1]) * own.core + 2 * own.margin
+        tiles = [self._tile(level, int(i), int(j)) for i, j in found]
+        texels = np.full((*count, tiles[0].shape[-1]), np.nan if not own.margin else 0.0, np.float32)
+        share = own.shares()
+        for (i, j), tile in zip(found, tiles, strict=True):
+            x, y = (i - left) * own.core, (j - bottom) * own.core
+            there = texels[y : y + own.side(), x : x + own.side()]
+            if own.margin:
+                there += tile * (share[:, None] * share)[..., None]
+            else:
+                there[...] = tile
+        low = (np.array([left, bottom]) * own.core - own.margin) * texel_m
+        return Patch(low, texel_m, texels)
+
+    def _tile(self, level: int, i: int, j: int) -> NDArray[np.float16]:
+        key = level, i, j
+        if key in self._tiles:
+            self._tiles.move_to_end(key)
+            return self._tiles[key]
+        own, texel_m = self.tiling, self.tiling.texel_m * 2**level
+        low = (i * own.core - own.margin) * texel_m, (j * own.core - own.margin) * texel_m
+        made = self._make(low, texel_m, own.side(), key).astype(np.float16)
+        self._tiles[key] = made
+        self._bytes += made.nbytes
+        while self._bytes > self._most_bytes and len(self._tiles) > 1:
+            _, dropped = self._tiles.popitem(last=False)
+            self._bytes -= dropped.nbytes
+        return made
+
+
+def _tiles_at(texels: NDArray[np.floating], reach: int, core: int) -> NDArray[np.int64]:
+    """(T, 2) columns and rows, sorted, of the tiles that hold texels (N, 2) or lie within their reach."""
+    low = np.floor((texels - reach) / core).astype(np.int64)
+    high = np.floor((texels + reach) / core).astype(np.int64)
+    first = low.min(axis=0)
+    touched = np.zeros(high.max(axis=0) - first + 1, bool)
+    for x in (low[:, 0], high[:, 0]):
+        for y in (low[:, 1], high[:, 1]):
+            touched[x - first[0], y - first[1]] = True
+    return np.argwhere(touched) + first
+
+
+def without_holes(light: Image) -> Image:
+    """Light (N, N, K) on a floor, with that around it put where something stands and no light comes at all.
+
+    What is beside a box would else be darkened by what is below it. Texels at the border of a hole are half below it.
+    """
+    covered = (light.sum(axis=-1) > 0).astype(np.float32)[..., None]
+    if covered.all() or not covered.any():
+        return light
+    return np.where(covered > 0, light, _spread(light * covered, covered)).astype(np.float32)
+
+
+def _spread(weighted: Image, weight: Image) -> Image:
+    """Values times weight (N, N, K) brought to where there is no weight, by means of ever larger squares."""
+    if weight.all() or min(weight.shape[:2]) == 1:
+        return weighted / np.maximum(weight, 1e-9)
+    height, width = weight.shape[:2]
+    half = (width + 1) // 2, (height + 1) // 2
+    small, small_weight = (cv2.resize(a, half, interpolation=cv2.INTER_AREA) for a in (weighted, weight))
+    small_weight = small_weight.reshape(*small.shape[:2], 1)
+    far = cv2.resize(_spread(small, small_weight), (width, height), interpolation=cv2.INTER_LINEAR)
+    return np.where(weight > 0, weighted / np.maximum(weight, 1e-9), far)
