@@ -12,9 +12,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 Image = NDArray[np.float32]
-Make = Callable[[tuple[float, float], float, int, tuple[int, int, int]], Image]
-"""From the lower left corner [m], the side of a texel [m], the texels of a side and (level, column, row) of the tile:
-(N, N, K), rows along y."""
+
+
+@dataclass(frozen=True)
+class Tile:
+    """A square piece of the plane."""
+
+    low: tuple[float, float]
+    """Lower left corner [m]."""
+    texel_m: float
+    texels: int
+    """Along a side."""
+    key: tuple[int, int, int]
+    """Level, column and row."""
+
+
+Make = Callable[[Tile], Image]
+"""(N, N, K) of a tile, rows along y."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +114,7 @@ class TiledMap:
             return self._tiles[key]
         own, texel_m = self.tiling, self.tiling.texel_m * 2**level
         low = (i * own.core - own.margin) * texel_m, (j * own.core - own.margin) * texel_m
-        made = self._make(low, texel_m, own.side(), key).astype(np.float16)
+        made = self._make(Tile(low, texel_m, own.side(), key)).astype(np.float16)
         self._tiles[key] = made
         self._bytes += made.nbytes
         while self._bytes > self._most_bytes and len(self._tiles) > 1:

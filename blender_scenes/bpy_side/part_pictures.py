@@ -19,7 +19,7 @@ from blender_scenes.floor_sight import MIDDLE, FilterPoint, FloorSight, filter_p
 from blender_scenes.job import RenderJob
 from blender_scenes.lens_warp import pinhole_picture
 from blender_scenes.shutter import window
-from blender_scenes.tiled_map import Image, TiledMap, Tiling, without_holes
+from blender_scenes.tiled_map import Image, Tile, TiledMap, Tiling, without_holes
 from blender_scenes.upsampling import halved, upsampled
 from configs.streams import stream
 
@@ -137,41 +137,32 @@ class PartPictures:
         """Points on the floor; those that see none are put where it ends."""
         return np.clip(np.nan_to_num(points), *self._bounds)
 
-    def _reflectance_tile(
-        self, low: tuple[float, float], texel_m: float, texels: int, key: tuple[int, int, int]
-    ) -> Image:
-        colour, normal = self._scenes.reflectance(low, texel_m, texels, self._tile_seed("reflectance", key))
+    def _reflectance_tile(self, tile: Tile) -> Image:
+        colour, normal = self._scenes.reflectance(tile, self._tile_seed("reflectance", tile))
         return np.concatenate([colour, normal], axis=-1)
 
-    def _irradiance_tile(
-        self, low: tuple[float, float], texel_m: float, texels: int, key: tuple[int, int, int]
-    ) -> Image:
-        seed = self._tile_seed("irradiance", key)
-        return self._facing(low, texel_m, texels, seed, _UP)
+    def _irradiance_tile(self, tile: Tile) -> Image:
+        return self._facing(_UP, tile, self._tile_seed("irradiance", tile))
 
-    def _relief_tile(self, low: tuple[float, float], texel_m: float, texels: int, key: tuple[int, int, int]) -> Image:
+    def _relief_tile(self, tile: Tile) -> Image:
         """(N, N, 6): what light on the floor grows by as its normal leans along x, and along y, per unit of the light.
 
         E(n) = E_z n_z + E_x n_x + E_y n_y for a little lean, of the vector irradiance; E_x follows from the light on a
         floor that is tilted.
         """
-        seed = self._tile_seed("relief", key)
+        seed = self._tile_seed("relief", tile)
         cosine, sine = float(np.cos(_TILT_RAD)), float(np.sin(_TILT_RAD))
-        up, *tilted = (
-            self._facing(low, texel_m, texels, seed, facing)
-            for facing in (_UP, (sine, 0.0, cosine), (0.0, sine, cosine))
-        )
+        facings = _UP, (sine, 0.0, cosine), (0.0, sine, cosine)
+        up, *tilted = (self._facing(facing, tile, seed) for facing in facings)
         leans = [(one / np.maximum(up, _LEAST_LIGHT) - cosine) / sine for one in tilted]
         return np.concatenate(leans, axis=-1)
 
-    def _facing(  # noqa: PLR0917 - all of a tile
-        self, low: tuple[float, float], texel_m: float, texels: int, seed: int, facing: tuple[float, float, float]
-    ) -> Image:
-        light = without_holes(self._scenes.irradiance(low, texel_m, texels, _IRRADIANCE_SAMPLES, seed, facing))
+    def _facing(self, facing: tuple[float, float, float], tile: Tile, seed: int) -> Image:
+        light = without_holes(self._scenes.irradiance(tile, _IRRADIANCE_SAMPLES, seed, facing))
         return self._denoised(light, np.broadcast_to(np.array(_UP, np.float32), light.shape))
 
-    def _tile_seed(self, what: str, key: tuple[int, int, int]) -> int:
-        level, i, j = (number % 2**32 for number in key)
+    def _tile_seed(self, what: str, tile: Tile) -> int:
+        level, i, j = (number % 2**32 for number in tile.key)
         return int(stream(self._seed, "path tracing", what, level, i, j).integers(2**31))
 
 

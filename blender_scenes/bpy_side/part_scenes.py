@@ -16,8 +16,8 @@ from blender_scenes.bpy_side.part_materials import COVER, NORMAL, covering, in_g
 from blender_scenes.bpy_side.placing import place
 from blender_scenes.bpy_side.rendering import rendered
 from blender_scenes.description import FrameView, Scene
+from blender_scenes.tiled_map import Image, Tile
 
-Image = np.ndarray
 Passes = dict[str, Image]
 """Name of a pass -> (H, W, 3), or (H, W, 1) of a single channel, float32, the first row at the top."""
 
@@ -65,26 +65,23 @@ class PartScenes:
         `size` is width and height [px]; each pixel is the mean of its square.
         """
         place(view)
-        blurred = bool(view.exposure)
-        with_all, without = (self._traced(s, size, samples, seed, blurred) for s in (self._light, self._still))
+        with_all, without = (self._traced(s, size, samples, seed, view) for s in (self._light, self._still))
         return with_all, without
 
     def surfaces(self, size: tuple[int, int], samples: int, seed: int, view: FrameView) -> Passes:
         """What the surfaces reflect, the floor black and told by its cover; call after `light` of the same view."""
-        return self._traced(self._surfaces, size, samples, seed, bool(view.exposure))
+        return self._traced(self._surfaces, size, samples, seed, view)
 
-    def reflectance(self, low: tuple[float, float], texel_m: float, texels: int, seed: int) -> tuple[Image, Image]:
-        """(N, N, 3) reflectance and normal of the floor from above; [row along y, column along x] from `low` [m]."""
-        passes = self._from_above(self._reflectance, low, texel_m, texels, 1, seed)
+    def reflectance(self, tile: Tile, seed: int) -> tuple[Image, Image]:
+        """(N, N, 3) reflectance and normal of the floor from above; rows along y, columns along x."""
+        passes = self._from_above(self._reflectance, tile, 1, seed)
         return passes["Combined"][::-1], passes[NORMAL][::-1]
 
-    def irradiance(  # noqa: PLR0917 - all of a tile
-        self, low: tuple[float, float], texel_m: float, texels: int, samples: int, seed: int, facing: tuple[float, ...]
-    ) -> Image:
+    def irradiance(self, tile: Tile, samples: int, seed: int, facing: tuple[float, float, float]) -> Image:
         """(N, N, 3) light on the floor without what moves, were it turned to the unit vector `facing`."""
         for thing in self._lit_floor:
             thing.color = (*facing, 1.0)
-        passes = self._from_above(self._irradiance, low, texel_m, texels, samples, seed)
+        passes = self._from_above(self._irradiance, tile, samples, seed)
         return (passes["DiffDir"] + passes["DiffInd"])[::-1]
 
     def _scene(self, name: str, passes: tuple[str, ...]) -> bpy.types.Scene:
@@ -149,24 +146,18 @@ class PartScenes:
             hidden.visible_camera = False
             scene.collection.objects.link(hidden)
 
-    def _from_above(  # noqa: PLR0917 - as `irradiance`
-        self, scene: bpy.types.Scene, low: tuple[float, float], texel_m: float, texels: int, samples: int, seed: int
-    ) -> Passes:
-        side = texel_m * texels
+    def _from_above(self, scene: bpy.types.Scene, tile: Tile, samples: int, seed: int) -> Passes:
+        side = tile.texel_m * tile.texels
         scene.camera.data.ortho_scale = side
-        scene.camera.matrix_world = Matrix.Translation((low[0] + 0.5 * side, low[1] + 0.5 * side, _ABOVE_M))
-        return self._traced(scene, (texels, texels), samples, seed, blurred=False)
+        middle = tile.low[0] + 0.5 * side, tile.low[1] + 0.5 * side, _ABOVE_M
+        scene.camera.matrix_world = Matrix.Translation(middle)
+        return self._traced(scene, (tile.texels, tile.texels), samples, seed)
 
     def _traced(
-        self,
-        scene: bpy.types.Scene,
-        size: tuple[int, int],
-        samples: int,
-        seed: int,
-        blurred: bool,  # noqa: FBT001
+        self, scene: bpy.types.Scene, size: tuple[int, int], samples: int, seed: int, view: FrameView | None = None
     ) -> Passes:
         scene.render.resolution_x, scene.render.resolution_y = size
-        scene.render.use_motion_blur = blurred
+        scene.render.use_motion_blur = view is not None and bool(view.exposure)
         scene.cycles.samples, scene.cycles.seed = samples, seed
         return _by_pass(rendered(scene, _EXR_PIXEL_BYTES))
 
