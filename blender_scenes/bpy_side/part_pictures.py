@@ -19,12 +19,12 @@ from blender_scenes.floor_sight import MIDDLE, FilterPoint, FloorSight, filter_p
 from blender_scenes.job import RenderJob
 from blender_scenes.lens_warp import pinhole_picture
 from blender_scenes.shutter import window
-from blender_scenes.tiled_map import Image, Tile, TiledMap, Tiling, without_holes
+from blender_scenes.tiled_map import Image, Tile, TiledMap, Tiling, normals, without_holes
 from blender_scenes.upsampling import halved, upsampled
 from configs.streams import stream
 
 _REFLECTANCE = Tiling(texel_m=0.00025, levels=6, core=256)
-_TEXELS_OF_A_PIXEL = 2.0
+_TEXELS_OF_A_PIXEL = 1.4
 _IRRADIANCE = Tiling(texel_m=0.004, levels=5, core=112, margin=8)
 _PIXELS_OF_A_TEXEL = 4.0
 """Light changes over wider stretches than colour."""
@@ -32,7 +32,8 @@ _IRRADIANCE_SAMPLES = 8
 _RELIEF = Tiling(texel_m=0.032, levels=3, core=24, margin=4)
 """Where light comes from changes over wider ones still."""
 _TILT_RAD = np.radians(30.0)
-_MOST_BYTES = 192 * 2**20
+_MOST_BYTES = 320 * 2**20
+"""Of each map in memory: what a lap of the dataset's arena looks at in pictures of 320 x 240."""
 _MOST_SHARE = 1.5
 """Of a still scene's light that may be left where something moves, or be thrown back by it."""
 _LEAST_LIGHT = np.float32(1e-6)
@@ -92,17 +93,14 @@ class PartPictures:
     def _floor(self, view: FrameView, needed: np.ndarray) -> Image:
         """(H, W, 3) light that the floor throws back without what moves, where it is needed."""
         width, height = self._size
-        colour, normal = np.zeros((height, width, 3), np.float32), np.zeros((height, width, 3), np.float32)
-        ends = self._ends(bool(view.exposure))
+        seen = np.zeros((height, width, 6 if self._has_relief else 3), np.float32)
         for level, rows, there in _bands(self._reflectance_level, needed):
-            patch = self._reflectance.patch(level, self._placed(view, ends, rows, there))
+            patch = self._reflectance.patch(level, self._placed(view, rows, there))
             for point in self._filter:
                 found = patch.at(self._clipped(self._sight.points(view, point, rows)))
-                found = np.where(there[..., None], found, 0)
-                colour[rows] += found[..., :3]
-                normal[rows] += found[..., 3:]
-        count = np.float32(len(self._filter))
-        return colour / count * self._floor_light(view, needed, normal / count)
+                seen[rows] += np.where(there[..., None], found, 0)
+        seen /= np.float32(len(self._filter))
+        return seen[..., :3] * self._floor_light(view, needed, seen[..., 3:])
 
     def _floor_light(self, view: FrameView, needed: np.ndarray, normal: Image) -> Image:
         found = self._looked_up(self._irradiance, view, needed, 3)
@@ -130,16 +128,26 @@ class PartPictures:
         corners = [(p.right_px, p.down_px) for p in (self._filter[i] for i in (0, 3, -4, -1))]
         return [FilterPoint(*corner, time) for corner in corners for time in ((0.0, 1.0) if blurred else (0.5,))]
 
-    def _placed(self, view: FrameView, points: list[FilterPoint], rows: slice, there: np.ndarray) -> np.ndarray:
-        return np.concatenate([self._clipped(self._sight.points(view, point, rows)[there]) for point in points])
+    def _placed(self, view: FrameView, rows: slice, there: np.ndarray) -> np.ndarray:
+        """(N, 2) points between which lies all that these pixels look up."""
+        corners = [np.array(self._sight.points(view, point, rows)[there]) for point in self._ends(bool(view.exposure))]
+        within = np.all([corner == self._clipped(corner) for corner in corners], axis=(0, 2))
+        beyond = there.copy()
+        beyond[there] = ~within  # a pixel that looks over the floor's end looks up points that are not between these
+        everywhere = [self._sight.points(view, point, rows)[beyond] for point in self._filter] if beyond.any() else []
+        return np.concatenate([self._clipped(points) for points in [*corners, *everywhere]])
 
     def _clipped(self, points: np.ndarray) -> np.ndarray:
         """Points on the floor; those that see none are put where it ends."""
         return np.clip(np.nan_to_num(points), *self._bounds)
 
     def _reflectance_tile(self, tile: Tile) -> Image:
-        colour, normal = self._scenes.reflectance(tile, self._tile_seed("reflectance", tile))
-        return np.concatenate([colour, normal], axis=-1)
+        """(N, N, 6): reflectance and normal; (N, N, 3) without the latter where nothing has a relief."""
+        colour, relief = self._scenes.reflectance(tile.widened(), self._tile_seed("reflectance", tile))
+        colour = colour[1:-1, 1:-1]
+        if not self._has_relief:
+            return colour
+        return np.concatenate([colour, normals(relief[..., 0], relief[..., 1], tile.texel_m)], axis=-1)
 
     def _irradiance_tile(self, tile: Tile) -> Image:
         return self._facing(_UP, tile, self._tile_seed("irradiance", tile))

@@ -12,7 +12,7 @@ import numpy as np
 from mathutils import Matrix
 
 from blender_scenes.bpy_side.build import ROBOT, moving_name
-from blender_scenes.bpy_side.part_materials import COVER, NORMAL, covering, in_grey, shining, turned
+from blender_scenes.bpy_side.part_materials import COVER, RELIEF, covering, in_grey, shining, turned
 from blender_scenes.bpy_side.placing import place
 from blender_scenes.bpy_side.rendering import rendered
 from blender_scenes.description import FrameView, Scene
@@ -24,6 +24,8 @@ Passes = dict[str, Image]
 _ABOVE_M = 0.5
 _EXR_PIXEL_BYTES = 52
 """Colour with its cover and at most three more passes, four bytes each."""
+_IN_THE_MIDDLE = 0.01
+"""Of a pixel: the least width that Cycles has for a filter."""
 _LIGHT_PASSES = ("diffuse_color", "diffuse_direct", "diffuse_indirect")
 Dresser = Callable[[bpy.types.Material], bpy.types.Material]
 
@@ -51,8 +53,10 @@ class PartScenes:
         self._surfaces = self._surface_scene(moving)
         self._reflectance = self._scene("reflectance", ())
         self._keep_floor(self._reflectance)
-        self._dress_floor(self._reflectance, shining)
-        _add_pass(self._reflectance, NORMAL)
+        numbers = {thing.data.materials[0].name: number for number, thing in enumerate(self._floor)}
+        self._dress_floor(self._reflectance, lambda material: shining(material, numbers[material.name]))
+        self._reflectance.cycles.filter_width = _IN_THE_MIDDLE
+        _add_pass(self._reflectance, RELIEF)
         self._irradiance = self._scene("irradiance", _LIGHT_PASSES)
         self._hide_all_but_floor(self._irradiance)
         self._lit_floor = self._dress_floor(self._irradiance, turned)
@@ -73,9 +77,12 @@ class PartScenes:
         return self._traced(self._surfaces, size, samples, seed, view)
 
     def reflectance(self, tile: Tile, seed: int) -> tuple[Image, Image]:
-        """(N, N, 3) reflectance and normal of the floor from above; rows along y, columns along x."""
+        """(N, N, 3) reflectance of the floor in the middle of texels; (N, N, 2) height of relief [m] and whose it is.
+
+        Rows along y, columns along x.
+        """
         passes = self._from_above(self._reflectance, tile, 1, seed)
-        return passes["Combined"][::-1], passes[NORMAL][::-1]
+        return passes["Combined"][::-1], passes[RELIEF][::-1, :, :2]
 
     def irradiance(self, tile: Tile, samples: int, seed: int, facing: tuple[float, float, float]) -> Image:
         """(N, N, 3) light on the floor without what moves, were it turned to the unit vector `facing`."""
