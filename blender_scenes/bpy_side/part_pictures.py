@@ -15,7 +15,7 @@ from blender_scenes.bpy_side.oidn import Denoiser
 from blender_scenes.bpy_side.part_materials import COVER, MIDDLE_GREY
 from blender_scenes.bpy_side.part_scenes import PartScenes, lies_on_the_floor
 from blender_scenes.description import FrameView
-from blender_scenes.floor_sight import MIDDLE, FilterPoint, FloorSight, filter_points
+from blender_scenes.floor_sight import MIDDLE, FloorSight, filter_points
 from blender_scenes.job import RenderJob
 from blender_scenes.lens_warp import pinhole_picture
 from blender_scenes.shutter import window
@@ -93,12 +93,11 @@ class PartPictures:
         """(H, W, 3) light that the floor throws back without what moves, where it is needed."""
         width, height = self._size
         colour, normal = np.zeros((height, width, 3), np.float32), np.zeros((height, width, 3), np.float32)
-        ends = self._ends(bool(view.exposure))
         for level, rows, there in _bands(self._reflectance_level, needed):
-            patch = self._reflectance.patch(level, self._placed(view, ends, rows, there))
-            for point in self._filter:
-                found = patch.at(self._clipped(self._sight.points(view, point, rows)))
-                found = np.where(there[..., None], found, 0)
+            seen = [self._clipped(self._sight.points(view, point, rows)) for point in self._filter]
+            patch = self._reflectance.patch(level, np.concatenate([points[there] for points in seen]))
+            for points in seen:
+                found = np.where(there[..., None], patch.at(points), 0)
                 colour[rows] += found[..., :3]
                 normal[rows] += found[..., 3:]
         count = np.float32(len(self._filter))
@@ -125,13 +124,6 @@ class PartPictures:
             far = of.patch(min(level + 1, of.tiling.levels - 1), looked_for).at(points)
             found[rows] += np.where(there[..., None], near + share * (far - near), 0)
         return found
-
-    def _ends(self, blurred: bool) -> list[FilterPoint]:  # noqa: FBT001 - of the view
-        corners = [(p.right_px, p.down_px) for p in (self._filter[i] for i in (0, 3, -4, -1))]
-        return [FilterPoint(*corner, time) for corner in corners for time in ((0.0, 1.0) if blurred else (0.5,))]
-
-    def _placed(self, view: FrameView, points: list[FilterPoint], rows: slice, there: np.ndarray) -> np.ndarray:
-        return np.concatenate([self._clipped(self._sight.points(view, point, rows)[there]) for point in points])
 
     def _clipped(self, points: np.ndarray) -> np.ndarray:
         """Points on the floor; those that see none are put where it ends."""

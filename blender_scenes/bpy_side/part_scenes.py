@@ -50,6 +50,10 @@ class PartScenes:
             self._still.collection.objects.unlink(thing)
         self._surfaces = self._surface_scene(moving)
         self._reflectance = self._scene("reflectance", ())
+        # Cycles' first sample lies in the very middle of a texel (integrator/init_from_camera.h): edges along texels
+        # would all be off to one side. The second lies anywhere in it.
+        cycles = self._reflectance.cycles
+        cycles.use_sample_subset, cycles.sample_offset, cycles.sample_subset_length = True, 1, 1
         self._keep_floor(self._reflectance)
         self._dress_floor(self._reflectance, shining)
         _add_pass(self._reflectance, NORMAL)
@@ -74,7 +78,7 @@ class PartScenes:
 
     def reflectance(self, tile: Tile, seed: int) -> tuple[Image, Image]:
         """(N, N, 3) reflectance and normal of the floor from above; rows along y, columns along x."""
-        passes = self._from_above(self._reflectance, tile, 1, seed)
+        passes = self._from_above(self._reflectance, tile, 2, seed)
         return passes["Combined"][::-1], passes[NORMAL][::-1]
 
     def irradiance(self, tile: Tile, samples: int, seed: int, facing: tuple[float, float, float]) -> Image:
