@@ -13,6 +13,9 @@ from numpy.typing import NDArray
 
 Image = NDArray[np.float32]
 
+_STEPS = 32
+"""Of OpenCV's bilinear interpolation from one texel to the next."""
+
 
 @dataclass(frozen=True)
 class Tile:
@@ -62,14 +65,17 @@ class Tiling:
 class Patch:
     """Tiles of one level side by side."""
 
-    low: NDArray[np.float64]
+    first: NDArray[np.int64]
+    """Column and row of its first texel among all of the plane's."""
     texel_m: float
     texels: Image
     """(H, W, K), NaN where no tile was asked for."""
 
     def at(self, points: NDArray[np.floating]) -> Image:
         """(..., K) between the texels at points (M, N, 2) [m]."""
-        where = ((points - self.low) / self.texel_m - 0.5).astype(np.float32)
+        # OpenCV's own steps, taken before the patch's corner is: single precision holds them, wherever that is.
+        places = np.rint((points / self.texel_m - 0.5) * _STEPS) / _STEPS
+        where = (places - self.first).astype(np.float32)
         return cv2.remap(self.texels, where[..., 0], where[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
 
 
@@ -83,7 +89,7 @@ class TiledMap:
         """Of each level: a picture looks at much the same tiles as the one before."""
 
     def patch(self, level: int, points: NDArray[np.floating]) -> Patch:
-        """Where these points (..., 2) [m] and those on straight lines between neighbours of them can be looked up."""
+        """Where these points (..., 2) [m] can be looked up."""
         own = self.tiling
         texel_m = own.texel_m * 2**level
         reach = own.margin + 2
@@ -109,8 +115,7 @@ class TiledMap:
                 there += tile * (share[:, None] * share)[..., None]
             else:
                 there[...] = tile
-        low = (np.array([left, bottom]) * own.core - own.margin) * texel_m
-        return Patch(low, texel_m, texels)
+        return Patch(np.array([left, bottom]) * own.core - own.margin, texel_m, texels)
 
     def _tile(self, level: int, i: int, j: int) -> NDArray[np.float16]:
         key = level, i, j

@@ -13,9 +13,9 @@ import numpy as np
 
 from blender_scenes.bpy_side.oidn import Denoiser
 from blender_scenes.bpy_side.part_materials import COVER, MIDDLE_GREY
-from blender_scenes.bpy_side.part_scenes import PartScenes, lies_on_the_floor
+from blender_scenes.bpy_side.part_scenes import GRID_TURN_RAD, PartScenes, lies_on_the_floor
 from blender_scenes.description import FrameView
-from blender_scenes.floor_sight import MIDDLE, FilterPoint, FloorSight, filter_points
+from blender_scenes.floor_sight import MIDDLE, FloorSight, filter_points
 from blender_scenes.job import RenderJob
 from blender_scenes.lens_warp import pinhole_picture
 from blender_scenes.shutter import window
@@ -34,6 +34,8 @@ _RELIEF = Tiling(texel_m=0.032, levels=3, core=24, margin=4)
 _TILT_RAD = np.radians(30.0)
 _MOST_BYTES = 320 * 2**20
 """Of each map in memory: what a lap of the dataset's arena looks at in pictures of 320 x 240."""
+_CORNERS = (0, 3, -4, -1)
+"""Of `filter_points`."""
 _MOST_SHARE = 1.5
 """Of a still scene's light that may be left where something moves, or be thrown back by it."""
 _LEAST_LIGHT = np.float32(1e-6)
@@ -59,9 +61,9 @@ class PartPictures:
         self._bounds = ground.min(axis=0), ground.max(axis=0)
         surfaces = {name for mesh in floor for name in mesh.face_surface}
         self._has_relief = any(s.height_m is not None for s in job.scene.surfaces if s.name in surfaces)
-        pixel_m = self._sight.depth_m() / camera.fx_px
-        self._reflectance_level = _level(pixel_m / _TEXELS_OF_A_PIXEL, _REFLECTANCE)
-        self._irradiance_level = _level(pixel_m * _PIXELS_OF_A_TEXEL, _IRRADIANCE)
+        across_m, along_m = self._sight.pixel_m()
+        self._reflectance_level = _level(np.sqrt(across_m * along_m) / _TEXELS_OF_A_PIXEL, _REFLECTANCE)
+        self._irradiance_level = _level(across_m * _PIXELS_OF_A_TEXEL, _IRRADIANCE)
         self._reflectance = TiledMap(_REFLECTANCE, self._reflectance_tile, _MOST_BYTES)
         self._irradiance = TiledMap(_IRRADIANCE, self._irradiance_tile, _MOST_BYTES)
         self._relief = TiledMap(_RELIEF, self._relief_tile, _MOST_BYTES)
@@ -95,11 +97,15 @@ class PartPictures:
         width, height = self._size
         seen = np.zeros((height, width, 6 if self._has_relief else 3), np.float32)
         for level, rows, there in _bands(self._reflectance_level, needed):
-            patch = self._reflectance.patch(level, self._placed(view, rows, there))
-            for point in self._filter:
-                found = patch.at(self._clipped(self._sight.points(view, point, rows)))
-                seen[rows] += np.where(there[..., None], found, 0)
-        seen /= np.float32(len(self._filter))
+            points = [
+                _turned(self._clipped(self._sight.points(view, point, rows)), -GRID_TURN_RAD) for point in self._filter
+            ]
+            corners = [points[i][there] for i in _CORNERS]
+            found = self._mean(level, points, np.concatenate(corners))
+            if np.isnan(found[there]).any():
+                # A pixel at the end of the floor, or at a corner of tiles, looks up what its corners do not tell.
+                found = self._mean(level, points, np.concatenate([own[there] for own in points]))
+            seen[rows] += np.where(there[..., None], found, 0)
         return seen[..., :3] * self._floor_light(view, needed, seen[..., 3:])
 
     def _floor_light(self, view: FrameView, needed: np.ndarray, normal: Image) -> Image:
@@ -124,18 +130,13 @@ class PartPictures:
             found[rows] += np.where(there[..., None], near + share * (far - near), 0)
         return found
 
-    def _ends(self, blurred: bool) -> list[FilterPoint]:  # noqa: FBT001 - of the view
-        corners = [(p.right_px, p.down_px) for p in (self._filter[i] for i in (0, 3, -4, -1))]
-        return [FilterPoint(*corner, time) for corner in corners for time in ((0.0, 1.0) if blurred else (0.5,))]
-
-    def _placed(self, view: FrameView, rows: slice, there: np.ndarray) -> np.ndarray:
-        """(N, 2) points between which lies all that these pixels look up."""
-        corners = [np.array(self._sight.points(view, point, rows)[there]) for point in self._ends(bool(view.exposure))]
-        within = np.all([corner == self._clipped(corner) for corner in corners], axis=(0, 2))
-        beyond = there.copy()
-        beyond[there] = ~within  # a pixel that looks over the floor's end looks up points that are not between these
-        everywhere = [self._sight.points(view, point, rows)[beyond] for point in self._filter] if beyond.any() else []
-        return np.concatenate([self._clipped(points) for points in [*corners, *everywhere]])
+    def _mean(self, level: int, points: list[np.ndarray], needed: np.ndarray) -> Image:
+        """(H, W, K) of what the map has at points (H, W, 2) of each; NaN where some are not among the needed."""
+        patch = self._reflectance.patch(level, needed)
+        total = patch.at(points[0])
+        for more in points[1:]:
+            total += patch.at(more)
+        return total / np.float32(len(points))
 
     def _clipped(self, points: np.ndarray) -> np.ndarray:
         """Points on the floor; those that see none are put where it ends."""
@@ -143,11 +144,13 @@ class PartPictures:
 
     def _reflectance_tile(self, tile: Tile) -> Image:
         """(N, N, 6): reflectance and normal; (N, N, 3) without the latter where nothing has a relief."""
-        colour, relief = self._scenes.reflectance(tile.widened(), self._tile_seed("reflectance", tile))
+        colour, relief = self._scenes.reflectance(tile.widened())
         colour = colour[1:-1, 1:-1]
         if not self._has_relief:
             return colour
-        return np.concatenate([colour, normals(relief[..., 0], relief[..., 1], tile.texel_m)], axis=-1)
+        normal = normals(relief[..., 0], relief[..., 1], tile.texel_m)
+        normal[..., :2] = _turned(normal[..., :2], GRID_TURN_RAD)
+        return np.concatenate([colour, normal], axis=-1)
 
     def _irradiance_tile(self, tile: Tile) -> Image:
         return self._facing(_UP, tile, self._tile_seed("irradiance", tile))
@@ -172,6 +175,13 @@ class PartPictures:
     def _tile_seed(self, what: str, tile: Tile) -> int:
         level, i, j = (number % 2**32 for number in tile.key)
         return int(stream(self._seed, "path tracing", what, level, i, j).integers(2**31))
+
+
+def _turned(vectors: np.ndarray, by_rad: float) -> np.ndarray:
+    """Vectors (..., 2) turned counter-clockwise."""
+    cosine, sine = np.cos(by_rad), np.sin(by_rad)
+    x, y = vectors[..., 0], vectors[..., 1]
+    return np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
 
 
 def _level(texel_m: np.ndarray, tiling: Tiling) -> np.ndarray:

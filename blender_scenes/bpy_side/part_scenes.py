@@ -24,6 +24,9 @@ Passes = dict[str, Image]
 _ABOVE_M = 0.5
 _EXR_PIXEL_BYTES = 52
 """Colour with its cover and at most three more passes, four bytes each."""
+GRID_TURN_RAD = 0.35
+"""Of the reflectance's texels, which are seen in their middle, against W. An edge along them would be off by up to half
+a texel all of its way; across them it is off to either side in turns."""
 _IN_THE_MIDDLE = 0.01
 """Of a pixel: the least width that Cycles has for a filter."""
 _LIGHT_PASSES = ("diffuse_color", "diffuse_direct", "diffuse_indirect")
@@ -76,12 +79,12 @@ class PartScenes:
         """What the surfaces reflect, the floor black and told by its cover; call after `light` of the same view."""
         return self._traced(self._surfaces, size, samples, seed, view)
 
-    def reflectance(self, tile: Tile, seed: int) -> tuple[Image, Image]:
+    def reflectance(self, tile: Tile) -> tuple[Image, Image]:
         """(N, N, 3) reflectance of the floor in the middle of texels; (N, N, 2) height of relief [m] and whose it is.
 
-        Rows along y, columns along x.
+        Rows along y, columns along x of a grid that is turned by `GRID_TURN_RAD` against W.
         """
-        passes = self._from_above(self._reflectance, tile, 1, seed)
+        passes = self._from_above(self._reflectance, tile, 1, 0, GRID_TURN_RAD)
         return passes["Combined"][::-1], passes[RELIEF][::-1, :, :2]
 
     def irradiance(self, tile: Tile, samples: int, seed: int, facing: tuple[float, float, float]) -> Image:
@@ -153,11 +156,11 @@ class PartScenes:
             hidden.visible_camera = False
             scene.collection.objects.link(hidden)
 
-    def _from_above(self, scene: bpy.types.Scene, tile: Tile, samples: int, seed: int) -> Passes:
+    def _from_above(self, scene: bpy.types.Scene, tile: Tile, samples: int, seed: int, turn_rad: float = 0.0) -> Passes:
         side = tile.texel_m * tile.texels
         scene.camera.data.ortho_scale = side
         middle = tile.low[0] + 0.5 * side, tile.low[1] + 0.5 * side, _ABOVE_M
-        scene.camera.matrix_world = Matrix.Translation(middle)
+        scene.camera.matrix_world = Matrix.Rotation(turn_rad, 4, "Z") @ Matrix.Translation(middle)
         return self._traced(scene, (tile.texels, tile.texels), samples, seed)
 
     def _traced(

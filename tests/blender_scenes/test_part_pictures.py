@@ -1,0 +1,345 @@
+"""Pictures put together from parts against those that are traced whole, in linear light, in one Blender process."""
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from blender_scenes.camera import floor_points, pose_X_WR, project
+from blender_scenes.camera_response import CameraResponse
+from blender_scenes.description import INSTANT, FrameView, Intrinsics, Mesh, Moment, Panel, Scene, Shutter, Sky
+from blender_scenes.geometry import block, floor, rectangle
+from blender_scenes.job import FramePose, RenderJob, build_job
+from blender_scenes.sampling import PartSamples, Sampling
+from blender_scenes.shading import Color, Coordinate, Mix, Noise, Step, Surface
+from configs.draw import draw_look
+from configs.loader import load_section
+from configs.references import shipped_names
+from configs.schema.look import CameraLook
+from configs.schema.scenario import Render
+from physics.robot_path import RobotPath
+
+_PROGRAM = """
+import os, sys, json, tempfile
+from pathlib import Path
+import numpy as np
+out = os.fdopen(os.dup(1), "wb")
+os.dup2(2, 1)
+from blender_scenes.bpy_side import build, engine
+from blender_scenes.job import RenderJob
+for job, threads, numbers in json.load(sys.stdin):
+    job = RenderJob.from_json(job)
+    views = {view.number: view for view in job.frames}
+    build.start()
+    build.build(job.scene, job.camera)
+    with tempfile.TemporaryDirectory() as scratch:
+        engine.configure(job, threads, Path(scratch))
+        pictures = engine.Pictures(job, threads, Path(scratch))
+        for number in numbers:
+            out.write(pictures.light(views[number]).astype(np.float32).tobytes())
+"""
+WIDTH_PX, HEIGHT_PX = 64, 48
+CAMERA = Intrinsics(WIDTH_PX, HEIGHT_PX, 45.0, 45.0, 31.5, 23.5)
+PARTS = PartSamples(light=4, surfaces=16)
+WHOLE_SAMPLES = 256
+PITCH = np.radians(35.0)
+X_RC = np.array(
+    [
+        [0.0, -np.sin(PITCH), np.cos(PITCH), 0.05],
+        [-1.0, 0.0, 0.0, 0.0],
+        [0.0, -np.cos(PITCH), -np.sin(PITCH), 0.25],
+        [0.0, 0.0, 0.0, 1.0],
+    ]
+)
+ROLLING = Shutter(exposure_s=0.01, read_out_s=0.03)
+GLOBAL = Shutter(exposure_s=0.02)
+RATE_RAD_S = 6.0
+AWAY = (3.0, 3.0, 0.0)
+
+
+def _asked(*orders: tuple[RenderJob, int, list[int]]) -> list[np.ndarray]:
+    """(N, H, W, 3) light of each order: a job, threads, and the numbers of its views."""
+    text = json.dumps([(job.to_json(), threads, numbers) for job, threads, numbers in orders])
+    call = [sys.executable, "-c", _PROGRAM]
+    done = subprocess.run(call, input=text.encode(), capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr.decode()[-2000:]
+    rest, found = np.frombuffer(done.stdout, np.float32), []
+    for job, _, numbers in orders:
+        shape = len(numbers), job.camera.height_px, job.camera.width_px, 3
+        found.append(rest[: np.prod(shape)].reshape(shape))
+        rest = rest[np.prod(shape) :]
+    assert not rest.size
+    return found
+
+
+def _matt(name: str, *rgb: float) -> Surface:
+    return Surface(name, Color(rgb), roughness=1.0, refractive_index=1.0)
+
+
+MOTTLED = Mix(Noise((30.0, 30.0), (0.3, 0.7)), Color((0.5, 0.45, 0.4)), Color((0.3, 0.3, 0.3)))
+FLOOR = Surface("floor", MOTTLED, roughness=0.6)
+STRIPES = Surface(
+    "back", Mix(Step(Coordinate("v"), 0.3, 0.31), Color((0.2, 0.5, 0.2)), Color((0.5, 0.2, 0.2))), roughness=1.0
+)
+MIRROR = Surface("mirror", Color((0.9, 0.9, 0.9)), roughness=0.02, metallic=1.0)
+GLASS = Surface("glass", Color((1.0, 1.0, 1.0)), roughness=0.0, refractive_index=1.5, transmission=1.0)
+BLACK, RED, GREEN = _matt("black", 0.03, 0.03, 0.03), _matt("red", 0.5, 0.08, 0.05), _matt("green", 0.05, 0.4, 0.08)
+LAMP = Panel("lamp", (0.9, 0.8, 2.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.4, 0.4, (6.0, 6.0, 5.0))
+BEHIND = Panel("behind", (-0.7, -0.2, 0.6), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.1, 0.1, (60.0, 60.0, 60.0))
+"""Low behind the robot, whose shadow so falls into the picture."""
+
+
+def _tape(name: str, corners: list[tuple[float, float]]) -> Mesh:
+    return rectangle(name, [(x, y, 0.00013) for x, y in corners], "black")
+
+
+LINE = _tape("tape_0", [(0.0, -0.02), (2.0, -0.02), (2.0, 0.02), (0.0, 0.02)])
+ACROSS = _tape("tape_1", [(0.33, -0.5), (0.37, -0.5), (0.37, -0.06), (0.33, -0.06)])
+ROBOT = block("chassis", (0.0, 0.0, 0.06), (0.16, 0.14, 0.1), "red")
+OBSTACLE = block("obstacle_M", (0.0, 0.0, 0.06), (0.06, 0.06, 0.12), "green")
+
+
+def _scene(*walls: Mesh) -> Scene:
+    meshes = (floor("floor", (-2.0, -2.0), (2.0, 2.0), 0.0, "floor"), LINE, ACROSS, *walls)
+    return Scene(
+        surfaces=(FLOOR, STRIPES, MIRROR, GLASS, BLACK, RED, GREEN),
+        meshes=meshes,
+        robot=(ROBOT,),
+        panels=(LAMP, BEHIND),
+        sun=None,
+        sky=Sky("studio", 0.0, 0.2, 10.0, 1.0),
+        moving=(OBSTACLE,),
+    )
+
+
+def _at(number: int, pose: tuple[float, float, float], moving: tuple[float, float, float] = AWAY) -> FrameView:
+    return FrameView(number, 0.0, pose, _rows(pose), (moving,))
+
+
+def _rows(pose: tuple[float, float, float]) -> tuple:
+    return tuple(tuple(row) for row in (pose_X_WR(*pose) @ X_RC).tolist())
+
+
+def _turning(number: int, length_s: float) -> FrameView:
+    """On the spot, for the whole of a window around straight ahead."""
+    yaws = RATE_RAD_S * length_s * np.linspace(-0.5, 0.5, 5)
+    moments = tuple(Moment((0.0, 0.0, yaw), _rows((0.0, 0.0, yaw)), (AWAY,)) for yaw in yaws.tolist())
+    return replace(_at(number, (0.0, 0.0, 0.0)), exposure=moments)
+
+
+def _job(scene: Scene, views: list[FrameView], parts: PartSamples | None, shutter: Shutter = INSTANT) -> RenderJob:
+    sampling = Sampling(seed=1, samples=WHOLE_SAMPLES, denoise=False, parts=parts)
+    response = CameraResponse.from_look(CameraLook(), (1.0, 1.0, 1.0), 1, 92)
+    return RenderJob(RenderJob.FORMAT, scene, CAMERA, tuple(views), sampling, response, shutter)
+
+
+BOX = block("wall_A", (0.75, -0.22, 0.1), (0.1, 0.2, 0.2), "back")
+STILL = [
+    _at(1, (0.0, 0.0, 0.0)),
+    _at(2, (0.0, 0.0, 0.0), (0.5, 0.15, 0.4)),
+    _at(3, (0.0, 0.0, 0.0), (0.45, -0.12, 0.0)),
+]
+"""The obstacle away, on the left, and on the right."""
+
+
+@pytest.fixture(scope="module")
+def pictures() -> dict[str, np.ndarray]:
+    """Of each name (N, H, W, 3): 'parts' and 'whole' of what a kind of scene shows, and one job in three ways."""
+    seen = _scene(BOX)
+    behind = _scene(block("wall_G", (0.5, 0.0, 0.15), (0.01, 0.6, 0.3), "glass"))
+    before = _scene(block("wall_M", (0.6, 0.0, 0.15), (0.02, 0.6, 0.3), "mirror"))
+    rolling, at_once = [_turning(1, ROLLING.exposure_s + ROLLING.read_out_s)], [_turning(1, GLOBAL.exposure_s)]
+    orders = {
+        "still": (seen, STILL, INSTANT),
+        "at once": (seen, at_once, GLOBAL),
+        "rolling": (seen, rolling, ROLLING),
+        "glass": (behind, STILL[:1], INSTANT),
+        "mirror": (before, STILL[:1], INSTANT),
+    }
+    names = ["two threads", "one thread", "alone"]
+    still = _job(seen, STILL, PARTS)
+    asked = [(still, 2, [1, 2, 3]), (still, 1, [3, 1, 2]), (still, 1, [2])]
+    for name, (scene, views, shutter) in orders.items():
+        for kind, parts in (("parts", PARTS), ("whole", None)):
+            names.append(f"{name} {kind}")
+            asked.append((_job(scene, views, parts, shutter), 2, [view.number for view in views]))
+    return dict(zip(names, _asked(*asked), strict=True))
+
+
+HERE = np.array(STILL[0].X_WC)
+V, U = np.indices((HEIGHT_PX, WIDTH_PX))
+FLOOR_SEEN = floor_points(CAMERA, HERE, np.column_stack([U.ravel(), V.ravel()]).astype(float))
+_SPARE_M = 0.012
+
+
+def _behind(box: Mesh, seen_from: tuple[float, float, float], at: tuple[float, float, float] = (0, 0, 0)) -> np.ndarray:
+    """(H, W) whether a box along the axes, moved to a place, stands between a point and what each pixel sees of the floor."""
+    corners = np.array(box.vertices) + (*at[:2], 0.0)
+    towards = np.array(seen_from) - FLOOR_SEEN
+    with np.errstate(divide="ignore", invalid="ignore"):
+        sides = [
+            (corner - FLOOR_SEEN) / towards
+            for corner in (corners.min(axis=0) - _SPARE_M, corners.max(axis=0) + _SPARE_M)
+        ]
+    first, last = np.minimum(*sides).max(axis=1), np.maximum(*sides).min(axis=1)
+    return ((first < last) & (last > 0)).reshape(HEIGHT_PX, WIDTH_PX)
+
+
+EYE = tuple(HERE[:3, 3])
+FAR = V < 12
+"""Where a pixel sees more than half a metre of floor, or none."""
+ROBOT_SHADOW = _behind(ROBOT, BEHIND.center) & ~FAR
+BARE = ~(_behind(BOX, EYE) | _behind(BOX, LAMP.center) | _behind(BOX, BEHIND.center) | ROBOT_SHADOW | FAR)
+
+
+@pytest.mark.parametrize("region", ["bare", "robot's shadow"])
+def test_the_floor_is_as_bright_as_in_a_whole_picture(pictures, region):
+    where, off = (BARE, 0.01) if region == "bare" else (ROBOT_SHADOW, 0.03)
+    assert where.sum() > 100
+    parts, whole = (pictures[f"still {kind}"][0][where].mean(axis=0) for kind in ("parts", "whole"))
+    assert parts == pytest.approx(whole, rel=off)
+
+
+def test_the_robot_throws_its_shadow(pictures):
+    """From a lamp that gives about half of the light there."""
+    parts = pictures["still parts"][0].mean(axis=2)
+    assert np.median(parts[ROBOT_SHADOW]) < 0.8 * np.median(parts[BARE & (V > 36)])
+
+
+@pytest.mark.parametrize("kind", ["at once", "rolling"])
+def test_so_it_is_while_the_camera_turns(pictures, kind):
+    parts, whole = (pictures[f"{kind} {of}"][0][20:].mean(axis=(0, 1)) for of in ("parts", "whole"))
+    assert parts == pytest.approx(whole, rel=0.02)
+
+
+# Edges
+
+
+def _line_columns(picture: np.ndarray) -> np.ndarray:
+    """(rows, columns) how dark it is across the line that leads away, ahead of the robot's shadow."""
+    grey = picture[20:34, 10:38].mean(axis=2)
+    bright = np.median(grey, axis=1, keepdims=True)
+    return np.clip(1 - grey / bright, 0, 1) * (grey < 0.85 * bright)
+
+
+def _middle_and_variance(dark: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of each row [px, px^2]."""
+    at, total = np.arange(dark.shape[1]), dark.sum(axis=1)
+    middle = dark @ at / total
+    return middle, (dark * (at - middle[:, None]) ** 2).sum(axis=1) / total
+
+
+@pytest.mark.parametrize("kind", ["still", "at once", "rolling"])
+def test_the_line_is_where_and_as_wide_as_in_a_whole_picture(pictures, kind):
+    (middle, variance), (true_middle, true_variance) = (
+        _middle_and_variance(_line_columns(pictures[f"{kind} {of}"][0])) for of in ("parts", "whole")
+    )
+    assert np.abs(middle - true_middle).max() < 0.15
+    assert (middle - true_middle).mean() == pytest.approx(0.0, abs=0.05)
+    assert variance.mean() == pytest.approx(true_variance.mean(), rel=0.05)
+
+
+def test_a_turn_blurs_the_line_and_a_rolling_shutter_shears_it(pictures):
+    """Where the axis is level with the floor, a turn of a radian is f / cos(pitch) px of the way across the middle row."""
+    (still, sharp), (_, blurred), (sheared, _) = (
+        _middle_and_variance(_line_columns(pictures[f"{kind} parts"][0])) for kind in ("still", "at once", "rolling")
+    )
+    blur_px = RATE_RAD_S * GLOBAL.exposure_s * CAMERA.fx_px * np.cos(PITCH)
+    assert (blurred - sharp)[3:5].mean() == pytest.approx(blur_px**2 / 12, rel=0.25)
+    late_px = RATE_RAD_S * ROLLING.read_out_s / HEIGHT_PX * CAMERA.fx_px * np.cos(PITCH)
+    assert np.polyfit(np.arange(8), (sheared - still)[:8], 1)[0] == pytest.approx(late_px, rel=0.25)
+
+
+def test_an_edge_amid_texels_of_the_map_is_where_it_is(pictures):
+    """A strip whose edges lie along the map's columns, in the middle of one: both were off to the same side."""
+    near, far = (np.array([x, -0.2, 0.0]) for x in (0.33, 0.37))
+    (_, low), (_, high) = project(CAMERA, HERE, np.stack([near, far]))[0]
+    rows = np.arange(round(high) - 2, round(low) + 3)
+    for of in ("parts", "whole"):
+        grey = pictures[f"still {of}"][0][rows, 46:60].mean(axis=(1, 2))
+        bright = np.interp(rows, rows[[0, -1]], grey[[0, -1]])
+        assert np.average(rows, weights=bright - grey) == pytest.approx(0.5 * (low + high), abs=0.1)
+
+
+# What moves
+
+
+@pytest.mark.parametrize(("number", "other"), [(1, 2), (2, 1)])
+def test_a_moving_obstacle_takes_its_shadow_along(pictures, number, other):
+    parts, away = pictures["still parts"][number].mean(axis=2), pictures["still parts"][0].mean(axis=2)
+    place = STILL[number].moving[0]
+    ours, theirs = (_core(STILL[n].moving[0]) for n in (number, other))
+    ours &= ~theirs
+    assert ours.sum() >= 4
+    whole = pictures["still whole"].mean(axis=3)
+    dimmed = np.median(whole[number][ours] / whole[0][ours])
+    assert dimmed < 0.85
+    assert np.median(parts[ours] / away[ours]) == pytest.approx(dimmed, abs=0.06)
+    left = theirs & ~_behind(OBSTACLE, EYE, place) & ~_behind(OBSTACLE, LAMP.center, place)
+    left &= ~_behind(OBSTACLE, BEHIND.center, place)
+    assert left.sum() >= 4
+    assert np.median(parts[left] / away[left]) == pytest.approx(1.0, abs=0.05)
+
+
+def _core(place: tuple[float, float, float]) -> np.ndarray:
+    """(H, W) where a lamp's shadow of the obstacle lies on the floor in sight."""
+    seen = _behind(OBSTACLE, LAMP.center, place) & ~_behind(OBSTACLE, EYE, place)
+    return seen & ~_behind(BOX, EYE) & ~FAR
+
+
+# Seen by way of something else
+
+
+@pytest.mark.parametrize(("kind", "rows"), [("glass", slice(6, 12)), ("mirror", slice(8, 13))])
+def test_the_line_is_seen_through_glass_and_in_a_mirror(pictures, kind, rows):
+    """Less sharply than in a whole picture: at half the size."""
+
+    def contrast(of: str) -> float:
+        profile = pictures[f"{kind} {of}"][0][rows, 22:42].mean(axis=(0, 2))
+        return 1 - profile[9:11].mean() / np.median(profile)
+
+    assert contrast("whole") > 0.7
+    assert contrast("parts") > 0.5 * contrast("whole")
+
+
+# The same bytes
+
+
+def test_the_picture_does_not_depend_on_threads_or_on_the_pictures_before_it(pictures):
+    np.testing.assert_array_equal(pictures["one thread"], pictures["two threads"][[2, 0, 1]])
+    np.testing.assert_array_equal(pictures["alone"][0], pictures["two threads"][1])
+
+
+def test_no_light_is_below_nothing_or_no_number(pictures):
+    for light in pictures.values():
+        assert np.isfinite(light).all()
+        assert light.min() >= 0
+
+
+LOOKS = shipped_names("look")
+
+
+@pytest.fixture(scope="module")
+def looks(arena, robot) -> dict[str, np.ndarray]:
+    """(1, H, W, 3) of a draw of each look at its own exposure time, tiny."""
+    orders = []
+    for name in LOOKS:
+        config, _ = draw_look(load_section("look", name, []), 7, "parts", 1)
+        times = np.array([0.0, 0.5, 1.0])
+        pose = np.column_stack([0.55 + 0 * times, -0.7 + 0.2 * times, 0.5 * np.pi + 0 * times])
+        path = RobotPath(times, pose, np.column_stack([0.2 + 0 * times, 0 * times]))
+        frame = FramePose(1, 0.5, 0.55, -0.6, 0.5 * np.pi)
+        job = build_job(arena, robot, config, Render(width_px=32, height_px=24), [frame], seed=1, path=path)
+        orders.append((replace(job, sampling=replace(job.sampling, parts=PartSamples(1, 4))), 2, [1]))
+    return dict(zip(LOOKS, _asked(*orders), strict=True))
+
+
+@pytest.mark.parametrize("look", LOOKS)
+def test_every_look_gives_light_and_no_pixel_of_it_is_without_a_number(looks, look):
+    (light,) = looks[look]
+    assert np.isfinite(light).all()
+    assert light.min() >= 0
+    assert np.median(light) > 0
