@@ -11,12 +11,12 @@ from blender_scenes.description import FrameView, Intrinsics
 from blender_scenes.shutter import MOMENTS
 
 Image = NDArray[np.float32]
-_POINTS = 4
+_POINTS = 3
 """Of a pixel's filter along each axis."""
 _CYCLES_FILTER = 2.0
 """Cycles' Blackman-Harris filter reaches this many half widths from the pixel's middle (scene/film.cpp)."""
-_STRIDE = 7
-"""No divisor of 16 but 1: a point's time has nothing to do with its place."""
+_STRIDE = 4
+"""No divisor of 9 but 1: a point's time has nothing to do with its place."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Light of half as many pixels each way, brought to a picture's own.
+"""Light of fewer pixels, brought to a picture's own.
 
 Kopf et al., Joint bilateral upsampling (2007): a pixel takes from those of the four nearest that lie on its surface.
 """
@@ -15,14 +15,15 @@ _LEAST = np.float32(1e-4)
 """Of a weight, so that a pixel without a like one takes from all."""
 
 
-def halved(image: Image) -> Image:
-    """(H/2, W/2, K) means of squares of four."""
+def reduced(image: Image, times: int) -> Image:
+    """(H / times, W / times, K) means of squares."""
     height, width, channels = image.shape
-    return image.reshape(height // 2, 2, width // 2, 2, channels).mean(axis=(1, 3), dtype=np.float32)
+    squares = image.reshape(height // times, times, width // times, times, channels)
+    return squares.mean(axis=(1, 3), dtype=np.float32)
 
 
 def upsampled(low: Image, nearness: Image, normal: Image) -> Image:
-    """(H, W, K) from (H/2, W/2, K).
+    """(H, W, K) from (H / times, W / times, K) for a whole number of times.
 
     Args:
         low: The light.
@@ -30,21 +31,30 @@ def upsampled(low: Image, nearness: Image, normal: Image) -> Image:
         normal: (H, W, 3) of them; (0, 0, 0) where there is none.
     """
     guide = np.concatenate([nearness, normal], axis=-1)
-    padded, around = (np.pad(a, ((1, 1), (1, 1), (0, 0)), mode="edge") for a in (low, halved(guide)))
+    times = len(guide) // len(low)
+    if times == 1:
+        return low
+    padded, around = (np.pad(a, ((1, 1), (1, 1), (0, 0)), mode="edge") for a in (low, reduced(guide, times)))
     height, width, channels = low.shape
-    out = np.empty((2 * height, 2 * width, channels), np.float32)
-    for down in (0, 1):
-        for right in (0, 1):
-            own = guide[down::2, right::2]
+    out = np.empty((times * height, times * width, channels), np.float32)
+    for down in range(times):
+        for right in range(times):
+            own = guide[down::times, right::times]
             total, weights = np.zeros_like(low), np.zeros((height, width, 1), np.float32)
-            for dy, near_y in ((1, 0.75), (2 * down, 0.25)):
-                for dx, near_x in ((1, 0.75), (2 * right, 0.25)):
+            for dy, near_y in _neighbours(down, times):
+                for dx, near_x in _neighbours(right, times):
                     there = slice(dy, dy + height), slice(dx, dx + width)
                     weight = np.float32(near_y * near_x) * (_alike(own, around[there]) + _LEAST)
                     total += weight * padded[there]
                     weights += weight
-            out[down::2, right::2] = total / weights
+            out[down::times, right::times] = total / weights
     return out
+
+
+def _neighbours(place: int, times: int) -> list[tuple[int, float]]:
+    """Where in a padded picture the two nearest to a small pixel begin, and their shares of linear interpolation."""
+    away = (place + 0.5) / times - 0.5
+    return [(1, 1 - abs(away)), (2 if away > 0 else 0, abs(away))]
 
 
 def _alike(a: Image, b: Image) -> Image:

@@ -20,7 +20,7 @@ from blender_scenes.job import RenderJob
 from blender_scenes.lens_warp import pinhole_picture
 from blender_scenes.shutter import window
 from blender_scenes.tiled_map import Image, Tile, TiledMap, Tiling, normals, without_holes
-from blender_scenes.upsampling import halved, upsampled
+from blender_scenes.upsampling import reduced, upsampled
 from configs.streams import stream
 
 _REFLECTANCE = Tiling(texel_m=0.00025, levels=6, core=256)
@@ -34,7 +34,8 @@ _RELIEF = Tiling(texel_m=0.032, levels=3, core=24, margin=4)
 _TILT_RAD = np.radians(30.0)
 _MOST_BYTES = 320 * 2**20
 """Of each map in memory: what a lap of the dataset's arena looks at in pictures of 320 x 240."""
-_CORNERS = (0, 3, -4, -1)
+_LIGHT_WIDTH_PX = 160
+_CORNERS = (0, 2, -3, -1)
 """Of `filter_points`."""
 _MOST_SHARE = 1.5
 """Of a still scene's light that may be left where something moves, or be thrown back by it."""
@@ -51,7 +52,7 @@ class PartPictures:
         self._samples, self._seed = job.sampling.parts, job.sampling.seed
         camera = pinhole_picture(job.camera).camera
         self._size = camera.width_px, camera.height_px
-        self._halves = not any(px % 2 for px in self._size)
+        self._times = _times(self._size)
         self._scenes = PartScenes(job.scene, scratch)
         self._denoised, self._denoised_fast = Denoiser(threads, "HIGH"), Denoiser(threads, "BALANCED")
         self._sight = FloorSight(camera, job.frames[0], window(job.shutter, job.camera).row_share)
@@ -71,13 +72,13 @@ class PartPictures:
     def light(self, view: FrameView, seed: int) -> Image:
         """(H, W, 3) linear light of the pinhole picture of a view."""
         width, height = self._size
-        small = (width // 2, height // 2) if self._halves else self._size
+        small = width // self._times, height // self._times
         moved, still = self._scenes.light(small, self._samples.light, seed, view)
         # Other random numbers than those of the light.
         seen = self._scenes.surfaces(self._size, self._samples.surfaces, (seed + 1) % 2**31, view)
         nearness = 1 / np.maximum(seen["Depth"], 1e-3)
-        low = self._low_parts(moved, still, halved(seen["Normal"]) if self._halves else seen["Normal"])
-        parts = upsampled(low, nearness, seen["Normal"]) if self._halves else low
+        low = self._low_parts(moved, still, reduced(seen["Normal"], self._times))
+        parts = upsampled(low, nearness, seen["Normal"])
         light, share, rest, glance = parts[..., :3], parts[..., 3:6], parts[..., 6:9], parts[..., 9:]
         cover = seen[COVER][..., :1]
         on_floor = self._floor(view, cover[..., 0] > 0) * cover * share * glance
@@ -175,6 +176,14 @@ class PartPictures:
     def _tile_seed(self, what: str, tile: Tile) -> int:
         level, i, j = (number % 2**32 for number in tile.key)
         return int(stream(self._seed, "path tracing", what, level, i, j).integers(2**31))
+
+
+def _times(size: tuple[int, int]) -> int:
+    """How many pixels of a picture, each way, share one of its light's."""
+    times = 1
+    while size[0] // (2 * times) >= _LIGHT_WIDTH_PX and not any(px % (2 * times) for px in size):
+        times *= 2
+    return times
 
 
 def _turned(vectors: np.ndarray, by_rad: float) -> np.ndarray:
