@@ -176,7 +176,9 @@ def _lit(side: int = 24) -> np.ndarray:
     return (1 + 0.2 * rng.random((side, side, 3))).astype(np.float32)
 
 
-@pytest.mark.parametrize("hole", [(slice(5, 12), slice(8, 20)), (slice(0, 9), slice(0, 24)), (slice(20, 24), slice(20, 24))])
+@pytest.mark.parametrize(
+    "hole", [(slice(5, 12), slice(8, 20)), (slice(0, 9), slice(0, 24)), (slice(20, 24), slice(20, 24))]
+)
 def test_a_hole_takes_its_light_from_around_it_and_all_else_keeps_its_own(hole):
     whole = _lit()
     light = whole.copy()
