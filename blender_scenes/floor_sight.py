@@ -59,6 +59,12 @@ class FloorSight:
         """(H, W) of the floor along the optical axis in the middle of each pixel; NaN above the horizon."""
         return (-self._X_RC[2, 3] / self._down(0.0, 0.0)[0]).astype(np.float32)
 
+    def pixel_m(self) -> tuple[Image, Image]:
+        """(H, W) of the floor that a pixel covers across the view and along it; NaN above the horizon."""
+        across_m = self.depth_m() / self._camera.fx_px
+        away_m = np.linalg.norm(self._in_robot(0.0, 0.0) - self._X_RC[:2, 3], axis=-1)
+        return across_m, across_m * np.hypot(away_m, self._X_RC[2, 3]) / self._X_RC[2, 3]
+
     def points(self, view: FrameView, point: FilterPoint, rows: slice = slice(None)) -> NDArray[np.float64]:
         """(H, W, 2) x and y in W [m] of what each pixel sees of the floor, in some rows; NaN above the horizon."""
         x, y, yaw = (one[rows, None] for one in self._robot_poses(view, point.time))

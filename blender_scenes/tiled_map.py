@@ -29,6 +29,11 @@ class Tile:
     key: tuple[int, int, int]
     """Level, column and row."""
 
+    def widened(self) -> "Tile":
+        """By a texel on each side."""
+        x, y = self.low
+        return Tile((x - self.texel_m, y - self.texel_m), self.texel_m, self.texels + 2, self.key)
+
 
 Make = Callable[[Tile], Image]
 """(N, N, K) of a tile, rows along y."""
@@ -161,3 +166,14 @@ def _spread(weighted: Image, weight: Image) -> Image:
     small_weight = small_weight.reshape(*small.shape[:2], 1)
     far = cv2.resize(_spread(small, small_weight), (width, height), interpolation=cv2.INTER_LINEAR)
     return np.where(weight > 0, weighted / np.maximum(weight, 1e-9), far)
+
+
+def normals(height_m: Image, whose: Image, texel_m: float) -> Image:
+    """(N-2, N-2, 3) unit normals of a relief (N, N); flat where two surfaces meet, whose heights are their own."""
+    slopes = []
+    for axis in (1, 0):
+        before, after = (np.roll(height_m, way, axis) for way in (1, -1))
+        same = (np.roll(whose, 1, axis) == whose) & (np.roll(whose, -1, axis) == whose)
+        slopes.append(np.where(same, (after - before) / (2 * texel_m), 0)[1:-1, 1:-1])
+    across = np.stack([-slopes[0], -slopes[1], np.ones_like(slopes[0])], axis=-1)
+    return (across / np.linalg.norm(across, axis=-1, keepdims=True)).astype(np.float32)

@@ -2,8 +2,8 @@
 
 import bpy
 
-COVER, NORMAL = "cover", "relief"
-"""Passes of their own: how much of a pixel is floor; the normal of its relief."""
+COVER, RELIEF = "cover", "relief"
+"""Passes of their own: how much of a pixel is floor; the height of its relief, and whose it is."""
 MIDDLE_GREY = 0.5
 """What the light's floor reflects, whatever lies there."""
 
@@ -26,19 +26,20 @@ def in_grey(material: bpy.types.Material) -> bpy.types.Material:
     return copy
 
 
-def shining(material: bpy.types.Material) -> bpy.types.Material:
-    """Shines in its own colour, and tells the normal of its relief."""
+def shining(material: bpy.types.Material, number: int) -> bpy.types.Material:
+    """Shines in its own colour; the pass of the relief has its height [m] and a number that tells it from others."""
     copy = material.copy()
     tree, own = copy.node_tree, _principled(copy)
-    shine = tree.nodes.new("ShaderNodeEmission")
+    shine, told = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputAOV")
     _feed(tree, own.inputs["Base Color"], shine.inputs["Color"])
-    told = tree.nodes.new("ShaderNodeOutputAOV")
-    told.aov_name = NORMAL
-    if own.inputs["Normal"].is_linked:
-        _feed(tree, own.inputs["Normal"], told.inputs["Color"])
-    else:
-        tree.links.new(tree.nodes.new("ShaderNodeNewGeometry").outputs["Normal"], told.inputs["Color"])
     tree.links.new(shine.outputs[0], _output(tree).inputs["Surface"])
+    both = tree.nodes.new("ShaderNodeCombineXYZ")
+    both.inputs["Y"].default_value = number
+    if own.inputs["Normal"].is_linked:
+        # The height itself: to have the normal from Cycles would mean to work it out at three places.
+        _feed(tree, own.inputs["Normal"].links[0].from_node.inputs["Height"], both.inputs["X"])
+    told.aov_name = RELIEF
+    tree.links.new(both.outputs[0], told.inputs["Color"])
     return copy
 
 

@@ -13,18 +13,18 @@ import numpy as np
 
 from blender_scenes.bpy_side.oidn import Denoiser
 from blender_scenes.bpy_side.part_materials import COVER, MIDDLE_GREY
-from blender_scenes.bpy_side.part_scenes import PartScenes, lies_on_the_floor
+from blender_scenes.bpy_side.part_scenes import GRID_TURN_RAD, PartScenes, lies_on_the_floor
 from blender_scenes.description import FrameView
 from blender_scenes.floor_sight import MIDDLE, FloorSight, filter_points
 from blender_scenes.job import RenderJob
 from blender_scenes.lens_warp import pinhole_picture
 from blender_scenes.shutter import window
-from blender_scenes.tiled_map import Image, Tile, TiledMap, Tiling, without_holes
+from blender_scenes.tiled_map import Image, Tile, TiledMap, Tiling, normals, without_holes
 from blender_scenes.upsampling import halved, upsampled
 from configs.streams import stream
 
 _REFLECTANCE = Tiling(texel_m=0.00025, levels=6, core=256)
-_TEXELS_OF_A_PIXEL = 2.0
+_TEXELS_OF_A_PIXEL = 1.4
 _IRRADIANCE = Tiling(texel_m=0.004, levels=5, core=112, margin=8)
 _PIXELS_OF_A_TEXEL = 4.0
 """Light changes over wider stretches than colour."""
@@ -32,7 +32,10 @@ _IRRADIANCE_SAMPLES = 8
 _RELIEF = Tiling(texel_m=0.032, levels=3, core=24, margin=4)
 """Where light comes from changes over wider ones still."""
 _TILT_RAD = np.radians(30.0)
-_MOST_BYTES = 192 * 2**20
+_MOST_BYTES = 320 * 2**20
+"""Of each map in memory: what a lap of the dataset's arena looks at in pictures of 320 x 240."""
+_CORNERS = (0, 3, -4, -1)
+"""Of `filter_points`."""
 _MOST_SHARE = 1.5
 """Of a still scene's light that may be left where something moves, or be thrown back by it."""
 _LEAST_LIGHT = np.float32(1e-6)
@@ -58,9 +61,9 @@ class PartPictures:
         self._bounds = ground.min(axis=0), ground.max(axis=0)
         surfaces = {name for mesh in floor for name in mesh.face_surface}
         self._has_relief = any(s.height_m is not None for s in job.scene.surfaces if s.name in surfaces)
-        pixel_m = self._sight.depth_m() / camera.fx_px
-        self._reflectance_level = _level(pixel_m / _TEXELS_OF_A_PIXEL, _REFLECTANCE)
-        self._irradiance_level = _level(pixel_m * _PIXELS_OF_A_TEXEL, _IRRADIANCE)
+        across_m, along_m = self._sight.pixel_m()
+        self._reflectance_level = _level(np.sqrt(across_m * along_m) / _TEXELS_OF_A_PIXEL, _REFLECTANCE)
+        self._irradiance_level = _level(across_m * _PIXELS_OF_A_TEXEL, _IRRADIANCE)
         self._reflectance = TiledMap(_REFLECTANCE, self._reflectance_tile, _MOST_BYTES)
         self._irradiance = TiledMap(_IRRADIANCE, self._irradiance_tile, _MOST_BYTES)
         self._relief = TiledMap(_RELIEF, self._relief_tile, _MOST_BYTES)
@@ -92,16 +95,18 @@ class PartPictures:
     def _floor(self, view: FrameView, needed: np.ndarray) -> Image:
         """(H, W, 3) light that the floor throws back without what moves, where it is needed."""
         width, height = self._size
-        colour, normal = np.zeros((height, width, 3), np.float32), np.zeros((height, width, 3), np.float32)
+        seen = np.zeros((height, width, 6 if self._has_relief else 3), np.float32)
         for level, rows, there in _bands(self._reflectance_level, needed):
-            seen = [self._clipped(self._sight.points(view, point, rows)) for point in self._filter]
-            patch = self._reflectance.patch(level, np.concatenate([points[there] for points in seen]))
-            for points in seen:
-                found = np.where(there[..., None], patch.at(points), 0)
-                colour[rows] += found[..., :3]
-                normal[rows] += found[..., 3:]
-        count = np.float32(len(self._filter))
-        return colour / count * self._floor_light(view, needed, normal / count)
+            points = [
+                _turned(self._clipped(self._sight.points(view, point, rows)), -GRID_TURN_RAD) for point in self._filter
+            ]
+            corners = [points[i][there] for i in _CORNERS]
+            found = self._mean(level, points, np.concatenate(corners))
+            if np.isnan(found[there]).any():
+                # A pixel at the end of the floor, or at a corner of tiles, looks up what its corners do not tell.
+                found = self._mean(level, points, np.concatenate([own[there] for own in points]))
+            seen[rows] += np.where(there[..., None], found, 0)
+        return seen[..., :3] * self._floor_light(view, needed, seen[..., 3:])
 
     def _floor_light(self, view: FrameView, needed: np.ndarray, normal: Image) -> Image:
         found = self._looked_up(self._irradiance, view, needed, 3)
@@ -125,12 +130,26 @@ class PartPictures:
             found[rows] += np.where(there[..., None], near + share * (far - near), 0)
         return found
 
+    def _mean(self, level: int, points: list[np.ndarray], needed: np.ndarray) -> Image:
+        """(H, W, K) of what the map has at points (H, W, 2) of each; NaN where some are not among the needed."""
+        patch = self._reflectance.patch(level, needed)
+        total = patch.at(points[0])
+        for more in points[1:]:
+            total += patch.at(more)
+        return total / np.float32(len(points))
+
     def _clipped(self, points: np.ndarray) -> np.ndarray:
         """Points on the floor; those that see none are put where it ends."""
         return np.clip(np.nan_to_num(points), *self._bounds)
 
     def _reflectance_tile(self, tile: Tile) -> Image:
-        colour, normal = self._scenes.reflectance(tile, self._tile_seed("reflectance", tile))
+        """(N, N, 6): reflectance and normal; (N, N, 3) without the latter where nothing has a relief."""
+        colour, relief = self._scenes.reflectance(tile.widened())
+        colour = colour[1:-1, 1:-1]
+        if not self._has_relief:
+            return colour
+        normal = normals(relief[..., 0], relief[..., 1], tile.texel_m)
+        normal[..., :2] = _turned(normal[..., :2], GRID_TURN_RAD)
         return np.concatenate([colour, normal], axis=-1)
 
     def _irradiance_tile(self, tile: Tile) -> Image:
@@ -156,6 +175,13 @@ class PartPictures:
     def _tile_seed(self, what: str, tile: Tile) -> int:
         level, i, j = (number % 2**32 for number in tile.key)
         return int(stream(self._seed, "path tracing", what, level, i, j).integers(2**31))
+
+
+def _turned(vectors: np.ndarray, by_rad: float) -> np.ndarray:
+    """Vectors (..., 2) turned counter-clockwise."""
+    cosine, sine = np.cos(by_rad), np.sin(by_rad)
+    x, y = vectors[..., 0], vectors[..., 1]
+    return np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
 
 
 def _level(texel_m: np.ndarray, tiling: Tiling) -> np.ndarray:

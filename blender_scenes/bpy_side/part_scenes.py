@@ -12,7 +12,7 @@ import numpy as np
 from mathutils import Matrix
 
 from blender_scenes.bpy_side.build import ROBOT, moving_name
-from blender_scenes.bpy_side.part_materials import COVER, NORMAL, covering, in_grey, shining, turned
+from blender_scenes.bpy_side.part_materials import COVER, RELIEF, covering, in_grey, shining, turned
 from blender_scenes.bpy_side.placing import place
 from blender_scenes.bpy_side.rendering import rendered
 from blender_scenes.description import FrameView, Scene
@@ -24,6 +24,11 @@ Passes = dict[str, Image]
 _ABOVE_M = 0.5
 _EXR_PIXEL_BYTES = 52
 """Colour with its cover and at most three more passes, four bytes each."""
+GRID_TURN_RAD = 0.35
+"""Of the reflectance's texels, which are seen in their middle, against W. An edge along them would be off by up to half
+a texel all of its way; across them it is off to either side in turns."""
+_IN_THE_MIDDLE = 0.01
+"""Of a pixel: the least width that Cycles has for a filter."""
 _LIGHT_PASSES = ("diffuse_color", "diffuse_direct", "diffuse_indirect")
 Dresser = Callable[[bpy.types.Material], bpy.types.Material]
 
@@ -50,13 +55,11 @@ class PartScenes:
             self._still.collection.objects.unlink(thing)
         self._surfaces = self._surface_scene(moving)
         self._reflectance = self._scene("reflectance", ())
-        # Cycles' first sample lies in the very middle of a texel (integrator/init_from_camera.h): edges along texels
-        # would all be off to one side. The second lies anywhere in it.
-        cycles = self._reflectance.cycles
-        cycles.use_sample_subset, cycles.sample_offset, cycles.sample_subset_length = True, 1, 1
         self._keep_floor(self._reflectance)
-        self._dress_floor(self._reflectance, shining)
-        _add_pass(self._reflectance, NORMAL)
+        numbers = {thing.data.materials[0].name: number for number, thing in enumerate(self._floor)}
+        self._dress_floor(self._reflectance, lambda material: shining(material, numbers[material.name]))
+        self._reflectance.cycles.filter_width = _IN_THE_MIDDLE
+        _add_pass(self._reflectance, RELIEF)
         self._irradiance = self._scene("irradiance", _LIGHT_PASSES)
         self._hide_all_but_floor(self._irradiance)
         self._lit_floor = self._dress_floor(self._irradiance, turned)
@@ -76,10 +79,13 @@ class PartScenes:
         """What the surfaces reflect, the floor black and told by its cover; call after `light` of the same view."""
         return self._traced(self._surfaces, size, samples, seed, view)
 
-    def reflectance(self, tile: Tile, seed: int) -> tuple[Image, Image]:
-        """(N, N, 3) reflectance and normal of the floor from above; rows along y, columns along x."""
-        passes = self._from_above(self._reflectance, tile, 2, seed)
-        return passes["Combined"][::-1], passes[NORMAL][::-1]
+    def reflectance(self, tile: Tile) -> tuple[Image, Image]:
+        """(N, N, 3) reflectance of the floor in the middle of texels; (N, N, 2) height of relief [m] and whose it is.
+
+        Rows along y, columns along x of a grid that is turned by `GRID_TURN_RAD` against W.
+        """
+        passes = self._from_above(self._reflectance, tile, 1, 0, GRID_TURN_RAD)
+        return passes["Combined"][::-1], passes[RELIEF][::-1, :, :2]
 
     def irradiance(self, tile: Tile, samples: int, seed: int, facing: tuple[float, float, float]) -> Image:
         """(N, N, 3) light on the floor without what moves, were it turned to the unit vector `facing`."""
@@ -150,11 +156,11 @@ class PartScenes:
             hidden.visible_camera = False
             scene.collection.objects.link(hidden)
 
-    def _from_above(self, scene: bpy.types.Scene, tile: Tile, samples: int, seed: int) -> Passes:
+    def _from_above(self, scene: bpy.types.Scene, tile: Tile, samples: int, seed: int, turn_rad: float = 0.0) -> Passes:
         side = tile.texel_m * tile.texels
         scene.camera.data.ortho_scale = side
         middle = tile.low[0] + 0.5 * side, tile.low[1] + 0.5 * side, _ABOVE_M
-        scene.camera.matrix_world = Matrix.Translation(middle)
+        scene.camera.matrix_world = Matrix.Rotation(turn_rad, 4, "Z") @ Matrix.Translation(middle)
         return self._traced(scene, (tile.texels, tile.texels), samples, seed)
 
     def _traced(
