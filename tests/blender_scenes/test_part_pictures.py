@@ -25,6 +25,7 @@ from blender_scenes.description import (
 )
 from blender_scenes.geometry import block, floor, rectangle
 from blender_scenes.job import FramePose, RenderJob, build_job
+from blender_scenes.lens_warp import pinhole_picture
 from blender_scenes.sampling import PartSamples, Sampling
 from blender_scenes.shading import Color, Coordinate, Mix, Noise, Step, Surface
 from configs.draw import draw_look
@@ -55,6 +56,7 @@ for job, threads, numbers in json.load(sys.stdin):
 """
 WIDTH_PX, HEIGHT_PX = 64, 48
 CAMERA = Intrinsics(WIDTH_PX, HEIGHT_PX, 45.0, 45.0, 31.5, 23.5)
+LENS = replace(CAMERA, cy_px=22.5, distortion=(-0.25, 0.05, 0.0, 0.0, 0.0))
 PARTS = PartSamples(light=4, surfaces=16)
 WHOLE_SAMPLES = 256
 PITCH = np.radians(35.0)
@@ -171,9 +173,11 @@ def pictures() -> dict[str, np.ndarray]:
         "glass": (behind, STILL[:1], INSTANT),
         "mirror": (before, STILL[:1], INSTANT),
     }
-    names = ["two threads", "one thread", "alone"]
     still = _job(seen, STILL, PARTS)
-    asked = [(still, 2, [1, 2, 3]), (still, 1, [3, 1, 2]), (still, 1, [2])]
+    names, asked = ["one thread", "alone"], [(still, 1, [3, 1, 2]), (still, 1, [2])]
+    for kind, parts in (("parts", PARTS), ("whole", None)):
+        names.append(f"lens {kind}")
+        asked.append((replace(_job(seen, STILL[:1], parts), camera=LENS), 2, [1]))
     for name, (scene, views, shutter) in orders.items():
         for kind, parts in (("parts", PARTS), ("whole", None)):
             names.append(f"{name} {kind}")
@@ -227,6 +231,18 @@ def test_so_it_is_while_the_camera_turns(pictures, kind):
     assert parts == pytest.approx(whole, rel=0.02)
 
 
+def test_and_behind_a_lens_whose_pinhole_picture_has_no_middle(pictures):
+    """An odd number of pixels, which cannot be halved."""
+    size = pinhole_picture(LENS).camera
+    assert size.width_px % 2 or size.height_px % 2
+    parts, whole = (pictures[f"lens {of}"][0][20:, 10:54] for of in ("parts", "whole"))
+    assert parts.mean(axis=(0, 1)) == pytest.approx(whole.mean(axis=(0, 1)), rel=0.02)
+    (middle, _), (true_middle, _) = (
+        _middle_and_variance(_line_columns(pictures[f"lens {of}"][0])) for of in ("parts", "whole")
+    )
+    assert (middle - true_middle).mean() == pytest.approx(0.0, abs=0.05)
+
+
 # Edges
 
 
@@ -249,8 +265,9 @@ def test_the_line_is_where_and_as_wide_as_in_a_whole_picture(pictures, kind):
     (middle, variance), (true_middle, true_variance) = (
         _middle_and_variance(_line_columns(pictures[f"{kind} {of}"][0])) for of in ("parts", "whole")
     )
-    assert np.abs(middle - true_middle).max() < 0.3
-    assert (middle - true_middle).mean() == pytest.approx(0.0, abs=0.05)
+    # A row of the whole picture, blurred over 5 px, is told to a tenth by 256 samples.
+    assert np.abs(middle - true_middle).max() < 0.35
+    assert (middle - true_middle).mean() == pytest.approx(0.0, abs=0.1)
     assert variance.mean() == pytest.approx(true_variance.mean(), rel=0.05)
 
 
@@ -321,8 +338,8 @@ def test_the_line_is_seen_through_glass_and_in_a_mirror(pictures, kind, rows):
 
 
 def test_the_picture_does_not_depend_on_threads_or_on_the_pictures_before_it(pictures):
-    np.testing.assert_array_equal(pictures["one thread"], pictures["two threads"][[2, 0, 1]])
-    np.testing.assert_array_equal(pictures["alone"][0], pictures["two threads"][1])
+    np.testing.assert_array_equal(pictures["one thread"], pictures["still parts"][[2, 0, 1]])
+    np.testing.assert_array_equal(pictures["alone"][0], pictures["still parts"][1])
 
 
 def test_no_light_is_below_nothing_or_no_number(pictures):
