@@ -56,7 +56,7 @@ for job, threads, numbers in json.load(sys.stdin):
 """
 WIDTH_PX, HEIGHT_PX = 64, 48
 CAMERA = Intrinsics(WIDTH_PX, HEIGHT_PX, 45.0, 45.0, 31.5, 23.5)
-LENS = replace(CAMERA, cy_px=22.5, distortion=(-0.25, 0.05, 0.0, 0.0, 0.0))
+LENS = replace(CAMERA, cx_px=32.5, cy_px=22.5, distortion=(-0.25, 0.05, 0.0, 0.0, 0.0))
 PARTS = PartSamples(light=4, surfaces=16)
 WHOLE_SAMPLES = 256
 PITCH = np.radians(35.0)
