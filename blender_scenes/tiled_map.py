@@ -76,7 +76,8 @@ class Patch:
         # OpenCV's own steps, taken before the patch's corner is: single precision holds them, wherever that is.
         places = np.rint((points / self.texel_m - 0.5) * _STEPS) / _STEPS
         where = (places - self.first).astype(np.float32)
-        return cv2.remap(self.texels, where[..., 0], where[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        u, v, beyond = where[..., 0], where[..., 1], (np.nan,) * 4
+        return cv2.remap(self.texels, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=beyond)
 
 
 class TiledMap:

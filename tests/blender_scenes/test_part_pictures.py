@@ -10,9 +10,22 @@ import pytest
 
 from blender_scenes.camera import floor_points, pose_X_WR, project
 from blender_scenes.camera_response import CameraResponse
-from blender_scenes.description import INSTANT, FrameView, Intrinsics, Mesh, Moment, Panel, Scene, Shutter, Sky
+from blender_scenes.description import (
+    INSTANT,
+    FrameView,
+    Intrinsics,
+    Mesh,
+    Moment,
+    Panel,
+    PlanarPose,
+    Point3,
+    Scene,
+    Shutter,
+    Sky,
+)
 from blender_scenes.geometry import block, floor, rectangle
 from blender_scenes.job import FramePose, RenderJob, build_job
+from blender_scenes.lens_warp import pinhole_picture
 from blender_scenes.sampling import PartSamples, Sampling
 from blender_scenes.shading import Color, Coordinate, Mix, Noise, Step, Surface
 from configs.draw import draw_look
@@ -43,6 +56,7 @@ for job, threads, numbers in json.load(sys.stdin):
 """
 WIDTH_PX, HEIGHT_PX = 64, 48
 CAMERA = Intrinsics(WIDTH_PX, HEIGHT_PX, 45.0, 45.0, 31.5, 23.5)
+LENS = replace(CAMERA, cx_px=32.5, cy_px=22.5, distortion=(-0.25, 0.05, 0.0, 0.0, 0.0))
 PARTS = PartSamples(light=4, surfaces=16)
 WHOLE_SAMPLES = 256
 PITCH = np.radians(35.0)
@@ -75,8 +89,8 @@ def _asked(*orders: tuple[RenderJob, int, list[int]]) -> list[np.ndarray]:
     return found
 
 
-def _matt(name: str, *rgb: float) -> Surface:
-    return Surface(name, Color(rgb), roughness=1.0, refractive_index=1.0)
+def _matt(name: str, red: float, green: float, blue: float) -> Surface:
+    return Surface(name, Color((red, green, blue)), roughness=1.0, refractive_index=1.0)
 
 
 MOTTLED = Mix(Noise((30.0, 30.0), (0.3, 0.7)), Color((0.5, 0.45, 0.4)), Color((0.3, 0.3, 0.3)))
@@ -115,11 +129,11 @@ def _scene(*walls: Mesh) -> Scene:
     )
 
 
-def _at(number: int, pose: tuple[float, float, float], moving: tuple[float, float, float] = AWAY) -> FrameView:
+def _at(number: int, pose: PlanarPose, moving: PlanarPose = AWAY) -> FrameView:
     return FrameView(number, 0.0, pose, _rows(pose), (moving,))
 
 
-def _rows(pose: tuple[float, float, float]) -> tuple:
+def _rows(pose: PlanarPose) -> tuple:
     return tuple(tuple(row) for row in (pose_X_WR(*pose) @ X_RC).tolist())
 
 
@@ -159,9 +173,11 @@ def pictures() -> dict[str, np.ndarray]:
         "glass": (behind, STILL[:1], INSTANT),
         "mirror": (before, STILL[:1], INSTANT),
     }
-    names = ["two threads", "one thread", "alone"]
     still = _job(seen, STILL, PARTS)
-    asked = [(still, 2, [1, 2, 3]), (still, 1, [3, 1, 2]), (still, 1, [2])]
+    names, asked = ["one thread", "alone"], [(still, 1, [3, 1, 2]), (still, 1, [2])]
+    for kind, parts in (("parts", PARTS), ("whole", None)):
+        names.append(f"lens {kind}")
+        asked.append((replace(_job(seen, STILL[:1], parts), camera=LENS), 2, [1]))
     for name, (scene, views, shutter) in orders.items():
         for kind, parts in (("parts", PARTS), ("whole", None)):
             names.append(f"{name} {kind}")
@@ -175,9 +191,9 @@ FLOOR_SEEN = floor_points(CAMERA, HERE, np.column_stack([U.ravel(), V.ravel()]).
 _SPARE_M = 0.012
 
 
-def _behind(box: Mesh, seen_from: tuple[float, float, float], at: tuple[float, float, float] = (0, 0, 0)) -> np.ndarray:
-    """(H, W) whether a box along the axes, moved to a place, stands between a point and what each pixel sees of the floor."""
-    corners = np.array(box.vertices) + (*at[:2], 0.0)
+def _behind(box: Mesh, seen_from: Point3, at: PlanarPose = (0.0, 0.0, 0.0)) -> np.ndarray:
+    """(H, W) whether a box along the axes, moved to a place, stands between a point and the floor in each pixel."""
+    corners = np.array(box.vertices) + np.array([*at[:2], 0.0])
     towards = np.array(seen_from) - FLOOR_SEEN
     with np.errstate(divide="ignore", invalid="ignore"):
         sides = [
@@ -215,6 +231,18 @@ def test_so_it_is_while_the_camera_turns(pictures, kind):
     assert parts == pytest.approx(whole, rel=0.02)
 
 
+def test_and_behind_a_lens_whose_pinhole_picture_has_no_middle(pictures):
+    """An odd number of pixels, which cannot be halved."""
+    size = pinhole_picture(LENS).camera
+    assert size.width_px % 2 or size.height_px % 2
+    parts, whole = (pictures[f"lens {of}"][0][20:, 10:54] for of in ("parts", "whole"))
+    assert parts.mean(axis=(0, 1)) == pytest.approx(whole.mean(axis=(0, 1)), rel=0.02)
+    (middle, _), (true_middle, _) = (
+        _middle_and_variance(_line_columns(pictures[f"lens {of}"][0])) for of in ("parts", "whole")
+    )
+    assert (middle - true_middle).mean() == pytest.approx(0.0, abs=0.05)
+
+
 # Edges
 
 
@@ -237,13 +265,14 @@ def test_the_line_is_where_and_as_wide_as_in_a_whole_picture(pictures, kind):
     (middle, variance), (true_middle, true_variance) = (
         _middle_and_variance(_line_columns(pictures[f"{kind} {of}"][0])) for of in ("parts", "whole")
     )
-    assert np.abs(middle - true_middle).max() < 0.15
-    assert (middle - true_middle).mean() == pytest.approx(0.0, abs=0.05)
+    # A row of the whole picture, blurred over 5 px, is told to a tenth by 256 samples.
+    assert np.abs(middle - true_middle).max() < 0.35
+    assert (middle - true_middle).mean() == pytest.approx(0.0, abs=0.1)
     assert variance.mean() == pytest.approx(true_variance.mean(), rel=0.05)
 
 
 def test_a_turn_blurs_the_line_and_a_rolling_shutter_shears_it(pictures):
-    """Where the axis is level with the floor, a turn of a radian is f / cos(pitch) px of the way across the middle row."""
+    """On the axis, a turn of a radian about the vertical takes f cos(pitch) px across."""
     (still, sharp), (_, blurred), (sheared, _) = (
         _middle_and_variance(_line_columns(pictures[f"{kind} parts"][0])) for kind in ("still", "at once", "rolling")
     )
@@ -284,7 +313,7 @@ def test_a_moving_obstacle_takes_its_shadow_along(pictures, number, other):
     assert np.median(parts[left] / away[left]) == pytest.approx(1.0, abs=0.05)
 
 
-def _core(place: tuple[float, float, float]) -> np.ndarray:
+def _core(place: PlanarPose) -> np.ndarray:
     """(H, W) where a lamp's shadow of the obstacle lies on the floor in sight."""
     seen = _behind(OBSTACLE, LAMP.center, place) & ~_behind(OBSTACLE, EYE, place)
     return seen & ~_behind(BOX, EYE) & ~FAR
@@ -309,8 +338,8 @@ def test_the_line_is_seen_through_glass_and_in_a_mirror(pictures, kind, rows):
 
 
 def test_the_picture_does_not_depend_on_threads_or_on_the_pictures_before_it(pictures):
-    np.testing.assert_array_equal(pictures["one thread"], pictures["two threads"][[2, 0, 1]])
-    np.testing.assert_array_equal(pictures["alone"][0], pictures["two threads"][1])
+    np.testing.assert_array_equal(pictures["one thread"], pictures["still parts"][[2, 0, 1]])
+    np.testing.assert_array_equal(pictures["alone"][0], pictures["still parts"][1])
 
 
 def test_no_light_is_below_nothing_or_no_number(pictures):

@@ -171,6 +171,14 @@ def test_a_point_that_was_asked_for_has_a_value(tiling, level, places):
     assert found.max() <= 1
 
 
+def test_where_no_tile_was_asked_for_there_is_no_number_and_not_the_colour_of_the_nearest():
+    """Which would depend on what was looked at before, and be wrong."""
+    patch = TiledMap(PLAIN, lambda tile: _rough(tile).repeat(6, axis=-1), MUCH).patch(0, np.array([[0.05, 0.05]]))
+    beyond = np.array([[[0.5, 0.05], [0.05, -0.5], [0.05, 0.05]]])
+    assert np.isnan(patch.at(beyond)[0, :2]).all()
+    assert np.isfinite(patch.at(beyond)[0, 2]).all()
+
+
 def _lit(side: int = 24) -> np.ndarray:
     rng = np.random.default_rng(5)
     return (1 + 0.2 * rng.random((side, side, 3))).astype(np.float32)
