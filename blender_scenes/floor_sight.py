@@ -76,7 +76,8 @@ class FloorSight:
         """(H,) x, y and yaw at a share of each row's exposure; Cycles' rolling shutter as in `shutter.window`."""
         rows = self._camera.height_px
         if not view.exposure:
-            return tuple(np.full(rows, value) for value in view.robot_pose)
+            x, y, yaw = view.robot_pose
+            return np.full(rows, x), np.full(rows, y), np.full(rows, yaw)
         middle = 0.5 + ((np.arange(rows) + 1) / rows - 0.5) * (1 - self._row_share)
         at = middle + (time - 0.5) * self._row_share
         x, y, yaw = np.array([moment.robot_pose for moment in view.exposure]).T

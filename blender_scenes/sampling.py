@@ -15,7 +15,7 @@ class PartSamples:
     """Of a picture that is put together from its parts (`bpy_side/part_pictures.py`)."""
 
     light: int
-    """Light paths per pixel of a picture with half as many pixels each way."""
+    """Light paths per pixel of the light's picture, which has fewer of them than the final one."""
     surfaces: int
     """Camera rays per pixel for what the surfaces reflect."""
 
@@ -60,6 +60,9 @@ QUALITIES: dict[RenderQuality, Quality] = {
     "reference": Quality(2048, "ACCURATE", "HIGH"),
 }
 
+PARTS: dict[RenderQuality, PartSamples] = {"draft": PartSamples(1, 2), "standard": PartSamples(4, 4)}
+"""Of `render.method: parts`; the maps are not true enough for the others."""
+
 _SIZE_PX = 640 * 480
 _MOST_TIMES = 2.0
 
@@ -74,6 +77,7 @@ def sampling(render: Render, seed: int, device: DeviceKind = "CPU") -> Sampling:
         prefilter=quality.prefilter,
         denoise_quality=quality.denoise_quality,
         device=device,
+        parts=PARTS[render.quality] if render.method == "parts" else None,
     )
 
 

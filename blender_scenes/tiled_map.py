@@ -77,7 +77,8 @@ class Patch:
         places = np.rint((points / self.texel_m - 0.5) * _STEPS) / _STEPS
         where = (places - self.first).astype(np.float32)
         u, v, beyond = where[..., 0], where[..., 1], (np.nan,) * 4
-        return cv2.remap(self.texels, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=beyond)
+        found = cv2.remap(self.texels, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=beyond)
+        return found.astype(np.float32, copy=False)
 
 
 class TiledMap:
@@ -163,10 +164,12 @@ def _spread(weighted: Image, weight: Image) -> Image:
         return weighted / np.maximum(weight, 1e-9)
     height, width = weight.shape[:2]
     half = (width + 1) // 2, (height + 1) // 2
-    small, small_weight = (cv2.resize(a, half, interpolation=cv2.INTER_AREA) for a in (weighted, weight))
+    small, small_weight = (
+        cv2.resize(a, half, interpolation=cv2.INTER_AREA).astype(np.float32) for a in (weighted, weight)
+    )
     small_weight = small_weight.reshape(*small.shape[:2], 1)
     far = cv2.resize(_spread(small, small_weight), (width, height), interpolation=cv2.INTER_LINEAR)
-    return np.where(weight > 0, weighted / np.maximum(weight, 1e-9), far)
+    return np.where(weight > 0, weighted / np.maximum(weight, 1e-9), far).astype(np.float32)
 
 
 def normals(height_m: Image, whose: Image, texel_m: float) -> Image:

@@ -31,7 +31,7 @@ from reference import LEAST_SAMPLES, Reference, references
 from views import LOOKS, POSES, Views, views_of
 
 from blender_scenes.camera_response import develop, encode_jpeg, median_luminance
-from blender_scenes.sampling import QUALITIES, Quality
+from blender_scenes.sampling import PARTS, QUALITIES, PartSamples, Quality
 
 RUN_FRAMES = 200
 """Over which a run spreads its start."""
@@ -60,7 +60,7 @@ class Row:
     """A frame, median over the repetitions."""
     wall_s: float
     core_s_in_a_run: float
-    """A frame with its share of the start, over `RUN_FRAMES`."""
+    """A frame with its share of the start, warm-up and maps included, over `RUN_FRAMES`."""
     psnr_dB: float
     """Of the mean square over all poses."""
     worst_psnr_dB: float
@@ -76,11 +76,9 @@ def contenders(asked: argparse.Namespace) -> list[Contender]:
     for samples in asked.plain:
         settings = {"kind": "plain", "cycles": {**BLENDERS_DEFAULT, "samples": samples}}
         found.append(Contender(f"plain loop, {samples}", "plain loop", "painter.py", settings))
-    for light, colour, texel_mm in asked.apart:
-        texel_m = None if texel_mm is None else 1e-3 * texel_mm
-        settings = {"kind": "apart", "light": light, "colour": colour, "floor_texel_m": texel_m}
-        name = f"{light} and {colour}" + (f", floor {texel_mm:g} mm" if texel_mm else "")
-        found.append(Contender(f"colour apart, {name}", "colour apart", "painter.py", settings))
+    for own in asked.parts:
+        name = f"parts, {own.light} of light and {own.surfaces} of surfaces"
+        found.append(Contender(name, "parts", "painter.py", {"kind": "ours", "parts": asdict(own)}))
     if asked.blenderproc:
         for paths in asked.blenderprocs_light_paths:
             python, settings = str(asked.blenderproc), {"light_paths": paths}
@@ -203,7 +201,7 @@ def plot(rows: list[Row], size: tuple[int, int], file: Path) -> None:
     figure, panes = plt.subplots(1, len(looks), figsize=(5 * len(looks), 5.4), sharey=True, squeeze=False)
     for look, pane in zip(looks, panes[0], strict=True):
         here = [r for r in rows if r.look == look]
-        for family, mark in (("ours", "o-"), ("plain loop", "s-"), ("colour apart", "d-"), ("BlenderProc", "^")):
+        for family, mark in (("ours", "o-"), ("plain loop", "s-"), ("parts", "d-"), ("BlenderProc", "^")):
             series = sorted((r.core_s, r.psnr_dB) for r in here if r.family == family)
             if series:
                 pane.plot([x for x, _ in series], [y for _, y in series], mark, label=family)
@@ -223,9 +221,8 @@ def _pose(text: str) -> tuple[float, float, float]:
     return x, y, yaw
 
 
-def _apart(text: str) -> tuple[int, int, float | None]:
-    light, colour, *texel_mm = text.split(",")
-    return int(light), int(colour), float(*texel_mm) if texel_mm else None
+def _parts(text: str) -> PartSamples:
+    return PARTS["standard"] if text == "standard" else PartSamples(*map(int, text.split(",")))
 
 
 def _say(text: str) -> None:
@@ -244,8 +241,8 @@ def asked_for() -> argparse.Namespace:
     words = "qualities, or samples and denoiser such as 8,FAST,BALANCED"
     parser.add_argument("--ours", nargs="*", type=_quality, default=ours, help=words)
     parser.add_argument("--plain", nargs="*", type=int, default=[2, 4, 8, 16, 32], help="samples")
-    words = "samples of light and of colour, as colour_apart.py has it, and a texel of the floor's map [mm]"
-    parser.add_argument("--apart", nargs="*", type=_apart, default=[], metavar="LIGHT,COLOUR[,TEXEL]", help=words)
+    words = "samples of light and of surfaces of pictures put together from parts, or standard"
+    parser.add_argument("--parts", nargs="*", type=_parts, default=[PARTS["standard"]], help=words)
     parser.add_argument("--blenderproc", type=Path, help="interpreter of BlenderProc's environment")
     parser.add_argument("--blenderprocs-repetitions", type=int, default=1, help="it takes minutes a frame")
     paths = ["defaults", "ours"]
@@ -278,6 +275,7 @@ def main() -> None:
 def keep(rows: list[Row], asked: argparse.Namespace) -> None:
     told = {name: value for name, value in vars(asked).items() if name not in {"out", "cache", "blenderproc"}}
     told["ours"] = {name: asdict(own) for name, own in asked.ours}
+    told["parts"] = [asdict(own) for own in asked.parts]
     text = json.dumps({"asked": told, "rows": [asdict(r) for r in rows]}, indent=1)
     (asked.out / "error_and_time.json").write_text(text + "\n")
     plot(rows, tuple(asked.size), asked.out / "error_and_time.png")

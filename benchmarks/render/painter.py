@@ -2,9 +2,8 @@
 
     python painter.py JOB SETTINGS FOLDER THREADS
 
-Settings: {"kind": "ours", "sampling": fields of `Sampling`}, {"kind": "plain", "cycles": properties of Cycles},
-{"kind": "apart", "light": samples, "colour": samples, "floor_texel_m": of a map, or null} as `colour_apart` has it,
-or {"kind": "passes", "samples": N, "seed": N}.
+Settings: {"kind": "ours", "sampling": fields of `Sampling`, "parts": fields of `PartSamples` or null},
+{"kind": "plain", "cycles": properties of Cycles}, or {"kind": "passes", "samples": N, "seed": N}.
 """
 
 import sys
@@ -19,6 +18,7 @@ from painter_side import Asked, Paint, own_replies, serve
 from blender_scenes.bpy_side.loading import load_bpy
 from blender_scenes.camera_response import develop, encode_jpeg
 from blender_scenes.description import FrameView
+from blender_scenes.sampling import PartSamples
 from configs.assets.exr import read_exr
 
 PASSES = ("Combined", "DiffCol", "DiffDir", "DiffInd", "Normal")
@@ -33,7 +33,9 @@ def main() -> None:
     from blender_scenes.bpy_side import build, engine  # noqa: PLC0415 - they import bpy
 
     kind = asked.settings["kind"]
-    sampling = replace(asked.job.sampling, **asked.settings.get("sampling", {}))
+    parts = asked.settings.get("parts")
+    own = {**asked.settings.get("sampling", {}), "parts": PartSamples(**parts) if parts else None}
+    sampling = replace(asked.job.sampling, **own)
     asked = replace(asked, job=replace(asked.job, sampling=sampling))
     build.start()
     build.build(asked.job.scene, asked.job.camera)
@@ -44,8 +46,8 @@ def main() -> None:
 def _ours(asked: Asked) -> Paint:
     from blender_scenes.bpy_side import engine  # noqa: PLC0415 - it imports bpy
 
-    quick = replace(asked.job, sampling=replace(asked.job.sampling, samples=1))
-    return _painted(asked, lambda view, warm_up: engine.frame_light(quick if warm_up else asked.job, view))
+    pictures = engine.Pictures(asked.job, asked.threads, asked.folder)
+    return _painted(asked, lambda view, _warm_up: pictures.light(view))
 
 
 def _plain(asked: Asked) -> Paint:
@@ -62,16 +64,6 @@ def _plain(asked: Asked) -> Paint:
         return _rgb(_rendered(view, asked)) * np.array(view.light_gain, np.float32)
 
     return _painted(asked, light)
-
-
-def _apart(asked: Asked) -> Paint:
-    from colour_apart import ColourApart  # noqa: PLC0415 - it imports bpy
-
-    own = asked.settings
-    trial = ColourApart(asked.job, asked.folder, own["light"], own["colour"], own["floor_texel_m"])
-    return _painted(
-        asked, lambda view, warm_up: trial.light(view, warm_up=warm_up) * np.array(view.light_gain, np.float32)
-    )
 
 
 def _painted(asked: Asked, light: Callable[[FrameView, bool], np.ndarray]) -> Paint:
@@ -106,7 +98,7 @@ def _passes(asked: Asked) -> Paint:
     return paint
 
 
-_KINDS = {"ours": _ours, "plain": _plain, "apart": _apart, "passes": _passes}
+_KINDS = {"ours": _ours, "plain": _plain, "passes": _passes}
 
 
 def _split(channels: dict[str, np.ndarray]) -> np.ndarray:

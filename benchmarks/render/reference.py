@@ -7,15 +7,16 @@ by themselves, added. Two such pictures with different seeds say how good it is;
 
 import hashlib
 import json
+import os
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from oidn import denoise
 from painter import PASSES
 from painters import Painter
 
+from blender_scenes.bpy_side.oidn import Denoiser
 from blender_scenes.job import RenderJob
 
 LEAST_SAMPLES = 256
@@ -71,7 +72,8 @@ def clean(passes: np.ndarray) -> np.ndarray:
     of = dict(zip(PASSES, passes, strict=True))
     diffuse = of["DiffDir"] + of["DiffInd"]
     rest = np.maximum(of["Combined"] - of["DiffCol"] * diffuse, 0)
-    parts = (denoise(part, of["DiffCol"], of["Normal"]) for part in (diffuse, rest))
+    denoise = Denoiser(os.cpu_count() or 1, "HIGH")
+    parts = (denoise(part, of["Normal"], of["DiffCol"]) for part in (diffuse, rest))
     smooth, remaining = parts
     return of["DiffCol"] * smooth + remaining
 

@@ -9,6 +9,7 @@ first of them. The surfaces of all else are traced without light, which is cheap
 
 from pathlib import Path
 
+import cv2
 import numpy as np
 
 from blender_scenes.bpy_side.oidn import Denoiser
@@ -35,6 +36,10 @@ _TILT_RAD = np.radians(30.0)
 _MOST_BYTES = 320 * 2**20
 """Of each map in memory: what a lap of the dataset's arena looks at in pictures of 320 x 240."""
 _LIGHT_WIDTH_PX = 160
+"""More than that are shared by pixels of the picture."""
+_GLANCE_BLUR_PX = 2.0
+_WHOLLY = 0.99
+_LEAST_WEIGHT = 1e-3
 _CORNERS = (0, 2, -3, -1)
 """Of `filter_points`."""
 _MOST_SHARE = 1.5
@@ -77,21 +82,21 @@ class PartPictures:
         # Other random numbers than those of the light.
         seen = self._scenes.surfaces(self._size, self._samples.surfaces, (seed + 1) % 2**31, view)
         nearness = 1 / np.maximum(seen["Depth"], 1e-3)
-        low = self._low_parts(moved, still, reduced(seen["Normal"], self._times))
+        cover = seen[COVER][..., :1]
+        low = self._low_parts(moved, still, *(reduced(one, self._times) for one in (seen["Normal"], cover)))
         parts = upsampled(low, nearness, seen["Normal"])
         light, share, rest, glance = parts[..., :3], parts[..., 3:6], parts[..., 6:9], parts[..., 9:]
-        cover = seen[COVER][..., :1]
         on_floor = self._floor(view, cover[..., 0] > 0) * cover * share * glance
         return (on_floor + seen["DiffCol"] * light + rest).astype(np.float32)
 
-    def _low_parts(self, moved: dict[str, Image], still: dict[str, Image], normal: Image) -> Image:
+    def _low_parts(self, moved: dict[str, Image], still: dict[str, Image], normal: Image, cover: Image) -> Image:
         """(h, w, 12): light, its share of the still scene's, gloss and all else, and what the floor's coat lets in."""
         diffuse = moved["DiffDir"] + moved["DiffInd"]
         rest = np.maximum(moved["Combined"] - moved["DiffCol"] * diffuse, 0)
         light, gone = (self._denoised(one, normal) for one in (diffuse, still["DiffDir"] + still["DiffInd"]))
         share = np.clip(light / np.maximum(gone, _LEAST_LIGHT), 0, _MOST_SHARE)
         shine = self._denoised_fast(rest, normal)
-        return np.concatenate([light, share, shine, moved["DiffCol"] / MIDDLE_GREY], axis=-1)
+        return np.concatenate([light, share, shine, _smooth(moved["DiffCol"] / MIDDLE_GREY, cover)], axis=-1)
 
     def _floor(self, view: FrameView, needed: np.ndarray) -> Image:
         """(H, W, 3) light that the floor throws back without what moves, where it is needed."""
@@ -184,6 +189,14 @@ def _times(size: tuple[int, int]) -> int:
     while size[0] // (2 * times) >= _LIGHT_WIDTH_PX and not any(px % (2 * times) for px in size):
         times *= 2
     return times
+
+
+def _smooth(glance: Image, cover: Image) -> Image:
+    """What the floor's coat lets through, which follows from the angle of sight, without the grain of its gloss."""
+    whole = (cover > _WHOLLY).astype(np.float32)
+    total, weight = (cv2.GaussianBlur(one, (0, 0), _GLANCE_BLUR_PX) for one in (glance * whole, whole))
+    weight = weight.reshape(cover.shape)
+    return np.where(weight > _LEAST_WEIGHT, total / np.maximum(weight, _LEAST_WEIGHT), glance)
 
 
 def _turned(vectors: np.ndarray, by_rad: float) -> np.ndarray:
