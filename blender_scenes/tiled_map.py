@@ -37,6 +37,11 @@ class Tile:
 
 Make = Callable[[Tile], Image]
 """(N, N, K) of a tile, rows along y."""
+Unpack = Callable[[Image], Image]
+
+
+def _as_it_is(tile: Image) -> Image:
+    return tile
 
 
 @dataclass(frozen=True)
@@ -82,9 +87,10 @@ class Patch:
 
 
 class TiledMap:
-    def __init__(self, tiling: Tiling, make: Make, most_bytes: int) -> None:
+    def __init__(self, tiling: Tiling, make: Make, most_bytes: int, unpack: Unpack = _as_it_is) -> None:
+        """Tiles are kept as 16-bit floats, up to so many bytes; `unpack` makes of them what is looked up."""
         self.tiling = tiling
-        self._make, self._most_bytes = make, most_bytes
+        self._make, self._most_bytes, self._unpack = make, most_bytes, unpack
         self._tiles: OrderedDict[tuple[int, int, int], NDArray[np.float16]] = OrderedDict()
         self._bytes = 0
         self._last: dict[int, tuple[set[tuple[int, int]], Patch]] = {}
@@ -107,7 +113,7 @@ class TiledMap:
         own, texel_m = self.tiling, self.tiling.texel_m * 2**level
         (left, bottom), (right, top) = found.min(axis=0), found.max(axis=0)
         count = np.array([top - bottom + 1, right - left + 1]) * own.core + 2 * own.margin
-        tiles = [self._tile(level, int(i), int(j)) for i, j in found]
+        tiles = [self._unpack(self._tile(level, int(i), int(j)).astype(np.float32)) for i, j in found]
         texels = np.full((*count, tiles[0].shape[-1]), np.nan if not own.margin else 0.0, np.float32)
         share = own.shares()
         for (i, j), tile in zip(found, tiles, strict=True):

@@ -23,6 +23,8 @@ DENOISE_S = {"FAST": 4e-6, "ACCURATE": 2e-5}
 """Per pixel on one core, by the prefilter of the denoiser's guides."""
 BYTES_PER_PIXEL = 0.2
 """Of a JPEG of quality 92."""
+PARTS_FRAME_S, PARTS_PIXEL_S = 1.5, 6e-6
+"""Of one core for an image put together from parts, and for each of its pixels; its share of the maps included."""
 ANNOTATION_PIXEL_S = 1.5e-6
 """Per pixel on one core, all annotations together."""
 ANNOTATION_BYTES_PER_PIXEL = 0.6
@@ -108,7 +110,7 @@ class Plan:
             f"render     about {seconds(self.render_s)}",
             "",
             f"Assumed: {self.cores} cores without a graphics card; {REAL_TIME_FACTOR:g} simulated seconds a second and"
-            f" core; {1e6 * RENDER_SAMPLE_S:g} us a pixel and sample, {self._denoising()}{RENDER_FRAME_S:g} s an image"
+            f" core; {self._tracing()}{RENDER_FRAME_S:g} s an image"
             f" on one core; {BYTES_PER_PIXEL:g} bytes a pixel{self._further()}"
             + (f"; a lap of {LAP_S:g} s, which depends on arena and robot." if self.runs[0].lap else "."),
         ]
@@ -116,12 +118,24 @@ class Plan:
 
     def _quality(self) -> str:
         """Of the pictures; several where the scenario draws it."""
-        kinds = {f"{run.quality}, {run.sampling.samples} samples a pixel": None for run in self.runs}
+        kinds = {f"{run.quality}, {_samples(run.sampling)}": None for run in self.runs}
         return " or ".join(kinds)
+
+    def _tracing(self) -> str:
+        """What is assumed of rays and denoiser."""
+        ways = []
+        if any(run.sampling.parts for run in self.runs):
+            ways.append(
+                f"{PARTS_FRAME_S:g} s and {1e6 * PARTS_PIXEL_S:g} us a pixel for an image put together from parts, "
+            )
+        if any(not run.sampling.parts for run in self.runs):
+            ways.append(f"{1e6 * RENDER_SAMPLE_S:g} us a pixel and sample, {self._denoising()}")
+        return "".join(ways)
 
     def _denoising(self) -> str:
         """What is assumed of the denoiser, where there is one."""
-        costs = sorted({DENOISE_S[run.sampling.prefilter] for run in self.runs if run.sampling.denoise})
+        whole = [run.sampling for run in self.runs if run.sampling.denoise and not run.sampling.parts]
+        costs = sorted({DENOISE_S[sampled.prefilter] for sampled in whole})
         return f"{' or '.join(f'{1e6 * cost:g}' for cost in costs)} us a pixel to denoise, and " if costs else "and "
 
     def _further(self) -> str:
@@ -136,7 +150,17 @@ class Plan:
 
 def pixel_s(sampled: Sampling) -> float:
     """Of one core for a pixel that is traced, denoising included [s]."""
+    if sampled.parts:
+        return PARTS_PIXEL_S
     return sampled.samples * RENDER_SAMPLE_S + (DENOISE_S[sampled.prefilter] if sampled.denoise else 0.0)
+
+
+def _samples(sampled: Sampling) -> str:
+    if sampled.parts:
+        return (
+            f"put together from parts, {sampled.parts.light} samples of light and {sampled.parts.surfaces} of surfaces"
+        )
+    return f"{sampled.samples} samples a pixel"
 
 
 def _planned(spec: RunSpec) -> PlannedRun:
@@ -147,7 +171,7 @@ def _planned(spec: RunSpec) -> PlannedRun:
     pinhole = pinhole_picture(intrinsics(spec.robot.camera, render.width_px, render.height_px)).camera
     traced = pinhole.width_px * pinhole.height_px
     sampled = sampling(render, spec.seed)
-    image_s = RENDER_FRAME_S + traced * pixel_s(sampled)
+    image_s = (PARTS_FRAME_S if sampled.parts else 0.0) + RENDER_FRAME_S + traced * pixel_s(sampled)
     annotation_s = RENDER_START_S + images * (RENDER_FRAME_S + traced * ANNOTATION_PIXEL_S) if annotated else 0.0
     return PlannedRun(
         run=spec.key,

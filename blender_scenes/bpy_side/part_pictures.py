@@ -25,10 +25,10 @@ from blender_scenes.upsampling import reduced, upsampled
 from configs.streams import stream
 
 _REFLECTANCE = Tiling(texel_m=0.00025, levels=6, core=256)
-_TEXELS_OF_A_PIXEL = 1.4
+_TEXELS_OF_A_PIXEL = 1.0
 _IRRADIANCE = Tiling(texel_m=0.004, levels=5, core=112, margin=8)
-_PIXELS_OF_A_TEXEL = 4.0
-"""Light changes over wider stretches than colour."""
+_TEXEL_RAD = 0.018
+"""Under which the camera sees one. Light changes over wider stretches than colour, whatever the size of pixels."""
 _IRRADIANCE_SAMPLES = 8
 _RELIEF = Tiling(texel_m=0.032, levels=3, core=24, margin=4)
 """Where light comes from changes over wider ones still."""
@@ -69,8 +69,8 @@ class PartPictures:
         self._has_relief = any(s.height_m is not None for s in job.scene.surfaces if s.name in surfaces)
         across_m, along_m = self._sight.pixel_m()
         self._reflectance_level = _level(np.sqrt(across_m * along_m) / _TEXELS_OF_A_PIXEL, _REFLECTANCE)
-        self._irradiance_level = _level(across_m * _PIXELS_OF_A_TEXEL, _IRRADIANCE)
-        self._reflectance = TiledMap(_REFLECTANCE, self._reflectance_tile, _MOST_BYTES)
+        self._irradiance_level = _level(self._sight.depth_m() * _TEXEL_RAD, _IRRADIANCE)
+        self._reflectance = TiledMap(_REFLECTANCE, self._reflectance_tile, _MOST_BYTES, _with_upward_part)
         self._irradiance = TiledMap(_IRRADIANCE, self._irradiance_tile, _MOST_BYTES)
         self._relief = TiledMap(_RELIEF, self._relief_tile, _MOST_BYTES)
 
@@ -149,14 +149,13 @@ class PartPictures:
         return np.clip(np.nan_to_num(points), *self._bounds)
 
     def _reflectance_tile(self, tile: Tile) -> Image:
-        """(N, N, 6): reflectance and normal; (N, N, 3) without the latter where nothing has a relief."""
+        """(N, N, 5): reflectance, and x and y of the normal; (N, N, 3) without it where nothing has a relief."""
         colour, relief = self._scenes.reflectance(tile.widened())
         colour = colour[1:-1, 1:-1]
         if not self._has_relief:
             return colour
         normal = normals(relief[..., 0], relief[..., 1], tile.texel_m)
-        normal[..., :2] = _turned(normal[..., :2], GRID_TURN_RAD)
-        return np.concatenate([colour, normal], axis=-1)
+        return np.concatenate([colour, _turned(normal[..., :2], GRID_TURN_RAD)], axis=-1)
 
     def _irradiance_tile(self, tile: Tile) -> Image:
         return self._facing(_UP, tile, self._tile_seed("irradiance", tile))
@@ -189,6 +188,14 @@ def _times(size: tuple[int, int]) -> int:
     while size[0] // (2 * times) >= _LIGHT_WIDTH_PX and not any(px % (2 * times) for px in size):
         times *= 2
     return times
+
+
+def _with_upward_part(tile: Image) -> Image:
+    """(N, N, 6) of (N, N, 5) as `_reflectance_tile` has them; z of the normal follows from x and y."""
+    if tile.shape[-1] == 3:
+        return tile
+    upward = np.sqrt(np.maximum(1 - (tile[..., 3:] ** 2).sum(axis=-1, keepdims=True), 0))
+    return np.concatenate([tile, upward], axis=-1)
 
 
 def _smooth(glance: Image, cover: Image) -> Image:
