@@ -15,8 +15,8 @@ _POINTS = 3
 """Of a pixel's filter along each axis."""
 _CYCLES_FILTER = 2.0
 """Cycles' Blackman-Harris filter reaches this many half widths from the pixel's middle (scene/film.cpp)."""
-_STRIDE = 4
-"""No divisor of 9 but 1: a point's time has nothing to do with its place."""
+_TURNS = (1, 6, 5, 8, 4, 0, 3, 2, 7)
+"""When each point has its time, row by row: a magic square, so that no side of the filter is early."""
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,7 @@ def filter_points(width_px: float) -> tuple[FilterPoint, ...]:
     weight = 0.35875 - 0.48829 * np.cos(turn) + 0.14128 * np.cos(2 * turn) - 0.01168 * np.cos(3 * turn)
     share = np.cumsum(weight) / weight.sum()
     offsets = np.interp((np.arange(_POINTS) + 0.5) / _POINTS, share, at).tolist()
-    count = _POINTS**2
-    times = [((_STRIDE * k) % count + 0.5) / count for k in range(count)]
+    times = [(place + 0.5) / len(_TURNS) for place in _TURNS]
     places = [(right, down) for down in offsets for right in offsets]
     return tuple(FilterPoint(*place, time) for place, time in zip(places, times, strict=True))
 
@@ -60,10 +59,13 @@ class FloorSight:
         return (-self._X_RC[2, 3] / self._down(0.0, 0.0)[0]).astype(np.float32)
 
     def pixel_m(self) -> tuple[Image, Image]:
-        """(H, W) of the floor that a pixel covers across the view and along it; NaN above the horizon."""
-        across_m = self.depth_m() / self._camera.fx_px
-        away_m = np.linalg.norm(self._in_robot(0.0, 0.0) - self._X_RC[:2, 3], axis=-1)
-        return across_m, across_m * np.hypot(away_m, self._X_RC[2, 3]) / self._X_RC[2, 3]
+        """(H, W) of the floor that a pixel covers across the view and along it; NaN above the horizon.
+
+        At the depth z a pixel covers z^3 / (f^2 h) of a plane at the distance h, and z / f across.
+        """
+        depth_m = self.depth_m()
+        across_m = depth_m / self._camera.fx_px
+        return across_m, across_m * depth_m / np.float32(self._X_RC[2, 3])
 
     def points(self, view: FrameView, point: FilterPoint, rows: slice = slice(None)) -> NDArray[np.float64]:
         """(H, W, 2) x and y in W [m] of what each pixel sees of the floor, in some rows; NaN above the horizon."""

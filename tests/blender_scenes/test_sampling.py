@@ -3,8 +3,9 @@
 from typing import get_args
 
 import pytest
+from pydantic import ValidationError
 
-from blender_scenes.job import FramePose, build_job
+from blender_scenes.job import FramePose, RenderJob, build_job
 from blender_scenes.sampling import QUALITIES, sampling
 from configs.schema.look import LookConfig
 from configs.schema.scenario import Render, RenderQuality
@@ -54,6 +55,30 @@ def test_samples_said_aloud_take_the_place_of_those_of_the_quality_and_nothing_e
     assert fewer.samples == 3
     assert (fewer.prefilter, fewer.denoise_quality) == (whole.prefilter, whole.denoise_quality)
     assert not sampling(Render(quality="high", denoise=False), seed=1).denoise
+
+
+def test_pictures_are_traced_whole_unless_parts_are_asked_for():
+    assert sampling(Render(), seed=1).parts is None
+    rough, fine = (sampling(Render(method="parts", quality=name), seed=1).parts for name in ("draft", "standard"))
+    assert rough.light < fine.light
+    assert rough.surfaces < fine.surfaces
+
+
+def test_a_job_of_whole_pictures_is_the_same_text_as_one_that_knows_of_no_parts(arena, robot):
+    pose = FramePose(number=1, t_s=0.0, x_m=0.55, y_m=0.0, yaw_rad=0.0)
+    whole, parts = (
+        build_job(arena, robot, LookConfig(name="plain"), Render(method=method), [pose], seed=5)
+        for method in ("whole", "parts")
+    )
+    assert '"parts"' not in whole.to_json()
+    assert RenderJob.from_json(parts.to_json()) == parts
+
+
+@pytest.mark.parametrize("said", [{"quality": "high"}, {"quality": "reference"}, {"samples": 9}, {"denoise": False}])
+def test_what_maps_cannot_give_is_refused_beside_parts(said):
+    with pytest.raises(ValidationError, match=next(iter(said))):
+        Render(method="parts", **said)
+    Render(**said)
 
 
 def test_a_run_is_rendered_at_its_quality_and_on_its_device(arena, robot):

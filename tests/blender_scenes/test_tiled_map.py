@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from blender_scenes.tiled_map import Tile, TiledMap, Tiling, without_holes
+from blender_scenes.tiled_map import Tile, TiledMap, Tiling, normals, without_holes
 
 TEXEL_M = 0.01
 PLAIN = Tiling(texel_m=TEXEL_M, levels=3, core=16)
@@ -221,3 +221,32 @@ def test_a_texel_that_is_dark_in_one_colour_alone_is_no_hole():
 @pytest.mark.parametrize("light", [np.zeros((8, 8, 3), np.float32), _lit()])
 def test_where_all_or_nothing_is_dark_nothing_changes(light):
     np.testing.assert_array_equal(without_holes(light), light)
+
+
+# Relief
+
+
+def test_a_slope_has_the_normal_of_its_plane():
+    y, x = np.indices((9, 9)) * TEXEL_M
+    found = normals((0.3 * x - 0.1 * y).astype(np.float32), np.zeros((9, 9), np.float32), TEXEL_M)
+    expected = np.array([-0.3, 0.1, 1.0]) / np.sqrt(0.3**2 + 0.1**2 + 1)
+    assert found.shape == (7, 7, 3)
+    np.testing.assert_allclose(found, np.broadcast_to(expected, found.shape), atol=1e-4)
+
+
+def test_where_two_surfaces_meet_the_step_between_their_heights_is_none():
+    """Each has its height from a zero of its own."""
+    height, whose = np.zeros((9, 9), np.float32), np.zeros((9, 9), np.float32)
+    height[:, 4:], whose[:, 4:] = 0.005, 1.0
+    np.testing.assert_array_equal(normals(height, whose, TEXEL_M), np.broadcast_to((0.0, 0.0, 1.0), (7, 7, 3)))
+    one = normals(height, np.zeros((9, 9), np.float32), TEXEL_M)
+    assert (one[:, 2:4, 0] < -0.2).all()
+
+
+def test_a_tile_with_a_texel_more_on_each_side_has_the_others_where_they_were():
+    tile = Tile((0.3, -0.2), TEXEL_M, 4, (1, 5, -3))
+    x, y = _middles(tile)
+    wide_x, wide_y = _middles(tile.widened())
+    np.testing.assert_allclose(wide_x[1:-1, 1:-1], x, atol=1e-12)
+    np.testing.assert_allclose(wide_y[1:-1, 1:-1], y, atol=1e-12)
+    assert (tile.widened().texels, tile.widened().key) == (6, tile.key)

@@ -1,11 +1,12 @@
-"""Light of half the pixels brought to a picture's own, on surfaces that are known."""
+"""Light of fewer pixels brought to a picture's own, on surfaces that are known."""
 
 import numpy as np
 import pytest
 
-from blender_scenes.upsampling import halved, upsampled
+from blender_scenes.upsampling import reduced, upsampled
 
 HEIGHT, WIDTH = 12, 16
+TIMES = pytest.mark.parametrize("times", [2, 4])
 UP, SIDE = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
 
 
@@ -15,17 +16,24 @@ def _plane(nearness: float = 1.0, normal: tuple[float, float, float] = UP) -> tu
     return far, np.broadcast_to(np.array(normal, np.float32), (HEIGHT, WIDTH, 3)).copy()
 
 
-def _low(values: np.ndarray | float | tuple[float, float, float]) -> np.ndarray:
-    """(H/2, W/2, 3)."""
-    return np.broadcast_to(np.float32(values), (HEIGHT // 2, WIDTH // 2, 3)).copy()
+def _low(values: np.ndarray | float | tuple[float, float, float], times: int = 2) -> np.ndarray:
+    """(H / times, W / times, 3)."""
+    return np.broadcast_to(np.float32(values), (HEIGHT // times, WIDTH // times, 3)).copy()
 
 
-def test_half_the_pixels_are_the_means_of_squares_of_four():
+@TIMES
+def test_fewer_pixels_are_the_means_of_squares(times):
     image = np.random.default_rng(1).random((HEIGHT, WIDTH, 5)).astype(np.float32)
-    found = halved(image)
-    assert found.shape == (HEIGHT // 2, WIDTH // 2, 5)
-    np.testing.assert_allclose(found[2, 3], image[4:6, 6:8].reshape(4, 5).mean(axis=0), rtol=1e-6)
+    found = reduced(image, times)
+    assert found.shape == (HEIGHT // times, WIDTH // times, 5)
+    square = image[2 * times : 3 * times, times : 2 * times].reshape(times**2, 5)
+    np.testing.assert_allclose(found[2, 1], square.mean(axis=0), rtol=1e-6)
     assert found.mean() == pytest.approx(image.mean(), rel=1e-5)
+
+
+def test_light_of_as_many_pixels_is_left_alone():
+    low = np.random.default_rng(6).random((HEIGHT, WIDTH, 3)).astype(np.float32)
+    np.testing.assert_array_equal(upsampled(low, *_plane()), low)
 
 
 def test_even_light_stays_even_whatever_it_falls_on():
@@ -37,13 +45,16 @@ def test_even_light_stays_even_whatever_it_falls_on():
     np.testing.assert_allclose(found, np.broadcast_to((0.2, 1.0, 7.0), found.shape), rtol=1e-5)
 
 
+@TIMES
 @pytest.mark.parametrize("axis", [0, 1])
-def test_on_a_plane_light_that_grows_evenly_still_does(axis):
-    """Pixel p of the picture lies at (p - 0.5) / 2 of the halved one's."""
-    low = _low(0.0) + np.indices((HEIGHT // 2, WIDTH // 2))[axis][..., None]
+def test_on_a_plane_light_that_grows_evenly_still_does(axis, times):
+    """Pixel p of the picture has its middle at (p + 0.5) / times - 0.5 of the smaller one's."""
+    low = _low(0.0, times) + np.indices((HEIGHT // times, WIDTH // times))[axis][..., None]
     found = upsampled(low, *_plane())
-    expected = (np.indices((HEIGHT, WIDTH))[axis][..., None] - 0.5) / 2
-    np.testing.assert_allclose(found[1:-1, 1:-1], np.broadcast_to(expected, found.shape)[1:-1, 1:-1], atol=1e-5)
+    expected = (np.indices((HEIGHT, WIDTH))[axis][..., None] + 0.5) / times - 0.5
+    inside = slice(times // 2, -(times // 2))
+    expected = np.broadcast_to(expected, found.shape)[inside, inside]
+    np.testing.assert_allclose(found[inside, inside], expected, atol=1e-5)
 
 
 @pytest.mark.parametrize("column", [6, 7, 8, 9])
@@ -57,7 +68,7 @@ def test_at_an_edge_no_light_passes_from_one_side_to_the_other(column, kind):
         normal[:, column:] = SIDE
     bright = np.zeros((HEIGHT, WIDTH, 3), np.float32)
     bright[:, column:] = 1.0
-    found = upsampled(halved(bright), nearness, normal)
+    found = upsampled(reduced(bright, 2), nearness, normal)
     # Where the edge halves a square of four, its own two pixels have nothing but the mix and their next neighbours.
     beside = (column - 1, column) if column % 2 else ()
     dark = [c for c in range(column) if c not in beside]

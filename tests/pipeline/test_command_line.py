@@ -324,6 +324,9 @@ def test_plan_takes_its_time_from_the_quality_and_says_which(symolo):
     assert f"quality    standard, {plain.runs[0].sampling.samples} samples a pixel" in plain.text()
     assert "to denoise" in plain.text()
     assert "to denoise" not in fewer.text()
+    parts = planned("render.method=parts")
+    assert "put together from parts" in parts.text()
+    assert parts.render_s < plain.render_s / 2
     assert (
         "quality    draft, 9 samples"
         in symolo("plan", "smoke", "--set=render.quality=draft", "--set=render.samples=9").out
