@@ -1,10 +1,10 @@
 """Pictures put together from their parts: light that few samples tell, and surfaces that need many.
 
 Most of what the camera sees is the floor. What it reflects, its relief, and the light on it without robot and moving
-obstacles are the same in every picture; they are worked out once, as maps. A picture itself is traced with half as many
-pixels each way and few samples, twice with the same random numbers, with and without what moves: the ratio of the two,
-which the noise leaves alone where nothing moves, is put on the map's light. What is not floor takes its light from the
-first of them. The surfaces of all else are traced without light, which is cheap.
+obstacles are the same in every picture; they are worked out once, as maps. A picture's light is traced with few pixels
+and samples, twice with the same random numbers, with and without what moves: their ratio, which has no noise where
+nothing moves, is put on the map's light. What is not floor takes its light from the first of them. The surfaces of all
+else are traced without light, which is cheap.
 """
 
 from pathlib import Path
@@ -34,7 +34,7 @@ _RELIEF = Tiling(texel_m=0.032, levels=3, core=24, margin=4)
 """Where light comes from changes over wider ones still."""
 _TILT_RAD = np.radians(30.0)
 _MOST_BYTES = 320 * 2**20
-"""Of each map in memory: what a lap of the dataset's arena looks at in pictures of 320 x 240."""
+"""Of each map in memory."""
 _LIGHT_WIDTH_PX = 160
 """More than that are shared by pixels of the picture."""
 _GLANCE_BLUR_PX = 2.0

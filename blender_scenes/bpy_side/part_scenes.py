@@ -4,6 +4,7 @@ They share the main scene's things, so that what `place` puts in place is so in 
 Cycles between renders, which is what makes taking turns cheap.
 """
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -29,13 +30,15 @@ GRID_TURN_RAD = 0.35
 a texel all of its way; across them it is off to either side in turns."""
 _IN_THE_MIDDLE = 0.01
 """Of a pixel: the least width that Cycles has for a filter."""
+_LINE = re.compile(r"(tape|paint)_\d+")
+"""Pieces of the line, as `line_mesh` calls them."""
 _LIGHT_PASSES = ("diffuse_color", "diffuse_direct", "diffuse_indirect")
 Dresser = Callable[[bpy.types.Material], bpy.types.Material]
 
 
 def lies_on_the_floor(name: str) -> bool:
     """Whether a mesh belongs to the floor, flat and on z = 0 for all that a camera can tell; by its name."""
-    return name == "floor" or name.startswith(("tape_", "paint_"))
+    return name == "floor" or _LINE.fullmatch(name) is not None
 
 
 class PartScenes:
