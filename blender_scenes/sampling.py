@@ -60,7 +60,7 @@ QUALITIES: dict[RenderQuality, Quality] = {
     "reference": Quality(2048, "ACCURATE", "HIGH"),
 }
 
-PARTS: dict[RenderQuality, PartSamples] = {"draft": PartSamples(1, 2), "standard": PartSamples(4, 4)}
+PARTS: dict[RenderQuality, PartSamples] = {"draft": PartSamples(1, 2), "standard": PartSamples(3, 4)}
 """Of `render.method: parts`; the maps are not true enough for the others."""
 
 _SIZE_PX = 640 * 480

@@ -30,11 +30,11 @@ _IRRADIANCE = Tiling(texel_m=0.004, levels=5, core=112, margin=8)
 _TEXEL_RAD = 0.018
 """Under which the camera sees one. Light changes over wider stretches than colour, whatever the size of pixels."""
 _IRRADIANCE_SAMPLES = 8
-_RELIEF = Tiling(texel_m=0.032, levels=3, core=24, margin=4)
+_RELIEF = Tiling(texel_m=0.032, levels=3, core=56, margin=4)
 """Where light comes from changes over wider ones still."""
 _TILT_RAD = np.radians(30.0)
-_MOST_BYTES = 320 * 2**20
-"""Of each map in memory."""
+_MOST_BYTES = 512 * 2**20
+"""Of each map in memory; a lap of the dataset's arena in pictures of 640 x 480 stays below it."""
 _LIGHT_WIDTH_PX = 160
 """More than that are shared by pixels of the picture."""
 _GLANCE_BLUR_PX = 2.0
