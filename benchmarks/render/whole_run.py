@@ -1,0 +1,51 @@
+"""What a run of pictures along the line costs, all of it: start, scene, maps, tracing, developing, encoding.
+
+    python benchmarks/render/whole_run.py [--look classroom] [--size 640 480] [--frames 200] [--plain 2] [--every 10]
+
+Pictures put together from parts make all frames, so that their maps grow and are used again as in a run; the plain loop
+with Blender's default denoiser, whose frames cost the same each, makes every tenth.
+"""
+
+import argparse
+import sys
+from dataclasses import replace
+
+import numpy as np
+from error_and_time import BLENDERS_DEFAULT
+from painters import Painter
+from views import LOOKS, job_along_the_line
+
+from blender_scenes.sampling import PARTS
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--look", choices=LOOKS, default="classroom")
+    parser.add_argument("--size", nargs=2, type=int, default=[640, 480], metavar=("WIDTH", "HEIGHT"))
+    parser.add_argument("--frames", type=int, default=200)
+    parser.add_argument("--plain", nargs="*", type=int, default=[2], help="samples")
+    parser.add_argument("--every", type=int, default=10)
+    asked = parser.parse_args()
+    job = job_along_the_line(asked.look, asked.frames, tuple(asked.size))
+    parts = PARTS["standard"]
+    settings = {"kind": "ours", "parts": {"light": parts.light, "surfaces": parts.surfaces}}
+    with Painter("painter.py", job, settings, 1, sys.executable) as painter:
+        tell("parts", painter, [view.number for view in job.frames], asked.frames)
+    for samples in asked.plain:
+        few = replace(job, frames=job.frames[:: asked.every])
+        settings = {"kind": "plain", "cycles": {**BLENDERS_DEFAULT, "samples": samples}}
+        with Painter("painter.py", few, settings, 1, sys.executable) as painter:
+            tell(f"plain loop, {samples}", painter, [view.number for view in few.frames], asked.frames)
+
+
+def tell(name: str, painter: Painter, numbers: list[int], frames: int) -> None:
+    """Prints the cost of a frame in a run of so many, and the median of one."""
+    costs = [painter.paint([number]) for number in numbers]
+    each = np.array([cost.core_s for cost in costs])
+    whole = (painter.set_up.core_s + each.sum() * frames / len(numbers)) / frames
+    told = f"median {np.median(each):.2f}, most {each.max():.1f}"
+    print(f"{name:16} {whole:6.2f} core-s a frame, all counted; {told}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
