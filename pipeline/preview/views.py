@@ -18,8 +18,8 @@ from physics.robot_path import RobotPath
 from pipeline.preview.way import Way
 from pipeline.stages.render import Appearance
 
-_DRAFT = "render.quality=draft"
-"""Under what `--set` says."""
+_DRAFT = ("render.quality=draft", "render.method=whole")
+"""Under what `--set` says. The maps of pictures from parts would be made for a single one each."""
 _GOLDEN = 0.618033988749895
 """Steps of this share of the way spread evenly, however many are taken (Weyl's sequence)."""
 
@@ -64,8 +64,8 @@ def views(scenario: str, overrides: Sequence[str], looks: Sequence[str], count: 
         InputError: The scenario or a look cannot be used, or a run's values make an impossible world.
     """
     chosen = [f"look={look}" for look in looks]
-    loaded = [load_scenario(scenario, (_DRAFT, own, *overrides)) for own in chosen]
-    loaded = loaded or [load_scenario(scenario, (_DRAFT, *overrides))]
+    loaded = [load_scenario(scenario, (*_DRAFT, own, *overrides)) for own in chosen]
+    loaded = loaded or [load_scenario(scenario, (*_DRAFT, *overrides))]
     for index in range(count):
         run, look = divmod(index, len(loaded))
         yield _view(loaded[look], index + 1, run, width_px)
