@@ -16,7 +16,7 @@ import numpy as np
 from painter import PASSES
 from painters import Painter
 
-from blender_scenes.bpy_side.oidn import Denoiser
+from blender_scenes.denoiser import Denoiser
 from blender_scenes.job import RenderJob
 
 LEAST_SAMPLES = 256

@@ -12,9 +12,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from blender_scenes.bpy_side.oidn import Denoiser
 from blender_scenes.bpy_side.part_materials import COVER, MIDDLE_GREY
 from blender_scenes.bpy_side.part_scenes import GRID_TURN_RAD, PartScenes, lies_on_the_floor
+from blender_scenes.denoiser import Denoiser
 from blender_scenes.description import FrameView
 from blender_scenes.floor_sight import MIDDLE, FloorSight, filter_points
 from blender_scenes.job import RenderJob

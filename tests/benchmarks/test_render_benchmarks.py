@@ -42,20 +42,9 @@ def test_ssim_is_that_of_scikit_image(errors):
     assert errors.ssim(plain, plain) == pytest.approx(1.0, abs=1e-12)
 
 
-def test_the_denoiser_evens_out_noise_about_a_constant():
-    denoise = importlib.import_module("oidn").denoise
-
-    noise = np.random.Generator(np.random.PCG64(1)).exponential(1.0, (64, 64, 3)).astype(np.float32)
-    guide, up = np.full_like(noise, 0.5), np.zeros_like(noise)
-    up[..., 2] = 1
-    clean = denoise(noise, guide, up)
-    assert clean.mean() == pytest.approx(noise.mean(), rel=0.03)
-    assert clean.std() < 0.1 * noise.std()
-
-
 def test_a_reference_put_together_from_its_passes_is_the_whole_picture(reference, monkeypatch):
     """Where nothing is denoised, colour times light plus the rest is what was traced."""
-    monkeypatch.setattr(reference, "denoise", lambda colour, _albedo, _normal: colour)
+    monkeypatch.setattr(reference, "Denoiser", lambda _threads, _quality: lambda light, _normal, _albedo: light)
     colour, direct, indirect, gloss = np.random.Generator(np.random.PCG64(2)).random((4, 3, 4, 3)).astype(np.float32)
     whole = colour * (direct + indirect) + gloss
     passes = np.stack([whole, colour, direct, indirect, np.zeros_like(whole)])
@@ -65,17 +54,3 @@ def test_a_reference_put_together_from_its_passes_is_the_whole_picture(reference
 def test_a_reference_of_few_samples_is_refused(reference, tmp_path):
     with pytest.raises(ValueError, match="255 samples is too noisy; at least 256"):
         reference.references(None, 255, tmp_path, 1)
-
-
-def test_light_on_another_colour_keeps_its_irradiance_and_its_gloss():
-    """A Lambertian surface of reflectance c under the irradiance E sends c E / pi."""
-    exchanged = importlib.import_module("colour_exchange").exchanged
-    met, colour, irradiance, gloss = np.random.Generator(np.random.PCG64(3)).uniform(0.1, 1, (4, 3, 4, 3))
-    diffuse = met * irradiance / np.pi
-    assert exchanged(diffuse + gloss, diffuse, met, colour) == pytest.approx(colour * irradiance / np.pi + gloss)
-
-
-def test_light_of_what_has_no_diffuse_colour_stays_as_it_is():
-    exchanged = importlib.import_module("colour_exchange").exchanged
-    black, light = np.zeros((2, 2, 3)), np.full((2, 2, 3), 0.7)
-    assert exchanged(light, black, black, light) == pytest.approx(light)

@@ -1,0 +1,41 @@
+"""Noise is taken off light, whatever was denoised before."""
+
+import numpy as np
+import pytest
+
+from blender_scenes.denoiser import Denoiser
+
+
+def noisy(height_px: int, width_px: int, seed: int) -> np.ndarray:
+    """(H, W, 3) of mean 1 and standard deviation 1."""
+    return np.random.Generator(np.random.PCG64(seed)).exponential(1.0, (height_px, width_px, 3)).astype(np.float32)
+
+
+def upwards(like: np.ndarray) -> np.ndarray:
+    return np.broadcast_to(np.array((0.0, 0.0, 1.0), np.float32), like.shape)
+
+
+@pytest.mark.parametrize(("quality", "off"), [("BALANCED", 0.05), ("HIGH", 0.03)])
+def test_noise_about_a_constant_is_evened_out_and_its_mean_kept_as_well_as_the_network_can(quality, off):
+    noise = noisy(64, 64, 1)
+    clean = Denoiser(1, quality)(noise, upwards(noise))
+    assert clean.mean() == pytest.approx(noise.mean(), rel=off)
+    assert clean.std() < 0.1 * noise.std()
+
+
+def test_an_edge_that_the_guide_shows_stays_where_it_is():
+    noise, albedo = noisy(64, 64, 2), np.full((64, 64, 3), 0.2, np.float32)
+    albedo[:, 32:] = 0.8
+    clean = Denoiser(1, "HIGH")(noise * albedo, upwards(noise), albedo)
+    assert clean[8:-8, 30].mean() < 0.3
+    assert clean[8:-8, 33].mean() > 0.7
+
+
+def test_a_picture_does_not_depend_on_those_denoised_before_nor_on_threads():
+    first, other = noisy(48, 64, 3), noisy(32, 40, 4)
+    kept = Denoiser(1, "BALANCED")
+    alone = kept(first, upwards(first))
+    kept(other, upwards(other))
+    kept(first + 1, upwards(first))
+    np.testing.assert_array_equal(kept(first, upwards(first)), alone)
+    np.testing.assert_array_equal(Denoiser(2, "BALANCED")(first, upwards(first)), alone)
