@@ -71,7 +71,7 @@ _IN_PARTS: tuple[RenderQuality, ...] = ("draft", "standard")
 
 
 def _is_whole(method: RenderMethod) -> bool:
-    """Such a run is the same bytes as one that knows of no other method."""
+    """Such a run's specification is the same bytes as one that knows of no other method."""
     return method == "whole"
 
 

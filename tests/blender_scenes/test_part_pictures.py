@@ -232,7 +232,7 @@ def test_so_it_is_while_the_camera_turns(pictures, kind):
 
 
 def test_and_behind_a_lens_whose_pinhole_picture_has_no_middle(pictures):
-    """An odd number of pixels, which cannot be halved."""
+    """An odd number of pixels."""
     size = pinhole_picture(LENS).camera
     assert size.width_px % 2 or size.height_px % 2
     parts, whole = (pictures[f"lens {of}"][0][20:, 10:54] for of in ("parts", "whole"))
@@ -324,7 +324,7 @@ def _core(place: PlanarPose) -> np.ndarray:
 
 @pytest.mark.parametrize(("kind", "rows"), [("glass", slice(6, 12)), ("mirror", slice(8, 13))])
 def test_the_line_is_seen_through_glass_and_in_a_mirror(pictures, kind, rows):
-    """Less sharply than in a whole picture: at half the size."""
+    """Less sharply than in a whole picture: its light is denoised."""
 
     def contrast(of: str) -> float:
         profile = pictures[f"{kind} {of}"][0][rows, 22:42].mean(axis=(0, 2))
