@@ -13,11 +13,14 @@ from sample_page import POSE, nominal_robot, pictures, sample_arena, save_page
 from blender_scenes.job import build_job
 from configs.schema.floors import FloorName
 from configs.schema.look import LookConfig
+from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render
 from configs.schema.surface import SurfaceName
 
 COLUMNS = 4
 WINDOW = {"side": "north"}  # beside the robot, so that gloss does not hide the pattern
+FROM_ABOVE = {"streaked tape"}
+"""Captions of what is too fine for the robot's camera; one 8 cm above the floor looks down on it."""
 
 
 def looks() -> dict[str, dict[str, object]]:
@@ -28,7 +31,13 @@ def looks() -> dict[str, dict[str, object]]:
     }
     made["terrazzo floor"] = {"floor": {"material": "vinyl", "vinyl": {"print": "terrazzo"}}}
     made["glossy tape"] = {"tape": {"roughness": 0.2, "wear": 0.8, "wrinkles": 0.8, "lift_m": 0.0006}, "window": {}}
+    made["streaked tape"] = {"tape": {"roughness": 0.2, "streaks": 0.8}, "window": {}}
     return made | {"paint": {"line": "paint", "window": {}}}
+
+
+def looking_down(robot: RobotConfig) -> RobotConfig:
+    mounted = {"x_m": -0.25, "height_above_base_m": 0.08 - robot.chassis.base_height_m, "pitch_down_deg": 80.0}
+    return robot.model_copy(update={"camera": robot.camera.model_copy(update=mounted)})
 
 
 def main() -> None:
@@ -47,7 +56,8 @@ def main() -> None:
     for caption, settings, surface in cells:
         if not asked.only or caption in asked.only:
             look = LookConfig.model_validate({"name": "sample", "window": WINDOW, **settings})
-            job = build_job(sample_arena(surface), robot, look, render, [POSE], seed=3)
+            seen_by = looking_down(robot) if caption in FROM_ABOVE else robot
+            job = build_job(sample_arena(surface), seen_by, look, render, [POSE], seed=3)
             seen[caption] = pictures(job, asked.folder / caption.replace(" ", "_"))
     save_page(seen, COLUMNS, asked.folder / "materials.png")
     if asked.each:

@@ -11,7 +11,7 @@ _SHARPEST_BEND_PER_M = 5.0
 
 
 def tape(look: TapeLook, patch: Patch, bend_per_m: float = 0.0, bed_m: float = 0.0) -> Surface:
-    """Matt or glossy film, its own tone per piece, with scuffs, dust, polished spots, dirty ends and folds in bends.
+    """Matt or glossy film, its own tone per piece: scuffs, dust, polished spots, streaks, dirty ends, folds in bends.
 
     `bend_per_m` is the piece's curvature, positive to the left; `bed_m` the size of a carpet's loops, which press
     through from beneath, 0 on a hard floor.
@@ -37,13 +37,23 @@ def tape(look: TapeLook, patch: Patch, bend_per_m: float = 0.0, bed_m: float = 0
     height = 0.00012 * waves + (0.00003 * look.roughness) * crepe + _folds(look, patch, bend_per_m, fine=waves)
     if bed_m:
         height = height + 0.5 * bed_m * Noise((0.4 / bed_m, 0.4 / bed_m), patch.offset("bed"), octaves=2)
-    return Surface(
-        patch.name,
-        base,
-        roughness=worn_gloss(min(look.roughness + 0.05, 1.0), 1 - worn, 0.16 * look.wear),
-        height_m=height,
-        refractive_index=1.42,
-    )
+    matt, depth = 1 - worn, 0.16 * look.wear
+    if look.streaks:
+        streaked, more = _streaks(patch), 0.1 * look.streaks
+        base = Mix(0.8 * look.streaks * streaked, base, Color((0.35, 0.34, 0.33)))
+        matt, depth = (depth * matt + more * (1 - streaked)) * (1 / (depth + more)), depth + more
+    roughness = worn_gloss(min(look.roughness + 0.05, 1.0), matt, depth)
+    return Surface(patch.name, base, roughness=roughness, height_m=height, refractive_index=1.42)
+
+
+def _streaks(patch: Patch) -> Texture:
+    """Scuffs along the tape and the haze that they lie in, 0-1, in patches some centimetres long.
+
+    They have no relief, which at the size of a camera's pixel is not seen.
+    """
+    fine = Noise((1 / 0.009, 1 / 0.0014), patch.offset("streaks"), octaves=2)
+    thick = Noise((1 / 0.06, 1 / 0.03), patch.offset("patches of streaks"), octaves=2)
+    return Step(thick, 0.46, 0.74) * (0.2 + 0.8 * Step(fine, 0.56, 0.74))
 
 
 def _ends(at: Coordinate, size_m: float, border_m: float) -> Texture:

@@ -35,6 +35,8 @@ class TapeLook(Section):
     """How far corners and edges come off the floor here and there; 0 where the tape sticks all over."""
     wrinkles: float = Field(default=0.3, ge=0, le=1)
     """Folds, most of them along the inner edge of bends."""
+    streaks: float = Field(default=0.0, ge=0, le=1)
+    """Scuffs along the tape, some millimetres long and in patches, that shine and are paler; 0 for none."""
 
 
 class LinePaintLook(Section):

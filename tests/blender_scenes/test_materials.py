@@ -49,7 +49,7 @@ LOOK = LookConfig(name="plain", floor=FloorLook(image=ImageLook(file=IMAGE, widt
 _SURFACE = TypeAdapter(Surface)
 
 
-GLOSSY = LookConfig(name="glossy", tape=TapeLook(roughness=0.18, wear=1.0, wrinkles=1.0))
+GLOSSY = LookConfig(name="glossy", tape=TapeLook(roughness=0.18, wear=1.0, wrinkles=1.0, streaks=1.0))
 TERRAZZO = FloorLook(material="vinyl", vinyl=Vinyl(print="terrazzo"))
 
 

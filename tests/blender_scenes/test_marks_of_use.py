@@ -1,0 +1,95 @@
+"""Marks that use leaves on tape: where they lie and how much they change, as Cycles shows them."""
+
+import math
+from dataclasses import fields, replace
+
+import cv2
+import numpy as np
+import pytest
+
+from blender_scenes.colour import LUMINANCE
+from blender_scenes.description import FrameView, Scene, Sky, Sun
+from blender_scenes.geometry import rectangle
+from blender_scenes.materials.base import Patch
+from blender_scenes.materials.tape import tape
+from blender_scenes.shading import Expression, Noise, Surface
+from configs.schema.look import TapeLook
+
+PIXELS = 96
+TAPES = {"bare": TapeLook(wear=0), "half": TapeLook(wear=0, streaks=0.5), "streaked": TapeLook(wear=0, streaks=1)}
+TAPE_M = 0.1
+PER_M = PIXELS / TAPE_M
+"""Pixels."""
+
+
+def _surfaces() -> dict[str, tuple[Surface, float]]:
+    """Surfaces with the size of the square of each that is looked at, from its corner at u = v = 0 on."""
+    piece = Patch("tape", (9.0, 9.0), 1)
+    return {name: (tape(look, piece), TAPE_M) for name, look in TAPES.items()}
+
+
+@pytest.fixture(scope="module")
+def seen(light_of) -> dict[str, np.ndarray]:
+    """(PIXELS, PIXELS) luminous reflectance without gloss and relief, u to the right."""
+    surfaces, meshes, views, x = [], [], [], 0.0
+    for name, (surface, size) in _surfaces().items():
+        surfaces.append(replace(surface, name=name, roughness=1.0, height_m=None, refractive_index=1.0))
+        corners = [(x, 0.0, 0.0), (x + size, 0.0, 0.0), (x + size, size, 0.0), (x, size, 0.0)]
+        meshes.append(rectangle(f"m{len(meshes)}", corners, name))
+        middle = x + 0.5 * size, 0.5 * size, 4.0 * size
+        rows = ((1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, -1.0))
+        X_WC = (*((*row, at) for row, at in zip(rows, middle, strict=True)), (0.0, 0.0, 0.0, 1.0))
+        views.append(FrameView(len(views) + 1, 0.0, (99.0, 99.0, 0.0), X_WC))
+        x += size
+    sun = Sun((0.0, 0.0, 1.0), (math.pi, math.pi, math.pi), 0.01)
+    scene = Scene(tuple(surfaces), tuple(meshes), (), (), sun, Sky("studio", 0.0, 0.0, 10.0, 1.0))
+    light = light_of(scene, views, PIXELS, 4.0 * PIXELS)
+    return {surface.name: picture @ LUMINANCE for surface, picture in zip(surfaces, light, strict=True)}
+
+
+def test_streaks_make_tape_paler_and_darken_at_most_a_speck_of_dust(seen):
+    added = seen["streaked"] - seen["bare"]
+    assert np.quantile(added, 0.01) > -0.005
+    assert np.quantile(added, 0.99) > 0.08
+
+
+def test_half_of_the_streaks_add_half_of_the_light(seen):
+    whole, half = ((seen[name] - seen["bare"]).mean() for name in ("streaked", "half"))
+    assert half == pytest.approx(0.5 * whole, rel=0.1)
+
+
+def test_streaks_lie_in_patches_and_leave_most_of_the_tape_black(seen):
+    added = seen["streaked"] - seen["bare"]
+    assert 0.02 < np.mean(added > 0.06) < 0.25
+    blocks = added.reshape(4, PIXELS // 4, 4, PIXELS // 4).mean(axis=(1, 3))  # of 25 mm
+    assert blocks.std() > 0.5 * blocks.mean()
+
+
+def test_streaks_are_some_millimetres_long_and_narrow(seen):
+    """By how alike the pattern is to itself, moved along the tape and across it; their patches taken off."""
+    added = seen["streaked"] - seen["bare"]
+    fine = added - cv2.GaussianBlur(added, (0, 0), PER_M * 0.005)
+
+    def alike(along_m: float, across_m: float) -> float:
+        u, v = round(along_m * PER_M), round(across_m * PER_M)
+        return float(np.corrcoef(fine[v:, u:].ravel(), fine[: PIXELS - v, : PIXELS - u].ravel())[0, 1])
+
+    assert alike(0.002, 0.0) > 0.5
+    assert alike(0.0, 0.002) < 0.2
+    assert abs(alike(0.02, 0.0)) < 0.2
+
+
+def test_a_tape_without_streaks_has_none_of_their_textures():
+    without, with_streaks = (_noises(tape(TapeLook(streaks=s), Patch("tape", (0.5, 0.02), 1))) for s in (0.0, 1e-6))
+    assert len(with_streaks - without) == 2
+    assert without < with_streaks
+
+
+def _noises(surface: Surface) -> set[Noise]:
+    found, left = set(), [surface.base_color, surface.roughness, surface.height_m]
+    while left:
+        part = left.pop()
+        if isinstance(part, Expression):
+            left += [getattr(part, field.name) for field in fields(part)]
+            found |= {part} if isinstance(part, Noise) else set()
+    return found
