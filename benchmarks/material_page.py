@@ -30,6 +30,7 @@ def looks() -> dict[str, dict[str, object]]:
         f"{name} floor": {"floor": {"material": name, "yaw_deg": 20}} for name in floors
     }
     made["terrazzo floor"] = {"floor": {"material": "vinyl", "vinyl": {"print": "terrazzo"}}}
+    made["stained floor"] = {"floor": {"material": "ceramic_tile", "yaw_deg": 20, "stains": 0.8}}
     made["glossy tape"] = {"tape": {"roughness": 0.2, "wear": 0.8, "wrinkles": 0.8, "lift_m": 0.0006}, "window": {}}
     made["streaked tape"] = {"tape": {"roughness": 0.2, "streaks": 0.8}, "window": {}}
     return made | {"paint": {"line": "paint", "window": {}}}

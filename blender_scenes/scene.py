@@ -13,6 +13,7 @@ from blender_scenes.materials import FLOORS, body_material
 from blender_scenes.materials.base import Patch
 from blender_scenes.materials.dirt import dirtied
 from blender_scenes.materials.line_paint import line_paint
+from blender_scenes.materials.stains import stained
 from blender_scenes.materials.tape import tape
 from blender_scenes.robot_body import robot_body, robot_surfaces
 from blender_scenes.rooms import ROOMS
@@ -71,7 +72,8 @@ Part = tuple[Mesh, tuple[Surface, ...]]
 def _floor(look: LookConfig, room: Room, seed: int) -> Part:
     size = room.high[0] - room.low[0], room.high[1] - room.low[1]
     patch = Patch("floor", size, seed)
-    surface = dirtied(FLOORS[look.floor.material](look.floor, patch), patch, look.floor.dirt)
+    surface = stained(FLOORS[look.floor.material](look.floor, patch), patch, look.floor.stains)
+    surface = dirtied(surface, patch, look.floor.dirt)
     mesh = geometry.floor("floor", room.low, room.high, math.radians(look.floor.yaw_deg), surface.name)
     return mesh, (surface,)
 

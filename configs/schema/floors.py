@@ -108,7 +108,9 @@ class FloorLook(Section):
     yaw_deg: float = Field(default=0.0, ge=-360, le=360)
     """Turns the pattern under the arena."""
     dirt: float = Field(default=0.3, ge=0, le=1)
-    """Scuffs, dust and stains; 0 for a floor just laid."""
+    """Scuffs, dust and smudges; 0 for a floor just laid."""
+    stains: float = Field(default=0.0, ge=0, le=1)
+    """Patches of centimetres to decimetres, paler or darker, and the rims of dried spills; 0 for an even floor."""
     linoleum: Linoleum = Linoleum()
     ceramic_tile: CeramicTile = CeramicTile()
     parquet: Parquet = Parquet()

@@ -27,7 +27,9 @@ def materials() -> str:
 
 def _floors() -> Iterator[str]:
     yield "## Floors"
-    yield "`look.floor.material`; each has settings of its own below `look.floor`."
+    yield "`look.floor.material`; each has settings of its own below `look.floor`; `dirt` and `stains` lie on any."
+    yield _picture("stained_floor")
+    yield "    --set look.floor.material=ceramic_tile --set look.floor.stains=0.8"
     for name, make in FLOORS.items():
         yield f"### {name} floor"
         yield text(f"{_of_module(make)} {make.__doc__ or ''}".strip())

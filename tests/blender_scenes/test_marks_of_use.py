@@ -1,4 +1,4 @@
-"""Marks that use leaves on tape: where they lie and how much they change, as Cycles shows them."""
+"""Marks that use leaves on tape and floor: where they lie and how much they change, as Cycles shows them."""
 
 import math
 from dataclasses import fields, replace
@@ -11,21 +11,31 @@ from blender_scenes.colour import LUMINANCE
 from blender_scenes.description import FrameView, Scene, Sky, Sun
 from blender_scenes.geometry import rectangle
 from blender_scenes.materials.base import Patch
+from blender_scenes.materials.stains import stained
 from blender_scenes.materials.tape import tape
-from blender_scenes.shading import Expression, Noise, Surface
-from configs.schema.look import TapeLook
+from blender_scenes.scene import describe
+from blender_scenes.shading import Color, Expression, Noise, Surface
+from configs.schema.floors import FloorLook
+from configs.schema.look import LookConfig, TapeLook
 
 PIXELS = 96
 TAPES = {"bare": TapeLook(wear=0), "half": TapeLook(wear=0, streaks=0.5), "streaked": TapeLook(wear=0, streaks=1)}
 TAPE_M = 0.1
 PER_M = PIXELS / TAPE_M
 """Pixels."""
+FLOOR_M = 1.5
+PALE, DARK = 0.5, 0.3
+"""Reflectances of even floors."""
 
 
 def _surfaces() -> dict[str, tuple[Surface, float]]:
     """Surfaces with the size of the square of each that is looked at, from its corner at u = v = 0 on."""
     piece = Patch("tape", (9.0, 9.0), 1)
-    return {name: (tape(look, piece), TAPE_M) for name, look in TAPES.items()}
+    made = {name: (tape(look, piece), TAPE_M) for name, look in TAPES.items()}
+    for name, reflectance, amount in (("pale", PALE, 1.0), ("dark", DARK, 1.0), ("half stained", PALE, 0.5)):
+        even = Surface("", Color((reflectance, reflectance, reflectance)))
+        made[name] = stained(even, Patch("floor", (9.0, 9.0), 1), amount), FLOOR_M
+    return made
 
 
 @pytest.fixture(scope="module")
@@ -83,6 +93,35 @@ def test_a_tape_without_streaks_has_none_of_their_textures():
     without, with_streaks = (_noises(tape(TapeLook(streaks=s), Patch("tape", (0.5, 0.02), 1))) for s in (0.0, 1e-6))
     assert len(with_streaks - without) == 2
     assert without < with_streaks
+
+
+@pytest.mark.parametrize(("name", "reflectance"), [("pale", PALE), ("dark", DARK)])
+def test_stains_change_a_floor_by_about_a_tenth_and_keep_its_mean(seen, name, reflectance):
+    assert seen[name].mean() == pytest.approx(reflectance, rel=0.06)
+    assert 0.06 < seen[name].std() / reflectance < 0.14
+
+
+def test_half_of_the_stains_are_half_of_the_spread(seen):
+    assert seen["half stained"].std() == pytest.approx(0.5 * seen["pale"].std(), rel=0.15)
+
+
+def test_stains_are_centimetres_to_decimetres_across(seen):
+    """Of what differs, little is finer than 2 cm, and little coarser than half a metre."""
+    relative, per_m = seen["pale"] / PALE - 1, PIXELS / FLOOR_M
+    assert np.std(cv2.GaussianBlur(relative, (0, 0), 0.02 * per_m)) > 0.6 * relative.std()
+    blocks = relative.reshape(3, PIXELS // 3, 3, PIXELS // 3).mean(axis=(1, 3))
+    assert blocks.std() < 0.6 * relative.std()
+
+
+def test_a_look_stains_its_floor_and_nothing_else(arena, robot):
+    looks = (LookConfig(name="plain", floor=FloorLook(stains=amount)) for amount in (0.0, 0.4))
+    even, stained_ = ({s.name: s for s in describe(arena, robot, look, seed=1).surfaces} for look in looks)
+    assert {name for name in even if even[name] != stained_[name]} == {"floor"}
+
+
+def test_a_floor_without_stains_is_the_surface_it_was():
+    even = Surface("floor", Color((0.5, 0.5, 0.5)))
+    assert stained(even, Patch("floor", (9.0, 9.0), 1), 0.0) is even
 
 
 def _noises(surface: Surface) -> set[Noise]:
