@@ -11,16 +11,16 @@ _CHALK = Color((0.72, 0.71, 0.69))
 
 
 def stained(surface: Surface, patch: Patch, amount: float) -> Surface:
-    """The floor with patches darker or paler by `amount` 0-1 of a tenth in the mean, and with dried spills.
+    """The floor with patches darker and paler, with dried spills: of standard deviation about a tenth at `amount` 1.
 
     A spill has left its place a little paler and a dark rim where the floor around it is clean.
     """
     if amount == 0:
         return surface
-    traffic = Noise((1 / 0.16, 1 / 0.16), patch.offset("traffic"), octaves=5, gain=0.6)
-    spills = Noise((1 / 0.12, 1 / 0.12), patch.offset("spills"), octaves=4, gain=0.45)
+    traffic = Noise((1 / 0.16, 1 / 0.16), patch.offset("traffic"), octaves=4, gain=0.6)
+    spills = Noise((1 / 0.12, 1 / 0.12), patch.offset("spills"), octaves=3, gain=0.45)
     base = Mix(0.34 * amount * (1 - Step(traffic, 0.32, 0.52)), surface.base_color, _GRIME)
-    base = Mix(0.2 * amount * Step(traffic, 0.48, 0.68), base, _CHALK)
+    base = Mix(0.16 * amount * Step(traffic, 0.48, 0.68), base, _CHALK)
     within, rim = Step(spills, 0.6, 0.64), Step(spills, 0.58, 0.61) * (1 - Step(spills, 0.61, 0.66))
     base = Mix(0.15 * amount * within, base, _CHALK)
     base = Mix(0.25 * amount * (rim * Step(traffic, 0.42, 0.6)), base, _GRIME)

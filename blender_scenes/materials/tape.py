@@ -51,9 +51,9 @@ def _streaks(patch: Patch) -> Texture:
 
     They have no relief, which at the size of a camera's pixel is not seen.
     """
-    fine = Noise((1 / 0.009, 1 / 0.0014), patch.offset("streaks"), octaves=2)
+    fine = Noise((1 / 0.014, 1 / 0.0024), patch.offset("streaks"), octaves=3, gain=0.65)
     thick = Noise((1 / 0.06, 1 / 0.03), patch.offset("patches of streaks"), octaves=2)
-    return Step(thick, 0.46, 0.74) * (0.2 + 0.8 * Step(fine, 0.56, 0.74))
+    return Step(thick, 0.46, 0.74) * (0.2 + 0.8 * Step(fine, 0.54, 0.68))
 
 
 def _ends(at: Coordinate, size_m: float, border_m: float) -> Texture:
