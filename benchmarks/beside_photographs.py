@@ -23,21 +23,25 @@ ALIKE = Kind(
     (
         "look.floor.material={choice: [concrete, linoleum, paper_sheets]}",
         "look.floor.dirt=0.9",
+        "look.floor.stains=1",
         "look.floor.linoleum.paint={reflectance: 0.5, hue_deg: 60, saturation: 0.03}",
         "look.line=tape",
-        "look.tape.roughness=0.25",
+        "look.tape.roughness=0.2",
         "look.tape.wear=0.7",
-        "look.camera.lens_blur_px=1.1",
-        "look.camera.veiling_glare=0.04",
+        "look.tape.streaks=1",
+        "look.camera.lens_blur_px=1.35",
+        "look.camera.veiling_glare=0.015",
+        "look.camera.vignetting=0.4",
         "look.camera.saturation=0.4",
-        "look.camera.shot_noise=0.005",
+        "look.camera.contrast=1.3",
+        "look.camera.shot_noise=0.014",
         "look.camera.read_noise=0.001",
         "look.camera.sharpening=0.3",
         "look.camera.sharpening_radius_px=2",
-        "look.camera.brightness=0.32",
+        "look.camera.brightness=0.42",
     ),
 )
-"""The camera of the photographs: a soft cheap lens, a little sharpening, smoothed noise, hardly any colour."""
+"""The camera of the photographs: a soft cheap lens with dark corners, bright, a little sharpening, hardly any colour."""
 
 
 def main() -> None:
