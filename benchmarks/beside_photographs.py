@@ -41,7 +41,7 @@ ALIKE = Kind(
         "look.camera.brightness=0.42",
     ),
 )
-"""The camera of the photographs: a soft cheap lens with dark corners, bright, a little sharpening, hardly any colour."""
+"""The camera of the photographs: a soft cheap lens with dark corners, bright, some sharpening, hardly any colour."""
 
 
 def main() -> None:

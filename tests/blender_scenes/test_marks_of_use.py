@@ -46,9 +46,8 @@ def seen(light_of) -> dict[str, np.ndarray]:
         surfaces.append(replace(surface, name=name, roughness=1.0, height_m=None, refractive_index=1.0))
         corners = [(x, 0.0, 0.0), (x + size, 0.0, 0.0), (x + size, size, 0.0), (x, size, 0.0)]
         meshes.append(rectangle(f"m{len(meshes)}", corners, name))
-        middle = x + 0.5 * size, 0.5 * size, 4.0 * size
-        rows = ((1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, -1.0))
-        X_WC = (*((*row, at) for row, at in zip(rows, middle, strict=True)), (0.0, 0.0, 0.0, 1.0))
+        middle, above = 0.5 * size, 4.0 * size
+        X_WC = ((1.0, 0.0, 0.0, x + middle), (0.0, -1.0, 0.0, middle), (0.0, 0.0, -1.0, above), (0.0, 0.0, 0.0, 1.0))
         views.append(FrameView(len(views) + 1, 0.0, (99.0, 99.0, 0.0), X_WC))
         x += size
     sun = Sun((0.0, 0.0, 1.0), (math.pi, math.pi, math.pi), 0.01)
