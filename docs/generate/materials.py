@@ -12,7 +12,7 @@ from physics.surfaces import SURFACES as RANGED
 PICTURES = "materials"
 """Made by `benchmarks/material_page.py FOLDER --each docs/reference/materials`."""
 LINES = {
-    "linoleum_floor": ("tape", "`look.line=tape`, the default; wear, wrinkles, lifted edges, gloss in `look.tape`."),
+    "linoleum_floor": ("tape", "`look.line=tape`, the default; wear, wrinkles, lifted edges and gloss in `look.tape`."),
     "glossy_tape": ("glossy tape", "`look.tape={roughness: 0.2, wear: 0.8, wrinkles: 0.8, lift_m: 0.0006}`."),
     "streaked_tape": ("streaked tape", "`look.tape={roughness: 0.2, streaks: 0.8}`, seen from above."),
     "paint": ("paint", "`look.line=paint`; its edges bleed, settings are in `look.paint`."),
