@@ -39,11 +39,19 @@ def place(view: FrameView) -> None:
         poses[moving_name(number)] = [pose_X_WR(*moment.moving[number]) for moment in moments]
     for name, way in poses.items():
         thing = bpy.data.objects[name]
-        thing.animation_data_clear()
+        _clear(thing)
         if view.exposure:
             _lead(thing, way)
         else:
             thing.matrix_world = Matrix(way[0].tolist())
+
+
+def _clear(thing: bpy.types.Object) -> None:
+    """Of its keys, which Blender would keep for all views when nothing uses them any more."""
+    action = thing.animation_data.action if thing.animation_data else None
+    thing.animation_data_clear()
+    if action is not None:
+        bpy.data.actions.remove(action)
 
 
 def _lead(thing: bpy.types.Object, way: list[np.ndarray]) -> None:
