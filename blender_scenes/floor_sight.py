@@ -12,11 +12,11 @@ from blender_scenes.shutter import MOMENTS
 
 Image = NDArray[np.float32]
 _POINTS = 3
-"""Of a pixel's filter along each axis."""
+"""Of a pixel's filter from left to right."""
 _CYCLES_FILTER = 2.0
 """Cycles' Blackman-Harris filter reaches this many half widths from the pixel's middle (scene/film.cpp)."""
 _TURNS = (1, 6, 5, 8, 4, 0, 3, 2, 7)
-"""When each point has its time, row by row: a magic square, so that no side of the filter is early."""
+"""When each of 3 x 3 points has its time, row by row: a magic square, so that no side of the filter is early."""
 
 
 @dataclass(frozen=True)
@@ -33,17 +33,22 @@ class FilterPoint:
 MIDDLE = FilterPoint(0.0, 0.0, 0.5)
 
 
-def filter_points(width_px: float) -> tuple[FilterPoint, ...]:
-    """Points for equal shares of Cycles' Blackman-Harris filter of a width."""
+def filter_points(width_px: float, squares: int = 1) -> tuple[FilterPoint, ...]:
+    """Points for equal shares of Cycles' Blackman-Harris filter of a width: so many times three rows of three."""
     reach = 0.5 * _CYCLES_FILTER * width_px
     at = np.linspace(-reach, reach, 4001)
     turn = np.pi * (at / reach + 1)
     weight = 0.35875 - 0.48829 * np.cos(turn) + 0.14128 * np.cos(2 * turn) - 0.01168 * np.cos(3 * turn)
     share = np.cumsum(weight) / weight.sum()
-    offsets = np.interp((np.arange(_POINTS) + 0.5) / _POINTS, share, at).tolist()
-    times = [(place + 0.5) / len(_TURNS) for place in _TURNS]
-    places = [(right, down) for down in offsets for right in offsets]
-    return tuple(FilterPoint(*place, time) for place, time in zip(places, times, strict=True))
+    across, down = (np.interp((np.arange(n) + 0.5) / n, share, at).tolist() for n in (_POINTS, squares * _POINTS))
+    found = []
+    for row, down_px in enumerate(down):
+        # Rows of the squares in turns; every other square stands on its head.
+        square, place = row % squares, row // squares
+        turns = _TURNS[:: -1 if square % 2 else 1][place * _POINTS :][:_POINTS]
+        times = [(turn * squares + square + 0.5) / (len(_TURNS) * squares) for turn in turns]
+        found += [FilterPoint(right_px, down_px, time) for right_px, time in zip(across, times, strict=True)]
+    return tuple(found)
 
 
 class FloorSight:
@@ -51,8 +56,8 @@ class FloorSight:
         """Of a camera without distortion, on the robot as any view has it; `row_share` as `shutter.Window` has it."""
         self._camera, self._row_share = camera, row_share
         self._X_RC = np.linalg.inv(pose_X_WR(*view.robot_pose)) @ np.array(view.X_WC)
-        # One array for each point of the filter: they are the same in every frame.
-        self._in_robot = lru_cache(maxsize=_POINTS**2 + 1)(self._seen_in_robot)
+        # One array for each point of the filters: they are the same in every frame.
+        self._in_robot = lru_cache(maxsize=64)(self._seen_in_robot)
 
     def depth_m(self) -> Image:
         """(H, W) of the floor along the optical axis in the middle of each pixel; NaN above the horizon."""

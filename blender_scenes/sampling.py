@@ -1,7 +1,7 @@
 """The qualities of pictures: samples and denoiser of each. docs/render_benchmarks.md has what they cost and miss."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 from pydantic import Field
@@ -14,8 +14,10 @@ from configs.schema.scenario import Render, RenderQuality
 class PartSamples:
     """Of a picture that is put together from its parts (`bpy_side/part_pictures.py`)."""
 
-    light: int
-    """Light paths per pixel of the light's picture, which has fewer of them than the final one."""
+    near: int
+    """Light paths per pixel of the light's picture, which has far fewer of them than the final one."""
+    far: int
+    """Light paths per pixel of its upper rows, which has more of them."""
     surfaces: int
     """Camera rays per pixel for what the surfaces reflect."""
 
@@ -60,8 +62,8 @@ QUALITIES: dict[RenderQuality, Quality] = {
     "reference": Quality(2048, "ACCURATE", "HIGH"),
 }
 
-PARTS: dict[RenderQuality, PartSamples] = {"draft": PartSamples(1, 2), "standard": PartSamples(3, 4)}
-"""Of `render.method: parts`; the maps are not true enough for the others."""
+PARTS: dict[RenderQuality, PartSamples] = {"draft": PartSamples(1, 1, 2), "standard": PartSamples(4, 2, 4)}
+"""Of `render.method: parts` at 640 x 480; the maps are not true enough for the others."""
 
 _SIZE_PX = 640 * 480
 _MOST_TIMES = 2.0
@@ -77,7 +79,7 @@ def sampling(render: Render, seed: int, device: DeviceKind = "CPU") -> Sampling:
         prefilter=quality.prefilter,
         denoise_quality=quality.denoise_quality,
         device=device,
-        parts=PARTS[render.quality] if render.method == "parts" else None,
+        parts=part_samples(render) if render.method == "parts" else None,
     )
 
 
@@ -87,7 +89,15 @@ def _samples(render: Render) -> int:
     Four times the pixels were worth twice the samples between 320 x 240 and 640 x 480, which is not carried further.
     """
     samples = QUALITIES[render.quality].samples
-    if render.quality == "reference":
-        return samples
+    return samples if render.quality == "reference" else _of_size(samples, render)
+
+
+def part_samples(render: Render) -> PartSamples:
+    """Of a run's settings; only what the surfaces reflect is as fine as the picture."""
+    own = PARTS[render.quality]
+    return replace(own, surfaces=_of_size(own.surfaces, render))
+
+
+def _of_size(samples: int, render: Render) -> int:
     times = math.sqrt(_SIZE_PX / (render.width_px * render.height_px))
     return math.ceil(samples * min(max(times, 1.0), _MOST_TIMES))

@@ -157,9 +157,8 @@ def pixel_s(sampled: Sampling) -> float:
 
 def _samples(sampled: Sampling) -> str:
     if sampled.parts:
-        return (
-            f"put together from parts, {sampled.parts.light} samples of light and {sampled.parts.surfaces} of surfaces"
-        )
+        own = sampled.parts
+        return f"put together from parts, {own.near} and {own.far} samples of light and {own.surfaces} of surfaces"
     return f"{sampled.samples} samples a pixel"
 
 

@@ -31,7 +31,8 @@ from reference import LEAST_SAMPLES, Reference, references
 from views import LOOKS, POSES, Views, views_of
 
 from blender_scenes.camera_response import develop, encode_jpeg, median_luminance
-from blender_scenes.sampling import PARTS, QUALITIES, PartSamples, Quality
+from blender_scenes.sampling import PARTS, QUALITIES, PartSamples, Quality, part_samples, sampling
+from configs.schema.scenario import Render, RenderQuality
 
 RUN_FRAMES = 200
 """Over which a run spreads its start."""
@@ -70,14 +71,14 @@ class Row:
 
 def contenders(asked: argparse.Namespace) -> list[Contender]:
     found = [
-        Contender(f"ours, {name}", "ours", "painter.py", {"kind": "ours", "sampling": {**asdict(own), "denoise": True}})
-        for name, own in asked.ours
+        Contender(f"ours, {name}", "ours", "painter.py", {"kind": "ours", "sampling": {**settings, "denoise": True}})
+        for name, settings in _ours(asked).items()
     ]
     for samples in asked.plain:
         settings = {"kind": "plain", "cycles": {**BLENDERS_DEFAULT, "samples": samples}}
         found.append(Contender(f"plain loop, {samples}", "plain loop", "painter.py", settings))
-    for own in asked.parts:
-        name = f"parts, {own.light} of light and {own.surfaces} of surfaces"
+    for own in _parts_of(asked):
+        name = f"parts, {own.near}, {own.far}, {own.surfaces}"
         found.append(Contender(name, "parts", "painter.py", {"kind": "ours", "parts": asdict(own)}))
     if asked.blenderproc:
         for paths in asked.blenderprocs_light_paths:
@@ -90,12 +91,33 @@ def contenders(asked: argparse.Namespace) -> list[Contender]:
     return found
 
 
-def _quality(text: str) -> tuple[str, Quality]:
-    """With what it is called."""
+def _ours(asked: argparse.Namespace) -> dict[str, dict[str, Any]]:
+    """Fields of `Sampling` by what they are called; those of a quality as a run of that size has them."""
+    found = {}
+    for own in asked.ours:
+        if isinstance(own, Quality):
+            name, settings = f"{own.samples} {own.prefilter}/{own.denoise_quality}", asdict(own)
+        else:
+            of_run = sampling(_render(asked, own), seed=0)
+            name, settings = own, {field: getattr(of_run, field) for field in Quality.__dataclass_fields__}
+        found[name] = settings
+    return found
+
+
+def _parts_of(asked: argparse.Namespace) -> list[PartSamples]:
+    return [own if isinstance(own, PartSamples) else part_samples(_render(asked, own)) for own in asked.parts]
+
+
+def _render(asked: argparse.Namespace, quality: RenderQuality) -> Render:
+    width_px, height_px = asked.size
+    return Render(width_px=width_px, height_px=height_px, quality=quality)
+
+
+def _quality(text: str) -> str | Quality:
     if text in QUALITIES:
-        return text, QUALITIES[text]
+        return text
     samples, prefilter, denoise_quality = text.split(",")
-    return f"{samples} {prefilter}/{denoise_quality}", Quality(int(samples), prefilter, denoise_quality)
+    return Quality(int(samples), prefilter, denoise_quality)
 
 
 def measured(views: Views, found: dict[int, Reference], asked: argparse.Namespace) -> list[Row]:
@@ -221,8 +243,8 @@ def _pose(text: str) -> tuple[float, float, float]:
     return x, y, yaw
 
 
-def _parts(text: str) -> PartSamples:
-    return PARTS["standard"] if text == "standard" else PartSamples(*map(int, text.split(",")))
+def _parts(text: str) -> str | PartSamples:
+    return text if text in PARTS else PartSamples(*map(int, text.split(",")))
 
 
 def _say(text: str) -> None:
@@ -237,12 +259,11 @@ def asked_for() -> argparse.Namespace:
     parser.add_argument("--reference-samples", type=int, default=LEAST_SAMPLES)
     parser.add_argument("--repetitions", type=int, default=3)
     parser.add_argument("--threads", type=int, default=os.cpu_count())
-    ours = [_quality(name) for name in ("draft", "standard", "high")]
     words = "qualities, or samples and denoiser such as 8,FAST,BALANCED"
-    parser.add_argument("--ours", nargs="*", type=_quality, default=ours, help=words)
+    parser.add_argument("--ours", nargs="*", type=_quality, default=["draft", "standard", "high"], help=words)
     parser.add_argument("--plain", nargs="*", type=int, default=[2, 4, 8, 16, 32], help="samples")
-    words = "samples of light and of surfaces of pictures put together from parts, or standard"
-    parser.add_argument("--parts", nargs="*", type=_parts, default=[PARTS["standard"]], help=words)
+    words = "samples near, far and of surfaces, such as 3,2,4, of pictures put together from parts; or their quality"
+    parser.add_argument("--parts", nargs="*", type=_parts, default=["standard"], help=words)
     parser.add_argument("--blenderproc", type=Path, help="interpreter of BlenderProc's environment")
     parser.add_argument("--blenderprocs-repetitions", type=int, default=1, help="it takes minutes a frame")
     paths = ["defaults", "ours"]
@@ -274,8 +295,7 @@ def main() -> None:
 
 def keep(rows: list[Row], asked: argparse.Namespace) -> None:
     told = {name: value for name, value in vars(asked).items() if name not in {"out", "cache", "blenderproc"}}
-    told["ours"] = {name: asdict(own) for name, own in asked.ours}
-    told["parts"] = [asdict(own) for own in asked.parts]
+    told["ours"], told["parts"] = _ours(asked), [asdict(own) for own in _parts_of(asked)]
     text = json.dumps({"asked": told, "rows": [asdict(r) for r in rows]}, indent=1)
     (asked.out / "error_and_time.json").write_text(text + "\n")
     plot(rows, tuple(asked.size), asked.out / "error_and_time.png")

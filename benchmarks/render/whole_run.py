@@ -8,14 +8,15 @@ with Blender's default denoiser, whose frames cost the same each, makes every te
 
 import argparse
 import sys
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 from error_and_time import BLENDERS_DEFAULT
 from painters import Painter
 from views import LOOKS, job_along_the_line
 
-from blender_scenes.sampling import PARTS
+from blender_scenes.sampling import part_samples
+from configs.schema.scenario import Render
 
 
 def main() -> None:
@@ -27,8 +28,9 @@ def main() -> None:
     parser.add_argument("--every", type=int, default=10)
     asked = parser.parse_args()
     job = job_along_the_line(asked.look, asked.frames, tuple(asked.size))
-    parts = PARTS["standard"]
-    settings = {"kind": "ours", "parts": {"light": parts.light, "surfaces": parts.surfaces}}
+    width_px, height_px = asked.size
+    parts = part_samples(Render(width_px=width_px, height_px=height_px))
+    settings = {"kind": "ours", "parts": asdict(parts)}
     with Painter("painter.py", job, settings, 1, sys.executable) as painter:
         tell("parts", painter, [view.number for view in job.frames], asked.frames)
     for samples in asked.plain:

@@ -2,8 +2,8 @@
 
 import bpy
 
-COVER, RELIEF = "cover", "relief"
-"""Passes of their own: how much of a pixel is floor; the height of its relief, and whose it is."""
+COVER, TOLD = "cover", "told"
+"""Passes of their own: how much of a pixel is floor; the height of its relief, whose that is, and its roughness."""
 MIDDLE_GREY = 0.5
 """What the light's floor reflects, whatever lies there."""
 
@@ -27,19 +27,20 @@ def in_grey(material: bpy.types.Material) -> bpy.types.Material:
 
 
 def shining(material: bpy.types.Material, number: int) -> bpy.types.Material:
-    """Shines in its own colour; the pass of the relief has its height [m] and a number that tells it from others."""
+    """Shines in its own colour; told are its relief's height [m], a number of its own, and its roughness."""
     copy = material.copy()
     tree, own = copy.node_tree, _principled(copy)
     shine, told = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputAOV")
     _feed(tree, own.inputs["Base Color"], shine.inputs["Color"])
     tree.links.new(shine.outputs[0], _output(tree).inputs["Surface"])
-    both = tree.nodes.new("ShaderNodeCombineXYZ")
-    both.inputs["Y"].default_value = number
+    values = tree.nodes.new("ShaderNodeCombineXYZ")
+    values.inputs["Y"].default_value = number
+    _feed(tree, own.inputs["Roughness"], values.inputs["Z"])
     if own.inputs["Normal"].is_linked:
         # The height itself: to have the normal from Cycles would mean to work it out at three places.
-        _feed(tree, own.inputs["Normal"].links[0].from_node.inputs["Height"], both.inputs["X"])
-    told.aov_name = RELIEF
-    tree.links.new(both.outputs[0], told.inputs["Color"])
+        _feed(tree, own.inputs["Normal"].links[0].from_node.inputs["Height"], values.inputs["X"])
+    told.aov_name = TOLD
+    tree.links.new(values.outputs[0], told.inputs["Color"])
     return copy
 
 
@@ -47,6 +48,8 @@ def turned(material: bpy.types.Material) -> bpy.types.Material:
     """White and matt to the camera, facing where its object's colour says: x, y and z of a unit vector."""
     copy = material.copy()
     tree = copy.node_tree
+    # It softens shadows for normals that lean away from a surface, which this one only seems to have.
+    copy.cycles.use_bump_map_correction = False
     white = tree.nodes.new("ShaderNodeBsdfDiffuse")
     white.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
     tree.links.new(tree.nodes.new("ShaderNodeObjectInfo").outputs["Color"], white.inputs["Normal"])

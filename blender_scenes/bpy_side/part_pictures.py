@@ -1,22 +1,23 @@
 """Pictures put together from their parts: light that few samples tell, and surfaces that need many.
 
 Most of what the camera sees is the floor. What it reflects, its relief, and the light on it without robot and moving
-obstacles are the same in every picture; they are worked out once, as maps. A picture's light is traced with few pixels
-and samples, twice with the same random numbers, with and without what moves: their ratio, which has no noise where
-nothing moves, is put on the map's light. What is not floor takes its light from the first of them. The surfaces of all
-else are traced without light, which is cheap.
+obstacles are the same in every picture; they are worked out once, as maps. A picture's light is traced with very few
+pixels and samples, twice with the same random numbers, with and without what moves: their ratio, which has no noise
+where nothing moves, is put on the map's light. The upper rows, where the floor is far and other things stand, are
+traced once more with more pixels; what is not floor takes its light from there. Its surfaces are traced without light,
+which is cheap.
 """
 
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from blender_scenes.bpy_side.part_materials import COVER, MIDDLE_GREY
-from blender_scenes.bpy_side.part_scenes import GRID_TURN_RAD, PartScenes, lies_on_the_floor
+from blender_scenes.bpy_side.part_scenes import GRID_TURN_RAD, PartScenes, Passes, lies_on_the_floor
 from blender_scenes.denoiser import Denoiser
 from blender_scenes.description import FrameView
 from blender_scenes.floor_sight import MIDDLE, FloorSight, filter_points
+from blender_scenes.guided_filter import local_lines
 from blender_scenes.job import RenderJob
 from blender_scenes.lens_warp import pinhole_picture
 from blender_scenes.shutter import window
@@ -25,7 +26,12 @@ from blender_scenes.upsampling import reduced, upsampled
 from configs.streams import stream
 
 _REFLECTANCE = Tiling(texel_m=0.00025, levels=6, core=256)
-_TEXELS_OF_A_PIXEL = 1.0
+_TEXEL_PX = 1.2
+"""Across; finer ones cost a run more than they bring its pictures."""
+_SLANT = 4.0
+"""Times as long as wide may be what a pixel sees of the floor; of what is longer, texels are as much wider."""
+_STEEP = 3.0
+"""Less slanted than that, a pixel's filter is told by 3 x 3 points, else by twice as many."""
 _IRRADIANCE = Tiling(texel_m=0.004, levels=5, core=112, margin=8)
 _TEXEL_RAD = 0.018
 """Under which the camera sees one. Light changes over wider stretches than colour, whatever the size of pixels."""
@@ -33,19 +39,27 @@ _IRRADIANCE_SAMPLES = 8
 _RELIEF = Tiling(texel_m=0.032, levels=3, core=56, margin=4)
 """Where light comes from changes over wider ones still."""
 _TILT_RAD = np.radians(30.0)
-_MOST_BYTES = 512 * 2**20
+_MOST_BYTES = 640 * 2**20
 """Of each map in memory; a lap of the dataset's arena in pictures of 640 x 480 stays below it."""
-_LIGHT_WIDTH_PX = 160
-"""More than that are shared by pixels of the picture."""
-_GLANCE_BLUR_PX = 2.0
-_WHOLLY = 0.99
-_LEAST_WEIGHT = 1e-3
+_NEAR_WIDTH_PX, _FAR_WIDTH_PX = 80, 320
+"""Of the light's pictures at least, where the final one has as many."""
+_LEAST_PX = 4
+"""Along a side: Blender renders no fewer."""
+_FAR_M = 0.6
+"""Along the optical axis: where the floor is farther, its gloss comes from the light's picture of more pixels."""
+_PASSING = 1 / 15
+"""Of the rows, over which one passes into the other."""
+_WHOLLY, _MOSTLY = 0.99, 0.5
 _CORNERS = (0, 2, -3, -1)
 """Of `filter_points`."""
 _MOST_SHARE = 1.5
 """Of a still scene's light that may be left where something moves, or be thrown back by it."""
+_LEAST_SHARE = np.float32(0.005)
+"""Of the picture's light: where there is no more of it, what is left of it is not told."""
 _LEAST_LIGHT = np.float32(1e-6)
 _UP = (0.0, 0.0, 1.0)
+ROUGHNESS = "roughness"
+"""Of the floor, among what is seen of the surfaces."""
 
 
 class PartPictures:
@@ -57,62 +71,99 @@ class PartPictures:
         self._samples, self._seed = job.sampling.parts, job.sampling.seed
         camera = pinhole_picture(job.camera).camera
         self._size = camera.width_px, camera.height_px
-        self._times = _times(self._size)
+        self._near, self._far = (_times(self._size, width_px) for width_px in (_NEAR_WIDTH_PX, _FAR_WIDTH_PX))
         self._scenes = PartScenes(job.scene, scratch)
         self._denoised, self._denoised_fast = Denoiser(threads, "HIGH"), Denoiser(threads, "BALANCED")
         self._sight = FloorSight(camera, job.frames[0], window(job.shutter, job.camera).row_share)
-        self._filter = filter_points(job.sampling.filter_width_px)
+        self._few, self._many = (filter_points(job.sampling.filter_width_px, squares) for squares in (1, 2))
         floor = [mesh for mesh in job.scene.meshes if lies_on_the_floor(mesh.name)]
         ground = np.concatenate([np.array(mesh.vertices)[:, :2] for mesh in floor])
         self._bounds = ground.min(axis=0), ground.max(axis=0)
         surfaces = {name for mesh in floor for name in mesh.face_surface}
         self._has_relief = any(s.height_m is not None for s in job.scene.surfaces if s.name in surfaces)
         across_m, along_m = self._sight.pixel_m()
-        self._reflectance_level = _level(np.sqrt(across_m * along_m) / _TEXELS_OF_A_PIXEL, _REFLECTANCE)
-        self._irradiance_level = _level(self._sight.depth_m() * _TEXEL_RAD, _IRRADIANCE)
+        self._slanted = along_m > _STEEP * across_m
+        self._reflectance_level = _level(_TEXEL_PX * np.maximum(across_m, along_m / _SLANT), _REFLECTANCE)
+        depth_m = self._sight.depth_m()
+        self._irradiance_level = _level(depth_m * _TEXEL_RAD, _IRRADIANCE)
+        self._far_floor_rows = _rows_of(~(depth_m < _FAR_M))
         self._reflectance = TiledMap(_REFLECTANCE, self._reflectance_tile, _MOST_BYTES, _with_upward_part)
         self._irradiance = TiledMap(_IRRADIANCE, self._irradiance_tile, _MOST_BYTES)
         self._relief = TiledMap(_RELIEF, self._relief_tile, _MOST_BYTES)
 
     def light(self, view: FrameView, seed: int) -> Image:
         """(H, W, 3) linear light of the pinhole picture of a view."""
-        width, height = self._size
-        small = width // self._times, height // self._times
-        moved, still = self._scenes.light(small, self._samples.light, seed, view)
+        moved, still = self._scenes.light(self._shared_by(self._near), self._samples.near, seed, view)
         # Other random numbers than those of the light.
         seen = self._scenes.surfaces(self._size, self._samples.surfaces, (seed + 1) % 2**31, view)
-        nearness = 1 / np.maximum(seen["Depth"], 1e-3)
         cover = seen[COVER][..., :1]
-        low = self._low_parts(moved, still, *(reduced(one, self._times) for one in (seen["Normal"], cover)))
-        parts = upsampled(low, nearness, seen["Normal"])
-        light, share, rest, glance = parts[..., :3], parts[..., 3:6], parts[..., 6:9], parts[..., 9:]
-        on_floor = self._floor(view, cover[..., 0] > 0) * cover * share * glance
-        return (on_floor + seen["DiffCol"] * light + rest).astype(np.float32)
+        floor, seen[ROUGHNESS] = np.split(self._floor(view, cover[..., 0] > 0), [3], axis=-1)
+        near = self._near_parts(moved, still, seen)
+        share, traced = near[..., :3], near[..., 3:]
+        end = self._far_end(cover)
+        if end:
+            far = self._far_parts(view, end, (seed + 2) % 2**31, seen)
+            passing = (end - 0.5 - np.arange(len(far), dtype=np.float32)) / (_PASSING * self._size[1])
+            traced[: len(far)] += np.clip(passing, 0, 1)[:, None, None] * (far - traced[: len(far)])
+        light, rest, let_in = traced[..., :3], traced[..., 3:6], traced[..., 6:]
+        return (floor * cover * share * let_in + seen["DiffCol"] * light + np.maximum(rest, 0)).astype(np.float32)
 
-    def _low_parts(self, moved: dict[str, Image], still: dict[str, Image], normal: Image, cover: Image) -> Image:
-        """(h, w, 12): light, its share of the still scene's, gloss and all else, and what the floor's coat lets in."""
-        diffuse = moved["DiffDir"] + moved["DiffInd"]
-        rest = np.maximum(moved["Combined"] - moved["DiffCol"] * diffuse, 0)
-        light, gone = (self._denoised(one, normal) for one in (diffuse, still["DiffDir"] + still["DiffInd"]))
-        share = np.clip(light / np.maximum(gone, _LEAST_LIGHT), 0, _MOST_SHARE)
-        shine = self._denoised_fast(rest, normal)
-        return np.concatenate([light, share, shine, _smooth(moved["DiffCol"] / MIDDLE_GREY, cover)], axis=-1)
+    def _near_parts(self, moved: Passes, still: Passes, seen: Passes) -> Image:
+        """(H, W, 10): the share of the still scene's light that is there, and what `_traced` has."""
+        traced = self._traced(moved, seen, self._near)
+        without = self._denoised(still["DiffDir"] + still["DiffInd"], reduced(seen["Normal"], self._near))
+        least = _LEAST_SHARE * np.median(without) + _LEAST_LIGHT
+        share = np.clip((traced[..., :3] + least) / (without + least), 0, _MOST_SHARE)
+        return _brought(np.concatenate([share, traced], axis=-1), seen)
+
+    def _far_parts(self, view: FrameView, end: float, seed: int, seen: Passes) -> Image:
+        """(rows, W, 7) of what `_traced` has of the rows above an end."""
+        rows = min(max(int(np.ceil(end / self._far)), _LEAST_PX) * self._far, self._size[1])
+        size, above = self._shared_by(self._far), {name: image[:rows] for name, image in seen.items()}
+        upper = self._scenes.upper_light(size, rows // self._far, self._samples.far, seed, view)
+        return _brought(self._traced(upper, above, self._far), above)
+
+    def _traced(self, passes: Passes, seen: Passes, times: int) -> Image:
+        """(h, w, 11) without noise: light; slopes, then intercepts over roughness of what else comes and of a share.
+
+        The share is what the floor's coat lets through to what is below it, and back.
+        """
+        normal, roughness = (reduced(seen[name], times) for name in ("Normal", ROUGHNESS))
+        whole = (reduced(seen[COVER][..., :1], times) > _WHOLLY).astype(np.float32)
+        light = passes["DiffDir"] + passes["DiffInd"]
+        rest = np.maximum(passes["Combined"] - passes["DiffCol"] * light, 0)
+        rest = self._denoised_fast(rest, normal, np.where(whole > 0, roughness, 1))
+        let_in = passes["DiffCol"].mean(axis=-1, keepdims=True) / MIDDLE_GREY
+        both = np.concatenate([rest, let_in], axis=-1)
+        lines = np.where(whole > 0, local_lines(both, roughness, whole), np.concatenate([0 * both, both], axis=-1))
+        return np.concatenate([self._denoised(light, normal), lines], axis=-1)
+
+    def _far_end(self, cover: Image) -> float:
+        """The row at which far floor and all other things end, and what they pass into; 0 where all is traced alike."""
+        if self._near == self._far:
+            return 0.0
+        return max(self._far_floor_rows, _rows_of(cover[..., 0] < _MOSTLY)) + _PASSING * self._size[1]
+
+    def _shared_by(self, times: int) -> tuple[int, int]:
+        return self._size[0] // times, self._size[1] // times
 
     def _floor(self, view: FrameView, needed: np.ndarray) -> Image:
-        """(H, W, 3) light that the floor throws back without what moves, where it is needed."""
+        """(H, W, 4): light that the floor throws back without what moves, and its roughness, where they are needed."""
         width, height = self._size
-        seen = np.zeros((height, width, 6 if self._has_relief else 3), np.float32)
-        for level, rows, there in _bands(self._reflectance_level, needed):
-            points = [
-                _turned(self._clipped(self._sight.points(view, point, rows)), -GRID_TURN_RAD) for point in self._filter
-            ]
-            corners = [points[i][there] for i in _CORNERS]
-            found = self._mean(level, points, np.concatenate(corners))
-            if np.isnan(found[there]).any():
-                # A pixel at the end of the floor, or at a corner of tiles, looks up what its corners do not tell.
-                found = self._mean(level, points, np.concatenate([own[there] for own in points]))
-            seen[rows] += np.where(there[..., None], found, 0)
-        return seen[..., :3] * self._floor_light(view, needed, seen[..., 3:])
+        seen = np.zeros((height, width, 7 if self._has_relief else 4), np.float32)
+        for filtered, where in ((self._few, needed & ~self._slanted), (self._many, needed & self._slanted)):
+            for level, rows, there in _bands(self._reflectance_level, where):
+                points = [
+                    _turned(self._clipped(self._sight.points(view, point, rows)), -GRID_TURN_RAD) for point in filtered
+                ]
+                corners = [points[i][there] for i in _CORNERS]
+                found = self._mean(level, points, np.concatenate(corners))
+                if np.isnan(found[there]).any():
+                    # A pixel at the end of the floor, or at a corner of tiles, looks up what its corners do not tell.
+                    found = self._mean(level, points, np.concatenate([own[there] for own in points]))
+                seen[rows] += np.where(there[..., None], found, 0)
+        light = seen[..., :3] * self._floor_light(view, needed, seen[..., 4:])
+        return np.concatenate([light, seen[..., 3:4]], axis=-1)
 
     def _floor_light(self, view: FrameView, needed: np.ndarray, normal: Image) -> Image:
         found = self._looked_up(self._irradiance, view, needed, 3)
@@ -149,13 +200,13 @@ class PartPictures:
         return np.clip(np.nan_to_num(points), *self._bounds)
 
     def _reflectance_tile(self, tile: Tile) -> Image:
-        """(N, N, 5): reflectance, and x and y of the normal; (N, N, 3) without it where nothing has a relief."""
-        colour, relief = self._scenes.reflectance(tile.widened())
-        colour = colour[1:-1, 1:-1]
+        """(N, N, 6): reflectance, roughness, and x and y of the normal; (N, N, 4) where nothing has a relief."""
+        colour, told = self._scenes.reflectance(tile.widened())
+        found = np.concatenate([colour, told[..., 2:]], axis=-1)[1:-1, 1:-1]
         if not self._has_relief:
-            return colour
-        normal = normals(relief[..., 0], relief[..., 1], tile.texel_m)
-        return np.concatenate([colour, _turned(normal[..., :2], GRID_TURN_RAD)], axis=-1)
+            return found
+        normal = normals(told[..., 0], told[..., 1], tile.texel_m)
+        return np.concatenate([found, _turned(normal[..., :2], GRID_TURN_RAD)], axis=-1)
 
     def _irradiance_tile(self, tile: Tile) -> Image:
         return self._facing(_UP, tile, self._tile_seed("irradiance", tile))
@@ -182,28 +233,33 @@ class PartPictures:
         return int(stream(self._seed, "path tracing", what, level, i, j).integers(2**31))
 
 
-def _times(size: tuple[int, int]) -> int:
-    """How many pixels of a picture, each way, share one of its light's."""
+def _times(size: tuple[int, int], width_px: int) -> int:
+    """How many pixels of a picture, each way, share one of its light's, which is no narrower than that."""
     times = 1
-    while size[0] // (2 * times) >= _LIGHT_WIDTH_PX and not any(px % (2 * times) for px in size):
+    while size[0] // (2 * times) >= width_px and not any(px % (2 * times) or px < 2 * times * _LEAST_PX for px in size):
         times *= 2
     return times
 
 
+def _rows_of(where: np.ndarray) -> int:
+    """Rows from the uppermost to the last of which something is there."""
+    rows = np.flatnonzero(where.any(axis=1))
+    return int(rows[-1]) + 1 if len(rows) else 0
+
+
+def _brought(low: Image, seen: Passes) -> Image:
+    """To the pixels of what the surfaces' picture shows, with lines followed to its roughness."""
+    found = upsampled(low, 1 / np.maximum(seen["Depth"], 1e-3), seen["Normal"])
+    alone, slope, intercept = np.split(found, [-8, -4], axis=-1)
+    return np.concatenate([alone, intercept + slope * seen[ROUGHNESS]], axis=-1)
+
+
 def _with_upward_part(tile: Image) -> Image:
-    """(N, N, 6) of (N, N, 5) as `_reflectance_tile` has them; z of the normal follows from x and y."""
-    if tile.shape[-1] == 3:
+    """(N, N, 7) of (N, N, 6) as `_reflectance_tile` has them; z of the normal follows from x and y."""
+    if tile.shape[-1] == 4:
         return tile
-    upward = np.sqrt(np.maximum(1 - (tile[..., 3:] ** 2).sum(axis=-1, keepdims=True), 0))
+    upward = np.sqrt(np.maximum(1 - (tile[..., 4:] ** 2).sum(axis=-1, keepdims=True), 0))
     return np.concatenate([tile, upward], axis=-1)
-
-
-def _smooth(glance: Image, cover: Image) -> Image:
-    """What the floor's coat lets through, which follows from the angle of sight, without the grain of its gloss."""
-    whole = (cover > _WHOLLY).astype(np.float32)
-    total, weight = (cv2.GaussianBlur(one, (0, 0), _GLANCE_BLUR_PX) for one in (glance * whole, whole))
-    weight = weight.reshape(cover.shape)
-    return np.where(weight > _LEAST_WEIGHT, total / np.maximum(weight, _LEAST_WEIGHT), glance)
 
 
 def _turned(vectors: np.ndarray, by_rad: float) -> np.ndarray:

@@ -13,23 +13,25 @@ import numpy as np
 from mathutils import Matrix
 
 from blender_scenes.bpy_side.build import ROBOT, moving_name
-from blender_scenes.bpy_side.part_materials import COVER, RELIEF, covering, in_grey, shining, turned
+from blender_scenes.bpy_side.part_materials import COVER, TOLD, covering, in_grey, shining, turned
 from blender_scenes.bpy_side.placing import place
 from blender_scenes.bpy_side.rendering import rendered
 from blender_scenes.description import FrameView, Scene
 from blender_scenes.tiled_map import Image, Tile
+from blender_scenes.typical import typical_color
 
 Passes = dict[str, Image]
 """Name of a pass -> (H, W, 3), or (H, W, 1) of a single channel, float32, the first row at the top."""
 
 _ABOVE_M = 0.5
-_EXR_PIXEL_BYTES = 52
-"""Colour with its cover and at most three more passes, four bytes each."""
+_EXR_PIXEL_BYTES = 64
+"""At most five passes of three channels and one of depth, four bytes each."""
 GRID_TURN_RAD = 0.35
 """Of the reflectance's texels, which are seen in their middle, against W. An edge along them would be off by up to half
 a texel all of its way; across them it is off to either side in turns."""
 _IN_THE_MIDDLE = 0.01
 """Of a pixel: the least width that Cycles has for a filter."""
+_LEAST_REFLECTANCE = 0.05
 _LINE = re.compile(r"(tape|paint)_\d+")
 """Pieces of the line, as `line_mesh` calls them."""
 _LIGHT_PASSES = ("diffuse_color", "diffuse_direct", "diffuse_indirect")
@@ -62,10 +64,12 @@ class PartScenes:
         numbers = {thing.data.materials[0].name: number for number, thing in enumerate(self._floor)}
         self._dress_floor(self._reflectance, lambda material: shining(material, numbers[material.name]))
         self._reflectance.cycles.filter_width = _IN_THE_MIDDLE
-        _add_pass(self._reflectance, RELIEF)
+        _add_pass(self._reflectance, TOLD)
         self._irradiance = self._scene("irradiance", _LIGHT_PASSES)
         self._hide_all_but_floor(self._irradiance)
         self._lit_floor = self._dress_floor(self._irradiance, turned)
+        # The main scene's light is cut off after the floor has taken its share, the white floor's would be before.
+        self._irradiance.cycles.sample_clamp_indirect /= _reflectance_of_the_floor(scene)
         for baking in (self._reflectance, self._irradiance):
             _look_down(baking)
 
@@ -78,17 +82,29 @@ class PartScenes:
         with_all, without = (self._traced(s, size, samples, seed, view) for s in (self._light, self._still))
         return with_all, without
 
+    def upper_light(self, size: tuple[int, int], rows: int, samples: int, seed: int, view: FrameView) -> Passes:
+        """Light as it is in the uppermost rows of a picture of a size; call after `light` of the same view."""
+        render, (_, height) = self._light.render, size
+        render.use_border = render.use_crop_to_border = True
+        render.border_min_x, render.border_max_x = 0.0, 1.0
+        # Amid the last row, whatever its fraction is rounded to.
+        render.border_min_y, render.border_max_y = 1.0 - (rows - 0.25) / height, 1.0
+        try:
+            return self._traced(self._light, size, samples, seed, view)
+        finally:
+            render.use_border = False
+
     def surfaces(self, size: tuple[int, int], samples: int, seed: int, view: FrameView) -> Passes:
         """What the surfaces reflect, the floor black and told by its cover; call after `light` of the same view."""
         return self._traced(self._surfaces, size, samples, seed, view)
 
     def reflectance(self, tile: Tile) -> tuple[Image, Image]:
-        """(N, N, 3) reflectance of the floor in the middle of texels; (N, N, 2) height of relief [m] and whose it is.
+        """(N, N, 3) reflectance of the floor in the middle of texels; (N, N, 3) what `part_materials.TOLD` has there.
 
         Rows along y, columns along x of a grid that is turned by `GRID_TURN_RAD` against W.
         """
         passes = self._from_above(self._reflectance, tile, 1, 0, GRID_TURN_RAD)
-        return passes["Combined"][::-1], passes[RELIEF][::-1, :, :2]
+        return passes["Combined"][::-1], passes[TOLD][::-1]
 
     def irradiance(self, tile: Tile, samples: int, seed: int, facing: tuple[float, float, float]) -> Image:
         """(N, N, 3) light on the floor without what moves, were it turned to the unit vector `facing`."""
@@ -173,6 +189,13 @@ class PartScenes:
         scene.render.use_motion_blur = view is not None and bool(view.exposure)
         scene.cycles.samples, scene.cycles.seed = samples, seed
         return _by_pass(rendered(scene, _EXR_PIXEL_BYTES))
+
+
+def _reflectance_of_the_floor(scene: Scene) -> float:
+    (floor,) = (mesh for mesh in scene.meshes if mesh.name == "floor")
+    of = {surface.name: surface for surface in scene.surfaces}
+    mean = sum(typical_color(of[floor.face_surface[0]])) / 3
+    return min(max(mean, _LEAST_REFLECTANCE), 1.0)
 
 
 def _look_down(scene: bpy.types.Scene) -> None:

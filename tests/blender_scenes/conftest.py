@@ -1,5 +1,6 @@
 """The shipped arena and robot, read without the loader, and the linear light of any scene out of Cycles."""
 
+import json
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
@@ -79,5 +80,53 @@ def light_of() -> Callable[..., np.ndarray]:
         call = [sys.executable, "-c", _PROGRAM, *([str(own_files)] if own_files else [])]
         done = subprocess.run(call, input=job.to_json().encode(), capture_output=True, check=True)
         return np.frombuffer(done.stdout, np.float32).reshape(len(views), pixels, pixels, 3)
+
+    return traced
+
+
+_SEVERAL = """
+import os, sys, json, tempfile
+from pathlib import Path
+from unittest import mock
+import numpy as np
+out = os.fdopen(os.dup(1), "wb")
+os.dup2(2, 1)
+from blender_scenes.bpy_side import build, engine, part_pictures
+from blender_scenes.job import RenderJob
+orders, near_width_px = json.load(sys.stdin)
+if near_width_px:
+    mock.patch.object(part_pictures, "_NEAR_WIDTH_PX", near_width_px).start()
+for job, threads, numbers in orders:
+    job = RenderJob.from_json(job)
+    views = {view.number: view for view in job.frames}
+    build.start()
+    build.build(job.scene, job.camera)
+    with tempfile.TemporaryDirectory() as scratch:
+        engine.configure(job, threads, Path(scratch))
+        pictures = engine.Pictures(job, threads, Path(scratch))
+        for number in numbers:
+            out.write(pictures.light(views[number]).astype(np.float32).tobytes())
+"""
+Order = tuple[RenderJob, int, list[int]]
+"""A job, threads, and the numbers of its views."""
+
+
+@pytest.fixture(scope="session")
+def lights_of() -> Callable[..., list[np.ndarray]]:
+    """(N, H, W, 3) linear light of each order, all made in one Blender process."""
+
+    def traced(*orders: Order, near_width_px: int | None = None) -> list[np.ndarray]:
+        """`near_width_px`: what the light of a picture from parts has at least, for small ones to share its pixels."""
+        asked = [(job.to_json(), threads, numbers) for job, threads, numbers in orders], near_width_px
+        call = [sys.executable, "-c", _SEVERAL]
+        done = subprocess.run(call, input=json.dumps(asked).encode(), capture_output=True, check=False)
+        assert done.returncode == 0, done.stderr.decode()[-2000:]
+        rest, found = np.frombuffer(done.stdout, np.float32), []
+        for job, _, numbers in orders:
+            shape = len(numbers), job.camera.height_px, job.camera.width_px, 3
+            found.append(rest[: np.prod(shape)].reshape(shape))
+            rest = rest[np.prod(shape) :]
+        assert not rest.size
+        return found
 
     return traced

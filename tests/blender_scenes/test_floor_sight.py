@@ -161,6 +161,22 @@ def test_each_point_of_the_filter_has_a_time_of_its_own_that_has_little_to_do_wi
         assert abs(np.corrcoef(offsets, times)[0, 1]) < 1e-9
 
 
+@pytest.mark.parametrize("squares", [2, 3])
+def test_a_slanted_filter_has_more_rows_of_points(squares):
+    """In the middle of equal shares too, and of times that are all different and on no side early."""
+    points = filter_points(1.5, squares)
+    down, times = (np.array([getattr(point, of) for point in points]) for of in ("down_px", "time"))
+    own, counts = np.unique(down, return_counts=True)
+    assert counts.tolist() == [3] * (3 * squares)
+    shares = (np.arange(3 * squares) + 0.5) / (3 * squares)
+    assert [_share_left_of(y, 1.5) for y in own] == pytest.approx(shares, abs=1e-3)
+    right = [point.right_px for point in points]
+    assert sorted(set(right)) == [point.right_px for point in filter_points(1.5)[:3]]
+    np.testing.assert_allclose(np.sort(times), (np.arange(9 * squares) + 0.5) / (9 * squares))
+    assert abs(np.corrcoef(right, times)[0, 1]) < 1e-9
+    assert abs(np.corrcoef(down, times)[0, 1]) < 0.1
+
+
 # The shutter
 
 

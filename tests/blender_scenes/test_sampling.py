@@ -60,7 +60,7 @@ def test_samples_said_aloud_take_the_place_of_those_of_the_quality_and_nothing_e
 def test_pictures_are_traced_whole_unless_parts_are_asked_for():
     assert sampling(Render(), seed=1).parts is None
     rough, fine = (sampling(Render(method="parts", quality=name), seed=1).parts for name in ("draft", "standard"))
-    assert rough.light < fine.light
+    assert rough.near + rough.far < fine.near + fine.far
     assert rough.surfaces < fine.surfaces
 
 

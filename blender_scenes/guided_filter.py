@@ -1,0 +1,35 @@
+"""Values that follow a guide, told as lines: what a picture of few pixels says of one of many.
+
+He, Sun, Tang, Guided Image Filtering, IEEE Trans. Pattern Anal. Mach. Intell. 35(6), 2013; weighted here.
+"""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+Image = NDArray[np.float32]
+
+_SPREAD_PX = 1.5
+"""Standard deviation of what is around a pixel."""
+_LEAST_VARIANCE = np.float32(1e-4)
+"""Of the guide: where it varies less, values are taken not to follow it."""
+_LEAST_WEIGHT = np.float32(1e-3)
+
+
+def local_lines(values: Image, guide: Image, weight: Image) -> Image:
+    """(H, W, 2 K): slopes and intercepts, by which the values around each pixel follow from the guide.
+
+    Args:
+        values: (H, W, K).
+        guide: (H, W, 1), in 0 to 1.
+        weight: (H, W, 1), what each pixel counts for; where nothing around does, the slope is 0 and the value its own.
+    """
+    channels = values.shape[-1]
+    moments = np.concatenate([weight, guide * weight, guide**2 * weight, values * weight, guide * values * weight], -1)
+    around = cv2.GaussianBlur(moments, (0, 0), _SPREAD_PX, borderType=cv2.BORDER_REPLICATE)
+    total = around[..., :1]
+    means = around[..., 1:] / np.maximum(total, _LEAST_WEIGHT)
+    mean, square, of_values, product = np.split(means, [1, 2, 2 + channels], axis=-1)
+    slope = (product - mean * of_values) / (np.maximum(square - mean**2, 0) + _LEAST_VARIANCE)
+    told = total > _LEAST_WEIGHT
+    return np.concatenate([np.where(told, slope, 0), np.where(told, of_values - slope * mean, values)], -1)

@@ -1,0 +1,191 @@
+"""Pictures from parts of a floor with relief, whose light has half as many pixels each way, against whole ones.
+
+Two whole pictures with other random numbers: the mean product of what a picture differs by from one and from the other
+is the square of its own error, free of their noise.
+"""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import cv2
+import numpy as np
+import pytest
+
+from blender_scenes.camera import floor_points, pose_X_WR, project
+from blender_scenes.camera_response import CameraResponse, develop, encode_jpeg, median_luminance
+from blender_scenes.description import FrameView, Intrinsics, Panel, PlanarPose, Scene, Sky
+from blender_scenes.geometry import block, floor, rectangle
+from blender_scenes.job import RenderJob
+from blender_scenes.sampling import PARTS, PartSamples, Sampling
+from blender_scenes.shading import Color, Noise, Surface, Tiles
+from configs.schema.look import CameraLook
+
+WIDTH_PX, HEIGHT_PX = 128, 96
+CAMERA = Intrinsics(WIDTH_PX, HEIGHT_PX, 90.0, 90.0, 63.5, 47.5)
+NEAR_WIDTH_PX = WIDTH_PX // 2
+WHOLE_SAMPLES = 128
+PITCH = np.radians(35.0)
+X_RC = np.array(
+    [
+        [0.0, -np.sin(PITCH), np.cos(PITCH), 0.05],
+        [-1.0, 0.0, 0.0, 0.0],
+        [0.0, -np.cos(PITCH), -np.sin(PITCH), 0.25],
+        [0.0, 0.0, 0.0, 1.0],
+    ]
+)
+HERE = pose_X_WR(0.0, 0.0, 0.0) @ X_RC
+RESPONSE = CameraResponse.from_look(CameraLook(), (1.0, 1.0, 1.0), 1, 92)
+
+
+def _matt(name: str, red: float, green: float, blue: float) -> Surface:
+    return Surface(name, Color((red, green, blue)), roughness=1.0, refractive_index=1.0)
+
+
+JOINTS = Tiles((0.11, 0.11), 0.016, 0.0, (0.03, 0.052), "joint", softness=1.0)
+WAVES = Noise((12.0, 12.0), (3.0, 5.0), octaves=1.0)
+TILES = replace(_matt("floor", 0.4, 0.4, 0.4), height_m=0.01 * WAVES - 0.001 * JOINTS)
+"""Of one colour, so that all that is seen of them is their relief; no slope beyond what light comes in at."""
+LAMP = Panel("lamp", (0.4, 1.5, 1.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.4, 0.4, (15.0, 15.0, 13.0))
+LINE_M = 0.04
+TAPE = rectangle("tape_0", [(x, y * LINE_M, 0.00013) for x, y in ((0, -0.5), (2, -0.5), (2, 0.5), (0, 0.5))], "black")
+BOX = block("wall_A", (0.75, -0.22, 0.1), (0.1, 0.2, 0.2), "red")
+OBSTACLE = block("obstacle_M", (0.0, 0.0, 0.06), (0.06, 0.06, 0.12), "green")
+AT = (0.45, -0.12, 0.0)
+AWAY = (-1.5, 1.5, 0.0)
+SCENE = Scene(
+    surfaces=(TILES, _matt("black", 0.03, 0.03, 0.03), _matt("red", 0.5, 0.08, 0.05), _matt("green", 0.05, 0.4, 0.08)),
+    meshes=(floor("floor", (-2.0, -2.0), (2.0, 2.0), 0.0, "floor"), TAPE, BOX),
+    robot=(block("chassis", (0.0, 0.0, 0.06), (0.16, 0.14, 0.1), "red"),),
+    panels=(LAMP,),
+    sun=None,
+    sky=Sky("studio", 0.0, 0.2, 10.0, 1.0),
+    moving=(OBSTACLE,),
+)
+
+
+def _view(number: int, moving: PlanarPose) -> FrameView:
+    rows = tuple(tuple(row) for row in HERE.tolist())
+    return FrameView(number, 0.0, (0.0, 0.0, 0.0), rows, (moving,))
+
+
+def _job(parts: PartSamples | None, seed: int) -> RenderJob:
+    sampling = Sampling(seed=seed, samples=WHOLE_SAMPLES, denoise=False, parts=parts)
+    views = _view(1, AT), _view(2, AWAY)
+    return RenderJob(RenderJob.FORMAT, SCENE, CAMERA, views, sampling, RESPONSE)
+
+
+@pytest.fixture(scope="module")
+def pictures(lights_of) -> SimpleNamespace:
+    """(2, H, W, 3) from parts, and of a whole one, with the obstacle and without; (1, H, W, 3) whole once more."""
+    orders = [(_job(PARTS["standard"], 1), 1, [1, 2]), (_job(None, 1), 1, [1, 2]), (_job(None, 2), 1, [1])]
+    parts, whole, again = lights_of(*orders, near_width_px=NEAR_WIDTH_PX)
+    return SimpleNamespace(parts=parts, whole=whole, again=again)
+
+
+NEAR = np.s_[0, 48:]
+"""Rows of the first view in which a pixel sees no more than 9 mm of floor."""
+LEFT, LINE, RIGHT = slice(4, 50), slice(48, 84), slice(90, 124)
+"""Columns of bare floor, and of the line with some floor on either side."""
+SPARE_M = 0.012
+"""How far beyond the line its edge is looked for."""
+SIDES = pytest.mark.parametrize("columns", [LEFT, RIGHT], ids=["left", "right"])
+
+
+def _grey(picture: np.ndarray, columns: slice) -> np.ndarray:
+    return picture[(*NEAR, columns)].mean(axis=-1)
+
+
+@SIDES
+def test_the_floor_is_as_bright_as_in_a_whole_picture(pictures, columns):
+    parts, whole = (picture[(*NEAR, columns)].mean(axis=(0, 1)) for picture in (pictures.parts, pictures.whole))
+    assert parts == pytest.approx(whole, rel=0.01)
+
+
+def test_the_line_is_where_and_as_wide(pictures):
+    (middle, variance), (true_middle, true_variance) = (
+        _middle_and_variance(_grey(picture, LINE)) for picture in (pictures.parts, pictures.whole)
+    )
+    assert (middle - true_middle).mean() == pytest.approx(0.0, abs=0.1)
+    assert np.abs(middle - true_middle).max() < 0.35
+    assert variance.mean() == pytest.approx(true_variance.mean(), rel=0.05)
+
+
+def _middle_and_variance(grey: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of what is dark about the line in each row [px, px^2]."""
+    v, u = (index[(*NEAR[1:], LINE)] for index in np.indices((HEIGHT_PX, WIDTH_PX)))
+    pixels = np.column_stack([u.ravel(), v.ravel()]).astype(float)
+    about = np.abs(floor_points(CAMERA, HERE, pixels)[:, 1].reshape(u.shape)) < 0.5 * LINE_M + SPARE_M
+    bright = np.ma.median(np.ma.masked_where(about, grey), axis=1).data[:, None]
+    dark = (1 - grey / bright) * about
+    total = dark.sum(axis=1)
+    middle = (dark * u).sum(axis=1) / total
+    return middle, (dark * (u - middle[:, None]) ** 2).sum(axis=1) / total
+
+
+@SIDES
+def test_relief_of_many_pixels_is_as_strong(pictures, columns):
+    """The waves; joints, narrower than the blur, are left to the next test."""
+    parts, whole, again = (
+        cv2.GaussianBlur(_relief(picture, pictures.whole, columns), (0, 0), 3.0)
+        for picture in (pictures.parts, pictures.whole, pictures.again)
+    )
+    strength = (whole * again).mean()
+    assert np.sqrt(strength) > 0.05
+    in_step = (parts * 0.5 * (whole + again)).mean()
+    assert in_step / strength == pytest.approx(1.0, abs=0.05)
+    assert in_step / np.sqrt(strength * (parts**2).mean()) > 0.98
+
+
+def _relief(picture: np.ndarray, whole: np.ndarray, columns: slice) -> np.ndarray:
+    """Share by which each pixel is brighter than what is about it."""
+    found = _grey(picture, columns) / cv2.GaussianBlur(_grey(whole, columns), (0, 0), 15.0)
+    return found - found.mean()
+
+
+@SIDES
+def test_on_the_floor_the_error_is_no_larger_than_what_jpeg_adds(pictures, columns):
+    """As `standard` promises: to a picture with camera noise."""
+    metered, clean = median_luminance(pictures.whole), replace(RESPONSE, shot_noise=0.0, read_noise=0.0)
+    parts, whole, again = (
+        develop(picture[0], clean, metered, 1).astype(float)[(*NEAR[1:], columns)]
+        for picture in (pictures.parts, pictures.whole, pictures.again)
+    )
+    noisy = encode_jpeg(develop(0.5 * (pictures.whole[0] + pictures.again[0]), RESPONSE, metered, 1), 92)
+    seen = cv2.cvtColor(cv2.imdecode(np.frombuffer(noisy, np.uint8), cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB)
+    added = seen[(*NEAR[1:], columns)] - 0.5 * (whole + again)
+    assert ((parts - whole) * (parts - again)).mean() < (added**2).mean()
+
+
+# What moves
+
+
+@pytest.mark.parametrize("away_m", [0.08, 0.1, 0.12])
+def test_a_moving_obstacle_takes_its_shadow_along(pictures, away_m):
+    towards = np.array(AT[:2]) - LAMP.center[:2]
+    place = np.append(AT[:2] + away_m * towards / np.linalg.norm(towards), 0.0)
+    ((u, v),) = np.rint(project(CAMERA, HERE, place[None])[0]).astype(int)
+    there = np.s_[:, v - 1 : v + 2, u - 1 : u + 2]
+    parts, whole = (np.median(picture[there], axis=(1, 2, 3)) for picture in (pictures.parts, pictures.whole))
+    assert whole[0] < 0.05 * whole[1]
+    assert parts[0] / parts[1] == pytest.approx(whole[0] / whole[1], abs=0.06)
+
+
+@pytest.mark.parametrize(
+    ("view", "rows", "columns"),
+    [
+        pytest.param(0, slice(28, 44), slice(84, 94), id="its dark face"),
+        pytest.param(0, slice(26, 42), slice(82, 85), id="its bright face, 3 px wide"),
+        pytest.param(0, slice(30, 45), slice(74, 80), id="the floor beside it"),
+        pytest.param(0, slice(47, 50), slice(84, 94), id="the floor before it"),
+        pytest.param(1, slice(3, 20), slice(84, 106), id="a box"),
+        pytest.param(1, slice(10, 22), slice(72, 78), id="the floor beside the box"),
+    ],
+)
+def test_light_does_not_run_from_one_surface_to_the_next(pictures, view, rows, columns):
+    parts, whole = (picture[view, rows, columns].mean(axis=(0, 1)) for picture in (pictures.parts, pictures.whole))
+    assert parts == pytest.approx(whole, rel=0.05)
+
+
+def test_no_light_is_below_nothing_or_no_number(pictures):
+    assert np.isfinite(pictures.parts).all()
+    assert pictures.parts.min() >= 0

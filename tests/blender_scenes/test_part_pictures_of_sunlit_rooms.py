@@ -1,0 +1,61 @@
+"""Light from sunlit walls on a floor in the shade: maps against whole pictures."""
+
+import numpy as np
+import pytest
+
+from blender_scenes.camera import pose_X_WR
+from blender_scenes.camera_response import CameraResponse
+from blender_scenes.description import FrameView, Intrinsics, Scene, Sky, Sun
+from blender_scenes.geometry import block, floor
+from blender_scenes.job import RenderJob
+from blender_scenes.sampling import PARTS, Sampling
+from blender_scenes.shading import Color, Surface
+from configs.schema.look import CameraLook
+
+CAMERA = Intrinsics(64, 48, 45.0, 45.0, 31.5, 23.5)
+PITCH, ELEVATION = np.radians(35.0), np.radians(25.0)
+X_RC = np.array(
+    [
+        [0.0, -np.sin(PITCH), np.cos(PITCH), 0.05],
+        [-1.0, 0.0, 0.0, 0.0],
+        [0.0, -np.cos(PITCH), -np.sin(PITCH), 0.25],
+        [0.0, 0.0, 0.0, 1.0],
+    ]
+)
+SUN_klx = 10.0
+WALL = block("wall_A", (1.2, 0.0, 0.4), (0.05, 2.0, 0.8), "white")
+BLIND = block("wall_B", (-0.6, 0.0, 0.15), (0.05, 2.0, 0.3), "white")
+"""Its shadow lies on all of the floor in sight, the sun on the upper part of the wall."""
+
+
+def _matt(name: str, reflectance: float) -> Surface:
+    return Surface(name, Color((reflectance,) * 3), roughness=1.0, refractive_index=1.0)
+
+
+@pytest.fixture(scope="module")
+def pictures(lights_of) -> tuple[np.ndarray, np.ndarray]:
+    """(H, W, 3) from parts, and whole."""
+    scene = Scene(
+        surfaces=(_matt("floor", 0.3), _matt("white", 0.7)),
+        meshes=(floor("floor", (-2.0, -2.0), (2.0, 2.0), 0.0, "floor"), WALL, BLIND),
+        robot=(),
+        panels=(),
+        sun=Sun((-float(np.cos(ELEVATION)), 0.0, float(np.sin(ELEVATION))), (SUN_klx,) * 3, 0.009),
+        sky=Sky("studio", 0.0, 0.2, 10.0, 1.0),
+    )
+    rows = tuple(tuple(row) for row in (pose_X_WR(0.0, 0.0, 0.0) @ X_RC).tolist())
+    response = CameraResponse.from_look(CameraLook(), (1.0, 1.0, 1.0), 1, 92)
+    views = (FrameView(1, 0.0, (0.0, 0.0, 0.0), rows),)
+    jobs = [
+        RenderJob(RenderJob.FORMAT, scene, CAMERA, views, Sampling(1, 256, denoise=False, parts=parts), response)
+        for parts in (PARTS["standard"], None)
+    ]
+    (parts,), (whole,) = lights_of(*((job, 1, [1]) for job in jobs))
+    return parts, whole
+
+
+@pytest.mark.parametrize("rows", [slice(14, 20), slice(30, 46)], ids=["far", "near"])
+def test_the_floor_in_the_shade_has_the_light_of_a_sunlit_wall(pictures, rows):
+    """Cycles cuts off bounced light at a radiance of 1, after the floor has taken its share: 0.3 of it, not all."""
+    parts, whole = (picture[rows, 4:24].mean() for picture in pictures)
+    assert parts == pytest.approx(whole, rel=0.03)
