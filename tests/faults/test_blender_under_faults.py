@@ -4,11 +4,14 @@ Minutes each, so that all have the marker `faults`; what they show is shown once
 renderer, of the supervisor and of `release`.
 """
 
+import contextlib
 import hashlib
 import json
 import os
 import shutil
 import signal
+import subprocess
+import sys
 import threading
 import time
 from collections import Counter
@@ -33,6 +36,7 @@ from pipeline.workers import Retried, run_units
 pytestmark = pytest.mark.faults
 
 SHIPPED = Path(configs.__file__).parent
+BARE = Path(__file__).parent / "bare.yaml"
 MB = 1e6
 
 
@@ -119,6 +123,62 @@ def test_blender_killed_200_times_loses_at_most_one_frame_each_time(tmp_path):
         over.set()
         killer.join()
     print(f"{kills} kills, {lost} frames made twice")  # noqa: T201 - the figure
+
+
+@pytest.mark.parametrize("method", ["whole", "parts"])
+def test_a_release_killed_while_blender_renders_ends_with_the_same_tree(method, tmp_path, wrong, tree):
+    """Blender and the command itself in turns, at any time from Blender's start to the last picture."""
+    undisturbed, out = tmp_path / "undisturbed", tmp_path / "killed"
+    release = _releasing(undisturbed, method)
+    begin = _when_blender_starts(release)
+    assert release.wait() == 0
+    rendering_s = time.monotonic() - begin
+    whole = tree(undisturbed)
+    instants, most = np.random.Generator(np.random.PCG64(11)), int(os.environ.get("SYMOLO_KILLS", "12"))
+    killed, releases = Counter(), 0
+    while killed.total() < most:
+        status = -signal.SIGKILL
+        while status != 0:
+            release = _releasing(out, method)
+            while killed.total() < most and _when_blender_starts(release):
+                time.sleep(float(instants.uniform(0, rendering_s)))
+                _kill(release, killed)
+            status = release.wait()
+            assert status in {0, 3, -signal.SIGKILL}  # 3: three of its Blenders were killed at the same frame
+            assert wrong(out, whole) == []
+        assert tree(out) == whole
+        shutil.rmtree(out)
+        releases += 1
+    print(f"{killed['Blender']} kills of Blender, {killed['command']} of the command, {releases} releases")  # noqa: T201
+
+
+def _releasing(out: Path, method: str) -> subprocess.Popen:
+    settings = ("render.samples=null", f"render.method={method}", "stop.time_limit_s=1.4")
+    arguments = ["release", str(BARE), "--out", str(out), "--workers", "1", *(f"--set={one}" for one in settings)]
+    program = "import sys; from pipeline.cli import main; sys.exit(main(sys.argv[1:]))"
+    return subprocess.Popen([sys.executable, "-c", program, *arguments], stderr=subprocess.DEVNULL)
+
+
+def _when_blender_starts(release: subprocess.Popen) -> float | None:
+    """None where the command ends before."""
+    while release.poll() is None:
+        if any(blenders(release.pid)):
+            return time.monotonic()
+        time.sleep(0.05)
+    return None
+
+
+def _kill(release: subprocess.Popen, killed: Counter) -> None:
+    """Its Blender or the command, where there are both; ends when there is no Blender left."""
+    rendering = list(blenders(release.pid))
+    if not rendering or release.poll() is not None:
+        return
+    victim, process = ("Blender", rendering[0]) if killed["Blender"] <= killed["command"] else ("command", release.pid)
+    with contextlib.suppress(ProcessLookupError):
+        os.kill(process, signal.SIGKILL)
+        killed[victim] += 1
+    while any(Path(f"/proc/{one}").exists() for one in rendering):
+        time.sleep(0.05)
 
 
 def test_threads_workers_order_and_interruptions_change_no_byte(tmp_path):
