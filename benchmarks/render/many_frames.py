@@ -1,8 +1,9 @@
 """Whether the memory of the Blender process stays flat over many frames.
 
-Renders small frames of different views in one process and reads its resident memory after each.
+Renders small frames along the line, round after round and no view twice, in one process and reads its resident memory
+after each. Pictures from parts keep maps of the floor, which grow in the first round.
 
-    python benchmarks/render/many_frames.py [--frames 2000] [--look classroom] [--size 64 48] [--plot memory.png]
+    python benchmarks/render/many_frames.py [--method parts] [--frames 2000] [--size 64 48] [--plot memory.png]
 """
 
 import argparse
@@ -14,23 +15,25 @@ from pathlib import Path
 from statistics import mean
 
 import numpy as np
-from views import LOOKS, POSES, views_of
+from views import LOOKS, job_along_the_line
 
 from blender_scenes.job import RenderJob
 from blender_scenes.renderer import render_job
+from blender_scenes.sampling import part_samples
+from configs.schema.scenario import Render
 
-_TURN_deg = 137.5
-"""The golden angle: no view comes twice."""
+_TOLD = (1, 10, 100, 300, 500, 1000)
+"""After how many frames, and after the last, memory is told."""
 
 
 def memory_MB(job: RenderJob, threads: int) -> list[float]:
     """Resident memory of the Blender process after each of the job's frames."""
     seen: list[float] = []
 
-    def note(number: int) -> None:
+    def note(_: int) -> None:
         seen.append(_children_MB())
-        if number % 200 == 0:
-            print(f"  {number} frames: {seen[-1]:.0f} MB", flush=True)
+        if len(seen) in {*_TOLD, len(job.frames)}:
+            print(f"  {len(seen)} frames: {seen[-1]:.0f} MB", flush=True)
 
     with tempfile.TemporaryDirectory() as scratch:
         file = Path(scratch, "job.json")
@@ -61,14 +64,16 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=2000)
     parser.add_argument("--look", choices=LOOKS, default="classroom")
     parser.add_argument("--size", nargs=2, type=int, default=[64, 48], metavar=("WIDTH", "HEIGHT"))
-    parser.add_argument("--samples", type=int, default=1)
+    parser.add_argument("--method", choices=("whole", "parts"), default="whole")
+    parser.add_argument("--samples", type=int, default=1, help="of a whole picture; parts take those of `standard`")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--plot", type=Path)
     asked = parser.parse_args()
-    poses = tuple((x, y, yaw + _TURN_deg * i) for i in range(asked.frames) for x, y, yaw in [POSES[i % len(POSES)]])
-    job = views_of(asked.look, poses, tuple(asked.size)).job
+    job = job_along_the_line(asked.look, asked.frames, tuple(asked.size))
+    width_px, height_px = asked.size
+    parts = part_samples(Render(width_px=width_px, height_px=height_px)) if asked.method == "parts" else None
     begin = time.monotonic()
-    seen = memory_MB(replace(job, sampling=replace(job.sampling, samples=asked.samples)), asked.threads)
+    seen = memory_MB(replace(job, sampling=replace(job.sampling, samples=asked.samples, parts=parts)), asked.threads)
     fifth = max(1, len(seen) // 5)
     first, last = mean(seen[:fifth]), mean(seen[-fifth:])
     print(f"{len(seen)} frames of {asked.size[0]} x {asked.size[1]} px in {time.monotonic() - begin:.0f} s")
