@@ -6,7 +6,8 @@ status 1 if any differs.
 
     python benchmarks/render/threads.py [--looks night extreme] [--qualities draft high] [--size 64 48] [--samples 2]
 
-Of a quality the denoiser is taken; the samples are `--samples`.
+Of a quality the denoiser is taken; the samples are `--samples`. `parts` is what `standard` takes of pictures from
+parts, whose light has fewer pixels than they have from 160 x 120 on.
 """
 
 import argparse
@@ -15,12 +16,14 @@ import tempfile
 from dataclasses import asdict, replace
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 from views import LOOKS, POSES, views_of
 
 from blender_scenes.job import RenderJob
 from blender_scenes.renderer import render_job
-from blender_scenes.sampling import QUALITIES
+from blender_scenes.sampling import QUALITIES, part_samples
+from configs.schema.scenario import Render
 
 PLANS = {1: ((1, 2, 3),), 2: ((3,), (1, 2)), 4: ((2,), (1, 3))}
 """Threads -> numbers of the frames that each of its processes renders."""
@@ -35,18 +38,26 @@ def hashes(job: RenderJob, threads: int, parts: tuple[tuple[int, ...], ...]) -> 
         return {picture.number: picture.sha256 for frames in sets for picture in frames.files}
 
 
+def _settings(name: str, asked: argparse.Namespace) -> dict[str, Any]:
+    """Fields of `Sampling`."""
+    if name == "parts":
+        width_px, height_px = asked.size
+        return {"parts": part_samples(Render(width_px=width_px, height_px=height_px))}
+    return asdict(replace(QUALITIES[name], samples=asked.samples))
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--looks", nargs="+", choices=LOOKS, default=list(LOOKS))
-    parser.add_argument("--qualities", nargs="+", choices=QUALITIES, default=["draft", "standard", "high"])
+    qualities = ["draft", "standard", "high", "parts"]
+    parser.add_argument("--qualities", nargs="+", choices=[*QUALITIES, "parts"], default=qualities)
     parser.add_argument("--size", nargs=2, type=int, default=[64, 48], metavar=("WIDTH", "HEIGHT"))
     parser.add_argument("--samples", type=int, default=2)
     asked = parser.parse_args()
     differ = 0
     for look, name in product(asked.looks, asked.qualities):
         job = views_of(look, POSES[: len(PLANS)], tuple(asked.size)).noisy()
-        own = replace(QUALITIES[name], samples=asked.samples)
-        job = replace(job, sampling=replace(job.sampling, **asdict(own)))
+        job = replace(job, sampling=replace(job.sampling, **_settings(name, asked)))
         found = {threads: hashes(job, threads, parts) for threads, parts in PLANS.items()}
         for number in sorted(found[1]):
             of_frame = {threads: found[threads][number] for threads in PLANS}
