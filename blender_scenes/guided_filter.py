@@ -17,12 +17,12 @@ _LEAST_WEIGHT = np.float32(1e-3)
 
 
 def local_lines(values: Image, guide: Image, weight: Image) -> Image:
-    """(H, W, 2 K): slopes and intercepts, by which the values around each pixel follow from the guide.
+    """(H, W, 2 K): slopes by which the values around each pixel follow the guide, and where the lines are at its own.
 
     Args:
         values: (H, W, K).
         guide: (H, W, 1), in 0 to 1.
-        weight: (H, W, 1), what each pixel counts for; where nothing around does, the slope is 0 and the value its own.
+        weight: (H, W, 1), what each pixel counts for; where nothing around does, slopes are 0 and lines at its values.
     """
     channels = values.shape[-1]
     moments = np.concatenate([weight, guide * weight, guide**2 * weight, values * weight, guide * values * weight], -1)
@@ -32,4 +32,4 @@ def local_lines(values: Image, guide: Image, weight: Image) -> Image:
     mean, square, of_values, product = np.split(means, [1, 2, 2 + channels], axis=-1)
     slope = (product - mean * of_values) / (np.maximum(square - mean**2, 0) + _LEAST_VARIANCE)
     told = total > _LEAST_WEIGHT
-    return np.concatenate([np.where(told, slope, 0), np.where(told, of_values - slope * mean, values)], -1)
+    return np.concatenate([np.where(told, slope, 0), np.where(told, of_values + slope * (guide - mean), values)], -1)

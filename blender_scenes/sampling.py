@@ -15,9 +15,9 @@ class PartSamples:
     """Of a picture that is put together from its parts (`bpy_side/part_pictures.py`)."""
 
     near: int
-    """Light paths per pixel of the light's picture, which has far fewer of them than the final one."""
+    """Light paths per pixel of the picture of all light, which has a few thousand pixels."""
     far: int
-    """Light paths per pixel of its upper rows, which has more of them."""
+    """Light paths per pixel of that of the upper rows, where the floor is far, which is finer."""
     surfaces: int
     """Camera rays per pixel for what the surfaces reflect."""
 

@@ -1,6 +1,6 @@
 """Whether a frame's file is the same, byte by byte, however many threads render it and whatever came before it.
 
-Renders the same frames of each look with 1, 2 and 4 threads, in one Blender process or in parts as after an
+Renders the same frames of each look with 1, 2 and 4 threads, in one Blender process or in pieces as after an
 interruption, in another order each time, and compares SHA-256 of the JPEG files, camera noise included. Ends with
 status 1 if any differs.
 

@@ -47,6 +47,8 @@ _LEAST_PX = 4
 """Along a side: Blender renders no fewer."""
 _FAR_M = 0.6
 """Along the optical axis: where the floor is farther, its gloss comes from the light's picture of more pixels."""
+_HEIGHTS = 16
+"""Of such a picture, from the least to all of it."""
 _PASSING = 1 / 15
 """Of the rows, over which one passes into the other."""
 _WHOLLY, _MOSTLY = 0.99, 0.5
@@ -58,7 +60,7 @@ _LEAST_SHARE = np.float32(0.005)
 """Of the picture's light: where there is no more of it, what is left of it is not told."""
 _LEAST_LIGHT = np.float32(1e-6)
 _UP = (0.0, 0.0, 1.0)
-ROUGHNESS = "roughness"
+_ROUGHNESS = "roughness"
 """Of the floor, among what is seen of the surfaces."""
 
 
@@ -97,7 +99,7 @@ class PartPictures:
         # Other random numbers than those of the light.
         seen = self._scenes.surfaces(self._size, self._samples.surfaces, (seed + 1) % 2**31, view)
         cover = seen[COVER][..., :1]
-        floor, seen[ROUGHNESS] = np.split(self._floor(view, cover[..., 0] > 0), [3], axis=-1)
+        floor, seen[_ROUGHNESS] = np.split(self._floor(view, cover[..., 0] > 0), [3], axis=-1)
         near = self._near_parts(moved, still, seen)
         share, traced = near[..., :3], near[..., 3:]
         end = self._far_end(cover)
@@ -106,7 +108,8 @@ class PartPictures:
             passing = (end - 0.5 - np.arange(len(far), dtype=np.float32)) / (_PASSING * self._size[1])
             traced[: len(far)] += np.clip(passing, 0, 1)[:, None, None] * (far - traced[: len(far)])
         light, rest, let_in = traced[..., :3], traced[..., 3:6], traced[..., 6:]
-        return (floor * cover * share * let_in + seen["DiffCol"] * light + np.maximum(rest, 0)).astype(np.float32)
+        on_floor = floor * cover * share * np.clip(let_in, 0, 1)
+        return (on_floor + seen["DiffCol"] * light + np.maximum(rest, 0)).astype(np.float32)
 
     def _near_parts(self, moved: Passes, still: Passes, seen: Passes) -> Image:
         """(H, W, 10): the share of the still scene's light that is there, and what `_traced` has."""
@@ -118,17 +121,20 @@ class PartPictures:
 
     def _far_parts(self, view: FrameView, end: float, seed: int, seen: Passes) -> Image:
         """(rows, W, 7) of what `_traced` has of the rows above an end."""
-        rows = min(max(int(np.ceil(end / self._far)), _LEAST_PX) * self._far, self._size[1])
+        height = self._size[1] // self._far
+        # In steps: the denoiser keeps what it needs for each size that it has met.
+        step = max(height // _HEIGHTS, _LEAST_PX)
+        rows = min(int(np.ceil(end / self._far / step)) * step, height) * self._far
         size, above = self._shared_by(self._far), {name: image[:rows] for name, image in seen.items()}
         upper = self._scenes.upper_light(size, rows // self._far, self._samples.far, seed, view)
         return _brought(self._traced(upper, above, self._far), above)
 
     def _traced(self, passes: Passes, seen: Passes, times: int) -> Image:
-        """(h, w, 11) without noise: light; slopes, then intercepts over roughness of what else comes and of a share.
+        """(h, w, 12) without noise: light, and what `_brought` needs of what else comes and of a share.
 
         The share is what the floor's coat lets through to what is below it, and back.
         """
-        normal, roughness = (reduced(seen[name], times) for name in ("Normal", ROUGHNESS))
+        normal, roughness = (reduced(seen[name], times) for name in ("Normal", _ROUGHNESS))
         whole = (reduced(seen[COVER][..., :1], times) > _WHOLLY).astype(np.float32)
         light = passes["DiffDir"] + passes["DiffInd"]
         rest = np.maximum(passes["Combined"] - passes["DiffCol"] * light, 0)
@@ -136,7 +142,7 @@ class PartPictures:
         let_in = passes["DiffCol"].mean(axis=-1, keepdims=True) / MIDDLE_GREY
         both = np.concatenate([rest, let_in], axis=-1)
         lines = np.where(whole > 0, local_lines(both, roughness, whole), np.concatenate([0 * both, both], axis=-1))
-        return np.concatenate([self._denoised(light, normal), lines], axis=-1)
+        return np.concatenate([self._denoised(light, normal), lines, roughness], axis=-1)
 
     def _far_end(self, cover: Image) -> float:
         """The row at which far floor and all other things end, and what they pass into; 0 where all is traced alike."""
@@ -248,10 +254,14 @@ def _rows_of(where: np.ndarray) -> int:
 
 
 def _brought(low: Image, seen: Passes) -> Image:
-    """To the pixels of what the surfaces' picture shows, with lines followed to its roughness."""
+    """(H, W, K - 5) of (h, w, K), to the pixels of the surfaces' picture.
+
+    The last nine channels are four slopes, four values, and the roughness of those; a floor's follow its own.
+    """
     found = upsampled(low, 1 / np.maximum(seen["Depth"], 1e-3), seen["Normal"])
-    alone, slope, intercept = np.split(found, [-8, -4], axis=-1)
-    return np.concatenate([alone, intercept + slope * seen[ROUGHNESS]], axis=-1)
+    alone, slope, value, roughness = np.split(found, [-9, -5, -1], axis=-1)
+    rougher = np.where(seen[COVER][..., :1] > 0, seen[_ROUGHNESS] - roughness, 0)
+    return np.concatenate([alone, value + slope * rougher], axis=-1)
 
 
 def _with_upward_part(tile: Image) -> Image:

@@ -9,9 +9,10 @@ HEIGHT, WIDTH = 24, 32
 EVERYWHERE = np.ones((HEIGHT, WIDTH, 1), np.float32)
 
 
-def _followed(lines: np.ndarray, guide: np.ndarray) -> np.ndarray:
-    slope, intercept = np.split(lines, 2, axis=-1)
-    return slope * guide + intercept
+def _followed(lines: np.ndarray, own: np.ndarray, guide: np.ndarray | np.float32) -> np.ndarray:
+    """The values of a guide by the lines found with their own."""
+    slope, value = np.split(lines, 2, axis=-1)
+    return value + slope * (guide - own)
 
 
 def _two_kinds() -> np.ndarray:
@@ -24,7 +25,7 @@ def test_values_on_a_line_over_the_guide_are_told_exactly():
     """To what the least variance takes off the slope: 1e-4 of a variance of up to 0.09."""
     guide = _two_kinds()
     values = guide * np.float32([2.0, -0.5]) + np.float32([0.1, 0.8])
-    np.testing.assert_allclose(_followed(local_lines(values, guide, EVERYWHERE), guide), values, atol=0.01)
+    np.testing.assert_allclose(_followed(local_lines(values, guide, EVERYWHERE), guide, guide), values, atol=0.01)
 
 
 def test_a_finer_guide_brings_back_the_edge_that_coarse_pixels_do_not_have():
@@ -35,14 +36,14 @@ def test_a_finer_guide_brings_back_the_edge_that_coarse_pixels_do_not_have():
     coarse, values = (a.mean(axis=-1, keepdims=True).astype(np.float32) for a in (fine, of_kind))
     lines = local_lines(values, coarse, EVERYWHERE)
     for own, value in ((0.3, 5.0), (0.9, 1.0)):
-        assert _followed(lines, np.float32(own)) == pytest.approx(np.full((HEIGHT, WIDTH, 1), value), abs=0.05)
+        assert _followed(lines, coarse, np.float32(own)) == pytest.approx(np.full((HEIGHT, WIDTH, 1), value), abs=0.05)
 
 
 def test_under_an_even_guide_values_are_their_mean_around():
     rng = np.random.default_rng(2)
     values = rng.normal(1.0, 0.1, (HEIGHT, WIDTH, 1)).astype(np.float32)
     guide = np.full_like(values, 0.7)
-    found = _followed(local_lines(values, guide, EVERYWHERE), guide)
+    found = _followed(local_lines(values, guide, EVERYWHERE), guide, guide)
     assert found.std() < 0.3 * values.std()
     assert found.mean() == pytest.approx(values.mean(), abs=0.01)
 
@@ -51,7 +52,7 @@ def test_what_counts_for_nothing_has_no_say():
     guide, weight = _two_kinds(), EVERYWHERE.copy()
     values = 3 * guide
     values[8:16, 8:16], weight[8:16, 8:16] = 1000.0, 0.0
-    found = _followed(local_lines(values, guide, weight), guide)
+    found = _followed(local_lines(values, guide, weight), guide, guide)
     assert found[weight > 0] == pytest.approx((3 * guide)[weight > 0], abs=0.05)
 
 

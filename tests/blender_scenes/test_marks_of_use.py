@@ -35,6 +35,9 @@ def _surfaces() -> dict[str, tuple[Surface, float]]:
     for name, reflectance, amount in (("pale", PALE, 1.0), ("dark", DARK, 1.0), ("half stained", PALE, 0.5)):
         even = Surface("", Color((reflectance, reflectance, reflectance)))
         made[name] = stained(even, Patch("floor", (9.0, 9.0), 1), amount), FLOOR_M
+    for name in ("bare", "streaked"):
+        # Its roughness for all to see.
+        made[f"roughness of {name}"] = Surface("", tape(TAPES[name], piece).roughness), TAPE_M
     return made
 
 
@@ -60,6 +63,12 @@ def test_streaks_make_tape_paler_and_darken_at_most_a_speck_of_dust(seen):
     added = seen["streaked"] - seen["bare"]
     assert np.quantile(added, 0.01) > -0.005
     assert np.quantile(added, 0.99) > 0.08
+
+
+def test_where_streaks_are_palest_the_tape_is_smoothest(seen):
+    added, rougher = seen["streaked"] - seen["bare"], seen["roughness of streaked"] - seen["roughness of bare"]
+    assert np.corrcoef(added.ravel(), rougher.ravel())[0, 1] < -0.5
+    assert rougher[added > 0.06].mean() < -0.02
 
 
 def test_half_of_the_streaks_add_half_of_the_light(seen):

@@ -156,6 +156,7 @@ def test_no_surface_has_more_noises_than_a_renderer_can_afford(name):
     surface = _all()[name]
     wanted = [surface.base_color, surface.roughness, surface.height_m]
     found = {e for texture in wanted if isinstance(texture, Expression) for e in _parts(texture)}
+    # What the richest floor has of its own, and dirt and stains upon it.
     assert sum(isinstance(e, Noise) for e in found) <= 13
 
 

@@ -157,6 +157,21 @@ def pictures(lights_of) -> dict[str, np.ndarray]:
     return dict(zip(names, lights_of(*asked), strict=True))
 
 
+@pytest.fixture(scope="module")
+def shared(lights_of) -> dict[str, np.ndarray]:
+    """(N, H, W, 3) from parts, where most of the light has half as many pixels each way, the upper rows' as many."""
+    still = _job(_scene(BOX), STILL, PARTS)
+    rolling = _job(_scene(BOX), [_turning(1, ROLLING.exposure_s + ROLLING.read_out_s)], PARTS, ROLLING)
+    orders = {
+        "still": (still, 2, [1, 2, 3]),
+        "one thread": (still, 1, [3, 1, 2]),
+        "alone": (still, 1, [2]),
+        "rolling": (rolling, 2, [1]),
+        "taped": (_job(_scene(ground=TAPED), STILL[:1], PARTS), 2, [1]),
+    }
+    return dict(zip(orders, lights_of(*orders.values(), near_width_px=WIDTH_PX // 2), strict=True))
+
+
 HERE = np.array(STILL[0].X_WC)
 V, U = np.indices((HEIGHT_PX, WIDTH_PX))
 FLOOR_SEEN = floor_points(CAMERA, HERE, np.column_stack([U.ravel(), V.ravel()]).astype(float))
@@ -197,9 +212,11 @@ def test_the_robot_throws_its_shadow(pictures):
     assert np.median(parts[ROBOT_SHADOW]) < 0.8 * np.median(parts[BARE & (V > 36)])
 
 
-def test_a_glossy_strip_on_a_rough_floor_is_as_it_is_in_a_whole_picture(pictures):
+@pytest.mark.parametrize("light", ["as many pixels", "half as many"])
+def test_a_glossy_strip_on_a_rough_floor_is_as_it_is_in_a_whole_picture(pictures, shared, light):
     """It lets less through to the colour below it, and mirrors what is behind; both end where it does."""
-    parts, whole = (pictures[f"taped {of}"][0][10:18, 40:60].mean(axis=(1, 2)) for of in ("parts", "whole"))
+    of_parts = (shared["taped"] if light == "half as many" else pictures["taped parts"])[0]
+    parts, whole = (of[10:18, 40:60].mean(axis=(1, 2)) for of in (of_parts, pictures["taped whole"][0]))
     around = np.r_[0:1, 6:8]
     assert np.abs(whole[1:6] / whole[around].mean() - 1).max() > 0.05
     assert parts == pytest.approx(whole, rel=0.03)
@@ -209,6 +226,15 @@ def test_a_glossy_strip_on_a_rough_floor_is_as_it_is_in_a_whole_picture(pictures
 def test_so_it_is_while_the_camera_turns(pictures, kind):
     parts, whole = (pictures[f"{kind} {of}"][0][20:].mean(axis=(0, 1)) for of in ("parts", "whole"))
     assert parts == pytest.approx(whole, rel=0.02)
+
+
+def test_upper_rows_traced_by_themselves_are_where_a_rolling_shutter_has_them(pictures, shared):
+    """A box stands in them, before which the camera turns: its edges would be bright or dark were they elsewhere."""
+    upper = np.s_[0, :16, 8:56]
+    found, alike = (shared["rolling"][upper], pictures["rolling parts"][upper])
+    whole = pictures["rolling whole"][upper]
+    assert np.abs(found - whole).mean() < 1.2 * np.abs(alike - whole).mean()
+    assert found.mean(axis=(0, 1)) == pytest.approx(whole.mean(axis=(0, 1)), rel=0.03)
 
 
 def test_and_behind_a_lens_whose_pinhole_picture_has_no_middle(pictures):
@@ -322,8 +348,13 @@ def test_the_picture_does_not_depend_on_threads_or_on_the_pictures_before_it(pic
     np.testing.assert_array_equal(pictures["alone"][0], pictures["still parts"][1])
 
 
-def test_no_light_is_below_nothing_or_no_number(pictures):
-    for light in pictures.values():
+def test_nor_where_its_upper_rows_are_traced_by_themselves(shared):
+    np.testing.assert_array_equal(shared["one thread"], shared["still"][[2, 0, 1]])
+    np.testing.assert_array_equal(shared["alone"][0], shared["still"][1])
+
+
+def test_no_light_is_below_nothing_or_no_number(pictures, shared):
+    for light in (*pictures.values(), *shared.values()):
         assert np.isfinite(light).all()
         assert light.min() >= 0
 

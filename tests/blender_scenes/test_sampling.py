@@ -1,12 +1,13 @@
 """The user's knob for samples and denoiser, and what may be said beside it."""
 
+from dataclasses import astuple, replace
 from typing import get_args
 
 import pytest
 from pydantic import ValidationError
 
 from blender_scenes.job import FramePose, RenderJob, build_job
-from blender_scenes.sampling import QUALITIES, sampling
+from blender_scenes.sampling import QUALITIES, part_samples, sampling
 from configs.schema.look import LookConfig
 from configs.schema.scenario import Render, RenderQuality
 
@@ -60,8 +61,16 @@ def test_samples_said_aloud_take_the_place_of_those_of_the_quality_and_nothing_e
 def test_pictures_are_traced_whole_unless_parts_are_asked_for():
     assert sampling(Render(), seed=1).parts is None
     rough, fine = (sampling(Render(method="parts", quality=name), seed=1).parts for name in ("draft", "standard"))
-    assert rough.near + rough.far < fine.near + fine.far
-    assert rough.surfaces < fine.surfaces
+    assert all(few < more for few, more in zip(astuple(rough), astuple(fine), strict=True))
+
+
+def test_of_parts_only_what_surfaces_reflect_takes_more_samples_in_small_pictures():
+    """Twice as many for a quarter of the pixels, as whole pictures do, and no more for fewer still."""
+    large, small, tiny = (
+        part_samples(Render(method="parts", width_px=width, height_px=width * 3 // 4)) for width in (640, 320, 96)
+    )
+    assert small == replace(large, surfaces=2 * large.surfaces)
+    assert tiny == small
 
 
 def test_a_job_of_whole_pictures_is_the_same_text_as_one_that_knows_of_no_parts(arena, robot):
