@@ -37,12 +37,14 @@ def tape(look: TapeLook, patch: Patch, bend_per_m: float = 0.0, bed_m: float = 0
     height = 0.00012 * waves + (0.00003 * look.roughness) * crepe + _folds(look, patch, bend_per_m, fine=waves)
     if bed_m:
         height = height + 0.5 * bed_m * Noise((0.4 / bed_m, 0.4 / bed_m), patch.offset("bed"), octaves=2)
-    matt, depth = 1 - worn, 0.16 * look.wear
+    matt, depth, mean = 1 - worn, 0.16 * look.wear, min(look.roughness + 0.05, 1.0)
     if look.streaks:
         streaked, more = _streaks(patch), 0.1 * look.streaks
         base = Mix(0.8 * look.streaks * streaked, base, Color((0.35, 0.34, 0.33)))
+        # Between streaks the tape is as rough as without them.
+        mean -= 0.5 * more
         matt, depth = (depth * matt + more * (1 - streaked)) * (1 / (depth + more)), depth + more
-    roughness = worn_gloss(min(look.roughness + 0.05, 1.0), matt, depth)
+    roughness = worn_gloss(mean, matt, depth)
     return Surface(patch.name, base, roughness=roughness, height_m=height, refractive_index=1.42)
 
 

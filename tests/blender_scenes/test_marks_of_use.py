@@ -69,6 +69,7 @@ def test_where_streaks_are_palest_the_tape_is_smoothest(seen):
     added, rougher = seen["streaked"] - seen["bare"], seen["roughness of streaked"] - seen["roughness of bare"]
     assert np.corrcoef(added.ravel(), rougher.ravel())[0, 1] < -0.5
     assert rougher[added > 0.06].mean() < -0.02
+    assert np.abs(rougher[added < 0.001]).mean() < 0.01
 
 
 def test_half_of_the_streaks_add_half_of_the_light(seen):
