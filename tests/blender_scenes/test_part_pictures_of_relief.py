@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 import pytest
 
-from blender_scenes.camera import floor_points, pose_X_WR, project
+from blender_scenes.camera import floor_points, pose_X_RC, pose_X_WR, project
 from blender_scenes.camera_response import CameraResponse, develop, encode_jpeg, median_luminance
 from blender_scenes.description import FrameView, Intrinsics, Panel, PlanarPose, Scene, Sky
 from blender_scenes.geometry import block, floor, rectangle
@@ -19,20 +19,16 @@ from blender_scenes.job import RenderJob
 from blender_scenes.sampling import PARTS, PartSamples, Sampling
 from blender_scenes.shading import Color, Noise, Surface, Tiles
 from configs.schema.look import CameraLook
+from configs.schema.robot import Camera
 
 WIDTH_PX, HEIGHT_PX = 128, 96
 CAMERA = Intrinsics(WIDTH_PX, HEIGHT_PX, 90.0, 90.0, 63.5, 47.5)
 NEAR_WIDTH_PX = WIDTH_PX // 2
 WHOLE_SAMPLES = 128
-PITCH = np.radians(35.0)
-X_RC = np.array(
-    [
-        [0.0, -np.sin(PITCH), np.cos(PITCH), 0.05],
-        [-1.0, 0.0, 0.0, 0.0],
-        [0.0, -np.cos(PITCH), -np.sin(PITCH), 0.25],
-        [0.0, 0.0, 0.0, 1.0],
-    ]
+MOUNTED = Camera(
+    x_m=0.05, y_m=0.0, height_above_base_m=0.25, pitch_down_deg=35.0, focal_length_mm=4.0, sensor_width_mm=5.7
 )
+X_RC = pose_X_RC(MOUNTED, base_height_m=0.0)
 HERE = pose_X_WR(0.0, 0.0, 0.0) @ X_RC
 RESPONSE = CameraResponse.from_look(CameraLook(), (1.0, 1.0, 1.0), 1, 92)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from blender_scenes.camera import pose_X_WR
+from blender_scenes.camera import pose_X_RC, pose_X_WR
 from blender_scenes.camera_response import CameraResponse
 from blender_scenes.description import FrameView, Intrinsics, Scene, Sky, Sun
 from blender_scenes.geometry import block, floor
@@ -11,17 +11,14 @@ from blender_scenes.job import RenderJob
 from blender_scenes.sampling import PARTS, Sampling
 from blender_scenes.shading import Color, Surface
 from configs.schema.look import CameraLook
+from configs.schema.robot import Camera
 
 CAMERA = Intrinsics(64, 48, 45.0, 45.0, 31.5, 23.5)
-PITCH, ELEVATION = np.radians(35.0), np.radians(25.0)
-X_RC = np.array(
-    [
-        [0.0, -np.sin(PITCH), np.cos(PITCH), 0.05],
-        [-1.0, 0.0, 0.0, 0.0],
-        [0.0, -np.cos(PITCH), -np.sin(PITCH), 0.25],
-        [0.0, 0.0, 0.0, 1.0],
-    ]
+ELEVATION = np.radians(25.0)
+MOUNTED = Camera(
+    x_m=0.05, y_m=0.0, height_above_base_m=0.25, pitch_down_deg=35.0, focal_length_mm=4.0, sensor_width_mm=5.7
 )
+X_RC = pose_X_RC(MOUNTED, base_height_m=0.0)
 SUN_klx = 10.0
 WALL = block("wall_A", (1.2, 0.0, 0.4), (0.05, 2.0, 0.8), "white")
 BLIND = block("wall_B", (-0.6, 0.0, 0.15), (0.05, 2.0, 0.3), "white")
