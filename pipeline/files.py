@@ -1,12 +1,15 @@
 """How a file is recognised: by its SHA-256; and the bytes of a JSON file, which are the same for the same value."""
 
+import contextlib
 import hashlib
 import json
 import os
+import stat
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 
 from configs.errors import EnvironmentLacking
+from configs.refusals import NOT_THERE
 
 
 def sha256_of(path: Path) -> str:
@@ -23,6 +26,19 @@ def hashes_of(folder: Path, skip: Collection[str] = ()) -> dict[str, str]:
     paths = (path.relative_to(folder) for path in _files_below(folder) if path.is_file())
     names = sorted(path.as_posix() for path in paths if path.parts[0] not in skip)
     return {name: sha256_of(folder / name) for name in names}
+
+
+def sizes_below(folder: Path) -> Iterator[tuple[Path, int]]:
+    """Every regular file below a folder, and its bytes, while others may write there: what goes meanwhile is no file.
+
+    A link or a pipe is none either. A folder that is not there, or that may not be read, holds nothing.
+    """
+    for place, _, names in os.walk(folder):
+        for path in (Path(place, name) for name in names):
+            with contextlib.suppress(*NOT_THERE):
+                status = path.lstat()
+                if stat.S_ISREG(status.st_mode):
+                    yield path, status.st_size
 
 
 def _files_below(folder: Path) -> Iterator[Path]:

@@ -7,6 +7,7 @@ from pathlib import Path
 from configs.errors import EnvironmentLacking, InputError
 from configs.refusals import NOT_THERE
 from pipeline.dataset.manifest import MANIFEST
+from pipeline.files import sizes_below
 from pipeline.paths import nearest_existing
 from pipeline.stages.assemble import read_metadata
 from pipeline.workspace import KIND, STAGES, Kind
@@ -74,7 +75,7 @@ def kind_of(out: Path) -> Kind | None:
 
 def check_disk(out: Path, needed_bytes: int, or_else: str = "lower render.width_px and render.height_px") -> None:
     """Raise EnvironmentLacking when there is no room for `needed_bytes` where `out` is or will be."""
-    there = sum(path.stat().st_size for path in out.rglob("*") if path.is_file())
+    there = sum(size for _, size in sizes_below(out))
     cure = f"name a folder on another disk, or {or_else}"
     _check_room(nearest_existing(out), needed_bytes - there, f"--out {out}", needed_bytes, cure)
 

@@ -1,8 +1,6 @@
 """A folder as a store, such as one of a mounted disk: every file is whole, and on the disk when it is told stored."""
 
 import contextlib
-import os
-import stat
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +8,7 @@ from pathlib import Path
 from configs.errors import InputError
 from configs.refusals import NOT_THERE
 from configs.whole_files import make_folder, place_of, remove_leftovers, write_file
-from pipeline.files import sha256_of
+from pipeline.files import sha256_of, sizes_below
 from pipeline.storage.base import LocalFile
 from pipeline.workspace import held_or_refused
 
@@ -31,13 +29,8 @@ class Folder:
         remove_leftovers(self.root, below=True)
 
     def sizes(self) -> dict[str, int]:
-        found: dict[str, int] = {}
-        for folder, _, names in os.walk(self.root):
-            for path in (Path(folder, name) for name in names):
-                status = path.lstat()
-                if stat.S_ISREG(status.st_mode) and not place_of(path):  # a link or a pipe is no object
-                    found[path.relative_to(self.root).as_posix()] = status.st_size
-        return found
+        there = ((path, size) for path, size in sizes_below(self.root) if not place_of(path))
+        return {path.relative_to(self.root).as_posix(): size for path, size in there}
 
     def digest(self, name: str) -> str:
         try:

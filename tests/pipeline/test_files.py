@@ -3,10 +3,11 @@
 import errno
 import hashlib
 import os
+from pathlib import Path
 
 import pytest
 
-from pipeline.files import hashes_of
+from pipeline.files import hashes_of, sizes_below
 
 
 def test_every_file_is_listed_but_those_to_skip(tmp_path):
@@ -30,3 +31,18 @@ def test_a_folder_that_cannot_be_read_is_not_passed_over(tmp_path, monkeypatch, 
     monkeypatch.setattr(os, "scandir", refused)
     with pytest.raises(OSError, match=os.strerror(number)):
         hashes_of(tmp_path)
+
+
+def test_of_the_sizes_below_what_has_gone_since_its_folder_was_read_is_no_file(tmp_path, monkeypatch):
+    """As a scratch file does that gets its name while another command counts."""
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a/data.csv").write_bytes(b"abc")
+    (tmp_path / "a/scratch").write_bytes(b"ab")
+    lstat = Path.lstat
+
+    def late(path):
+        (tmp_path / "a/scratch").unlink(missing_ok=True)
+        return lstat(path)
+
+    monkeypatch.setattr(Path, "lstat", late)
+    assert dict(sizes_below(tmp_path)) == {tmp_path / "a/data.csv": 3}

@@ -275,14 +275,22 @@ def _wait_for(condition, timeout_s=60.0):
 
 
 def _descendants(pid):
-    """Children by any thread, and theirs."""
-    found = []
-    for task in Path(f"/proc/{pid}/task").iterdir():
-        for child in map(int, (task / "children").read_text().split()):
-            found += [child, *_descendants(child)]
-    return found
+    """Children by any thread, and theirs; what ends while it is counted is left out."""
+    try:
+        tasks = [(task / "children").read_text() for task in Path(f"/proc/{pid}/task").iterdir()]
+    except (FileNotFoundError, ProcessLookupError):
+        return []
+    children = [int(child) for task in tasks for child in task.split()]
+    return [*children, *(below for child in children for below in _descendants(child))]
 
 
 def _workers(pid):
     """Children that run a unit of work already."""
-    return [p for p in _descendants(pid) if b"pipeline.worker_main" in Path(f"/proc/{p}/cmdline").read_bytes()]
+    return [child for child in _descendants(pid) if b"pipeline.worker_main" in _command_of(child)]
+
+
+def _command_of(pid):
+    try:
+        return Path(f"/proc/{pid}/cmdline").read_bytes()
+    except (FileNotFoundError, ProcessLookupError):
+        return b""
