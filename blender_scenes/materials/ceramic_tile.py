@@ -2,7 +2,7 @@
 
 from blender_scenes.colour import paint_color
 from blender_scenes.materials.base import Patch
-from blender_scenes.materials.patterns import specks, stains
+from blender_scenes.materials.patterns import blotches, specks
 from blender_scenes.shading import Mix, Noise, Surface, Tiles
 from configs.schema.floors import FloorLook
 
@@ -28,7 +28,7 @@ def ceramic_tile(look: FloorLook, patch: Patch) -> Surface:
     tile = Mix(specks(patch, "pepper", size_m=0.0012, share=0.4), tile, paint_color(own.paint, times=0.8))
     sand = Noise((500.0, 500.0), patch.offset("sand"), octaves=2)
     grout = Mix(sand, paint_color(own.joint, times=0.75), paint_color(own.joint, times=1.25))
-    grime = stains(patch, "grime in the joints", size_m=0.12, share=0.4)
+    grime = blotches(patch, "grime in the joints", size_m=0.12, share=0.4)
     grout = Mix(0.6 * grime, grout, paint_color(own.joint, times=0.4))
     waves = Noise((14.0, 14.0), patch.offset("glaze"), octaves=1, shift=40 * batch)
     return Surface(

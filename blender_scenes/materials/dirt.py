@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from blender_scenes.materials.base import Patch
-from blender_scenes.materials.patterns import arcs, either, specks, stains
+from blender_scenes.materials.patterns import arcs, blotches, either, specks
 from blender_scenes.shading import Color, Mix, Noise, Step, Surface, Texture
 
 _DUST = Color((0.33, 0.31, 0.28))
@@ -15,8 +15,8 @@ def dirtied(surface: Surface, patch: Patch, amount: float) -> Surface:
     if amount == 0:
         return surface
     grain = Noise((150.0, 150.0), patch.offset("grain of dirt"), octaves=4, gain=0.75)
-    film = stains(patch, "film", size_m=0.4, share=0.5)
-    feet = stains(patch, "feet", size_m=0.07, share=0.25)
+    film = blotches(patch, "film", size_m=0.4, share=0.5)
+    feet = blotches(patch, "feet", size_m=0.07, share=0.25)
     crumbs = specks(patch, "crumbs", size_m=0.0014, share=0.05 * amount)
     base = Mix(amount * (0.06 * film + 0.16 * feet * grain), surface.base_color, _DUST)
     base = Mix(_rubber(patch, amount) * Step(grain, 0.35, 0.85), base, _RUBBER)

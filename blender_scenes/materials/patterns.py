@@ -1,4 +1,4 @@
-"""Marks that many surfaces share, as masks 0-1: specks, streaks, stains, arcs, threads."""
+"""Marks that many surfaces share, as masks 0-1: specks, streaks, blotches, arcs, threads."""
 
 import math
 
@@ -22,7 +22,7 @@ def streaks(patch: Patch, name: str, *, length_m: float, width_m: float, share: 
     return Step(grain, level, level + 0.15)
 
 
-def stains(patch: Patch, name: str, *, size_m: float, share: float) -> Texture:
+def blotches(patch: Patch, name: str, *, size_m: float, share: float) -> Texture:
     """Soft irregular patches; `share` 0-1 is how much of the surface they cover."""
     cloud = Noise((1 / size_m, 1 / size_m), patch.offset(name), octaves=3, gain=0.6)
     level = 0.66 - 0.3 * share
