@@ -37,21 +37,48 @@ def robot() -> RobotConfig:
 
 
 _PROGRAM = """
-import os, sys, tempfile
+import os, sys, json, tempfile
 from pathlib import Path
+from unittest import mock
 import numpy as np
 out = os.fdopen(os.dup(1), "wb")
 os.dup2(2, 1)
-from blender_scenes.bpy_side import build, engine
+from blender_scenes.bpy_side import build, engine, part_pictures
 from blender_scenes.job import RenderJob
-job = RenderJob.from_json(sys.stdin.read())
-build.start()
-build.build(job.scene, job.camera, Path(sys.argv[1]) if sys.argv[1:] else None)
-with tempfile.TemporaryDirectory() as scratch:
-    engine.configure(job, 1, Path(scratch))
-    pictures = engine.Pictures(job, 1, Path(scratch))
-    out.write(np.stack([pictures.light(view) for view in job.frames]).tobytes())
+orders, near_width_px, own_files = json.load(sys.stdin)
+if near_width_px:
+    mock.patch.object(part_pictures, "_NEAR_WIDTH_PX", near_width_px).start()
+for job, threads, numbers in orders:
+    job = RenderJob.from_json(job)
+    by_number = {view.number: view for view in job.frames}
+    views = job.frames if numbers is None else [by_number[number] for number in numbers]
+    build.start()
+    build.build(job.scene, job.camera, Path(own_files) if own_files else None)
+    with tempfile.TemporaryDirectory() as scratch:
+        engine.configure(job, threads, Path(scratch))
+        pictures = engine.Pictures(job, threads, Path(scratch))
+        for view in views:
+            out.write(pictures.light(view).astype(np.float32).tobytes())
 """
+Order = tuple[RenderJob, int, list[int] | None]
+"""A job, threads, and the numbers of its views; None for all of them as they come."""
+
+
+def _lights(
+    orders: Sequence[Order], near_width_px: int | None = None, own_files: Path | None = None
+) -> list[np.ndarray]:
+    """(N, H, W, 3) linear light of each order, all made in one Blender process."""
+    asked = [(job.to_json(), threads, numbers) for job, threads, numbers in orders]
+    sent = json.dumps((asked, near_width_px, str(own_files) if own_files else None)).encode()
+    done = subprocess.run([sys.executable, "-c", _PROGRAM], input=sent, capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr.decode()[-2000:]
+    rest, found = np.frombuffer(done.stdout, np.float32), []
+    for job, _, numbers in orders:
+        shape = len(job.frames if numbers is None else numbers), job.camera.height_px, job.camera.width_px, 3
+        found.append(rest[: np.prod(shape)].reshape(shape))
+        rest = rest[np.prod(shape) :]
+    assert not rest.size
+    return found
 
 
 @pytest.fixture(scope="session")
@@ -77,38 +104,10 @@ def light_of() -> Callable[..., np.ndarray]:
             response=CameraResponse.from_look(CameraLook(), (1.0, 1.0, 1.0), 1, 92),
             shutter=shutter,
         )
-        call = [sys.executable, "-c", _PROGRAM, *([str(own_files)] if own_files else [])]
-        done = subprocess.run(call, input=job.to_json().encode(), capture_output=True, check=True)
-        return np.frombuffer(done.stdout, np.float32).reshape(len(views), pixels, pixels, 3)
+        (light,) = _lights([(job, 1, None)], own_files=own_files)
+        return light
 
     return traced
-
-
-_SEVERAL = """
-import os, sys, json, tempfile
-from pathlib import Path
-from unittest import mock
-import numpy as np
-out = os.fdopen(os.dup(1), "wb")
-os.dup2(2, 1)
-from blender_scenes.bpy_side import build, engine, part_pictures
-from blender_scenes.job import RenderJob
-orders, near_width_px = json.load(sys.stdin)
-if near_width_px:
-    mock.patch.object(part_pictures, "_NEAR_WIDTH_PX", near_width_px).start()
-for job, threads, numbers in orders:
-    job = RenderJob.from_json(job)
-    views = {view.number: view for view in job.frames}
-    build.start()
-    build.build(job.scene, job.camera)
-    with tempfile.TemporaryDirectory() as scratch:
-        engine.configure(job, threads, Path(scratch))
-        pictures = engine.Pictures(job, threads, Path(scratch))
-        for number in numbers:
-            out.write(pictures.light(views[number]).astype(np.float32).tobytes())
-"""
-Order = tuple[RenderJob, int, list[int]]
-"""A job, threads, and the numbers of its views."""
 
 
 @pytest.fixture(scope="session")
@@ -117,16 +116,6 @@ def lights_of() -> Callable[..., list[np.ndarray]]:
 
     def traced(*orders: Order, near_width_px: int | None = None) -> list[np.ndarray]:
         """`near_width_px`: what the light of a picture from parts has at least, for small ones to share its pixels."""
-        asked = [(job.to_json(), threads, numbers) for job, threads, numbers in orders], near_width_px
-        call = [sys.executable, "-c", _SEVERAL]
-        done = subprocess.run(call, input=json.dumps(asked).encode(), capture_output=True, check=False)
-        assert done.returncode == 0, done.stderr.decode()[-2000:]
-        rest, found = np.frombuffer(done.stdout, np.float32), []
-        for job, _, numbers in orders:
-            shape = len(numbers), job.camera.height_px, job.camera.width_px, 3
-            found.append(rest[: np.prod(shape)].reshape(shape))
-            rest = rest[np.prod(shape) :]
-        assert not rest.size
-        return found
+        return _lights(orders, near_width_px)
 
     return traced
