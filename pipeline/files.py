@@ -1,6 +1,5 @@
-"""How a file is recognised: by its SHA-256; and the bytes of a JSON file, which are the same for the same value."""
+"""How a file is recognised, by its SHA-256; how large files are; JSON whose bytes are the same for the same value."""
 
-import contextlib
 import hashlib
 import json
 import os
@@ -31,14 +30,16 @@ def hashes_of(folder: Path, skip: Collection[str] = ()) -> dict[str, str]:
 def sizes_below(folder: Path) -> Iterator[tuple[Path, int]]:
     """Every regular file below a folder, and its bytes, while others may write there: what goes meanwhile is no file.
 
-    A link or a pipe is none either. A folder that is not there, or that may not be read, holds nothing.
+    A link or a pipe is none either. A folder that is not there, or whose names may not be read, holds nothing.
     """
     for place, _, names in os.walk(folder):
         for path in (Path(place, name) for name in names):
-            with contextlib.suppress(*NOT_THERE):
+            try:
                 status = path.lstat()
-                if stat.S_ISREG(status.st_mode):
-                    yield path, status.st_size
+            except NOT_THERE:
+                continue
+            if stat.S_ISREG(status.st_mode):
+                yield path, status.st_size
 
 
 def _files_below(folder: Path) -> Iterator[Path]:

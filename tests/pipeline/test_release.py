@@ -1,5 +1,6 @@
 """A release is the same bytes however it is made, and a rerun does only what changed."""
 
+import contextlib
 import json
 import math
 import os
@@ -24,6 +25,9 @@ walls:
   - {name: A1, start: [-0.05, 0.90], end: [-0.85, 0.90]}
   - {name: sill, start: [0.65, -0.05], end: [0.45, -0.05], height_m: 0.03}
 """
+
+ENDED = (FileNotFoundError, ProcessLookupError)
+"""What /proc raises for a process or thread that has just ended."""
 
 ONE_ROUTE = "--set=routes=[{name: CW, start: {x_m: 0.55, y_m: -0.20, yaw_deg: -90}, runs: 1}]"
 
@@ -196,8 +200,9 @@ def test_killed_and_interrupted_at_any_stage_it_ends_with_the_same_bytes(dataset
     done_before = set(images.rglob("*.jpg"))
 
     bereft = symolo.start(*arguments)
-    _wait_for(lambda: bool(_workers(bereft.pid)) and (out / ".stages/simulate/CCW/test_1/done.json").exists())
-    os.kill(_workers(bereft.pid)[0], signal.SIGKILL)
+    simulated = out / ".stages/simulate/CCW/test_1/done.json"
+    worker, *_ = _wait_for(lambda: simulated.exists() and _workers(bereft.pid))
+    os.kill(worker, signal.SIGKILL)
     _, err = bereft.communicate(timeout=120)
     assert bereft.returncode == 0, "another worker takes the unit over"
     assert sum("SIGKILL" in line and "trying again" in line for line in err.splitlines()) == 1
@@ -268,20 +273,23 @@ def test_an_error_of_the_work_itself_is_not_taken_for_another_command(tmp_path):
 
 
 def _wait_for(condition, timeout_s=60.0):
+    """What it is, once that is true."""
     end = time.monotonic() + timeout_s
-    while not condition():
+    while not (met := condition()):
         assert time.monotonic() < end, "it did not happen in time"
         time.sleep(0.02)
+    return met
 
 
 def _descendants(pid):
     """Children by any thread, and theirs; what ends while it is counted is left out."""
-    try:
-        tasks = [(task / "children").read_text() for task in Path(f"/proc/{pid}/task").iterdir()]
-    except (FileNotFoundError, ProcessLookupError):
-        return []
-    children = [int(child) for task in tasks for child in task.split()]
-    return [*children, *(below for child in children for below in _descendants(child))]
+    found = []
+    with contextlib.suppress(*ENDED):
+        for task in list(Path(f"/proc/{pid}/task").iterdir()):
+            with contextlib.suppress(*ENDED):
+                children = [int(child) for child in (task / "children").read_text().split()]
+                found += [*children, *(below for child in children for below in _descendants(child))]
+    return found
 
 
 def _workers(pid):
@@ -292,5 +300,5 @@ def _workers(pid):
 def _command_of(pid):
     try:
         return Path(f"/proc/{pid}/cmdline").read_bytes()
-    except (FileNotFoundError, ProcessLookupError):
+    except ENDED:
         return b""
