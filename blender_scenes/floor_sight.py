@@ -72,12 +72,15 @@ class FloorSight:
         across_m = depth_m / self._camera.fx_px
         return across_m, across_m * depth_m / np.float32(self._X_RC[2, 3])
 
-    def points(self, view: FrameView, point: FilterPoint, rows: slice = slice(None)) -> NDArray[np.float64]:
+    def points(self, view: FrameView, point: FilterPoint, rows: slice = slice(None)) -> Image:
         """(H, W, 2) x and y in W [m] of what each pixel sees of the floor, in some rows; NaN above the horizon."""
         x, y, yaw = (one[rows, None] for one in self._robot_poses(view, point.time))
-        ahead, left = (self._in_robot(point.right_px, point.down_px)[rows, :, axis] for axis in (0, 1))
-        cosine, sine = np.cos(yaw), np.sin(yaw)
-        return np.stack([x + cosine * ahead - sine * left, y + sine * ahead + cosine * left], axis=-1)
+        ahead, left = self._in_robot(point.right_px, point.down_px)[:, rows]
+        cosine, sine = np.cos(yaw).astype(np.float32), np.sin(yaw).astype(np.float32)
+        found = np.empty((2, *ahead.shape), np.float32)
+        found[0] = cosine * ahead - sine * left + x.astype(np.float32)
+        found[1] = sine * ahead + cosine * left + y.astype(np.float32)
+        return np.moveaxis(found, 0, -1)
 
     def _robot_poses(self, view: FrameView, time: float) -> tuple[Array, Array, Array]:
         """(H,) x, y and yaw at a share of each row's exposure; Cycles' rolling shutter as in `shutter.window`."""
@@ -92,8 +95,10 @@ class FloorSight:
         return np.interp(at, known, x), np.interp(at, known, y), np.interp(at, known, np.unwrap(yaw))
 
     def _seen_in_robot(self, right_px: float, down_px: float) -> Image:
+        """(2, H, W) x and y."""
         down, rays = self._down(right_px, down_px)
-        return (self._X_RC[:2, 3] - (self._X_RC[2, 3] / down)[..., None] * rays[..., :2]).astype(np.float32)
+        seen = self._X_RC[:2, 3] - (self._X_RC[2, 3] / down)[..., None] * rays[..., :2]
+        return np.ascontiguousarray(np.moveaxis(seen, -1, 0), np.float32)
 
     def _down(self, right_px: float, down_px: float) -> tuple[Array, Array]:
         """(H, W) how far each ray of depth 1 goes down, below 0, or NaN; (H, W, 3) the rays in R."""

@@ -79,9 +79,13 @@ class Patch:
     def at(self, points: NDArray[np.floating]) -> Image:
         """(..., K) between the texels at points (M, N, 2) [m]."""
         # OpenCV's own steps, taken before the patch's corner is: single precision holds them, wherever that is.
-        places = np.rint((points / self.texel_m - 0.5) * _STEPS) / _STEPS
-        where = (places - self.first).astype(np.float32)
-        u, v, beyond = where[..., 0], where[..., 1], (np.nan,) * 4
+        where = points * (_STEPS / self.texel_m)
+        where -= 0.5 * _STEPS
+        np.rint(where, out=where)
+        where /= _STEPS
+        where -= self.first.astype(where.dtype)
+        u, v = (np.ascontiguousarray(where[..., axis], np.float32) for axis in (0, 1))
+        beyond = (np.nan,) * 4
         found = cv2.remap(self.texels, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=beyond)
         return found.astype(np.float32, copy=False)
 
@@ -105,30 +109,47 @@ class TiledMap:
         wanted = {(i, j) for i, j in found.tolist()}
         there, patch = self._last.get(level, (set(), None))
         if patch is None or not wanted <= there:
-            patch = self._laid_out(level, found)
-            self._last[level] = wanted, patch
+            there, patch = self._laid_out(level, found, there, patch)
+            self._last[level] = there, patch
         return patch
 
-    def _laid_out(self, level: int, found: NDArray[np.int64]) -> Patch:
+    def _laid_out(
+        self, level: int, found: NDArray[np.int64], there: set[tuple[int, int]], last: Patch | None
+    ) -> tuple[set[tuple[int, int]], Patch]:
+        """The tiles side by side, and the patch of them; what the last patch has of the same stretch is copied."""
         own, texel_m = self.tiling, self.tiling.texel_m * 2**level
-        (left, bottom), (right, top) = found.min(axis=0), found.max(axis=0)
-        count = np.array([top - bottom + 1, right - left + 1]) * own.core + 2 * own.margin
-        tiles = [self._unpack(self._tile(level, int(i), int(j)).astype(np.float32)) for i, j in found]
-        texels = np.full((*count, tiles[0].shape[-1]), np.nan if not own.margin else 0.0, np.float32)
+        first, beyond = found.min(axis=0), found.max(axis=0) + 1
+        wanted = {(i, j) for i, j in found.tolist()}
+        # Where tiles pass into each other, sums of the same in another order are not quite the same.
+        old = set() if own.margin else there
+        kept = {tile for tile in old if (first <= tile).all() and (tile < beyond).all()}
+        for tile in sorted(kept):
+            self._use(level, *tile)
+        made = {tile: self._unpack(self._tile(level, *tile).astype(np.float32)) for tile in sorted(wanted - kept)}
+        columns, rows = (beyond - first) * own.core + 2 * own.margin
+        channels = next(iter(made.values())).shape[-1]
+        texels = np.full((rows, columns, channels), np.nan if not own.margin else 0.0, np.float32)
+        if last is not None and kept:
+            _copy_common(last, texels, first * own.core)
         share = own.shares()
-        for (i, j), tile in zip(found, tiles, strict=True):
-            x, y = (i - left) * own.core, (j - bottom) * own.core
-            there = texels[y : y + own.side(), x : x + own.side()]
+        for (i, j), tile in made.items():
+            x, y = (i - first[0]) * own.core, (j - first[1]) * own.core
+            place = texels[y : y + own.side(), x : x + own.side()]
             if own.margin:
-                there += tile * (share[:, None] * share)[..., None]
+                place += tile * (share[:, None] * share)[..., None]
             else:
-                there[...] = tile
-        return Patch(np.array([left, bottom]) * own.core - own.margin, texel_m, texels)
+                place[...] = tile
+        return kept | wanted, Patch(first * own.core - own.margin, texel_m, texels)
+
+    def _use(self, level: int, i: int, j: int) -> None:
+        """So that it is among the last to go."""
+        if (level, i, j) in self._tiles:
+            self._tiles.move_to_end((level, i, j))
 
     def _tile(self, level: int, i: int, j: int) -> NDArray[np.float16]:
         key = level, i, j
         if key in self._tiles:
-            self._tiles.move_to_end(key)
+            self._use(*key)
             return self._tiles[key]
         own, texel_m = self.tiling, self.tiling.texel_m * 2**level
         low = (i * own.core - own.margin) * texel_m, (j * own.core - own.margin) * texel_m
@@ -143,14 +164,22 @@ class TiledMap:
 
 def _tiles_at(texels: NDArray[np.floating], reach: int, core: int) -> NDArray[np.int64]:
     """(T, 2) columns and rows, sorted, of the tiles that hold texels (N, 2) or lie within their reach."""
-    low = np.floor((texels - reach) / core).astype(np.int64)
-    high = np.floor((texels + reach) / core).astype(np.int64)
-    first = low.min(axis=0)
-    touched = np.zeros(high.max(axis=0) - first + 1, bool)
-    for x in (low[:, 0], high[:, 0]):
-        for y in (low[:, 1], high[:, 1]):
-            touched[x - first[0], y - first[1]] = True
+    ends = [[np.floor((at + way) / core).astype(np.int64) for way in (-reach, reach)] for at in texels.T.copy()]
+    first = np.array([low.min() for low, _ in ends])
+    count = np.array([high.max() for _, high in ends]) - first + 1
+    touched = np.zeros(count, bool)
+    for column in ends[0]:
+        for row in ends[1]:
+            touched[column - first[0], row - first[1]] = True
     return np.argwhere(touched) + first
+
+
+def _copy_common(patch: Patch, texels: Image, first: NDArray[np.int64]) -> None:
+    """What a patch has in common with texels (H, W, K), the first of which is `first` among all of the plane's."""
+    theirs, ours = np.array(patch.texels.shape[1::-1]), np.array(texels.shape[1::-1])
+    low, high = np.maximum(patch.first, first), np.minimum(patch.first + theirs, first + ours)
+    (x, y), (to_x, to_y), (columns, rows) = low - patch.first, low - first, high - low
+    texels[to_y : to_y + rows, to_x : to_x + columns] = patch.texels[y : y + rows, x : x + columns]
 
 
 def without_holes(light: Image) -> Image:

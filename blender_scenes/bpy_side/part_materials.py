@@ -9,7 +9,7 @@ MIDDLE_GREY = 0.5
 
 
 def in_grey(material: bpy.types.Material) -> bpy.types.Material:
-    """Seen by the camera, of one colour with the gloss and the relief that it has; met by other rays as it is.
+    """Seen by the camera, and told, as floor of one colour with its gloss and relief; met by other rays as it is.
 
     What is seen in mirrors and through glass so keeps its texture.
     """
@@ -23,6 +23,7 @@ def in_grey(material: bpy.types.Material) -> bpy.types.Material:
         tree.links.remove(link)
     base.default_value = (MIDDLE_GREY, MIDDLE_GREY, MIDDLE_GREY, 1.0)
     _shown_to_the_camera(tree, grey.outputs[0])
+    _told_as_floor(tree)
     return copy
 
 
@@ -58,15 +59,14 @@ def turned(material: bpy.types.Material) -> bpy.types.Material:
 
 
 def covering() -> bpy.types.Material:
-    """Black, and told by 1 in the pass of the cover."""
+    """Black, and told as floor."""
     made = bpy.data.materials.new("covering")
     made.use_nodes = True
     tree = made.node_tree
     tree.nodes.clear()
-    black, told = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputAOV")
+    black = tree.nodes.new("ShaderNodeEmission")
     black.inputs["Strength"].default_value = 0.0
-    told.aov_name = COVER
-    told.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    _told_as_floor(tree)
     tree.links.new(black.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
     return made
 
@@ -86,6 +86,12 @@ def _feed(tree: bpy.types.NodeTree, as_in: bpy.types.NodeSocket, into: bpy.types
         tree.links.new(as_in.links[0].from_socket, into)
     elif hasattr(as_in, "default_value"):
         into.default_value = as_in.default_value
+
+
+def _told_as_floor(tree: bpy.types.NodeTree) -> None:
+    told = tree.nodes.new("ShaderNodeOutputAOV")
+    told.aov_name = COVER
+    told.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
 
 
 def _shown_to_the_camera(tree: bpy.types.NodeTree, shader: bpy.types.NodeSocket) -> None:

@@ -5,7 +5,7 @@ obstacles are the same in every picture; they are worked out once, as maps. A pi
 pixels and samples, twice with the same random numbers, with and without what moves: their ratio, which has no noise
 where nothing moves, is put on the map's light. The upper rows, where the floor is far and other things stand, are
 traced once more with more pixels; what is not floor takes its light from there. Its surfaces are traced without light,
-which is cheap.
+which is cheap, and in those rows alone that it reaches down to.
 """
 
 from pathlib import Path
@@ -16,16 +16,19 @@ from blender_scenes.bpy_side.part_materials import COVER, MIDDLE_GREY
 from blender_scenes.bpy_side.part_scenes import GRID_TURN_RAD, PartScenes, Passes, lies_on_the_floor
 from blender_scenes.denoiser import Denoiser
 from blender_scenes.description import FrameView
-from blender_scenes.floor_sight import MIDDLE, FloorSight, filter_points
+from blender_scenes.floor_sight import MIDDLE, FilterPoint, FloorSight, filter_points
 from blender_scenes.guided_filter import local_lines
 from blender_scenes.job import RenderJob
 from blender_scenes.lens_warp import pinhole_picture
+from blender_scenes.lowest_row import EdgesInSight
 from blender_scenes.shutter import window
 from blender_scenes.tiled_map import Image, Tile, TiledMap, Tiling, normals, without_holes
 from blender_scenes.upsampling import reduced, upsampled
 from configs.streams import stream
 
-_REFLECTANCE = Tiling(texel_m=0.00025, levels=6, core=256)
+_LEVELS, _CORE = 6, 128
+"""Of the reflectance, whose finest texels are what the nearest floor asks for, within limits."""
+_LEAST_TEXEL_M, _MOST_TEXEL_M = 0.00025, 0.004
 _TEXEL_PX = 1.2
 """Across; finer ones cost a run more than they bring its pictures."""
 _SLANT = 4.0
@@ -34,7 +37,7 @@ _STEEP = 3.0
 """Less slanted than that, a pixel's filter is told by 3 x 3 points, else by twice as many."""
 _IRRADIANCE = Tiling(texel_m=0.004, levels=5, core=112, margin=8)
 _TEXEL_RAD = 0.018
-"""Under which the camera sees one. Light changes over wider stretches than colour, whatever the size of pixels."""
+"""Under which the camera sees one, no smaller than a pixel. Light changes over wider stretches than colour."""
 _IRRADIANCE_SAMPLES = 8
 _RELIEF = Tiling(texel_m=0.032, levels=3, core=56, margin=4)
 """Where light comes from changes over wider ones still."""
@@ -45,6 +48,8 @@ _NEAR_WIDTH_PX, _FAR_WIDTH_PX = 80, 320
 """Of the light's pictures at least, where the final one has as many."""
 _LEAST_PX = 4
 """Along a side: Blender renders no fewer."""
+_REACH_PX = 2
+"""Of a pixel's filter."""
 _FAR_M = 0.6
 """Along the optical axis: where the floor is farther, its gloss comes from the light's picture of more pixels."""
 _HEIGHTS = 16
@@ -54,6 +59,10 @@ _PASSING = 1 / 15
 _WHOLLY, _MOSTLY = 0.99, 0.5
 _CORNERS = (0, 2, -3, -1)
 """Of `filter_points`."""
+_EVERY = 4
+"""Of the rows of pixels, from the first: these tell nearly always which tiles all of them look up."""
+_IN_M = 0.05
+"""Where a picture's corners are that far inside the floor, so is all of it, unless a rolling shutter turns fast."""
 _MOST_SHARE = 1.5
 """Of a still scene's light that may be left where something moves, or be thrown back by it."""
 _LEAST_SHARE = np.float32(0.005)
@@ -79,17 +88,24 @@ class PartPictures:
         self._sight = FloorSight(camera, job.frames[0], window(job.shutter, job.camera).row_share)
         self._few, self._many = (filter_points(job.sampling.filter_width_px, squares) for squares in (1, 2))
         floor = [mesh for mesh in job.scene.meshes if lies_on_the_floor(mesh.name)]
+        things = [mesh for mesh in job.scene.meshes if not lies_on_the_floor(mesh.name)]
+        self._edges = EdgesInSight(camera, things, job.scene.moving)
         ground = np.concatenate([np.array(mesh.vertices)[:, :2] for mesh in floor])
-        self._bounds = ground.min(axis=0), ground.max(axis=0)
+        self._bounds = ground.min(axis=0).astype(np.float32), ground.max(axis=0).astype(np.float32)
         surfaces = {name for mesh in floor for name in mesh.face_surface}
         self._has_relief = any(s.height_m is not None for s in job.scene.surfaces if s.name in surfaces)
         across_m, along_m = self._sight.pixel_m()
         self._slanted = along_m > _STEEP * across_m
-        self._reflectance_level = _level(_TEXEL_PX * np.maximum(across_m, along_m / _SLANT), _REFLECTANCE)
-        depth_m = self._sight.depth_m()
-        self._irradiance_level = _level(depth_m * _TEXEL_RAD, _IRRADIANCE)
-        self._far_floor_rows = _rows_of(~(depth_m < _FAR_M))
-        self._reflectance = TiledMap(_REFLECTANCE, self._reflectance_tile, _MOST_BYTES, _with_upward_part)
+        texel_m = _TEXEL_PX * np.maximum(across_m, along_m / _SLANT)
+        finest_m = max(float(np.nanmin(texel_m, initial=_MOST_TEXEL_M)), _LEAST_TEXEL_M)
+        # Rounded, so that no processor's last digit moves all texels.
+        reflectance = Tiling(float(f"{finest_m:.3g}"), _LEVELS, _CORE)
+        self._reflectance_level = _level(texel_m, reflectance)
+        self._floor_depth = self._sight.depth_m()
+        self._irradiance_level = _level(np.maximum(self._floor_depth * _TEXEL_RAD, across_m), _IRRADIANCE)
+        self._horizon_rows = _rows_of(~np.isfinite(self._floor_depth))
+        self._far_floor_rows = _rows_of(~(self._floor_depth < _FAR_M))
+        self._reflectance = TiledMap(reflectance, self._reflectance_tile, _MOST_BYTES, _with_upward_part)
         self._irradiance = TiledMap(_IRRADIANCE, self._irradiance_tile, _MOST_BYTES)
         self._relief = TiledMap(_RELIEF, self._relief_tile, _MOST_BYTES)
 
@@ -97,7 +113,7 @@ class PartPictures:
         """(H, W, 3) linear light of the pinhole picture of a view."""
         moved, still = self._scenes.light(self._shared_by(self._near), self._samples.near, seed, view)
         # Other random numbers than those of the light.
-        seen = self._scenes.surfaces(self._size, self._samples.surfaces, (seed + 1) % 2**31, view)
+        seen = self._surfaces(view, moved[COVER][..., :1], (seed + 1) % 2**31)
         cover = seen[COVER][..., :1]
         floor, seen[_ROUGHNESS] = np.split(self._floor(view, cover[..., 0] > 0), [3], axis=-1)
         near = self._near_parts(moved, still, seen)
@@ -110,6 +126,20 @@ class PartPictures:
         light, rest, let_in = traced[..., :3], traced[..., 3:6], traced[..., 6:]
         on_floor = floor * cover * share * np.clip(let_in, 0, 1)
         return (on_floor + seen["DiffCol"] * light + np.maximum(rest, 0)).astype(np.float32)
+
+    def _surfaces(self, view: FrameView, near_cover: Image, seed: int) -> Passes:
+        """What the surfaces reflect, how far away they are, their normals, and where they are floor.
+
+        Rows below all that is not floor, by its edges and by what the light's picture covers, are not traced.
+        """
+        covered = (_rows_of(near_cover[..., 0] < _WHOLLY) + 1) * self._near
+        reached = max(covered, self._edges.lowest_row(view) + 1, self._horizon_rows) + _REACH_PX
+        rows = min(max(reached, _LEAST_PX), self._size[1])
+        found = self._scenes.surfaces(self._size, rows, self._samples.surfaces, seed, view)
+        floor = self._floor_depth[rows:, :, None]
+        below = {"DiffCol": (0.0, 0.0, 0.0), "Normal": _UP, COVER: (1.0, 1.0, 1.0)}
+        filled = {name: np.broadcast_to(np.array(of, np.float32), (*floor.shape[:2], 3)) for name, of in below.items()}
+        return {name: np.concatenate([found[name], of]) for name, of in (filled | {"Depth": floor}).items()}
 
     def _near_parts(self, moved: Passes, still: Passes, seen: Passes) -> Image:
         """(H, W, 10): the share of the still scene's light that is there, and what `_traced` has."""
@@ -155,42 +185,39 @@ class PartPictures:
 
     def _floor(self, view: FrameView, needed: np.ndarray) -> Image:
         """(H, W, 4): light that the floor throws back without what moves, and its roughness, where they are needed."""
-        width, height = self._size
-        seen = np.zeros((height, width, 7 if self._has_relief else 4), np.float32)
+        seen = np.zeros((*needed.shape, 7 if self._has_relief else 4), np.float32)
         for filtered, where in ((self._few, needed & ~self._slanted), (self._many, needed & self._slanted)):
             for level, rows, there in _bands(self._reflectance_level, where):
-                points = [
-                    _turned(self._clipped(self._sight.points(view, point, rows)), -GRID_TURN_RAD) for point in filtered
-                ]
-                corners = [points[i][there] for i in _CORNERS]
+                points = [_turned(self._ground(view, point, rows), -GRID_TURN_RAD) for point in filtered]
+                corners = [points[i][::_EVERY][there[::_EVERY]] for i in _CORNERS]
                 found = self._mean(level, points, np.concatenate(corners))
-                if np.isnan(found[there]).any():
-                    # A pixel at the end of the floor, or at a corner of tiles, looks up what its corners do not tell.
+                if np.isnan(found[..., 0][there]).any():
+                    # Tiles that only others look up: at the end of the floor, at a tile's corner, between those rows.
                     found = self._mean(level, points, np.concatenate([own[there] for own in points]))
-                seen[rows] += np.where(there[..., None], found, 0)
+                np.copyto(seen[rows], found, where=there[..., None])
         light = seen[..., :3] * self._floor_light(view, needed, seen[..., 4:])
         return np.concatenate([light, seen[..., 3:4]], axis=-1)
 
     def _floor_light(self, view: FrameView, needed: np.ndarray, normal: Image) -> Image:
-        found = self._looked_up(self._irradiance, view, needed, 3)
+        points = self._ground(view, MIDDLE)
+        found = self._looked_up(self._irradiance, points, needed, 3)
         if not self._has_relief:
             return found
-        lean = self._looked_up(self._relief, view, needed, 6)
+        lean = self._looked_up(self._relief, points, needed, 6)
         facing = normal[..., 2:] + normal[..., :1] * lean[..., :3] + normal[..., 1:2] * lean[..., 3:]
         return found * np.maximum(facing, 0)
 
-    def _looked_up(self, of: TiledMap, view: FrameView, needed: np.ndarray, channels: int) -> Image:
-        """(H, W, channels) of a map in the middle of each pixel, between its levels."""
+    def _looked_up(self, of: TiledMap, points: Image, needed: np.ndarray, channels: int) -> Image:
+        """(H, W, channels) of a map of light at each pixel's point, between its levels."""
         found = np.zeros((*needed.shape, channels), np.float32)
         offset = np.log2(_IRRADIANCE.texel_m / of.tiling.texel_m)
         exact = np.clip(self._irradiance_level + offset, 0, of.tiling.levels - 1)
         for level, rows, there in _bands(np.floor(exact), needed):
-            points = self._clipped(self._sight.points(view, MIDDLE, rows))
             share = (exact[rows] - level)[..., None]
-            looked_for = points[there]
-            near = of.patch(level, looked_for).at(points)
-            far = of.patch(min(level + 1, of.tiling.levels - 1), looked_for).at(points)
-            found[rows] += np.where(there[..., None], near + share * (far - near), 0)
+            looked_for = points[rows][there]
+            near = of.patch(level, looked_for).at(points[rows])
+            far = of.patch(min(level + 1, of.tiling.levels - 1), looked_for).at(points[rows])
+            np.copyto(found[rows], near + share * (far - near), where=there[..., None])
         return found
 
     def _mean(self, level: int, points: list[np.ndarray], needed: np.ndarray) -> Image:
@@ -201,9 +228,14 @@ class PartPictures:
             total += patch.at(more)
         return total / np.float32(len(points))
 
-    def _clipped(self, points: np.ndarray) -> np.ndarray:
-        """Points on the floor; those that see none are put where it ends."""
-        return np.clip(np.nan_to_num(points), *self._bounds)
+    def _ground(self, view: FrameView, point: FilterPoint, rows: slice = slice(None)) -> Image:
+        """(rows, W, 2) points on the floor; those of pixels that see none are put where it ends."""
+        low, high = self._bounds
+        points = self._sight.points(view, point, rows)
+        corners = points[[0, 0, -1, -1], [0, -1, 0, -1]]
+        if not ((corners > low + _IN_M) & (corners < high - _IN_M)).all():
+            np.fmin(np.fmax(points, low, out=points), high, out=points)
+        return points
 
     def _reflectance_tile(self, tile: Tile) -> Image:
         """(N, N, 6): reflectance, roughness, and x and y of the normal; (N, N, 4) where nothing has a relief."""
@@ -276,7 +308,7 @@ def _turned(vectors: np.ndarray, by_rad: float) -> np.ndarray:
     """Vectors (..., 2) turned counter-clockwise."""
     cosine, sine = np.cos(by_rad), np.sin(by_rad)
     x, y = vectors[..., 0], vectors[..., 1]
-    return np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
+    return np.moveaxis(np.stack([cosine * x - sine * y, sine * x + cosine * y]), 0, -1)
 
 
 def _level(texel_m: np.ndarray, tiling: Tiling) -> np.ndarray:

@@ -55,6 +55,7 @@ class PartScenes:
         self._light = self._scene("light", _LIGHT_PASSES)
         self._dress_floor(self._light, in_grey)
         self._still = self._light.copy()
+        _add_pass(self._light, COVER)
         self._still.name, self._still.render.filepath = "still", str(scratch / "still.exr")
         for thing in self._moves:
             self._still.collection.objects.unlink(thing)
@@ -76,27 +77,22 @@ class PartScenes:
     def light(self, size: tuple[int, int], samples: int, seed: int, view: FrameView) -> tuple[Passes, Passes]:
         """Light on a grey floor and on all else in a view: as it is, and without what moves, by the same numbers.
 
-        `size` is width and height [px]; each pixel is the mean of its square.
+        `size` is width and height [px]; each pixel is the mean of its square. The first tells the floor's cover too.
         """
         place(view)
-        with_all, without = (self._traced(s, size, samples, seed, view) for s in (self._light, self._still))
+        with_all, without = (self._traced(s, size, samples, seed, view=view) for s in (self._light, self._still))
         return with_all, without
 
     def upper_light(self, size: tuple[int, int], rows: int, samples: int, seed: int, view: FrameView) -> Passes:
         """Light as it is in the uppermost rows of a picture of a size; call after `light` of the same view."""
-        render, (_, height) = self._light.render, size
-        render.use_border = render.use_crop_to_border = True
-        render.border_min_x, render.border_max_x = 0.0, 1.0
-        # Amid the last row, whatever its fraction is rounded to.
-        render.border_min_y, render.border_max_y = 1.0 - (rows - 0.25) / height, 1.0
-        try:
-            return self._traced(self._light, size, samples, seed, view)
-        finally:
-            render.use_border = False
+        return self._traced(self._light, size, samples, seed, view=view, rows=rows)
 
-    def surfaces(self, size: tuple[int, int], samples: int, seed: int, view: FrameView) -> Passes:
-        """What the surfaces reflect, the floor black and told by its cover; call after `light` of the same view."""
-        return self._traced(self._surfaces, size, samples, seed, view)
+    def surfaces(self, size: tuple[int, int], rows: int, samples: int, seed: int, view: FrameView) -> Passes:
+        """What the surfaces in the uppermost rows reflect, the floor black and told by its cover.
+
+        Call after `light` of the same view.
+        """
+        return self._traced(self._surfaces, size, samples, seed, view=view, rows=rows)
 
     def reflectance(self, tile: Tile) -> tuple[Image, Image]:
         """(N, N, 3) reflectance of the floor in the middle of texels; (N, N, 3) what `part_materials.TOLD` has there.
@@ -183,11 +179,25 @@ class PartScenes:
         return self._traced(scene, (tile.texels, tile.texels), samples, seed)
 
     def _traced(
-        self, scene: bpy.types.Scene, size: tuple[int, int], samples: int, seed: int, view: FrameView | None = None
+        self,
+        scene: bpy.types.Scene,
+        size: tuple[int, int],
+        samples: int,
+        seed: int,
+        *,
+        view: FrameView | None = None,
+        rows: int | None = None,
     ) -> Passes:
-        scene.render.resolution_x, scene.render.resolution_y = size
-        scene.render.use_motion_blur = view is not None and bool(view.exposure)
+        """Of a view or of what never moves; of the uppermost rows or of all."""
+        render = scene.render
+        render.resolution_x, render.resolution_y = size
+        render.use_motion_blur = view is not None and bool(view.exposure)
         scene.cycles.samples, scene.cycles.seed = samples, seed
+        render.use_border = render.use_crop_to_border = rows is not None
+        if rows is not None:
+            render.border_min_x, render.border_max_x = 0.0, 1.0
+            # Amid the last row, whatever its fraction is rounded to.
+            render.border_min_y, render.border_max_y = 1.0 - (rows - 0.25) / size[1], 1.0
         return _by_pass(rendered(scene, _EXR_PIXEL_BYTES))
 
 

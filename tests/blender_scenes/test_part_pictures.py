@@ -119,6 +119,8 @@ def _job(scene: Scene, views: list[FrameView], parts: PartSamples | None, shutte
     return RenderJob(RenderJob.FORMAT, scene, CAMERA, tuple(views), sampling, response, shutter)
 
 
+NEEDLE = block("wall_N", (0.36, 0.03, 0.15), (0.003, 0.003, 0.3), "black")
+"""A third of a pixel wide, so that light of few pixels may miss it."""
 BOX = block("wall_A", (0.75, -0.22, 0.1), (0.1, 0.2, 0.2), "back")
 STILL = [
     _at(1, (0.0, 0.0, 0.0)),
@@ -160,14 +162,16 @@ def pictures(lights_of) -> dict[str, np.ndarray]:
 @pytest.fixture(scope="module")
 def shared(lights_of) -> dict[str, np.ndarray]:
     """(N, H, W, 3) from parts, where most of the light has half as many pixels each way, the upper rows' as many."""
-    still = _job(_scene(BOX), STILL, PARTS)
+    still = _job(_scene(BOX), [*STILL, _at(4, (0.35, 0.1, 0.5))], PARTS)
     rolling = _job(_scene(BOX), [_turning(1, ROLLING.exposure_s + ROLLING.read_out_s)], PARTS, ROLLING)
     orders = {
-        "still": (still, 2, [1, 2, 3]),
-        "one thread": (still, 1, [3, 1, 2]),
-        "alone": (still, 1, [2]),
+        "still": (still, 2, [1, 2, 3, 4]),
+        "one thread": (still, 1, [4, 3, 1, 2]),
+        "alone": (still, 1, [4]),
         "rolling": (rolling, 2, [1]),
         "taped": (_job(_scene(ground=TAPED), STILL[:1], PARTS), 2, [1]),
+        "needle": (_job(_scene(NEEDLE), STILL[:1], PARTS), 2, [1]),
+        "no needle": (_job(_scene(), STILL[:1], PARTS), 2, [1]),
     }
     return dict(zip(orders, lights_of(*orders.values(), near_width_px=WIDTH_PX // 2), strict=True))
 
@@ -247,6 +251,17 @@ def test_and_behind_a_lens_whose_pinhole_picture_has_no_middle(pictures):
         _middle_and_variance(_line_columns(pictures[f"lens {of}"][0])) for of in ("parts", "whole")
     )
     assert (middle - true_middle).mean() == pytest.approx(0.0, abs=0.05)
+
+
+def test_a_thing_thinner_than_a_pixel_of_the_light_stands_on_the_floor(shared):
+    """Nothing else is so low in the picture."""
+    (foot,), _ = project(CAMERA, HERE, np.array([[0.36, 0.03, 0.0]]))
+    column, row = (round(at) for at in foot.tolist())
+    with_, without = (shared[name][0].mean(axis=2) for name in ("needle", "no needle"))
+    darker = 1 - (with_ / without)[:, column - 1 : column + 2].sum(axis=1) / 3
+    wide_px = 45.0 * 0.003 / np.linalg.norm(np.array([0.36, 0.03, 0.0]) - EYE)
+    assert darker[row - 6 : row].min() > 0.7 * wide_px / 3
+    assert np.abs(darker[row + 2 : row + 8]).max() < 0.02
 
 
 # Edges
@@ -349,8 +364,8 @@ def test_the_picture_does_not_depend_on_threads_or_on_the_pictures_before_it(pic
 
 
 def test_nor_where_its_upper_rows_are_traced_by_themselves(shared):
-    np.testing.assert_array_equal(shared["one thread"], shared["still"][[2, 0, 1]])
-    np.testing.assert_array_equal(shared["alone"][0], shared["still"][1])
+    np.testing.assert_array_equal(shared["one thread"], shared["still"][[3, 2, 0, 1]])
+    np.testing.assert_array_equal(shared["alone"][0], shared["still"][3])
 
 
 def test_no_light_is_below_nothing_or_no_number(pictures, shared):

@@ -44,6 +44,11 @@ def _grid(low: tuple[float, float], high: tuple[float, float], count: int = 40) 
     return np.stack([x, y], axis=-1)
 
 
+def _along(low: tuple[float, float], high: tuple[float, float]) -> np.ndarray:
+    """(1, N, 2) places on the way, beside which tiles are not asked for."""
+    return np.linspace(low, high, 300)[None]
+
+
 def _looked_up(of: TiledMap, level: int, points: np.ndarray) -> np.ndarray:
     return of.patch(level, points).at(points)
 
@@ -96,10 +101,13 @@ def test_two_tiles_that_differ_pass_into_each_other_over_the_margin():
 
 
 def _wanderings() -> Iterator[np.ndarray]:
-    """Places to look at: near and far, in steps, again, and all at once; each but the first holds what `HERE` does."""
+    """Places to look at: near and far, in steps, and all at once; some hold what `HERE` does, some a part of it."""
     for shift in (0.3, 0.11, 0.04):
         yield _grid((-0.2 - shift, -0.2), (0.2 + shift, 0.2), 60)
     yield _grid((-1.7, -1.3), (-1.2, -0.9))
+    yield _grid((-0.05, -0.05), (0.6, 0.5))
+    yield _grid((-0.9, -0.4), (0.0, 0.03))
+    yield _along((-1.0, -0.9), (0.15, 0.19))
     yield _grid((-2.0, -2.0), (2.0, 2.0), 200)
 
 
@@ -108,21 +116,34 @@ HERE = _grid((-0.203, -0.211), (0.197, 0.189), 57)
 
 @pytest.mark.parametrize("tiling", TILINGS)
 @pytest.mark.parametrize("most_bytes", [MUCH, 1])
-def test_a_point_has_the_same_value_whatever_was_looked_at_before(tiling, most_bytes):
+@pytest.mark.parametrize("precision", [np.float64, np.float32])
+def test_a_point_has_the_same_value_whatever_was_looked_at_before(tiling, most_bytes, precision):
     """To the bit: another process renders the same picture first. With one byte, no tile outlives the next."""
-    expected = _looked_up(TiledMap(tiling, _rough, MUCH), 0, HERE)
+    here = HERE.astype(precision)
+    expected = _looked_up(TiledMap(tiling, _rough, MUCH), 0, here)
     for before in _wanderings():
         own = TiledMap(tiling, _rough, most_bytes)
-        own.patch(0, before)
-        own.patch(1, before)
-        np.testing.assert_array_equal(_looked_up(own, 0, HERE), expected)
+        own.patch(0, before.astype(precision))
+        own.patch(1, before.astype(precision))
+        np.testing.assert_array_equal(_looked_up(own, 0, here), expected)
+
+
+def test_on_a_way_each_patch_takes_over_what_it_has_in_common_with_the_last():
+    """Of tiles that are not kept, none is made twice for it."""
+    made = []
+    own = TiledMap(PLAIN, lambda tile: made.append(tile.key) or _rough(tile), 1)
+    for begin in np.arange(-1.0, 1.0, 0.07):
+        here = _along((begin, begin), (begin + 0.4, begin + 0.3))
+        np.testing.assert_array_equal(_looked_up(own, 0, here), _looked_up(TiledMap(PLAIN, _rough, MUCH), 0, here))
+    assert len(made) < 1.2 * len(set(made))
 
 
 @pytest.mark.parametrize("tiling", TILINGS)
-def test_nor_does_it_matter_how_far_the_tiles_reach_that_were_looked_at_before(tiling):
+@pytest.mark.parametrize("precision", [np.float64, np.float32])
+def test_nor_does_it_matter_how_far_the_tiles_reach_that_were_looked_at_before(tiling, precision):
     """Single precision has no more than three digits for a place within a texel some ten metres from the first one."""
     rng = np.random.default_rng(3)
-    here = np.stack([rng.uniform(3.0, 3.5, (50, 400)), rng.uniform(-0.05, 0.05, (50, 400))], axis=-1)
+    here = np.stack([rng.uniform(3.0, 3.5, (50, 400)), rng.uniform(-0.05, 0.05, (50, 400))], axis=-1).astype(precision)
     way = np.stack([np.linspace(-30.0, 3.5, 1200), np.zeros(1200)], axis=-1)
     own = TiledMap(tiling, _rough, MUCH)
     own.patch(0, np.concatenate([way, here.reshape(-1, 2)]))
