@@ -64,6 +64,8 @@ QUALITIES: dict[RenderQuality, Quality] = {
 
 PARTS: dict[RenderQuality, PartSamples] = {"draft": PartSamples(1, 1, 2), "standard": PartSamples(4, 2, 4)}
 """Of `render.method: parts` at 640 x 480; the maps are not true enough for the others."""
+_AUTO_WIDTH_PX = 320
+"""Where parts begin to cost less than whole pictures of the same error; they have not been measured in smaller ones."""
 
 _SIZE_PX = 640 * 480
 _MOST_TIMES = 2.0
@@ -79,8 +81,15 @@ def sampling(render: Render, seed: int, device: DeviceKind = "CPU") -> Sampling:
         prefilter=quality.prefilter,
         denoise_quality=quality.denoise_quality,
         device=device,
-        parts=part_samples(render) if render.method == "parts" else None,
+        parts=part_samples(render) if _in_parts(render, device) else None,
     )
+
+
+def _in_parts(render: Render, device: DeviceKind) -> bool:
+    if render.method != "auto":
+        return render.method == "parts"
+    by_quality = render.quality == "standard" and render.samples is None and render.denoise
+    return by_quality and device == "CPU" and render.width_px >= _AUTO_WIDTH_PX
 
 
 def _samples(render: Render) -> int:

@@ -23,7 +23,7 @@ DENOISE_S = {"FAST": 4e-6, "ACCURATE": 2e-5}
 """Per pixel on one core, by the prefilter of the denoiser's guides."""
 BYTES_PER_PIXEL = 0.2
 """Of a JPEG of quality 92."""
-PARTS_FRAME_S, PARTS_PIXEL_S = 1.5, 6e-6
+PARTS_FRAME_S, PARTS_PIXEL_S = 0.8, 3.7e-6
 """Of one core for an image put together from parts, and for each of its pixels; its share of the maps included."""
 ANNOTATION_PIXEL_S = 1.5e-6
 """Per pixel on one core, all annotations together."""

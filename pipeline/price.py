@@ -5,6 +5,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import mean
 from typing import get_args
 
 from blender_scenes.devices import device_for
@@ -53,9 +54,9 @@ class Price:
     simulate_s: float
     """What drives from one image to the next on one core [s]."""
     start_s: float
-    """Start of Blender and making of the scene, for a block of frames [s]."""
+    """Start of Blender, and making of the scene and of the first maps, for a block of frames [s]."""
     render_s: float
-    """An image on one core, or on the card [s]."""
+    """A later image of a block on one core, or on the card [s]."""
     annotate_s: float
     """All annotations of one on one core [s]."""
     picture_bytes: float
@@ -135,17 +136,20 @@ def _timed(batch: Batch, simulate_s: float, report: Report) -> Price:
     simulated = time.perf_counter()
     _good(batch.render([], report))
     rendered = time.perf_counter()
-    pictures = [file for spec in batch.specs for file in _files(batch.workspace.render(spec.key), "images")]
+    by_run = [_files(batch.workspace.render(spec.key), "images") for spec in batch.specs]
+    pictures = [file for files in by_run for file in files]
     known = [file for spec in batch.specs for file in _files(batch.workspace.annotate(spec.key), "annotations")]
     images = len(pictures)
     render_s, annotate_s = (sum(file.seconds for file in files) for files in (pictures, known))
+    # A block's first picture has the maps of all that is in sight to make, later ones of what comes into it.
+    first_s = sum(max(0.0, files[0].seconds - mean(file.seconds for file in files[1:])) for files in by_run)
     return Price(
         device=batch.device,
         images=images,
         rows_per_image=batch.specs[0].rates.control_hz / batch.specs[0].rates.camera_hz,
         simulate_s=simulate_s,
-        start_s=max(0.0, rendered - simulated - render_s - annotate_s) / (2 * len(batch.specs)),
-        render_s=render_s / images,
+        start_s=max(0.0, rendered - simulated - render_s - annotate_s) / (2 * len(batch.specs)) + first_s / len(by_run),
+        render_s=(render_s - first_s) / images,
         annotate_s=annotate_s / images,
         picture_bytes=sum(file.size_bytes for file in pictures) / images,
         annotation_bytes=sum(file.size_bytes for file in known) / images,

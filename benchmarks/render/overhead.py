@@ -55,7 +55,7 @@ def main() -> None:
     from blender_scenes.bpy_side import build, engine  # noqa: PLC0415 - they import bpy
 
     width_px, height_px = asked.size
-    own = sampling(Render(width_px=width_px, height_px=height_px), seed=1)
+    own = sampling(Render(width_px=width_px, height_px=height_px, method="whole"), seed=1)
     job = replace(job_along_the_line(asked.look, asked.frames + 1, (width_px, height_px)), sampling=own)
     build.start()
     build.build(job.scene, job.camera)

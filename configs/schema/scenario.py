@@ -66,13 +66,14 @@ AnnotationName = Literal[
 RenderQuality = Literal["draft", "standard", "high", "reference"]
 """`blender_scenes.sampling` says what each is."""
 RenderDevice = Literal["auto", "cpu", "gpu"]
-RenderMethod = Literal["whole", "parts"]
+RenderMethod = Literal["auto", "whole", "parts"]
+"""`blender_scenes.sampling` says when `auto` is which."""
 _IN_PARTS: tuple[RenderQuality, ...] = ("draft", "standard")
 
 
-def _is_whole(method: RenderMethod) -> bool:
-    """Such a run's specification is the same bytes as one that knows of no other method."""
-    return method == "whole"
+def _is_auto(method: RenderMethod) -> bool:
+    """Such a run's specification is the same bytes as one that knows of no method."""
+    return method == "auto"
 
 
 class Render(Section):
@@ -80,9 +81,9 @@ class Render(Section):
     height_px: Annotated[int, PLANNED] = Field(default=480, ge=16, le=8192)
     quality: RenderQuality = "standard"
     """How true the picture is to its light: `standard` errs by no more than JPEG adds, `draft` is for looking."""
-    method: RenderMethod = Field(default="whole", exclude_if=_is_whole)
+    method: RenderMethod = Field(default="auto", exclude_if=_is_auto)
     """`parts` puts pictures together from maps of the floor and light of few samples: several times faster, with faults
-    of its own."""
+    of its own; `auto` does so for pictures of `standard` quality, 320 pixels wide or more, on the processor."""
     samples: int | None = Field(default=None, ge=1, le=65_536)
     """Light paths per pixel, in place of those of the quality."""
     device: Annotated[RenderDevice, Fixed("it is the machine's, for the whole command")] = "cpu"

@@ -58,8 +58,31 @@ def test_samples_said_aloud_take_the_place_of_those_of_the_quality_and_nothing_e
     assert not sampling(Render(quality="high", denoise=False), seed=1).denoise
 
 
-def test_pictures_are_traced_whole_unless_parts_are_asked_for():
-    assert sampling(Render(), seed=1).parts is None
+@pytest.mark.parametrize(
+    ("told", "in_parts"),
+    [
+        ({}, True),
+        ({"width_px": 320, "height_px": 16}, True),
+        ({"width_px": 319}, False),
+        ({"quality": "draft"}, False),
+        ({"quality": "high"}, False),
+        ({"samples": 4}, False),
+        ({"denoise": False}, False),
+        ({"method": "whole"}, False),
+        ({"method": "parts", "width_px": 64}, True),
+        ({"method": "parts", "quality": "draft"}, True),
+    ],
+)
+def test_pictures_of_standard_quality_are_put_together_from_parts_where_that_has_been_measured(told, in_parts):
+    assert (sampling(Render(**told), seed=1).parts is not None) == in_parts
+
+
+def test_a_card_traces_whole_pictures_unless_it_is_told_to():
+    assert sampling(Render(), 1, "OPTIX").parts is None
+    assert sampling(Render(method="parts"), 1, "OPTIX").parts
+
+
+def test_a_draft_takes_fewer_samples_for_each_part():
     rough, fine = (sampling(Render(method="parts", quality=name), seed=1).parts for name in ("draft", "standard"))
     assert all(few < more for few, more in zip(astuple(rough), astuple(fine), strict=True))
 
