@@ -54,7 +54,9 @@ class Price:
     simulate_s: float
     """What drives from one image to the next on one core [s]."""
     start_s: float
-    """Start of Blender, and making of the scene and of the first maps, for a block of frames [s]."""
+    """Start of Blender and making of the scene, for a block of frames [s]."""
+    first_s: float
+    """What a block's first image takes longer than later ones: the maps of all that is in sight [s]."""
     render_s: float
     """A later image of a block on one core, or on the card [s]."""
     annotate_s: float
@@ -66,17 +68,23 @@ class Price:
         """For a person: hours, bytes and shards of so many frames, and what all of that rests on."""
         block_s = self.start_s / BLOCK_FRAMES
         simulate, render, annotate = (
-            frames * each / HOUR_S for each in (self.simulate_s, self.render_s + block_s, self.annotate_s + block_s)
+            frames * each / HOUR_S
+            for each in (
+                self.simulate_s,
+                self.render_s + block_s + self.first_s / BLOCK_FRAMES,
+                self.annotate_s + block_s,
+            )
         )
         bare = frames * (self.picture_bytes + self.rows_per_image * BYTES_PER_ROW)
         whole = bare + frames * self.annotation_bytes
         unit = "core" if self.device == "CPU" else f"{self.device}"
         alone = (simulate + render) * HOUR_S / cores() if self.device == "CPU" else render * HOUR_S
+        block = f"{self.start_s + self.first_s:.3g} s a block"
         lines = [
             f"{frames} images of {about}",
             "",
             f"simulate   {_hours(simulate)} core-hours",
-            f"render     {_hours(render)} {unit}-hours: {self.render_s:.3g} s an image, {self.start_s:.3g} s a block",
+            f"render     {_hours(render)} {unit}-hours: {self.render_s:.3g} s an image, {block}",
             f"annotate   {_hours(annotate)} {unit}-hours more for all annotations: {self.annotate_s:.3g} s an image",
             f"disk       {_bytes(bare)}, with all annotations {_bytes(whole)}; twice that while .stages is kept",
             f"shards     {_shards(bare)} of {SHARD_BYTES / 1e9:g} GB, with all annotations {_shards(whole)}",
@@ -141,14 +149,14 @@ def _timed(batch: Batch, simulate_s: float, report: Report) -> Price:
     known = [file for spec in batch.specs for file in _files(batch.workspace.annotate(spec.key), "annotations")]
     images = len(pictures)
     render_s, annotate_s = (sum(file.seconds for file in files) for files in (pictures, known))
-    # A block's first picture has the maps of all that is in sight to make, later ones of what comes into it.
     first_s = sum(max(0.0, files[0].seconds - mean(file.seconds for file in files[1:])) for files in by_run)
     return Price(
         device=batch.device,
         images=images,
         rows_per_image=batch.specs[0].rates.control_hz / batch.specs[0].rates.camera_hz,
         simulate_s=simulate_s,
-        start_s=max(0.0, rendered - simulated - render_s - annotate_s) / (2 * len(batch.specs)) + first_s / len(by_run),
+        start_s=max(0.0, rendered - simulated - render_s - annotate_s) / (2 * len(batch.specs)),
+        first_s=first_s / len(by_run),
         render_s=(render_s - first_s) / images,
         annotate_s=annotate_s / images,
         picture_bytes=sum(file.size_bytes for file in pictures) / images,

@@ -1,6 +1,7 @@
 """What many images would cost: sums by hand, and a few that are really made."""
 
 import re
+from dataclasses import replace
 
 import pytest
 
@@ -12,6 +13,7 @@ PRICE = Price(
     rows_per_image=4.0,
     simulate_s=0.036,
     start_s=9.0,
+    first_s=0.0,
     render_s=3.24,
     annotate_s=0.36,
     picture_bytes=97_600.0,
@@ -32,8 +34,15 @@ def test_a_million_images_cost_a_million_times_one_and_their_share_of_a_block():
     assert "No graphics card was measured" in text
 
 
+def test_what_a_first_image_takes_longer_counts_once_a_block_and_not_for_annotations():
+    """45 s / 25 are half of 3.6 s."""
+    text = replace(PRICE, first_s=45.0).text(1_000_000, "some")
+    assert "render     1,500 core-hours: 3.24 s an image, 54 s a block" in text
+    assert "annotate   200 core-hours" in text
+
+
 def test_a_card_is_priced_in_hours_of_its_own():
-    text = PRICE.__class__(**{**PRICE.__dict__, "device": "OPTIX"}).text(1000, "some")
+    text = replace(PRICE, device="OPTIX").text(1000, "some")
     assert "1 OPTIX-hours" in text
     assert "No graphics card" not in text
 
