@@ -2,6 +2,7 @@
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -92,8 +93,7 @@ def test_the_sky_lights_nothing_for_its_windows_do(light_of):
 def seen_in_looks(arena, robot, tmp_path_factory) -> dict[str, list[np.ndarray]]:
     """Grey pictures from three places in one draw of each shipped look, two looks at a time."""
 
-    def seen(look: str) -> list[np.ndarray]:
-        folder = tmp_path_factory.mktemp(look)
+    def seen(look: str, folder: Path) -> list[np.ndarray]:
         config, _ = draw_look(load_section("look", look, ["look.camera.exposure_time_s=0"]), 7, "exposure", 1)
         poses = [(0.55, -0.60, 90), (-0.60, 0.78, 182), (0.30, -1.04, 15)]
         frames = [FramePose(i + 1, 0.2 * i, x, y, float(np.radians(yaw))) for i, (x, y, yaw) in enumerate(poses)]
@@ -103,8 +103,10 @@ def seen_in_looks(arena, robot, tmp_path_factory) -> dict[str, list[np.ndarray]]
         return [cv2.imread(str(folder / "images" / file.file), cv2.IMREAD_GRAYSCALE) for file in files]
 
     names = list(shipped_names("look"))
+    # Here, for the factory itself is not for several threads: the first in a worker empties its folder.
+    folders = [tmp_path_factory.mktemp(name) for name in names]
     with ThreadPoolExecutor(2) as pool:
-        return dict(zip(names, pool.map(seen, names), strict=True))
+        return dict(zip(names, pool.map(seen, names, folders), strict=True))
 
 
 @pytest.mark.parametrize("look", shipped_names("look"))

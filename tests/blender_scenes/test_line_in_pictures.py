@@ -76,13 +76,15 @@ def _rendered(folder: Path, arena, robot, look: LookConfig, drives: list[Drive])
 def frames(tmp_path_factory, arena, robot) -> dict[str, tuple[RenderJob, Path]]:
     """A job and its pictures by the kind of line, made side by side."""
 
-    def made(look: LookConfig) -> tuple[RenderJob, Path]:
+    def made(look: LookConfig, folder: Path) -> tuple[RenderJob, Path]:
         drives = [(i + 1, *POSES[i]) for line, i in CASES if line == look.line]
-        return _rendered(tmp_path_factory.mktemp(look.line), arena, robot, look, drives)
+        return _rendered(folder, arena, robot, look, drives)
 
     looks = TAPE, PAINT
+    # Here, for the factory itself is not for several threads: the first in a worker empties its folder.
+    folders = [tmp_path_factory.mktemp(look.line) for look in looks]
     with ThreadPoolExecutor(len(looks)) as pool:
-        return {look.line: own for look, own in zip(looks, pool.map(made, looks), strict=True)}
+        return {look.line: own for look, own in zip(looks, pool.map(made, looks, folders), strict=True)}
 
 
 def _errors(job: RenderJob, images: Path, arena, index: int) -> np.ndarray:
