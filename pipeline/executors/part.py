@@ -17,8 +17,8 @@ from pipeline.executors.local import Local
 from pipeline.units import AnyUnit, RenderUnit
 from pipeline.workers import UnitFailure
 
-BLOCK_FRAMES = 25
-"""Long enough that Blender's start is a small part of it, short enough that there is work for many machines."""
+BLOCK_FRAMES = 50
+"""Long enough that Blender's start and the first picture's maps are a small part, short enough for many machines."""
 MOST_PARTS = 100_000
 
 

@@ -12,7 +12,7 @@ PRICE = Price(
     images=12,
     rows_per_image=4.0,
     simulate_s=0.036,
-    start_s=9.0,
+    start_s=18.0,
     first_s=0.0,
     render_s=3.24,
     annotate_s=0.36,
@@ -22,7 +22,7 @@ PRICE = Price(
 
 
 def test_a_million_images_cost_a_million_times_one_and_their_share_of_a_block():
-    """3.24 s and 9 s / 25 are 3.6 s, a thousandth of an hour; a row takes 600 bytes."""
+    """3.24 s and 18 s / 50 are 3.6 s, a thousandth of an hour; a row takes 600 bytes."""
     text = PRICE.text(1_000_000, "640 x 480 px")
     told = dict(re.findall(r"^(\w+) +([\d.,]+ \S+)", text, re.MULTILINE))
     assert told["simulate"] == "10 core-hours"
@@ -35,9 +35,9 @@ def test_a_million_images_cost_a_million_times_one_and_their_share_of_a_block():
 
 
 def test_what_a_first_image_takes_longer_counts_once_a_block_and_not_for_annotations():
-    """45 s / 25 are half of 3.6 s."""
-    text = replace(PRICE, first_s=45.0).text(1_000_000, "some")
-    assert "render     1,500 core-hours: 3.24 s an image, 54 s a block" in text
+    """90 s / 50 are half of 3.6 s."""
+    text = replace(PRICE, first_s=90.0).text(1_000_000, "some")
+    assert "render     1,500 core-hours: 3.24 s an image, 108 s a block" in text
     assert "annotate   200 core-hours" in text
 
 
