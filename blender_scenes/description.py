@@ -22,8 +22,8 @@ PlanarPose = tuple[float, float, float]
 """x [m], y [m], yaw [rad] in W, of a frame on the floor."""
 
 
-def _nothing_moves(items: tuple[object, ...]) -> bool:
-    """Such a job is the same bytes, and so the same pictures, as one that knows of no moving obstacles."""
+def _there_is_none(items: tuple[object, ...]) -> bool:
+    """Such a job is the same bytes, and so the same pictures, as one that knows nothing of them."""
     return not items
 
 
@@ -103,12 +103,14 @@ class Scene:
     meshes: tuple[Mesh, ...]
     """Of what stands still: the floor, each piece of the line, walls and obstacles in the arena's order, the room."""
     robot: tuple[Mesh, ...]
-    """The robot's parts, in R; its camera never sees them."""
+    """The robot's parts that its camera does not see, in R; they throw shadows and are mirrored."""
     panels: tuple[Panel, ...]
     sun: Sun | None
     sky: Sky
-    moving: Annotated[tuple[Mesh, ...], Field(exclude_if=_nothing_moves)] = ()
+    moving: Annotated[tuple[Mesh, ...], Field(exclude_if=_there_is_none)] = ()
     """Each in its own frame; a view says where that is."""
+    robot_in_sight: Annotated[tuple[Mesh, ...], Field(exclude_if=_there_is_none)] = ()
+    """The robot's parts that it sees, in R."""
 
 
 @dataclass(frozen=True)
@@ -144,7 +146,7 @@ class Moment:
     """Of R."""
     X_WC: Matrix4
     """Pose of the optical frame (x right, y down, z forward) in W."""
-    moving: Annotated[tuple[PlanarPose, ...], Field(exclude_if=_nothing_moves)] = ()
+    moving: Annotated[tuple[PlanarPose, ...], Field(exclude_if=_there_is_none)] = ()
     """Of the scene's moving meshes, in their order."""
 
 
@@ -163,7 +165,7 @@ class FrameView:
     """Of R."""
     X_WC: Matrix4
     """Pose of the optical frame (x right, y down, z forward) in W."""
-    moving: Annotated[tuple[PlanarPose, ...], Field(exclude_if=_nothing_moves)] = ()
+    moving: Annotated[tuple[PlanarPose, ...], Field(exclude_if=_there_is_none)] = ()
     """Of the scene's moving meshes, in their order."""
     light_gain: Annotated[RGB, Field(exclude_if=_as_it_is)] = (1.0, 1.0, 1.0)
     """All light of this frame to its mean over time, where lamps flicker."""

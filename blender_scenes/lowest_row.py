@@ -15,11 +15,13 @@ _NEAREST_M = 1e-3
 
 
 class EdgesInSight:
-    def __init__(self, camera: Intrinsics, standing: Sequence[Mesh], moving: Sequence[Mesh]) -> None:
-        """Of what stands, in W, and of what moves, as a view places it; by a camera without distortion."""
+    def __init__(
+        self, camera: Intrinsics, standing: Sequence[Mesh], moving: Sequence[Mesh], on_robot: Sequence[Mesh] = ()
+    ) -> None:
+        """Of what stands, in W, and of what moves or is on the robot, as a view places it; of a camera without lens."""
         self._camera = camera
         self._standing = _edges(standing)
-        self._moving = [_edges([mesh]) for mesh in moving]
+        self._moving = [_edges(on_robot), *(_edges([mesh]) for mesh in moving)]
         # Inside are the points p_C with p_C @ plane >= 0: right of the left border, left of the right one.
         left, right = -0.5 - _BEYOND_PX - camera.cx_px, camera.width_px - 0.5 + _BEYOND_PX - camera.cx_px
         self._sides = np.array([(camera.fx_px, 0.0, -left), (-camera.fx_px, 0.0, right)])
@@ -34,7 +36,7 @@ class EdgesInSight:
         return max(self._lowest(moment) for moment in moments)
 
     def _lowest(self, moment: Moment) -> int:
-        X_WC, poses = np.array(moment.X_WC), [pose_X_WR(*pose) for pose in moment.moving]
+        X_WC, poses = np.array(moment.X_WC), [pose_X_WR(*pose) for pose in (moment.robot_pose, *moment.moving)]
         moved = [ends @ X[:3, :3].T + X[:3, 3] for ends, X in zip(self._moving, poses, strict=True)]
         ends = (np.concatenate([self._standing, *moved]) - X_WC[:3, 3]) @ X_WC[:3, :3]
         begin, along = ends[:, 0], ends[:, 1] - ends[:, 0]

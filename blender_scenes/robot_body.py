@@ -1,5 +1,6 @@
-"""The robot's own body as simple shapes in R: it throws shadows and is mirrored, but its camera never sees it."""
+"""The robot's own body as simple shapes in R: it throws shadows, is mirrored, and may be in its camera's sight."""
 
+import math
 from collections.abc import Iterator
 
 from blender_scenes.description import Mesh
@@ -8,6 +9,8 @@ from blender_scenes.materials.fittings import bare_metal, moulded
 from blender_scenes.shading import Surface
 from configs.schema.robot import Chassis, Drive, RobotConfig, TofMounts
 
+CAMERA_BODY = "robot_camera"
+"""Which its camera never sees, for it looks out of it."""
 _THINNEST_M = 0.002
 
 
@@ -51,10 +54,13 @@ def _sensors(robot: RobotConfig) -> Iterator[Mesh]:
     line, camera, top = robot.line_sensor, robot.camera, robot.chassis.base_height_m
     row = (line.channels - 1) * line.pitch_m + 0.008
     yield block("robot_line_sensor", (line.x_m, 0.0, line.height_m + 0.002), (0.02, row, 0.004), "robot_board")
-    yield _post("robot_bracket", line.x_m - 0.008, 0.0, (line.height_m, top))
-    camera_z = top + camera.height_above_base_m
-    yield _post("robot_mast", camera.x_m - 0.012, camera.y_m, (top, camera_z))
-    yield block("robot_camera", (camera.x_m - 0.005, camera.y_m, camera_z), (0.012, 0.03, 0.026), "robot_board")
+    yield _post("robot_bracket", line.x_m - 0.008, 0.0, (line.height_m, top - 0.002))  # up into the plate
+    camera_z, yaw = top + camera.height_above_base_m, math.radians(camera.yaw_left_deg)
+    (mast_x, mast_y), (body_x, body_y) = (
+        (camera.x_m - behind * math.cos(yaw), camera.y_m - behind * math.sin(yaw)) for behind in (0.012, 0.005)
+    )
+    yield _post("robot_mast", mast_x, mast_y, (top, camera_z))
+    yield block(CAMERA_BODY, (body_x, body_y, camera_z), (0.012, 0.03, 0.026), "robot_board")
     for name in TofMounts.model_fields:
         mount = getattr(robot.tof.mounts, name)
         at = (mount.x_m - 0.003, mount.y_m, mount.z_m)

@@ -15,7 +15,7 @@ from blender_scenes.materials.dirt import dirtied
 from blender_scenes.materials.line_paint import line_paint
 from blender_scenes.materials.stains import stained
 from blender_scenes.materials.tape import tape
-from blender_scenes.robot_body import robot_body, robot_surfaces
+from blender_scenes.robot_body import CAMERA_BODY, robot_body, robot_surfaces
 from blender_scenes.rooms import ROOMS
 from blender_scenes.rooms.base import Room
 from blender_scenes.shading import Surface
@@ -40,14 +40,17 @@ def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> S
     surfaces += [surface for light in lights for surface in light.surfaces]
     suns = [sun for light in lights for sun in light.suns]
     (sky,) = [sky for light in lights for sky in light.skies]
+    body = robot_body(robot)
+    in_sight = tuple(part for part in body if robot.camera.sees_robot and part.name != CAMERA_BODY)
     return Scene(
         surfaces=tuple(surfaces),
         meshes=(*(mesh for mesh, _ in parts), *room.meshes, *(mesh for light in lights for mesh in light.meshes)),
-        robot=robot_body(robot),
+        robot=tuple(part for part in body if part not in in_sight),
         panels=tuple(panel for light in lights for panel in light.panels),
         sun=suns[0] if suns else None,
         sky=sky,
         moving=tuple(mesh for mesh, _ in moving),
+        robot_in_sight=in_sight,
     )
 
 

@@ -140,6 +140,7 @@ def _geometry(scene: Scene) -> Scene:
         sun=None,
         sky=_DARK,
         moving=plain(scene.moving),
+        robot_in_sight=plain(scene.robot_in_sight),
     )
 
 

@@ -51,13 +51,14 @@ def key_points(seen: Seen) -> tuple[Sighting, ...]:
 
 
 def _screens_W(seen: Seen) -> Array:
-    """(T, 3, 3), triangles in W of all that hides something: floor and line lie flat, the robot is not seen."""
+    """(T, 3, 3), triangles in W of all that hides something: floor and line lie flat, and what is not seen does not."""
     scene, instances = seen.job.scene, seen.job.instances
     categories = [instances.known[instance - 1].category for instance in instances.of_mesh[1 : len(scene.meshes) + 1]]
     found = [
         triangles(mesh) for mesh, category in zip(scene.meshes, categories, strict=True) if category not in ON_THE_FLOOR
     ]
-    for mesh, pose in zip(scene.moving, seen.view.moving, strict=True):
+    on_robot = [(mesh, seen.view.robot_pose) for mesh in scene.robot_in_sight]
+    for mesh, pose in (*on_robot, *zip(scene.moving, seen.view.moving, strict=True)):
         X_WI = pose_X_WR(*pose)
         found.append(triangles(mesh) @ X_WI[:3, :3].T + X_WI[:3, 3])
     return np.concatenate([np.empty((0, 3, 3)), *found])

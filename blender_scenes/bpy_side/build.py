@@ -34,9 +34,10 @@ def build(scene: Scene, camera: Intrinsics, own_files: Path | None = None) -> No
     for mesh in scene.meshes:
         _mesh(mesh, materials).pass_index = next(numbers)
     robot = _place(ROBOT, None)
-    for mesh in scene.robot:
-        part = _mesh(mesh, materials)
-        part.parent, part.visible_camera, part.pass_index = robot, False, next(numbers)
+    for seen, parts in ((False, scene.robot), (True, scene.robot_in_sight)):
+        for mesh in parts:
+            part = _mesh(mesh, materials)
+            part.parent, part.visible_camera, part.pass_index = robot, seen, next(numbers)
     for number, mesh in enumerate(scene.moving):
         placed = _mesh(mesh, materials)
         placed.name, placed.pass_index = moving_name(number), next(numbers)

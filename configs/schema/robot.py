@@ -173,6 +173,8 @@ class Camera(Section):
     distortion: LensDistortion = LensDistortion()
     read_out_s: float = Field(default=0.0, ge=0, le=0.1)
     """Rolling shutter: how much later the bottom of the picture is exposed than its top; 0 is a global shutter."""
+    sees_robot: bool = Field(default=False, exclude_if=lambda sees: not sees)
+    """Whether pictures show the robot's own body but for the camera; they show its shadow either way."""
 
 
 class FollowGains(Section):

@@ -72,6 +72,13 @@ def test_a_moving_thing_counts_where_it_is():
     assert 0 <= sight.lowest_row(turned) - _row(1.0 - 0.05 * 2**0.5) < 1
 
 
+def test_a_part_of_the_robot_is_where_the_robot_has_it():
+    part = block("robot_part", (0.55, 0.0, 0.05), (0.1, 0.1, 0.1), "red")
+    sight = EdgesInSight(CAMERA, [], [], [part])
+    for x_m in (0.0, 3.0):
+        assert 0 <= sight.lowest_row(replace(_view(x_m), moving=())) - _row(0.5) < 1
+
+
 def test_all_moments_of_an_exposure_count():
     sight = EdgesInSight(CAMERA, [_box(1.0)], [OBSTACLE])
     moments = tuple(Moment((x, 0.0, 0.0), _level(x), (AWAY,)) for x in (0.0, 0.3, 0.6))
