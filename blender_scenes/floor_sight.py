@@ -11,6 +11,8 @@ from blender_scenes.description import FrameView, Intrinsics
 from blender_scenes.shutter import MOMENTS
 
 Image = NDArray[np.float32]
+_MOST_BYTES = 128 * 2**20
+"""Of what is kept from frame to frame."""
 _POINTS = 3
 """Of a pixel's filter from left to right."""
 _CYCLES_FILTER = 2.0
@@ -56,12 +58,13 @@ class FloorSight:
         """Of a camera without distortion, on the robot as any view has it; `row_share` as `shutter.Window` has it."""
         self._camera, self._row_share = camera, row_share
         self._X_RC = np.linalg.inv(pose_X_WR(*view.robot_pose)) @ np.array(view.X_WC)
-        # One array for each point of the filters: they are the same in every frame.
-        self._in_robot = lru_cache(maxsize=64)(self._seen_in_robot)
+        # One array for each point of the filters: they are the same in every frame. Of large pictures not all are kept.
+        kept = _MOST_BYTES // (2 * np.dtype(np.float32).itemsize * camera.width_px * camera.height_px)
+        self._in_robot = lru_cache(maxsize=kept)(self._seen_in_robot)
 
     def depth_m(self) -> Image:
         """(H, W) of the floor along the optical axis in the middle of each pixel; NaN above the horizon."""
-        return (-self._X_RC[2, 3] / self._down(0.0, 0.0)[0]).astype(np.float32)
+        return (-self._X_RC[2, 3] / self._rays(0.0, 0.0)[2]).astype(np.float32)
 
     def pixel_m(self) -> tuple[Image, Image]:
         """(H, W) of the floor that a pixel covers across the view and along it; NaN above the horizon.
@@ -96,15 +99,15 @@ class FloorSight:
 
     def _seen_in_robot(self, right_px: float, down_px: float) -> Image:
         """(2, H, W) x and y."""
-        down, rays = self._down(right_px, down_px)
-        seen = self._X_RC[:2, 3] - (self._X_RC[2, 3] / down)[..., None] * rays[..., :2]
-        return np.ascontiguousarray(np.moveaxis(seen, -1, 0), np.float32)
+        ahead, left, down = self._rays(right_px, down_px)
+        reach = self._X_RC[2, 3] / down
+        x_m, y_m = self._X_RC[:2, 3]
+        return np.stack([x_m - reach * ahead, y_m - reach * left], dtype=np.float32, casting="same_kind")
 
-    def _down(self, right_px: float, down_px: float) -> tuple[Array, Array]:
-        """(H, W) how far each ray of depth 1 goes down, below 0, or NaN; (H, W, 3) the rays in R."""
+    def _rays(self, right_px: float, down_px: float) -> tuple[Array, Array, Array]:
+        """Three (H, W), x, y and z in R of each pixel's ray of depth 1; z, below 0, or NaN where it meets no floor."""
         camera = self._camera
-        v, u = np.indices((camera.height_px, camera.width_px), dtype=np.float64)
-        x = (u + right_px - camera.cx_px) / camera.fx_px
-        y = (v + down_px - camera.cy_px) / camera.fy_px
-        rays = np.stack([x, y, np.ones_like(x)], axis=-1) @ self._X_RC[:3, :3].T
-        return np.where(rays[..., 2] < -1e-6, rays[..., 2], np.nan), rays
+        x = (np.arange(camera.width_px) + right_px - camera.cx_px) / camera.fx_px
+        y = (np.arange(camera.height_px) + down_px - camera.cy_px) / camera.fy_px
+        ahead, left, down = (a * x + (b * y + c)[:, None] for a, b, c in self._X_RC[:3, :3])
+        return ahead, left, np.where(down < -1e-6, down, np.nan)

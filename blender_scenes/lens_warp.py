@@ -19,6 +19,8 @@ Image = NDArray[np.float32]
 
 _SPARE_PX = 2
 """Beyond the outermost ray, for the interpolation."""
+_SIDE_PX = 8
+"""What sides are multiples of, so that pictures from parts may share out their light among pixels."""
 _COARSE, _NEWTON_STEPS = 33, 4
 
 
@@ -48,9 +50,10 @@ def pinhole_picture(camera: Intrinsics) -> PinholePicture:
     reached = rays * focal + axis
     left, top = np.maximum(0, np.ceil(-reached.min(axis=0)) + _SPARE_PX).astype(int).tolist()
     right, bottom = np.maximum(0, np.ceil(reached.max(axis=0) - last) + _SPARE_PX).astype(int).tolist()
+    width_px, height_px = camera.width_px + left + right, camera.height_px + top + bottom
     pinhole = Intrinsics(
-        camera.width_px + left + right,
-        camera.height_px + top + bottom,
+        -(-width_px // _SIDE_PX) * _SIDE_PX,
+        -(-height_px // _SIDE_PX) * _SIDE_PX,
         camera.fx_px,
         camera.fy_px,
         camera.cx_px + left,

@@ -56,8 +56,11 @@ def main() -> int:
 
 
 def _render(request: Request, replies: TextIO) -> None:
+    import cv2  # noqa: PLC0415 - after bpy, which sees but a few cores while it is loaded
+
     from blender_scenes.bpy_side import build, engine  # noqa: PLC0415 - they import bpy
 
+    cv2.setNumThreads(request.threads)
     begin = time.perf_counter()
     job = RenderJob.from_json(Path(request.job_path).read_text())
     views = {view.number: view for view in job.frames}

@@ -15,8 +15,9 @@ import numpy as np
 from blender_scenes.bpy_side.part_materials import COVER, MIDDLE_GREY
 from blender_scenes.bpy_side.part_scenes import GRID_TURN_RAD, PartScenes, Passes, lies_on_the_floor
 from blender_scenes.denoiser import Denoiser
-from blender_scenes.description import FrameView
+from blender_scenes.description import FrameView, Mesh, Panel
 from blender_scenes.floor_sight import MIDDLE, FilterPoint, FloorSight, filter_points
+from blender_scenes.geometry import rectangle
 from blender_scenes.guided_filter import local_lines
 from blender_scenes.job import RenderJob
 from blender_scenes.lens_warp import pinhole_picture
@@ -68,7 +69,10 @@ _MOST_SHARE = 1.5
 _LEAST_SHARE = np.float32(0.005)
 """Of the picture's light: where there is no more of it, what is left of it is not told."""
 _LEAST_LIGHT = np.float32(1e-6)
+_MOST_LEAN = 50.0
+"""Of light that only grazes the floor, from 1 degree above it."""
 _UP = (0.0, 0.0, 1.0)
+_AROUND = ((-1, -1), (1, -1), (1, 1), (-1, 1))
 _ROUGHNESS = "roughness"
 """Of the floor, among what is seen of the surfaces."""
 
@@ -89,7 +93,8 @@ class PartPictures:
         self._few, self._many = (filter_points(job.sampling.filter_width_px, squares) for squares in (1, 2))
         floor = [mesh for mesh in job.scene.meshes if lies_on_the_floor(mesh.name)]
         things = [mesh for mesh in job.scene.meshes if not lies_on_the_floor(mesh.name)]
-        self._edges = EdgesInSight(camera, things, job.scene.moving)
+        things += [_outline(panel) for panel in job.scene.panels if panel.seen]
+        self._edges = EdgesInSight(camera, things, job.scene.moving, job.scene.robot_in_sight)
         ground = np.concatenate([np.array(mesh.vertices)[:, :2] for mesh in floor])
         self._bounds = ground.min(axis=0).astype(np.float32), ground.max(axis=0).astype(np.float32)
         surfaces = {name for mesh in floor for name in mesh.face_surface}
@@ -125,7 +130,7 @@ class PartPictures:
             traced[: len(far)] += np.clip(passing, 0, 1)[:, None, None] * (far - traced[: len(far)])
         light, rest, let_in = traced[..., :3], traced[..., 3:6], traced[..., 6:]
         on_floor = floor * cover * share * np.clip(let_in, 0, 1)
-        return (on_floor + seen["DiffCol"] * light + np.maximum(rest, 0)).astype(np.float32)
+        return (on_floor + seen["DiffCol"] * light + np.maximum(rest, 0) + _shine(seen)).astype(np.float32)
 
     def _surfaces(self, view: FrameView, near_cover: Image, seed: int) -> Passes:
         """What the surfaces reflect, how far away they are, their normals, and where they are floor.
@@ -137,7 +142,8 @@ class PartPictures:
         rows = min(max(reached, _LEAST_PX), self._size[1])
         found = self._scenes.surfaces(self._size, rows, self._samples.surfaces, seed, view)
         floor = self._floor_depth[rows:, :, None]
-        below = {"DiffCol": (0.0, 0.0, 0.0), "Normal": _UP, COVER: (1.0, 1.0, 1.0)}
+        none = (0.0, 0.0, 0.0)
+        below = {"DiffCol": none, "Emit": none, "Env": none, "Normal": _UP, COVER: (1.0, 1.0, 1.0)}
         filled = {name: np.broadcast_to(np.array(of, np.float32), (*floor.shape[:2], 3)) for name, of in below.items()}
         return {name: np.concatenate([found[name], of]) for name, of in (filled | {"Depth": floor}).items()}
 
@@ -167,7 +173,8 @@ class PartPictures:
         normal, roughness = (reduced(seen[name], times) for name in ("Normal", _ROUGHNESS))
         whole = (reduced(seen[COVER][..., :1], times) > _WHOLLY).astype(np.float32)
         light = passes["DiffDir"] + passes["DiffInd"]
-        rest = np.maximum(passes["Combined"] - passes["DiffCol"] * light, 0)
+        # A lamp in sight is told as finely as the surfaces; here it would be a firefly to the denoiser.
+        rest = np.maximum(passes["Combined"] - passes["DiffCol"] * light - _shine(passes), 0)
         rest = self._denoised_fast(rest, normal, np.where(whole > 0, roughness, 1))
         let_in = passes["DiffCol"].mean(axis=-1, keepdims=True) / MIDDLE_GREY
         both = np.concatenate([rest, let_in], axis=-1)
@@ -178,7 +185,8 @@ class PartPictures:
         """The row at which far floor and all other things end, and what they pass into; 0 where all is traced alike."""
         if self._near == self._far:
             return 0.0
-        return max(self._far_floor_rows, _rows_of(cover[..., 0] < _MOSTLY)) + _PASSING * self._size[1]
+        rows = max(self._far_floor_rows, _rows_of(cover[..., 0] < _MOSTLY))
+        return rows + _PASSING * self._size[1] if rows else 0.0
 
     def _shared_by(self, times: int) -> tuple[int, int]:
         return self._size[0] // times, self._size[1] // times
@@ -260,7 +268,7 @@ class PartPictures:
         facings = _UP, (sine, 0.0, cosine), (0.0, sine, cosine)
         up, *tilted = (self._facing(facing, tile, seed) for facing in facings)
         leans = [(one / np.maximum(up, _LEAST_LIGHT) - cosine) / sine for one in tilted]
-        return np.concatenate(leans, axis=-1)
+        return np.clip(np.concatenate(leans, axis=-1), -_MOST_LEAN, _MOST_LEAN)
 
     def _facing(self, facing: tuple[float, float, float], tile: Tile, seed: int) -> Image:
         light = without_holes(self._scenes.irradiance(tile, _IRRADIANCE_SAMPLES, seed, facing))
@@ -277,6 +285,17 @@ def _times(size: tuple[int, int], width_px: int) -> int:
     while size[0] // (2 * times) >= width_px and not any(px % (2 * times) or px < 2 * times * _LEAST_PX for px in size):
         times *= 2
     return times
+
+
+def _outline(panel: Panel) -> Mesh:
+    along, across = 0.5 * panel.width_m * np.array(panel.right), 0.5 * panel.height_m * np.array(panel.up)
+    corners = [tuple((panel.center + a * along + b * across).tolist()) for a, b in _AROUND]
+    return rectangle(panel.name, corners, panel.name)
+
+
+def _shine(passes: Passes) -> Image:
+    """What lamps in sight send to the camera, and the sky where nothing is before it."""
+    return passes["Emit"] + passes["Env"]
 
 
 def _rows_of(where: np.ndarray) -> int:

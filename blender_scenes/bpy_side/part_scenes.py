@@ -1,11 +1,13 @@
-"""Blender scenes beside the main one, each of which shows a part of its picture.
+"""Blender scenes beside the main one, which show parts of its picture.
 
-They share the main scene's things, so that what `place` puts in place is so in all of them. Each keeps its own data in
-Cycles between renders, which is what makes taking turns cheap.
+They share the main scene's things, so that what `place` puts in place is so in all of them. Blender keeps Cycles' data
+of one scene alone, the last rendered, and for another they are made anew. So all parts of a picture are seen in one
+scene, in which what is not to be seen is put far away; maps, which are made now and then, are seen in one each.
 """
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
@@ -24,8 +26,8 @@ Passes = dict[str, Image]
 """Name of a pass -> (H, W, 3), or (H, W, 1) of a single channel, float32, the first row at the top."""
 
 _ABOVE_M = 0.5
-_EXR_PIXEL_BYTES = 64
-"""At most five passes of three channels and one of depth, four bytes each."""
+_EXR_PIXEL_BYTES = 112
+"""At most seven passes of four channels, four bytes each."""
 GRID_TURN_RAD = 0.35
 """Of the reflectance's texels, which are seen in their middle, against W. An edge along them would be off by up to half
 a texel all of its way; across them it is off to either side in turns."""
@@ -34,7 +36,11 @@ _IN_THE_MIDDLE = 0.01
 _LEAST_REFLECTANCE = 0.05
 _LINE = re.compile(r"(tape|paint)_\d+")
 """Pieces of the line, as `line_mesh` calls them."""
-_LIGHT_PASSES = ("diffuse_color", "diffuse_direct", "diffuse_indirect")
+_FLOOR_PASSES = ("diffuse_color", "diffuse_direct", "diffuse_indirect")
+_LIGHT_PASSES = (*_FLOOR_PASSES, "emit", "environment")
+_SURFACE_PASSES = ("diffuse_color", "normal", "z", "emit", "environment")
+_AWAY_M = 1000.0
+"""As far as the camera sees. A floor is put as much below its place, which hides it from what is above."""
 Dresser = Callable[[bpy.types.Material], bpy.types.Material]
 
 
@@ -52,21 +58,18 @@ class PartScenes:
         self._moves = {thing for thing in bpy.data.objects if thing.parent and thing.parent.name == ROBOT} | {*moving}
         self._floor = [bpy.data.objects[mesh.name] for mesh in scene.meshes if lies_on_the_floor(mesh.name)]
         self._dressed: dict[tuple[Dresser, str], bpy.types.Material] = {}
-        self._light = self._scene("light", _LIGHT_PASSES)
-        self._dress_floor(self._light, in_grey)
-        self._still = self._light.copy()
-        _add_pass(self._light, COVER)
-        self._still.name, self._still.render.filepath = "still", str(scratch / "still.exr")
-        for thing in self._moves:
-            self._still.collection.objects.unlink(thing)
-        self._surfaces = self._surface_scene(moving)
+        self._view = self._scene("view", _LIGHT_PASSES)
+        black = covering()
+        self._grey_floor = self._dress_floor(self._view, in_grey)
+        self._black_floor = self._add_floor(self._view, lambda _: black)
+        _add_pass(self._view, COVER)
         self._reflectance = self._scene("reflectance", ())
         self._keep_floor(self._reflectance)
         numbers = {thing.data.materials[0].name: number for number, thing in enumerate(self._floor)}
         self._dress_floor(self._reflectance, lambda material: shining(material, numbers[material.name]))
         self._reflectance.cycles.filter_width = _IN_THE_MIDDLE
         _add_pass(self._reflectance, TOLD)
-        self._irradiance = self._scene("irradiance", _LIGHT_PASSES)
+        self._irradiance = self._scene("irradiance", _FLOOR_PASSES)
         self._hide_all_but_floor(self._irradiance)
         self._lit_floor = self._dress_floor(self._irradiance, turned)
         # The main scene's light is cut off after the floor has taken its share, the white floor's would be before.
@@ -79,20 +82,24 @@ class PartScenes:
 
         `size` is width and height [px]; each pixel is the mean of its square. The first tells the floor's cover too.
         """
+        self._show_light()
+        place(_without_what_moves(view))
+        without = self._traced(self._view, size, samples, seed, view=view)
         place(view)
-        with_all, without = (self._traced(s, size, samples, seed, view=view) for s in (self._light, self._still))
-        return with_all, without
+        return self._traced(self._view, size, samples, seed, view=view), without
 
     def upper_light(self, size: tuple[int, int], rows: int, samples: int, seed: int, view: FrameView) -> Passes:
         """Light as it is in the uppermost rows of a picture of a size; call after `light` of the same view."""
-        return self._traced(self._light, size, samples, seed, view=view, rows=rows)
+        self._show_light()
+        return self._traced(self._view, size, samples, seed, view=view, rows=rows)
 
     def surfaces(self, size: tuple[int, int], rows: int, samples: int, seed: int, view: FrameView) -> Passes:
         """What the surfaces in the uppermost rows reflect, the floor black and told by its cover.
 
         Call after `light` of the same view.
         """
-        return self._traced(self._surfaces, size, samples, seed, view=view, rows=rows)
+        self._show_surfaces()
+        return self._traced(self._view, size, samples, seed, view=view, rows=rows)
 
     def reflectance(self, tile: Tile) -> tuple[Image, Image]:
         """(N, N, 3) reflectance of the floor in the middle of texels; (N, N, 3) what `part_materials.TOLD` has there.
@@ -113,30 +120,34 @@ class PartScenes:
         made = self._main.copy()
         made.name, made.render.filepath = name, str(self._scratch / f"{name}.exr")
         made.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
-        cycles, layer = made.cycles, made.view_layers[0]
+        cycles = made.cycles
         cycles.use_denoising = False
         cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
-        for one in passes:
-            setattr(layer, f"use_pass_{one}", True)
-        layer.use_pass_z = False
+        _ask_for(made, passes)
         return made
 
-    def _surface_scene(self, moving: list[bpy.types.Object]) -> bpy.types.Scene:
-        made = self._scene("surfaces", ("diffuse_color", "normal", "z"))
-        made.view_layers[0].use_pass_z = True
-        made.world, made.cycles.max_bounces = None, 0
-        made.cycles.pixel_filter_type = self._main.cycles.pixel_filter_type
-        made.cycles.filter_width = self._main.cycles.filter_width
-        for thing in list(made.collection.objects):
-            if thing.type == "LIGHT" or (thing in self._moves and thing not in moving):
-                made.collection.objects.unlink(thing)
-        black = covering()
-        self._dress_floor(made, lambda _: black)
-        _add_pass(made, COVER)
-        return made
+    def _show_light(self) -> None:
+        cycles = self._view.cycles
+        _swap(self._grey_floor, self._black_floor)
+        _ask_for(self._view, _LIGHT_PASSES)
+        cycles.max_bounces = self._main.cycles.max_bounces
+        cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
+
+    def _show_surfaces(self) -> None:
+        cycles = self._view.cycles
+        _swap(self._black_floor, self._grey_floor)
+        _ask_for(self._view, _SURFACE_PASSES)
+        cycles.max_bounces = 0
+        cycles.pixel_filter_type = self._main.cycles.pixel_filter_type
+        cycles.filter_width = self._main.cycles.filter_width
 
     def _dress_floor(self, scene: bpy.types.Scene, dresser: Dresser) -> list[bpy.types.Object]:
         """Copies of the floor's things in other materials take their place in a scene."""
+        for thing in self._floor:
+            scene.collection.objects.unlink(thing)
+        return self._add_floor(scene, dresser)
+
+    def _add_floor(self, scene: bpy.types.Scene, dresser: Dresser) -> list[bpy.types.Object]:
         made = []
         for thing in self._floor:
             copy = thing.copy()
@@ -144,7 +155,6 @@ class PartScenes:
                 own = slot.material
                 slot.link = "OBJECT"
                 slot.material = self._once(dresser, own)
-            scene.collection.objects.unlink(thing)
             scene.collection.objects.link(copy)
             made.append(copy)
         return made
@@ -199,6 +209,25 @@ class PartScenes:
             # Amid the last row, whatever its fraction is rounded to.
             render.border_min_y, render.border_max_y = 1.0 - (rows - 0.25) / size[1], 1.0
         return _by_pass(rendered(scene, _EXR_PIXEL_BYTES))
+
+
+def _ask_for(scene: bpy.types.Scene, passes: tuple[str, ...]) -> None:
+    layer = scene.view_layers[0]
+    for name in {*_LIGHT_PASSES, *_SURFACE_PASSES}:
+        setattr(layer, f"use_pass_{name}", name in passes)
+
+
+def _swap(here: list[bpy.types.Object], away: list[bpy.types.Object]) -> None:
+    for things, height_m in ((here, 0.0), (away, -_AWAY_M)):
+        for thing in things:
+            thing.matrix_world = Matrix.Translation((0.0, 0.0, height_m))
+
+
+def _without_what_moves(view: FrameView) -> FrameView:
+    """The camera as it is, robot and moving obstacles far away."""
+    away = (_AWAY_M, _AWAY_M, 0.0)
+    exposure = tuple(replace(m, robot_pose=away, moving=(away,) * len(m.moving)) for m in view.exposure)
+    return replace(view, robot_pose=away, moving=(away,) * len(view.moving), exposure=exposure)
 
 
 def _reflectance_of_the_floor(scene: Scene) -> float:

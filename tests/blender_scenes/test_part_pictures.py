@@ -22,7 +22,6 @@ from blender_scenes.description import (
 )
 from blender_scenes.geometry import block, floor, rectangle
 from blender_scenes.job import FramePose, RenderJob, build_job
-from blender_scenes.lens_warp import pinhole_picture
 from blender_scenes.sampling import PartSamples, Sampling
 from blender_scenes.shading import Color, Coordinate, Mix, Noise, Step, Surface
 from configs.draw import draw_look
@@ -36,6 +35,7 @@ WIDTH_PX, HEIGHT_PX = 64, 48
 CAMERA = Intrinsics(WIDTH_PX, HEIGHT_PX, 45.0, 45.0, 31.5, 23.5)
 WIDE = Intrinsics(320, 8, 225.0, 225.0, 159.5, 3.5)
 """Of so few rows that its light cannot share them four by four."""
+ODD = replace(CAMERA, width_px=65, height_px=49, cx_px=32.0, cy_px=24.0)
 LENS = replace(CAMERA, cx_px=32.5, cy_px=22.5, distortion=(-0.25, 0.05, 0.0, 0.0, 0.0))
 PARTS = PartSamples(near=4, far=2, surfaces=16)
 WHOLE_SAMPLES = 256
@@ -82,6 +82,9 @@ def _tape(name: str, corners: list[tuple[float, float]]) -> Mesh:
 LINE = _tape("tape_0", [(0.0, -0.02), (2.0, -0.02), (2.0, 0.02), (0.0, 0.02)])
 ACROSS = _tape("tape_1", [(0.33, -0.5), (0.37, -0.5), (0.37, -0.06), (0.33, -0.06)])
 ROBOT = block("chassis", (0.0, 0.0, 0.06), (0.16, 0.14, 0.1), "red")
+BULB = Panel("bulb", (0.6, 0.1, 0.1), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0), 0.02, 0.02, (50.0, 50.0, 40.0), seen=True)
+"""A pixel and a half wide, seen by the camera before the floor."""
+BUMPER = block("robot_bumper", (0.2, 0.0, 0.04), (0.06, 0.14, 0.02), "green")
 OBSTACLE = block("obstacle_M", (0.0, 0.0, 0.06), (0.06, 0.06, 0.12), "green")
 
 
@@ -144,14 +147,17 @@ def pictures(lights_of) -> dict[str, np.ndarray]:
         "glass": (behind, STILL[:1], INSTANT),
         "mirror": (before, STILL[:1], INSTANT),
         "taped": (_scene(ground=TAPED), STILL[:1], INSTANT),
+        "bumper": (replace(_scene(), robot_in_sight=(BUMPER,)), STILL[:1], INSTANT),
+        "bulb": (replace(_scene(), panels=(LAMP, BEHIND, BULB)), STILL[:1], INSTANT),
     }
     still = _job(seen, STILL, PARTS)
     names, asked = ["one thread", "alone"], [(still, 1, [3, 1, 2]), (still, 1, [2])]
     names.append("of few rows")
     asked.append((replace(_job(seen, STILL[:1], PARTS), camera=WIDE), 2, [1]))
     for kind, parts in (("parts", PARTS), ("whole", None)):
-        names.append(f"lens {kind}")
-        asked.append((replace(_job(seen, STILL[:1], parts), camera=LENS), 2, [1]))
+        for name, camera in (("lens", LENS), ("odd", ODD)):
+            names.append(f"{name} {kind}")
+            asked.append((replace(_job(seen, STILL[:1], parts), camera=camera), 2, [1]))
     for name, (scene, views, shutter) in orders.items():
         for kind, parts in (("parts", PARTS), ("whole", None)):
             names.append(f"{name} {kind}")
@@ -170,6 +176,8 @@ def shared(lights_of) -> dict[str, np.ndarray]:
         "alone": (still, 1, [4]),
         "rolling": (rolling, 2, [1]),
         "taped": (_job(_scene(ground=TAPED), STILL[:1], PARTS), 2, [1]),
+        "bumper": (_job(replace(_scene(), robot_in_sight=(BUMPER,)), STILL[:1], PARTS), 2, [1]),
+        "bulb": (_job(replace(_scene(), panels=(LAMP, BEHIND, BULB)), STILL[:1], PARTS), 2, [1]),
         "needle": (_job(_scene(NEEDLE), STILL[:1], PARTS), 2, [1]),
         "no needle": (_job(_scene(), STILL[:1], PARTS), 2, [1]),
     }
@@ -226,6 +234,21 @@ def test_a_glossy_strip_on_a_rough_floor_is_as_it_is_in_a_whole_picture(pictures
     assert parts == pytest.approx(whole, rel=0.03)
 
 
+@pytest.mark.parametrize("light", ["as many pixels", "half as many"])
+def test_a_part_of_the_robot_in_sight_is_as_it_is_in_a_whole_picture(pictures, shared, light):
+    """Its upper face, along the picture's foot, and what is around it."""
+    (left, top), (right, _), (_, bottom) = project(
+        CAMERA, HERE, np.array([(0.23, 0.07, 0.05), (0.23, -0.07, 0.05), (0.17, 0.07, 0.05)])
+    )[0]
+    face = np.s_[int(np.ceil(top)) + 1 : int(bottom), int(np.ceil(left)) + 1 : int(right)]
+    of_parts = (shared["bumper"] if light == "half as many" else pictures["bumper parts"])[0]
+    whole = pictures["bumper whole"][0]
+    assert whole[face].size > 3 * 40
+    assert whole[face][..., 1].mean() > 3 * whole[face][..., 0].mean()
+    assert of_parts[face].mean(axis=(0, 1)) == pytest.approx(whole[face].mean(axis=(0, 1)), rel=0.05)
+    assert of_parts[20:].mean(axis=(0, 1)) == pytest.approx(whole[20:].mean(axis=(0, 1)), rel=0.03)
+
+
 @pytest.mark.parametrize("kind", ["at once", "rolling"])
 def test_so_it_is_while_the_camera_turns(pictures, kind):
     parts, whole = (pictures[f"{kind} {of}"][0][20:].mean(axis=(0, 1)) for of in ("parts", "whole"))
@@ -241,14 +264,12 @@ def test_upper_rows_traced_by_themselves_are_where_a_rolling_shutter_has_them(pi
     assert found.mean(axis=(0, 1)) == pytest.approx(whole.mean(axis=(0, 1)), rel=0.03)
 
 
-def test_and_behind_a_lens_whose_pinhole_picture_has_no_middle(pictures):
-    """An odd number of pixels."""
-    size = pinhole_picture(LENS).camera
-    assert size.width_px % 2 or size.height_px % 2
-    parts, whole = (pictures[f"lens {of}"][0][20:, 10:54] for of in ("parts", "whole"))
+@pytest.mark.parametrize("camera", ["lens", "odd"])
+def test_and_behind_a_lens_and_with_odd_numbers_of_pixels(pictures, camera):
+    parts, whole = (pictures[f"{camera} {of}"][0][20:, 10:54] for of in ("parts", "whole"))
     assert parts.mean(axis=(0, 1)) == pytest.approx(whole.mean(axis=(0, 1)), rel=0.02)
     (middle, _), (true_middle, _) = (
-        _middle_and_variance(_line_columns(pictures[f"lens {of}"][0])) for of in ("parts", "whole")
+        _middle_and_variance(_line_columns(pictures[f"{camera} {of}"][0])) for of in ("parts", "whole")
     )
     assert (middle - true_middle).mean() == pytest.approx(0.0, abs=0.05)
 
@@ -262,6 +283,18 @@ def test_a_thing_thinner_than_a_pixel_of_the_light_stands_on_the_floor(shared):
     wide_px = 45.0 * 0.003 / np.linalg.norm(np.array([0.36, 0.03, 0.0]) - EYE)
     assert darker[row - 6 : row].min() > 0.7 * wide_px / 3
     assert np.abs(darker[row + 2 : row + 8]).max() < 0.02
+
+
+@pytest.mark.parametrize("light", ["as many pixels", "half as many"])
+def test_a_small_lamp_in_sight_shines_as_in_a_whole_picture(pictures, shared, light):
+    """No denoiser takes it for noise."""
+    (at,), _ = project(CAMERA, HERE, np.array([BULB.center]))
+    column, row = (round(float(one)) for one in at)
+    around = np.s_[row - 3 : row + 4, column - 3 : column + 4]
+    of_parts = (shared["bulb"] if light == "half as many" else pictures["bulb parts"])[0]
+    parts, whole = (of[around].sum(axis=(0, 1)) for of in (of_parts, pictures["bulb whole"][0]))
+    assert whole.mean() > 5 * pictures["still whole"][0][around].sum(axis=(0, 1)).mean()
+    assert parts == pytest.approx(whole, rel=0.05)
 
 
 # Edges
