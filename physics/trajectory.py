@@ -6,6 +6,8 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from physics.finite import require_finite
+
 
 @dataclass(frozen=True)
 class TimeSeries:
@@ -32,7 +34,7 @@ class Trajectory:
     """Rows at the control rate; X_WR is the pose of the robot frame R (middle of the axle) in W."""
 
     t_s: NDArray[np.float64]
-    """(N,), [s]."""
+    """(N,), [s], strictly increasing."""
     pose: NDArray[np.float64]
     """(N, 3), x [m], y [m], yaw [rad] in W, yaw unwrapped."""
     twist: NDArray[np.float64]
@@ -47,6 +49,8 @@ class Trajectory:
             array = getattr(self, name)
             if array.shape != shape:
                 raise ValueError(f"trajectory {name}: shape {array.shape}, expected {shape}")
+        if np.any(np.diff(self.t_s) <= 0):
+            raise ValueError("trajectory: time is not strictly increasing")
         for array in (self.t_s, self.pose, self.twist, self.state):
             array.flags.writeable = False
 
@@ -80,9 +84,19 @@ class Recording:
 
     @classmethod
     def load(cls, file: BinaryIO) -> "Recording":
-        """Read what `save` wrote."""
+        """Read what `save` wrote.
+
+        Raises:
+            ValueError: An array has no rows of numbers, or holds one that is not finite.
+            KeyError: An array is missing.
+            zipfile.BadZipFile: It is no whole archive.
+        """
         with np.load(file, allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}
+        for name, values in arrays.items():
+            if values.dtype.kind not in "biuf" or values.ndim not in {1, 2}:
+                raise ValueError(f"{name}: holds {values.dtype} of {values.ndim} dimensions, not rows of numbers")
+            require_finite(values, name, ("row", "column")[: values.ndim])
         trajectory = Trajectory(arrays["t_s"], arrays["pose"], arrays["twist"], arrays["state"])
         keys = [name.removesuffix("/t_s") for name in arrays if name.startswith("series/") and name.endswith("/t_s")]
         series = []

@@ -127,6 +127,31 @@ def test_a_damaged_trajectory_is_one_clear_line(dataset, copy_of, tmp_path, symo
 
 
 @pytest.mark.parametrize(
+    ("array", "row", "number", "told"),
+    [
+        ("pose", 0, np.nan, "pose: nan at row 0"),
+        ("pose", 3, np.nan, "pose: nan at row 3"),  # no image is taken there, but the path leads through
+        ("t_s", 2, np.nan, "t_s: nan at row 2"),
+        ("t_s", 2, 0.0, "trajectory: time is not strictly increasing"),
+        ("series/line/1/values", 5, np.inf, "series/line/1/values: inf at row 5"),
+    ],
+)
+def test_a_trajectory_with_a_number_that_cannot_be_is_one_clear_line(
+    dataset, copy_of, tmp_path, symolo, array, row, number, told
+):
+    run = copy_of(dataset, stages=True) / ".stages/simulate/CW/test_1"
+    with np.load(run / "trajectory.npz") as archive:
+        arrays = {name: archive[name] for name in archive.files}
+    arrays[array][(row, *(0,) * (arrays[array].ndim - 1))] = number
+    np.savez_compressed(run / "trajectory.npz", **arrays)
+    ended = symolo("rerender", run, "--look", "lab", "--out", tmp_path / "out")
+    assert (ended.code, ended.err.count("\n")) == (2, 1)
+    assert f"trajectory.npz: cannot be read: {told}" in ended.err
+    assert "simulate anew" in ended.err
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
     ("whole", "damaged", "told"),
     [
         ('"mass_kg":', '"mass_kg":"much","_":', "robot.chassis.mass_kg: Input should be a valid number"),
