@@ -18,6 +18,7 @@ from blender_scenes.materials.tape import tape
 from blender_scenes.robot_body import CAMERA_BODY, robot_body, robot_surfaces
 from blender_scenes.rooms import ROOMS
 from blender_scenes.rooms.base import Room
+from blender_scenes.rooms.plain import room_bounds
 from blender_scenes.shading import Surface
 from configs.schema.look import LinePaintLook, LookConfig, TapeLook
 from configs.schema.robot import RobotConfig
@@ -61,6 +62,11 @@ def arena_bounds(arena: Arena) -> tuple[Point2, Point2]:
     everything = np.concatenate(points) if points else np.array([[-0.5, -0.5], [0.5, 0.5]])
     low, high = everything.min(axis=0), everything.max(axis=0)
     return (float(low[0]), float(low[1])), (float(high[0]), float(high[1]))
+
+
+def floor_bounds(arena: Arena, look: LookConfig) -> tuple[Point2, Point2]:
+    """Corners of the rectangle of floor, which ends at the walls of the room."""
+    return room_bounds(look.room, *arena_bounds(arena))
 
 
 def _reach(box: Box, motion: ObstacleMotion) -> np.ndarray:

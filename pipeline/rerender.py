@@ -21,6 +21,7 @@ from configs.schema.scenario import Render, RunSpec
 from configs.streams import stream
 from configs.tree import dotted
 from configs.whole_files import make_folder, move, remove_file, remove_folder, replace_folder, write_file
+from physics.arena import Arena
 from pipeline.dataset.annotation_checks import ANNOTATIONS
 from pipeline.dataset.layout import JOB, LOOK
 from pipeline.dataset.metadata import FailedRun
@@ -28,6 +29,7 @@ from pipeline.dataset.rows import Ints, Rows, read_rows
 from pipeline.dataset.side import image_positions
 from pipeline.executors.base import Executor
 from pipeline.files import canonical_json, hashes_of, holds, read_known
+from pipeline.foreign_units import check_on_the_floor, check_radians
 from pipeline.output import check_disk, check_out
 from pipeline.own_files import keep_own_files
 from pipeline.plan import BYTES_PER_JOB, pictures_bytes
@@ -82,6 +84,12 @@ class Source:
     """data.csv as it is or would be."""
     spec: RunSpec | None
     """None for a foreign data.csv."""
+    file: Path
+    """Where it was read from."""
+
+    def at(self, row: int) -> str:
+        """Where a row stands, for errors."""
+        return f"{self.file}, row {row}" if self.file.name == TRAJECTORY else f"{self.file}:{row + 2}"
 
 
 @dataclass(frozen=True)
@@ -181,7 +189,14 @@ def prepare(source: Path, request: Request) -> tuple[Source, tuple[Draw, ...]]:
                 "--set", got=text, allowed="fields of " + ", ".join(SECTIONS), cure="simulate anew for others"
             )
     found = _timed(read_source(source), request.camera_hz)
-    return found, _draws(found, request)
+    if found.spec is None:
+        check_radians(found.rows, found.at)
+    draws = _draws(found, request)
+    if found.spec is None or request.arena:
+        arena = Arena.from_config(draws[0].appearance.arena)
+        for draw in draws:
+            check_on_the_floor(found.rows, arena, draw.appearance.look, found.at)
+    return found, draws
 
 
 def read_source(path: Path) -> Source:
@@ -192,7 +207,7 @@ def read_source(path: Path) -> Source:
             rows = Rows.from_recording(read_recording(folder))
         except (OSError, ValueError, KeyError, BadZipFile) as error:
             raise InputError(f"cannot be read: {error}", where=str(folder / TRAJECTORY), cure="simulate anew") from None
-        return Source(rows, rows.to_csv(), _read_spec(folder / SPEC))
+        return Source(rows, rows.to_csv(), _read_spec(folder / SPEC), folder / TRAJECTORY)
     data = path if path.is_file() else folder / DATA
     if not data.is_file():
         raise InputError(
@@ -202,7 +217,7 @@ def read_source(path: Path) -> Source:
         )
     side = folder / SIDE / SPEC
     spec = _read_spec(side) if data.name == DATA and side.is_file() else None
-    return Source(read_rows(data), data.read_bytes(), spec)
+    return Source(read_rows(data), data.read_bytes(), spec, data)
 
 
 def _read_spec(path: Path) -> RunSpec:
@@ -232,7 +247,7 @@ def _timed(source: Source, camera_hz: float | None) -> Source:
             cure="choose a rate, such as --camera-hz 5",
         )
     rows = replace(source.rows, image=image_numbers(source.rows.t_ms, camera_hz))
-    return Source(rows, rows.to_csv(), source.spec)
+    return replace(source, rows=rows, data=rows.to_csv())
 
 
 def image_numbers(t_ms: Ints, camera_hz: float) -> Ints:

@@ -23,8 +23,7 @@ WALL_DEPTH_M = 0.25
 def plain_room(look: LookConfig, arena_low: Point2, arena_high: Point2, seed: int) -> Room:
     """The room whose walls keep the look's margins from the arena's bounds; its furniture is drawn by `seed`."""
     own = look.room
-    low = arena_low[0] - own.margin_west_m, arena_low[1] - own.margin_south_m
-    high = arena_high[0] + own.margin_east_m, arena_high[1] + own.margin_north_m
+    low, high = room_bounds(own, arena_low, arena_high)
     window = _opening(look, low, high)
     meshes = [_ceiling(low, high, own.height_m)]
     for side in SIDES:
@@ -49,6 +48,12 @@ def plain_room(look: LookConfig, arena_low: Point2, arena_high: Point2, seed: in
         (*surfaces, *(surface for item in furniture for surface in item.piece.surfaces)),
         tuple(top for item in furniture if (top := item.top) is not None),
     )
+
+
+def room_bounds(own: RoomLook, arena_low: Point2, arena_high: Point2) -> tuple[Point2, Point2]:
+    """Corners of the rectangle between the walls."""
+    low = arena_low[0] - own.margin_west_m, arena_low[1] - own.margin_south_m
+    return low, (arena_high[0] + own.margin_east_m, arena_high[1] + own.margin_north_m)
 
 
 def _opening(look: LookConfig, low: Point2, high: Point2) -> Opening:

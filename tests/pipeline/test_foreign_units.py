@@ -1,0 +1,117 @@
+"""A data.csv from elsewhere in other units than ours: told before anything is made; what fits is left alone."""
+
+import math
+
+import numpy as np
+import pytest
+
+from blender_scenes.scene import arena_bounds
+from configs.errors import InputError
+from configs.loader import load_section
+from configs.schema.arena import ArenaConfig
+from physics.arena import Arena
+from pipeline.dataset.rows import Rows
+from pipeline.rerender import Request, prepare
+
+ROWS, EVERY = 200, 10
+"""In each drive, and from image to image."""
+
+
+def circle(laps=1.0, radius_m=0.3):
+    """Poses (N, 3) with the yaw along the circle, unwrapped."""
+    angle = np.linspace(0.0, 2 * math.pi * laps, ROWS)
+    return np.stack([radius_m * np.cos(angle), radius_m * np.sin(angle), angle + 0.5 * math.pi], axis=1)
+
+
+def straight(yaw_rad):
+    along_m = np.linspace(-0.4, 0.4, ROWS)
+    return np.stack([along_m * math.cos(yaw_rad), along_m * math.sin(yaw_rad), np.full(ROWS, yaw_rad)], axis=1)
+
+
+def moved(pose, x_m=0.0, yaw_rad=0.0):
+    return pose + np.array([x_m, 0.0, yaw_rad])
+
+
+def written(path, pose):
+    numbers = np.arange(ROWS)
+    image = np.where(numbers % EVERY == 0, 1 + numbers // EVERY, 0)
+    one = np.ones((ROWS, 8))
+    path.write_bytes(Rows(50 * numbers, pose.copy(), 0 * numbers, one[:, :2], one[:, :3], one, image).to_csv())
+    return path
+
+
+def in_degrees(pose):
+    return pose * np.array([1.0, 1.0, 180 / math.pi])
+
+
+def with_noise(pose):
+    return pose + np.random.default_rng(5).normal(0.0, (0.001, 0.001, 0.02), pose.shape)
+
+
+LOOK = Request(("lab",))
+
+
+@pytest.mark.parametrize(
+    ("pose", "where"),
+    [(circle() * [1000.0, 1000.0, 1.0], "x = 300, y = 0 m"), (moved(circle(), 1e6), "x = 1e+06, y = 0 m")],
+    ids=["millimetres", "1,000 km away"],
+)
+def test_places_outside_the_room_are_one_clear_line(pose, where, tmp_path, symolo):
+    path = written(tmp_path / "elsewhere.csv", pose)
+    ended = symolo("rerender", path, "--look", "lab", "--out", tmp_path / "out")
+    assert (ended.code, ended.err.count("\n")) == (2, 1)
+    assert f"{path}:2: {where} is outside the room" in ended.err
+    assert "floor goes from x = " in ended.err
+    assert "in metres" in ended.err
+    assert "--arena" in ended.err
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_the_first_picture_outside_is_named_and_rows_without_one_may_be_anywhere(tmp_path):
+    pose = circle()
+    pose[3 * EVERY + 1, 0] = 50.0
+    prepare(written(tmp_path / "data.csv", pose), LOOK)
+    pose[[4 * EVERY, 5 * EVERY], 1] = -50.0
+    with pytest.raises(InputError, match=rf"data\.csv:{4 * EVERY + 2}: x = .*, y = -50 m is outside"):
+        prepare(written(tmp_path / "data.csv", pose), LOOK)
+
+
+def test_the_room_and_not_the_arena_is_what_counts(tmp_path):
+    """Its floor ends so far east of all that stands in the arena as the look says."""
+    arena = Arena.from_config(ArenaConfig.model_validate(load_section("arena", "symolo").tree))
+    _, (east_m, _) = arena_bounds(arena)
+    request = Request(("lab",), overrides=("look.room.margin_east_m=1.5",))
+    prepare(written(tmp_path / "in.csv", moved(circle(), east_m + 1.49 - 0.3)), request)
+    with pytest.raises(InputError, match="is outside the room"):
+        prepare(written(tmp_path / "out.csv", moved(circle(), east_m + 1.51 - 0.3)), request)
+
+
+@pytest.mark.parametrize(
+    "pose",
+    [in_degrees(circle()), in_degrees(with_noise(circle(3))), *(in_degrees(straight(yaw)) for yaw in (-1.5, 0.8, 3))],
+    ids=["a lap", "laps with noise", "south", "north-east", "west"],
+)
+def test_headings_in_degrees_are_one_clear_line(pose, tmp_path, symolo):
+    path = written(tmp_path / "elsewhere.csv", pose)
+    ended = symolo("rerender", path, "--look", "lab", "--out", tmp_path / "out")
+    assert (ended.code, ended.err.count("\n")) == (2, 1)
+    line = 2 + int(np.flatnonzero(np.abs(pose[:, 2]) > 2 * math.pi)[0])
+    assert f"{path}:{line}: column theta: " in ended.err
+    assert "give theta in radians" in ended.err
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize(
+    "pose",
+    [
+        circle(5),
+        with_noise(circle()),
+        moved(circle(5), yaw_rad=math.pi),
+        circle(5) * [1.0, 1.0, -1.0],
+        circle(20, radius_m=0.0),
+        *(straight(yaw) for yaw in (0.0, 0.8, 40 * math.pi)),
+    ],
+    ids=["unwrapped", "with noise", "backwards", "clockwise yaw", "on the spot", "east", "north-east", "many turns"],
+)
+def test_headings_that_degrees_do_not_explain_are_left_alone(pose, tmp_path):
+    prepare(written(tmp_path / "data.csv", pose), LOOK)
