@@ -105,6 +105,13 @@ class Draw:
     """Where the files of the user's own lie that the look names, by SHA-256."""
 
 
+def folder_name(source: Source, draws: Sequence[Draw]) -> str:
+    """Of the output where none is given: run and looks, our runs by route and number, others by their file."""
+    file = source.file.resolve()
+    run = source.spec.key.replace("/", "-") if source.spec else file.parent.name if file.name == DATA else file.stem
+    return "-".join((run or "run", *dict.fromkeys(draw.appearance.look.name for draw in draws)))
+
+
 @contextlib.contextmanager
 def open_folders(source: Source, draws: Sequence[Draw], out: Path, *, apart: bool) -> Iterator[list[Workspace]]:
     """A folder for each draw, checked and held: `out/<name>` where they lie apart, else `out` for the only one.

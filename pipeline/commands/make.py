@@ -25,6 +25,8 @@ from pipeline.commands.options import (
     WorkerMemory,
     Workers,
     checked_input,
+    checked_new_folder,
+    if_given,
     names,
     with_device,
 )
@@ -266,7 +268,15 @@ def rerender(
     draws: Annotated[
         int | None, typer.Option("-n", "--n", min=1, max=1000, metavar="N", help="Draws of each of --looks; else one.")
     ] = None,
-    out: Out,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            callback=if_given(checked_new_folder),
+            help="Output folder: new, empty, or one that symolo made before; by default one named by run and "
+            "looks in this folder, such as CW-test_1-classroom-night.",
+        ),
+    ] = None,
     arena: Annotated[str | None, typer.Option(metavar="NAME", help="Arena; the run's own, else symolo.")] = None,
     robot: Annotated[str | None, typer.Option(metavar="NAME", help="Robot; the run's own, else nominal.")] = None,
     camera_hz: Annotated[
@@ -285,7 +295,7 @@ def rerender(
 
     Example: symolo rerender data/CW/test_1 --look lab --out lab
 
-    Ten draws of each of two looks: symolo rerender data/CW/test_1 --looks classroom,lab --n 10 --out looks
+    Ten draws of each of two looks: symolo rerender data/CW/test_1 --looks classroom,night --n 10
 
     A data.csv alone: symolo rerender elsewhere/data.csv --look classroom --camera-hz 5 --out pictures
 
@@ -294,16 +304,17 @@ def rerender(
     """
     from pipeline.executors.local import Local
     from pipeline.progress import report_here
-    from pipeline.rerender import Request, open_folders, prepare, render_source
+    from pipeline.rerender import Request, folder_name, open_folders, prepare, render_source
 
     chosen = _chosen_looks(look, looks, draws)
     option = "--look" if looks is None else "--looks"
     request = Request(chosen, draws or 1, arena, robot, camera_hz, seed, with_device(settings, device), option)
     found, drawn = prepare(source, request)
-    with open_folders(found, drawn, out, apart=looks is not None) as folders:
+    where = out or checked_new_folder(Path(folder_name(found, drawn)))
+    with open_folders(found, drawn, where, apart=looks is not None) as folders:
         executor = Local.of(workers, memory).on(drawn[0].appearance.device)
         failures = render_source(found, drawn, folders, executor, report_here())
-    return conclude(failures, len(drawn), "rerender", out, "draw")
+    return conclude(failures, len(drawn), "rerender", where, "draw")
 
 
 def _chosen_looks(look: str | None, looks: str | None, draws: int | None) -> tuple[str, ...]:

@@ -1,6 +1,6 @@
 """Arguments and options that several commands share."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -17,7 +17,7 @@ def checked_input(path: Path) -> Path:
     return path
 
 
-def _checked_new_picture(path: Path) -> Path:
+def checked_new_picture(path: Path) -> Path:
     """A picture file to write."""
     check_new_path(path, "--out")
     if path.suffix not in {".jpg", ".png"} or path.is_dir() or not path.absolute().parent.is_dir():
@@ -32,6 +32,11 @@ def checked_new_folder(path: Path) -> Path:
     return path
 
 
+def if_given(check: Callable[[Path], Path]) -> Callable[[Path | None], Path | None]:
+    """The same check of an option that may be left out."""
+    return lambda path: None if path is None else check(path)
+
+
 Scenario = Annotated[str, typer.Argument(metavar="SCENARIO", help="Name of a shipped scenario, or a YAML file.")]
 Out = Annotated[
     Path,
@@ -44,7 +49,7 @@ Out = Annotated[
 ]
 OutPicture = Annotated[
     Path,
-    typer.Option("--out", metavar="FILE", callback=_checked_new_picture, help="Picture to write, .jpg or .png."),
+    typer.Option("--out", metavar="FILE", callback=checked_new_picture, help="Picture to write, .jpg or .png."),
 ]
 Robot = Annotated[str, typer.Option("--robot", metavar="NAME", help="Name of a shipped robot, or a YAML file.")]
 Settings = Annotated[

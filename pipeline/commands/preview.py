@@ -1,10 +1,20 @@
 """The command that shows what a scenario's pictures would look like."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from pipeline.commands.options import OnDevice, OutPicture, Scenario, Settings, Workers, names, with_device
+from pipeline.commands.options import (
+    OnDevice,
+    Scenario,
+    Settings,
+    Workers,
+    checked_new_picture,
+    if_given,
+    names,
+    with_device,
+)
 from pipeline.preview import Engine
 
 RUN_FAILED = 3
@@ -13,8 +23,15 @@ _MOST_WIDE_PX = 2048
 
 def preview(
     scenario: Scenario,
-    out: OutPicture,
     *,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            callback=if_given(checked_new_picture),
+            help="Picture to write, .jpg or .png; SCENARIO-preview.jpg in this folder by default.",
+        ),
+    ] = None,
     count: Annotated[int, typer.Option("-n", "--n", min=1, max=1000, metavar="N", help="Pictures on the sheet.")] = 24,
     engine: Annotated[
         Engine,
@@ -39,7 +56,7 @@ def preview(
     line or, where walls join its ends, beside them, faces along, and is no closer to what stands ahead than where its
     controller would turn aside. Each picture is exposed by its own light.
 
-    Example: symolo preview symolo -n 24 --out preview.jpg
+    Example: symolo preview symolo -n 24
 
     In seconds, without textures and gloss: symolo preview symolo --engine flat --look classroom,lab --out preview.jpg
     """
@@ -54,12 +71,13 @@ def preview(
     drawn = views(scenario, with_device(settings, device), looks, count, width_px)
     first = next(drawn)
     check_size(first, count, columns)
+    sheet_file = out or checked_new_picture(Path(f"{Path(scenario).stem}-preview.jpg"))
     chosen = [first, *drawn]
     made, failures = pictures(engine, chosen, workers or cores(), report_here())
     for failure in failures:
         typer.echo(f"failed: picture {failure.run}: {failure.problem}", err=True)
     if not made:
         raise RunFailed("preview: no picture could be made")
-    save(sheet(chosen, made, columns), out)
-    typer.echo(f"{out}: {len(made)} of {count} pictures")
+    save(sheet(chosen, made, columns), sheet_file)
+    typer.echo(f"{sheet_file}: {len(made)} of {count} pictures")
     return RUN_FAILED if failures else 0

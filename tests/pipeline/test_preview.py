@@ -1,6 +1,7 @@
 """The preview: places on the way round an arena, runs as a release draws them, and a sheet by either engine."""
 
 import tempfile
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -111,6 +112,23 @@ def test_several_looks_show_the_same_run_from_the_same_place():
     one, other, later = (view.job() for view in shown)
     assert one.frames[0].X_WC == other.frames[0].X_WC != later.frames[0].X_WC
     assert one.scene.panels != other.scene.panels
+
+
+def test_without_out_the_sheet_is_named_by_its_scenario(tmp_path, symolo, monkeypatch):
+    (tmp_path / "own").mkdir()
+    (tmp_path / "own/study.yaml").write_text("extends: smoke\nname: other\n")
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    for scenario, name in (("smoke", "smoke-preview.jpg"), ("../own/study.yaml", "study-preview.jpg")):
+        ended = symolo("preview", scenario, "--engine", "flat", "-n", 2, "--width-px", 64)
+        assert (ended.code, ended.out) == (0, f"{name}: 2 of 2 pictures\n")
+    assert sorted(path.name for path in Path().iterdir()) == ["smoke-preview.jpg", "study-preview.jpg"]
+    assert cv2.imread("smoke-preview.jpg").shape[1] == 2 * 64
+    Path("smoke-preview.jpg").unlink()
+    Path("smoke-preview.jpg").mkdir()
+    ended = symolo("preview", "smoke", "--engine", "flat", "-n", 2, "--width-px", 64)
+    assert (ended.code, ended.err.count("\n")) == (2, 1)
+    assert "--out: got 'smoke-preview.jpg'" in ended.err
 
 
 def test_a_flat_preview_is_one_file_and_the_same_bytes_again(tmp_path, symolo):

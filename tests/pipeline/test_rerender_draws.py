@@ -1,6 +1,8 @@
 """Several draws of several looks for one stored trajectory."""
 
 import json
+import shutil
+from pathlib import Path
 
 import cv2
 import pytest
@@ -58,6 +60,34 @@ def test_no_other_command_works_in_the_folder_of_a_draw(run, tmp_path, symolo):
     assert (refused.code, refused.err.count("\n")) == (2, 1)
     assert "is a folder of what symolo rerender --looks made" in refused.err
     assert not (tmp_path / "looks/classroom_1").exists()
+
+
+@pytest.mark.usefixtures("hands")
+def test_without_out_the_folder_is_named_by_run_and_looks(run, tmp_path, symolo, monkeypatch):
+    """As the project describes its use; one of our runs by route and number, what comes from elsewhere by its file."""
+    foreign = tmp_path / "elsewhere/data.csv"
+    foreign.parent.mkdir()
+    foreign.write_bytes((run / "data.csv").read_bytes())
+    shutil.copy(foreign, tmp_path / "drive.csv")
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    small = "--set", "render.width_px=32", "--set", "render.height_px=24"
+    for source, looks, name in (
+        (run, ("--looks", "classroom,night", "--n", 2), "CW-test_1-classroom-night"),
+        (run / "data.csv", ("--look", "lab"), "CW-test_1-lab"),
+        (foreign, ("--look", "lab"), "elsewhere-lab"),
+        ("../elsewhere", ("--look", "classroom"), "elsewhere-classroom"),
+        ("../drive.csv", ("--look", "lab"), "drive-lab"),
+    ):
+        ended = symolo("rerender", source, *looks, *small)
+        assert (ended.code, ended.out.split(", in ")[-1]) == (0, f"{name}\n")
+        assert Path(name).is_dir()
+        shutil.rmtree(name)
+    assert list(Path().iterdir()) == []
+    Path("CW-test_1-lab").write_text("of the user")
+    ended = symolo("rerender", run, "--look", "lab")
+    assert (ended.code, ended.err.count("\n")) == (2, 1)
+    assert "--out CW-test_1-lab: is a file" in ended.err
 
 
 def test_a_draws_seed_gives_it_again_alone(run):
