@@ -6,6 +6,7 @@ from pathlib import Path
 
 from configs.errors import EnvironmentLacking, InputError
 from configs.refusals import NOT_THERE
+from pipeline.dataset.bag import DECLARATION
 from pipeline.dataset.manifest import MANIFEST
 from pipeline.files import sizes_below
 from pipeline.paths import nearest_existing
@@ -48,6 +49,22 @@ def check_out(out: Path, kind: Kind, *, within_looks: bool = False) -> None:
     except OSError as error:
         what = f"cannot be written: {nearest}: {error.strerror}"
         raise InputError(what, where=where, cure="name another folder") from None
+
+
+def check_outside(out: Path) -> None:
+    """Refuse a place within a dataset or a bag, which would no longer be what its checksums say.
+
+    Raises:
+        InputError: It lies there.
+    """
+    for folder in out.resolve().parents:
+        if kind_of(folder) is Kind.DATASET:
+            what = "release"
+        elif (folder / DECLARATION).is_file() and (folder / MANIFEST).is_file():
+            what = "bag"
+        else:
+            continue
+        raise InputError(f"lies within the {what} {folder}", where=f"--out {out}", cure="name a place outside of it")
 
 
 def _check_kind(out: Path, kind: Kind, where: str) -> None:

@@ -19,16 +19,22 @@ def checked_input(path: Path) -> Path:
 
 def checked_new_picture(path: Path) -> Path:
     """A picture file to write."""
+    from pipeline.output import check_outside
+
     check_new_path(path, "--out")
     if path.suffix not in {".jpg", ".png"} or path.is_dir() or not path.absolute().parent.is_dir():
         allowed = "a file name ending in .jpg or .png in a folder that exists"
         raise InputError("--out", got=str(path), allowed=allowed)
+    check_outside(path)
     return path
 
 
 def checked_new_folder(path: Path) -> Path:
     """A folder to write."""
+    from pipeline.output import check_outside
+
     check_new_path(path, "--out", BELOW_CHARS)
+    check_outside(path)
     return path
 
 
