@@ -34,6 +34,16 @@ def apply_override(root: Node, text: str, reader: Reader) -> Node:
     return _set(root, keys, (), node, where)
 
 
+def replaced_section(text: str) -> str:
+    """The section that an override puts another one in place of, by a name or `extends`; none where it sets fields."""
+    name, _, value = text.partition("=")
+    name = name.strip()
+    if name not in SECTIONS:
+        return ""
+    given = parse_yaml(value, f"--set {name}", with_lines=False).value
+    return name if isinstance(given, str) or (isinstance(given, dict) and "extends" in given) else ""
+
+
 def _set(node: Node, rest: list[str], path: FieldPath, value: Node, where: str) -> Node:
     if not rest:
         return merge(node, value)

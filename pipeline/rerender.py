@@ -15,6 +15,7 @@ from configs.draw import draw_arena, draw_look, draw_render, draw_robot
 from configs.errors import InputError
 from configs.lens import lens_problem
 from configs.loader import load_scenario, load_section
+from configs.overrides import replaced_section
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec
@@ -69,6 +70,11 @@ class Request:
     overrides: tuple[str, ...] = ()
     option: str = "--look"
     """By which the looks are named."""
+
+    def named_by(self, section: str) -> str:
+        """The option that names this section; empty where none does."""
+        named = {"look": self.option, "arena": self.arena and "--arena", "robot": self.robot and "--robot"}
+        return named.get(section) or ""
 
     def of(self, section: str) -> tuple[str, ...]:
         """The overrides below one section."""
@@ -195,6 +201,8 @@ def prepare(source: Path, request: Request) -> tuple[Source, tuple[Draw, ...]]:
             raise InputError(
                 "--set", got=text, allowed="fields of " + ", ".join(SECTIONS), cure="simulate anew for others"
             )
+        if option := request.named_by(replaced_section(text)):
+            raise InputError("--set", got=text, cure=f"name it by {option}")
     found = _timed(read_source(source), request.camera_hz)
     if found.spec is None:
         check_radians(found.rows, found.at)

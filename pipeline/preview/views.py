@@ -9,7 +9,10 @@ import numpy as np
 from blender_scenes.devices import device_for
 from blender_scenes.job import FramePose, RenderJob
 from configs.draw import draw_run
+from configs.errors import InputError
 from configs.loader import LoadedScenario, load_scenario
+from configs.overrides import replaced_section
+from configs.references import locate
 from configs.schema.look import LookConfig
 from configs.schema.scenario import RunSpec
 from configs.streams import stream
@@ -63,6 +66,11 @@ def views(scenario: str, overrides: Sequence[str], looks: Sequence[str], count: 
     Raises:
         InputError: The scenario or a look cannot be used, or a run's values make an impossible world.
     """
+    for text in overrides if looks else ():
+        if replaced_section(text) == "look":
+            raise InputError("--set", got=text, cure="name it by --look")
+    for look in looks:
+        locate("look", look, folder=Path(), what="--look")
     chosen = [f"look={look}" for look in looks]
     loaded = [load_scenario(scenario, (*_DRAFT, own, *overrides)) for own in chosen]
     loaded = loaded or [load_scenario(scenario, (*_DRAFT, *overrides))]

@@ -109,12 +109,31 @@ BAD = {
         ["rerender", "HERE/data.csv", "--looks", "lab,", "--out", "OUT"],
         "names with commas",
     ),
+    "rerender under a look that --set replaces": (
+        ["rerender", "HERE/data.csv", "--look", "lab", "--set", "look=night", "--out", "OUT"],
+        "--set: got 'look=night'; name it by --look",
+    ),
+    "rerender under looks that --set replaces": (
+        ["rerender", "HERE/data.csv", "--looks", "lab", "--set", "look={extends: night}", "--out", "OUT"],
+        "--set: got 'look={extends: night}'; name it by --looks",
+    ),
+    "rerender in an arena that --set replaces": (
+        ["rerender", "HERE/data.csv", "--look", "lab", "--arena", "symolo", "--set", "arena=random", "--out", "OUT"],
+        "--set: got 'arena=random'; name it by --arena",
+    ),
     "rerender under looks, one misspelt": (
         ["rerender", "HERE/data.csv", "--looks", "classroom,labb", "--n", "2", "--out", "OUT"],
         "--looks: got 'labb'",
     ),
     "preview of a misspelt scenario": (["preview", "smok", "--out", "OUT.png"], "did you mean smoke"),
-    "preview under no such look": (["preview", "smoke", "--look", "labb", "--out", "OUT.png"], "did you mean lab"),
+    "preview under no such look": (
+        ["preview", "smoke", "--look", "labb", "--out", "OUT.png"],
+        "symolo: --look: got 'labb'",
+    ),
+    "preview under looks that --set replaces": (
+        ["preview", "smoke", "--look", "lab,night", "--set", "look=classroom", "--out", "OUT.png"],
+        "--set: got 'look=classroom'; name it by --look",
+    ),
     "preview by no such engine": (["preview", "smoke", "--engine", "evee", "--out", "OUT.png"], "evee"),
     "preview of nothing": (["preview", "smoke", "-n", "0", "--out", "OUT.png"], "-n"),
     "preview as a text": (["preview", "smoke", "--out", "OUT.txt"], ".jpg or .png"),

@@ -90,6 +90,12 @@ def test_without_out_the_folder_is_named_by_run_and_looks(run, tmp_path, symolo,
     assert "--out CW-test_1-lab: is a file" in ended.err
 
 
+def test_fields_of_a_look_may_be_set_all_at_once(run):
+    """As a mapping that is laid over it; only another name or `extends` would be another look."""
+    _, (draw,) = prepare(run, Request(("lab",), overrides=("look={sun: {elevation_deg: 31}}",)))
+    assert (draw.name, draw.appearance.look.sun.elevation_deg) == ("lab_1", 31)
+
+
 def test_a_draws_seed_gives_it_again_alone(run):
     """What look.json says is enough: the same look, light, stains and noise by --look and --seed."""
     _, draws = prepare(run, Request(("classroom", "lab"), 2))
