@@ -1,6 +1,11 @@
 """Markdown from plain values."""
 
+import inspect
+import re
 from collections.abc import Iterable, Sequence
+
+_FOR_PROGRAMMERS = re.compile(r"^(?:Args|Attributes|Raises|Returns|Yields):$", re.MULTILINE)
+"""The first of the parts of a docstring that say how a function is called."""
 
 
 def text(value: str) -> str:
@@ -10,6 +15,11 @@ def text(value: str) -> str:
     # Every second part stands between back-ticks, where nothing is special but the bar of a table.
     parts[::2] = [part.replace("*", r"\*").replace("<", r"\<") for part in parts[::2]]
     return "`".join(parts).replace("|", r"\|")
+
+
+def about(documented: object) -> str:
+    """What the docstring of a module, class or function tells everybody."""
+    return _FOR_PROGRAMMERS.split(inspect.getdoc(documented) or "")[0].strip()
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -1,9 +1,9 @@
 """Floors, walls and lines: what they look like, and what the range sensors make of them."""
 
 import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
-from markdown import anchor, page, table, text
+from markdown import about, anchor, page, table, text
 
 from blender_scenes.materials import FLOORS
 from blender_scenes.materials import SURFACES as SEEN
@@ -15,7 +15,7 @@ LINES = {
     "linoleum_floor": ("tape", "`look.line=tape`, the default; wear, wrinkles, lifted edges and gloss in `look.tape`."),
     "glossy_tape": ("glossy tape", "`look.tape={roughness: 0.2, wear: 0.8, wrinkles: 0.8, lift_m: 0.0006}`."),
     "streaked_tape": ("streaked tape", "`look.tape={roughness: 0.2, streaks: 0.8}`, seen from above."),
-    "paint": ("paint", "`look.line=paint`; its edges bleed, settings are in `look.paint`."),
+    "paint": ("paint", "`look.line=paint`; its edges bleed, settings are in `look.line_paint`."),
 }
 ABOUT = """A wall's `surface` decides what it looks like and what the range sensors read at it alike; floors and lines
 are part of a look. The pictures are the robot camera's, of a line, a box and a wall."""
@@ -32,7 +32,7 @@ def _floors() -> Iterator[str]:
     yield "    --set look.floor.material=ceramic_tile --set look.floor.stains=0.8"
     for name, make in FLOORS.items():
         yield f"### {name} floor"
-        yield text(f"{_of_module(make)} {make.__doc__ or ''}".strip())
+        yield text(f"{about(inspect.getmodule(make))} {about(make)}")
         if name != "image":  # a picture of the user's own
             yield _picture(f"{name}_floor")
             yield f"    --set look.floor.material={name}"
@@ -67,8 +67,3 @@ def _lines() -> Iterator[str]:
 
 def _picture(name: str) -> str:
     return f"![{name.replace('_', ' ')}]({PICTURES}/{name}.jpg)"
-
-
-def _of_module(function: Callable[..., object]) -> str:
-    module = inspect.getmodule(function)
-    return (module.__doc__ or "") if module else ""

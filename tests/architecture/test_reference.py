@@ -7,12 +7,14 @@ import pytest
 from typer.main import get_command
 
 from blender_scenes.materials import FLOORS, SURFACES
+from configs.loader import load_section
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from pipeline.cli import command_line
 from pipeline.exporters import EXPORTERS
 
 DOCS = Path(__file__).parents[2] / "docs"
+PAGES = sorted((DOCS / "reference").glob("*.md"))
 
 
 @pytest.fixture
@@ -42,6 +44,32 @@ def test_every_field_of_robot_and_look_is_a_key():
     keys = set(re.findall(r"^\| `(\w+)` \|", _page("configuration.md"), re.MULTILINE))
     for section in (RobotConfig, LookConfig):
         assert set(section.model_fields) - keys == set()
+
+
+def test_every_part_of_a_look_that_a_page_names_is_there():
+    """`look.a.b` in running text, and each setting of an example as a look takes it."""
+    path = r"\blook\.(?!json|yaml)([a-z_0-9.]*[a-z_0-9])"
+    named = {name for page in PAGES for name in re.findall(path, page.read_text())}
+    assert {"floor.material", "line", "assets"} <= named
+    assert [name for name in sorted(named) if not _is_field(name.split("."))] == []
+    settings = set(re.findall(r"(?:--set |`)(look\.[^\s`=]+=(?:\{[^}]*\}|[^\s`{]+))", _page("materials.md")))
+    assert "look.line=paint" in settings
+    for setting in sorted(settings):
+        load_section("look", "classroom", [setting])
+
+
+def _is_field(path):
+    section = LookConfig(name="plain")
+    for name in path:
+        if name not in type(section).model_fields:
+            return False
+        section = getattr(section, name)
+    return True
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.name)
+def test_no_page_has_what_a_docstring_tells_programmers(page):
+    assert re.findall(r"^.*\b(?:Args|Attributes|Raises|Returns|Yields):.*$", page.read_text(), re.MULTILINE) == []
 
 
 def test_every_material_has_a_picture():
