@@ -54,7 +54,7 @@ def open_release(root: Path, runs: str | None) -> Dataset:
     """
     data = load(root)
     if data.metadata is None and data.runs[0].is_rerendered:
-        what = "holds pictures of `symolo rerender`, which are no release: they have no side tables and no checksums"
+        what = "holds pictures of `symolo rerender`, which are no release: they have no specification and no checksums"
         raise InputError(what, where=str(root), cure="export the release that their run is of")
     if data.metadata is None:
         cure = "name the folder of the release, and the run by --runs"

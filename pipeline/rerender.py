@@ -24,6 +24,7 @@ from configs.tree import dotted
 from configs.whole_files import make_folder, move, remove_file, remove_folder, replace_folder, write_file
 from physics.arena import Arena
 from pipeline.dataset.annotation_checks import ANNOTATIONS
+from pipeline.dataset.camera_model import camera_files
 from pipeline.dataset.layout import JOB, LOOK
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Ints, Rows, read_rows
@@ -173,7 +174,7 @@ def render_source(
     failed = {failure.run for failure in failures}
     for name, (draw, folder) in places.items():
         if name not in failed:
-            _publish(pictures[name], annotations.get(name), source, draw.record, folder)
+            _publish(pictures[name], annotations.get(name), _texts(source, draw), folder)
     return failures
 
 
@@ -328,22 +329,29 @@ def _render(spec: RunSpec | None, request: Request, seed: int, route: str, run: 
     return draw_render(load_scenario(CARRIER, [*settings, *request.of("render")]), seed, route, run)
 
 
-def _publish(task: FrameTask, annotations: FrameTask | None, source: Source, look: bytes, workspace: Workspace) -> None:
+def _texts(source: Source, draw: Draw) -> dict[str, bytes]:
+    """What is told of the pictures, by its path in their folder."""
+    about = {DATA: source.data, POSITIONS: image_positions(source.rows), LOOK: draw.record}
+    return about | dict(camera_files(draw.appearance, source.rows))
+
+
+def _publish(task: FrameTask, annotations: FrameTask | None, texts: Mapping[str, bytes], workspace: Workspace) -> None:
     """Fill the folder; frames.json, the list of the pictures, goes first and comes last: with it the set is whole."""
     out, marker = workspace.out, workspace.assemble("rerender")
-    digests = {name: hashlib.sha256(data).hexdigest() for name, data in (("data", source.data), ("look", look))}
-    key = input_key("pictures", render=task.key, annotate=annotations.key if annotations else "", **digests)
+    digests = {name: hashlib.sha256(data).hexdigest() for name, data in texts.items()}
+    key = input_key("pictures", render=task.key, annotate=annotations.key if annotations else "", texts=digests)
     done = marker.done()
     if done is not None and done.key == key and holds(out, done.files):
         return
     partial = marker.start()
-    _fill(task, annotations, source, look, partial)
+    _fill(task, annotations, texts, partial)
     hashes = hashes_of(partial)
     remove_file(out / FRAMES)
     replace_folder(partial / IMAGES, out / IMAGES)
     remove_folder(out / ANNOTATIONS)
     if annotations:
         replace_folder(partial / ANNOTATIONS, out / ANNOTATIONS)
+    replace_folder(partial / SIDE, out / SIDE)
     for name in (DATA, POSITIONS, JOB, LOOK, FRAMES):
         move(partial / name, out / name)
     make_folder(marker.path)
@@ -351,15 +359,15 @@ def _publish(task: FrameTask, annotations: FrameTask | None, source: Source, loo
     partial.rmdir()
 
 
-def _fill(task: FrameTask, annotations: FrameTask | None, source: Source, look: bytes, folder: Path) -> None:
-    make_folder(folder / IMAGES)
+def _fill(task: FrameTask, annotations: FrameTask | None, texts: Mapping[str, bytes], folder: Path) -> None:
+    for name in (IMAGES, SIDE):
+        make_folder(folder / name)
     for name, digest in sorted(task.folder.files().items()):
         if name.startswith(f"{IMAGES}/"):
             write_file(folder / name, read_known(task.folder.path / name, digest))
     if annotations:
         copy_released(annotations.folder, folder)
-    write_file(folder / DATA, source.data)
-    write_file(folder / LOOK, look)
-    write_file(folder / POSITIONS, image_positions(source.rows))
+    for name, data in texts.items():
+        write_file(folder / name, data)
     for name in (JOB, FRAMES):
         write_file(folder / name, (task.folder.path / name).read_bytes())

@@ -1,7 +1,9 @@
-"""side/intrinsics.json and the columns of side/camera.csv: all it takes to relate pixels and the world."""
+"""side/intrinsics.json and side/camera.csv: all it takes to relate pixels and the world."""
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -9,8 +11,12 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from blender_scenes.camera import intrinsics, matrix_K, pose_X_RC, pose_X_WR
 from blender_scenes.description import Shutter
 from blender_scenes.shutter import row_opens_s
-from configs.schema.scenario import RunSpec
+from configs.schema.look import LookConfig
+from configs.schema.robot import RobotConfig
+from configs.schema.scenario import Render
+from pipeline.dataset.layout import SIDE
 from pipeline.dataset.rows import Rows
+from pipeline.dataset.side import CAMERA
 from pipeline.files import canonical_json
 
 INTRINSICS = "intrinsics.json"
@@ -20,6 +26,17 @@ _DECIMALS = 9
 
 Row3 = tuple[float, float, float]
 Row4 = tuple[float, float, float, float]
+
+
+class Taken(Protocol):
+    """What decides how pictures are taken: the specification of a run, or what `rerender` was asked for."""
+
+    @property
+    def robot(self) -> RobotConfig: ...
+    @property
+    def look(self) -> LookConfig: ...
+    @property
+    def render(self) -> Render: ...
 
 
 class CameraModel(BaseModel):
@@ -42,7 +59,7 @@ class CameraModel(BaseModel):
     X_CB: tuple[Row4, Row4, Row4, Row4]
 
     @classmethod
-    def of(cls, spec: RunSpec) -> "CameraModel":
+    def of(cls, spec: Taken) -> "CameraModel":
         camera = intrinsics(spec.robot.camera, spec.render.width_px, spec.render.height_px)
         numbers = {
             "K": _rounded(matrix_K(camera)),
@@ -72,7 +89,13 @@ def read_camera_model(path: Path) -> CameraModel:
         raise ValueError(": ".join(filter(None, (".".join(map(str, first["loc"])), first["msg"])))) from None
 
 
-def camera_table(spec: RunSpec, rows: Rows) -> np.ndarray:
+def camera_files(spec: Taken, rows: Rows) -> Iterator[tuple[str, bytes]]:
+    """What tells a user of the pictures of their camera, by its path in their folder."""
+    yield f"{SIDE}/{CAMERA.file}", CAMERA.to_csv(camera_table(spec, rows))
+    yield f"{SIDE}/{INTRINSICS}", CameraModel.of(spec).to_json()
+
+
+def camera_table(spec: Taken, rows: Rows) -> np.ndarray:
     """The columns of side/camera.csv, (images, 16)."""
     X_RC = pose_X_RC(spec.robot.camera, spec.robot.chassis.base_height_m)
     shutter = Shutter(spec.look.camera.exposure_time_s, spec.robot.camera.read_out_s)

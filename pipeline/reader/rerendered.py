@@ -1,4 +1,4 @@
-"""Camera and poses of pictures that `rerender` made: of the job that they were rendered from, as there is no side/."""
+"""Camera and poses of pictures of an earlier `rerender`, which wrote no side/: of the job they were rendered from."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 # Whatever knows of pictures loads OpenCV, which takes half a second; tables and poses do without.
 # ruff: noqa: PLC0415
 
+OF_THE_RUN = "take those of the run that they were made from"
+
 
 @dataclass(frozen=True)
 class Run:
@@ -69,7 +71,9 @@ class Run:
         Raises:
             InputError: side/spec.json is missing or damaged.
         """
-        self._check_has_side()
+        if self.is_rerendered:
+            what = "holds pictures of `symolo rerender`, which have no specification"
+            raise InputError(what, where=str(self.folder), cure=OF_THE_RUN)
         path = self.folder / SIDE / SPEC
         try:
             return RunSpec.model_validate_json(path.read_bytes())
@@ -81,7 +85,13 @@ class Run:
     @property
     def side_names(self) -> tuple[str, ...]:
         """What `side` takes."""
-        return tuple(_name(table) for table in side_tables(self.spec))
+        return tuple(_name(table) for table in self._side_tables)
+
+    @property
+    def _side_tables(self) -> tuple[SideTable, ...]:
+        if not self.is_rerendered:
+            return side_tables(self.spec)
+        return () if self._has_job_alone else (CAMERA,)
 
     def side(self, name: str) -> pd.DataFrame:
         """A table below `side/`, such as `wheels`: at the rows of `rows`, or of `image_rows` for `camera`.
@@ -89,11 +99,12 @@ class Run:
         Raises:
             InputError: There is none of this name, or it is damaged or of other times than data.csv.
         """
-        table = next((table for table in side_tables(self.spec) if _name(table) == name), None)
+        table = next((table for table in self._side_tables if _name(table) == name), None)
         if table is None:
-            allowed = ", ".join(self.side_names)
-            hint = nearest(name, self.side_names)
-            raise InputError(f"has no side table {name}", where=str(self.folder), allowed=allowed, nearest=hint)
+            allowed, hint = ", ".join(self.side_names), nearest(name, self.side_names)
+            cure = OF_THE_RUN if self.is_rerendered else ""
+            what = f"has no side table {name}"
+            raise InputError(what, where=str(self.folder), allowed=allowed, nearest=hint, cure=cure)
         return frame(table.columns, self._side(table))
 
     @cached_property
@@ -134,12 +145,14 @@ class Run:
 
     @cached_property
     def X_WC(self) -> Floats:
-        """(images, 4, 4), pose of the camera in W at each shutter, of side/camera.csv or what `rerender` rendered.
+        """(images, 4, 4), pose of the camera in W at each shutter, of side/camera.csv.
+
+        Of pictures of an earlier `rerender`, which have none, as they were rendered.
 
         Raises:
             InputError: It is damaged or of other images than data.csv.
         """
-        if self.is_rerendered:
+        if self._has_job_alone:
             from pipeline.reader.rerendered import poses_of
 
             poses = poses_of(self._job)
@@ -155,14 +168,14 @@ class Run:
 
     @cached_property
     def camera(self) -> "CameraModel":
-        """Intrinsics, distortion, exposure and the camera's pose on the robot, of side/intrinsics.json or as above.
+        """Intrinsics, distortion, exposure and the camera's pose on the robot, of side/intrinsics.json; or as above.
 
         Raises:
             InputError: The file is missing or damaged.
         """
         from pipeline.dataset.camera_model import INTRINSICS, read_camera_model
 
-        if self.is_rerendered:
+        if self._has_job_alone:
             from pipeline.reader.rerendered import camera_of
 
             return camera_of(self._job)
@@ -219,8 +232,13 @@ class Run:
 
     @property
     def is_rerendered(self) -> bool:
-        """Whether these are pictures of `rerender`, which have no side tables."""
-        return (self.folder / LOOK).is_file() and not (self.folder / SIDE).exists()
+        """Whether these are pictures of `rerender`, which have no specification, and of the side tables one."""
+        return (self.folder / LOOK).is_file() and not (self.folder / SIDE / SPEC).exists()
+
+    @property
+    def _has_job_alone(self) -> bool:
+        """Whether nothing but the job tells of the camera: before side/ was written, `rerender` left it at that."""
+        return self.is_rerendered and not (self.folder / SIDE).exists()
 
     @cached_property
     def _job(self) -> "RenderJob":
@@ -228,13 +246,7 @@ class Run:
 
         return read_job(self.folder, self.numbers)
 
-    def _check_has_side(self) -> None:
-        if self.is_rerendered:
-            what = "holds pictures of `symolo rerender`, which have no side tables and no specification"
-            raise InputError(what, where=str(self.folder), cure="take those of the run that they were made from")
-
     def _side(self, table: SideTable) -> Floats:
-        self._check_has_side()
         return read_side(self.folder / SIDE / table.file, table, self.table)
 
     def __iter__(self) -> Iterator[Image]:

@@ -14,14 +14,14 @@ from configs.whole_files import make_folder, remove_file, remove_folder, replace
 from physics.arena import Arena
 from physics.trajectory import Recording
 from pipeline.dataset.bag import BAG_INFO, bag_info
-from pipeline.dataset.camera_model import INTRINSICS, CameraModel, camera_table
+from pipeline.dataset.camera_model import camera_files
 from pipeline.dataset.description import DESCRIPTION, markdown
 from pipeline.dataset.layout import DATA, IMAGES, POSITIONS, SIDE, SPEC
 from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, tag_manifest
 from pipeline.dataset.metadata import METADATA, FailedRun, Metadata, RunRecord, describe
 from pipeline.dataset.obstacles import obstacle_table, obstacles_csv
 from pipeline.dataset.rows import Rows
-from pipeline.dataset.side import BOARD, CAMERA, TOF, WHEELS, board_csv, image_positions, tof_csv, wheels_csv
+from pipeline.dataset.side import BOARD, TOF, WHEELS, board_csv, image_positions, tof_csv, wheels_csv
 from pipeline.files import hashes_of, holds, read_known
 from pipeline.progress import Report, StageReport
 from pipeline.stages.annotate import copy_released, processors
@@ -158,8 +158,7 @@ def tables(spec: RunSpec, recording: Recording) -> Iterator[tuple[str, bytes]]:
     yield POSITIONS, image_positions(rows)
     yield f"{SIDE}/{WHEELS.file}", wheels_csv(recording)
     yield f"{SIDE}/{TOF.file}", tof_csv(recording)
-    yield f"{SIDE}/{CAMERA.file}", CAMERA.to_csv(camera_table(spec, rows))
-    yield f"{SIDE}/{INTRINSICS}", CameraModel.of(spec).to_json()
+    yield from camera_files(spec, rows)
     if spec.board:
         yield f"{SIDE}/{BOARD.file}", board_csv(recording)
     arena = Arena.from_config(spec.arena)

@@ -1,5 +1,6 @@
 """Pictures for a stored trajectory: the same ones again, other looks, and a SyMoLo data.csv with nothing beside it."""
 
+import json
 import re
 import shutil
 import sys
@@ -14,7 +15,9 @@ from pipeline.rerender import Request, prepare
 from pipeline.workspace import Kind, Workspace
 
 RUN = "CW/test_1"
-OUTPUT = {"data.csv", "image_positions.txt", "images", "job.json", "look.json", "frames.json"}
+OUTPUT = {"data.csv", "image_positions.txt", "images", "side", "job.json", "look.json", "frames.json"}
+SIDE = ("side/camera.csv", "side/intrinsics.json")
+"""Of the pictures themselves; the same files as a release has."""
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -59,7 +62,7 @@ def made(out):
 def test_the_same_look_gives_the_same_pictures_and_another_one_others(dataset, again, tmp_path, symolo):
     run, other = dataset / RUN, tmp_path / "other"
     assert made(again) == OUTPUT
-    for name in ("data.csv", "image_positions.txt", *(f"images/{i:06d}.jpg" for i in range(1, 7))):
+    for name in ("data.csv", "image_positions.txt", *SIDE, *(f"images/{i:06d}.jpg" for i in range(1, 7))):
         assert (again / name).read_bytes() == (run / name).read_bytes(), name
     arguments = ("--look", "lab", "--set", "render.width_px=48", "--set", "render.height_px=36", "--workers", 1)
     arguments = ("rerender", dataset / ".stages/simulate/CW/test_1", *arguments, "--out", other)
@@ -206,6 +209,47 @@ def test_an_interrupted_change_of_the_pictures_is_not_taken_for_finished(
     assert release_of(out) == release_of(elsewhere)
 
 
+@pytest.mark.usefixtures("hands")
+def test_the_camera_of_the_pictures_is_told_as_a_release_tells_its_own(dataset, tmp_path, symolo):
+    """Another robot, look and size than the run's; numbers from docs/camera.md and the robot's file."""
+    settings = ("robot.camera.pitch_down_deg=25", "robot.camera.read_out_s=0.016", "look.camera.exposure_time_s=0.008")
+    settings += ("render.width_px=32", "render.height_px=24")
+    chosen = ("--look", "lab", "--robot", "nominal", *(f"--set={setting}" for setting in settings))
+    out = tmp_path / "out"
+    assert symolo("rerender", dataset / RUN, *chosen, "--out", out).code == 0
+    model = json.loads((out / "side/intrinsics.json").read_text())
+    assert (model["width_px"], model["height_px"], model["exposure_s"], model["read_out_s"]) == (32, 24, 0.008, 0.016)
+    assert [row[2] for row in model["K"]] == [15.5, 11.5, 1.0]
+    cameras = np.genfromtxt(out / "side/camera.csv", delimiter=",", names=True)
+    positions = np.genfromtxt(out / "image_positions.txt", names=True)
+    np.testing.assert_array_equal(cameras["img"], positions["img"])
+    yaw, pitch = positions["theta"], np.radians(25)
+    # The axis, third column of X_WC: ahead by the heading, down by the pitch.
+    for name, expected in (
+        ("r13", np.cos(yaw) * np.cos(pitch)),
+        ("r23", np.sin(yaw) * np.cos(pitch)),
+        ("r33", np.full(6, -np.sin(pitch))),
+    ):
+        np.testing.assert_allclose(cameras[name], expected, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(cameras["exposure_start"], cameras["t"] - 4 - 8 + 8 / 24, rtol=0, atol=1e-3)
+
+
+def test_a_folder_of_a_version_without_side_is_filled_again_and_nothing_is_rendered(
+    again, dataset, copy_of, symolo, release_of
+):
+    out = copy_of(again, stages=True)
+    shutil.rmtree(out / "side")
+    marker = out / ".stages/assemble/rerender/done.json"
+    done = json.loads(marker.read_text())
+    files = {name: digest for name, digest in done["files"].items() if name not in SIDE}
+    assert len(files) == len(done["files"]) - len(SIDE)
+    marker.write_text(json.dumps({"key": "of another version", "files": files}))
+    rendered = {path: path.stat().st_mtime_ns for path in (out / ".stages/render").rglob("*")}
+    assert symolo("rerender", dataset / RUN, "--look", "classroom", "--out", out).code == 0
+    assert release_of(out) == release_of(again)
+    assert {path: path.stat().st_mtime_ns for path in (out / ".stages/render").rglob("*")} == rendered
+
+
 def test_finished_pictures_are_left_alone_and_damaged_ones_put_back(dataset, again, copy_of, symolo, release_of):
     out = copy_of(again, stages=True)
     arguments = ("rerender", dataset / RUN, "--look", "classroom", "--out", out)
@@ -213,9 +257,10 @@ def test_finished_pictures_are_left_alone_and_damaged_ones_put_back(dataset, aga
     assert symolo(*arguments).code == 0
     assert {path: path.stat().st_mtime_ns for path in out.rglob("*")} == times
     before = release_of(out)
-    (out / "images/000002.jpg").write_bytes(b"damaged")
-    assert symolo(*arguments).code == 0
-    assert release_of(out) == before
+    for name in ("images/000002.jpg", *SIDE):
+        (out / name).write_bytes(b"damaged")
+        assert symolo(*arguments).code == 0
+        assert release_of(out) == before
 
 
 def test_render_settings_are_drawn_with_the_key_of_the_request(dataset):
@@ -230,8 +275,12 @@ def test_render_settings_are_drawn_with_the_key_of_the_request(dataset):
     assert len({samples("CW/test_1"), samples("CCW/test_1"), samples("CW/test_1", seed=7)}) == 3
 
 
-def test_the_reader_takes_the_pictures_with_the_poses_and_camera_of_the_run(dataset, again):
-    run, pictures = symolo_reader.load(dataset)[RUN], symolo_reader.load(again).runs[0]
+@pytest.mark.parametrize("version", ["this", "without side"])
+def test_the_reader_takes_the_pictures_with_the_poses_and_camera_of_the_run(dataset, again, copy_of, version):
+    folder = copy_of(again)
+    if version == "without side":
+        shutil.rmtree(folder / "side")
+    run, pictures = symolo_reader.load(dataset)[RUN], symolo_reader.load(folder).runs[0]
     np.testing.assert_allclose(pictures.X_WC, run.X_WC, rtol=0, atol=1e-6)
     told, true = pictures.camera, run.camera
     for name in ("K", "D", "X_RC", "X_CB"):
@@ -245,8 +294,10 @@ def test_the_reader_takes_the_pictures_with_the_poses_and_camera_of_the_run(data
 
 def test_what_the_pictures_have_not_is_named_with_where_it_is(again, tmp_path, symolo, copy_of):
     pictures = symolo_reader.load(again).runs[0]
-    for ask in (lambda: pictures.side("wheels"), lambda: pictures.spec, lambda: pictures.side_names):
-        with pytest.raises(symolo_reader.InputError, match="take those of the run that they were made from"):
+    assert pictures.side_names == ("camera",)
+    assert pictures.side("camera")["img"].tolist() == [*pictures.numbers]
+    for ask in (lambda: pictures.side("wheels"), lambda: pictures.spec):
+        with pytest.raises(symolo_reader.InputError, match="those of the run that they were made from"):
             ask()
     refused = symolo("export", again, "--format", "kitti", "--out", tmp_path / "out")
     assert (refused.code, refused.err.count("\n")) == (2, 1)
@@ -256,6 +307,10 @@ def test_what_the_pictures_have_not_is_named_with_where_it_is(again, tmp_path, s
     with pytest.raises(symolo_reader.InputError, match=r"holds draws of .*name the folder of one, such as classroom_1"):
         symolo_reader.load(draws)
     damaged = copy_of(again)
+    (damaged / "side/intrinsics.json").write_text("{}")
+    with pytest.raises(symolo_reader.InputError, match=r"intrinsics\.json: is damaged"):
+        _ = symolo_reader.load(damaged).runs[0].camera
+    shutil.rmtree(damaged / "side")
     (damaged / "job.json").write_text("{}")
     with pytest.raises(symolo_reader.InputError, match=r"job\.json: is damaged"):
         _ = symolo_reader.load(damaged).runs[0].X_WC

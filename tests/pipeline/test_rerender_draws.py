@@ -26,7 +26,7 @@ def test_the_first_draw_is_the_runs_own_and_every_draw_a_folder_like_a_single_on
     for image in sorted((run / "images").iterdir()):
         assert (first / "images" / image.name).read_bytes() == image.read_bytes()
         assert (second / "images" / image.name).read_bytes() != image.read_bytes()
-    names = {"data.csv", "image_positions.txt", "images", "job.json", "look.json", "frames.json", ".stages"}
+    names = {"data.csv", "image_positions.txt", "images", "side", "job.json", "look.json", "frames.json", ".stages"}
     assert {path.name for path in first.iterdir()} == {path.name for path in second.iterdir()} == names
     records = [json.loads((folder / "look.json").read_text()) for folder in (first, second)]
     own = json.loads((run / "side/spec.json").read_text())
