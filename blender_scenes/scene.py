@@ -31,8 +31,7 @@ _GLASS_BEVEL_M = 0.0001
 
 def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> Scene:
     """The scene that the run's camera sees; the same arguments give the same scene."""
-    low, high = arena_bounds(arena)
-    room = ROOMS["plain"](look, low, high, seed)
+    room = room_around(arena, look, seed)
     parts = [_floor(look, room, seed), *_line(arena, look, seed)]
     parts += [_box(box, look, seed) for box in arena.boxes if box.motion is None]
     moving = [_box(_in_its_frame(box), look, seed) for box in arena.moving]
@@ -53,6 +52,12 @@ def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> S
         moving=tuple(mesh for mesh, _ in moving),
         robot_in_sight=in_sight,
     )
+
+
+def room_around(arena: Arena, look: LookConfig, seed: int) -> Room:
+    """The room of the scene, with its furniture."""
+    low, high = arena_bounds(arena)
+    return ROOMS["plain"](look, low, high, seed)
 
 
 def arena_bounds(arena: Arena) -> tuple[Point2, Point2]:

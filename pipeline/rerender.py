@@ -28,6 +28,7 @@ from pipeline.dataset.camera_model import camera_files
 from pipeline.dataset.layout import JOB, LOOK
 from pipeline.dataset.metadata import FailedRun
 from pipeline.dataset.rows import Ints, Rows, read_rows
+from pipeline.dataset.scene_record import scene_file
 from pipeline.dataset.side import image_positions
 from pipeline.executors.base import Executor
 from pipeline.files import canonical_json, hashes_of, holds, read_known
@@ -332,7 +333,8 @@ def _render(spec: RunSpec | None, request: Request, seed: int, route: str, run: 
 def _texts(source: Source, draw: Draw) -> dict[str, bytes]:
     """What is told of the pictures, by its path in their folder."""
     about = {DATA: source.data, POSITIONS: image_positions(source.rows), LOOK: draw.record}
-    return about | dict(camera_files(draw.appearance, source.rows))
+    own = draw.appearance
+    return about | dict((*camera_files(own, source.rows), scene_file(own.arena, own.look, own.seed)))
 
 
 def _publish(task: FrameTask, annotations: FrameTask | None, texts: Mapping[str, bytes], workspace: Workspace) -> None:

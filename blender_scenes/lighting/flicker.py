@@ -20,6 +20,11 @@ def caught(flicker: FlickerLook, t_s: Array, exposure_s: float, phase_rad: float
     return 1.0 + swing * np.cos(2 * np.pi * cycles_hz * t_s + phase_rad)
 
 
+def mains_phase_rad(seed: int) -> float:
+    """Of the lamps' light at the run's start, drawn for the run; its frequency is twice that of the mains."""
+    return float(stream(seed, "mains phase").uniform(0.0, 2 * np.pi))
+
+
 def frame_gains(  # noqa: PLR0917 - each is a number of its own
     flicker: FlickerLook, t_s: Array, exposure_s: float, lamps: RGB, all_light: RGB, seed: int
 ) -> list[RGB]:
@@ -31,9 +36,8 @@ def frame_gains(  # noqa: PLR0917 - each is a number of its own
         exposure_s: Length of each; 0 is an instant.
         lamps: Light of the lamps that flicker, on the middle of the arena.
         all_light: Theirs and all other there.
-        seed: Of the run; the phase of the mains is drawn from it.
+        seed: Of the run.
     """
-    phase = float(stream(seed, "mains phase").uniform(0.0, 2 * np.pi))
     share = np.divide(lamps, all_light, out=np.zeros(3), where=np.array(all_light) > 0)
-    gains = 1.0 + share * (caught(flicker, t_s, exposure_s, phase) - 1.0)[:, None]
+    gains = 1.0 + share * (caught(flicker, t_s, exposure_s, mains_phase_rad(seed)) - 1.0)[:, None]
     return [(float(r), float(g), float(b)) for r, g, b in gains]

@@ -31,6 +31,22 @@ class Top:
 
 
 @dataclass(frozen=True)
+class Furnishing:
+    """A piece of furniture as it was drawn, in its place."""
+
+    name: str
+    """Its kind and its number among the kind's; also that of its mesh."""
+    pose: PlanarPose
+    """Of its frame: x along the width, the back, or the wall that it hangs on, towards +y."""
+    size_m: tuple[float, float]
+    """Of the ground that it takes, along x and y, its origin in the middle."""
+    height_m: tuple[float, float]
+    """Lowest and highest point above the floor."""
+    numbers: object
+    """What it was made from: a frozen dataclass of its kind."""
+
+
+@dataclass(frozen=True)
 class Room:
     low: Point2
     """South-west corner of the floor [m]."""
@@ -43,3 +59,5 @@ class Room:
     surfaces: tuple[Surface, ...]
     tops: tuple[Top, ...] = ()
     """Of the tables, in the order of their numbers."""
+    furniture: tuple[Furnishing, ...] = ()
+    """What found a place, in the order in which it did."""

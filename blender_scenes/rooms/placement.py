@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from blender_scenes.description import PlanarPose, Point2
-from blender_scenes.rooms.base import Top
+from blender_scenes.rooms.base import Furnishing, Top
 from blender_scenes.rooms.furniture import Kind
 from blender_scenes.rooms.furniture.base import Piece
 from blender_scenes.rooms.walls import Side, Wall
@@ -36,6 +36,11 @@ class Standing:
         """Its top, where it has one to put things on."""
         height = self.piece.top_m
         return None if height is None else Top(self.pose, self.piece.size_m, height)
+
+    @property
+    def told(self) -> Furnishing:
+        own = self.piece
+        return Furnishing(own.mesh.name, self.pose, own.size_m, own.height_m, own.numbers)
 
 
 @dataclass

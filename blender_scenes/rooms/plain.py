@@ -47,6 +47,7 @@ def plain_room(look: LookConfig, arena_low: Point2, arena_high: Point2, seed: in
         (*meshes, *(stood(item.piece.mesh, item.pose) for item in furniture)),
         (*surfaces, *(surface for item in furniture for surface in item.piece.surfaces)),
         tuple(top for item in furniture if (top := item.top) is not None),
+        tuple(item.told for item in furniture),
     )
 
 

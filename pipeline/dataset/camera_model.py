@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Protocol
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
 from blender_scenes.camera import intrinsics, matrix_K, pose_X_RC, pose_X_WR
 from blender_scenes.description import Shutter
@@ -17,6 +17,7 @@ from configs.schema.scenario import Render
 from pipeline.dataset.layout import SIDE
 from pipeline.dataset.rows import Rows
 from pipeline.dataset.side import CAMERA
+from pipeline.dataset.side_reading import read_record
 from pipeline.files import canonical_json
 
 INTRINSICS = "intrinsics.json"
@@ -82,11 +83,7 @@ def read_camera_model(path: Path) -> CameraModel:
         OSError: There is no such file.
         ValueError: It is damaged; the text is one line.
     """
-    try:
-        return CameraModel.model_validate_json(path.read_bytes())
-    except ValidationError as error:
-        first = error.errors()[0]
-        raise ValueError(": ".join(filter(None, (".".join(map(str, first["loc"])), first["msg"])))) from None
+    return read_record(path, CameraModel)
 
 
 def camera_files(spec: Taken, rows: Rows) -> Iterator[tuple[str, bytes]]:

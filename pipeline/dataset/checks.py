@@ -17,6 +17,7 @@ from pipeline.dataset.findings import Finding
 from pipeline.dataset.metadata import RunRecord
 from pipeline.dataset.obstacles import obstacle_table, off_the_path
 from pipeline.dataset.rows import HEADER, Floats, Rows, parse_table, semantic_faults
+from pipeline.dataset.scene_record import SCENE, read_scene_record
 from pipeline.dataset.side import BOARD, CAMERA, POSITIONS_HEADER, TOF, WHEELS
 
 MOST_PER_KIND = 5
@@ -176,6 +177,7 @@ def _side(folder: Path, name: str, rows: Rows, record: RunRecord, spec: RunSpec 
         if len(table) and not np.array_equal(table[:, side.header.index("t")], times):
             yield Finding(f"{name}/{side.file}", "column t is not that of data.csv")
     yield from _camera_model(folder / INTRINSICS, f"{name}/{INTRINSICS}", record, spec)
+    yield from _scene(folder / SCENE, f"{name}/{SCENE}")
     if spec is not None:
         yield from _camera_poses(folder / CAMERA.file, f"{name}/{CAMERA.file}", rows, spec)
 
@@ -198,6 +200,18 @@ def _camera_model(path: Path, name: str, record: RunRecord, spec: RunSpec | None
         for field in CameraModel.model_fields:
             if getattr(model, field) != getattr(expected, field):
                 yield Finding(name, f"{field} is not that of the camera in spec.json")
+
+
+def _scene(path: Path, name: str) -> Iterator[Finding]:
+    """Its form; which furniture is drawn is a matter of the version. A release of an earlier one has no such file."""
+    try:
+        read_scene_record(path)
+    except FileNotFoundError:
+        return
+    except OSError as error:
+        yield Finding(name, f"cannot be read: {error.strerror}")
+    except ValueError as error:
+        yield Finding(name, str(error))
 
 
 def _camera_poses(path: Path, name: str, rows: Rows, spec: RunSpec) -> Iterator[Finding]:

@@ -10,6 +10,7 @@ from configs.schema.arena import Obstacle
 from configs.schema.scenario import RunSpec
 from pipeline.dataset.camera_model import INTRINSICS
 from pipeline.dataset.metadata import Metadata, side_tables
+from pipeline.dataset.scene_record import SCENE
 
 DESCRIPTION = "README.md"
 
@@ -43,7 +44,7 @@ def _layout(metadata: Metadata) -> str:
         f"camera pictures every {1000 / rates.camera_hz:g} ms ({rates.camera_hz} Hz), numbered from 1\n"
         "    <route>/test_<n>/image_positions.txt   img x y theta: the robot's pose at each shutter [m, rad]\n"
         "    <route>/test_<n>/side/                 more than SyMoLo has: see below\n"
-        "    metadata.json                          robot, arena, rates, seeds, every drawn value\n"
+        "    metadata.json                          robot, arena, rates, seeds, every value drawn for a setting\n"
         "    bag-info.txt                           size of the data, class of the processors that made them\n"
         "    manifest-sha256.txt                    checksums\n"
         "    tagmanifest-sha256.txt                 checksum of the checksums"
@@ -69,6 +70,8 @@ def _side_tables(metadata: Metadata, example: RunSpec) -> str:
         rows.append((table.file, table.meaning, ", ".join(f"{c.name} [{c.unit}]" for c in columns)))
     meaning = "camera matrix K, distortion D, size, exposure; poses X_RC of the optical frame, X_CB of the body frame"
     rows.append((INTRINSICS, meaning, "JSON"))
+    drawn = "what was drawn for the run's scene beyond its look: furniture piece by piece, phase of the mains, seed"
+    rows.append((SCENE, drawn, "JSON"))
     rows.append(("spec.json", "every number that the run was made from, arena and robot included", "JSON"))
     return f"## side/\n\n{markdown_table(('file', 'meaning', 'columns'), rows)}"
 

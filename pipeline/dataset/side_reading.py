@@ -1,12 +1,30 @@
-"""A side table of a run, read strictly and held against the rows of data.csv."""
+"""A side file of a run, read strictly; tables are held against the rows of data.csv."""
 
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
+from pydantic import BaseModel, ValidationError
 
 from configs.errors import InputError
 from pipeline.dataset.rows import Floats, Rows, parse_table
 from pipeline.dataset.side import CAMERA, SideTable
+
+Record = TypeVar("Record", bound=BaseModel)
+
+
+def read_record(path: Path, kind: type[Record]) -> Record:
+    """A JSON file that holds one record.
+
+    Raises:
+        OSError: There is no such file.
+        ValueError: It is damaged; the text is one line.
+    """
+    try:
+        return kind.model_validate_json(path.read_bytes())
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise ValueError(": ".join(filter(None, (".".join(map(str, first["loc"])), first["msg"])))) from None
 
 
 def read_side(path: Path, table: SideTable, rows: Rows) -> Floats:

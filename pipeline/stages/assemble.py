@@ -21,17 +21,20 @@ from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, tag_mani
 from pipeline.dataset.metadata import METADATA, FailedRun, Metadata, RunRecord, describe
 from pipeline.dataset.obstacles import obstacle_table, obstacles_csv
 from pipeline.dataset.rows import Rows
+from pipeline.dataset.scene_record import scene_file
 from pipeline.dataset.side import BOARD, TOF, WHEELS, board_csv, image_positions, tof_csv, wheels_csv
 from pipeline.files import hashes_of, holds, read_known
 from pipeline.progress import Report, StageReport
 from pipeline.stages.annotate import copy_released, processors
-from pipeline.stages.render import Rendered
+from pipeline.stages.render import Rendered, picture_seed
 from pipeline.stages.simulate_runs import read_outcome, read_recording, spec_text
 from pipeline.versions import versions
 from pipeline.workspace import DONE, STAGES, Workspace, input_key, mark_done
 
 KEPT_METADATA = Path(STAGES) / "assemble" / METADATA
 """A copy within an output folder: of all that is released, nothing else could be made again without the scenario."""
+FORM = 2
+"""Which files a run's folder has; a higher number puts releases together anew. 1 had no side/scene.json."""
 CHECKSUMS = (TAG_MANIFEST, MANIFEST)
 """In the order in which they are taken away, before anything that they name is."""
 
@@ -116,7 +119,7 @@ def release_run(workspace: Workspace, spec: RunSpec) -> dict[str, str]:
     if spec.render.annotations:
         stages["annotate"] = workspace.annotate(spec.key)
     files = {name: stage.files() for name, stage in stages.items()}
-    key = input_key("assemble", stages=files, versions=versions("symolo", "numpy"))
+    key = input_key("assemble", stages=files, form=FORM, versions=versions("symolo", "numpy"))
     marker, released = workspace.assemble(spec.key), workspace.out / spec.key
     done = marker.done()
     if done is not None and done.key == key and holds(released, done.files):
@@ -159,6 +162,7 @@ def tables(spec: RunSpec, recording: Recording) -> Iterator[tuple[str, bytes]]:
     yield f"{SIDE}/{WHEELS.file}", wheels_csv(recording)
     yield f"{SIDE}/{TOF.file}", tof_csv(recording)
     yield from camera_files(spec, rows)
+    yield scene_file(spec.arena, spec.look, picture_seed(spec.seed, spec.route, spec.run))
     if spec.board:
         yield f"{SIDE}/{BOARD.file}", board_csv(recording)
     arena = Arena.from_config(spec.arena)

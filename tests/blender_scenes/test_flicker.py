@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from blender_scenes.job import FramePose, build_job
-from blender_scenes.lighting.flicker import caught, frame_gains
+from blender_scenes.lighting.flicker import caught, frame_gains, mains_phase_rad
 from configs.schema.lighting import FlickerLook, LampsLook, SkyLook
 from configs.schema.look import LookConfig
 from configs.schema.scenario import Render
@@ -68,3 +68,10 @@ def test_frames_under_lamps_alone_flicker_in_full_and_daylight_steadies_them(are
     assert 0.05 < np.ptp(mixed[:, 1]) < 0.95 * np.ptp(alone)
     assert "light_gain" in text
     assert "light_gain" not in steady
+
+
+def test_the_phase_that_is_told_is_that_of_the_light():
+    """Of lamps alone, which the record's formula gives: 1 + depth cos(4 pi mains_hz t + phase)."""
+    gains = frame_gains(FlickerLook(depth=0.4, mains_hz=50.3), TIMES, 0.0, WHITE, WHITE, 7)
+    expected = 1 + 0.4 * np.cos(4 * np.pi * 50.3 * TIMES + mains_phase_rad(7))
+    np.testing.assert_allclose(np.array(gains), np.repeat(expected[:, None], 3, axis=1), atol=1e-9)

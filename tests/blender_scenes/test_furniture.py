@@ -1,16 +1,27 @@
 """Pieces of furniture and the bodies that they are made of."""
 
+from dataclasses import is_dataclass
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from blender_scenes.rooms.furniture import STANDING
-from blender_scenes.rooms.furniture.door import drawn_door
-from blender_scenes.rooms.furniture.poster import drawn_poster
-from blender_scenes.rooms.furniture.radiator import drawn_radiator
+from blender_scenes.rooms.furniture.bag import bag
+from blender_scenes.rooms.furniture.book_stack import book_stack
+from blender_scenes.rooms.furniture.bottle import bottle
+from blender_scenes.rooms.furniture.cable import cable
+from blender_scenes.rooms.furniture.carton import carton
+from blender_scenes.rooms.furniture.chair import chair
+from blender_scenes.rooms.furniture.door import door, drawn_door
+from blender_scenes.rooms.furniture.office_chair import office_chair
+from blender_scenes.rooms.furniture.poster import drawn_poster, poster
+from blender_scenes.rooms.furniture.radiator import drawn_radiator, radiator
+from blender_scenes.rooms.furniture.sheets import sheets
+from blender_scenes.rooms.furniture.shelf import shelf
 from blender_scenes.rooms.furniture.table import Table, table
-from blender_scenes.rooms.furniture.wall_socket import drawn_wall_socket
+from blender_scenes.rooms.furniture.wall_socket import drawn_wall_socket, wall_socket
+from blender_scenes.rooms.furniture.waste_bin import waste_bin
 from blender_scenes.solids import cushion, joined, lathe, pipe, posed, rod, stood
 from configs.schema.paint import Paint
 from configs.streams import stream
@@ -91,6 +102,20 @@ def test_a_table_is_as_large_as_its_numbers_say():
     assert piece.height_m == pytest.approx((0.0, 0.74))
     assert piece.top_m == 0.74
     assert piece.mesh.name == "table_7"
+
+
+MAKERS = (
+    bag, book_stack, bottle, cable, carton, chair, door, office_chair, poster, radiator, sheets, shelf, table,
+    wall_socket, waste_bin,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("make", MAKERS, ids=lambda make: make.__name__)
+def test_the_numbers_of_a_piece_are_enough_to_make_it_again(make):
+    draw = {kind.name: kind.draw for kind in STANDING.values()} | HANGING
+    piece = draw[make.__name__]("it", stream(3, make.__name__))
+    assert is_dataclass(piece.numbers)
+    assert make("it", piece.numbers) == piece
 
 
 @pytest.mark.parametrize("kind", STANDING.values(), ids=lambda kind: kind.name)

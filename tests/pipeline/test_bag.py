@@ -60,7 +60,7 @@ def checked(bag, path, broken):
 def bag(dataset, tmp_path, symolo):
     out = tmp_path / "bag"
     ended = symolo("bag", dataset, "--out", out)
-    assert (ended.code, ended.out) == (0, f"{out}: a bag of 31 files\n")
+    assert (ended.code, ended.out) == (0, f"{out}: a bag of 33 files\n")
     return out
 
 

@@ -16,7 +16,8 @@ import pytest
 
 from configs.whole_files import remove_folder
 from pipeline.cpu import class_of
-from pipeline.workspace import Workspace
+from pipeline.versions import versions
+from pipeline.workspace import Workspace, input_key
 
 ARENA_WITH_A_SILL = """
 extends: symolo
@@ -209,6 +210,25 @@ def test_killed_and_interrupted_at_any_stage_it_ends_with_the_same_bytes(dataset
 
     assert done_before <= set(images.rglob("*.jpg"))
     assert release_of(out) == release_of(dataset)
+
+
+def test_a_release_of_a_version_without_scene_json_gets_it_and_nothing_is_rendered(
+    dataset, copy_of, symolo, tiny, release_of
+):
+    out = copy_of(dataset, stages=True)
+    for path in sorted(out.rglob("assemble/*/test_1/done.json")):
+        done = json.loads(path.read_text())
+        stages = {name: json.loads((out / ".stages" / name / path.parents[1].name / "test_1/done.json").read_text())
+                  for name in ("simulate", "render")}  # fmt: skip
+        files = {name: told["files"] for name, told in stages.items()}
+        done["key"] = input_key("assemble", stages=files, versions=versions("symolo", "numpy"))  # as it was before
+        del done["files"]["side/scene.json"]
+        path.write_text(json.dumps(done))
+        (out / path.parents[1].name / "test_1/side/scene.json").unlink()
+    rendered = {path: path.stat().st_mtime_ns for path in (out / ".stages/render").rglob("*")}
+    assert symolo("release", "smoke", "--out", out, *tiny).code == 0
+    assert release_of(out) == release_of(dataset)
+    assert {path: path.stat().st_mtime_ns for path in (out / ".stages/render").rglob("*")} == rendered
 
 
 def test_two_commands_do_not_work_in_one_folder(dataset, copy_of, symolo, tiny):

@@ -16,7 +16,7 @@ from pipeline.workspace import Kind, Workspace
 
 RUN = "CW/test_1"
 OUTPUT = {"data.csv", "image_positions.txt", "images", "side", "job.json", "look.json", "frames.json"}
-SIDE = ("side/camera.csv", "side/intrinsics.json")
+SIDE = ("side/camera.csv", "side/intrinsics.json", "side/scene.json")
 """Of the pictures themselves; the same files as a release has."""
 
 
@@ -207,6 +207,28 @@ def test_an_interrupted_change_of_the_pictures_is_not_taken_for_finished(
     assert not (out / "frames.json").exists()
     assert symolo(*arguments).code == 0
     assert release_of(out) == release_of(elsewhere)
+
+
+def test_every_piece_of_furniture_is_told_as_it_was_rendered(dataset, again):
+    """side/scene.json against the meshes of the job; what furniture there can be by the look's own fields."""
+    scene = json.loads((again / "side/scene.json").read_text())
+    meshes = {mesh["name"]: mesh for mesh in json.loads((again / "job.json").read_text())["scene"]["meshes"]}
+    sides = "east|north|west|south|window"
+    of_the_room = rf"(?:blinds|ceiling|floor|(?:{sides}|desk_lamp|lamp|tape|paint|wall|obstacle)_.*)"
+    names = [piece["name"] for piece in scene["furniture"]]
+    assert set(names) == {name for name in meshes if not re.fullmatch(of_the_room, name)}
+    assert {"table_0", "chair_0", "shelf_0"} <= set(names)
+    for piece in scene["furniture"]:
+        x, y, z = np.array(meshes[piece["name"]]["vertices"]).T
+        c, s = np.cos(piece["yaw_rad"]), np.sin(piece["yaw_rad"])
+        along, across = c * (x - piece["x_m"]) + s * (y - piece["y_m"]), c * (y - piece["y_m"]) - s * (x - piece["x_m"])
+        assert 2 * np.abs([along, across]).max(axis=1) == pytest.approx(piece["size_m"], abs=1e-4)
+        assert (z.min(), z.max()) == pytest.approx(piece["z_m"], abs=1e-5)
+    table = next(piece for piece in scene["furniture"] if piece["name"] == "table_0")
+    assert table["numbers"]["size_m"] == pytest.approx([*table["size_m"], table["z_m"][1]], abs=1e-6)
+    assert table["numbers"]["top"].keys() == {"reflectance", "hue_deg", "saturation"}
+    others = [(dataset / run / "side/scene.json").read_bytes() for run in (RUN, "CCW/test_1")]
+    assert others[0] != others[1]
 
 
 @pytest.mark.usefixtures("hands")

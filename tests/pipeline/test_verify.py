@@ -175,6 +175,12 @@ CONTENT = {
         "line 2: column p_z: 0.1201 is not that",
     ),
     "intrinsics missing": (remove(f"{RUN}/side/intrinsics.json"), f"{RUN}/side/intrinsics.json", "cannot be read"),
+    "scene cut": (cut(f"{RUN}/side/scene.json", 90), f"{RUN}/side/scene.json", "Invalid JSON"),
+    "furniture without a place": (
+        edit(f"{RUN}/side/scene.json", lambda t: t.replace('"x_m"', '"x"', 1)),
+        f"{RUN}/side/scene.json",
+        "furniture.0.x_m: Field required",
+    ),
     "intrinsics cut": (cut(f"{RUN}/side/intrinsics.json", 90), f"{RUN}/side/intrinsics.json", "Invalid JSON"),
     "intrinsics of other pictures": (
         edit(f"{RUN}/side/intrinsics.json", lambda t: t.replace('"width_px": 32', '"width_px": 64')),
@@ -296,6 +302,14 @@ def test_damage_is_found_by_checksum(kind, dataset, copy_of):
     assert any(text.startswith(f"{file}: ") and what in text for text in found), found
     other = [text for text in found if not text.startswith(f"{file}: ")]
     assert other == [] or kind == "images swapped", "files that are as they were released are not blamed"
+
+
+def test_a_release_of_a_version_without_scene_json_has_no_fault(dataset, copy_of, sign):
+    out = copy_of(dataset)
+    for path in out.rglob("side/scene.json"):
+        path.unlink()
+    sign(out)
+    assert list(verify(out)) == []
 
 
 def test_a_file_under_another_name_is_told_with_both(dataset, copy_of):

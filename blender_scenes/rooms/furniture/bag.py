@@ -34,9 +34,8 @@ def bag(name: str, own: Bag) -> Piece:
         z = 0.85 * height * (1 - hang) + 1.4 * _STRAP_M  # its last ring leans
         path = [(side, float(a), float(b)) for a, b in zip(y, z, strict=True)]
         parts.append(pipe("strap", path, _STRAP_M, f"{name}_pocket"))
-    return Piece(
-        joined(name, parts), (painted(f"{name}_cloth", own.cloth, 0.85), painted(f"{name}_pocket", own.pocket, 0.8))
-    )
+    surfaces = painted(f"{name}_cloth", own.cloth, 0.85), painted(f"{name}_pocket", own.pocket, 0.8)
+    return Piece(joined(name, parts), surfaces, own)
 
 
 def _arch(x: float, half: float, foot: float, rise: float) -> list[tuple[float, float, float]]:

@@ -22,6 +22,8 @@ T = TypeVar("T")
 class Piece:
     mesh: Mesh
     surfaces: tuple[Surface, ...]
+    numbers: object
+    """What it was made from: a frozen dataclass of its kind, such as `Table`."""
     top_m: float | None = None
     """Height of a top that things may stand on."""
 

@@ -23,10 +23,16 @@ class Book:
     cover: Paint
 
 
-def book_stack(name: str, books: tuple[Book, ...]) -> Piece:
+@dataclass(frozen=True)
+class BookStack:
+    books: tuple[Book, ...]
+    """The lowest first."""
+
+
+def book_stack(name: str, own: BookStack) -> Piece:
     """Each a block of pages between two covers with a spine."""
     parts, z = [], 0.0
-    for i, book in enumerate(books):
+    for i, book in enumerate(own.books):
         (w, d, t), cover = book.size_m, f"{name}_cover_{i}"
         one = [
             block("pages", (0.002, 0, z + 0.5 * t), (w - 0.008, d - 0.006, t - 2 * _COVER_M), f"{name}_pages"),
@@ -36,8 +42,8 @@ def book_stack(name: str, books: tuple[Book, ...]) -> Piece:
         parts += [stood(mesh, book.pose) for mesh in one]
         z += t
     surfaces = [moulded(f"{name}_pages", (0.72, 0.69, 0.6), 0.9)]
-    surfaces += [painted(f"{name}_cover_{i}", book.cover, 0.35) for i, book in enumerate(books)]
-    return Piece(joined(name, parts), tuple(surfaces))
+    surfaces += [painted(f"{name}_cover_{i}", book.cover, 0.35) for i, book in enumerate(own.books)]
+    return Piece(joined(name, parts), tuple(surfaces), own)
 
 
 def drawn_book_stack(name: str, rng: np.random.Generator) -> Piece:
@@ -46,4 +52,4 @@ def drawn_book_stack(name: str, rng: np.random.Generator) -> Piece:
         size = between(rng, 0.13, 0.21), between(rng, 0.19, 0.297), between(rng, 0.01, 0.045)
         pose = between(rng, -0.02, 0.02), between(rng, -0.02, 0.02), between(rng, -0.3, 0.3)
         books.append(Book(size, pose, palette.print_color(rng)))
-    return book_stack(name, tuple(books))
+    return book_stack(name, BookStack(tuple(books)))

@@ -26,7 +26,8 @@ def bottle(name: str, own: Bottle) -> Piece:
     body = [(0.9 * r, 0.0), (r, 0.006), (r, shoulder), (0.8 * r, shoulder + 0.018), (0.45 * r, shoulder + 0.028)]
     cap = [(0.5 * r, shoulder + 0.028), (0.5 * r, own.height_m - 0.003), (0.4 * r, own.height_m)]
     parts = [lathe("body", body, f"{name}_body"), lathe("cap", cap, f"{name}_cap")]
-    return Piece(joined(name, parts), (painted(f"{name}_body", own.body, 0.2), painted(f"{name}_cap", own.cap, 0.4)))
+    surfaces = painted(f"{name}_body", own.body, 0.2), painted(f"{name}_cap", own.cap, 0.4)
+    return Piece(joined(name, parts), surfaces, own)
 
 
 def drawn_bottle(name: str, rng: np.random.Generator) -> Piece:

@@ -40,7 +40,7 @@ def cable(name: str, own: Cable) -> Piece:
     parts = [moved(part, (0.0, 0.5 * length, 0.0)) for part in parts]
     color: RGB = (0.7, 0.7, 0.68) if own.white else (0.03, 0.03, 0.03)
     surfaces = moulded(f"{name}_sheath", color, 0.45), moulded(f"{name}_holes", (0.1, 0.1, 0.1), 0.5)
-    return Piece(joined(name, parts), surfaces)
+    return Piece(joined(name, parts), surfaces, own)
 
 
 def drawn_cable(name: str, rng: np.random.Generator) -> Piece:

@@ -36,7 +36,7 @@ def carton(name: str, own: Carton) -> Piece:
         at = (0.2 * length, -0.5 * width, 0.5 * height)
         parts.append(block("label", at, (own.label_m, 0.0006, 0.7 * own.label_m), f"{name}_label"))
         surfaces.append(moulded(f"{name}_label", (0.75, 0.75, 0.73), 0.6))
-    return Piece(joined(name, parts), tuple(surfaces))
+    return Piece(joined(name, parts), tuple(surfaces), own)
 
 
 def drawn_carton(name: str, rng: np.random.Generator) -> Piece:

@@ -60,7 +60,7 @@ def chair(name: str, own: Chair) -> Piece:
         painted(f"{name}_frame", own.frame, 0.3),
         moulded(f"{name}_feet", (0.025, 0.025, 0.025), 0.7),
     )
-    return Piece(joined(name, parts), surfaces)
+    return Piece(joined(name, parts), surfaces, own)
 
 
 def drawn_chair(name: str, rng: np.random.Generator) -> Piece:

@@ -43,7 +43,7 @@ def door(name: str, own: Door) -> Piece:
         painted(f"{name}_frame", own.frame, 0.4),
         bare_metal(f"{name}_handle", (0.6, 0.6, 0.6), 0.3),
     )
-    return Piece(joined(name, parts), surfaces)
+    return Piece(joined(name, parts), surfaces, own)
 
 
 def drawn_door(name: str, rng: np.random.Generator) -> Piece:

@@ -51,7 +51,7 @@ def office_chair(name: str, own: OfficeChair) -> Piece:
         bare_metal(f"{name}_spring", (0.5, 0.5, 0.5), 0.25),
         painted(f"{name}_cover", own.cover, 0.9),
     )
-    return Piece(joined(name, parts), surfaces)
+    return Piece(joined(name, parts), surfaces, own)
 
 
 def drawn_office_chair(name: str, rng: np.random.Generator) -> Piece:

@@ -41,7 +41,7 @@ def poster(name: str, own: Poster) -> Piece:
         parts.append(block("field", at, size, f"{name}_field_{i}"))
     surfaces = [moulded(f"{name}_paper", (0.78, 0.77, 0.74), 0.5)]
     surfaces += [painted(f"{name}_field_{i}", field.paint, 0.45) for i, field in enumerate(own.fields)]
-    return Piece(joined(name, parts), tuple(surfaces))
+    return Piece(joined(name, parts), tuple(surfaces), own)
 
 
 def drawn_poster(name: str, rng: np.random.Generator) -> Piece:

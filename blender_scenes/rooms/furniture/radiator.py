@@ -37,7 +37,7 @@ def radiator(name: str, own: Radiator) -> Piece:
         foot, head = (x, middle, 0.0), (x, middle, own.lift_m)
         parts.append(rod("pipe", (foot, head), (0.008, 0.008), f"{name}_pipes"))
     surfaces = moulded(f"{name}_enamel", (0.76, 0.75, 0.71), 0.25), bare_metal(f"{name}_pipes", (0.7, 0.45, 0.32), 0.35)
-    return Piece(joined(name, parts), surfaces)
+    return Piece(joined(name, parts), surfaces, own)
 
 
 def drawn_radiator(name: str, rng: np.random.Generator, *, window_m: float, sill_m: float) -> Piece:

@@ -27,7 +27,7 @@ def sheets(name: str, own: Sheets) -> Piece:
     for i, pose in enumerate(own.poses):
         sheet = block("sheet", (0, 0, 0.5 * _THICKNESS_M), (*_A4_M, _THICKNESS_M), f"{name}_paper")
         parts.append(moved(stood(sheet, pose), (0, 0, i * _THICKNESS_M)))
-    return Piece(joined(name, parts), (painted(f"{name}_paper", own.paper, 0.8),))
+    return Piece(joined(name, parts), (painted(f"{name}_paper", own.paper, 0.8),), own)
 
 
 def drawn_sheets(name: str, rng: np.random.Generator) -> Piece:

@@ -46,7 +46,7 @@ def shelf(name: str, own: Shelf) -> Piece:
     """Two sides, back, plinth and boards, with what stands on them."""
     surfaces = [painted(f"{name}_body", own.body, 0.45)]
     surfaces += [painted(f"{name}_item_{i}", paint, 0.6) for i, paint in enumerate(own.colors)]
-    return Piece(joined(name, [*_case(own, f"{name}_body"), *_contents(own, f"{name}_item")]), tuple(surfaces))
+    return Piece(joined(name, [*_case(own, f"{name}_body"), *_contents(own, f"{name}_item")]), tuple(surfaces), own)
 
 
 def _case(own: Shelf, body: str) -> Iterator[Mesh]:

@@ -48,7 +48,7 @@ def table(name: str, own: Table) -> Piece:
         painted(f"{name}_legs", own.legs, 0.35),
         moulded(f"{name}_caps", (0.02, 0.02, 0.02), 0.5),
     )
-    return Piece(joined(name, parts), surfaces, top_m=height)
+    return Piece(joined(name, parts), surfaces, own, top_m=height)
 
 
 def drawn_table(name: str, rng: np.random.Generator) -> Piece:

@@ -30,7 +30,7 @@ def wall_socket(name: str, own: WallSocket) -> Piece:
         x = (i - 0.5 * (own.count - 1)) * _PITCH_M
         parts.append(block("well", (x, -0.01, own.height_m), (0.04, 0.001, 0.04), f"{name}_well"))
     surfaces = moulded(f"{name}_plate", (0.75, 0.74, 0.7), 0.3), moulded(f"{name}_well", (0.3, 0.3, 0.29), 0.4)
-    return Piece(joined(name, parts), surfaces)
+    return Piece(joined(name, parts), surfaces, own)
 
 
 def drawn_wall_socket(name: str, rng: np.random.Generator) -> Piece:

@@ -26,7 +26,8 @@ def waste_bin(name: str, own: WasteBin) -> Piece:
     foot, rim, height = own.foot_radius_m, own.rim_radius_m, own.height_m
     outside = [(foot, 0.0), (rim, height - 0.01), (rim + 0.005, height - 0.008), (rim + 0.005, height)]
     inside = [(rim - _WALL_M, height), (foot - _WALL_M, 0.004)]
-    return Piece(lathe(name, [*outside, *inside], f"{name}_wall"), (painted(f"{name}_wall", own.paint, 0.4),))
+    surfaces = (painted(f"{name}_wall", own.paint, 0.4),)
+    return Piece(lathe(name, [*outside, *inside], f"{name}_wall"), surfaces, own)
 
 
 def drawn_waste_bin(name: str, rng: np.random.Generator) -> Piece:
