@@ -112,6 +112,11 @@ class Scene:
     robot_in_sight: Annotated[tuple[Mesh, ...], Field(exclude_if=_there_is_none)] = ()
     """The robot's parts that it sees, in R."""
 
+    @property
+    def robot_parts(self) -> tuple[Mesh, ...]:
+        """All of them."""
+        return (*self.robot, *self.robot_in_sight)
+
 
 @dataclass(frozen=True)
 class Intrinsics:

@@ -1,7 +1,6 @@
 """Which points of the floor the pixels of a picture see, while the shutter is open and all over their filter."""
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,9 +57,8 @@ class FloorSight:
         """Of a camera without distortion, on the robot as any view has it; `row_share` as `shutter.Window` has it."""
         self._camera, self._row_share = camera, row_share
         self._X_RC = np.linalg.inv(pose_X_WR(*view.robot_pose)) @ np.array(view.X_WC)
-        # One array for each point of the filters: they are the same in every frame. Of large pictures not all are kept.
-        kept = _MOST_BYTES // (2 * np.dtype(np.float32).itemsize * camera.width_px * camera.height_px)
-        self._in_robot = lru_cache(maxsize=kept)(self._seen_in_robot)
+        self._kept: dict[tuple[float, float], Image] = {}
+        self._most_kept = _MOST_BYTES // (2 * np.dtype(np.float32).itemsize * camera.width_px * camera.height_px)
 
     def depth_m(self) -> Image:
         """(H, W) of the floor along the optical axis in the middle of each pixel; NaN above the horizon."""
@@ -78,7 +76,7 @@ class FloorSight:
     def points(self, view: FrameView, point: FilterPoint, rows: slice = slice(None)) -> Image:
         """(H, W, 2) x and y in W [m] of what each pixel sees of the floor, in some rows; NaN above the horizon."""
         x, y, yaw = (one[rows, None] for one in self._robot_poses(view, point.time))
-        ahead, left = self._in_robot(point.right_px, point.down_px)[:, rows]
+        ahead, left = self._in_robot(point.right_px, point.down_px, rows)
         cosine, sine = np.cos(yaw).astype(np.float32), np.sin(yaw).astype(np.float32)
         found = np.empty((2, *ahead.shape), np.float32)
         found[0] = cosine * ahead - sine * left + x.astype(np.float32)
@@ -97,17 +95,23 @@ class FloorSight:
         known = np.linspace(0.0, 1.0, MOMENTS)
         return np.interp(at, known, x), np.interp(at, known, y), np.interp(at, known, np.unwrap(yaw))
 
-    def _seen_in_robot(self, right_px: float, down_px: float) -> Image:
-        """(2, H, W) x and y."""
-        ahead, left, down = self._rays(right_px, down_px)
+    def _in_robot(self, right_px: float, down_px: float, rows: slice) -> Image:
+        """(2, rows, W) x and y, the same in every frame; of large pictures those of the first points alone are kept."""
+        at = right_px, down_px
+        if at not in self._kept and len(self._kept) < self._most_kept:
+            self._kept[at] = self._seen_in_robot(*at, slice(None))
+        return self._kept[at][:, rows] if at in self._kept else self._seen_in_robot(*at, rows)
+
+    def _seen_in_robot(self, right_px: float, down_px: float, rows: slice) -> Image:
+        ahead, left, down = self._rays(right_px, down_px, rows)
         reach = self._X_RC[2, 3] / down
         x_m, y_m = self._X_RC[:2, 3]
         return np.stack([x_m - reach * ahead, y_m - reach * left], dtype=np.float32, casting="same_kind")
 
-    def _rays(self, right_px: float, down_px: float) -> tuple[Array, Array, Array]:
-        """Three (H, W), x, y and z in R of each pixel's ray of depth 1; z, below 0, or NaN where it meets no floor."""
+    def _rays(self, right_px: float, down_px: float, rows: slice = slice(None)) -> tuple[Array, Array, Array]:
+        """Three (rows, W), x, y and z in R of each pixel's ray of depth 1; z is NaN where that meets no floor."""
         camera = self._camera
         x = (np.arange(camera.width_px) + right_px - camera.cx_px) / camera.fx_px
-        y = (np.arange(camera.height_px) + down_px - camera.cy_px) / camera.fy_px
+        y = (np.arange(camera.height_px)[rows] + down_px - camera.cy_px) / camera.fy_px
         ahead, left, down = (a * x + (b * y + c)[:, None] for a, b, c in self._X_RC[:3, :3])
         return ahead, left, np.where(down < -1e-6, down, np.nan)

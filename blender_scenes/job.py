@@ -39,7 +39,7 @@ class FramePose:
 
 @dataclass(frozen=True)
 class RenderJob(JobText):
-    FORMAT = 2
+    FORMAT = 3
     KIND = "render"
 
     scene: Scene

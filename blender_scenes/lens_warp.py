@@ -13,14 +13,13 @@ from numpy.typing import NDArray
 
 from blender_scenes.camera import rays_of
 from blender_scenes.description import Intrinsics
+from blender_scenes.sampling import LIGHT_WIDTH_PX
 from configs.lens import NO_DISTORTION, border_rays, refined
 
 Image = NDArray[np.float32]
 
 _SPARE_PX = 2
 """Beyond the outermost ray, for the interpolation."""
-_SIDE_PX = 8
-"""What sides are multiples of, so that pictures from parts may share out their light among pixels."""
 _COARSE, _NEWTON_STEPS = 33, 4
 
 
@@ -51,9 +50,11 @@ def pinhole_picture(camera: Intrinsics) -> PinholePicture:
     left, top = np.maximum(0, np.ceil(-reached.min(axis=0)) + _SPARE_PX).astype(int).tolist()
     right, bottom = np.maximum(0, np.ceil(reached.max(axis=0) - last) + _SPARE_PX).astype(int).tolist()
     width_px, height_px = camera.width_px + left + right, camera.height_px + top + bottom
+    # So that pixels of a picture from parts can share their light, a square of them each.
+    side_px = 2 ** int(np.log2(max(width_px / LIGHT_WIDTH_PX, 1)))
     pinhole = Intrinsics(
-        -(-width_px // _SIDE_PX) * _SIDE_PX,
-        -(-height_px // _SIDE_PX) * _SIDE_PX,
+        -(-width_px // side_px) * side_px,
+        -(-height_px // side_px) * side_px,
         camera.fx_px,
         camera.fy_px,
         camera.cx_px + left,

@@ -120,6 +120,20 @@ def folder_name(source: Source, draws: Sequence[Draw]) -> str:
     return "-".join((run or "run", *dict.fromkeys(draw.appearance.look.name for draw in draws)))
 
 
+def check_same(source: Source, draws: Sequence[Draw], out: Path, *, apart: bool) -> None:
+    """Refuse a folder that nobody named where it holds pictures of something else.
+
+    Raises:
+        InputError: It does.
+    """
+    for draw in draws:
+        folder = out / draw.name if apart else out
+        for name, wanted in ((DATA, source.data), (LOOK, draw.record)):
+            if (folder / name).is_file() and (folder / name).read_bytes() != wanted:
+                told = "holds pictures of another trajectory or another draw of the look"
+                raise InputError(told, where=str(folder), cure="name a folder by --out")
+
+
 @contextlib.contextmanager
 def open_folders(source: Source, draws: Sequence[Draw], out: Path, *, apart: bool) -> Iterator[list[Workspace]]:
     """A folder for each draw, checked and held: `out/<name>` where they lie apart, else `out` for the only one.

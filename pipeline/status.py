@@ -15,7 +15,9 @@ from configs.schema.scenario import RunSpec
 from configs.whole_files import LOCK, place_of
 from pipeline.dataset.annotation_checks import ANNOTATIONS
 from pipeline.dataset.inventory import Inventory
+from pipeline.dataset.layout import SIDE
 from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST
+from pipeline.dataset.scene_record import SCENE
 from pipeline.files import holds
 from pipeline.output import kind_of
 from pipeline.plan import Plan
@@ -168,6 +170,8 @@ def _released(workspace: Workspace, run: str, *, pending: bool) -> StageStatus:
         return StageStatus("release", "there, of deleted stages" if there else "not there", "it was not assembled")
     if not there:
         return StageStatus("release", "gone", "its folder is missing")
+    if f"{SIDE}/{SCENE}" not in done.files:
+        return StageStatus("release", "of an earlier version", f"{SIDE}/{SCENE} is not among its files")
     missing = [name for name in done.files if not (workspace.out / run / name).is_file()]
     if missing:
         return StageStatus("release", f"without {missing[0]}", "files of it are missing")

@@ -77,6 +77,5 @@ def instances(scene: Scene, arena: Arena) -> Instances:
     own += [_Own(box.name, box.kind) for box in arena.moving]
     known = [Instance(i + 1, *one, moving=i - still if i >= still else None) for i, one in enumerate(own)]
     robot = Instance(len(known) + 1, "robot", "robot")
-    of_robot = [robot.id] * (len(scene.robot) + len(scene.robot_in_sight))
-    of_mesh = (*range(still + 1), *of_robot, *range(still + 1, still + moving + 1))
+    of_mesh = (*range(still + 1), *[robot.id] * len(scene.robot_parts), *range(still + 1, still + moving + 1))
     return Instances((*known, robot), of_mesh)

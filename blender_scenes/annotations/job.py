@@ -73,7 +73,7 @@ class KeyPoint:
 
 @dataclass(frozen=True)
 class AnnotationJob(JobText):
-    FORMAT = 2
+    FORMAT = 3
     KIND = "annotation"
 
     kinds: tuple[AnnotationName, ...]

@@ -10,6 +10,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TextIO
 
+import cv2
+
 from blender_scenes.annotations.job import AnnotationJob
 from blender_scenes.bpy_side.loading import load_bpy
 from blender_scenes.camera_response import develop, encode_jpeg, median_luminance
@@ -37,6 +39,7 @@ def main() -> int:
     request = REQUEST.validate_json(sys.stdin.readline())
     threading.Thread(target=_leave_with_the_renderer, args=(request.scratch_dir,), daemon=True).start()
     threading.Thread(target=_keep_saying_so, args=(replies,), daemon=True).start()
+    cv2.setNumThreads(request.threads)
     try:
         load_bpy(request.threads)  # a missing system library is reported, not raised
     except ImportError as error:
@@ -56,11 +59,8 @@ def main() -> int:
 
 
 def _render(request: Request, replies: TextIO) -> None:
-    import cv2  # noqa: PLC0415 - after bpy, which sees but a few cores while it is loaded
-
     from blender_scenes.bpy_side import build, engine  # noqa: PLC0415 - they import bpy
 
-    cv2.setNumThreads(request.threads)
     begin = time.perf_counter()
     job = RenderJob.from_json(Path(request.job_path).read_text())
     views = {view.number: view for view in job.frames}

@@ -4,8 +4,8 @@ Most of what the camera sees is the floor. What it reflects, its relief, and the
 obstacles are the same in every picture; they are worked out once, as maps. A picture's light is traced with very few
 pixels and samples, twice with the same random numbers, with and without what moves: their ratio, which has no noise
 where nothing moves, is put on the map's light. The upper rows, where the floor is far and other things stand, are
-traced once more with more pixels; what is not floor takes its light from there. Its surfaces are traced without light,
-which is cheap, and in those rows alone that it reaches down to.
+traced once more with more pixels; what is not floor takes its light from there. Its surfaces are traced without
+bounces, which is cheap, and in those rows alone that it reaches down to.
 """
 
 from pathlib import Path
@@ -22,6 +22,7 @@ from blender_scenes.guided_filter import local_lines
 from blender_scenes.job import RenderJob
 from blender_scenes.lens_warp import pinhole_picture
 from blender_scenes.lowest_row import EdgesInSight
+from blender_scenes.sampling import LIGHT_WIDTH_PX
 from blender_scenes.shutter import window
 from blender_scenes.tiled_map import Image, Tile, TiledMap, Tiling, normals, without_holes
 from blender_scenes.upsampling import reduced, upsampled
@@ -45,7 +46,7 @@ _RELIEF = Tiling(texel_m=0.032, levels=3, core=56, margin=4)
 _TILT_RAD = np.radians(30.0)
 _MOST_BYTES = 640 * 2**20
 """Of each map in memory; a lap of the dataset's arena in pictures of 640 x 480 stays below it."""
-_NEAR_WIDTH_PX, _FAR_WIDTH_PX = 80, 320
+_NEAR_WIDTH_PX, _FAR_WIDTH_PX = LIGHT_WIDTH_PX, 4 * LIGHT_WIDTH_PX
 """Of the light's pictures at least, where the final one has as many."""
 _LEAST_PX = 4
 """Along a side: Blender renders no fewer."""

@@ -26,7 +26,7 @@ class FlatRenderer:
     """The scene of a job, ready to be looked at.
 
     What it leaves out: textures but for pictures of the user's own, gloss, glass that is clear, shadows of lamps and of
-    what moves, motion blur, and the robot, which its own camera never sees.
+    what moves and of the robot, and motion blur.
 
     Raises:
         ValueError: A face of the scene is not convex, no light reaches what the camera sees, or a picture of the
@@ -41,6 +41,7 @@ class FlatRenderer:
         self._pixels = cache(lambda sha256: read_picture(read_own_file(own_files, sha256)))
         self._still = Triangles.of(scene.meshes, numbers)
         self._moving = tuple(Triangles.of((mesh,), numbers) for mesh in scene.moving)
+        self._robot = Triangles.of(scene.robot_in_sight, numbers)
         colors = np.array([typical_color(surface) for surface in scene.surfaces])
         self._all_around = from_all_around(scene.panels, self._still, colors[self._still.surface])
         self._shadow = SunShadow.of(scene.sun, self._still) if scene.sun else None
@@ -57,7 +58,7 @@ class FlatRenderer:
     def light(self, view: FrameView, camera: Intrinsics) -> Image:
         """(H, W, 3) linear light that reaches a pinhole camera in the place of the view, at its instant."""
         moved = [part.placed(pose_X_WR(*pose)) for part, pose in zip(self._moving, view.moving, strict=True)]
-        triangles = Triangles.joined([self._still, *moved])
+        triangles = Triangles.joined([self._still, self._robot.placed(pose_X_WR(*view.robot_pose)), *moved])
         X_WC = np.array(view.X_WC)
         seen = rasterise(camera, X_WC, triangles)
         hit = np.flatnonzero(seen.triangle >= 0)

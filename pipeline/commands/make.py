@@ -304,14 +304,17 @@ def rerender(
     """
     from pipeline.executors.local import Local
     from pipeline.progress import report_here
-    from pipeline.rerender import Request, folder_name, open_folders, prepare, render_source
+    from pipeline.rerender import Request, check_same, folder_name, open_folders, prepare, render_source
 
     chosen = _chosen_looks(look, looks, draws)
     option = "--look" if looks is None else "--looks"
     request = Request(chosen, draws or 1, arena, robot, camera_hz, seed, with_device(settings, device), option)
     found, drawn = prepare(source, request)
+    apart = looks is not None
     where = out or checked_new_folder(Path(folder_name(found, drawn)))
-    with open_folders(found, drawn, where, apart=looks is not None) as folders:
+    if out is None:
+        check_same(found, drawn, where, apart=apart)
+    with open_folders(found, drawn, where, apart=apart) as folders:
         executor = Local.of(workers, memory).on(drawn[0].appearance.device)
         failures = render_source(found, drawn, folders, executor, report_here())
     return conclude(failures, len(drawn), "rerender", where, "draw")

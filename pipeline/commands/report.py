@@ -11,10 +11,13 @@ from pipeline.paths import check_new_path
 
 
 def _checked_new_page(path: Path) -> Path:
+    from pipeline.output import check_outside
+
     check_new_path(path, "--out")
     if path.suffix != ".html" or path.is_dir() or not path.absolute().parent.is_dir():
         allowed = "a file name ending in .html in a folder that exists"
         raise InputError("--out", got=str(path), allowed=allowed)
+    check_outside(path)
     return path
 
 
@@ -44,8 +47,6 @@ def report(
     from pipeline.release_report.build import release_report
 
     data = open_release(folder, runs)
-    if out.resolve().is_relative_to(folder.resolve()):
-        raise InputError("lies within the release", where=f"--out {out}", cure="name a place beside it")
     made = release_report(data, detail, report_here())
     write_file(out, made)
     typer.echo(f"{out}: {len(data)} runs, {len(made) / 1e6:.1f} MB")

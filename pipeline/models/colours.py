@@ -21,5 +21,5 @@ def scene_of(spec: RunSpec) -> Scene:
 def colours(scene: Scene) -> dict[str, RGB]:
     """The sRGB of each mesh by its name: that of the surface which most of its faces have."""
     typical = {surface.name: srgb(typical_color(surface)) for surface in scene.surfaces}
-    meshes = (*scene.meshes, *scene.moving, *scene.robot)
+    meshes = (*scene.meshes, *scene.moving, *scene.robot_parts)
     return {mesh.name: typical[Counter(mesh.face_surface).most_common(1)[0][0]] for mesh in meshes}

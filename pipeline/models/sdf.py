@@ -3,6 +3,7 @@
 from math import ceil, pi, radians, sqrt
 from xml.etree import ElementTree as ET
 
+from blender_scenes.robot_body import CAMERA_BODY
 from physics.links import BASE, BoxShape, Link, SphereShape
 from pipeline.models.geometry import CylinderShape, Placement, Shape, Visual
 from pipeline.models.robot import CAMERA, CAMERA_OPTICAL, RobotParts
@@ -17,7 +18,7 @@ _WITHOUT_LIMIT = 1e16
 """Angle [rad] from which on a joint has no limit; PyBullet does not read one that tells none."""
 _CLIP_M = ("0.01", "100")
 _OWN_BODY, _ALL_BUT_IT = 2, 2**32 - 1 - 2
-"""The camera does not see the robot that carries it, in the pictures neither."""
+"""The camera sees as much of the robot that carries it as in the pictures."""
 
 
 def child(parent: ET.Element, tag: str, value: object = None, **attributes: str) -> ET.Element:
@@ -75,7 +76,7 @@ def robot_model(parts: RobotParts, placement: Placement = Placement()) -> ET.Ele
     model = ET.Element("model", name=parts.config.name, canonical_link=BASE)
     add_pose(model, placement)
     for link in parts.links:
-        element = _link(model, link, parts.visuals[link.name])
+        element = _link(model, link, parts.visuals[link.name], sees_robot=parts.config.camera.sees_robot)
         if link.name == BASE:
             _sensors(element, parts)
         else:
@@ -86,7 +87,7 @@ def robot_model(parts: RobotParts, placement: Placement = Placement()) -> ET.Ele
     return model
 
 
-def _link(model: ET.Element, link: Link, visuals: tuple[Visual, ...]) -> ET.Element:
+def _link(model: ET.Element, link: Link, visuals: tuple[Visual, ...], *, sees_robot: bool) -> ET.Element:
     element = child(model, "link", name=link.name)
     add_pose(element, Placement(link.origin))
     inertial = child(element, "inertial")
@@ -106,7 +107,8 @@ def _link(model: ET.Element, link: Link, visuals: tuple[Visual, ...]) -> ET.Elem
         add_pose(seen, Placement(visual.center, _LYING if isinstance(visual.shape, CylinderShape) else (0.0, 0.0, 0.0)))
         add_geometry(seen, visual.shape)
         add_material(seen, visual.srgb)
-        child(seen, "visibility_flags", _OWN_BODY)
+        if not sees_robot or visual.name == CAMERA_BODY:
+            child(seen, "visibility_flags", _OWN_BODY)
     return element
 
 

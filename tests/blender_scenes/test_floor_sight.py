@@ -221,3 +221,15 @@ def test_a_turn_through_half_a_turn_goes_the_short_way(camera, arena, X_RC, view
     expected = _seen(camera, pose_X_WR(0.0, 0.0, 3.145) @ X_RC)
     near = np.linalg.norm(expected, axis=-1) < 20
     np.testing.assert_allclose(found[near], expected[near], atol=1e-4)
+
+
+@pytest.mark.parametrize("kept", [0, 2])
+def test_points_of_large_pictures_which_are_not_kept_are_the_same(monkeypatch, camera, view, kept):
+    points = filter_points(1.5)
+    whole = [FloorSight(camera, view, 1.0).points(view, point) for point in points]
+    monkeypatch.setattr("blender_scenes.floor_sight._MOST_BYTES", kept * 8 * WIDTH_PX * HEIGHT_PX)
+    sight = FloorSight(camera, view, 1.0)
+    for _ in range(2):
+        for point, expected in zip(points, whole, strict=True):
+            for rows in (slice(None), slice(5, 9), slice(20, 36)):
+                np.testing.assert_array_equal(sight.points(view, point, rows), expected[rows])

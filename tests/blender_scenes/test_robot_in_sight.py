@@ -9,6 +9,7 @@ from blender_scenes.annotations.job import build_annotation_job
 from blender_scenes.annotations.record import Record
 from blender_scenes.camera import matrix_K
 from blender_scenes.job import FramePose, RenderJob, build_job
+from blender_scenes.preview.renderer import FlatRenderer
 from blender_scenes.renderer import render_job
 from configs.draw import draw_robot
 from configs.loader import load_section
@@ -82,7 +83,15 @@ def _clear(job):
     return depth.reshape(v.shape), clear.reshape(v.shape)
 
 
-def test_a_robot_that_is_not_to_be_seen_makes_the_job_that_it_always_made(job_of):
+def test_the_flat_preview_shows_it_too(job_of):
+    seen, hidden = (job_of(sees_robot=sees) for sees in (True, False))
+    lights = [FlatRenderer(job).light(job.frames[0], job.camera) for job in (seen, hidden)]
+    body, clear = _clear(seen)
+    differs = (lights[0] != lights[1]).any(axis=2)
+    assert np.array_equal(differs[clear], np.isfinite(body)[clear])
+
+
+def test_a_job_knows_nothing_of_a_robot_that_is_not_to_be_seen(job_of):
     scene = job_of(sees_robot=False).scene
     assert scene.robot_in_sight == ()
     assert "robot_in_sight" not in job_of(sees_robot=False).to_json()

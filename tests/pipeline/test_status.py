@@ -69,6 +69,17 @@ def test_changed_fields_are_named_with_their_values(out, symolo, tiny):
     assert "-> 70.0" in told
 
 
+def test_a_release_of_a_version_without_scene_json_is_not_up_to_date(out, symolo, tiny):
+    done = next((out / ".stages/assemble").glob("*/test_1/done.json"))
+    whole = done.read_bytes()
+    files = json.loads(whole)
+    del files["files"]["side/scene.json"]
+    done.write_text(json.dumps(files))
+    told = symolo("status", out, "smoke", *tiny).out
+    done.write_bytes(whole)
+    assert "would be done by the next release, 1 run: release: side/scene.json is not among its files" in told
+
+
 def test_damage_and_failures_are_told(out, symolo):
     image = out / ".stages/render/CW/test_1/images/000001.jpg"
     image.write_bytes(image.read_bytes()[:-1])

@@ -17,7 +17,11 @@ MAKING = {
     "bench": ("bench", "motor"),
     "firmware": ("firmware",),
 }
-SHEETS = {"contact-sheet": ("contact-sheet", "DATA"), "preview": ("preview", "smoke", "--engine", "flat", "-n", "1")}
+SHEETS = {
+    "contact-sheet": ("contact-sheet", "DATA"),
+    "preview": ("preview", "smoke", "--engine", "flat", "-n", "1"),
+    "report": ("report", "DATA"),
+}
 
 
 def refused(symolo, root, arguments, out):
@@ -40,7 +44,7 @@ def test_no_folder_is_made_within_a_dataset(command, dataset, copy_of, symolo):
 @pytest.mark.parametrize("command", SHEETS)
 def test_no_sheet_is_written_within_a_dataset(command, dataset, copy_of, symolo):
     root = copy_of(dataset)
-    for name in ("sheet.jpg", "CW/sheet.png"):
+    for name in ("sheet.html", "CW/sheet.html") if command == "report" else ("sheet.jpg", "CW/sheet.png"):
         assert f"lies within the release {root}" in refused(symolo, root, SHEETS[command], root / name)
     assert symolo("verify", root).code == 0
 

@@ -1,3 +1,5 @@
+import xml.etree.ElementTree as ET
+
 import pytest
 
 from pipeline.cli import main
@@ -8,6 +10,15 @@ def test_the_command_writes_what_is_asked_for(tmp_path, capsys):
     assert main(["model", "smoke", "--out", str(out), "--route", "CCW", "--format", "urdf"]) == 0
     assert [path.name for path in out.iterdir()] == ["robot.urdf"]
     assert capsys.readouterr().out == f"{out}: robot.urdf of CCW/test_1\n"
+
+
+def test_a_robot_that_its_camera_sees_has_all_its_parts_and_is_hidden_no_longer(tmp_path):
+    out = tmp_path / "model"
+    assert main(["model", "smoke", "--out", str(out), "--set", "robot.camera.sees_robot=true"]) == 0
+    visuals = ET.parse(out / "robot.sdf").iter("visual")  # noqa: S314 - our own file
+    hidden = {visual.get("name"): visual.find("visibility_flags") is not None for visual in visuals}
+    assert {"robot_plate", "robot_mast", "robot_tof_front"} <= set(hidden)
+    assert [name for name, is_hidden in hidden.items() if is_hidden] == ["robot_camera"]
 
 
 def test_what_moves_in_a_run_is_said_to_stand_still(tmp_path, capsys):
