@@ -38,7 +38,7 @@ _SLANT = 4.0
 _STEEP = 3.0
 """Less slanted than that, a pixel's filter is told by 3 x 3 points, else by twice as many."""
 _IRRADIANCE = Tiling(texel_m=0.004, levels=5, core=112, margin=8)
-_TEXEL_RAD = 0.018
+_TEXEL_RAD = 0.009
 """Under which the camera sees one, no smaller than a pixel. Light changes over wider stretches than colour."""
 _IRRADIANCE_SAMPLES = 8
 _RELIEF = Tiling(texel_m=0.032, levels=3, core=56, margin=4)
