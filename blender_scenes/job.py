@@ -39,7 +39,7 @@ class FramePose:
 
 @dataclass(frozen=True)
 class RenderJob(JobText):
-    FORMAT = 3
+    FORMAT = 4
     KIND = "render"
 
     scene: Scene

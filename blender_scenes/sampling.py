@@ -17,7 +17,7 @@ class PartSamples:
     near: int
     """Light paths per pixel of the picture of all light, which has a few thousand pixels."""
     far: int
-    """Light paths per pixel of that of the upper rows, where the floor is far, which is finer."""
+    """Light paths per pixel of that of the upper rows, where the floor is far, which is finer; more of few rows."""
     surfaces: int
     """Camera rays per pixel for what the surfaces reflect."""
 

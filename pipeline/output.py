@@ -51,8 +51,10 @@ def check_out(out: Path, kind: Kind, *, within_looks: bool = False) -> None:
         raise InputError(what, where=where, cure="name another folder") from None
 
 
-def check_outside(out: Path) -> None:
+def check_outside(out: Path, where: str = "") -> None:
     """Refuse a place within a dataset or a bag, which would no longer be what its checksums say.
+
+    `where` is what names it in the refusal, if not --out.
 
     Raises:
         InputError: It lies there.
@@ -64,7 +66,8 @@ def check_outside(out: Path) -> None:
             what = "bag"
         else:
             continue
-        raise InputError(f"lies within the {what} {folder}", where=f"--out {out}", cure="name a place outside of it")
+        told = f"lies within the {what} {folder}"
+        raise InputError(told, where=where or f"--out {out}", cure="name a place outside of it")
 
 
 def _check_kind(out: Path, kind: Kind, where: str) -> None:

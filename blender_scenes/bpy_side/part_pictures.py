@@ -58,6 +58,9 @@ _HEIGHTS = 16
 """Of such a picture, from the least to all of it."""
 _PASSING = 1 / 15
 """Of the rows, over which one passes into the other."""
+_LOW, _TIMES_LOW = 0.25, 2
+"""Where it has no more of the rows, as many times the samples: what stands there is mostly lit from behind, and more of
+them cost little."""
 _WHOLLY, _MOSTLY = 0.99, 0.5
 _CORNERS = (0, 2, -3, -1)
 """Of `filter_points`."""
@@ -163,7 +166,8 @@ class PartPictures:
         step = max(height // _HEIGHTS, _LEAST_PX)
         rows = min(int(np.ceil(end / self._far / step)) * step, height) * self._far
         size, above = self._shared_by(self._far), {name: image[:rows] for name, image in seen.items()}
-        upper = self._scenes.upper_light(size, rows // self._far, self._samples.far, seed, view)
+        samples = self._samples.far * (_TIMES_LOW if rows <= _LOW * self._size[1] else 1)
+        upper = self._scenes.upper_light(size, rows // self._far, samples, seed, view)
         return _brought(self._traced(upper, above, self._far), above)
 
     def _traced(self, passes: Passes, seen: Passes, times: int) -> Image:

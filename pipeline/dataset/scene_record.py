@@ -4,7 +4,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict
 from pydantic_core import to_jsonable_python
 
 from blender_scenes.lighting.flicker import mains_phase_rad
@@ -14,15 +13,12 @@ from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
 from physics.arena import Arena
 from pipeline.dataset.layout import SIDE
+from pipeline.dataset.metadata import Record
 from pipeline.dataset.side_reading import read_record
 
 SCENE = "scene.json"
 _DECIMALS = 6
 """Of all numbers: micrometres and microradians."""
-
-
-class Record(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class PieceRecord(Record):

@@ -6,6 +6,7 @@ from types import MappingProxyType
 
 from configs.errors import InputError
 from pipeline.dataset.inventory import LISTS
+from pipeline.output import check_outside
 from pipeline.progress import Report
 from pipeline.storage.base import LocalFile, Store
 from pipeline.storage.comparison import Comparison, compare, released_files
@@ -16,13 +17,14 @@ ANOTHER_PLACE = "name another prefix, or remove what is there by the tools of th
 
 
 def check_apart(root: Path, store: Store) -> None:
-    """Raise InputError where the store lies within the release, or around it."""
+    """Raise InputError where the store lies within the release or another one, or around it."""
     if not isinstance(store, Folder):
         return
     place, release = store.root.resolve(), root.resolve()
     if place.is_relative_to(release) or release.is_relative_to(place):
         how = "within" if place.is_relative_to(release) else "around"
         raise InputError(f"lies {how} the release", where=store.url, cure="name a folder beside it")
+    check_outside(store.root, store.url)
 
 
 def files_to_upload(root: Path, store: Store) -> tuple[LocalFile, ...]:

@@ -144,6 +144,14 @@ def test_a_release_is_not_sent_into_itself(release, symolo):
     assert (ended.code, "lies within the release" in ended.err) == (2, True)
 
 
+def test_nor_into_another_one(release, dataset, copy_of, symolo):
+    other = copy_of(dataset)
+    for name in ("new", "CW/new"):
+        ended = symolo("upload", release(), f"file://{other}/{name}")
+        assert (ended.code, f"file://{other}/{name}: lies within the release {other};" in ended.err) == (2, True)
+    assert symolo("verify", other).code == 0
+
+
 def test_a_folder_that_another_upload_fills_is_refused(release, tmp_path, symolo):
     shelf = tmp_path / "shelf"
     with Folder(f"file://{shelf}", shelf).held():
