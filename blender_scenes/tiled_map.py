@@ -182,15 +182,19 @@ def _copy_common(patch: Patch, texels: Image, first: NDArray[np.int64]) -> None:
     texels[to_y : to_y + rows, to_x : to_x + columns] = patch.texels[y : y + rows, x : x + columns]
 
 
-def without_holes(light: Image) -> Image:
-    """Light (N, N, K) on a floor, with that around it put where something stands and no light comes at all.
+def without_holes(light: Image, level: Image) -> Image:
+    """Light (N, N, K) on a floor, with that around it put where something stands.
 
     What is beside a box would else be darkened by what is below it. Texels at the border of a hole are half below it.
+
+    Args:
+        light: The floor may be tilted, and dark where it is turned away.
+        level: The same of a level floor, which is dark where something stands alone.
     """
-    covered = (light.sum(axis=-1) > 0).astype(np.float32)[..., None]
-    if covered.all() or not covered.any():
+    free = (level.sum(axis=-1) > 0).astype(np.float32)[..., None]
+    if free.all() or not free.any():
         return light
-    return np.where(covered > 0, light, _spread(light * covered, covered)).astype(np.float32)
+    return np.where(free > 0, light, _spread(light * free, free)).astype(np.float32)
 
 
 def _spread(weighted: Image, weight: Image) -> Image:

@@ -46,16 +46,26 @@ def shining(material: bpy.types.Material, number: int) -> bpy.types.Material:
 
 
 def turned(material: bpy.types.Material) -> bpy.types.Material:
-    """White and matt to the camera, facing where its object's colour says: x, y and z of a unit vector."""
+    """White and matt to the camera, facing where its object's colour says, as `as_color` has it."""
     copy = material.copy()
     tree = copy.node_tree
     # It softens shadows for normals that lean away from a surface, which this one only seems to have.
     copy.cycles.use_bump_map_correction = False
     white = tree.nodes.new("ShaderNodeBsdfDiffuse")
     white.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
-    tree.links.new(tree.nodes.new("ShaderNodeObjectInfo").outputs["Color"], white.inputs["Normal"])
+    normal = tree.nodes.new("ShaderNodeVectorMath")
+    normal.operation = "MULTIPLY_ADD"
+    normal.inputs[1].default_value, normal.inputs[2].default_value = (2.0, 2.0, 2.0), (-1.0, -1.0, -1.0)
+    tree.links.new(tree.nodes.new("ShaderNodeObjectInfo").outputs["Color"], normal.inputs[0])
+    tree.links.new(normal.outputs[0], white.inputs["Normal"])
     _shown_to_the_camera(tree, white.outputs[0])
     return copy
+
+
+def as_color(normal: tuple[float, float, float]) -> tuple[float, float, float, float]:
+    """A unit vector as a colour, of which Blender keeps nothing below 0."""
+    x, y, z = (0.5 * (component + 1) for component in normal)
+    return x, y, z, 1.0
 
 
 def covering() -> bpy.types.Material:

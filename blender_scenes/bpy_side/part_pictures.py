@@ -43,7 +43,7 @@ _TEXEL_RAD = 0.009
 _IRRADIANCE_SAMPLES = 8
 _RELIEF = Tiling(texel_m=0.032, levels=3, core=56, margin=4)
 """Where light comes from changes over wider ones still."""
-_TILT_RAD = np.radians(30.0)
+_TILT_RAD = np.radians(15.0)
 _MOST_BYTES = 640 * 2**20
 """Of each map in memory; a lap of the dataset's arena in pictures of 640 x 480 stays below it."""
 _NEAR_WIDTH_PX, _FAR_WIDTH_PX = LIGHT_WIDTH_PX, 4 * LIGHT_WIDTH_PX
@@ -260,28 +260,33 @@ class PartPictures:
         return np.concatenate([found, _turned(normal[..., :2], GRID_TURN_RAD)], axis=-1)
 
     def _irradiance_tile(self, tile: Tile) -> Image:
-        return self._facing(_UP, tile, self._tile_seed("irradiance", tile))
+        light = self._light_on(tile, "irradiance", _UP)
+        return self._evened_out(light, light)
 
     def _relief_tile(self, tile: Tile) -> Image:
         """(N, N, 6): what light on the floor grows by as its normal leans along x, and along y, per unit of the light.
 
-        E(n) = E_z n_z + E_x n_x + E_y n_y for a little lean, of the vector irradiance; E_x follows from the light on a
-        floor that is tilted.
+        E(n) = E_z n_z + E_x n_x + E_y n_y for a little lean, of the vector irradiance. E_x is half of what a floor that
+        is tilted one way gets more than one tilted the other way. Beside a level one either gets more than that sum
+        says, for what would come from below its horizon counts as none, not as less than none.
         """
-        seed = self._tile_seed("relief", tile)
         cosine, sine = float(np.cos(_TILT_RAD)), float(np.sin(_TILT_RAD))
-        facings = _UP, (sine, 0.0, cosine), (0.0, sine, cosine)
-        up, *tilted = (self._facing(facing, tile, seed) for facing in facings)
-        leans = [(one / np.maximum(up, _LEAST_LIGHT) - cosine) / sine for one in tilted]
+        tilts = (sine, 0.0, cosine), (-sine, 0.0, cosine), (0.0, sine, cosine), (0.0, -sine, cosine)
+        level, *tilted = (self._light_on(tile, "relief", facing) for facing in (_UP, *tilts))
+        up = np.maximum(self._evened_out(level, level), _LEAST_LIGHT)
+        east, west, north, south = (self._evened_out(light, level) / up for light in tilted)
+        leans = [(east - west) / (2 * sine), (north - south) / (2 * sine)]
         return np.clip(np.concatenate(leans, axis=-1), -_MOST_LEAN, _MOST_LEAN)
 
-    def _facing(self, facing: tuple[float, float, float], tile: Tile, seed: int) -> Image:
-        light = without_holes(self._scenes.irradiance(tile, _IRRADIANCE_SAMPLES, seed, facing))
-        return self._denoised(light, np.broadcast_to(np.array(_UP, np.float32), light.shape))
-
-    def _tile_seed(self, what: str, tile: Tile) -> int:
+    def _light_on(self, tile: Tile, what: str, facing: tuple[float, float, float]) -> Image:
         level, i, j = (number % 2**32 for number in tile.key)
-        return int(stream(self._seed, "path tracing", what, level, i, j).integers(2**31))
+        seed = int(stream(self._seed, "path tracing", what, level, i, j).integers(2**31))
+        return self._scenes.irradiance(tile, _IRRADIANCE_SAMPLES, seed, facing)
+
+    def _evened_out(self, light: Image, level: Image) -> Image:
+        """Without noise, and without holes, which the light on a level floor tells."""
+        whole = without_holes(light, level)
+        return self._denoised(whole, np.broadcast_to(np.array(_UP, np.float32), whole.shape))
 
 
 def _times(size: tuple[int, int], width_px: int) -> int:

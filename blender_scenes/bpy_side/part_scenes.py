@@ -15,7 +15,7 @@ import numpy as np
 from mathutils import Matrix
 
 from blender_scenes.bpy_side.build import ROBOT, moving_name
-from blender_scenes.bpy_side.part_materials import COVER, TOLD, covering, in_grey, shining, turned
+from blender_scenes.bpy_side.part_materials import COVER, TOLD, as_color, covering, in_grey, shining, turned
 from blender_scenes.bpy_side.placing import place
 from blender_scenes.bpy_side.rendering import rendered
 from blender_scenes.description import FrameView, Scene
@@ -112,7 +112,7 @@ class PartScenes:
     def irradiance(self, tile: Tile, samples: int, seed: int, facing: tuple[float, float, float]) -> Image:
         """(N, N, 3) light on the floor without what moves, were it turned to the unit vector `facing`."""
         for thing in self._lit_floor:
-            thing.color = (*facing, 1.0)
+            thing.color = as_color(facing)
         passes = self._from_above(self._irradiance, tile, samples, seed)
         return (passes["DiffDir"] + passes["DiffInd"])[::-1]
 

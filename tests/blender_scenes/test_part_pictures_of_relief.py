@@ -17,7 +17,7 @@ from blender_scenes.description import FrameView, Intrinsics, Panel, PlanarPose,
 from blender_scenes.geometry import block, floor, rectangle
 from blender_scenes.job import RenderJob
 from blender_scenes.sampling import PARTS, PartSamples, Sampling
-from blender_scenes.shading import Color, Noise, Surface, Tiles
+from blender_scenes.shading import Color, Coordinate, Mix, Noise, Number, Step, Surface, Tiles
 from configs.schema.look import CameraLook
 from configs.schema.robot import Camera
 
@@ -180,6 +180,41 @@ def test_a_moving_obstacle_takes_its_shadow_along(pictures, away_m):
 def test_light_does_not_run_from_one_surface_to_the_next(pictures, view, rows, columns):
     parts, whole = (picture[view, rows, columns].mean(axis=(0, 1)) for picture in (pictures.parts, pictures.whole))
     assert parts == pytest.approx(whole, rel=0.05)
+
+
+# Slopes
+
+
+EVEN_SKY = Panel("lamp", (0.0, 0.0, 2.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 60.0, 60.0, (3.0, 3.0, 3.0))
+HIGH, LOW = (
+    Panel("lamp", (1.7, 0.0, height_m), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0), 0.4, 0.2, (15.0, 15.0, 15.0))
+    for height_m in (1.0, 0.3)
+)
+
+
+@pytest.mark.parametrize(
+    ("lamp", "slope"),
+    [
+        pytest.param(EVEN_SKY, 0.25, id="even sky, gentle"),
+        pytest.param(EVEN_SKY, 0.5, id="even sky, steep"),
+        pytest.param(HIGH, 0.1, id="high lamp, gentle"),
+        pytest.param(HIGH, 0.5, id="high lamp, steep"),
+        pytest.param(LOW, 0.1, id="low lamp, gentle"),
+    ],
+)
+def test_slopes_towards_light_and_away_are_as_bright_as_in_a_whole_picture(lights_of, lamp, slope):
+    rising = Coordinate("u") * slope
+    either_way = Mix(Step(Coordinate("v"), -0.001, 0.001), rising, rising * Number(-1.0))
+    ramps = replace(_matt("floor", 0.2, 0.2, 0.2), height_m=either_way)
+    scene = replace(SCENE, surfaces=(ramps,), meshes=(SCENE.meshes[0],), robot=(), moving=(), panels=(lamp,))
+    jobs = [replace(_job(of, 1), scene=scene, frames=(_still(),)) for of in (PARTS["standard"], None)]
+    parts, whole = lights_of(*((job, 1, None) for job in jobs), near_width_px=NEAR_WIDTH_PX)
+    true = [_grey(whole, columns).mean() for columns in (LEFT, RIGHT)]
+    assert [_grey(parts, columns).mean() for columns in (LEFT, RIGHT)] == pytest.approx(true, abs=0.06 * np.mean(true))
+
+
+def _still() -> FrameView:
+    return replace(_view(1, AWAY), moving=())
 
 
 def test_no_light_is_below_nothing_or_no_number(pictures):
