@@ -279,6 +279,7 @@ class PartPictures:
         return np.clip(np.concatenate(leans, axis=-1), -_MOST_LEAN, _MOST_LEAN)
 
     def _light_on(self, tile: Tile, what: str, facing: tuple[float, float, float]) -> Image:
+        """With noise; by the same random numbers whichever way the floor faces."""
         level, i, j = (number % 2**32 for number in tile.key)
         seed = int(stream(self._seed, "path tracing", what, level, i, j).integers(2**31))
         return self._scenes.irradiance(tile, _IRRADIANCE_SAMPLES, seed, facing)

@@ -64,8 +64,8 @@ def _view(number: int, moving: PlanarPose) -> FrameView:
     return FrameView(number, 0.0, (0.0, 0.0, 0.0), rows, (moving,))
 
 
-def _job(parts: PartSamples | None, seed: int) -> RenderJob:
-    sampling = Sampling(seed=seed, samples=WHOLE_SAMPLES, denoise=False, parts=parts)
+def _job(parts: PartSamples | None, seed: int, samples: int = WHOLE_SAMPLES) -> RenderJob:
+    sampling = Sampling(seed=seed, samples=samples, denoise=False, parts=parts)
     views = _view(1, AT), _view(2, AWAY)
     return RenderJob(RenderJob.FORMAT, SCENE, CAMERA, views, sampling, RESPONSE)
 
@@ -207,14 +207,11 @@ def test_slopes_towards_light_and_away_are_as_bright_as_in_a_whole_picture(light
     either_way = Mix(Step(Coordinate("v"), -0.001, 0.001), rising, rising * Number(-1.0))
     ramps = replace(_matt("floor", 0.2, 0.2, 0.2), height_m=either_way)
     scene = replace(SCENE, surfaces=(ramps,), meshes=(SCENE.meshes[0],), robot=(), moving=(), panels=(lamp,))
-    jobs = [replace(_job(of, 1), scene=scene, frames=(_still(),)) for of in (PARTS["standard"], None)]
+    view = replace(_view(1, AWAY), moving=())
+    jobs = [replace(_job(of, 1, samples=16), scene=scene, frames=(view,)) for of in (PARTS["standard"], None)]
     parts, whole = lights_of(*((job, 1, None) for job in jobs), near_width_px=NEAR_WIDTH_PX)
     true = [_grey(whole, columns).mean() for columns in (LEFT, RIGHT)]
     assert [_grey(parts, columns).mean() for columns in (LEFT, RIGHT)] == pytest.approx(true, abs=0.06 * np.mean(true))
-
-
-def _still() -> FrameView:
-    return replace(_view(1, AWAY), moving=())
 
 
 def test_no_light_is_below_nothing_or_no_number(pictures):
