@@ -11,8 +11,8 @@ from typing import get_args
 import numpy as np
 from sample_page import POSE, nominal_robot, pictures, sample_arena, save_page
 
-from blender_scenes.description import FrameView
-from blender_scenes.job import RenderJob, build_job
+from blender_scenes.render.job import RenderJob, build_job
+from blender_scenes.scene.description import FrameView
 from configs.schema.lighting import PanoramaName
 from configs.schema.look import LookConfig
 from configs.schema.scenario import Render

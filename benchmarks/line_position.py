@@ -8,7 +8,7 @@ import numpy as np
 from line_frames import HEIGHT_PX, ROWS, WIDTH_PX, Array, LabelledFrames
 from numpy.typing import NDArray
 
-from configs.streams import stream
+from symolo.core.random_streams import stream
 
 Grey = NDArray[np.uint8]
 

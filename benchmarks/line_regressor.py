@@ -19,7 +19,7 @@ from line_position import Regressor, constant, dark_blob
 from matplotlib.figure import Figure
 from photographs import photographs
 
-from configs.streams import stream
+from symolo.core.random_streams import stream
 
 NARROW = Kind("lab")
 WIDE = Kind(

@@ -10,7 +10,7 @@ from typing import get_args
 import cv2
 from sample_page import POSE, nominal_robot, pictures, sample_arena, save_page
 
-from blender_scenes.job import build_job
+from blender_scenes.render.job import build_job
 from configs.schema.floors import FloorName
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig

@@ -22,7 +22,7 @@ from configs.draw import draw_run
 from configs.footprints import Rectangle
 from configs.loader import load_scenario
 from configs.schema.scenario import RunSpec
-from physics.arena import Arena
+from physics.arena.geometry import Arena
 from pipeline.stages.simulate import simulate
 
 SCENARIO, ROUTE = "random_arenas", "Lap"

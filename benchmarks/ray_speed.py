@@ -1,4 +1,4 @@
-"""Rays a second: the closed form of `physics.rays` against PyBullet's `rayTestBatch`, on the same world and rays.
+"""Rays a second: the closed form of `physics.arena.rays` against PyBullet's `rayTestBatch`, on the same world and rays.
 
 The rays are those of one update of the three range sensors, from poses along the scenario's start line; both are asked
 in turns in one process on one core, and the ratio is the median over neighbouring pairs.
@@ -16,9 +16,9 @@ import pybullet
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from physics.arena import Arena
+from physics.arena.geometry import Arena
+from physics.arena.rays import RayScene
 from physics.bullet.world import add_arena, connect
-from physics.rays import RayScene
 
 UPDATES = 100
 RAYS = 270

@@ -7,15 +7,15 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.frame_files import frame_name
-from blender_scenes.job import FramePose, RenderJob
-from blender_scenes.renderer import render_job
+from blender_scenes.render.frame_files import frame_name
+from blender_scenes.render.job import FramePose, RenderJob
+from blender_scenes.render.renderer import render_job
 from configs.loader import load_section
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.surface import SurfaceName
-from physics.arena import Arena
-from pipeline.sheet import Cell, row, save, stacked
+from physics.arena.geometry import Arena
+from symolo.pages.sheet import Cell, row, save, stacked
 
 Picture = NDArray[np.uint8]
 

@@ -22,10 +22,10 @@ from configs.draw import draw_run
 from configs.loader import load_scenario
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import RunSpec
-from physics.arena import Arena
+from physics.arena.geometry import Arena
 from physics.bullet.body import add_robot
 from physics.bullet.world import add_arena, connect
-from physics.motor import MotorModel
+from physics.drivetrain.motor import MotorModel
 from pipeline.stages.simulate import simulate
 from sensors.base import Sensor, World
 from sensors.fit_out import fit_out

@@ -19,11 +19,11 @@ from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.measured.nominal import NominalTof
 from diagnosis.nominal_robot import nominal_robot
-from diagnosis.stages import STAGES
-from diagnosis.stages.base import Stage
-from physics.terms import PHYSICS_TERMS
-from physics.terms.base import Slot
-from sensors.terms import SENSOR_TERMS
+from diagnosis.predictors import STAGES
+from diagnosis.predictors.base import Stage
+from physics.effects import PHYSICS_TERMS
+from physics.effects.base import Slot
+from sensors.effects import SENSOR_TERMS
 
 TERMS = {term.name: term for term in (*PHYSICS_TERMS, *SENSOR_TERMS)}
 REPEATS = 5

@@ -18,8 +18,8 @@ from step_size import PROFILE, ROWS_HZ, drive
 
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
-from physics.kinematic import KinematicTwin, TwinRun
-from physics.robot_model import RobotModel
+from physics.robot.model import RobotModel
+from physics.twin import KinematicTwin, TwinRun
 
 ENGINE_HZ = 1000
 STEPS_S = (0.001, 0.005, 0.01)

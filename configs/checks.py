@@ -5,17 +5,17 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import get_args
 
 from configs.distributions import Choice
-from configs.errors import InputError, nearest
 from configs.faults import Fault
 from configs.footprints import Point, Rectangle, obstacle_footprint, overlap, wall_footprint
-from configs.lens import lens_problem
 from configs.motion_checks import motion_faults
 from configs.schema.arena import ArcPiece, ArenaConfig, StraightPiece, SurfaceName
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Route, Scenario
-from configs.tree import FieldPath, Node, dotted
 from configs.validation import Placed
+from symolo.core.errors import InputError, nearest
+from symolo.core.lens import lens_problem
+from symolo.core.yaml_tree import FieldPath, Node, dotted
 
 LINTEL_M = 0.1
 """Least height of wall between a window and the ceiling; a window that is too high for it is made lower."""

@@ -12,8 +12,8 @@ from statistics import NormalDist
 
 import numpy as np
 
-from configs.errors import InputError, nearest
-from configs.tree import DISTRIBUTION_KINDS, FieldPath, Node, Scalar, dotted
+from symolo.core.errors import InputError, nearest
+from symolo.core.yaml_tree import DISTRIBUTION_KINDS, FieldPath, Node, Scalar, dotted
 
 _WITHOUT_LIMITS_SD = 4.0
 _LEAST_SHARE = 1e-3

@@ -8,16 +8,16 @@ import numpy as np
 from configs.arena_generation.generate import NoArenaError, generate_arena
 from configs.arena_generation.track import Pose
 from configs.checks import check_run
-from configs.errors import InputError, nearest
 from configs.faults import Fault
 from configs.loader import ArenaAlone, LoadedScenario, LoadedSection, LookAlone, RobotAlone
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec, Scenario
-from configs.streams import stream
-from configs.tree import FieldPath, Node, Scalar, dotted
 from configs.validation import Placed, validated
+from symolo.core.errors import InputError, nearest
+from symolo.core.random_streams import stream
+from symolo.core.yaml_tree import FieldPath, Node, Scalar, dotted
 
 GENERATE = "arena.generate"
 """Key of the stream that a generated arena is drawn from."""

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from configs.errors import InputError, shown
-from configs.tree import FieldPath, Node, dotted
+from symolo.core.errors import InputError, shown
+from symolo.core.yaml_tree import FieldPath, Node, dotted
 
 
 @dataclass(frozen=True)

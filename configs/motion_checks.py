@@ -14,7 +14,7 @@ from configs.footprints import (
     wall_footprint,
 )
 from configs.schema.arena import ArenaConfig, Obstacle
-from configs.tree import FieldPath
+from symolo.core.yaml_tree import FieldPath
 
 FASTEST_M_S = 2.0
 """Ten times the robot's own speed, and 2 mm a step at 1000 Hz."""

@@ -3,10 +3,10 @@
 from pathlib import Path
 
 from configs.assets.folder import anchored
-from configs.errors import InputError, nearest
 from configs.references import SECTIONS, Reader
-from configs.tree import FieldPath, Node, dotted, merge
-from configs.yaml_reader import MAX_DEPTH, parse_yaml
+from symolo.core.errors import InputError, nearest
+from symolo.core.yaml_reader import MAX_DEPTH, parse_yaml
+from symolo.core.yaml_tree import FieldPath, Node, dotted, merge
 
 
 def apply_override(root: Node, text: str, reader: Reader) -> Node:

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from configs.assets.folder import anchored
-from configs.errors import InputError, nearest
-from configs.tree import FieldPath, Node, dotted, merge
-from configs.yaml_reader import displayed, read_yaml
+from symolo.core.errors import InputError, nearest
+from symolo.core.yaml_reader import displayed, read_yaml
+from symolo.core.yaml_tree import FieldPath, Node, dotted, merge
 
 FOLDERS = {"scenario": "scenarios", "arena": "arenas", "robot": "robots", "look": "looks"}
 SECTIONS = ("arena", "robot", "look")

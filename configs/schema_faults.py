@@ -5,11 +5,11 @@ import re
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from configs.errors import InputError, nearest
 from configs.faults import Fault
 from configs.schema.base import FIELDS_DISAGREE
 from configs.shapes import Shape, shown_names
-from configs.tree import FieldPath, Node, dotted
+from symolo.core.errors import InputError, nearest
+from symolo.core.yaml_tree import FieldPath, Node, dotted
 
 _NUMBER_AND_UNIT = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([A-Za-z°%]*)\s*")
 _UNITS = {

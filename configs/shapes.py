@@ -11,7 +11,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from configs.schema.base import FILE_KEY, FIXED_KEY
-from configs.tree import FieldPath, Node, merge, node_of
+from symolo.core.yaml_tree import FieldPath, Node, merge, node_of
 
 _BOUNDS = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
 _PLAIN_WORDS = {"boolean": "true or false", "string": "text", "null": "nothing", "array": "a list"}

@@ -9,10 +9,10 @@ import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from configs.distributions import Choice, Distribution, Uniform, parse
-from configs.errors import InputError
 from configs.schema_faults import explained
 from configs.shapes import Shape
-from configs.tree import FieldPath, Node, Scalar, Values, dotted
+from symolo.core.errors import InputError
+from symolo.core.yaml_tree import FieldPath, Node, Scalar, Values, dotted
 
 Model = TypeVar("Model", bound=BaseModel)
 

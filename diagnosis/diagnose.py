@@ -7,30 +7,30 @@ from math import isfinite
 import numpy as np
 
 from configs.draw import draw_robot
-from configs.errors import InputError
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
-from diagnosis.inference.adequacy import Adequacy, Structure, adequacy, survivors
 from diagnosis.inference.candidates import Candidates, candidates
-from diagnosis.inference.change import change_in_time
-from diagnosis.inference.evidence import Evidence
+from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.evidence.noise_level import combined, found_noises, is_open
+from diagnosis.inference.evidence.rounding import with_shared_rounding
+from diagnosis.inference.evidence.whole_runs import fitted_to_whole_runs
 from diagnosis.inference.fit import Fit, at, fits
 from diagnosis.inference.gain import Gain, gain
 from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
-from diagnosis.inference.locate import located
-from diagnosis.inference.noise_level import combined, found_noises, is_open
 from diagnosis.inference.rivals import Standing, standing
-from diagnosis.inference.rounding import with_shared_rounding
-from diagnosis.inference.scatter import with_scatter
 from diagnosis.inference.selection import Selection, is_of_noise, rescued, select
-from diagnosis.inference.whole_runs import fitted_to_whole_runs
+from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy, survivors
+from diagnosis.inference.unexplained.change import change_in_time
+from diagnosis.inference.unexplained.locate import located
+from diagnosis.inference.unexplained.scatter import with_scatter
 from diagnosis.measured.measurement import Kind, Measurement
 from diagnosis.measured.nominal import KnownWheels
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import Nuisance, command_timing, nuisances
-from diagnosis.stages import STAGES
-from diagnosis.stages.base import Stage
+from diagnosis.predictors import STAGES
+from diagnosis.predictors.base import Stage
 from diagnosis.usual_tolerances import usual
+from symolo.core.errors import InputError
 
 CLEARLY = 0.5
 """Cost by which a rival must explain more to be named in an effect's place."""

@@ -24,10 +24,10 @@ from configs.checks import robot_faults
 from configs.draw import draw_robot
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
-from configs.tree import FieldPath
 from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.hypothesis import Effect
 from diagnosis.nuisances import Nuisance
+from symolo.core.yaml_tree import FieldPath
 
 BASE = "nominal"
 FILE, VARIED_FILE = "extended.yaml", "extended_varied.yaml"

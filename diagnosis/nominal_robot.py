@@ -5,9 +5,9 @@ from math import degrees
 from types import MappingProxyType
 
 from configs.schema.base import Section
+from configs.schema.effects.range_bench import RangeOffset, RangeScale
+from configs.schema.effects.table import Terms
 from configs.schema.robot import RobotConfig, TofMount
-from configs.schema.terms.range_bench import RangeOffset, RangeScale
-from configs.schema.terms.table import Terms
 from diagnosis.measured.nominal import (
     BenchTof,
     KnownWheels,

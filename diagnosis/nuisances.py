@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from configs.schema.base import Section
+from configs.schema.effects.drive import WheelRadiusAsymmetry
+from configs.schema.effects.motor import InputDelay
+from configs.schema.effects.range_bench import RangeOffset, RangeScale
 from configs.schema.robot import RobotConfig
-from configs.schema.terms.drive import WheelRadiusAsymmetry
-from configs.schema.terms.motor import InputDelay
-from configs.schema.terms.range_bench import RangeOffset, RangeScale
 from diagnosis.measured.nominal import (
     KnownWheels,
     Nominal,
@@ -44,7 +44,7 @@ class Nuisance:
 
         Args:
             robot: Nominal, with the terms of all effects: one of the same name, added later, would take its place.
-            value: A number, or an array for many robots at once (`physics.robot_stack`).
+            value: A number, or an array for many robots at once (`physics.robot.stack`).
         """
         return self.change(robot, value)
 

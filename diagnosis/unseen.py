@@ -9,13 +9,13 @@ from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Kind, Measurement
 from diagnosis.measured.nominal import NominalDrive
-from diagnosis.stages.motor_steady import MotorSteady
-from diagnosis.stages.motor_step import MotorStep
-from diagnosis.stages.pose import Pose
-from diagnosis.stages.ranges import Ranges
-from diagnosis.stages.rows import given
-from diagnosis.stages.tof_bench import TofBench
-from diagnosis.stages.wheels import Wheels
+from diagnosis.predictors.motor_steady import MotorSteady
+from diagnosis.predictors.motor_step import MotorStep
+from diagnosis.predictors.pose import Pose
+from diagnosis.predictors.ranges import Ranges
+from diagnosis.predictors.rows import given
+from diagnosis.predictors.tof_bench import TofBench
+from diagnosis.predictors.wheels import Wheels
 
 Columns = Mapping[str, Array]
 PLACE = ("x_m", "y_m", "theta_rad")

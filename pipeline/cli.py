@@ -11,8 +11,6 @@ from typing import Annotated
 
 import typer
 
-from configs.errors import EnvironmentLacking, InputError, RunFailed, one_line
-from configs.refusals import lacking
 from pipeline.commands import bench, examine, hil, keep, make
 from pipeline.commands.baselines import baselines
 from pipeline.commands.diagnose import diagnose
@@ -24,6 +22,8 @@ from pipeline.commands.pictures import pictures
 from pipeline.commands.preview import preview
 from pipeline.commands.report import report
 from pipeline.commands.store import download, upload
+from symolo.core.errors import EnvironmentLacking, InputError, RunFailed, one_line
+from symolo.core.os_errors import lacking
 
 EPILOG = """Exit codes: 0 done; 1 a bug; 2 bad input or usage, nothing written; 3 a run failed, the others are finished;
 4 verify or upload --check found faults, or repair left some; 5 the environment lacks something; 6, 7 compare: equal
@@ -77,7 +77,7 @@ def command_line() -> typer.Typer:
 
 def _print_version(wanted: bool) -> None:  # noqa: FBT001 - what typer calls back with
     if wanted:
-        from pipeline.versions import installed_version  # noqa: PLC0415 - half of the time that --help takes
+        from symolo.core.versions import installed_version  # noqa: PLC0415 - half of the time that --help takes
 
         typer.echo(f"symolo {installed_version('symolo')}")
         raise typer.Exit

@@ -9,9 +9,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from blender_scenes.surroundings import SYSTEM_PACKAGES
-from physics.hil.tools import HIL_PACKAGES, has_board
-from pipeline.versions import installed_version
+from blender_scenes.render.surroundings import SYSTEM_PACKAGES
+from hil.tools import HIL_PACKAGES, has_board
+from symolo.core.versions import installed_version
 
 PACKAGES = (
     "bpy",
@@ -35,7 +35,7 @@ CHILD_TIMEOUT_S = 120
 
 ASK_BLENDER = """
 import bpy
-from blender_scenes.bpy_side.gpus import listed
+from blender_scenes.blender_side.gpus import listed
 print("version " + bpy.app.version_string)
 print("devices " + ", ".join(f"{name} ({kind})" for kind, names in listed().items() for name in names))
 """
@@ -151,7 +151,7 @@ def _child(program: str) -> tuple[int, str, str]:
 
 
 def _machine(folder: Path) -> Iterator[Check]:
-    from pipeline.workers import cores  # noqa: PLC0415 - needs pydantic, which is looked at above
+    from pipeline.work.supervisor import cores  # noqa: PLC0415 - needs pydantic, which is looked at above
 
     free_mb = shutil.disk_usage(folder).free // 10**6
     yield Check("disk", free_mb >= LEAST_DISK_MB, f"{free_mb} MB free in {folder}", "free some space or work elsewhere")

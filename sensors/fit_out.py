@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from physics.arena import Arena
+from physics.arena.geometry import Arena
 from sensors.base import Sensor
 from sensors.encoders import WheelEncoders
 from sensors.line_sensor import LineSensorModel

@@ -1,15 +1,15 @@
 """What current sensor and tachometer of the motors say, from what is true; without terms the same to the bit.
 
-The numbers of many robots may be stacked, to be broadcast against the readings (`physics.robot_stack`).
+The numbers of many robots may be stacked, to be broadcast against the readings (`physics.robot.stack`).
 """
 
 import numpy as np
 
-from configs.schema.terms.table import Terms
-from physics.robot_model import through
-from physics.terms.base import Slot, effects
+from configs.schema.effects.table import Terms
+from physics.effects.base import Slot, effects
+from physics.robot.model import through
 from sensors.base import Array
-from sensors.terms import SENSOR_TERMS
+from sensors.effects import SENSOR_TERMS
 
 
 def read_current_A(terms: Terms, current_A: Array) -> Array:

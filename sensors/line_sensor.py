@@ -6,7 +6,7 @@ import numpy as np
 from scipy.special import ndtr
 
 from configs.schema.robot import LineSensor
-from physics.arena import Arena, Line
+from physics.arena.geometry import Arena, Line
 from sensors.base import Array, Sampling, Sensor, World
 
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from configs.schema.terms.table import Terms
-from physics.robot_model import through
-from physics.terms.base import Slot, effects
+from configs.schema.effects.table import Terms
+from physics.effects.base import Slot, effects
+from physics.robot.model import through
 from sensors.base import Array, Sampling, Sensor, World
-from sensors.terms import SENSOR_TERMS
+from sensors.effects import SENSOR_TERMS
 
 
 class PoseLog(Sensor):

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from configs.schema.terms.table import Terms
-from physics.robot_model import through
-from physics.terms.base import Slot, effects
+from configs.schema.effects.table import Terms
+from physics.effects.base import Slot, effects
+from physics.robot.model import through
 from sensors.base import Array
+from sensors.effects import SENSOR_TERMS
 from sensors.range_view import RangeView
-from sensors.terms import SENSOR_TERMS
 
 _NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(15)
 NODES, WEIGHTS = _NODES.tolist(), (_WEIGHTS / _WEIGHTS.sum()).tolist()

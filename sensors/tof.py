@@ -10,17 +10,17 @@ from math import cos, sin
 import numpy as np
 from numpy.typing import NDArray
 
+from configs.schema.effects.table import Terms
 from configs.schema.robot import TofMount, TofSensor
-from configs.schema.terms.table import Terms
-from physics.arena import Arena
-from physics.robot_model import through
-from physics.surfaces import SURFACES
-from physics.terms.base import Slot, effects
+from physics.arena.geometry import Arena
+from physics.arena.surfaces import SURFACES
+from physics.effects.base import Slot, effects
+from physics.robot.model import through
 from sensors.base import Array, Sampling, Sensor, World, quantise
+from sensors.effects import SENSOR_TERMS
 from sensors.range_effects import RangeEffects
 from sensors.range_log import NEAR_LIMIT_M, log_beyond_near
 from sensors.range_view import RangeView
-from sensors.terms import SENSOR_TERMS
 
 NO_TERMS = Terms()
 

@@ -1,12 +1,39 @@
 """Datasets in Python: `symolo.load(path)`; docs/reader.md.
 
-The name that people import stands above `pipeline`, where the reader lives, for the exporters there use it too.
+The names are loaded when they are first used, so that a program that needs only a part of the library loads only that.
 """
 
-from configs.errors import EnvironmentLacking, InputError
-from pipeline.reader.dataset import Dataset, load
-from pipeline.reader.image import Image
-from pipeline.reader.run import Run
-from pipeline.reader.torch_frames import Frame, torch_dataset
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from symolo.core.errors import EnvironmentLacking, InputError
+    from symolo.reader.dataset import Dataset, load
+    from symolo.reader.image import Image
+    from symolo.reader.run import Run
+    from symolo.reader.torch_frames import Frame, torch_dataset
 
 __all__ = ["Dataset", "EnvironmentLacking", "Frame", "Image", "InputError", "Run", "load", "torch_dataset"]
+
+_MODULES = {
+    "EnvironmentLacking": "symolo.core.errors",
+    "InputError": "symolo.core.errors",
+    "Dataset": "symolo.reader.dataset",
+    "load": "symolo.reader.dataset",
+    "Image": "symolo.reader.image",
+    "Run": "symolo.reader.run",
+    "Frame": "symolo.reader.torch_frames",
+    "torch_dataset": "symolo.reader.torch_frames",
+}
+"""The module that defines each public name."""
+
+
+def __getattr__(name: str) -> Any:  # noqa: ANN401 - any of the public names
+    """Return a public name, loaded from its module.
+
+    Raises:
+        AttributeError: The library has no such name.
+    """
+    if name not in _MODULES:
+        raise AttributeError(f"module 'symolo' has no attribute {name!r}")
+    return getattr(import_module(_MODULES[name]), name)

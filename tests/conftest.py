@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from physics.hil.tools import HIL_PACKAGES, has_board
+from hil.tools import HIL_PACKAGES, has_board
 
 
 def pytest_report_header() -> list[str]:

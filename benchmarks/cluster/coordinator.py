@@ -13,8 +13,8 @@ from pathlib import Path
 from ray.cluster_utils import Cluster
 
 from pipeline.executors import ray as on_ray
-from pipeline.units import RenderUnit
-from pipeline.workers import BY_LIMITS
+from pipeline.work.supervisor import BY_LIMITS
+from pipeline.work.units import RenderUnit
 
 FRAMES = tuple(range(1, 26))
 

@@ -14,9 +14,9 @@ import tempfile
 import time
 from pathlib import Path
 
-from pipeline.batch import Batch
-from pipeline.price import OneCore
-from pipeline.progress import LineReport, Report
+from pipeline.planning.price import OneCore
+from pipeline.work.batch import Batch
+from symolo.core.progress import LineReport, Report
 
 
 class Silent(LineReport):

@@ -12,9 +12,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-from diagnosis.pictures.case import PoseErrors
-from diagnosis.pictures.diagnose import diagnose_pictures
-from pipeline.picture_case import read_picture_case
+from diagnosis.camera.case import PoseErrors
+from diagnosis.camera.diagnose import diagnose_pictures
+from pipeline.diagnosing.camera_case import read_picture_case
 
 HIDDEN = {
     "none": {},

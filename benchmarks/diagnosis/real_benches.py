@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.benches.tof.static_record import read_record
 from diagnosis.diagnose import Diagnosis, diagnose
 from diagnosis.importers import micromouse
 from diagnosis.inference.plausible import beyond
@@ -15,8 +14,9 @@ from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.holdout import of_part
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.nominal import NominalTof
-from diagnosis.stages.motor_steady import MotorSteady
-from physics.trajectory import TimeSeries
+from diagnosis.predictors.motor_steady import MotorSteady
+from diagnosis.validation.range_sensor.recordings.static import read_record
+from physics.run.trajectory import TimeSeries
 from sensors.tof import NOISE_AT_NEAR_MM
 
 Array = NDArray[np.float64]

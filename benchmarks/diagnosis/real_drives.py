@@ -13,14 +13,14 @@ from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis, diagnose
 from diagnosis.importers.optiodom import ENCODER_TICKS_PER_REVOLUTION, IMPORTER, TRACK_M, WHEEL_DIAMETER_M
+from diagnosis.inference.evidence.whole_runs import WholeRunFit, fitted_to_whole_runs
 from diagnosis.inference.hypothesis import Effect, Hypothesis, deviated
-from diagnosis.inference.whole_runs import WholeRunFit, fitted_to_whole_runs
 from diagnosis.measured.measurement import Measurement
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
-from diagnosis.stages.pose import Pose
-from physics.terms import PHYSICS_TERMS
-from sensors.terms import SENSOR_TERMS
+from diagnosis.predictors.pose import Pose
+from physics.effects import PHYSICS_TERMS
+from sensors.effects import SENSOR_TERMS
 
 Array = NDArray[np.float64]
 

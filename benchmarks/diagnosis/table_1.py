@@ -14,11 +14,11 @@ from scipy.optimize import brentq
 
 from diagnosis.diagnose import Diagnosis, diagnose
 from diagnosis.importers.paper import IMPORTER
+from diagnosis.inference.evidence.stuck_rows import stuck_rows
 from diagnosis.inference.fit import fits
-from diagnosis.inference.leave_one_out import leave_one_out
 from diagnosis.inference.plausible import LIMITS
 from diagnosis.inference.selection import needed
-from diagnosis.inference.stuck_rows import stuck_rows
+from diagnosis.inference.unexplained.leave_one_out import leave_one_out
 from diagnosis.motor_identification import TABLE_1
 
 Array = NDArray[np.float64]

@@ -16,10 +16,10 @@ from line_faults import KINDS, damaged, drawn_sensors
 
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
-from physics.hil.build import build_native
-from physics.hil.frames import HelloFrame
-from physics.hil.framings import FRAMINGS
-from physics.hil.framings.base import Answer, Asked, Framing, HelloAsked
+from hil.build import build_native
+from hil.frames import HelloFrame
+from hil.framings import FRAMINGS
+from hil.framings.base import Answer, Asked, Framing, HelloAsked
 
 MOST = 65536
 """Bytes of an answer."""

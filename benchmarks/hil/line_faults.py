@@ -15,11 +15,11 @@ import numpy as np
 
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
+from hil.frames import CommandFrame, SensorFrame
+from hil.framings import FRAMINGS
+from hil.framings.base import Answer, Asked, Framing, HelloAsked
+from hil.plausible import DriveLimits, TickCount
 from physics.control.base import State
-from physics.hil.frames import CommandFrame, SensorFrame
-from physics.hil.framings import FRAMINGS
-from physics.hil.framings.base import Answer, Asked, Framing, HelloAsked
-from physics.hil.plausible import DriveLimits, TickCount
 
 STATES = tuple(State)
 KINDS = (

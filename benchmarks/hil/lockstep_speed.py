@@ -17,13 +17,13 @@ import numpy as np
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from physics.hil.board.process import CLOCK_HZ
-from physics.hil.build import build_firmware
-from physics.hil.frames import SensorFrame
-from physics.hil.framings import FRAMINGS
-from physics.hil.links.lockstep import LockstepLink
-from physics.hil.loop import BoardPilot, LoopSettings, Orders
-from physics.trajectory import Recording
+from hil.board.process import CLOCK_HZ
+from hil.build import build_firmware
+from hil.frames import SensorFrame
+from hil.framings import FRAMINGS
+from hil.links.lockstep import LockstepLink
+from hil.loop import BoardPilot, LoopSettings, Orders
+from physics.run.trajectory import Recording
 from pipeline.stages.simulate import simulate
 
 

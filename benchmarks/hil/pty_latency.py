@@ -16,13 +16,13 @@ import numpy as np
 
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
-from physics.hil.build import build_firmware
-from physics.hil.frames import SensorFrame
-from physics.hil.framings import FRAMINGS
-from physics.hil.framings.base import Framing
-from physics.hil.links.pty_board import PtyBoard
-from physics.hil.links.serial_link import SerialLink
-from physics.hil.loop import BoardPilot
+from hil.build import build_firmware
+from hil.frames import SensorFrame
+from hil.framings import FRAMINGS
+from hil.framings.base import Framing
+from hil.links.pty_board import PtyBoard
+from hil.links.serial_link import SerialLink
+from hil.loop import BoardPilot
 
 RATE_HZ = 20
 

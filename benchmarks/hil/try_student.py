@@ -12,15 +12,15 @@ import tempfile
 from pathlib import Path
 
 from configs.draw import draw_run
-from configs.errors import EnvironmentLacking, InputError, RunFailed
 from configs.loader import load_scenario
 from configs.schema.scenario import RunSpec
-from physics.hil.build import build_firmware
-from physics.hil.framings import FRAMINGS
-from physics.hil.links.lockstep import LockstepLink
-from physics.hil.loop import BoardPilot, LoopSettings
-from physics.hil.pilot import PilotFromBoard
+from hil.build import build_firmware
+from hil.framings import FRAMINGS
+from hil.links.lockstep import LockstepLink
+from hil.loop import BoardPilot, LoopSettings
+from hil.pilot import PilotFromBoard
 from pipeline.stages.simulate import Outcome, simulate
+from symolo.core.errors import EnvironmentLacking, InputError, RunFailed
 
 FRAMING = FRAMINGS["framed"]
 

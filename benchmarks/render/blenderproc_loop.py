@@ -23,8 +23,8 @@ from pathlib import Path
 import numpy as np
 from painter_side import Asked, Paint, own_replies, serve
 
-from blender_scenes.camera import pose_X_WR
-from configs.assets.exr import read_exr
+from sensors.camera.geometry import pose_X_WR
+from symolo.core.exr import read_exr
 
 _PREFIX = "rgb_"
 _LIGHT_PATHS = ("caustics_reflective", "caustics_refractive", "sample_clamp_indirect")
@@ -54,7 +54,7 @@ def _set_up(asked: Asked) -> None:
     from blenderproc.python.renderer import RendererUtility  # noqa: PLC0415 - after _enter
     from blenderproc.python.utility.Initializer import _Initializer, clean_up  # noqa: PLC0415 - as above
 
-    from blender_scenes.bpy_side import build  # noqa: PLC0415 - it imports bpy
+    from blender_scenes.blender_side import build  # noqa: PLC0415 - it imports bpy
 
     clean_up(clean_up_camera=True)
     bpy.context.scene.render.engine = "CYCLES"
@@ -82,7 +82,7 @@ def _loop(asked: Asked) -> Paint:
     from blenderproc.python.utility.Utility import reset_keyframes  # noqa: PLC0415 - as above
     from mathutils import Matrix  # noqa: PLC0415 - as above
 
-    from blender_scenes.bpy_side.build import ROBOT  # noqa: PLC0415 - as above
+    from blender_scenes.blender_side.build import ROBOT  # noqa: PLC0415 - as above
 
     views = {view.number: view for view in asked.job.frames}
     samples = bpy.context.scene.cycles.samples

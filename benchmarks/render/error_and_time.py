@@ -30,9 +30,9 @@ from painters import Cost, Painter
 from reference import LEAST_SAMPLES, Reference, references
 from views import LOOKS, POSES, Views, views_of
 
-from blender_scenes.camera_response import develop, encode_jpeg, median_luminance
-from blender_scenes.sampling import PARTS, QUALITIES, PartSamples, Quality, part_samples, sampling
+from blender_scenes.render.sampling import PARTS, QUALITIES, PartSamples, Quality, part_samples, sampling
 from configs.schema.scenario import Render, RenderQuality
+from sensors.camera.response import develop, encode_jpeg, median_luminance
 
 RUN_FRAMES = 200
 """Over which a run spreads its start."""

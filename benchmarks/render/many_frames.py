@@ -17,9 +17,9 @@ from statistics import mean
 import numpy as np
 from views import LOOKS, job_along_the_line
 
-from blender_scenes.job import RenderJob
-from blender_scenes.renderer import render_job
-from blender_scenes.sampling import part_samples
+from blender_scenes.render.job import RenderJob
+from blender_scenes.render.renderer import render_job
+from blender_scenes.render.sampling import part_samples
 from configs.schema.scenario import Render
 
 _TOLD = (1, 10, 100, 300, 500, 1000)

@@ -16,11 +16,11 @@ from types import ModuleType
 
 from views import LOOKS, job_along_the_line
 
-from blender_scenes.bpy_side.loading import load_bpy
-from blender_scenes.camera_response import develop, encode_jpeg
-from blender_scenes.frame_files import frame_name, put_in_place
-from blender_scenes.sampling import sampling
+from blender_scenes.blender_side.loading import load_bpy
+from blender_scenes.render.frame_files import frame_name, put_in_place
+from blender_scenes.render.sampling import sampling
 from configs.schema.scenario import Render
+from sensors.camera.response import develop, encode_jpeg
 
 _METERED = 1.0
 """Any luminance will do to time what follows the light."""
@@ -52,7 +52,7 @@ def main() -> None:
     load_bpy(1)
     import _cycles  # noqa: PLC0415 - of bpy, loaded above
 
-    from blender_scenes.bpy_side import build, engine  # noqa: PLC0415 - they import bpy
+    from blender_scenes.blender_side import build, engine  # noqa: PLC0415 - they import bpy
 
     width_px, height_px = asked.size
     own = sampling(Render(width_px=width_px, height_px=height_px, method="whole"), seed=1)

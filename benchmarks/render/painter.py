@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 from painter_side import Asked, Paint, own_replies, serve
 
-from blender_scenes.bpy_side.loading import load_bpy
-from blender_scenes.camera_response import develop, encode_jpeg
-from blender_scenes.description import FrameView
-from blender_scenes.sampling import PartSamples
-from configs.assets.exr import read_exr
+from blender_scenes.blender_side.loading import load_bpy
+from blender_scenes.render.sampling import PartSamples
+from blender_scenes.scene.description import FrameView
+from sensors.camera.response import develop, encode_jpeg
+from symolo.core.exr import read_exr
 
 PASSES = ("Combined", "DiffCol", "DiffDir", "DiffInd", "Normal")
 _METERED = 1.0
@@ -30,7 +30,7 @@ def main() -> None:
     replies = own_replies()
     asked = Asked.from_arguments(sys.argv[1:])
     load_bpy(asked.threads)
-    from blender_scenes.bpy_side import build, engine  # noqa: PLC0415 - they import bpy
+    from blender_scenes.blender_side import build, engine  # noqa: PLC0415 - they import bpy
 
     kind = asked.settings["kind"]
     parts = asked.settings.get("parts")
@@ -44,7 +44,7 @@ def main() -> None:
 
 
 def _ours(asked: Asked) -> Paint:
-    from blender_scenes.bpy_side import engine  # noqa: PLC0415 - it imports bpy
+    from blender_scenes.blender_side import engine  # noqa: PLC0415 - it imports bpy
 
     pictures = engine.Pictures(asked.job, asked.threads, asked.folder)
     return _painted(asked, lambda view, _warm_up: pictures.light(view))
@@ -113,7 +113,7 @@ def _split(channels: dict[str, np.ndarray]) -> np.ndarray:
 def _rendered(view: FrameView, asked: Asked) -> dict[str, Any]:
     import bpy  # noqa: PLC0415 - as above
 
-    from blender_scenes.bpy_side.placing import place  # noqa: PLC0415 - as above
+    from blender_scenes.blender_side.placing import place  # noqa: PLC0415 - as above
 
     render = bpy.context.scene.render
     render.resolution_x, render.resolution_y = asked.job.camera.width_px, asked.job.camera.height_px

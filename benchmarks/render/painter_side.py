@@ -15,7 +15,7 @@ from typing import Any, TextIO
 
 import numpy as np
 
-from blender_scenes.job import RenderJob
+from blender_scenes.render.job import RenderJob
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ from typing import Any, Self
 
 import numpy as np
 
-from blender_scenes.job import RenderJob
-from blender_scenes.surroundings import without_blender_settings
+from blender_scenes.render.job import RenderJob
+from blender_scenes.render.surroundings import without_blender_settings
 
 _HERE = Path(__file__).parent
 _LOG_LINES = 15

@@ -16,8 +16,8 @@ import numpy as np
 from painter import PASSES
 from painters import Painter
 
-from blender_scenes.denoiser import Denoiser
-from blender_scenes.job import RenderJob
+from blender_scenes.hybrid.denoiser import Denoiser
+from blender_scenes.render.job import RenderJob
 
 LEAST_SAMPLES = 256
 SEEDS = (101, 202)

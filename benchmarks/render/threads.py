@@ -20,9 +20,9 @@ from typing import Any
 
 from views import LOOKS, POSES, views_of
 
-from blender_scenes.job import RenderJob
-from blender_scenes.renderer import render_job
-from blender_scenes.sampling import QUALITIES, part_samples
+from blender_scenes.render.job import RenderJob
+from blender_scenes.render.renderer import render_job
+from blender_scenes.render.sampling import QUALITIES, part_samples
 from configs.schema.scenario import Render
 
 PLANS = {1: ((1, 2, 3),), 2: ((3,), (1, 2)), 4: ((2,), (1, 3))}

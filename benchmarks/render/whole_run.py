@@ -15,7 +15,7 @@ from error_and_time import BLENDERS_DEFAULT
 from painters import Painter
 from views import LOOKS, job_along_the_line
 
-from blender_scenes.sampling import part_samples
+from blender_scenes.render.sampling import part_samples
 from configs.schema.scenario import Render
 
 

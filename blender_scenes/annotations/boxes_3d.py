@@ -6,8 +6,8 @@ import numpy as np
 
 from blender_scenes.annotations.job import Solid
 from blender_scenes.annotations.seen import Seen
-from blender_scenes.camera import Array
-from blender_scenes.description import Matrix4, Point3
+from blender_scenes.scene.description import Matrix4, Point3
+from sensors.camera.geometry import Array
 
 _DECIMALS = 9
 

@@ -4,8 +4,8 @@ import numpy as np
 
 from blender_scenes.annotations.png import Picture
 from blender_scenes.annotations.seen import Seen
-from blender_scenes.camera import Array, project
-from blender_scenes.description import FrameView
+from blender_scenes.scene.description import FrameView
+from sensors.camera.geometry import Array, project
 
 ZERO = 2**15
 PER_PX = 64

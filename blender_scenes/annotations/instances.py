@@ -6,9 +6,9 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.camera import Array, pose_X_WR
-from blender_scenes.description import FrameView, Scene
-from physics.arena import Arena
+from blender_scenes.scene.description import FrameView, Scene
+from physics.arena.geometry import Arena
+from sensors.camera.geometry import Array, pose_X_WR
 
 Category = Literal["sky", "floor", "line", "wall", "obstacle", "room", "robot"]
 CATEGORIES: tuple[Category, ...] = get_args(Category)

@@ -8,14 +8,14 @@ from typing import get_args
 import numpy as np
 
 from blender_scenes.annotations.instances import Instances, instances
-from blender_scenes.camera import Array, pose_X_WR
-from blender_scenes.description import FrameView, Intrinsics, Mesh, PlanarPose, Point3, Scene, Shutter, Sky
-from blender_scenes.job import RenderJob
-from blender_scenes.job_text import JobText
-from blender_scenes.sampling import Sampling
-from blender_scenes.shading import Color, Surface
+from blender_scenes.render.job import RenderJob
+from blender_scenes.render.job_text import JobText
+from blender_scenes.render.sampling import Sampling
+from blender_scenes.scene.description import FrameView, Intrinsics, Mesh, PlanarPose, Point3, Scene, Shutter, Sky
+from blender_scenes.scene.shading import Color, Surface
 from configs.schema.scenario import AnnotationName
-from physics.arena import Arena, Box
+from physics.arena.geometry import Arena, Box
+from sensors.camera.geometry import Array, pose_X_WR
 
 RECORDS: tuple[AnnotationName, ...] = ("boxes_2d", "boxes_3d", "key_points")
 """Annotations that stand in a frame's record; of the others each has a PNG file for each image."""

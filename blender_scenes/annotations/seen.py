@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.annotations.job import AnnotationJob
-from blender_scenes.camera import Array
-from blender_scenes.description import FrameView, Intrinsics
-from blender_scenes.lens_warp import pinhole_picture, sources
-from configs.lens import NO_DISTORTION
+from blender_scenes.scene.description import FrameView, Intrinsics
+from sensors.camera.geometry import Array
+from sensors.camera.lens_warp import pinhole_picture, sources
+from symolo.core.lens import NO_DISTORTION
 
 _STEEPEST = 1e-3
 """Cosine between ray and normal below which the plane's equation is too ill to move a point by it."""

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.camera import Array
-from blender_scenes.description import Mesh
+from blender_scenes.scene.description import Mesh
+from sensors.camera.geometry import Array
 
 _MARGIN = 1e-6
 """Share of the way before the point that does not count: there begins the body that the point is a corner of."""

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from blender_scenes.description import Mesh, Panel, Sky, Sun
-from blender_scenes.shading import Surface
+from blender_scenes.scene.description import Mesh, Panel, Sky, Sun
+from blender_scenes.scene.shading import Surface
 
 
 @dataclass(frozen=True)

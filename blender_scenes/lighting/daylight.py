@@ -4,16 +4,16 @@ import math
 
 import numpy as np
 
-from blender_scenes.colour import LUMINANCE, light_rgb
-from blender_scenes.description import Panel, Sky
 from blender_scenes.lighting.base import Lights
 from blender_scenes.lighting.panoramas import mean_color
 from blender_scenes.lighting.sun import towards_sun
 from blender_scenes.lighting.window_covering import CURTAIN_M, curtain
 from blender_scenes.rooms.base import Room
-from blender_scenes.shading import RGB
+from blender_scenes.scene.description import Panel, Sky
+from blender_scenes.scene.shading import RGB
 from configs.schema.asset import Asset
 from configs.schema.look import LookConfig
+from sensors.camera.colour import LUMINANCE, light_rgb
 
 _BRIGHTEST = 2.0
 """Most of its mean that a piece of sky shines with; the overcast sky of CIE S 011 has 9/7 at its zenith.

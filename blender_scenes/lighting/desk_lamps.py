@@ -5,15 +5,15 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.colour import light_rgb, scaled
-from blender_scenes.description import Mesh, Panel
 from blender_scenes.lighting.base import Lights
 from blender_scenes.lighting.ceiling_lamps import hood
 from blender_scenes.materials.fittings import moulded
 from blender_scenes.rooms.base import Room, Top
-from blender_scenes.solids import joined, lathe, moved, posed, rod
+from blender_scenes.scene.description import Mesh, Panel
+from blender_scenes.scene.solids import joined, lathe, moved, posed, rod
 from configs.schema.lighting import DeskLampsLook
 from configs.schema.look import LookConfig
+from sensors.camera.colour import light_rgb, scaled
 
 Array = NDArray[np.float64]
 

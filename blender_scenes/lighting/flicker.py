@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.shading import RGB
+from blender_scenes.scene.shading import RGB
 from configs.schema.lighting import FlickerLook
-from configs.streams import stream
+from symolo.core.random_streams import stream
 
 Array = NDArray[np.float64]
 

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from blender_scenes.description import Panel, Point3
-from blender_scenes.shading import RGB
+from blender_scenes.scene.description import Panel, Point3
+from blender_scenes.scene.shading import RGB
 
 
 def on_the_floor(panels: Sequence[Panel], at: Point3) -> RGB:

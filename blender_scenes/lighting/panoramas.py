@@ -1,7 +1,7 @@
 """What panoramas hold: the shipped ones were measured once, the user's own are when the look is read."""
 
-from blender_scenes.description import Sky
-from blender_scenes.shading import RGB
+from blender_scenes.scene.description import Sky
+from blender_scenes.scene.shading import RGB
 from configs.schema.asset import Asset
 from configs.schema.lighting import PanoramaName
 

@@ -2,11 +2,11 @@
 
 import math
 
-from blender_scenes.colour import light_rgb, scaled
-from blender_scenes.description import Point3, Sun
 from blender_scenes.lighting.base import Lights
 from blender_scenes.rooms.base import Room
+from blender_scenes.scene.description import Point3, Sun
 from configs.schema.look import LookConfig
+from sensors.camera.colour import light_rgb, scaled
 
 
 def sun(look: LookConfig, room: Room) -> Lights:

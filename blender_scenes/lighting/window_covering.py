@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 
-from blender_scenes.description import Mesh
-from blender_scenes.geometry import box
 from blender_scenes.lighting.base import Lights
 from blender_scenes.materials.fittings import moulded
 from blender_scenes.rooms.base import Opening, Room
-from blender_scenes.shading import Surface
-from blender_scenes.solids import joined
+from blender_scenes.scene.description import Mesh
+from blender_scenes.scene.meshes import box
+from blender_scenes.scene.shading import Surface
+from blender_scenes.scene.solids import joined
 from configs.schema.look import LookConfig
 
 CURTAIN_M = 0.03

@@ -20,7 +20,7 @@ from blender_scenes.materials.plastic import plastic
 from blender_scenes.materials.plywood import plywood, plywood_floor
 from blender_scenes.materials.vinyl import vinyl
 from blender_scenes.materials.wood import wood
-from blender_scenes.shading import Surface
+from blender_scenes.scene.shading import Surface
 from configs.schema.asset import ImageLook
 from configs.schema.floors import FloorLook, FloorName
 from configs.schema.look import LookConfig
@@ -52,7 +52,7 @@ SURFACES: dict[SurfaceName, Callable[[LookConfig, Patch], Surface]] = {
     "plastic": plastic,
     "brick": brick,
 }
-"""What walls and obstacles are made of; the names are those of `physics.surfaces`."""
+"""What walls and obstacles are made of; the names are those of `physics.arena.surfaces`."""
 
 
 def body_material(look: LookConfig, surface: SurfaceName, patch: Patch) -> Surface:

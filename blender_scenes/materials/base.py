@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from configs.streams import stream
+from symolo.core.random_streams import stream
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,9 @@
 """Loop-pile carpet tiles."""
 
-from blender_scenes.colour import paint_color
 from blender_scenes.materials.base import Patch
-from blender_scenes.shading import Cells, Mix, Noise, Surface, Tiles
+from blender_scenes.scene.shading import Cells, Mix, Noise, Surface, Tiles
 from configs.schema.floors import FloorLook
+from sensors.camera.colour import paint_color
 
 
 def carpet(look: FloorLook, patch: Patch) -> Surface:

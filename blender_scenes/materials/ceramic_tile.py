@@ -1,10 +1,10 @@
 """Glazed ceramic tiles with grouted joints."""
 
-from blender_scenes.colour import paint_color
 from blender_scenes.materials.base import Patch
 from blender_scenes.materials.patterns import blotches, specks
-from blender_scenes.shading import Mix, Noise, Surface, Tiles
+from blender_scenes.scene.shading import Mix, Noise, Surface, Tiles
 from configs.schema.floors import FloorLook
+from sensors.camera.colour import paint_color
 
 _ROUNDED_M = 0.0012
 

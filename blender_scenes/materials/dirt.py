@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from blender_scenes.materials.base import Patch
 from blender_scenes.materials.patterns import arcs, blotches, either, specks
-from blender_scenes.shading import Color, Mix, Noise, Step, Surface, Texture
+from blender_scenes.scene.shading import Color, Mix, Noise, Step, Surface, Texture
 
 _DUST = Color((0.33, 0.31, 0.28))
 _RUBBER = Color((0.05, 0.047, 0.044))

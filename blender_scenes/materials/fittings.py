@@ -1,8 +1,8 @@
 """Plain surfaces of the room and of the robot, which are seen from afar, in mirrors and as shadows."""
 
-from blender_scenes.colour import paint_color
-from blender_scenes.shading import RGB, Color, Surface
+from blender_scenes.scene.shading import RGB, Color, Surface
 from configs.schema.look import Paint
+from sensors.camera.colour import paint_color
 
 
 def painted(name: str, paint: Paint, roughness: float) -> Surface:

@@ -1,7 +1,7 @@
 """Clear float glass."""
 
 from blender_scenes.materials.base import Patch
-from blender_scenes.shading import Color, Noise, Surface
+from blender_scenes.scene.shading import Color, Noise, Surface
 from configs.schema.look import LookConfig
 
 

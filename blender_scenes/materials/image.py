@@ -1,7 +1,7 @@
 """A picture of the user's own, laid side by side over a surface."""
 
 from blender_scenes.materials.base import Patch
-from blender_scenes.shading import Color, Mix, Number, Picture, Surface
+from blender_scenes.scene.shading import Color, Mix, Number, Picture, Surface
 from configs.schema.asset import Asset, ImageLook
 from configs.schema.floors import FloorLook
 

@@ -1,10 +1,10 @@
 """Marbled linoleum sheet."""
 
-from blender_scenes.colour import paint_color
 from blender_scenes.materials.base import Patch
 from blender_scenes.materials.patterns import specks, worn_gloss
-from blender_scenes.shading import Mix, Noise, Step, Surface
+from blender_scenes.scene.shading import Mix, Noise, Step, Surface
 from configs.schema.floors import FloorLook
+from sensors.camera.colour import paint_color
 
 
 def linoleum(look: FloorLook, patch: Patch) -> Surface:

@@ -1,7 +1,7 @@
 """Brushed aluminium sheet."""
 
 from blender_scenes.materials.base import Patch
-from blender_scenes.shading import Color, Mix, Noise, Surface
+from blender_scenes.scene.shading import Color, Mix, Noise, Surface
 from configs.schema.look import LookConfig
 
 

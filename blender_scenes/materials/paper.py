@@ -1,9 +1,9 @@
 """White drawing paper on a body."""
 
-from blender_scenes.colour import paint_color
 from blender_scenes.materials.base import Patch
-from blender_scenes.shading import Mix, Noise, Surface
+from blender_scenes.scene.shading import Mix, Noise, Surface
 from configs.schema.look import LookConfig
+from sensors.camera.colour import paint_color
 
 
 def paper(look: LookConfig, patch: Patch) -> Surface:

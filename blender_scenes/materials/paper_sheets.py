@@ -1,10 +1,10 @@
 """White paper laid out in sheets."""
 
-from blender_scenes.colour import paint_color
 from blender_scenes.materials.base import Patch
 from blender_scenes.materials.patterns import threads
-from blender_scenes.shading import Mix, Noise, Step, Surface, Tiles
+from blender_scenes.scene.shading import Mix, Noise, Step, Surface, Tiles
 from configs.schema.floors import FloorLook
+from sensors.camera.colour import paint_color
 
 _OVERLAP_M = 0.012
 

@@ -3,7 +3,7 @@
 import math
 
 from blender_scenes.materials.base import Patch
-from blender_scenes.shading import Arithmetic, Cells, Noise, Step, Texture
+from blender_scenes.scene.shading import Arithmetic, Cells, Noise, Step, Texture
 
 _SEAM = 0.274
 

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from blender_scenes.materials.base import Patch
-from blender_scenes.shading import Color, Mix, Noise, Step, Surface
+from blender_scenes.scene.shading import Color, Mix, Noise, Step, Surface
 
 _GRIME = Color((0.07, 0.065, 0.06))
 _CHALK = Color((0.72, 0.71, 0.69))

@@ -1,10 +1,10 @@
 """Cushioned vinyl with a printed picture of planks or of terrazzo."""
 
-from blender_scenes.colour import paint_color
 from blender_scenes.materials.base import Patch
 from blender_scenes.materials.patterns import worn_gloss
-from blender_scenes.shading import Cells, Mix, Noise, Step, Surface, Texture, Tiles
+from blender_scenes.scene.shading import Cells, Mix, Noise, Step, Surface, Texture, Tiles
 from configs.schema.floors import FloorLook, Vinyl
+from sensors.camera.colour import paint_color
 
 
 def vinyl(look: FloorLook, patch: Patch) -> Surface:

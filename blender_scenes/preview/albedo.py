@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.preview.triangles import Array
-from blender_scenes.shading import Mix, Picture, Surface, Texture
-from blender_scenes.typical import typical_color
+from blender_scenes.scene.shading import Mix, Picture, Surface, Texture
+from blender_scenes.scene.typical import typical_color
 from configs.assets.pictures import LINEAR
 
 Pixels = Callable[[str], NDArray[np.uint8]]

@@ -8,10 +8,10 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.colour import LUMINANCE
-from blender_scenes.description import Panel, Sky, Sun
 from blender_scenes.lighting.panoramas import mean_of_sky
 from blender_scenes.preview.triangles import Array, Triangles
+from blender_scenes.scene.description import Panel, Sky, Sun
+from sensors.camera.colour import LUMINANCE
 
 Floats = NDArray[np.float32]
 """Single precision halves the time."""

@@ -6,20 +6,20 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.camera import pose_X_WR
-from blender_scenes.camera_response import Image, develop, median_luminance
-from blender_scenes.description import FrameView, Intrinsics
-from blender_scenes.job import RenderJob
-from blender_scenes.lens_warp import pinhole_picture, through_lens
-from blender_scenes.metering import metered_views, metering_camera
-from blender_scenes.own_files import read_own_file
 from blender_scenes.preview.albedo import albedo
 from blender_scenes.preview.light import from_all_around, from_panels, from_sun, of_the_sky
 from blender_scenes.preview.rasteriser import Ints, Seen, rasterise
 from blender_scenes.preview.sun_shadow import SunShadow
 from blender_scenes.preview.triangles import Array, Triangles
-from blender_scenes.typical import typical_color
+from blender_scenes.render.job import RenderJob
+from blender_scenes.render.own_files import read_own_file
+from blender_scenes.scene.description import FrameView, Intrinsics
+from blender_scenes.scene.typical import typical_color
 from configs.assets.pictures import read_picture
+from sensors.camera.geometry import pose_X_WR
+from sensors.camera.lens_warp import pinhole_picture, through_lens
+from sensors.camera.metering import metered_views, metering_camera
+from sensors.camera.response import Image, develop, median_luminance
 
 
 class FlatRenderer:

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.camera import project
-from blender_scenes.description import Intrinsics, Sun
 from blender_scenes.preview.rasteriser import rasterise
 from blender_scenes.preview.triangles import Array, Triangles
+from blender_scenes.scene.description import Intrinsics, Sun
+from sensors.camera.geometry import project
 
 _SIDE_PX = 512
 _AWAY = 1000.0

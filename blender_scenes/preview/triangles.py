@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.description import Mesh
+from blender_scenes.scene.description import Mesh
 
 Array = NDArray[np.float64]
 

@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from functools import partial
 
-from blender_scenes.description import Point2
 from blender_scenes.rooms.base import Opening
 from blender_scenes.rooms.furniture import STANDING
 from blender_scenes.rooms.furniture.door import drawn_door
@@ -12,9 +11,10 @@ from blender_scenes.rooms.furniture.radiator import LEAST_SILL_M, drawn_radiator
 from blender_scenes.rooms.furniture.wall_socket import drawn_wall_socket
 from blender_scenes.rooms.placement import Ground, Standing, WallFace, find_place, hang, hang_at
 from blender_scenes.rooms.walls import SIDES, Side, Wall, wall
+from blender_scenes.scene.description import Point2
 from configs.footprints import Rectangle
 from configs.schema.look import LookConfig
-from configs.streams import stream
+from symolo.core.random_streams import stream
 
 _DOORWAY_M = 0.7
 """Floor kept free before a door."""

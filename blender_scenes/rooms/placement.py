@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from blender_scenes.description import PlanarPose, Point2
 from blender_scenes.rooms.base import Furnishing, Top
 from blender_scenes.rooms.furniture import Kind
 from blender_scenes.rooms.furniture.base import Piece
 from blender_scenes.rooms.walls import Side, Wall
+from blender_scenes.scene.description import PlanarPose, Point2
 from configs.footprints import Rectangle, overlap
 
 _TRIES = 80

@@ -4,13 +4,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from blender_scenes.description import Mesh, Point2
-from blender_scenes.geometry import box, rectangle
 from blender_scenes.materials.fittings import painted
 from blender_scenes.rooms.base import Opening, Room
 from blender_scenes.rooms.furnishing import furnished
 from blender_scenes.rooms.walls import SIDES, Wall, wall
-from blender_scenes.solids import stood
+from blender_scenes.scene.description import Mesh, Point2
+from blender_scenes.scene.meshes import box, rectangle
+from blender_scenes.scene.solids import stood
 from configs.checks import LINTEL_M
 from configs.footprints import Rectangle
 from configs.schema.look import LookConfig

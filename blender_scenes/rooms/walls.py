@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.description import PlanarPose, Point2, Point3
+from blender_scenes.scene.description import PlanarPose, Point2, Point3
 
 Side = Literal["east", "north", "west", "south"]
 SIDES: dict[Side, Point3] = {

@@ -9,7 +9,7 @@ from configs.arena_generation.track import Array, Pose, Segment, Track
 from configs.schema.arena_generator import ArenaGenerator
 
 START_BEHIND_M, START_AHEAD_M = 0.20, 0.45
-"""Straight line about the start: the robot stands on the first, and the lap is closed on the second (`physics.lap`)."""
+"""Lengths of straight line behind and ahead of the start; `physics.run.lap` closes a lap on the second one."""
 LEAST_TURN_RAD = math.radians(5.0)
 """A flatter corner is hardly one."""
 MOST_OF_AN_EDGE = 0.45

@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
 from configs.assets.refusal import Refusal
-from configs.errors import InputError, nearest
 from configs.schema.asset import Asset, AssetKind
 from configs.schema.base import FILE_KEY
 from configs.shapes import Shape
-from configs.tree import FieldPath, Node, dotted, node_of
-from configs.yaml_reader import displayed
+from symolo.core.errors import InputError, nearest
+from symolo.core.yaml_reader import displayed
+from symolo.core.yaml_tree import FieldPath, Node, dotted, node_of
 
 _FOLDER: FieldPath = ("look", "assets")
 _LONGEST_NAME = 255

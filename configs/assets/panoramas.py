@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from configs.assets.exr import is_exr, read_exr
 from configs.assets.quiet import decoded
+from symolo.core.exr import is_exr, read_exr
 
 MOST_BYTES = 256 << 20
 MOST_PIXELS = 8192 * 4096

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from configs.schema.base import FromList, Point2, Section, Slug
-from configs.schema.terms.table import Terms
+from configs.schema.effects.table import Terms
 
 
 class Chassis(Section):

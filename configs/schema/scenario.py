@@ -64,10 +64,10 @@ AnnotationName = Literal[
 
 
 RenderQuality = Literal["draft", "standard", "high", "reference"]
-"""`blender_scenes.sampling` says what each is."""
+"""`blender_scenes.render.sampling` says what each is."""
 RenderDevice = Literal["auto", "cpu", "gpu"]
 RenderMethod = Literal["auto", "whole", "parts"]
-"""`blender_scenes.sampling` says when `auto` is which."""
+"""`blender_scenes.render.sampling` says when `auto` is which."""
 _IN_PARTS: tuple[RenderQuality, ...] = ("draft", "standard")
 
 

@@ -16,4 +16,4 @@ SurfaceName = Literal[
     "plastic",
     "brick",
 ]
-"""What a wall or obstacle is made of; decides its range reading and its look alike (`physics.surfaces`)."""
+"""What a wall or obstacle is made of; decides its range reading and its look alike (`physics.arena.surfaces`)."""

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from configs.schema.robot import RobotConfig
-from physics.body_inertia import BodyOnWheels
-from physics.kinematic import KinematicTwin
-from physics.robot_model import RobotModel
+from physics.robot.body_inertia import BodyOnWheels
+from physics.robot.model import RobotModel
+from physics.twin import KinematicTwin
 
 Array = NDArray[np.float64]
 

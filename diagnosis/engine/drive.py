@@ -17,16 +17,16 @@ from diagnosis.importers.drive_log import ROW_S
 from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
-from diagnosis.stages.base import Observed, Predicted
-from diagnosis.stages.drive_log import POSE
-from diagnosis.stages.grid import Grid
-from diagnosis.stages.pose import STRIDE, WINDOW, Pose, earlier, seen_from_body
-from diagnosis.stages.rows import given, joined, rows_after
-from diagnosis.stages.wheels import Wheels
-from physics.robot_model import through
-from physics.robot_stack import stacked_terms
-from physics.terms.base import Slot, effects
-from sensors.terms import SENSOR_TERMS
+from diagnosis.predictors.base import Observed, Predicted
+from diagnosis.predictors.drive_log import POSE
+from diagnosis.predictors.grid import Grid
+from diagnosis.predictors.pose import STRIDE, WINDOW, Pose, earlier, seen_from_body
+from diagnosis.predictors.rows import given, joined, rows_after
+from diagnosis.predictors.wheels import Wheels
+from physics.effects.base import Slot, effects
+from physics.robot.model import through
+from physics.robot.stack import stacked_terms
+from sensors.effects import SENSOR_TERMS
 
 
 @dataclass(frozen=True)

@@ -5,18 +5,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from configs.errors import InputError
 from configs.schema.robot import RobotConfig
 from diagnosis.engine.base import DRIVERS, PYBULLET, TWIN
 from diagnosis.engine.drive import Drive, DrivenPath
 from diagnosis.engine.motor import MotorOnBench
-from diagnosis.inference.evidence import Evidence
+from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.gain import Gain, gain_of, of_quantity, trimmed_rms
 from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Kind, Measurement
-from diagnosis.stages import STAGES
-from diagnosis.stages.base import Stage
-from diagnosis.stages.drive_log import VOLTAGES
+from diagnosis.predictors import STAGES
+from diagnosis.predictors.base import Stage
+from diagnosis.predictors.drive_log import VOLTAGES
+from symolo.core.errors import InputError
 
 
 @dataclass(frozen=True)

@@ -13,11 +13,11 @@ from diagnosis.engine.base import less
 from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Kind, Measurement
 from diagnosis.measured.nominal import NominalStep
-from diagnosis.stages.base import Observed, Predicted
-from diagnosis.stages.grid import Grid
-from diagnosis.stages.motor_steady import MotorSteady
-from diagnosis.stages.motor_step import MotorStep
-from diagnosis.stages.rows import joined
+from diagnosis.predictors.base import Observed, Predicted
+from diagnosis.predictors.grid import Grid
+from diagnosis.predictors.motor_steady import MotorSteady
+from diagnosis.predictors.motor_step import MotorStep
+from diagnosis.predictors.rows import joined
 from sensors.instruments import read_current_A, read_settled_speed_rad_s, read_speed_rad_s
 
 SETTLING = 12.0

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from configs.errors import InputError
 from diagnosis.importers.base import Importer, is_file
 from diagnosis.importers.trials import KnownNoise, trials_of
 from diagnosis.measured.case_format import COLUMNS, DATA, HOLDOUT, SPLIT, channel_columns
@@ -15,6 +14,7 @@ from diagnosis.measured.csv_table import Table, read_csv
 from diagnosis.measured.measurement import Kind, Measurement, Source
 from diagnosis.measured.nominal import NOMINAL, Nominal, kind_of, read_nominal
 from diagnosis.measured.scale import mixed_up_unit
+from symolo.core.errors import InputError
 
 NoiseOf = Callable[[Nominal, Table, str], KnownNoise | None]
 """Known noise of a channel in every row of the table, or None."""

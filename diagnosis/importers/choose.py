@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from configs.errors import InputError, nearest
 from diagnosis.importers.base import Importer
 from diagnosis.importers.paper import TABLES
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NOMINAL, read_nominal
+from symolo.core.errors import InputError, nearest
 
 
 def read_measurement(path: Path, importers: Sequence[Importer], name: str | None = None) -> Measurement:

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from configs.errors import InputError
 from diagnosis.importers.case import case_importer, scale_note
 from diagnosis.importers.motor_step import check_rate
 from diagnosis.importers.trials import KnownNoise
@@ -12,6 +11,7 @@ from diagnosis.measured.channel import Array
 from diagnosis.measured.csv_table import Table
 from diagnosis.measured.measurement import Kind, Measurement, Trial
 from diagnosis.measured.nominal import Nominal, NominalDrive
+from symolo.core.errors import InputError
 
 ROW_S = 0.05
 WRAP_WITHIN_RAD = 1.0

@@ -12,7 +12,6 @@ from pathlib import Path
 
 import numpy as np
 
-from configs.errors import InputError
 from diagnosis.importers.base import Importer, first_line
 from diagnosis.importers.order import check_increasing
 from diagnosis.measured.channel import Array, Channel, Mask, Role
@@ -22,7 +21,8 @@ from diagnosis.measured.nominal import KnownMotor, Nominal, NominalMotor, Positi
 from diagnosis.measured.scale import Reach
 from diagnosis.measured.text_file import read_text
 from diagnosis.usual_tolerances import SHARES
-from physics.trajectory import TimeSeries
+from physics.run.trajectory import TimeSeries
+from symolo.core.errors import InputError
 
 FULL_COMMAND = 255.0
 RAD_S_PER_RPM = np.pi / 30.0

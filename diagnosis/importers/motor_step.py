@@ -4,13 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from configs.errors import InputError
 from diagnosis.importers.case import case_importer
 from diagnosis.importers.motor_scale import motor_scale_notes
 from diagnosis.importers.trials import KnownNoise
 from diagnosis.measured.csv_table import Table
 from diagnosis.measured.measurement import Kind, Measurement
 from diagnosis.measured.nominal import Nominal, NominalStep
+from symolo.core.errors import InputError
 
 
 def _noise(nominal: Nominal, table: Table, name: str) -> KnownNoise | None:

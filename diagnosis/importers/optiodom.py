@@ -13,7 +13,6 @@ from pathlib import Path
 
 import numpy as np
 
-from configs.errors import InputError
 from diagnosis.importers.base import Importer, is_file, is_folder
 from diagnosis.importers.order import check_increasing
 from diagnosis.measured.channel import Channel, Role
@@ -23,7 +22,8 @@ from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.scale import Reach
 from diagnosis.measured.text_file import number, read_text
 from diagnosis.usual_tolerances import usual_wheels
-from physics.trajectory import TimeSeries
+from physics.run.trajectory import TimeSeries
+from symolo.core.errors import InputError
 
 _RUN = re.compile(r"(\d+)_run-(\d+)\.csv")
 _METADATA = "*_metadata.csv"

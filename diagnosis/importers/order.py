@@ -4,11 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from configs.errors import InputError
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.csv_table import Table
 from diagnosis.measured.scale import mixed_up_unit
 from diagnosis.measured.screening import GAP, usual
+from symolo.core.errors import InputError
 
 LATEST_START = 5.0
 """Periods after rest, at which the first row of a trial may come."""

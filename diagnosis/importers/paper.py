@@ -6,14 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
-from configs.errors import InputError
 from configs.schema.arena import SurfaceName
-from diagnosis.benches.tof.paper import TABLE_3, TABLE_4, Printed
 from diagnosis.importers.base import Importer
 from diagnosis.measured.channel import Array, Channel, Label, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.motor_identification import TABLE_1
-from physics.trajectory import TimeSeries
+from diagnosis.validation.range_sensor.paper import TABLE_3, TABLE_4, Printed
+from physics.run.trajectory import TimeSeries
+from symolo.core.errors import InputError
 
 BOARD_M = 0.1
 """Distance of the boards of Tables 3 and 4."""

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 
-from configs.errors import InputError
 from diagnosis.importers.base import Importer, first_line, is_folder
 from diagnosis.importers.order import check_increasing
 from diagnosis.measured.channel import Channel, Role
@@ -19,7 +18,8 @@ from diagnosis.measured.csv_table import Column, check_header, table_of
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.scale import Reach
 from diagnosis.measured.text_file import TextFile, read_text
-from physics.trajectory import TimeSeries
+from physics.run.trajectory import TimeSeries
+from symolo.core.errors import InputError
 
 HEADER_ROWS = 3
 _SEPARATOR = ";"

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from configs.errors import InputError, nearest
 from diagnosis.importers.case import case_importer, scale_note
 from diagnosis.importers.trials import KnownNoise
 from diagnosis.measured.channel import Quality
 from diagnosis.measured.csv_table import Table
 from diagnosis.measured.measurement import Kind, Measurement
 from diagnosis.measured.nominal import NOMINAL, Nominal, NominalTof
+from symolo.core.errors import InputError, nearest
 
 
 def _noise(nominal: Nominal, table: Table, name: str) -> KnownNoise | None:

@@ -6,13 +6,13 @@ from itertools import pairwise
 
 import numpy as np
 
-from configs.errors import InputError
 from diagnosis.importers.order import check_from_rest, check_increasing, check_session
 from diagnosis.measured.case_format import CAMERA_CHANNELS, NO_TARGET_FROM_M, RANGES
 from diagnosis.measured.channel import Array, Channel, Label, Mask
 from diagnosis.measured.csv_table import Column, Table
 from diagnosis.measured.measurement import Trial
-from physics.trajectory import TimeSeries
+from physics.run.trajectory import TimeSeries
+from symolo.core.errors import InputError
 
 
 @dataclass(frozen=True)

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from diagnosis.benches.tof.scan_record import COLUMNS, read_scan
 from diagnosis.importers.base import Importer, first_line, only_log
 from diagnosis.measured.channel import Array, Channel, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
-from physics.trajectory import TimeSeries
+from diagnosis.validation.range_sensor.recordings.scan import COLUMNS, read_scan
+from physics.run.trajectory import TimeSeries
 
 
 def _is_log(path: Path) -> bool:

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from diagnosis.benches.tof.static_record import read_record
 from diagnosis.importers.base import Importer, first_line, only_log
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
-from physics.trajectory import TimeSeries
+from diagnosis.validation.range_sensor.recordings.static import read_record
+from physics.run.trajectory import TimeSeries
 
 
 def _is_log(path: Path) -> bool:

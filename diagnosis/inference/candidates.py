@@ -10,13 +10,13 @@ from itertools import product
 
 import numpy as np
 
-from configs.schema.terms import drive, motor, range_bench
-from diagnosis.inference.evidence import Evidence
+from configs.schema.effects import drive, motor, range_bench
+from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.hypothesis import Effect, Hypothesis
 from diagnosis.measured.measurement import Kind, Measurement
-from physics.terms import PHYSICS_TERMS
-from physics.terms.base import Slot, Term
-from sensors.terms import SENSOR_TERMS
+from physics.effects import PHYSICS_TERMS
+from physics.effects.base import Slot, Term
+from sensors.effects import SENSOR_TERMS
 
 FAMILIES = {
     Kind.MOTOR_STEADY: (motor.__name__,),

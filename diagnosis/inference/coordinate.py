@@ -10,7 +10,7 @@ from math import exp, log
 
 import numpy as np
 
-from configs.schema.terms.parameter import Parameter
+from configs.schema.effects.parameter import Parameter
 from diagnosis.measured.channel import Array
 
 STEP = 1e-3

@@ -14,7 +14,7 @@ from math import log
 import numpy as np
 
 from diagnosis.inference.coordinate import STEP
-from diagnosis.inference.evidence import Evidence, Prediction
+from diagnosis.inference.evidence.evidence import Evidence, Prediction
 from diagnosis.inference.hypothesis import Effect, Hypothesis
 from diagnosis.inference.likelihood import SPREAD, cost, residuals, robust_weight
 from diagnosis.measured.channel import Array

@@ -18,7 +18,7 @@ from configs.schema.robot import RobotConfig
 from diagnosis.inference.coordinate import Coordinate
 from diagnosis.measured.channel import Array
 from diagnosis.nuisances import Nuisance
-from physics.terms.base import Term
+from physics.effects.base import Term
 
 RELATIVE = 3.0
 """Tolerances from which a value is positive by nature."""

@@ -13,7 +13,7 @@ from statistics import NormalDist
 import numpy as np
 from scipy.integrate import quad
 
-from diagnosis.inference.evidence import Evidence, Prediction
+from diagnosis.inference.evidence.evidence import Evidence, Prediction
 from diagnosis.measured.channel import Array, Mask
 
 CORNER = 3.0

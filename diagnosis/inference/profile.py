@@ -14,7 +14,7 @@ import numpy as np
 from scipy.special import chdtri
 
 from diagnosis.inference.coordinate import Coordinate
-from diagnosis.inference.evidence import Evidence
+from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import Fit, fits
 from diagnosis.inference.likelihood import CORNER, mean_over_normal
 from diagnosis.measured.channel import Array

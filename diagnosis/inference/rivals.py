@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import exp
 
-from diagnosis.inference.evidence import Evidence
+from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import Fit
 from diagnosis.inference.hypothesis import Effect
 from diagnosis.inference.selection import TOLL, is_negligible, needed, refusal, replaced, without

@@ -13,7 +13,7 @@ from itertools import product
 import numpy as np
 
 from diagnosis.inference.coordinate import Coordinate
-from diagnosis.inference.evidence import Evidence, Prediction
+from diagnosis.inference.evidence.evidence import Evidence, Prediction
 from diagnosis.inference.fit import Fit
 from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
 from diagnosis.inference.likelihood import costs_of_residuals, robust_weight, sample_costs

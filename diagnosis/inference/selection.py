@@ -17,14 +17,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.inference.adequacy import adequacy
-from diagnosis.inference.evidence import Evidence
+from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.evidence.remembered import remembered
 from diagnosis.inference.fit import FAR, Fit, fits
 from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
 from diagnosis.inference.likelihood import costs_of_residuals
-from diagnosis.inference.remembered import remembered
 from diagnosis.inference.scan import Prospect, scan
-from physics.terms.base import Slot
+from diagnosis.inference.unexplained.adequacy import adequacy
+from physics.effects.base import Slot
 
 THRESHOLD = 15.0
 PER_NUMBER = 3.0

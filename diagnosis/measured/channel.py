@@ -9,7 +9,7 @@ from enum import IntEnum, StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from physics.trajectory import TimeSeries
+from physics.run.trajectory import TimeSeries
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -10,8 +10,8 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 
-from configs.errors import InputError, nearest
 from diagnosis.measured.measurement import Measurement
+from symolo.core.errors import InputError, nearest
 
 EVERY = 3
 """Of the trials of a set that marks none, one in so many is held out."""

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from configs.errors import InputError, nearest
 from configs.schema.base import FromList, Section
 from configs.validation import validated
-from configs.yaml_reader import read_yaml
+from symolo.core.errors import InputError, nearest
+from symolo.core.yaml_reader import read_yaml
 
 Array = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from configs.errors import InputError
+from symolo.core.errors import InputError
 
 LARGEST_BYTES = 100_000_000
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")

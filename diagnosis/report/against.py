@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from diagnosis.against import Against, Compared, Left
-from diagnosis.report.markup import Html, picture, table, tag
 from diagnosis.report.quantities import axis, percent
+from symolo.pages.markup import Html, picture, table, tag
 
 MOST_RUNS = 12
 """In the table of runs."""

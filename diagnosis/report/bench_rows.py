@@ -5,11 +5,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from diagnosis.diagnose import Diagnosis, Named
-from diagnosis.inference.evidence import Evidence
+from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.evidence.stuck_rows import StuckRow, stuck_rows
 from diagnosis.inference.fit import Fit
-from diagnosis.inference.leave_one_out import MOST_ROWS, leave_one_out
 from diagnosis.inference.plausible import beyond
-from diagnosis.inference.stuck_rows import StuckRow, stuck_rows
+from diagnosis.inference.unexplained.leave_one_out import MOST_ROWS, leave_one_out
 from diagnosis.measured.measurement import Kind
 
 

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from diagnosis.diagnose import Diagnosis
-from diagnosis.inference.evidence import Evidence
+from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.screening import timing
-from diagnosis.report.markup import Html, table, tag
+from symolo.pages.markup import Html, table, tag
 
 NAMED_FILES = 4
 

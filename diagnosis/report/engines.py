@@ -8,8 +8,8 @@ from diagnosis.engine.base import PYBULLET
 from diagnosis.engine.drive import DrivenPath
 from diagnosis.engine.gain import ByEngines, EngineError
 from diagnosis.inference.gain import Gain
-from diagnosis.report.markup import Html, picture, table, tag
 from diagnosis.report.quantities import interval, percent
+from symolo.pages.markup import Html, picture, table, tag
 
 
 def in_lines(found: ByEngines) -> Iterator[str]:

@@ -7,15 +7,15 @@ from types import MappingProxyType
 from diagnosis.diagnose import Diagnosis
 from diagnosis.extended_robot import FILE, VARIED_FILE
 from diagnosis.measured.measurement import Measurement
-from diagnosis.report.against_picture import against_picture
 from diagnosis.report.answer import answer
 from diagnosis.report.findings import Findings, findings
-from diagnosis.report.gain_picture import gain_picture
-from diagnosis.report.misfit_picture import misfit_picture
 from diagnosis.report.page import page
-from diagnosis.report.path_picture import path_picture
+from diagnosis.report.plots.coverage import against_picture
+from diagnosis.report.plots.gain import gain_picture
+from diagnosis.report.plots.misfit import misfit_picture
+from diagnosis.report.plots.path import path_picture
+from diagnosis.report.plots.unexplained import unexplained_picture
 from diagnosis.report.summary import reasoning, summary
-from diagnosis.report.unexplained_picture import unexplained_picture
 from diagnosis.unseen import csv_text, unseen_runs
 
 ANSWER, PAGE, SUMMARY, REASONING = "answer.json", "report.html", "summary.txt", "reasoning.txt"

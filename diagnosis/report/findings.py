@@ -10,12 +10,12 @@ from diagnosis.against import Against, against
 from diagnosis.diagnose import Diagnosis
 from diagnosis.engine.gain import ByEngines, by_engines
 from diagnosis.extended_robot import ExtendedRobot, extended_robot
-from diagnosis.inference.adequacy import LEVEL, Structure, adequacy
-from diagnosis.inference.evidence import Evidence
+from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import Fit, fits
 from diagnosis.inference.gain import Gain, gain, of_quantity
 from diagnosis.inference.hypothesis import moved
 from diagnosis.inference.profile import Interval, profiles
+from diagnosis.inference.unexplained.adequacy import LEVEL, Structure, adequacy
 from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Measurement
 from diagnosis.report.bench_rows import on_rows

@@ -5,9 +5,9 @@ from math import isfinite, isinf, log10
 
 from diagnosis.inference.likelihood import SPREAD
 from diagnosis.report.findings import Findings
-from diagnosis.report.markup import Html, table, tag
 from diagnosis.report.quantities import meaning
 from diagnosis.report.signatures import STILL, Signature
+from symolo.pages.markup import Html, table, tag
 
 DEEPEST_SIGMA = 30.0
 """From which a cell has its full colour."""

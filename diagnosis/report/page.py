@@ -13,10 +13,8 @@ from diagnosis.report.bench_rows import too_large
 from diagnosis.report.compared import compared
 from diagnosis.report.engines import on_page
 from diagnosis.report.findings import Findings, Without
-from diagnosis.report.markup import Html, picture, table, tag
 from diagnosis.report.matrix import matrix
 from diagnosis.report.quantities import along, interval, meaning, percent, with_error
-from diagnosis.report.style import STYLE
 from diagnosis.report.summary import reasoning
 from diagnosis.report.verdict import (
     cause,
@@ -30,6 +28,8 @@ from diagnosis.report.verdict import (
     taken_away,
     to_measure,
 )
+from symolo.pages.markup import Html, picture, table, tag
+from symolo.pages.style import STYLE
 
 
 def page(found: Findings, pictures: Mapping[str, bytes]) -> str:

@@ -2,7 +2,7 @@
 
 from math import floor, isfinite, log10
 
-from physics.terms.base import Term
+from physics.effects.base import Term
 
 UNITS = {
     "rad_s": "rad/s",

@@ -7,7 +7,7 @@ import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis
-from diagnosis.inference.whole_runs import PARTS, WholeRuns, fitted_to_whole_runs
+from diagnosis.inference.evidence.whole_runs import PARTS, WholeRuns, fitted_to_whole_runs
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import KnownWheels
 from diagnosis.report.quantities import with_error

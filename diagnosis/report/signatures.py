@@ -16,7 +16,7 @@ from math import inf, sqrt
 import numpy as np
 
 from diagnosis.inference.coordinate import Coordinate
-from diagnosis.inference.evidence import Evidence
+from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import Fit
 from diagnosis.inference.hypothesis import Effect
 from diagnosis.inference.likelihood import SPREAD

@@ -4,9 +4,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from textwrap import wrap
 
 from diagnosis.diagnose import Named
-from diagnosis.inference.adequacy import LEVEL
 from diagnosis.inference.profile import Interval
 from diagnosis.inference.rivals import AS_GOOD
+from diagnosis.inference.unexplained.adequacy import LEVEL
 from diagnosis.measured.overview import summary_line
 from diagnosis.report.against import verdict
 from diagnosis.report.bench_rows import too_large

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from math import ceil, log10
 
 from diagnosis.diagnose import Diagnosis, Named
-from diagnosis.inference.adequacy import Structure
 from diagnosis.inference.fit import Fit
 from diagnosis.inference.gain import Gain
 from diagnosis.inference.profile import Interval
 from diagnosis.inference.selection import Entry, needed
+from diagnosis.inference.unexplained.adequacy import Structure
 from diagnosis.report.findings import Findings, Without
 from diagnosis.report.quantities import along, confidence, cost, interval, meaning, percent, with_error
 from diagnosis.report.quantities import named as in_words

@@ -2,7 +2,7 @@
 
 from markdown import page, table, text
 
-from pipeline.exporters import EXPORTERS
+from symolo.exporters import EXPORTERS
 
 ABOUT = "What `symolo export DIR --format NAMES --out OUT` makes of a release; with examples: [exports](../exports.md)."
 

@@ -7,7 +7,7 @@ from markdown import about, anchor, page, table, text
 
 from blender_scenes.materials import FLOORS
 from blender_scenes.materials import SURFACES as SEEN
-from physics.surfaces import SURFACES as RANGED
+from physics.arena.surfaces import SURFACES as RANGED
 
 PICTURES = "materials"
 """Made by `benchmarks/material_page.py FOLDER --each docs/reference/materials`."""

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 from markdown import page, table, text
 
-from physics.terms import PHYSICS_TERMS
-from physics.terms.base import Term
-from sensors.terms import SENSOR_TERMS
+from physics.effects import PHYSICS_TERMS
+from physics.effects.base import Term
+from sensors.effects import SENSOR_TERMS
 
 ABOUT = """What can be wrong in a robot, one by one; what all have in common, and what does not act everywhere, is in
 [terms](../terms.md). Each is a setting, `robot.terms.<name>.<parameter>`, an axis of randomisation and a hypothesis

@@ -8,10 +8,10 @@ import pybullet
 
 from configs.schema.robot import RobotConfig
 from physics.bullet.world import BOXES, CHASSIS, FLOOR, TREADS
-from physics.links import CASTER, LEFT_WHEEL, RIGHT_WHEEL
-from physics.motor import MotorModel
-from physics.robot_model import RobotModel
-from physics.urdf import robot_urdf
+from physics.drivetrain.motor import MotorModel
+from physics.robot.links import CASTER, LEFT_WHEEL, RIGHT_WHEEL
+from physics.robot.model import RobotModel
+from physics.robot.urdf import robot_urdf
 
 MAX_JOINT_SPEED_RAD_S = 1000.0
 """Bullet caps joint speeds, at 100 rad/s unless told otherwise."""

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates
-from physics.arena import Arena, Line
+from physics.arena.geometry import Arena, Line
 from physics.bullet.simulation import BulletSimulation
-from physics.finite import require_finite
+from symolo.core.finite import require_finite
 
 Array = NDArray[np.float64]
 

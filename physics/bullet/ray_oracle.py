@@ -1,13 +1,13 @@
-"""PyBullet's own ray test on an arena, as a second opinion on the closed-form rays of `physics.rays`."""
+"""PyBullet's own ray test on an arena, as a second opinion on the closed-form rays of `physics.arena.rays`."""
 
 from typing import Self
 
 import numpy as np
 import pybullet
 
-from physics.arena import Arena
+from physics.arena.geometry import Arena
+from physics.arena.rays import Array, Hits
 from physics.bullet.world import add_arena, connect
-from physics.rays import Array, Hits
 
 BATCH = 10_000
 """Rays at a time; the engine takes 16,384 at most and says nothing of the rest."""

@@ -17,14 +17,14 @@ import pybullet
 
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates
-from physics.arena import Arena
+from physics.arena.geometry import Arena
+from physics.arena.rays import Array, Hits, RayScene
 from physics.bullet.body import add_robot
 from physics.bullet.moving_boxes import MovingBoxes
-from physics.bullet.wheels_with_terms import WheelsWithTerms, needs_every_step
+from physics.bullet.wheels_with_effects import WheelsWithTerms, needs_every_step
 from physics.bullet.world import add_arena, connect
-from physics.rays import Array, Hits, RayScene
-from physics.robot_model import RobotModel
-from physics.wheel_loop import WheelSpeedLoop, voltage_limit_V
+from physics.drivetrain.wheel_loop import WheelSpeedLoop, voltage_limit_V
+from physics.robot.model import RobotModel
 
 LIFT_M = 0.1
 REACTION_PERIOD_S = 0.002

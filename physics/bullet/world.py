@@ -4,12 +4,12 @@ from math import cos, sin
 
 import pybullet
 
-from physics.arena import Arena, Box
+from physics.arena.geometry import Arena, Box
 
 RAYS, BOXES, CHASSIS, TREADS, FLOOR = 1, 2, 4, 8, 16
 """Collision groups: treads (wheels and caster) meet the floor only, the chassis meets walls and obstacles only.
 
-Bullet puts its own rays into group 1, which the tests of `physics.rays` compare with; the robot does not admit them.
+Bullet puts its own rays into group 1, with which the tests compare `physics.arena.rays`; the robot does not admit them.
 """
 
 

@@ -1,6 +1,6 @@
 """The state machine's table, read from configs/state_machine.yaml: which state follows which, and when.
 
-The firmware's table is made from the same rows (physics/hil/generate.py).
+The firmware's table is made from the same rows (hil/generate.py).
 """
 
 import re
@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Annotated, NamedTuple
 
 import configs
-from configs.errors import InputError, nearest
 from configs.schema.base import FromList, Section
-from configs.tree import Node
 from configs.validation import validated
-from configs.yaml_reader import read_yaml
 from physics.control.base import State
 from physics.control.conditions import CONDITIONS, STATES, View
+from symolo.core.errors import InputError, nearest
+from symolo.core.yaml_reader import read_yaml
+from symolo.core.yaml_tree import Node
 
 TABLE = Path(configs.__file__).parent / "state_machine.yaml"
 

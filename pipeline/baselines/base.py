@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.baselines.given import Given, Pictures
-from pipeline.dataset.rows import Floats, Ints
+from symolo.dataset.rows import Floats, Ints
 
 
 @dataclass(frozen=True)

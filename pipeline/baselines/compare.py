@@ -3,15 +3,15 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from configs.errors import InputError, nearest
-from configs.streams import stream
 from pipeline.baselines import METHODS
 from pipeline.baselines.base import Estimate, Lesson, Method
 from pipeline.baselines.errors import Errors, errors_of
 from pipeline.baselines.given import Given
 from pipeline.baselines.runs import LoggedRun
-from pipeline.dataset.rows import Floats
-from pipeline.progress import Report
+from symolo.core.errors import InputError, nearest
+from symolo.core.progress import Report
+from symolo.core.random_streams import stream
+from symolo.dataset.rows import Floats
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from pipeline.baselines.base import Estimate, Lesson, Method
 from pipeline.baselines.given import Given
 from pipeline.baselines.motion import STATES, Motion, begun, slip_sd_m, ways
 from pipeline.baselines.range_model import GAIN_SD, LASTING_SD_M, RangeModel, white_sd_m
-from pipeline.dataset.rows import Floats
 from sensors.tof import log_error_m
+from symolo.dataset.rows import Floats
 
 RAYS = 30
 GAIN, OFFSET = STATES, STATES + 3

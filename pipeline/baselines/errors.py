@@ -12,7 +12,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from pipeline.baselines.base import Estimate
-from pipeline.dataset.rows import Floats, Ints, wrapped
+from symolo.dataset.rows import Floats, Ints, wrapped
 
 OVER_S = 1.0
 OVER_M = 1.0

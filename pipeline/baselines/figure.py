@@ -5,12 +5,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from diagnosis.benches.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, VERMILION, finished, png
-from physics.arena import Arena
+from physics.arena.geometry import Arena
 from pipeline.baselines.base import Method
 from pipeline.baselines.compare import Compared
 from pipeline.baselines.errors import off
 from pipeline.baselines.runs import LoggedRun
+from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, VERMILION, finished, png
 
 MOST_RUNS = 8
 """More would be a poster."""

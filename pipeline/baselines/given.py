@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 
 from configs.schema.robot import LineSensor, RobotConfig, TofMount
 from configs.schema.scenario import RunSpec
-from physics.arena import Arena
-from pipeline.dataset.rows import Floats, Ints, Rows
-from pipeline.dataset.side import TOF, WHEELS
+from physics.arena.geometry import Arena
 from sensors.line_sensor import channel_weights
 from sensors.odometry import Odometry
 from sensors.tof import TofStatus
+from symolo.dataset.rows import Floats, Ints, Rows
+from symolo.dataset.side_tables import TOF, WHEELS
 
 Pixels = NDArray[np.uint8]
 

@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.baselines.given import MAP_SD_M, Given
-from pipeline.dataset.rows import Floats
 from sensors.line_sensor import tape_share
+from symolo.dataset.rows import Floats
 
 WRONG = 0.02
 """Of readings that no place explains: a joint of the tape, a stain, a threshold near its limit."""

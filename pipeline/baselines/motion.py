@@ -12,8 +12,8 @@ import numpy as np
 
 from diagnosis.usual_tolerances import PAIR_SHARE, TRACK_SHARE, WHEEL_SHARE
 from pipeline.baselines.given import Given, Start
-from pipeline.dataset.rows import Floats
 from sensors.odometry import Odometry
+from symolo.dataset.rows import Floats
 
 STATES = 6
 SHARES_SD = np.array([WHEEL_SHARE, PAIR_SHARE, TRACK_SHARE])

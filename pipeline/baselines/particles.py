@@ -19,7 +19,7 @@ from pipeline.baselines.given import Given
 from pipeline.baselines.line_model import LineModel
 from pipeline.baselines.motion import Motion, begun, slip_sd_m, ways
 from pipeline.baselines.range_model import RangeModel, lasting_sd_m, white_sd_m
-from pipeline.dataset.rows import Floats, Ints, wrapped
+from symolo.dataset.rows import Floats, Ints, wrapped
 
 PARTICLES = 300
 RAYS = 6

@@ -5,10 +5,10 @@ A sensor is a cone of few rays whose ranges are averaged by beam profile and inc
 
 import numpy as np
 
-from physics.rays import RayScene
+from physics.arena.rays import RayScene
 from pipeline.baselines.given import MAP_SD_M, Given
-from pipeline.dataset.rows import Floats
 from sensors.tof import NOISE_AT_NEAR_MM, log_error_m, noise_sd_m, ray_directions, ray_pattern
+from symolo.dataset.rows import Floats
 
 BEAM_SD_SHARE = 0.28
 """Of the field of view: the beam falls to about a fifth at its edge."""

@@ -15,11 +15,11 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 from scipy.optimize import root_scalar
 
-from configs.errors import InputError
 from pipeline.baselines.base import Estimate, Lesson, Method
 from pipeline.baselines.errors import nees, off
 from pipeline.baselines.given import Given
-from pipeline.dataset.rows import Floats, Ints, wrapped
+from symolo.core.errors import InputError
+from symolo.dataset.rows import Floats, Ints, wrapped
 
 CELL_PX = 4
 DIRECTIONS = 6

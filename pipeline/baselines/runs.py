@@ -9,19 +9,19 @@ from zipfile import BadZipFile
 import numpy as np
 from pydantic import ValidationError
 
-from configs.errors import InputError
 from configs.schema.scenario import RunSpec
-from physics.trajectory import Recording
+from physics.run.trajectory import Recording
 from pipeline.baselines.base import Lesson
 from pipeline.baselines.given import Given, Pictures, Start
-from pipeline.dataset.layout import SPEC
-from pipeline.dataset.metadata import METADATA
-from pipeline.dataset.rows import HEADER, Floats, Rows, parse_table
-from pipeline.dataset.side import TOF, WHEELS, tof_csv, wheels_csv
-from pipeline.export import open_release
-from pipeline.reader.run import Run
+from pipeline.run_folder.workspace import STAGES
 from pipeline.stages.simulate_runs import TRAJECTORY, read_recording
-from pipeline.workspace import STAGES
+from symolo.core.errors import InputError
+from symolo.dataset.layout import SPEC
+from symolo.dataset.metadata import METADATA
+from symolo.dataset.rows import HEADER, Floats, Rows, parse_table
+from symolo.dataset.side_tables import TOF, WHEELS, tof_csv, wheels_csv
+from symolo.exporters.export import open_release
+from symolo.reader.run import Run
 
 
 @dataclass(frozen=True)

@@ -6,16 +6,16 @@ from pathlib import Path
 
 import numpy as np
 
-from configs.whole_files import make_folder, write_file
 from pipeline.baselines.base import Estimate
 from pipeline.baselines.compare import Compared
 from pipeline.baselines.errors import OVER_M, OVER_S, SHARE
 from pipeline.baselines.figure import figure
 from pipeline.baselines.runs import LoggedRun
-from pipeline.dataset.rows import Floats, csv_bytes, heading
-from pipeline.files import canonical_json
-from pipeline.new_folder import new_folder
-from pipeline.versions import versions
+from symolo.core.atomic_files import make_folder, write_file
+from symolo.core.file_hashes import canonical_json
+from symolo.core.new_folder import new_folder
+from symolo.core.versions import versions
+from symolo.dataset.rows import Floats, csv_bytes, heading
 
 TABLE, NUMBERS, FIGURE, ESTIMATES = "baselines.md", "baselines.json", "baselines.png", "estimates"
 

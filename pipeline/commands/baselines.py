@@ -47,13 +47,13 @@ def baselines(
     """
     import numpy as np
 
-    from configs.errors import InputError
     from pipeline.baselines import METHODS
     from pipeline.baselines.compare import compare, methods_of, why_not
     from pipeline.baselines.runs import chosen, open_runs
     from pipeline.baselines.written import table, write
-    from pipeline.new_folder import check_new
-    from pipeline.progress import report_here
+    from symolo.core.errors import InputError
+    from symolo.core.new_folder import check_new
+    from symolo.core.progress import report_here
 
     asked = METHODS if methods is None else methods_of(names(methods, "--methods"), "--methods")
     check_new(out, folder)

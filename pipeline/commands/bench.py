@@ -29,10 +29,10 @@ def motor(out: Out, robot: Robot = "nominal", seed: Seed = 1) -> None:
 
     Writes motor.json and motor.png. Example: symolo bench motor --out bench
     """
-    from diagnosis.benches.motor import check_motor, motor_bench, summary
+    from diagnosis.validation.motor.bench import check_motor, motor_bench, summary
 
     with _bench(out, robot, seed, check_motor) as bench:
-        from diagnosis.benches.motor_plot import motor_picture
+        from diagnosis.validation.motor.plot import motor_picture
 
         result = motor_bench(bench.robot)
         bench.write("motor", result, motor_picture(result))
@@ -45,10 +45,10 @@ def line(out: Out, robot: Robot = "nominal", seed: Seed = 1) -> None:
 
     Writes line.json and line.png. Example: symolo bench line --out bench
     """
-    from diagnosis.benches.line import check_line, line_bench, summary
+    from diagnosis.validation.line_sensor.bench import check_line, line_bench, summary
 
     with _bench(out, robot, seed, check_line) as bench:
-        from diagnosis.benches.line_plot import line_picture
+        from diagnosis.validation.line_sensor.plot import line_picture
 
         result = line_bench(bench.robot, seed)
         bench.write("line", result, line_picture(result))
@@ -85,13 +85,13 @@ def tof(
 
     Example: symolo bench tof --out bench
     """
-    from diagnosis.benches.tof.experiments import check_tof, summary, tof_bench
-    from diagnosis.benches.tof.measured import compare, read_measured
+    from diagnosis.validation.range_sensor.experiments import check_tof, summary, tof_bench
+    from diagnosis.validation.range_sensor.recordings.comparison import compare, read_measured
 
     measured = read_measured(scan, static)
     with _bench(out, robot, seed, check_tof) as bench:
-        from diagnosis.benches.tof.measured_plot import measured_picture
-        from diagnosis.benches.tof.plot import tof_picture
+        from diagnosis.validation.range_sensor.plot import tof_picture
+        from diagnosis.validation.range_sensor.recordings.plot import measured_picture
 
         result = tof_bench(bench.robot, bench.seed, readings)
         bench.write("tof", result, tof_picture(result))
@@ -120,8 +120,8 @@ class _Bench:
         """Put `name`.png and `name`.json in place; the result is a dataclass of numbers, texts, tuples and its like."""
         from dataclasses import asdict
 
-        from configs.whole_files import write_file
-        from pipeline.files import canonical_json
+        from symolo.core.atomic_files import write_file
+        from symolo.core.file_hashes import canonical_json
 
         robot = self.robot.model_dump(mode="json", exclude_none=True)
         text = canonical_json({"bench": name, "seed": self.seed, "robot": robot, "result": asdict(result)})
@@ -135,8 +135,8 @@ def _bench(out: Path, robot: str, seed: int, check: "Callable[[RobotConfig], Non
     """The robot, drawn and checked, and the folder held; what is wrong with either is said before any work starts."""
     from configs.draw import draw_robot
     from configs.loader import load_section
-    from pipeline.output import check_out
-    from pipeline.workspace import Kind, Workspace
+    from pipeline.run_folder.output import check_out
+    from pipeline.run_folder.workspace import Kind, Workspace
 
     config, _ = draw_robot(load_section("robot", robot), seed, "bench")
     check(config)

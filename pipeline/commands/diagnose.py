@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from configs.errors import InputError
 from pipeline.commands.options import Out, Workers, checked_input
+from symolo.core.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
-    from pipeline.diagnosing import Case
-    from pipeline.reading import Reading
+    from pipeline.diagnosing.case_reading import Reading
+    from pipeline.diagnosing.diagnose import Case
 
 CASE_FAILED = 3
 
@@ -100,12 +100,12 @@ def diagnose(
 
     Judged on the circles of a set: symolo diagnose my_set --hold-out 'circular/*' --out diagnosis
     """
-    from pipeline.diagnosing import Asked, cases_of, diagnose_cases, nominal_json
-    from pipeline.output import check_out
-    from pipeline.progress import report_here
-    from pipeline.reading import Reading
-    from pipeline.workers import cores
-    from pipeline.workspace import Kind, Workspace
+    from pipeline.diagnosing.case_reading import Reading
+    from pipeline.diagnosing.diagnose import Asked, cases_of, diagnose_cases, nominal_json
+    from pipeline.run_folder.output import check_out
+    from pipeline.run_folder.workspace import Kind, Workspace
+    from pipeline.work.supervisor import cores
+    from symolo.core.progress import report_here
 
     if explain and as_json:
         raise InputError("--explain and --json", cure="ask for one of them; reasoning.txt is written in any case")
@@ -142,8 +142,8 @@ def _check(case: "Case", reading: "Reading", against: Path | None) -> None:
 
 
 def _print(cases: "Sequence[Case]", out: Path, failed: "Collection[str]", *, explain: bool) -> None:
-    from pipeline.diagnosing import folder_of
-    from pipeline.diagnosis_table import diagnosis_table
+    from pipeline.diagnosing.diagnose import folder_of
+    from pipeline.diagnosing.table import diagnosis_table
 
     alone = len(cases) == 1
     finished = [(case.name, folder_of(case, out, alone=alone)) for case in cases if case.name not in failed]
@@ -163,7 +163,7 @@ def _print(cases: "Sequence[Case]", out: Path, failed: "Collection[str]", *, exp
 def _print_json(cases: "Sequence[Case]", out: Path, failed: "Collection[str]") -> None:
     import json
 
-    from pipeline.diagnosing import folder_of
+    from pipeline.diagnosing.diagnose import folder_of
 
     alone = len(cases) == 1
     answers = {

@@ -25,7 +25,7 @@ def verify(
     Example: symolo verify data
     """
     from configs.assets.quiet import unsaid
-    from pipeline.verify import verify as findings_of
+    from symolo.verification.verify import verify as findings_of
 
     count = 0
     with unsaid():
@@ -59,9 +59,9 @@ def compare(
 
     Example: symolo compare data data-of-another-machine --tolerance-db 60
     """
-    from pipeline.compare.conclusion import Conclusion, made_differently
-    from pipeline.compare.folders import Verdict
-    from pipeline.compare.folders import compare as results_of
+    from symolo.compare.conclusion import Conclusion, made_differently
+    from symolo.compare.folders import Verdict
+    from symolo.compare.folders import compare as results_of
 
     results = []
     for result in results_of(a, b, tolerance_db):
@@ -87,9 +87,9 @@ def contact_sheet(
 
     Example: symolo contact-sheet data --out sheet.jpg
     """
-    from configs.errors import InputError
-    from pipeline.contact_sheet import contact_sheet as sheet_of
-    from pipeline.sheet import save
+    from symolo.core.errors import InputError
+    from symolo.pages.contact_sheet import contact_sheet as sheet_of
+    from symolo.pages.sheet import save
 
     if not folder.is_dir():
         raise InputError("no such folder", where=str(folder), cure="name a dataset or a run folder")
@@ -118,7 +118,7 @@ def schema(
     import json
 
     from configs.json_schema import scenario_json_schema
-    from pipeline.dataset.metadata_schema import metadata_json_schema
+    from symolo.dataset.metadata_schema import metadata_json_schema
 
     found = scenario_json_schema() if of is SchemaOf.SCENARIO else metadata_json_schema()
     typer.echo(json.dumps(found, indent=2, ensure_ascii=False))

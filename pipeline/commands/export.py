@@ -43,11 +43,11 @@ def export(
 
     Example: symolo export data --format tum,kitti --out exported
     """
-    from pipeline.export import check_room, exporters_of, open_release, plan
-    from pipeline.export import export as exported
-    from pipeline.exporters.base import ExportSettings
-    from pipeline.new_folder import check_new
-    from pipeline.progress import report_here
+    from symolo.core.new_folder import check_new
+    from symolo.core.progress import report_here
+    from symolo.exporters.base import ExportSettings
+    from symolo.exporters.export import check_room, exporters_of, open_release, plan
+    from symolo.exporters.export import export as exported
 
     exporters = exporters_of(names(formats, "--format"), "--format")
     data = open_release(folder, runs)

@@ -6,7 +6,6 @@ from typing import Annotated
 
 import typer
 
-from configs.errors import InputError
 from pipeline.commands.make import conclude
 from pipeline.commands.options import (
     OnDevice,
@@ -20,6 +19,7 @@ from pipeline.commands.options import (
     names,
     with_device,
 )
+from symolo.core.errors import InputError
 
 
 class FramingChoice(StrEnum):
@@ -69,11 +69,11 @@ def hil(
 
     Given again it continues: runs that were driven are kept.
     """
-    from pipeline.batch import Batch
     from pipeline.executors.local import Local
-    from pipeline.hil import check_board, drive_runs
-    from pipeline.progress import report_here
-    from pipeline.status import again
+    from pipeline.run_folder.status import again
+    from pipeline.work.batch import Batch
+    from pipeline.work.board_runs import check_board, drive_runs
+    from symolo.core.progress import report_here
 
     if (port is None) is not simulated:
         raise InputError("--port" if port is not None else "--simulated", allowed="either --port PORT or --simulated")
@@ -123,7 +123,7 @@ def firmware(
     from configs.draw import draw_robot
     from configs.loader import load_section
     from configs.schema.board import Board
-    from physics.hil.build import student_tasks, write_sketch
+    from hil.build import student_tasks, write_sketch
 
     config, _ = draw_robot(load_section("robot", robot), 1, "bench")
     left = student_tasks() if todo == "all" else names(todo, "--todo") if todo else ()

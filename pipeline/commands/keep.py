@@ -28,11 +28,11 @@ def status(
 
     Example: symolo status data symolo --set look.sun.elevation_deg=60
     """
-    from configs.errors import InputError
     from configs.loader import load_scenario
-    from pipeline.drawing import draw_reported
-    from pipeline.progress import report_here
-    from pipeline.status import status as lines
+    from pipeline.planning.drawing import draw_reported
+    from pipeline.run_folder.status import status as lines
+    from symolo.core.errors import InputError
+    from symolo.core.progress import report_here
 
     if settings and scenario is None:
         raise InputError("--set", got=settings[0], cure="name the scenario that it is for")
@@ -57,9 +57,9 @@ def repair(
 
     Example: symolo repair data
     """
-    from pipeline.progress import report_here
     from pipeline.repair.repair import repair as repaired
-    from pipeline.workers import cores
+    from pipeline.work.supervisor import cores
+    from symolo.core.progress import report_here
 
     result = repaired(folder, workers or cores(), report_here(), typer.echo, remove_extra=remove_extra)
     for fault in result.left:
@@ -78,8 +78,8 @@ def bag(folder: Released, out: Out) -> None:
 
     Example: symolo bag data --out bag
     """
-    from pipeline.dataset.bagging import make_bag
-    from pipeline.progress import report_here
+    from symolo.core.progress import report_here
+    from symolo.publishing.bagging import make_bag
 
     count = make_bag(folder, out, report_here())
     typer.echo(f"{out}: a bag of {count} files")

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from configs.errors import InputError
 from pipeline.commands.options import (
     Address,
     AllowHttp,
@@ -30,12 +29,13 @@ from pipeline.commands.options import (
     names,
     with_device,
 )
+from symolo.core.errors import InputError
 
 if TYPE_CHECKING:
-    from pipeline.batch import Batch
-    from pipeline.dataset.metadata import FailedRun
-    from pipeline.progress import Report
-    from pipeline.storage.along import Along, Destination
+    from pipeline.stages.upload import Along, Destination
+    from pipeline.work.batch import Batch
+    from symolo.core.progress import Report
+    from symolo.dataset.metadata import FailedRun
 
 RUN_FAILED = 3
 STAGES = ("simulate", "render", "assemble")
@@ -59,14 +59,14 @@ def plan(
     --frames 1000000
     """
     from configs.loader import load_scenario
-    from pipeline.drawing import draw_reported
-    from pipeline.plan import Plan
-    from pipeline.progress import report_here
-    from pipeline.workers import cores
+    from pipeline.planning.drawing import draw_reported
+    from pipeline.planning.plan import Plan
+    from pipeline.work.supervisor import cores
+    from symolo.core.progress import report_here
 
     overrides = with_device(settings, device)
     if frames is not None:
-        from pipeline.price import measure
+        from pipeline.planning.price import measure
 
         price, about = measure(scenario, overrides, report_here())
         typer.echo(price.text(frames, about))
@@ -168,8 +168,8 @@ def _destination(out: Path, url: str | None, endpoint: str | None, *, allow_http
         if endpoint or allow_http:
             raise InputError("--endpoint" if endpoint else "--allow-http", cure="name the place by --upload")
         return None
-    from pipeline.storage.address import store_of
-    from pipeline.storage.along import Destination
+    from pipeline.stages.upload import Destination
+    from symolo.storage.address import store_of
 
     options = [*(["--endpoint", endpoint] if endpoint else []), *(["--allow-http"] if allow_http else [])]
     command = shlex.join(["symolo", "upload", str(out), url, *options])
@@ -190,9 +190,9 @@ def _make(  # noqa: PLR0917 - the options of the commands
     to: "Destination | None" = None,
 ) -> int:
     """Do one stage, or all for `release`."""
-    from pipeline.batch import Batch
     from pipeline.executors import chosen
-    from pipeline.progress import report_here
+    from pipeline.work.batch import Batch
+    from symolo.core.progress import report_here
 
     executor = chosen(workers, memory, part, address, card_share)
     stages = STAGES if command == "release" else (command,)
@@ -224,7 +224,7 @@ def _done(
     along: "Along | None",
 ) -> "list[FailedRun]":
     """What failed, before these stages or in them; of a release `along` its way each run leaves as it is whole."""
-    from pipeline.status import again
+    from pipeline.run_folder.status import again
 
     failed = [*failures]
     for line in again(batch.workspace, batch.specs):
@@ -303,8 +303,8 @@ def rerender(
     tells.
     """
     from pipeline.executors.local import Local
-    from pipeline.progress import report_here
-    from pipeline.rerender import Request, check_same, folder_name, open_folders, prepare, render_source
+    from pipeline.rerendering.rerender import Request, check_same, folder_name, open_folders, prepare, render_source
+    from symolo.core.progress import report_here
 
     chosen = _chosen_looks(look, looks, draws)
     option = "--look" if looks is None else "--looks"

@@ -52,7 +52,7 @@ def measured(
     """
     from diagnosis.importers.choose import read_measurement
     from diagnosis.measured.overview import overview
-    from pipeline.importers import IMPORTERS
+    from pipeline.diagnosing.importers import IMPORTERS
 
     for line in overview(read_measurement(case, IMPORTERS, as_)):
         typer.echo(line)

@@ -32,11 +32,11 @@ def model(
     Example: symolo model symolo --route CCW --out model
     """
     from configs.draw import draw_run
-    from configs.errors import InputError
     from configs.loader import load_scenario
-    from configs.whole_files import write_file
     from pipeline.models.files import formats_of, model_files
-    from pipeline.new_folder import check_new, new_folder
+    from symolo.core.atomic_files import write_file
+    from symolo.core.errors import InputError
+    from symolo.core.new_folder import check_new, new_folder
 
     wanted = formats_of(names(formats, "--format"), "--format")
     loaded = load_scenario(scenario, settings or ())

@@ -39,12 +39,12 @@ def pack(
 
     Example: symolo pack data --about about.yaml --out upload
     """
-    from pipeline.new_folder import check_new
-    from pipeline.progress import report_here
-    from pipeline.publication.about import read_about
-    from pipeline.publication.limits import told
-    from pipeline.publication.pack import pack as packed
-    from pipeline.publication.pack import plan
+    from symolo.core.new_folder import check_new
+    from symolo.core.progress import report_here
+    from symolo.publishing.about import read_about
+    from symolo.publishing.limits import told
+    from symolo.publishing.pack import pack as packed
+    from symolo.publishing.pack import plan
 
     known = read_about(about)
     check_new(out, folder)

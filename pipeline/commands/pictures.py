@@ -50,14 +50,14 @@ def pictures(
     """
     import json
 
-    from configs.whole_files import make_folder, remove_file, write_file
-    from diagnosis.pictures.case import PoseErrors
-    from diagnosis.pictures.diagnose import diagnose_pictures
-    from diagnosis.pictures.files import files
+    from diagnosis.camera.case import PoseErrors
+    from diagnosis.camera.diagnose import diagnose_pictures
+    from diagnosis.camera.files import files
     from diagnosis.report.files import PAGE, SUMMARY
-    from pipeline.output import check_out
-    from pipeline.picture_case import read_picture_case
-    from pipeline.workspace import Kind, Workspace
+    from pipeline.diagnosing.camera_case import read_picture_case
+    from pipeline.run_folder.output import check_out
+    from pipeline.run_folder.workspace import Kind, Workspace
+    from symolo.core.atomic_files import make_folder, remove_file, write_file
 
     case = read_picture_case(run, simulated, PoseErrors(0.001 * pose_sd_mm, pose_sd_deg))
     check_out(out, Kind.PICTURE_DIAGNOSIS)

@@ -60,12 +60,12 @@ def preview(
 
     In seconds, without textures and gloss: symolo preview symolo --engine flat --look classroom,lab --out preview.jpg
     """
-    from configs.errors import RunFailed
     from pipeline.preview.engines import check_size, pictures, sheet
     from pipeline.preview.views import views
-    from pipeline.progress import report_here
-    from pipeline.sheet import save
-    from pipeline.workers import cores
+    from pipeline.work.supervisor import cores
+    from symolo.core.errors import RunFailed
+    from symolo.core.progress import report_here
+    from symolo.pages.sheet import save
 
     looks = names(look, "--look") if look is not None else ()
     drawn = views(scenario, with_device(settings, device), looks, count, width_px)

@@ -5,13 +5,13 @@ from typing import Annotated
 
 import typer
 
-from configs.errors import InputError
 from pipeline.commands.keep import Released
-from pipeline.paths import check_new_path
+from symolo.core.errors import InputError
+from symolo.core.paths import check_new_path
 
 
 def _checked_new_page(path: Path) -> Path:
-    from pipeline.output import check_outside
+    from pipeline.run_folder.output import check_outside
 
     check_new_path(path, "--out")
     if path.suffix != ".html" or path.is_dir() or not path.absolute().parent.is_dir():
@@ -41,10 +41,10 @@ def report(
 
     Example: symolo report data --out report.html
     """
-    from configs.whole_files import write_file
-    from pipeline.export import open_release
-    from pipeline.progress import report_here
-    from pipeline.release_report.build import release_report
+    from symolo.core.atomic_files import write_file
+    from symolo.core.progress import report_here
+    from symolo.exporters.export import open_release
+    from symolo.report.build import release_report
 
     data = open_release(folder, runs)
     made = release_report(data, detail, report_here())

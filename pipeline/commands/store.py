@@ -34,11 +34,11 @@ def upload(
 
     Example: symolo upload data file:///mnt/shelf/data
     """
-    from pipeline.progress import report_here
-    from pipeline.storage.address import store_of
-    from pipeline.storage.comparison import compare
-    from pipeline.storage.upload import files_to_upload, planned
-    from pipeline.storage.upload import upload as uploaded
+    from symolo.core.progress import report_here
+    from symolo.storage.address import store_of
+    from symolo.storage.comparison import compare
+    from symolo.storage.upload import files_to_upload, planned
+    from symolo.storage.upload import upload as uploaded
 
     store = store_of(url, endpoint, allow_http=allow_http)
     files, report = files_to_upload(folder, store), report_here()
@@ -74,11 +74,11 @@ def download(
 
     Example: symolo download file:///mnt/shelf/data --out fetched
     """
-    from pipeline.new_folder import check_new
-    from pipeline.progress import report_here
-    from pipeline.storage.address import store_of
-    from pipeline.storage.download import Remote
-    from pipeline.storage.download import download as downloaded
+    from symolo.core.new_folder import check_new
+    from symolo.core.progress import report_here
+    from symolo.storage.address import store_of
+    from symolo.storage.download import Remote
+    from symolo.storage.download import download as downloaded
 
     check_new(out)
     remote = Remote.of(store_of(url, endpoint, allow_http=allow_http))

@@ -3,9 +3,9 @@
 from collections.abc import Callable, Sequence
 from typing import Protocol, Self
 
-from blender_scenes.devices import DeviceKind
-from pipeline.units import AnyUnit
-from pipeline.workers import AnyEvent, UnitFailure
+from blender_scenes.render.devices import DeviceKind
+from pipeline.work.supervisor import AnyEvent, UnitFailure
+from pipeline.work.units import AnyUnit
 
 OnEvent = Callable[[AnyUnit, AnyEvent], None]
 

@@ -5,11 +5,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
-from blender_scenes.devices import DeviceKind, one_card_each
+from blender_scenes.render.devices import DeviceKind, one_card_each
 from pipeline.executors.base import OnEvent
-from pipeline.units import AnyUnit
-from pipeline.worker_process import Limits, limits_of
-from pipeline.workers import BY_LIMITS, UnitFailure, cores, run_units
+from pipeline.work.supervisor import BY_LIMITS, UnitFailure, cores, run_units
+from pipeline.work.units import AnyUnit
+from pipeline.work.worker_process import Limits, limits_of
 
 
 @dataclass(frozen=True)

@@ -10,12 +10,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
-from blender_scenes.devices import DeviceKind
-from configs.errors import InputError
+from blender_scenes.render.devices import DeviceKind
 from pipeline.executors.base import OnEvent
 from pipeline.executors.local import Local
-from pipeline.units import AnyUnit, RenderUnit
-from pipeline.workers import UnitFailure
+from pipeline.work.supervisor import UnitFailure
+from pipeline.work.units import AnyUnit, RenderUnit
+from symolo.core.errors import InputError
 
 BLOCK_FRAMES = 50
 """Long enough that Blender's start and the first picture's maps are a small part, short enough for many machines."""

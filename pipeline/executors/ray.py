@@ -17,13 +17,13 @@ from typing import Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict
 
-from blender_scenes.devices import DeviceKind
-from configs.errors import EnvironmentLacking, InputError
+from blender_scenes.render.devices import DeviceKind
 from pipeline.executors.base import OnEvent
 from pipeline.executors.part import BLOCK_FRAMES
-from pipeline.units import UNITS, AnyUnit, Finished, RenderUnit
-from pipeline.worker_process import Limits
-from pipeline.workers import AnyEvent, Retried, SetAside, UnitFailure, WorkerError, run_units
+from pipeline.work.supervisor import AnyEvent, Retried, SetAside, UnitFailure, WorkerError, run_units
+from pipeline.work.units import UNITS, AnyUnit, Finished, RenderUnit
+from pipeline.work.worker_process import Limits
+from symolo.core.errors import EnvironmentLacking, InputError
 
 CURE = "install the extra: pip install 'symolo[cluster]'"
 CLIENT = "ray://"

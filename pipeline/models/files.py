@@ -2,12 +2,12 @@
 
 from collections.abc import Callable, Mapping, Sequence
 
-from configs.errors import InputError, nearest
 from configs.schema.scenario import RunSpec
 from pipeline.models.robot import RobotParts
 from pipeline.models.sdf import document, robot_model
 from pipeline.models.urdf import robot_model_urdf
 from pipeline.models.world import arena_sdf, world_sdf
+from symolo.core.errors import InputError, nearest
 
 
 def _urdf(_spec: RunSpec, parts: RobotParts) -> dict[str, bytes]:

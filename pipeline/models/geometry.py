@@ -6,9 +6,9 @@ from math import atan2, hypot
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.description import Mesh
-from blender_scenes.shading import RGB
-from physics.links import BoxShape, SphereShape, Vector
+from blender_scenes.scene.description import Mesh
+from blender_scenes.scene.shading import RGB
+from physics.robot.links import BoxShape, SphereShape, Vector
 
 Array = NDArray[np.float64]
 _POLE = 1e-9

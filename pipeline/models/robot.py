@@ -5,18 +5,18 @@ from math import radians
 
 import numpy as np
 
-from blender_scenes.camera import horizontal_field_of_view_rad, intrinsics, pose_X_RC
-from blender_scenes.description import Intrinsics
-from blender_scenes.robot_body import robot_body
+from blender_scenes.scene.description import Intrinsics
+from blender_scenes.scene.robot_body import robot_body
 from configs.schema.robot import RobotConfig, TofMount, TofMounts
 from configs.schema.scenario import RunSpec
-from physics.links import BASE, CASTER, LEFT_WHEEL, RIGHT_WHEEL, BoxShape, Link, robot_links
-from physics.robot_model import through
-from physics.terms.base import Slot, effects
-from pipeline.dataset.camera_model import X_CB
+from physics.effects.base import Slot, effects
+from physics.robot.links import BASE, CASTER, LEFT_WHEEL, RIGHT_WHEEL, BoxShape, Link, robot_links
+from physics.robot.model import through
 from pipeline.models.colours import colours, scene_of
 from pipeline.models.geometry import CylinderShape, Placement, Visual, bounding_box
-from sensors.terms import SENSOR_TERMS
+from sensors.camera.geometry import horizontal_field_of_view_rad, intrinsics, pose_X_RC
+from sensors.effects import SENSOR_TERMS
+from symolo.dataset.camera_model import X_CB
 
 CAMERA, CAMERA_OPTICAL, LINE_SENSOR = "camera", "camera_optical", "line_sensor"
 _ROUND = {

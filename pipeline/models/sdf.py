@@ -3,8 +3,8 @@
 from math import ceil, pi, radians, sqrt
 from xml.etree import ElementTree as ET
 
-from blender_scenes.robot_body import CAMERA_BODY
-from physics.links import BASE, BoxShape, Link, SphereShape
+from blender_scenes.scene.robot_body import CAMERA_BODY
+from physics.robot.links import BASE, BoxShape, Link, SphereShape
 from pipeline.models.geometry import CylinderShape, Placement, Shape, Visual
 from pipeline.models.robot import CAMERA, CAMERA_OPTICAL, RobotParts
 from sensors.tof import NOISE_AT_NEAR_MM

@@ -3,8 +3,8 @@
 from math import pi
 from xml.etree import ElementTree as ET
 
-from physics.links import BASE
-from physics.urdf import add_inertial, add_shape, numbers, robot_element, urdf_text
+from physics.robot.links import BASE
+from physics.robot.urdf import add_inertial, add_shape, numbers, robot_element, urdf_text
 from pipeline.models.geometry import CylinderShape, Placement, Visual
 from pipeline.models.robot import Frame, RobotParts
 

@@ -8,9 +8,9 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from configs.schema.scenario import RunSpec
-from physics.arena import Arc, Arena, Box, Straight
-from physics.body_inertia import GRAVITY_M_S2
-from physics.links import BoxShape
+from physics.arena.geometry import Arc, Arena, Box, Straight
+from physics.robot.body_inertia import GRAVITY_M_S2
+from physics.robot.links import BoxShape
 from pipeline.models.colours import colours, scene_of
 from pipeline.models.geometry import Placement
 from pipeline.models.robot import RobotParts

@@ -8,19 +8,19 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from blender_scenes.frame_files import frame_name
 from blender_scenes.preview.renderer import FlatRenderer
-from pipeline.dataset.metadata import FailedRun
+from blender_scenes.render.frame_files import frame_name
 from pipeline.executors.local import Local
-from pipeline.output import check_scratch
-from pipeline.own_files import keep_own_files
-from pipeline.plan import pictures_bytes
+from pipeline.planning.plan import pictures_bytes
 from pipeline.preview import Engine
 from pipeline.preview.views import View, on_device
-from pipeline.progress import Report
-from pipeline.sheet import LINE_PX, Cell, Pixels, check_side, row, stacked
+from pipeline.run_folder.output import check_scratch
+from pipeline.run_folder.own_files import keep_own_files
+from pipeline.run_folder.workspace import StageFolder
 from pipeline.stages.render import IMAGES, RenderTask, render_runs
-from pipeline.workspace import StageFolder
+from symolo.core.progress import Report
+from symolo.dataset.metadata import FailedRun
+from symolo.pages.sheet import LINE_PX, Cell, Pixels, check_side, row, stacked
 
 Made = tuple[dict[int, Pixels], list[FailedRun]]
 """Pictures (H, W, 3) BGR by number, and what went wrong with the others."""

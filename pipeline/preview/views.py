@@ -6,20 +6,20 @@ from pathlib import Path
 
 import numpy as np
 
-from blender_scenes.devices import device_for
-from blender_scenes.job import FramePose, RenderJob
+from blender_scenes.render.devices import device_for
+from blender_scenes.render.job import FramePose, RenderJob
 from configs.draw import draw_run
-from configs.errors import InputError
 from configs.loader import LoadedScenario, load_scenario
 from configs.overrides import replaced_section
 from configs.references import locate
 from configs.schema.look import LookConfig
 from configs.schema.scenario import RunSpec
-from configs.streams import stream
-from physics.arena import Arena
-from physics.robot_path import RobotPath
-from pipeline.preview.way import Way
+from physics.arena.geometry import Arena
+from physics.robot.path import RobotPath
+from pipeline.preview.path import Way
 from pipeline.stages.render import Appearance
+from symolo.core.errors import InputError
+from symolo.core.random_streams import stream
 
 _DRAFT = ("render.quality=draft", "render.method=whole")
 """Under what `--set` says. The maps of pictures from parts would be made for a single one each."""

@@ -6,16 +6,16 @@ from pathlib import Path
 from zipfile import BadZipFile
 
 from configs.schema.scenario import RunSpec
-from physics.trajectory import Recording
-from pipeline.dataset.annotation_checks import ANNOTATIONS
+from physics.run.trajectory import Recording
 from pipeline.executors.local import Local
 from pipeline.repair.mending import Means, Mending
+from pipeline.run_folder.workspace import StageFolder
 from pipeline.stages.assemble import tables
 from pipeline.stages.render import IMAGES
 from pipeline.stages.simulate_runs import read_recording, simulation_key
-from pipeline.units import Finished, Progress, SimulateUnit
-from pipeline.workers import AnyEvent, AnyUnit
-from pipeline.workspace import StageFolder
+from pipeline.work.supervisor import AnyEvent, AnyUnit
+from pipeline.work.units import Finished, Progress, SimulateUnit
+from symolo.verification.annotations import ANNOTATIONS
 
 BY_FRAME = (f"{IMAGES}/", f"{ANNOTATIONS}/")
 

@@ -7,20 +7,20 @@ from pathlib import Path, PurePosixPath
 from blender_scenes.annotations.document import DOCUMENT, document
 from blender_scenes.annotations.job import RECORDS, AnnotationJob, record_file
 from blender_scenes.annotations.record import Record
-from configs.errors import InputError
 from configs.schema.scenario import RunSpec
-from configs.whole_files import make_folder, write_file
-from pipeline.dataset.annotation_checks import ANNOTATIONS
-from pipeline.dataset.rows import read_rows
 from pipeline.executors.local import Local
-from pipeline.files import sha256_of
 from pipeline.repair.mending import Means, Mending
+from pipeline.run_folder.workspace import StageFolder
 from pipeline.stages.annotate import AnnotationTask
 from pipeline.stages.assemble import DATA
 from pipeline.stages.render import IMAGES, JOB, Appearance, FrameTask, Order, RenderTask, blocks
-from pipeline.units import Finished, Progress, RenderUnit
-from pipeline.workers import AnyEvent, AnyUnit
-from pipeline.workspace import StageFolder
+from pipeline.work.supervisor import AnyEvent, AnyUnit
+from pipeline.work.units import Finished, Progress, RenderUnit
+from symolo.core.atomic_files import make_folder, write_file
+from symolo.core.errors import InputError
+from symolo.core.file_hashes import sha256_of
+from symolo.dataset.rows import read_rows
+from symolo.verification.annotations import ANNOTATIONS
 
 
 @dataclass(frozen=True)

@@ -4,14 +4,14 @@ import contextlib
 from collections.abc import Iterator
 from pathlib import Path
 
-from configs.whole_files import make_folder, write_file
-from pipeline.dataset.annotation_checks import ANNOTATIONS
-from pipeline.dataset.metadata import METADATA
-from pipeline.files import sha256_of
 from pipeline.repair.mending import RUN_PARTS, Mending
 from pipeline.stages.assemble import KEPT_METADATA, SIDE
 from pipeline.stages.render import IMAGES
 from pipeline.stages.simulate_runs import SPEC
+from symolo.core.atomic_files import make_folder, write_file
+from symolo.core.file_hashes import sha256_of
+from symolo.dataset.metadata import METADATA
+from symolo.verification.annotations import ANNOTATIONS
 
 
 def put_back(mending: Mending, scratch: Path) -> set[str]:

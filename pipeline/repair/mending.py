@@ -5,11 +5,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
-from blender_scenes.devices import DeviceKind
-from configs.whole_files import make_folder, remove_file, write_file
-from pipeline.dataset.inventory import LISTS, Inventory
-from pipeline.progress import Report
-from pipeline.workspace import Workspace
+from blender_scenes.render.devices import DeviceKind
+from pipeline.run_folder.workspace import Workspace
+from symolo.core.atomic_files import make_folder, remove_file, write_file
+from symolo.core.progress import Report
+from symolo.verification.inventory import LISTS, Inventory
 
 MOST_BYTES = 1 << 16
 """Of a file in which a single wrong bit is looked for; the time goes by the square of its size, 10 s for this one."""

@@ -5,18 +5,18 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from blender_scenes.devices import GPU_KINDS, DeviceKind
-from configs.errors import InputError
-from configs.whole_files import remove_file, remove_folder, write_file
-from pipeline.dataset.bag import DECLARATION
-from pipeline.dataset.findings import Finding
-from pipeline.dataset.inventory import Inventory
-from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, tag_manifest
-from pipeline.dataset.metadata import METADATA, Metadata, made_with
-from pipeline.progress import Report
+from blender_scenes.render.devices import GPU_KINDS, DeviceKind
 from pipeline.repair import drives, frames, kept, texts
 from pipeline.repair.mending import Means, Mending, with_one_bit_less_wrong
-from pipeline.workspace import STAGES, Workspace
+from pipeline.run_folder.workspace import STAGES, Workspace
+from symolo.core.atomic_files import remove_file, remove_folder, write_file
+from symolo.core.errors import InputError
+from symolo.core.progress import Report
+from symolo.dataset.bag import DECLARATION
+from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, tag_manifest
+from symolo.dataset.metadata import METADATA, Metadata, made_with
+from symolo.verification.findings import Finding
+from symolo.verification.inventory import Inventory
 
 SCRATCH = "repair"
 """Below the hidden stages; removed before and after."""

@@ -5,17 +5,17 @@ from collections.abc import Iterable, Mapping
 from pydantic import ValidationError
 
 from configs.draw import draw_run
-from configs.errors import InputError
 from configs.loader import LoadedScenario, load_resolved
 from configs.schema.scenario import RunSpec
-from pipeline.cpu import cpu_class
-from pipeline.dataset.bag import BAG_INFO, bag_info, read_cpu_classes
-from pipeline.dataset.description import DESCRIPTION, markdown
-from pipeline.dataset.metadata import METADATA, Metadata
+from pipeline.assembly.description import DESCRIPTION, markdown
 from pipeline.repair.mending import Mending, with_one_bit_less_wrong
 from pipeline.stages.annotate import processors
 from pipeline.stages.assemble import SIDE
 from pipeline.stages.simulate_runs import SPEC, read_outcome, spec_text
+from pipeline.work.cpu import cpu_class
+from symolo.core.errors import InputError
+from symolo.dataset.bag import BAG_INFO, bag_info, read_cpu_classes
+from symolo.dataset.metadata import METADATA, Metadata
 
 
 def flip_back(mending: Mending, names: Iterable[str]) -> None:

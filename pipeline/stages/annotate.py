@@ -6,13 +6,13 @@ from pathlib import Path, PurePosixPath
 from blender_scenes.annotations.document import DOCUMENT, document
 from blender_scenes.annotations.job import RECORDS_DIR, AnnotationJob, build_annotation_job, record_file
 from blender_scenes.annotations.record import Record
-from blender_scenes.job import RenderJob
-from configs.whole_files import make_folder, write_file
-from physics.arena import Arena
-from pipeline.dataset.annotation_checks import ANNOTATIONS
-from pipeline.files import read_known, sha256_of
+from blender_scenes.render.job import RenderJob
+from physics.arena.geometry import Arena
+from pipeline.run_folder.workspace import StageFolder, mark_done
 from pipeline.stages.render import IMAGES, JOB, Appearance, Findings, FrameTask, Order, Rendered, journal
-from pipeline.workspace import StageFolder, mark_done
+from symolo.core.atomic_files import make_folder, write_file
+from symolo.core.file_hashes import read_known, sha256_of
+from symolo.verification.annotations import ANNOTATIONS
 
 
 class AnnotationTask(FrameTask):

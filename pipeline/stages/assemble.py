@@ -7,29 +7,29 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from configs.errors import EnvironmentLacking
-from configs.refusals import NOT_THERE
 from configs.schema.scenario import RunSpec
-from configs.whole_files import make_folder, remove_file, remove_folder, replace_folder, write_file
-from physics.arena import Arena
-from physics.trajectory import Recording
-from pipeline.dataset.bag import BAG_INFO, bag_info
-from pipeline.dataset.camera_model import camera_files
-from pipeline.dataset.description import DESCRIPTION, markdown
-from pipeline.dataset.layout import DATA, IMAGES, POSITIONS, SIDE, SPEC
-from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, tag_manifest
-from pipeline.dataset.metadata import METADATA, FailedRun, Metadata, RunRecord, describe
-from pipeline.dataset.obstacles import obstacle_table, obstacles_csv
-from pipeline.dataset.rows import Rows
-from pipeline.dataset.scene_record import scene_file
-from pipeline.dataset.side import BOARD, TOF, WHEELS, board_csv, image_positions, tof_csv, wheels_csv
-from pipeline.files import hashes_of, holds, read_known
-from pipeline.progress import Report, StageReport
+from physics.arena.geometry import Arena
+from physics.run.trajectory import Recording
+from pipeline.assembly.description import DESCRIPTION, markdown
+from pipeline.assembly.scene_record import scene_file
+from pipeline.run_folder.workspace import DONE, STAGES, Workspace, input_key, mark_done
 from pipeline.stages.annotate import copy_released, processors
 from pipeline.stages.render import Rendered, picture_seed
 from pipeline.stages.simulate_runs import read_outcome, read_recording, spec_text
-from pipeline.versions import versions
-from pipeline.workspace import DONE, STAGES, Workspace, input_key, mark_done
+from symolo.core.atomic_files import make_folder, remove_file, remove_folder, replace_folder, write_file
+from symolo.core.errors import EnvironmentLacking
+from symolo.core.file_hashes import hashes_of, holds, read_known
+from symolo.core.os_errors import NOT_THERE
+from symolo.core.progress import Report, StageReport
+from symolo.core.versions import versions
+from symolo.dataset.bag import BAG_INFO, bag_info
+from symolo.dataset.camera_model import camera_files
+from symolo.dataset.layout import DATA, IMAGES, POSITIONS, SIDE, SPEC
+from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, tag_manifest
+from symolo.dataset.metadata import METADATA, FailedRun, Metadata, RunRecord, describe
+from symolo.dataset.obstacles import obstacle_table, obstacles_csv
+from symolo.dataset.rows import Rows
+from symolo.dataset.side_tables import BOARD, TOF, WHEELS, board_csv, image_positions, tof_csv, wheels_csv
 
 KEPT_METADATA = Path(STAGES) / "assemble" / METADATA
 """A copy within an output folder: of all that is released, nothing else could be made again without the scenario."""

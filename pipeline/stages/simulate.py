@@ -6,21 +6,21 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from configs.errors import RunFailed
 from configs.schema.scenario import RunSpec
-from configs.streams import stream
-from physics.arena import Arena
+from physics.arena.geometry import Arena
 from physics.bullet.simulation import BulletSimulation
 from physics.control.base import ControlInput, State
-from physics.lap import Lap
-from physics.pilot import BuiltInPilot, Decision, Pilot
-from physics.trajectory import Recording, TimeSeries, Trajectory
-from pipeline.dataset.obstacles import obstacle_series
-from pipeline.dataset.side import BOARD_SERIES
+from physics.run.lap import Lap
+from physics.run.pilot import BuiltInPilot, Decision, Pilot
+from physics.run.trajectory import Recording, TimeSeries, Trajectory
 from sensors.fit_out import fit_out
 from sensors.instruments import read_current_A, read_speed_rad_s
 from sensors.odometry import Odometry
 from sensors.suite import Reading, SensorSuite
+from symolo.core.errors import RunFailed
+from symolo.core.random_streams import stream
+from symolo.dataset.obstacles import obstacle_series
+from symolo.dataset.side_tables import BOARD_SERIES
 
 Progress = Callable[[float, float], None]
 """Called with the simulated time and the time limit [s]."""

@@ -8,24 +8,24 @@ from typing import TYPE_CHECKING
 
 from pydantic import BaseModel, ConfigDict
 
-from configs.errors import InputError, RunFailed
 from configs.schema.board import Board
 from configs.schema.scenario import RunSpec
-from configs.whole_files import write_file
-from physics.hil.loop import BoardEvent
-from physics.hil.pilot import PilotFromBoard, build_for, firmware_id_of, pilot_from_board
-from physics.hil.tally import COUNTED
-from physics.trajectory import Recording
-from pipeline.cpu import cpu_class
-from pipeline.dataset.layout import SPEC
-from pipeline.dataset.metadata import BoardRecord, FailedRun
+from hil.loop import BoardEvent
+from hil.pilot import PilotFromBoard, build_for, firmware_id_of, pilot_from_board
+from hil.tally import COUNTED
+from physics.run.trajectory import Recording
 from pipeline.executors.base import Executor
-from pipeline.files import canonical_json
-from pipeline.progress import Report
-from pipeline.units import Finished, Progress, SimulateUnit
-from pipeline.versions import versions
-from pipeline.workers import AnyEvent, AnyUnit, Retried, UnitFailure
-from pipeline.workspace import StageFolder, Workspace, input_key, mark_done
+from pipeline.run_folder.workspace import StageFolder, Workspace, input_key, mark_done
+from pipeline.work.cpu import cpu_class
+from pipeline.work.supervisor import AnyEvent, AnyUnit, Retried, UnitFailure
+from pipeline.work.units import Finished, Progress, SimulateUnit
+from symolo.core.atomic_files import write_file
+from symolo.core.errors import InputError, RunFailed
+from symolo.core.file_hashes import canonical_json
+from symolo.core.progress import Report
+from symolo.core.versions import versions
+from symolo.dataset.layout import SPEC
+from symolo.dataset.metadata import BoardRecord, FailedRun
 
 if TYPE_CHECKING:
     from pipeline.stages.simulate import Outcome, Watch

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("configs", "physics", "sensors", "diagnosis", "blender_scenes", "pipeline", "symolo")
+PACKAGES = ("configs", "physics", "sensors", "hil", "diagnosis", "blender_scenes", "pipeline", "symolo")
 MODULES = sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
 NOT_OURS = {".git", ".venv", "__pycache__", ".pytest_cache", ".ruff_cache", ".hypothesis", "symolo.egg-info"}
 
@@ -19,7 +19,7 @@ BANNED_IMPORTS = {
     "socket": "there is no network at run time",
     "requests": "there is no network at run time",
     "urllib": "there is no network at run time",
-    "multiprocessing": "forks after engines are loaded, and pickles; workers are spawned by pipeline.workers",
+    "multiprocessing": "forks after engines are loaded, and pickles; workers are spawned by pipeline.work.supervisor",
 }
 ALLOWED = {"pipeline/executors/ray.py: socket": "a cluster that the user names is reached, and no other place"}
 BANNED_CALLS = {
@@ -28,9 +28,9 @@ BANNED_CALLS = {
     "os.system": "runs a shell",
     "os.popen": "runs a shell",
     "os.fork": "engines do not survive it",
-    "yaml.load": "builds any object; configs.yaml_reader reads strictly",
+    "yaml.load": "builds any object; symolo.core.yaml_reader reads strictly",
     "tempfile.mktemp": "races",
-    "np.random.default_rng": "seeds by order or by chance; configs.streams keys by path",
+    "np.random.default_rng": "seeds by order or by chance; symolo.core.random_streams keys by path",
 }
 ALLOWED_RANDOM = {"np.random.Generator", "np.random.PCG64", "numpy.random.Generator"}
 

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 from typer.main import get_command
 
-from blender_scenes.surroundings import SYSTEM_PACKAGES
+from blender_scenes.render.surroundings import SYSTEM_PACKAGES
 from configs.loader import load_scenario, load_section
-from physics.hil.tools import HIL_PACKAGES
+from hil.tools import HIL_PACKAGES
 from pipeline.cli import command_line
 
 ROOT = Path(__file__).parents[2]

@@ -7,17 +7,17 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("configs", "physics", "sensors", "diagnosis", "blender_scenes", "pipeline", "symolo")
+PACKAGES = ("configs", "physics", "sensors", "hil", "diagnosis", "blender_scenes", "pipeline", "symolo")
 MODULES = sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
 
 ENGINES = {
     "pybullet": "physics/bullet/",
     "pybullet_data": "physics/bullet/",
-    "bpy": "blender_scenes/bpy_side/",
-    "bmesh": "blender_scenes/bpy_side/",
-    "mathutils": "blender_scenes/bpy_side/",
-    "serial": "physics/hil/links/",
-    "obstore": "pipeline/storage/bucket.py",
+    "bpy": "blender_scenes/blender_side/",
+    "bmesh": "blender_scenes/blender_side/",
+    "mathutils": "blender_scenes/blender_side/",
+    "serial": "hil/links/",
+    "obstore": "symolo/storage/bucket.py",
     "ray": "pipeline/executors/ray.py",
 }
 
@@ -75,7 +75,13 @@ def test_nothing_happens_at_import():
 
 
 def test_importing_the_pipeline_loads_no_engine():
-    modules = ["pipeline", "pipeline.cli", "pipeline.batch", "pipeline.rerender", "pipeline.verify"]
+    modules = [
+        "pipeline",
+        "pipeline.cli",
+        "pipeline.work.batch",
+        "pipeline.rerendering.rerender",
+        "symolo.verification.verify",
+    ]
     program = f"import json, sys, {', '.join(modules)}; print(json.dumps(sorted(sys.modules)))"
     process = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     loaded = set(json.loads(process.stdout))

@@ -11,7 +11,7 @@ from configs.loader import load_section
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from pipeline.cli import command_line
-from pipeline.exporters import EXPORTERS
+from symolo.exporters import EXPORTERS
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGES = sorted((DOCS / "reference").glob("*.md"))

@@ -1,4 +1,4 @@
-"""Every file that the packages write gets its place in one way, that of `configs.whole_files`."""
+"""Every file that the packages write gets its place in one way, that of `symolo.core.atomic_files`."""
 
 import ast
 from pathlib import Path
@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("configs", "physics", "sensors", "diagnosis", "blender_scenes", "pipeline", "symolo")
+PACKAGES = ("configs", "physics", "sensors", "hil", "diagnosis", "blender_scenes", "pipeline", "symolo")
 MODULES = sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
-THE_WAY = "configs/whole_files.py"
+THE_WAY = "symolo/core/atomic_files.py"
 
 WRITERS = {"write_text", "write_bytes", "savefig", "imwrite", "savez", "savez_compressed", "savetxt", "tofile"}
 WRITERS |= {"copyfile", "copy2", "copytree", "move", "rename", "touch", "symlink_to", "hardlink_to", "save_as_mainfile"}
@@ -19,17 +19,20 @@ OF_NUMPY = {"np.save", "numpy.save", "np.memmap", "json.dump", "yaml.dump"}
 JUSTIFIED = {
     ("configs/assets/quiet.py", "open"): "the null device, which takes what a decoder says",
     ("physics/bullet/body.py", "write_text"): "the URDF in a scratch folder, for PyBullet reads no text",
-    ("physics/hil/build.py", "write_text"): "sources in a scratch folder, for the compiler reads no text",
-    ("physics/trajectory.py", "savez_compressed"): "into a buffer",
-    ("diagnosis/benches/plotting.py", "savefig"): "into a buffer",
-    ("blender_scenes/bpy_side/__main__.py", "fdopen"): "the pipe to the renderer",
-    ("blender_scenes/bpy_side/__main__.py", "rmtree"): "the scratch folder of a renderer that is gone",
-    ("blender_scenes/bpy_side/part_scenes.py", "unlink"): "of things from a scene; no file",
-    ("blender_scenes/bpy_side/rendering.py", "unlink"): "the picture in the scratch folder that Blender writes next",
-    ("pipeline/worker_main.py", "fdopen"): "the pipe to the supervisor",
-    ("pipeline/worker_main.py", "rmtree"): "the scratch folder of a supervisor that is gone",
+    ("hil/build.py", "write_text"): "sources in a scratch folder, for the compiler reads no text",
+    ("physics/run/trajectory.py", "savez_compressed"): "into a buffer",
+    ("symolo/pages/plotting.py", "savefig"): "into a buffer",
+    ("blender_scenes/blender_side/__main__.py", "fdopen"): "the pipe to the renderer",
+    ("blender_scenes/blender_side/__main__.py", "rmtree"): "the scratch folder of a renderer that is gone",
+    ("blender_scenes/blender_side/hybrid/scenes.py", "unlink"): "of things from a scene; no file",
+    (
+        "blender_scenes/blender_side/rendering.py",
+        "unlink",
+    ): "the picture in the scratch folder that Blender writes next",
+    ("pipeline/work/worker_main.py", "fdopen"): "the pipe to the supervisor",
+    ("pipeline/work/worker_main.py", "rmtree"): "the scratch folder of a supervisor that is gone",
     ("pipeline/stages/assemble.py", "rmdir"): "an empty folder of a route",
-    ("pipeline/rerender.py", "rmdir"): "an empty scratch folder",
+    ("pipeline/rerendering/rerender.py", "rmdir"): "an empty scratch folder",
 }
 
 

@@ -11,15 +11,15 @@ import pytest
 import yaml
 
 import configs
-from blender_scenes.camera_response import CameraResponse
-from blender_scenes.description import INSTANT, FrameView, Intrinsics, Scene, Shutter
-from blender_scenes.job import RenderJob
-from blender_scenes.sampling import Sampling
-from configs.lens import NO_DISTORTION, Coefficients
+from blender_scenes.render.job import RenderJob
+from blender_scenes.render.sampling import Sampling
+from blender_scenes.scene.description import INSTANT, FrameView, Intrinsics, Scene, Shutter
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import CameraLook
 from configs.schema.robot import RobotConfig
-from physics.arena import Arena
+from physics.arena.geometry import Arena
+from sensors.camera.response import CameraResponse
+from symolo.core.lens import NO_DISTORTION, Coefficients
 
 _SHIPPED = Path(configs.__file__).parent
 
@@ -43,8 +43,9 @@ from unittest import mock
 import numpy as np
 out = os.fdopen(os.dup(1), "wb")
 os.dup2(2, 1)
-from blender_scenes.bpy_side import build, engine, part_pictures
-from blender_scenes.job import RenderJob
+from blender_scenes.blender_side import build, engine
+from blender_scenes.blender_side.hybrid import images as part_pictures
+from blender_scenes.render.job import RenderJob
 orders, near_width_px, own_files = json.load(sys.stdin)
 if near_width_px:
     mock.patch.object(part_pictures, "_NEAR_WIDTH_PX", near_width_px).start()

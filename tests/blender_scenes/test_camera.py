@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from blender_scenes.camera import (
+from sensors.camera.geometry import (
     floor_points,
     horizontal_field_of_view_rad,
     intrinsics,

@@ -5,9 +5,9 @@ import cv2
 import numpy as np
 import pytest
 
-from blender_scenes.camera_response import CameraResponse, develop, encode_jpeg, median_luminance
-from blender_scenes.colour import light_rgb
 from configs.schema.look import CameraLook
+from sensors.camera.colour import light_rgb
+from sensors.camera.response import CameraResponse, develop, encode_jpeg, median_luminance
 
 PLAIN = CameraLook(
     contrast=1, saturation=1, vignetting=0, shot_noise=0, read_noise=0, brightness=0.18, white_balance_adaption=1

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from blender_scenes.denoiser import Denoiser
+from blender_scenes.hybrid.denoiser import Denoiser
 
 
 def noisy(height_px: int, width_px: int, seed: int) -> np.ndarray:

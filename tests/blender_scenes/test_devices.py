@@ -7,13 +7,13 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from blender_scenes import devices
-from blender_scenes.devices import GPU_KINDS, DeviceKind, device_for, one_card_each
-from blender_scenes.job import FramePose, build_job
-from blender_scenes.renderer import render_job
-from configs.errors import EnvironmentLacking
+from blender_scenes.render import devices
+from blender_scenes.render.devices import GPU_KINDS, DeviceKind, device_for, one_card_each
+from blender_scenes.render.job import FramePose, build_job
+from blender_scenes.render.renderer import render_job
 from configs.schema.look import LookConfig
 from configs.schema.scenario import Render
+from symolo.core.errors import EnvironmentLacking
 
 
 def _has(*kinds: DeviceKind):

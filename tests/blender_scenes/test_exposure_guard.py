@@ -2,7 +2,7 @@ import cv2
 import numpy as np
 import pytest
 
-from blender_scenes.exposure_guard import Extremes, all_black, exposure_warnings
+from sensors.camera.exposure_guard import Extremes, all_black, exposure_warnings
 
 WELL = Extremes(black=0.0, burnt=0.02)
 

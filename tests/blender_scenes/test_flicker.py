@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from blender_scenes.job import FramePose, build_job
 from blender_scenes.lighting.flicker import caught, frame_gains, mains_phase_rad
+from blender_scenes.render.job import FramePose, build_job
 from configs.schema.lighting import FlickerLook, LampsLook, SkyLook
 from configs.schema.look import LookConfig
 from configs.schema.scenario import Render

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from blender_scenes.camera import floor_points, intrinsics, pose_X_RC, pose_X_WR
-from blender_scenes.description import FrameView, Shutter
-from blender_scenes.floor_sight import MIDDLE, FilterPoint, FloorSight, filter_points
-from blender_scenes.shutter import exposed, moment, row_opens_s, window
-from physics.robot_path import RobotPath
+from blender_scenes.hybrid.floor_sight import MIDDLE, FilterPoint, FloorSight, filter_points
+from blender_scenes.scene.description import FrameView, Shutter
+from physics.robot.path import RobotPath
+from sensors.camera.geometry import floor_points, intrinsics, pose_X_RC, pose_X_WR
+from sensors.camera.shutter import exposed, moment, row_opens_s, window
 
 WIDTH_PX, HEIGHT_PX = 48, 36
 POSE = (0.3, -0.7, 2.0)
@@ -227,7 +227,7 @@ def test_a_turn_through_half_a_turn_goes_the_short_way(camera, arena, X_RC, view
 def test_points_of_large_pictures_which_are_not_kept_are_the_same(monkeypatch, camera, view, kept):
     points = filter_points(1.5)
     whole = [FloorSight(camera, view, 1.0).points(view, point) for point in points]
-    monkeypatch.setattr("blender_scenes.floor_sight._MOST_BYTES", kept * 8 * WIDTH_PX * HEIGHT_PX)
+    monkeypatch.setattr("blender_scenes.hybrid.floor_sight._MOST_BYTES", kept * 8 * WIDTH_PX * HEIGHT_PX)
     sight = FloorSight(camera, view, 1.0)
     for _ in range(2):
         for point, expected in zip(points, whole, strict=True):

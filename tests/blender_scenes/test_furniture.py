@@ -22,9 +22,9 @@ from blender_scenes.rooms.furniture.shelf import shelf
 from blender_scenes.rooms.furniture.table import Table, table
 from blender_scenes.rooms.furniture.wall_socket import drawn_wall_socket, wall_socket
 from blender_scenes.rooms.furniture.waste_bin import waste_bin
-from blender_scenes.solids import cushion, joined, lathe, pipe, posed, rod, stood
+from blender_scenes.scene.solids import cushion, joined, lathe, pipe, posed, rod, stood
 from configs.schema.paint import Paint
-from configs.streams import stream
+from symolo.core.random_streams import stream
 
 HANGING = {
     "door": drawn_door,

@@ -3,12 +3,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from blender_scenes import line_mesh
-from blender_scenes.bevel import BEVEL_M
-from blender_scenes.description import Mesh
-from blender_scenes.scene import arena_bounds, describe
+from blender_scenes.scene import line_mesh
+from blender_scenes.scene.bevel import BEVEL_M
+from blender_scenes.scene.description import Mesh
+from blender_scenes.scene.run_scene import arena_bounds, describe
 from configs.schema.look import LookConfig
-from physics.arena import Box, Line
+from physics.arena.geometry import Box, Line
 
 
 def _normals_and_middles(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from blender_scenes.guided_filter import local_lines
+from blender_scenes.hybrid.guided_filter import local_lines
 
 HEIGHT, WIDTH = 24, 32
 EVERYWHERE = np.ones((HEIGHT, WIDTH, 1), np.float32)

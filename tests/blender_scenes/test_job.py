@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from blender_scenes.job import FramePose, RenderJob, build_job
+from blender_scenes.render.job import FramePose, RenderJob, build_job
 from configs.schema.look import CameraLook, LookConfig
 from configs.schema.scenario import Render
-from physics.robot_path import RobotPath
+from physics.robot.path import RobotPath
 
 FRAMES = [FramePose(number=i, t_s=0.2 * i, x_m=0.55, y_m=-0.6 + 0.03 * i, yaw_rad=np.pi / 2) for i in range(1, 4)]
 
@@ -55,8 +55,8 @@ def test_a_damaged_job_is_refused(job):
 
 def test_importing_the_stage_loads_neither_blender_nor_pybullet():
     program = (
-        "import sys, blender_scenes.job, blender_scenes.renderer, blender_scenes.camera\n"
-        "print([name for name in ('bpy', 'pybullet', 'blender_scenes.bpy_side') if name in sys.modules])"
+        "import sys, blender_scenes.render.job, blender_scenes.render.renderer, sensors.camera.geometry\n"
+        "print([name for name in ('bpy', 'pybullet', 'blender_scenes.blender_side') if name in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -9,17 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from blender_scenes.colour import LUMINANCE, light_rgb, paint_rgb
-from blender_scenes.description import Panel
 from blender_scenes.lighting import LIGHTS
 from blender_scenes.lighting.illuminance import on_the_floor
 from blender_scenes.lighting.panoramas import CEILING, MEAN_COLOR
 from blender_scenes.rooms import ROOMS
 from blender_scenes.rooms.base import Top
+from blender_scenes.scene.description import Panel
 from configs.schema.lighting import DeskLampsLook, LampsLook, SkyLook, SunLook
 from configs.schema.look import LookConfig
 from configs.schema.paint import Paint
 from configs.schema.room import FurnitureLook, RoomLook, WindowLook
+from sensors.camera.colour import LUMINANCE, light_rgb, paint_rgb
 
 LOOK = LookConfig(name="plain")
 

@@ -8,11 +8,11 @@ import cv2
 import numpy as np
 import pytest
 
-from blender_scenes.description import FrameView, Panel, Scene, Sky, Sun
-from blender_scenes.geometry import block, floor
-from blender_scenes.job import FramePose, build_job
-from blender_scenes.renderer import render_job
-from blender_scenes.shading import Color, Surface
+from blender_scenes.render.job import FramePose, build_job
+from blender_scenes.render.renderer import render_job
+from blender_scenes.scene.description import FrameView, Panel, Scene, Sky, Sun
+from blender_scenes.scene.meshes import block, floor
+from blender_scenes.scene.shading import Color, Surface
 from configs.draw import draw_look
 from configs.loader import load_section
 from configs.references import shipped_names

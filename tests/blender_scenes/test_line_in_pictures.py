@@ -12,14 +12,14 @@ import cv2
 import numpy as np
 import pytest
 
-from blender_scenes.camera import project
-from blender_scenes.job import FramePose, RenderJob, build_job
-from blender_scenes.renderer import render_job
-from configs.lens import NO_DISTORTION
+from blender_scenes.render.job import FramePose, RenderJob, build_job
+from blender_scenes.render.renderer import render_job
 from configs.schema.floors import FloorLook
 from configs.schema.look import CameraLook, LinePaintLook, LookConfig, TapeLook
 from configs.schema.robot import LensDistortion
 from configs.schema.scenario import Render
+from sensors.camera.geometry import project
+from symolo.core.lens import NO_DISTORTION
 
 POSES = [(0.55, -0.60, 90), (0.545, -0.15, 92), (0.49, 0.68, 133), (-0.55, -0.90, -70), (0.30, -1.04, 15)]
 """x [m], y [m], yaw [deg] on the dataset arena: straights, an obstacle ahead, both arcs, a line end."""

@@ -10,7 +10,7 @@ SCRIPT = """
 import ctypes, os, sys
 from importlib.util import find_spec
 from pathlib import Path
-from blender_scenes.bpy_side.loading import load_bpy
+from blender_scenes.blender_side.loading import load_bpy
 lib = Path(find_spec("bpy").origin).parent / "lib"
 load_bpy(int(sys.argv[1]))
 tbb = ctypes.CDLL(str(next(lib.glob("libtbb.so.*"))))

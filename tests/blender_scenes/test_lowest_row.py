@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from blender_scenes.description import FrameView, Intrinsics, Mesh, Moment
-from blender_scenes.geometry import block
-from blender_scenes.lowest_row import EdgesInSight
+from blender_scenes.hybrid.lowest_row import EdgesInSight
+from blender_scenes.scene.description import FrameView, Intrinsics, Mesh, Moment
+from blender_scenes.scene.meshes import block
 
 CAMERA = Intrinsics(64, 48, 40.0, 40.0, 31.5, 23.5)
 EYE_M = 0.2

@@ -10,9 +10,6 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter
 
-from blender_scenes.colour import LUMINANCE
-from blender_scenes.description import FrameView, Scene, Sky, Sun
-from blender_scenes.geometry import rectangle
 from blender_scenes.lighting.panoramas import MEAN_COLOR
 from blender_scenes.materials import FLOORS, SURFACES
 from blender_scenes.materials.base import Patch
@@ -20,8 +17,10 @@ from blender_scenes.materials.dirt import dirtied
 from blender_scenes.materials.line_paint import line_paint
 from blender_scenes.materials.stains import stained
 from blender_scenes.materials.tape import tape
-from blender_scenes.scene import describe
-from blender_scenes.shading import (
+from blender_scenes.scene.description import FrameView, Scene, Sky, Sun
+from blender_scenes.scene.meshes import rectangle
+from blender_scenes.scene.run_scene import describe
+from blender_scenes.scene.shading import (
     Arithmetic,
     Cells,
     Color,
@@ -36,14 +35,15 @@ from blender_scenes.shading import (
     Tiles,
     as_texture,
 )
-from blender_scenes.typical import typical_color
+from blender_scenes.scene.typical import typical_color
 from configs.schema.arena import ArenaConfig, Line, SurfaceName, Wall
 from configs.schema.asset import Asset, ImageLook
 from configs.schema.floors import FloorLook, FloorName, Vinyl
 from configs.schema.lighting import PanoramaName
 from configs.schema.look import LookConfig, TapeLook
-from physics import surfaces
-from physics.arena import Arena
+from physics.arena import surfaces
+from physics.arena.geometry import Arena
+from sensors.camera.colour import LUMINANCE
 
 IMAGE = Asset(name="a.png", sha256="0" * 64, width_px=3, height_px=2, mean_rgb=(0.5, 0.4, 0.3))
 LOOK = LookConfig(name="plain", floor=FloorLook(image=ImageLook(file=IMAGE, width_m=0.6)))

@@ -9,21 +9,21 @@ import cv2
 import numpy as np
 import pytest
 
-from blender_scenes.camera import project
-from blender_scenes.description import FrameView, Scene, Sky, Sun
-from blender_scenes.geometry import floor
-from blender_scenes.job import FramePose, RenderJob, build_job
 from blender_scenes.materials import FLOORS
 from blender_scenes.materials.base import Patch
 from blender_scenes.preview.renderer import FlatRenderer
-from blender_scenes.scene import describe
+from blender_scenes.render.job import FramePose, RenderJob, build_job
+from blender_scenes.scene.description import FrameView, Scene, Sky, Sun
+from blender_scenes.scene.meshes import floor
+from blender_scenes.scene.run_scene import describe
 from configs.schema.arena import ArenaConfig, Line, Wall
 from configs.schema.asset import Asset, ImageLook, SurfaceImages
 from configs.schema.floors import FloorLook
 from configs.schema.lighting import SkyLook
 from configs.schema.look import LookConfig
 from configs.schema.scenario import Render
-from physics.arena import Arena
+from physics.arena.geometry import Arena
+from sensors.camera.geometry import project
 
 TILES = np.zeros((8, 12, 3), np.uint8)
 """Two rows of three tiles, blue first: above red, green, blue, below black, half of white's light, white."""

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from blender_scenes.camera import floor_points, pose_X_WR, project
-from blender_scenes.camera_response import CameraResponse
-from blender_scenes.description import (
+from blender_scenes.render.job import FramePose, RenderJob, build_job
+from blender_scenes.render.sampling import PartSamples, Sampling
+from blender_scenes.scene.description import (
     INSTANT,
     FrameView,
     Intrinsics,
@@ -20,16 +20,16 @@ from blender_scenes.description import (
     Shutter,
     Sky,
 )
-from blender_scenes.geometry import block, floor, rectangle
-from blender_scenes.job import FramePose, RenderJob, build_job
-from blender_scenes.sampling import PartSamples, Sampling
-from blender_scenes.shading import Color, Coordinate, Mix, Noise, Step, Surface
+from blender_scenes.scene.meshes import block, floor, rectangle
+from blender_scenes.scene.shading import Color, Coordinate, Mix, Noise, Step, Surface
 from configs.draw import draw_look
 from configs.loader import load_section
 from configs.references import shipped_names
 from configs.schema.look import CameraLook
 from configs.schema.scenario import Render
-from physics.robot_path import RobotPath
+from physics.robot.path import RobotPath
+from sensors.camera.geometry import floor_points, pose_X_WR, project
+from sensors.camera.response import CameraResponse
 
 WIDTH_PX, HEIGHT_PX = 64, 48
 CAMERA = Intrinsics(WIDTH_PX, HEIGHT_PX, 45.0, 45.0, 31.5, 23.5)

@@ -6,9 +6,9 @@ import sys
 PROGRAM = """
 import bpy
 import numpy as np
-from blender_scenes.bpy_side import build
-from blender_scenes.bpy_side.placing import place
-from blender_scenes.description import FrameView, Moment
+from blender_scenes.blender_side import build
+from blender_scenes.blender_side.placing import place
+from blender_scenes.scene.description import FrameView, Moment
 build.start()
 for name in (build.CAMERA, build.ROBOT):
     build._place(name, None)

@@ -12,12 +12,12 @@ import cv2
 import numpy as np
 import pytest
 
-from blender_scenes import renderer
-from blender_scenes.job import FramePose, RenderJob, build_job
-from blender_scenes.renderer import RenderError, render_job
-from configs.errors import EnvironmentLacking
+from blender_scenes.render import renderer
+from blender_scenes.render.job import FramePose, RenderJob, build_job
+from blender_scenes.render.renderer import RenderError, render_job
 from configs.schema.look import LookConfig
 from configs.schema.scenario import Render
+from symolo.core.errors import EnvironmentLacking
 
 FRAMES = [FramePose(number=i, t_s=0.2 * i, x_m=0.55, y_m=-0.6 + 0.1 * i, yaw_rad=np.pi / 2) for i in (1, 2, 3)]
 SMALL = Render(width_px=80, height_px=60, samples=2)
@@ -151,7 +151,7 @@ def test_no_child_outlives_a_killed_renderer(job, tmp_path, monkeypatch):
     note = tmp_path / "pid"
     program = f"import os, time\nopen({str(note)!r}, 'w').write(str(os.getpid()))\ntime.sleep(60)"
     _pretend_bpy(tmp_path, monkeypatch, program)
-    call = "import sys; from pathlib import Path; from blender_scenes.renderer import render_job\n"
+    call = "import sys; from pathlib import Path; from blender_scenes.render.renderer import render_job\n"
     call += f"render_job(Path({str(_written(job, tmp_path))!r}), Path({str(tmp_path / 'images')!r}))"
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     parent = subprocess.Popen([sys.executable, "-c", call])

@@ -7,16 +7,16 @@ import pytest
 from blender_scenes.annotations.instances import CATEGORIES
 from blender_scenes.annotations.job import build_annotation_job
 from blender_scenes.annotations.record import Record
-from blender_scenes.camera import matrix_K
-from blender_scenes.job import FramePose, RenderJob, build_job
 from blender_scenes.preview.renderer import FlatRenderer
-from blender_scenes.renderer import render_job
+from blender_scenes.render.job import FramePose, RenderJob, build_job
+from blender_scenes.render.renderer import render_job
 from configs.draw import draw_robot
 from configs.loader import load_section
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
 from configs.schema.scenario import Render
-from physics.arena import Arena
+from physics.arena.geometry import Arena
+from sensors.camera.geometry import matrix_K
 
 ARENA = {"name": "line", "line": {"pieces": [{"kind": "straight", "start": [0.0, 0.0], "end": [1.2, 0.0]}]}}
 POSES = [FramePose(1, 0.0, 0.1, 0.0, 0.0), FramePose(2, 0.2, 0.13, 0.01, 0.1)]

@@ -6,8 +6,8 @@ from typing import get_args
 import pytest
 from pydantic import ValidationError
 
-from blender_scenes.job import FramePose, RenderJob, build_job
-from blender_scenes.sampling import QUALITIES, part_samples, sampling
+from blender_scenes.render.job import FramePose, RenderJob, build_job
+from blender_scenes.render.sampling import QUALITIES, part_samples, sampling
 from configs.schema.look import LookConfig
 from configs.schema.scenario import Render, RenderQuality
 

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from blender_scenes.description import FrameView, Mesh, Scene, Sky, Sun
-from blender_scenes.geometry import rectangle
-from blender_scenes.shading import Arithmetic, Cells, Color, Coordinate, Mix, Noise, Number, Step, Surface, Tiles
-from blender_scenes.typical import typical_color
+from blender_scenes.scene.description import FrameView, Mesh, Scene, Sky, Sun
+from blender_scenes.scene.meshes import rectangle
+from blender_scenes.scene.shading import Arithmetic, Cells, Color, Coordinate, Mix, Noise, Number, Step, Surface, Tiles
+from blender_scenes.scene.typical import typical_color
 
 A, B = Color((0.8, 0.1, 0.4)), Color((0.2, 0.5, 0.3))
 CONSTANT = {

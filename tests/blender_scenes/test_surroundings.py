@@ -3,8 +3,8 @@ import resource
 
 import pytest
 
-from blender_scenes.surroundings import require_room, without_blender_settings
-from configs.refusals import DISK_FULL
+from blender_scenes.render.surroundings import require_room, without_blender_settings
+from symolo.core.os_errors import DISK_FULL
 
 
 def test_variables_that_change_pixels_do_not_reach_blender_and_all_others_do():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from blender_scenes.upsampling import reduced, upsampled
+from blender_scenes.hybrid.upsampling import reduced, upsampled
 
 HEIGHT, WIDTH = 12, 16
 TIMES = pytest.mark.parametrize("times", [2, 4])

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from configs.errors import InputError
 from configs.loader import load_scenario
+from symolo.core.errors import InputError
 
 
 @dataclass(frozen=True)

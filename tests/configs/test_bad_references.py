@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from configs.errors import InputError
 from configs.loader import load_scenario, load_section
+from symolo.core.errors import InputError
 
 OVERRIDES = {
     "no value": ("seed", "--set: got 'seed', allowed: field.path=value"),

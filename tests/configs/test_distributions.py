@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from configs.distributions import Choice, Distribution, LogUniform, Normal, Uniform
-from configs.streams import stream
+from symolo.core.random_streams import stream
 
 DRAWS = 40_000
 

@@ -4,9 +4,9 @@ import pytest
 import yaml
 
 from configs.draw import draw_all, draw_look, draw_run
-from configs.errors import InputError
 from configs.loader import LoadedScenario, load_scenario, load_section
 from configs.schema.scenario import RunSpec
+from symolo.core.errors import InputError
 
 pytestmark = pytest.mark.usefixtures("here")
 

@@ -2,7 +2,7 @@ import pickle
 
 import pytest
 
-from configs.errors import InputError, nearest, shown
+from symolo.core.errors import InputError, nearest, shown
 
 
 def test_the_parts_of_an_error_stand_in_one_order():

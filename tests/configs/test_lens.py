@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from configs.lens import border_rays, distorted, lens_problem, undistorted
 from configs.schema.robot import Camera, LensDistortion
+from symolo.core.lens import border_rays, distorted, lens_problem, undistorted
 
 WEBCAM = (-0.32, 0.12, 0.001, -0.002, -0.02)
 PINCUSHION = (0.2, 0.05, -0.003, 0.004, 0.01)

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from configs.draw import draw_run
-from configs.errors import InputError
 from configs.loader import LoadedScenario, load_scenario, load_section
+from symolo.core.errors import InputError
 
 pytestmark = pytest.mark.usefixtures("here")
 

@@ -3,8 +3,8 @@
 import pytest
 
 from configs.draw import draw_run
-from configs.errors import InputError
 from configs.loader import load_scenario
+from symolo.core.errors import InputError
 
 REFUSED = {
     "no waypoints": ("{waypoints: []}", "waypoints", "a list with at least 1 item"),

@@ -11,8 +11,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from configs.draw import draw_run
-from configs.errors import InputError
 from configs.loader import load_scenario
+from symolo.core.errors import InputError
 
 PASSAGES = [
     "nan", ".nan", "1e999", "-1", "0", "''", "'1'", "null", "true", "~", "[]", "{}", "[", "}", ": ", "\t", "\n", "- ",

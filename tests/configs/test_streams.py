@@ -2,7 +2,7 @@ import itertools
 
 import numpy as np
 
-from configs.streams import stream
+from symolo.core.random_streams import stream
 
 
 def first(seed: int, *path: str | int) -> float:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from configs.draw import draw_robot, draw_run
-from configs.errors import InputError
 from configs.loader import load_scenario, load_section
+from symolo.core.errors import InputError
 
 
 def test_a_term_that_does_not_exist_is_refused_with_the_nearest():

@@ -3,8 +3,8 @@ from pathlib import Path
 import pytest
 
 import configs
-from configs.errors import InputError
-from configs.yaml_reader import parse_yaml, read_yaml
+from symolo.core.errors import InputError
+from symolo.core.yaml_reader import parse_yaml, read_yaml
 
 
 @pytest.mark.parametrize(

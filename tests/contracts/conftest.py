@@ -8,11 +8,11 @@ import pytest
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates
-from physics.arena import Arena, Box, Line, Straight
+from physics.arena.geometry import Arena, Box, Line, Straight
 from physics.bullet.simulation import BulletSimulation
-from physics.kinematic import KinematicTwin, ReplayedWorld
-from physics.motor_bench import steady_states, step_responses
-from physics.robot_model import RobotModel
+from physics.drivetrain.motor_bench import steady_states, step_responses
+from physics.robot.model import RobotModel
+from physics.twin import KinematicTwin, ReplayedWorld
 from sensors.fit_out import fit_out
 from sensors.instruments import read_current_A, read_speed_rad_s
 from sensors.suite import SensorSuite

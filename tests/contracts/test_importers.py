@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from configs.errors import InputError
 from diagnosis.importers.choose import read_measurement
-from pipeline.importers import IMPORTERS
+from pipeline.diagnosing.importers import IMPORTERS
+from symolo.core.errors import InputError
 
 
 @pytest.fixture

@@ -7,15 +7,15 @@ import pytest
 import yaml
 
 from configs.draw import draw_robot
-from configs.errors import InputError
 from configs.loader import load_section
+from configs.schema.effects.motor import GearBacklash
+from configs.schema.effects.table import TERM_NAMES
 from configs.schema.robot import RobotConfig
-from configs.schema.terms.motor import GearBacklash
-from configs.schema.terms.table import TERM_NAMES
-from physics.robot_model import RobotModel
-from physics.terms import PHYSICS_TERMS
-from physics.terms.base import Slot
-from sensors.terms import SENSOR_TERMS
+from physics.effects import PHYSICS_TERMS
+from physics.effects.base import Slot
+from physics.robot.model import RobotModel
+from sensors.effects import SENSOR_TERMS
+from symolo.core.errors import InputError
 
 ROOT = Path(__file__).parents[2]
 TERMS = {term.name: term for term in (*PHYSICS_TERMS, *SENSOR_TERMS)}

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from configs.draw import draw_robot
-from configs.errors import InputError
 from configs.loader import load_section
-from configs.schema.terms.drive import WheelRadiusScale
+from configs.schema.effects.drive import WheelRadiusScale
 from diagnosis.against import against
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.report.against import in_json, verdict
+from symolo.core.errors import InputError
 
 
 @pytest.fixture(scope="module")

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 import yaml
 
-from configs.errors import InputError
 from configs.schema.arena import Floor, Line
 from configs.schema.robot import RobotConfig
-from diagnosis.benches.line import check_line
-from diagnosis.benches.line_channels import Spread, channels, converter
-from diagnosis.benches.line_edge import crossings, edge_width_m
-from diagnosis.benches.line_rig import Tape
-from diagnosis.benches.line_threshold import threshold_bench
+from diagnosis.validation.line_sensor.bench import check_line
+from diagnosis.validation.line_sensor.channels import Spread, channels, converter
+from diagnosis.validation.line_sensor.edge import crossings, edge_width_m
+from diagnosis.validation.line_sensor.rig import Tape
+from diagnosis.validation.line_sensor.threshold import threshold_bench
+from symolo.core.errors import InputError
 
 NOMINAL = Path(__file__).parents[2] / "configs" / "robots" / "nominal.yaml"
 PITCH_M = 0.009525

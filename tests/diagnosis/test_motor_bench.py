@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 import yaml
 
-from configs.errors import InputError
+from configs.schema.effects.motor import InputDelay, StribeckFriction
 from configs.schema.robot import RobotConfig
-from configs.schema.terms.motor import InputDelay, StribeckFriction
-from diagnosis.benches.motor import check_motor
-from diagnosis.benches.motor_energy import energy_bench
-from diagnosis.benches.motor_steady import Residuals, steady_bench
-from diagnosis.benches.motor_steps import step_bench
-from diagnosis.benches.motor_stiction import starts_and_reversals, stiction_bench
 from diagnosis.motor_identification import TABLE_2
-from physics.motor import MotorModel
-from physics.robot_model import RobotModel
+from diagnosis.validation.motor.bench import check_motor
+from diagnosis.validation.motor.energy import energy_bench
+from diagnosis.validation.motor.steady_states import Residuals, steady_bench
+from diagnosis.validation.motor.steps import step_bench
+from diagnosis.validation.motor.stiction import starts_and_reversals, stiction_bench
+from physics.drivetrain.motor import MotorModel
+from physics.robot.model import RobotModel
+from symolo.core.errors import InputError
 
 NOMINAL = Path(__file__).parents[2] / "configs" / "robots" / "nominal.yaml"
 R, K, B, TQ, J = 4.0, 0.25, 0.003, 0.02, 2e-3

@@ -14,7 +14,7 @@ from diagnosis.motor_identification import (
     identify,
     identify_as_printed,
 )
-from physics.motor import MotorModel
+from physics.drivetrain.motor import MotorModel
 
 NOMINAL = Path(__file__).parents[2] / "configs" / "robots" / "nominal.yaml"
 

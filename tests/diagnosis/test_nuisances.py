@@ -8,7 +8,7 @@ import yaml
 
 from configs.draw import draw_robot
 from configs.loader import load_section
-from configs.schema.terms.range_bench import RangeOffset, RangeScale
+from configs.schema.effects.range_bench import RangeOffset, RangeScale
 from diagnosis.measured.nominal import read_nominal
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances

@@ -7,21 +7,30 @@ import numpy as np
 import pytest
 
 from configs.draw import draw_robot
-from configs.errors import InputError
 from configs.loader import load_section
-from diagnosis.benches.tof import field_of_view, step, surfaces, tilt
-from diagnosis.benches.tof.after_move import after_move, modelled
-from diagnosis.benches.tof.allan import allan_deviation, lengths_for
-from diagnosis.benches.tof.cone import Cone
-from diagnosis.benches.tof.edge import compare_edge
-from diagnosis.benches.tof.experiments import check_tof
-from diagnosis.benches.tof.measured import Measured, compare
-from diagnosis.benches.tof.paper import HALF_ANGLE_DEG, TABLE_4
-from diagnosis.benches.tof.scan_record import ScanRecord, read_scan
-from diagnosis.benches.tof.sphere import BallScene
-from diagnosis.benches.tof.stand import HEIGHT_M, Bench, Stand, bench_arena, board, closed_form, reading_mm, target
-from diagnosis.benches.tof.static_record import Record, compare_static, findings, read_record
+from diagnosis.validation.range_sensor import field_of_view, step, surfaces, tilt
+from diagnosis.validation.range_sensor.experiments import check_tof
+from diagnosis.validation.range_sensor.paper import HALF_ANGLE_DEG, TABLE_4
+from diagnosis.validation.range_sensor.recordings.after_move import after_move, modelled
+from diagnosis.validation.range_sensor.recordings.allan import allan_deviation, lengths_for
+from diagnosis.validation.range_sensor.recordings.comparison import Measured, compare
+from diagnosis.validation.range_sensor.recordings.cone import Cone
+from diagnosis.validation.range_sensor.recordings.edge import compare_edge
+from diagnosis.validation.range_sensor.recordings.scan import ScanRecord, read_scan
+from diagnosis.validation.range_sensor.recordings.sphere import BallScene
+from diagnosis.validation.range_sensor.recordings.static import Record, compare_static, findings, read_record
+from diagnosis.validation.range_sensor.stand import (
+    HEIGHT_M,
+    Bench,
+    Stand,
+    bench_arena,
+    board,
+    closed_form,
+    reading_mm,
+    target,
+)
 from physics.bullet.ray_oracle import EngineRays
+from symolo.core.errors import InputError
 
 
 def robot_with(*settings):
@@ -247,7 +256,7 @@ def test_a_value_held_for_a_period_is_of_the_old_place_as_long_as_the_period_say
 
 
 def test_planted_drift_shows_in_a_record_at_rest(bench, monkeypatch):
-    monkeypatch.setattr("diagnosis.benches.tof.static_record.MODEL_READINGS", 60)
+    monkeypatch.setattr("diagnosis.validation.range_sensor.recordings.static.MODEL_READINGS", 60)
     noise = rng(3)
     white = 2.0 * noise.standard_normal(60_000)
     still = compare_static(bench, "still", Record(50.0, 1200.0, 100.0 + white))

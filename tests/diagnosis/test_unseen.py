@@ -12,7 +12,7 @@ from diagnosis.importers.blind import read_blind
 from diagnosis.importers.choose import read_measurement
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.unseen import csv_text, unseen_runs
-from pipeline.importers import IMPORTERS
+from pipeline.diagnosing.importers import IMPORTERS
 
 TESTS = Path(__file__).parents[1]
 

@@ -20,22 +20,22 @@ from pathlib import Path
 import numpy as np
 from file_operations import FileOperations
 
-import pipeline.export
 import pipeline.stages.simulate  # noqa: F401 - so that a fork finds both loaded
-from blender_scenes import renderer
-from blender_scenes.camera_response import encode_jpeg
-from blender_scenes.frame_files import FrameFile, frame_name, put_in_place
-from blender_scenes.job import RenderJob
+import symolo.exporters.export  # noqa: F401 - likewise
+from blender_scenes.render import renderer
+from blender_scenes.render.frame_files import FrameFile, frame_name, put_in_place
+from blender_scenes.render.job import RenderJob
 from configs.draw import draw_all
-from configs.errors import EnvironmentLacking, InputError
 from configs.loader import load_scenario
-from pipeline import batch
 from pipeline.cli import main
 from pipeline.executors import local
-from pipeline.plan import Plan
-from pipeline.units import Failed, Progress
-from pipeline.worker_main import do
-from pipeline.workers import UnitFailure, WorkerError
+from pipeline.planning.plan import Plan
+from pipeline.work import batch
+from pipeline.work.supervisor import UnitFailure, WorkerError
+from pipeline.work.units import Failed, Progress
+from pipeline.work.worker_main import do
+from sensors.camera.response import encode_jpeg
+from symolo.core.errors import EnvironmentLacking, InputError
 
 MARK = "\n--- operations ---\n"
 

@@ -23,15 +23,15 @@ import pytest
 import yaml
 
 import configs
-from blender_scenes.job import FramePose, build_job
+from blender_scenes.render.job import FramePose, build_job
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render
-from physics.arena import Arena
-from pipeline.units import Progress, RenderUnit
-from pipeline.worker_process import memory_of
-from pipeline.workers import Retried, run_units
+from physics.arena.geometry import Arena
+from pipeline.work.supervisor import Retried, run_units
+from pipeline.work.units import Progress, RenderUnit
+from pipeline.work.worker_process import memory_of
 
 pytestmark = pytest.mark.faults
 
@@ -76,7 +76,7 @@ def blenders(process: int | None = None) -> Iterator[int]:
             continue
         for child in map(int, children):
             try:
-                if b"blender_scenes.bpy_side" in Path(f"/proc/{child}/cmdline").read_bytes():
+                if b"blender_scenes.blender_side" in Path(f"/proc/{child}/cmdline").read_bytes():
                     yield child
                 yield from blenders(child)
             except OSError:  # it has just ended

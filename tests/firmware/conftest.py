@@ -10,11 +10,11 @@ import pytest
 
 from configs.loader import RobotAlone, load_section
 from configs.validation import validated
+from hil.build import build_native
+from hil.tools import has_avr_compiler, has_board, has_compiler
 from physics.control.base import Command, ControlInput, State
 from physics.control.controller import RobotController
 from physics.control.curves import CurveFollower
-from physics.hil.build import build_native
-from physics.hil.tools import has_avr_compiler, has_board, has_compiler
 from sensors.odometry import Odometry
 
 collect_ignore = [

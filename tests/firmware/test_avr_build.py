@@ -6,8 +6,7 @@ import subprocess
 
 import pytest
 
-from configs.errors import EnvironmentLacking, InputError
-from physics.hil.build import (
+from hil.build import (
     BAUDS,
     build_firmware,
     build_native,
@@ -17,6 +16,7 @@ from physics.hil.build import (
     student_version,
     write_sketch,
 )
+from symolo.core.errors import EnvironmentLacking, InputError
 
 
 @pytest.fixture(scope="module")

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from hil.build import BAUDS, firmware_sources
+from hil.frames import SensorFrame
+from hil.framings.base import Answer
+from hil.framings.framed import Framed
+from hil.framings.simtwo import SimTwo
 from physics.control.base import State
-from physics.hil.build import BAUDS, firmware_sources
-from physics.hil.frames import SensorFrame
-from physics.hil.framings.base import Answer
-from physics.hil.framings.framed import Framed
-from physics.hil.framings.simtwo import SimTwo
 
 ON_LINE = SensorFrame((100, 100), (0.9, 0.9, 0.9, 0.1, 0.1, 0.9, 0.9, 0.9), 2.0, 2.0, 2.0)
 LEFT = replace(ON_LINE, line=(0.9,) * 6 + (0.1, 0.1))

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from physics.hil.board.build import build_board
-from physics.hil.build import build_firmware
-from physics.hil.frames import SensorFrame
-from physics.hil.framings.framed import Framed
-from physics.hil.links.lockstep import LockstepLink
+from hil.board.build import build_board
+from hil.build import build_firmware
+from hil.frames import SensorFrame
+from hil.framings.framed import Framed
+from hil.links.lockstep import LockstepLink
 
 TICK_CYCLES = 800_000
 """50 ms at 16 MHz."""

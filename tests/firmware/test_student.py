@@ -2,9 +2,9 @@
 
 import pytest
 
-from configs.errors import InputError
+from hil.build import student_tasks, student_version
 from physics.control.base import State
-from physics.hil.build import student_tasks, student_version
+from symolo.core.errors import InputError
 
 
 def test_the_functions_to_be_written_are_those_of_the_paper():

@@ -9,7 +9,7 @@ import yaml
 from configs.schema.arena import ArenaConfig, Obstacle
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates
-from physics.arena import Arena
+from physics.arena.geometry import Arena
 from physics.bullet.simulation import BulletSimulation
 
 CONFIGS = Path(__file__).parents[2] / "configs"

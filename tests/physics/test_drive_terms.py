@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from configs.schema.terms.drive import EncoderMissedTicks
-from physics.terms.encoder_missed_ticks import counted
+from configs.schema.effects.drive import EncoderMissedTicks
+from physics.effects.encoder_missed_ticks import counted
 
 
 @pytest.mark.parametrize(("side", "index"), [("right", 0), ("left", 1)])

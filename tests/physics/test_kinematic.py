@@ -6,11 +6,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from configs.schema.effects import drive, motor
 from configs.schema.scenario import Rates
-from configs.schema.terms import drive, motor
 from physics.bullet.simulation import BulletSimulation
-from physics.kinematic import FEW, KinematicTwin, ReplayedWorld
-from physics.robot_model import RobotModel
+from physics.robot.model import RobotModel
+from physics.twin import FEW, KinematicTwin, ReplayedWorld
 from sensors.fit_out import fit_out
 from sensors.suite import SensorSuite
 

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from physics.motor import MotorModel
+from physics.drivetrain.motor import MotorModel
 
 MOTOR = MotorModel(
     resistance_ohm=2.85,

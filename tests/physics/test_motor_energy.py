@@ -10,8 +10,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from physics.motor import MotorModel
-from physics.motor_arrays import HeldDrive
+from physics.drivetrain.motor import MotorModel
+from physics.drivetrain.motor_arrays import HeldDrive
 
 ROUNDING_J = 1e-15
 """The angle of a short run to rest is a small difference of numbers the size of speed times time constant."""

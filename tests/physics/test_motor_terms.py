@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from configs.schema.terms import motor as terms
-from configs.schema.terms.drive import BatteryDecline, TorqueConstantMismatch
-from physics.driveline import Driveline
-from physics.motor_bench import steady_states, step_responses
-from physics.robot_model import RobotModel
-from physics.terms.gear_backlash import played
-from physics.two_mass import Load, TwoMass
+from configs.schema.effects import motor as terms
+from configs.schema.effects.drive import BatteryDecline, TorqueConstantMismatch
+from physics.drivetrain.driveline import Driveline
+from physics.drivetrain.motor_bench import steady_states, step_responses
+from physics.drivetrain.two_mass import Load, TwoMass
+from physics.effects.gear_backlash import played
+from physics.robot.model import RobotModel
 
 R, K, B, TC, J, SUPPLY_V = 3.0, 0.3, 0.002, 0.02, 2e-3, 8.0
 

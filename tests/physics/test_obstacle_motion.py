@@ -8,12 +8,12 @@ import pytest
 
 from configs.schema.arena import Motion, Obstacle, Waypoint
 from configs.schema.scenario import Rates
-from physics.arena import Arena
+from physics.arena.geometry import Arena
+from physics.arena.obstacle_motion import ObstacleMotion
+from physics.arena.rays import RayScene
 from physics.bullet.simulation import BulletSimulation
-from physics.kinematic import KinematicTwin, ReplayedWorld
-from physics.obstacle_motion import ObstacleMotion
-from physics.rays import RayScene
-from physics.robot_model import RobotModel
+from physics.robot.model import RobotModel
+from physics.twin import KinematicTwin, ReplayedWorld
 from sensors.tof import TofArray, TofStatus
 
 SPEED_M_S = 0.08

@@ -6,8 +6,8 @@ import pytest
 from configs.draw import draw_robot
 from configs.loader import load_section
 from physics.bullet.open_loop import open_loop
-from physics.robot_model import RobotModel
-from physics.wheel_turns import NO_LOAD, WheelLoad, counted_turns
+from physics.drivetrain.wheel_turns import NO_LOAD, WheelLoad, counted_turns
+from physics.robot.model import RobotModel
 
 ROW_S = 0.05
 

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from physics.arena.rays import RayScene
 from physics.bullet.ray_oracle import BATCH, EngineRays
-from physics.rays import RayScene
 
 
 def cast(arena, origin, end):

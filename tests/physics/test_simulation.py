@@ -4,7 +4,7 @@ import numpy as np
 import pybullet
 import pytest
 
-from physics.motor import MotorModel
+from physics.drivetrain.motor import MotorModel
 
 
 def wheel_angles(simulation):

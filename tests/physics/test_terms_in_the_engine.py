@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from configs.errors import InputError
-from configs.schema.terms import drive, motor
+from configs.schema.effects import drive, motor
+from symolo.core.errors import InputError
 
 TICKS = 3840
 

@@ -2,7 +2,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from physics.urdf import robot_urdf
+from physics.robot.urdf import robot_urdf
 
 
 def numbers(text: str) -> list[float]:

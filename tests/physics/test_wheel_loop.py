@@ -2,8 +2,8 @@ import math
 
 import pytest
 
-from physics.motor import MotorModel
-from physics.wheel_loop import WheelSpeedLoop, voltage_limit_V
+from physics.drivetrain.motor import MotorModel
+from physics.drivetrain.wheel_loop import WheelSpeedLoop, voltage_limit_V
 
 RATE_HZ = 100
 LOAD_KG_M2 = 0.5 * 1.0 * 0.0325**2

@@ -13,17 +13,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from blender_scenes.camera_response import encode_jpeg
-from blender_scenes.frame_files import FrameFile, Ledger, frame_name, put_in_place
+from blender_scenes.render.frame_files import FrameFile, Ledger, frame_name, put_in_place
 from configs.schema.scenario import RunSpec
-from physics.hil.tools import has_board
+from hil.tools import has_board
 from pipeline.cli import main
-from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest
-from pipeline.files import sha256_of
 from pipeline.stages.simulate import Outcome, simulate
-from pipeline.units import AnyUnit, Finished, RenderUnit
-from pipeline.worker_main import do
-from pipeline.workers import UnitFailure, cores
+from pipeline.work.supervisor import UnitFailure, cores
+from pipeline.work.units import AnyUnit, Finished, RenderUnit
+from pipeline.work.worker_main import do
+from sensors.camera.response import encode_jpeg
+from symolo.core.file_hashes import sha256_of
+from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest
 
 collect_ignore = [] if has_board() else ["test_hil.py"]
 

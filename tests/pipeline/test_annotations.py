@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 import pytest
 
-from pipeline.verify import verify
+from symolo.verification.verify import verify
 
 RUN = "CW/test_1"
 OWN = f"{RUN}/annotations"

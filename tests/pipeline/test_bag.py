@@ -6,7 +6,7 @@ import shutil
 
 import pytest
 
-from pipeline.verify import verify
+from symolo.verification.verify import verify
 
 TAGS = {"bagit.txt", "bag-info.txt", "manifest-sha256.txt"}
 
@@ -116,7 +116,7 @@ def test_a_damaged_dataset_or_a_taken_folder_is_refused(dataset, copy_of, tmp_pa
 def test_a_bag_that_was_interrupted_is_made_anew(dataset, tmp_path, symolo, monkeypatch):
     out = tmp_path / "bag"
     with monkeypatch.context() as patch:
-        patch.setattr("pipeline.dataset.bagging.manifest", lambda _hashes: (_ for _ in ()).throw(KeyboardInterrupt))
+        patch.setattr("symolo.publishing.bagging.manifest", lambda _hashes: (_ for _ in ()).throw(KeyboardInterrupt))
         assert symolo("bag", dataset, "--out", out).code == 130
     assert not out.exists()
     assert symolo("bag", dataset, "--out", out).code == 0

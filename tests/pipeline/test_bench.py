@@ -65,7 +65,7 @@ def test_the_terms_of_the_robot_are_told(benches):
 
 
 def test_the_range_bench_with_few_readings_leaves_the_tables_open(symolo, tmp_path, monkeypatch):
-    monkeypatch.setattr("diagnosis.benches.tof.static_record.MODEL_READINGS", 300)
+    monkeypatch.setattr("diagnosis.validation.range_sensor.recordings.static.MODEL_READINGS", 300)
     (tmp_path / "still").mkdir()
     record = "Fs,50.00\nLogging time,20\nd\n" + "100.0\n101.0\n99.0\n103.0\n" * 250
     (tmp_path / "still" / "record.csv").write_text(record)

@@ -17,9 +17,9 @@ import pytest
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from pipeline.cli import AT_ONCE
-from pipeline.plan import RENDER_FRAME_S, RENDER_SAMPLE_S, RENDER_START_S, Plan, pixel_s
-from pipeline.units import SimulateUnit
-from pipeline.workers import WorkerError, run_units
+from pipeline.planning.plan import RENDER_FRAME_S, RENDER_SAMPLE_S, RENDER_START_S, Plan, pixel_s
+from pipeline.work.supervisor import WorkerError, run_units
+from pipeline.work.units import SimulateUnit
 
 DATA_CSV = "t,x,y,theta,state,v,w,d_f,d_l,d_r,L0,L1,L2,L3,L4,L5,L6,L7,img\n" + "\n".join(
     f"{50 * i},0.55,{-0.2 - 0.01 * i},-1.57,0,0.2,0,2,2,2,1,1,1,0,0,1,1,1,{{img}}" for i in range(3)
@@ -354,7 +354,7 @@ def test_plan_takes_its_time_from_the_quality_and_says_which(symolo):
 
 
 def test_a_graphics_card_that_is_not_there_is_refused_before_the_work_starts(here, symolo, monkeypatch):
-    monkeypatch.setattr("blender_scenes.devices.listed_gpus", tuple)
+    monkeypatch.setattr("blender_scenes.render.devices.listed_gpus", tuple)
     before = files_in(here)
     lists = ("release", "smoke", "--out", "OUT"), ("rerender", "HERE/data.csv", "--look", "lab", "--out", "OUT")
     for arguments in (*lists, ("preview", "smoke", "-n", "1", "--out", "OUT.png")):

@@ -4,10 +4,10 @@ import json
 
 import pytest
 
-from configs.errors import RunFailed
 from configs.loader import load_scenario
-from pipeline.reading import Reading
-from pipeline.units import DiagnoseUnit
+from pipeline.diagnosing.case_reading import Reading
+from pipeline.work.units import DiagnoseUnit
+from symolo.core.errors import RunFailed
 
 
 @pytest.fixture(scope="module")
@@ -120,7 +120,7 @@ def test_an_output_folder_of_the_cases_own_name_is_refused(symolo, tmp_path, mon
 
 
 def test_a_bug_that_one_of_several_cases_brings_out_fails_that_case_alone(tmp_path, monkeypatch):
-    monkeypatch.setattr("pipeline.diagnosing.diagnose_into", divides_by_zero)
+    monkeypatch.setattr("pipeline.diagnosing.diagnose.diagnose_into", divides_by_zero)
     with pytest.raises(RunFailed, match=r"a bug of symolo: ZeroDivisionError: by nought; please report it with .*"):
         unit(tmp_path, alone=False).run(print)
     assert "ZeroDivisionError" in (tmp_path / "out" / "one" / "traceback.txt").read_text()

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 import pytest
 
 from configs.loader import load_scenario
-from pipeline.drawing import draw_reported
+from pipeline.planning.drawing import draw_reported
 
 
 class Heard:
@@ -28,7 +28,7 @@ class Heard:
 
 @pytest.mark.parametrize(("runs", "stages"), [(2, []), (3, [("draw", 3, "runs")])])
 def test_many_runs_are_a_stage_of_their_own(monkeypatch, runs, stages):
-    monkeypatch.setattr("pipeline.drawing.MANY_RUNS", 3)
+    monkeypatch.setattr("pipeline.planning.drawing.MANY_RUNS", 3)
     loaded, heard = load_scenario("smoke", [f"routes.0.runs={runs - 1}"]), Heard()
     specs = draw_reported(loaded, heard)
     assert heard.stages == stages

@@ -9,21 +9,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from blender_scenes.camera_response import encode_jpeg
-from blender_scenes.devices import DeviceKind
-from blender_scenes.frame_files import FrameFile, Ledger, frame_name, put_in_place
-from blender_scenes.job import FramePose
+from blender_scenes.render.devices import DeviceKind
+from blender_scenes.render.frame_files import FrameFile, Ledger, frame_name, put_in_place
+from blender_scenes.render.job import FramePose
 from configs.draw import draw_run
-from configs.errors import RunFailed
 from configs.loader import load_scenario
-from pipeline.dataset.description import markdown
-from pipeline.dataset.metadata import FailedRun, RunRecord, describe
-from pipeline.dataset.rows import Rows
+from pipeline.assembly.description import markdown
 from pipeline.executors.local import Local
-from pipeline.progress import LineReport
+from pipeline.run_folder.workspace import StageFolder
 from pipeline.stages.render import FRAMES, Order, Rendered, RenderTask, render_runs
-from pipeline.units import RenderUnit
-from pipeline.workspace import StageFolder
+from pipeline.work.units import RenderUnit
+from sensors.camera.response import encode_jpeg
+from symolo.core.errors import RunFailed
+from symolo.core.progress import LineReport
+from symolo.dataset.metadata import FailedRun, RunRecord, describe
+from symolo.dataset.rows import Rows
 
 
 def put_grey(folder: Path, job_sha256: str, number: int, grey: int) -> None:

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from blender_scenes.camera_response import encode_jpeg
-from blender_scenes.frame_files import FrameFile, Ledger, frame_name, put_in_place
-from blender_scenes.job import FramePose
-from pipeline.progress import LineReport
+from blender_scenes.render.frame_files import FrameFile, Ledger, frame_name, put_in_place
+from blender_scenes.render.job import FramePose
+from pipeline.run_folder.workspace import StageFolder
 from pipeline.stages.render import Order, RenderTask, render_runs
-from pipeline.units import Finished
-from pipeline.workers import SetAside, UnitFailure
-from pipeline.workspace import StageFolder
+from pipeline.work.supervisor import SetAside, UnitFailure
+from pipeline.work.units import Finished
+from sensors.camera.response import encode_jpeg
+from symolo.core.progress import LineReport
 
 GREY = encode_jpeg(np.full((24, 32, 3), 128, np.uint8), 92)
 

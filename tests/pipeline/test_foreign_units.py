@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from blender_scenes.scene import arena_bounds
-from configs.errors import InputError
+from blender_scenes.scene.run_scene import arena_bounds
 from configs.loader import load_section
 from configs.schema.arena import ArenaConfig
-from physics.arena import Arena
-from pipeline.dataset.rows import Rows
-from pipeline.rerender import Request, prepare
+from physics.arena.geometry import Arena
+from pipeline.rerendering.rerender import Request, prepare
+from symolo.core.errors import InputError
+from symolo.dataset.rows import Rows
 
 ROWS, EVERY = 200, 10
 """In each drive, and from image to image."""

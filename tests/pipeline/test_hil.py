@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 
 from configs.draw import draw_run
-from configs.errors import RunFailed
 from configs.loader import load_scenario
-from physics.hil.links.lockstep import LockstepLink
-from physics.hil.links.pty_board import PtyBoard
-from physics.hil.loop import LoopSettings
-from physics.hil.pilot import build_for
-from physics.pilot import BuiltInPilot
+from hil.links.lockstep import LockstepLink
+from hil.links.pty_board import PtyBoard
+from hil.loop import LoopSettings
+from hil.pilot import build_for
+from physics.run.pilot import BuiltInPilot
 from pipeline.stages.simulate import simulate
 from pipeline.stages.simulate_runs import read_outcome, read_recording, simulate_into
+from symolo.core.errors import RunFailed
 
 BOARD = "board.kind=simulated"
 ONE_RUN = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: 90}}]"
@@ -148,7 +148,7 @@ class _Silent:
 
 
 def test_a_port_at_which_nobody_answers_is_a_run_that_failed(symolo, tmp_path, monkeypatch):
-    monkeypatch.setattr("physics.hil.pilot.LoopSettings", functools.partial(LoopSettings, hello_s=0.2))
+    monkeypatch.setattr("hil.pilot.LoopSettings", functools.partial(LoopSettings, hello_s=0.2))
     with _Silent() as port:
         ended = symolo("hil", "smoke", "--port", port, "--out", tmp_path / "data", f"--set={ONE_RUN}")
     assert ended.code == 3

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.dataset.manifest import MANIFEST
+from symolo.dataset.manifest import MANIFEST
 
 SECONDS = 60
 """Within which each case ends, also on a busy machine; most take a tenth of one."""

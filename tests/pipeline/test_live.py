@@ -7,10 +7,10 @@ from rich.console import Console
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
+from hil.tally import COLUMNS
 from physics.control.base import Command, ControlInput, State
-from physics.hil.tally import COLUMNS
-from physics.pilot import Decision
-from pipeline import live
+from physics.run.pilot import Decision
+from pipeline.work import live
 
 
 class Screen:

@@ -6,8 +6,8 @@ import stat
 
 import pytest
 
-from configs.errors import InputError
-from pipeline.workspace import Workspace, held
+from pipeline.run_folder.workspace import Workspace, held
+from symolo.core.errors import InputError
 
 
 @pytest.fixture

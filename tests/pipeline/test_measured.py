@@ -12,10 +12,10 @@ from configs.loader import load_section
 from diagnosis.importers.choose import read_measurement
 from diagnosis.measured.channel import Quality
 from diagnosis.measured.measurement import Kind
-from diagnosis.stages import STAGES
-from pipeline.dataset.rows import read_rows
-from pipeline.importers import IMPORTERS
-from pipeline.importers.data_csv import no_target_code_m
+from diagnosis.predictors import STAGES
+from pipeline.diagnosing.importers import IMPORTERS
+from pipeline.diagnosing.importers.data_csv import no_target_code_m
+from symolo.dataset.rows import read_rows
 
 
 def read(path):

@@ -8,15 +8,15 @@ import pytest
 
 from configs.draw import draw_all, draw_run
 from configs.loader import load_scenario
-from pipeline.dataset.checks import check_run
-from pipeline.dataset.description import markdown
-from pipeline.dataset.metadata import FailedRun, Metadata, RunRecord, describe, made_with
-from pipeline.dataset.rows import Rows
+from pipeline.assembly.description import markdown
 from pipeline.executors.local import Local
-from pipeline.progress import LineReport
 from pipeline.stages import simulate_runs
-from pipeline.units import SimulateUnit
-from pipeline.workers import UnitFailure
+from pipeline.work.supervisor import UnitFailure
+from pipeline.work.units import SimulateUnit
+from symolo.core.progress import LineReport
+from symolo.dataset.metadata import FailedRun, Metadata, RunRecord, describe, made_with
+from symolo.dataset.rows import Rows
+from symolo.verification.run_checks import check_run
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,10 @@ import pytest
 from configs.draw import draw_run
 from configs.footprints import Rectangle, overlap
 from configs.loader import load_scenario
-from physics.arena import Arena
+from physics.arena.geometry import Arena
 from pipeline.cli import main
 from pipeline.stages.simulate import simulate
-from pipeline.verify import verify
+from symolo.verification.verify import verify
 
 ONE_RUN = "--set=routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}}]"
 SHORT = ["--set=stop.lap=false", ONE_RUN]

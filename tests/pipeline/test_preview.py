@@ -9,9 +9,9 @@ import pytest
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from physics.arena import Arena
+from physics.arena.geometry import Arena
+from pipeline.preview.path import Way
 from pipeline.preview.views import views
-from pipeline.preview.way import Way
 
 SHARES = np.linspace(0.0, 1.0, 60)
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from pipeline.price import Price
+from pipeline.planning.price import Price
 
 PRICE = Price(
     device="CPU",
@@ -48,8 +48,8 @@ def test_a_card_is_priced_in_hours_of_its_own():
 
 
 def test_a_few_images_are_made_timed_and_thrown_away(monkeypatch, tmp_path, symolo, tiny):
-    monkeypatch.setattr("pipeline.price.RUNS", 1)
-    monkeypatch.setattr("pipeline.price.IMAGES", 2)
+    monkeypatch.setattr("pipeline.planning.price.RUNS", 1)
+    monkeypatch.setattr("pipeline.planning.price.IMAGES", 2)
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     monkeypatch.setattr("tempfile.tempdir", None)
     ended = symolo("plan", "smoke", *tiny, "--frames", 50)

@@ -5,7 +5,7 @@ import pytest
 from configs.draw import draw_run
 from configs.footprints import Rectangle, overlap
 from configs.loader import load_scenario
-from physics.arena import Arena
+from physics.arena.geometry import Arena
 from physics.control.base import State
 from pipeline.stages.simulate import simulate
 

@@ -14,10 +14,10 @@ from pathlib import Path
 import cv2
 import pytest
 
-from configs.whole_files import remove_folder
-from pipeline.cpu import class_of
-from pipeline.versions import versions
-from pipeline.workspace import Workspace, input_key
+from pipeline.run_folder.workspace import Workspace, input_key
+from pipeline.work.cpu import class_of
+from symolo.core.atomic_files import remove_folder
+from symolo.core.versions import versions
 
 ARENA_WITH_A_SILL = """
 extends: symolo
@@ -314,7 +314,7 @@ def _descendants(pid):
 
 def _workers(pid):
     """Children that run a unit of work already."""
-    return [child for child in _descendants(pid) if b"pipeline.worker_main" in _command_of(child)]
+    return [child for child in _descendants(pid) if b"pipeline.work.worker_main" in _command_of(child)]
 
 
 def _command_of(pid):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pipeline.repair.mending import with_one_bit_less_wrong
-from pipeline.verify import verify
+from symolo.verification.verify import verify
 
 RUN = "CW/test_1"
 

@@ -11,8 +11,8 @@ import pytest
 
 import symolo as symolo_reader
 from pipeline.cli import main
-from pipeline.rerender import Request, prepare
-from pipeline.workspace import Kind, Workspace
+from pipeline.rerendering.rerender import Request, prepare
+from pipeline.run_folder.workspace import Kind, Workspace
 
 RUN = "CW/test_1"
 OUTPUT = {"data.csv", "image_positions.txt", "images", "side", "job.json", "look.json", "frames.json"}
@@ -201,7 +201,7 @@ def test_an_interrupted_change_of_the_pictures_is_not_taken_for_finished(
     def killed(_new, _path):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("pipeline.rerender.replace_folder", killed)
+    monkeypatch.setattr("pipeline.rerendering.rerender.replace_folder", killed)
     assert symolo(*arguments).code == 130
     monkeypatch.undo()
     assert not (out / "frames.json").exists()

@@ -7,7 +7,7 @@ from pathlib import Path
 import cv2
 import pytest
 
-from pipeline.rerender import Request, draw_seed, prepare
+from pipeline.rerendering.rerender import Request, draw_seed, prepare
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ import pytest
 from configs.draw import draw_all
 from configs.loader import load_scenario
 from configs.references import shipped_names
-from pipeline.plan import Plan
+from pipeline.planning.plan import Plan
 from pipeline.stages.simulate import simulate
 
 SHORT = ("stop.lap=false", "stop.time_limit_s=0.1")

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from configs.errors import EnvironmentLacking
-from pipeline.units import Failed, Finished, Progress, RenderUnit
-from pipeline.worker_process import Limits, limits_of, memory_of
-from pipeline.workers import Retried, run_units
+from pipeline.work.supervisor import Retried, run_units
+from pipeline.work.units import Failed, Finished, Progress, RenderUnit
+from pipeline.work.worker_process import Limits, limits_of, memory_of
+from symolo.core.errors import EnvironmentLacking
 
 WORKER = r"""
 import json, os, sys, time
@@ -69,7 +69,7 @@ def unit(folder: Path, name: str, numbers=(1, 2, 3)) -> RenderUnit:
 
 @pytest.fixture(autouse=True)
 def _seed(monkeypatch):
-    monkeypatch.setattr("blender_scenes.renderer.seed_of", lambda _job, _work: 5)
+    monkeypatch.setattr("blender_scenes.render.renderer.seed_of", lambda _job, _work: 5)
 
 
 def test_a_worker_takes_the_next_unit_and_the_next(tmp_path):

@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from configs.errors import InputError
 from physics.control.base import State
-from pipeline.dataset import metadata
-from pipeline.dataset.manifest import manifest, read_manifest
-from pipeline.dataset.rows import HEADER, STATES, Rows, csv_bytes, heading, parse_table, read_rows, wrapped
-from pipeline.rerender import image_numbers
+from pipeline.rerendering.rerender import image_numbers
+from symolo.core.errors import InputError
+from symolo.dataset import metadata
+from symolo.dataset.manifest import manifest, read_manifest
+from symolo.dataset.rows import HEADER, STATES, Rows, csv_bytes, heading, parse_table, read_rows, wrapped
 
 NUMBERS = st.floats(-1e6, 1e6)
 

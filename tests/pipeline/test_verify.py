@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from pipeline.cli import main
-from pipeline.verify import verify
+from symolo.verification.verify import verify
 
 RUN = "CW/test_1"
 CSV = f"{RUN}/data.csv"

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from physics.arena import Arc, Line, Straight
+from physics.arena.geometry import Arc, Line, Straight
 from physics.control.following import line_error
 from sensors.line_sensor import LineSensorModel, channel_weights, tape_share
 

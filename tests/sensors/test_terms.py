@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from configs.schema.terms import drive, motor, range_bench
-from configs.schema.terms.table import Terms
+from configs.schema.effects import drive, motor, range_bench
+from configs.schema.effects.table import Terms
+from sensors.effects import SENSOR_TERMS
 from sensors.instruments import read_current_A, read_speed_rad_s
 from sensors.pose_log import PoseLog
 from sensors.range_view import RangeView
-from sensors.terms import SENSOR_TERMS
 from sensors.tof import TofArray, TofStatus
 
 DISTANCE_M = np.array([0.05, 0.18, 0.6])

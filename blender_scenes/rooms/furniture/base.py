@@ -12,8 +12,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from blender_scenes.description import Mesh
-from blender_scenes.shading import Surface
+from blender_scenes.scene.description import Mesh
+from blender_scenes.scene.shading import Surface
 
 T = TypeVar("T")
 

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from blender_scenes.geometry import block
 from blender_scenes.materials.fittings import moulded, painted
 from blender_scenes.rooms.furniture import palette
 from blender_scenes.rooms.furniture.base import Piece, between
-from blender_scenes.solids import joined, stood
+from blender_scenes.scene.meshes import block
+from blender_scenes.scene.solids import joined, stood
 from configs.schema.paint import Paint
 
 _COVER_M = 0.002

@@ -7,7 +7,7 @@ import numpy as np
 from blender_scenes.materials.fittings import painted
 from blender_scenes.rooms.furniture import palette
 from blender_scenes.rooms.furniture.base import Piece, between
-from blender_scenes.solids import joined, lathe
+from blender_scenes.scene.solids import joined, lathe
 from configs.schema.paint import Paint
 
 

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from blender_scenes.geometry import block
 from blender_scenes.materials.fittings import moulded
 from blender_scenes.rooms.furniture.base import Piece, between
-from blender_scenes.shading import RGB
-from blender_scenes.solids import joined, moved, pipe
+from blender_scenes.scene.meshes import block
+from blender_scenes.scene.shading import RGB
+from blender_scenes.scene.solids import joined, moved, pipe
 
 _STRIP_M = (0.055, 0.28, 0.04)
 _SOCKETS = 3

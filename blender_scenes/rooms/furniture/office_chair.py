@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from blender_scenes.geometry import wheel
 from blender_scenes.materials.fittings import bare_metal, moulded, painted
 from blender_scenes.rooms.furniture import palette
 from blender_scenes.rooms.furniture.base import Piece, between
-from blender_scenes.solids import cushion, joined, rod, stood
+from blender_scenes.scene.meshes import wheel
+from blender_scenes.scene.solids import cushion, joined, rod, stood
 from configs.schema.paint import Paint
 
 _CASTOR_M = 0.025

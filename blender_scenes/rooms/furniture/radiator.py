@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from blender_scenes.geometry import block
 from blender_scenes.materials.fittings import bare_metal, moulded
 from blender_scenes.rooms.furniture.base import Piece, between
-from blender_scenes.solids import joined, rod
+from blender_scenes.scene.meshes import block
+from blender_scenes.scene.solids import joined, rod
 
 _DEPTH_M = 0.075
 _GAP_M = 0.03

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from blender_scenes.geometry import block
 from blender_scenes.materials.fittings import painted
 from blender_scenes.rooms.furniture.base import Piece, between
-from blender_scenes.solids import joined, moved, stood
+from blender_scenes.scene.meshes import block
+from blender_scenes.scene.solids import joined, moved, stood
 from configs.schema.paint import Paint
 
 _A4_M = (0.210, 0.297)

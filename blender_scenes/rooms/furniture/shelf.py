@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from blender_scenes.description import Mesh
-from blender_scenes.geometry import block
 from blender_scenes.materials.fittings import painted
 from blender_scenes.rooms.furniture import palette
 from blender_scenes.rooms.furniture.base import Piece, between
-from blender_scenes.solids import joined
+from blender_scenes.scene.description import Mesh
+from blender_scenes.scene.meshes import block
+from blender_scenes.scene.solids import joined
 from configs.schema.paint import Paint
 
 _BOARD_M = 0.018

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from blender_scenes.geometry import block
 from blender_scenes.materials.fittings import moulded
 from blender_scenes.rooms.furniture.base import Piece, between
-from blender_scenes.solids import joined
+from blender_scenes.scene.meshes import block
+from blender_scenes.scene.solids import joined
 
 _PLATE_M = 0.081
 """Frame of DIN 49073 boxes, and the distance of two in a row less their play."""

@@ -11,12 +11,12 @@ import pytest
 from blender_scenes.annotations.document import Document, document
 from blender_scenes.annotations.job import AnnotationJob, build_annotation_job
 from blender_scenes.annotations.record import Record
-from blender_scenes.job import FramePose, RenderJob, build_job
-from blender_scenes.renderer import render_job
+from blender_scenes.render.job import FramePose, RenderJob, build_job
+from blender_scenes.render.renderer import render_job
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
 from configs.schema.scenario import AnnotationName, Render
-from physics.arena import Arena
+from physics.arena.geometry import Arena
 
 ARENA = {
     "name": "small",

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from blender_scenes.annotations.instances import CATEGORIES
-from blender_scenes.camera import floor_points, matrix_K, project
-from blender_scenes.renderer import render_job
+from blender_scenes.render.renderer import render_job
 from physics.bullet.ray_oracle import EngineRays
+from sensors.camera.geometry import floor_points, matrix_K, project
 
 NUMBERS = (1, 2, 3)
 ROOM = CATEGORIES.index("room")

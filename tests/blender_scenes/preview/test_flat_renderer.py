@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from blender_scenes.camera import project
-from blender_scenes.geometry import block
-from blender_scenes.job import FramePose, build_job
 from blender_scenes.preview.renderer import FlatRenderer
+from blender_scenes.render.job import FramePose, build_job
+from blender_scenes.scene.meshes import block
 from configs.schema.look import CameraLook, LampsLook, LookConfig, SkyLook, SunLook
 from configs.schema.scenario import Render
-from physics.obstacle_motion import ObstacleMotion
+from physics.arena.obstacle_motion import ObstacleMotion
+from sensors.camera.geometry import project
 
 FRAMES = [FramePose(number=i, t_s=0.5 * i, x_m=0.55, y_m=-0.6, yaw_rad=np.pi / 2) for i in (1, 2)]
 SMALL = Render(width_px=64, height_px=48)

@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from blender_scenes import geometry
-from blender_scenes.camera import floor_points, intrinsics, pose_X_RC, pose_X_WR, project
-from blender_scenes.description import FrameView, Intrinsics, Mesh, Panel
 from blender_scenes.preview.rasteriser import rasterise
 from blender_scenes.preview.triangles import Triangles
-from blender_scenes.scene import describe
-from blender_scenes.shading import Color, Surface
+from blender_scenes.scene import meshes as geometry
+from blender_scenes.scene.description import FrameView, Intrinsics, Mesh, Panel
+from blender_scenes.scene.run_scene import describe
+from blender_scenes.scene.shading import Color, Surface
 from configs.footprints import convex_outline
 from configs.schema.look import LookConfig
+from sensors.camera.geometry import floor_points, intrinsics, pose_X_RC, pose_X_WR, project
 
 POSES = [(0.55, -0.60, 90), (0.545, -0.15, 92), (0.49, 0.68, 133), (-0.55, -0.90, -70), (0.30, -1.04, 15)]
 """x [m], y [m], yaw [deg]."""

@@ -12,10 +12,10 @@ from pydantic import ValidationError
 
 import configs
 from configs.draw import draw_all, draw_look
-from configs.errors import InputError
 from configs.loader import load_scenario, load_section
 from configs.schema.look import LookConfig
 from configs.schema.scenario import RunSpec
+from symolo.core.errors import InputError
 
 GREY = cv2.imencode(".png", np.full((2, 3, 3), 188, np.uint8))[1].tobytes()
 WHITE = cv2.imencode(".png", np.full((4, 4, 3), 255, np.uint8))[1].tobytes()

@@ -7,8 +7,8 @@ import pytest
 
 from configs.draw import draw_robot
 from configs.loader import load_section
-from configs.schema.terms.drive import WheelRadiusScale
-from configs.schema.terms.motor import TorqueConstantScale
+from configs.schema.effects.drive import WheelRadiusScale
+from configs.schema.effects.motor import TorqueConstantScale
 from diagnosis.engine.base import by_pybullet, without_body
 from diagnosis.engine.gain import by_engines
 from diagnosis.importers import IMPORTERS

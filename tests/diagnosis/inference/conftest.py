@@ -7,14 +7,14 @@ import pytest
 
 from configs.draw import draw_robot
 from configs.loader import load_section
-from diagnosis.inference.evidence import Evidence
+from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.hypothesis import Effect, Hypothesis
 from diagnosis.nuisances import Nuisance
-from diagnosis.stages.base import Covariate, Observed, Predicted
-from physics.robot_model import RobotModel
-from physics.terms import PHYSICS_TERMS
+from diagnosis.predictors.base import Covariate, Observed, Predicted
+from physics.effects import PHYSICS_TERMS
+from physics.robot.model import RobotModel
+from sensors.effects import SENSOR_TERMS
 from sensors.instruments import read_current_A
-from sensors.terms import SENSOR_TERMS
 
 TOLERANCE = 0.02
 SD_A = 0.01

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from diagnosis.inference.adequacy import adequacy, survivors
 from diagnosis.inference.fit import fits
+from diagnosis.inference.unexplained.adequacy import adequacy, survivors
 
 SD_A = 0.01
 X = np.linspace(-1.0, 1.0, 160)

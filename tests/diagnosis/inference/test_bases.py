@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from diagnosis.inference.bases import bases, standing_out
-from diagnosis.stages.base import Covariate, Shape
+from diagnosis.inference.unexplained.bases import bases, standing_out
+from diagnosis.predictors.base import Covariate, Shape
 
 STEPS = (3.0, -5.0, 2.0, -4.0, 6.0, -2.0)
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from configs.schema.terms.range_bench import RangeOffset, RangeScale
+from configs.schema.effects.range_bench import RangeOffset, RangeScale
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from diagnosis.inference.fit import fits
-from diagnosis.inference.leave_one_out import MOST_ROWS, leave_one_out
+from diagnosis.inference.unexplained.leave_one_out import MOST_ROWS, leave_one_out
 
 SD_A, TOLERANCE = 0.01, 0.02
 X = np.linspace(0.5, 2.0, 8)

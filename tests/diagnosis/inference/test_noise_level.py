@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from diagnosis.inference.noise_level import lasting
+from diagnosis.inference.evidence.noise_level import lasting
 
 
 def ar1(p, rows, seed):

@@ -3,8 +3,8 @@
 import pytest
 
 from diagnosis.inference.plausible import LIMITS, beyond
-from physics.terms import PHYSICS_TERMS
-from sensors.terms import SENSOR_TERMS
+from physics.effects import PHYSICS_TERMS
+from sensors.effects import SENSOR_TERMS
 
 NUMBERS = {
     (term.name, name): number for term in (*PHYSICS_TERMS, *SENSOR_TERMS) for name, number in term.numbers.items()

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.inference.evidence import Evidence
+from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.evidence.rounding import with_shared_rounding
 from diagnosis.inference.fit import fits
 from diagnosis.inference.profile import profiles
-from diagnosis.inference.rounding import with_shared_rounding
 
 SD_A = 0.01
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from diagnosis.importers.paper import IMPORTER
-from diagnosis.inference.stuck_rows import stuck_rows
+from diagnosis.inference.evidence.stuck_rows import stuck_rows
 
 K, R, B, TC = 0.31057, 2.8535, 0.002701, 0.01742
 """Of the literal recipe of Eq. 21 and 22 on all rows."""

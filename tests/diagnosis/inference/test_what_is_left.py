@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.inference.adequacy import adequacy
-from diagnosis.inference.change import change_in_time
-from diagnosis.inference.evidence import Evidence
+from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import fits
-from diagnosis.inference.locate import located
-from diagnosis.inference.scatter import with_scatter
 from diagnosis.inference.selection import is_of_noise
+from diagnosis.inference.unexplained.adequacy import adequacy
+from diagnosis.inference.unexplained.change import change_in_time
+from diagnosis.inference.unexplained.locate import located
+from diagnosis.inference.unexplained.scatter import with_scatter
 
 SD_A = 0.01
 X = np.linspace(0.3, 1.0, 16)

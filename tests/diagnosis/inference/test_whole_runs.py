@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
+from diagnosis.inference.evidence.whole_runs import FEWEST_RUNS, WholeRuns, fitted_to_whole_runs
 from diagnosis.inference.hypothesis import Effect, Hypothesis, deviated
-from diagnosis.inference.whole_runs import FEWEST_RUNS, WholeRuns, fitted_to_whole_runs
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
 from diagnosis.usual_tolerances import usual_wheels
-from physics.terms import PHYSICS_TERMS
-from physics.trajectory import TimeSeries
-from sensors.terms import SENSOR_TERMS
+from physics.effects import PHYSICS_TERMS
+from physics.run.trajectory import TimeSeries
+from sensors.effects import SENSOR_TERMS
 
 COUNTS = 2000
 NOMINAL = usual_wheels(diameter_m=0.08, track_m=0.2, counts_per_turn=COUNTS)

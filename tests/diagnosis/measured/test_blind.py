@@ -5,10 +5,10 @@ import re
 import numpy as np
 import pytest
 
-from configs.errors import InputError
 from diagnosis.importers.blind import read_blind
 from diagnosis.measured.channel import Quality
 from diagnosis.measured.measurement import Kind
+from symolo.core.errors import InputError
 
 POSE = (
     "session_time_s,t_s,enc_left_ticks,enc_right_ticks,x_m,y_m,theta_rad\n"

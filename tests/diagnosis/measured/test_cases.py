@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 import yaml
 
-from configs.errors import InputError
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.measured.channel import Quality, Role
 from diagnosis.measured.measurement import Kind
 from diagnosis.measured.overview import overview
 from diagnosis.measured.write_case import csv_of, write_case
+from symolo.core.errors import InputError
 
 KINDS = ("motor_steady", "motor_step", "tof_bench", "drive_log")
 GOOD, MISSING, NO_TARGET = Quality.GOOD, Quality.MISSING, Quality.NO_TARGET

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from configs.errors import InputError
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.holdout import hold_out, of_part
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
-from physics.trajectory import TimeSeries
+from physics.run.trajectory import TimeSeries
+from symolo.core.errors import InputError
 
 T_S = np.arange(3.0)
 

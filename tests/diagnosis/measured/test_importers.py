@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from configs.errors import InputError
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.importers.robotino import FORMS
 from diagnosis.measured.channel import Quality
 from diagnosis.measured.measurement import Kind
 from diagnosis.measured.overview import overview
+from symolo.core.errors import InputError
 
 
 def read(path, name=None):

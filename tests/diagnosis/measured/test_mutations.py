@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from configs.errors import InputError
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.measured.overview import overview
+from symolo.core.errors import InputError
 
 KINDS = ("motor_steady", "motor_step", "tof_bench", "drive_log")
 PIECES = (b",", b"\n", b"\r", b"nan", b"-", b"1e999", b"", b"\x00", b"\xff", b'"', b";", b"0", b"9" * 400, b"fit", b" ")

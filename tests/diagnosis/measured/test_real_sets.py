@@ -16,8 +16,8 @@ from diagnosis.importers import IMPORTERS
 from diagnosis.importers.blind import read_blind
 from diagnosis.importers.choose import read_measurement
 from diagnosis.importers.optiodom import ENCODER_TICKS_PER_REVOLUTION, TRACK_M, WHEEL_DIAMETER_M
+from diagnosis.inference.evidence.whole_runs import WholeRuns, fitted_to_whole_runs
 from diagnosis.inference.hypothesis import Hypothesis
-from diagnosis.inference.whole_runs import WholeRuns, fitted_to_whole_runs
 from diagnosis.measured.channel import Quality
 from diagnosis.measured.measurement import Kind
 from diagnosis.measured.noise import noise_of_differences, noise_of_residuals
@@ -25,8 +25,8 @@ from diagnosis.measured.screening import noise_of, spikes, usable
 from diagnosis.measured.write_case import csv_of, write_case
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
-from diagnosis.stages import STAGES
-from pipeline.reading import Reading
+from diagnosis.predictors import STAGES
+from pipeline.diagnosing.case_reading import Reading
 
 SHARED = Path(__file__).parents[4] / "shared"
 MEASURED, EXAMPLES = SHARED / "measured", SHARED / "gap_examples"

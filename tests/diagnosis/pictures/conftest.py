@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from blender_scenes.camera_response import CameraResponse
 from configs.draw import draw_robot
 from configs.loader import load_section
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
-from diagnosis.pictures.case import Frame, PictureCase
-from physics.arena import Arena
-from physics.robot_path import RobotPath
+from diagnosis.camera.case import Frame, PictureCase
+from physics.arena.geometry import Arena
+from physics.robot.path import RobotPath
+from sensors.camera.response import CameraResponse
 
 TESTS = Path(__file__).parents[2]
 SIZE, FRAMES = (128, 96), 14

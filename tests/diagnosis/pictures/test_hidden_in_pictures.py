@@ -7,10 +7,10 @@ import pytest
 import yaml
 
 from configs.draw import draw_look, draw_robot
-from configs.errors import InputError
 from configs.loader import load_section
-from diagnosis.pictures.diagnose import diagnose_pictures
-from diagnosis.pictures.files import files
+from diagnosis.camera.diagnose import diagnose_pictures
+from diagnosis.camera.files import files
+from symolo.core.errors import InputError
 
 
 def effects(diagnosis):

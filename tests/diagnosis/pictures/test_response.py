@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from blender_scenes.camera_response import tone, untoned
+from sensors.camera.response import tone, untoned
 
 
 @pytest.mark.parametrize("contrast", [0.7, 1.0, 1.4])

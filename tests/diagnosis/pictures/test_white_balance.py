@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import pytest
 
 from configs.schema.look import LookConfig
-from diagnosis.pictures.extended_camera import left_out, look_changes
-from diagnosis.pictures.white_balance import temperature_of
+from diagnosis.camera.extended_camera import left_out, look_changes
+from diagnosis.camera.features.white_balance import temperature_of
 
 
 def test_equal_gains_are_daylight_of_6504_K():

@@ -5,7 +5,7 @@ import pytest
 from diagnosis.diagnose import Named, diagnose
 from diagnosis.importers.paper import IMPORTER
 from diagnosis.report.bench_rows import on_rows, too_large
-from physics.terms import PHYSICS_TERMS
+from physics.effects import PHYSICS_TERMS
 
 
 @pytest.fixture(scope="module")

@@ -15,10 +15,10 @@ from diagnosis.importers.choose import read_measurement
 from diagnosis.inference.fit import Fit
 from diagnosis.inference.hypothesis import Effect, Hypothesis
 from diagnosis.inference.rivals import Standing
-from physics.motor_bench import steady_states
-from physics.robot_model import RobotModel
-from physics.terms import PHYSICS_TERMS
-from sensors.terms import SENSOR_TERMS
+from physics.drivetrain.motor_bench import steady_states
+from physics.effects import PHYSICS_TERMS
+from physics.robot.model import RobotModel
+from sensors.effects import SENSOR_TERMS
 
 TERMS = {term.name: term for term in (*PHYSICS_TERMS, *SENSOR_TERMS)}
 

@@ -8,10 +8,10 @@ from matplotlib.figure import Figure
 from scipy.integrate import quad
 from scipy.stats import norm
 
-from diagnosis.report.gain_picture import noise_alone
-from diagnosis.report.panels import residual_panel
+from diagnosis.predictors.base import Covariate, Shape
+from diagnosis.report.plots.gain import noise_alone
+from diagnosis.report.plots.panels import residual_panel
 from diagnosis.report.quantities import axis, confidence, covariate_axis, percent, with_error
-from diagnosis.stages.base import Covariate, Shape
 
 
 @pytest.mark.parametrize(

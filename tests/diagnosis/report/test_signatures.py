@@ -11,8 +11,8 @@ from diagnosis.importers.choose import read_measurement
 from diagnosis.inference.fit import fits
 from diagnosis.inference.hypothesis import Effect, Hypothesis
 from diagnosis.report.signatures import signatures
-from physics.terms import PHYSICS_TERMS
-from sensors.terms import SENSOR_TERMS
+from physics.effects import PHYSICS_TERMS
+from sensors.effects import SENSOR_TERMS
 
 TERMS = {term.name: term for term in (*PHYSICS_TERMS, *SENSOR_TERMS)}
 NAMES = ("current_sensor_offset", "speed_scale", "coulomb_friction_scale", "friction_asymmetry")

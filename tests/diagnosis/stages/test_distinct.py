@@ -2,11 +2,11 @@ import pytest
 
 from configs.draw import draw_robot
 from configs.loader import load_section
-from configs.schema.terms.drive import EncoderTicksScale
-from configs.schema.terms.motor import SupplySag
-from configs.schema.terms.range_bench import RangeScale
-from diagnosis.stages.distinct import distinct
-from physics.terms.base import Slot
+from configs.schema.effects.drive import EncoderTicksScale
+from configs.schema.effects.motor import SupplySag
+from configs.schema.effects.range_bench import RangeScale
+from diagnosis.predictors.distinct import distinct
+from physics.effects.base import Slot
 
 
 @pytest.fixture(scope="module")

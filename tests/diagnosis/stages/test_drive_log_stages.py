@@ -7,15 +7,15 @@ import pytest
 
 from configs.draw import draw_robot
 from configs.loader import load_section
-from configs.schema.terms import drive, motor, range_bench
+from configs.schema.effects import drive, motor, range_bench
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.nominal_robot import nominal_robot
-from diagnosis.stages import STAGES
-from physics.terms import PHYSICS_TERMS
-from physics.trajectory import TimeSeries
-from sensors.terms import SENSOR_TERMS
+from diagnosis.predictors import STAGES
+from physics.effects import PHYSICS_TERMS
+from physics.run.trajectory import TimeSeries
+from sensors.effects import SENSOR_TERMS
 
 R, K, B, TC, J = 3.0, 0.3, 0.002, 0.02, 0.003
 DAMPING = K * K / R + B

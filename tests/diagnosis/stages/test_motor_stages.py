@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from configs.draw import draw_robot
-from configs.errors import InputError
 from configs.loader import load_section
-from configs.schema.terms import drive, motor
-from configs.schema.terms.motor import (
+from configs.schema.effects import drive, motor
+from configs.schema.effects.motor import (
     CurrentSensorGain,
     FrictionWarmup,
     GearBacklash,
@@ -22,10 +21,11 @@ from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.nominal import NominalSteady, NominalStep
 from diagnosis.nominal_robot import nominal_robot
-from diagnosis.stages import STAGES
-from physics.terms import PHYSICS_TERMS
-from physics.trajectory import TimeSeries
-from sensors.terms import SENSOR_TERMS
+from diagnosis.predictors import STAGES
+from physics.effects import PHYSICS_TERMS
+from physics.run.trajectory import TimeSeries
+from sensors.effects import SENSOR_TERMS
+from symolo.core.errors import InputError
 
 TERMS = (*PHYSICS_TERMS, *SENSOR_TERMS)
 ROWS_S = 0.005 * np.arange(1, 201)

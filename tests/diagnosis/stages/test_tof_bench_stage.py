@@ -7,14 +7,14 @@ import pytest
 
 from configs.draw import draw_robot
 from configs.loader import load_section
-from configs.schema.terms import range_bench as terms
+from configs.schema.effects import range_bench as terms
 from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.nominal import NominalTof
 from diagnosis.nominal_robot import nominal_robot
-from diagnosis.stages import STAGES
-from physics.trajectory import TimeSeries
-from sensors.terms import SENSOR_TERMS
+from diagnosis.predictors import STAGES
+from physics.run.trajectory import TimeSeries
+from sensors.effects import SENSOR_TERMS
 
 REFLECTANCE = {"wood": 0.45, "black_card": 0.05}
 NOMINAL = NominalTof.model_validate(

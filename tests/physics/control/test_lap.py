@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from physics.lap import Lap
+from physics.run.lap import Lap
 
 START = (0.55, -0.20, math.pi / 2)
 

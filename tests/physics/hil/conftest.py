@@ -8,11 +8,11 @@ import pytest
 
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
+from hil.board.build import build_board
+from hil.frames import CommandFrame, SensorFrame
+from hil.plausible import DriveLimits
+from hil.tools import has_board, has_compiler
 from physics.control.base import State
-from physics.hil.board.build import build_board
-from physics.hil.frames import CommandFrame, SensorFrame
-from physics.hil.plausible import DriveLimits
-from physics.hil.tools import has_board, has_compiler
 
 NEEDS = {"test_board.py": has_board, "test_firmware_on_board.py": has_board, "test_firmware_ears.py": has_compiler}
 collect_ignore = [name for name, is_there in NEEDS.items() if not is_there()]

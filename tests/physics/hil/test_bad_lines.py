@@ -8,9 +8,9 @@ import importlib
 import numpy as np
 import pytest
 
-from physics.hil.framings import FRAMINGS
-from physics.hil.framings.base import Answer, Asked
-from physics.hil.plausible import DriveLimits
+from hil.framings import FRAMINGS
+from hil.framings.base import Answer, Asked
+from hil.plausible import DriveLimits
 
 REPEATS = {"the one before again", "an older one"}
 """Whole frames: a board, which does not look at numbers, hears them; on a serial line no frame overtakes another."""

@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from configs.errors import EnvironmentLacking
-from physics.hil.board.build import build_board
-from physics.hil.errors import BoardLost
-from physics.hil.links.lockstep import LockstepLink
-from physics.hil.links.pty_board import PtyBoard
+from hil.board.build import build_board
+from hil.errors import BoardLost
+from hil.links.lockstep import LockstepLink
+from hil.links.pty_board import PtyBoard
+from symolo.core.errors import EnvironmentLacking
 
 TICK_S, TICK_CYCLES = 0.05, 800_000
 BYTE = 10 * 16_000_000 // 500_000

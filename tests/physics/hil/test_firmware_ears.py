@@ -5,7 +5,7 @@ import importlib
 import numpy as np
 import pytest
 
-from physics.hil.framings import FRAMINGS
+from hil.framings import FRAMINGS
 
 
 @pytest.mark.parametrize("count", [20, pytest.param(72_000, marks=pytest.mark.faults)])

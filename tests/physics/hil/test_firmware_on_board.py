@@ -4,12 +4,12 @@ import contextlib
 
 import pytest
 
-from physics.hil.build import build_firmware
-from physics.hil.errors import BoardLost
-from physics.hil.frames import SensorFrame
-from physics.hil.framings import FRAMINGS
-from physics.hil.links.lockstep import LockstepLink
-from physics.hil.loop import BoardPilot, LoopSettings
+from hil.build import build_firmware
+from hil.errors import BoardLost
+from hil.frames import SensorFrame
+from hil.framings import FRAMINGS
+from hil.links.lockstep import LockstepLink
+from hil.loop import BoardPilot, LoopSettings
 
 
 @pytest.fixture

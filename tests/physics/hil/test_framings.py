@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hil.frames import CommandFrame, HelloFrame, SensorFrame
+from hil.framings import FRAMINGS
+from hil.framings.base import Answer, Asked, Damaged, HelloAsked
+from hil.framings.cobs import stuffed, unstuffed
+from hil.framings.framed import Framed, crc16
+from hil.framings.simtwo import SimTwo
 from physics.control.base import State
-from physics.hil.frames import CommandFrame, HelloFrame, SensorFrame
-from physics.hil.framings import FRAMINGS
-from physics.hil.framings.base import Answer, Asked, Damaged, HelloAsked
-from physics.hil.framings.cobs import stuffed, unstuffed
-from physics.hil.framings.framed import Framed, crc16
-from physics.hil.framings.simtwo import SimTwo
 
 MILLI = st.integers(-32768, 32767).map(lambda number: number / 1000.0)
 RANGE = st.none() | st.integers(0, 65534).map(lambda mm: mm / 1000.0)

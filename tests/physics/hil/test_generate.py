@@ -5,12 +5,12 @@ import re
 import numpy as np
 import pytest
 
-from configs.errors import InputError
 from configs.loader import RobotAlone, load_section
 from configs.validation import validated
+from hil.generate import generate
 from physics.control.paths import curve_path, straight_path
 from physics.control.transitions import load_transitions
-from physics.hil.generate import generate
+from symolo.core.errors import InputError
 
 
 def robot_of(name, *settings):

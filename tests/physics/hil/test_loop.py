@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import pytest
 
-from configs.errors import InputError
+from hil.errors import BoardLost
+from hil.frames import HelloFrame
+from hil.framings import FRAMINGS
+from hil.framings.framed import Framed
+from hil.links.stand_in import StandInBoard
+from hil.loop import BoardPilot, LoopSettings
 from physics.control.base import State
-from physics.hil.errors import BoardLost
-from physics.hil.frames import HelloFrame
-from physics.hil.framings import FRAMINGS
-from physics.hil.framings.framed import Framed
-from physics.hil.links.stand_in import StandInBoard
-from physics.hil.loop import BoardPilot, LoopSettings
+from symolo.core.errors import InputError
 
 
 class BadLine(StandInBoard):

@@ -11,13 +11,13 @@ import tty
 import pytest
 import serial
 
-from configs.errors import EnvironmentLacking, InputError
-from physics.hil.errors import BoardLost
-from physics.hil.framings.framed import Framed
-from physics.hil.links import serial_link
-from physics.hil.links.serial_link import SerialLink
-from physics.hil.links.stand_in import StandInBoard
-from physics.hil.loop import BoardPilot, LoopSettings
+from hil.errors import BoardLost
+from hil.framings.framed import Framed
+from hil.links import serial_link
+from hil.links.serial_link import SerialLink
+from hil.links.stand_in import StandInBoard
+from hil.loop import BoardPilot, LoopSettings
+from symolo.core.errors import EnvironmentLacking, InputError
 
 
 @pytest.fixture

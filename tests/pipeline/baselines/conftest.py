@@ -9,7 +9,7 @@ import pytest
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from configs.schema.robot import TofMount
-from physics.arena import Arena, Box, Line, Straight
+from physics.arena.geometry import Arena, Box, Line, Straight
 from pipeline.baselines.given import Drawing, Given, LineRow, Start
 from pipeline.baselines.runs import LoggedRun
 from pipeline.stages.simulate import simulate

@@ -11,7 +11,7 @@ from pipeline.baselines.compare import compare, why_not
 from pipeline.baselines.runs import open_runs
 from pipeline.baselines.written import table
 from pipeline.cli import main
-from pipeline.progress import LineReport
+from symolo.core.progress import LineReport
 
 EXACT = np.full(3, 0.001)
 METHODS = ["odometry", "ekf", "particles", "pictures"]

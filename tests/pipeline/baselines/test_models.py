@@ -7,8 +7,8 @@ import pytest
 
 from configs.draw import draw_all
 from configs.loader import load_scenario
-from physics.arena import Arena
-from physics.rays import RayScene
+from physics.arena.geometry import Arena
+from physics.arena.rays import RayScene
 from pipeline.baselines.given import Start
 from pipeline.baselines.line_model import LineModel
 from pipeline.baselines.range_model import RangeModel

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from configs.schema.terms.table import Terms
-from configs.streams import stream
+from configs.schema.effects.table import Terms
 from pipeline.baselines import ekf, odometry, particles
 from pipeline.baselines.errors import errors_of
-from pipeline.dataset.rows import Rows
-from pipeline.dataset.side import WHEELS
+from symolo.core.random_streams import stream
+from symolo.dataset.rows import Rows
+from symolo.dataset.side_tables import WHEELS
 
 EXACT = np.array([0.001, 0.001, 0.002])
 HALF_LOST = np.array([0.05, 0.05, np.radians(5)])

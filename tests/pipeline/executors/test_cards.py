@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from configs.errors import EnvironmentLacking
 from pipeline.executors import chosen
-from pipeline.units import RenderUnit, SimulateUnit
-from pipeline.workers import run_units
+from pipeline.work.supervisor import run_units
+from pipeline.work.units import RenderUnit, SimulateUnit
+from symolo.core.errors import EnvironmentLacking
 
 SEEN = "CUDA_VISIBLE_DEVICES"
 WORKER = f"""
@@ -34,7 +34,7 @@ def _units(folder, count=1):
 
 @pytest.fixture
 def two_cards(monkeypatch):
-    monkeypatch.setattr("blender_scenes.devices.listed_gpus", lambda: ("OPTIX", "CUDA", "OPTIX", "CUDA"))
+    monkeypatch.setattr("blender_scenes.render.devices.listed_gpus", lambda: ("OPTIX", "CUDA", "OPTIX", "CUDA"))
     monkeypatch.delenv(SEEN, raising=False)
 
 

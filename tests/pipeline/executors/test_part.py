@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from configs.errors import InputError
 from pipeline.executors.local import Local
 from pipeline.executors.part import BLOCK_FRAMES, Part
-from pipeline.units import RenderUnit, SimulateUnit
+from pipeline.work.units import RenderUnit, SimulateUnit
+from symolo.core.errors import InputError
 
 
 def _block(run, first):

@@ -4,8 +4,8 @@ from pathlib import Path
 
 from pipeline.executors import chosen
 from pipeline.executors.ray import Record
-from pipeline.units import RenderUnit
-from pipeline.workers import SetAside
+from pipeline.work.supervisor import SetAside
+from pipeline.work.units import RenderUnit
 
 UNIT = RenderUnit(name="CW/test_1", work="pictures", job=Path(), folder=Path(), numbers=(1, 2), threads=1)
 

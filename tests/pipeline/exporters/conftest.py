@@ -12,18 +12,18 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from blender_scenes.annotations.document import ENCODINGS
-from blender_scenes.camera import intrinsics
 from configs.draw import draw_all
 from configs.loader import load_scenario
-from pipeline.dataset.camera_model import CameraModel
-from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest
-from pipeline.dataset.metadata import RunRecord, describe
-from pipeline.dataset.rows import COLUMNS, STATES, Rows
-from pipeline.dataset.side import CAMERA, TOF, WHEELS, image_positions
-from pipeline.export import export, exporters_of, open_release, plan
-from pipeline.exporters.base import ExportSettings
-from pipeline.progress import LineReport
 from pipeline.stages.simulate_runs import spec_text
+from sensors.camera.geometry import intrinsics
+from symolo.core.progress import LineReport
+from symolo.dataset.camera_model import CameraModel
+from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest
+from symolo.dataset.metadata import RunRecord, describe
+from symolo.dataset.rows import COLUMNS, STATES, Rows
+from symolo.dataset.side_tables import CAMERA, TOF, WHEELS, image_positions
+from symolo.exporters.base import ExportSettings
+from symolo.exporters.export import export, exporters_of, open_release, plan
 
 SEEDS = [pytest.param(seed, marks=[pytest.mark.faults] if seed > 2 else []) for seed in range(1, 101)]
 """Of releases that every format is held against; two of them by default."""

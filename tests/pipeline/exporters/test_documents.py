@@ -7,7 +7,7 @@ from pathlib import Path
 import datasets
 import pytest
 
-from pipeline.exporters import EXPORTERS
+from symolo.exporters import EXPORTERS
 
 ROOT = Path(__file__).parents[3]
 DOCS = ROOT / "docs"

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.exporters import EXPORTERS
+from symolo.exporters import EXPORTERS
 
 HERE = Path(__file__).parent
 

@@ -7,9 +7,9 @@ import sys
 
 import pytest
 
-from pipeline.export import open_release, plan
-from pipeline.exporters import EXPORTERS
-from pipeline.exporters.base import ExportSettings
+from symolo.exporters import EXPORTERS
+from symolo.exporters.base import ExportSettings
+from symolo.exporters.export import open_release, plan
 
 
 def one_line(ended) -> str:
@@ -102,7 +102,7 @@ def test_what_ends_midway_leaves_nothing(error, random_release, tmp_path, symolo
     root, out = random_release(1).root, tmp_path / "out"
     arguments = ("export", root, "--format", "kitti", "--out", out)
     with monkeypatch.context() as patch:
-        patch.setattr("pipeline.export.sha256_of", lambda _path: (_ for _ in ()).throw(error))
+        patch.setattr("symolo.exporters.export.sha256_of", lambda _path: (_ for _ in ()).throw(error))
         assert symolo(*arguments).code == (130 if error is KeyboardInterrupt else 5)
     assert list(tmp_path.iterdir()) == []
     assert symolo(*arguments).code == 0

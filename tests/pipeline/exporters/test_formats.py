@@ -10,11 +10,11 @@ from pyarrow import parquet
 from pycocotools.coco import COCO
 from webdataset import tariterators
 
-from pipeline.dataset.rows import HEADER
-from pipeline.dataset.side import WHEELS
-from pipeline.export import exporters_of, open_release, plan
-from pipeline.exporters import EXPORTERS
-from pipeline.exporters.base import ExportSettings
+from symolo.dataset.rows import HEADER
+from symolo.dataset.side_tables import WHEELS
+from symolo.exporters import EXPORTERS
+from symolo.exporters.base import ExportSettings
+from symolo.exporters.export import exporters_of, open_release, plan
 
 FORMATS = ("tum", "kitti", "coco", "webdataset", "parquet")
 """The others have files of their own."""

@@ -8,8 +8,8 @@ import cv2
 import h5py
 import numpy as np
 
-from pipeline.dataset.rows import HEADER
-from pipeline.dataset.side import TOF, WHEELS
+from symolo.dataset.rows import HEADER
+from symolo.dataset.side_tables import TOF, WHEELS
 
 FAR = np.float32(1e10)
 """What Blender writes where nothing is met."""

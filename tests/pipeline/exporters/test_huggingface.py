@@ -9,8 +9,8 @@ import pytest
 import yaml
 from pyarrow import parquet
 
-from pipeline.dataset.rows import HEADER
-from pipeline.dataset.side import TOF, WHEELS
+from symolo.dataset.rows import HEADER
+from symolo.dataset.side_tables import TOF, WHEELS
 
 
 @pytest.fixture

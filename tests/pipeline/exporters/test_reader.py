@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import symolo as reader
-from pipeline.dataset.rows import HEADER
-from pipeline.dataset.side import WHEELS
+from symolo.dataset.rows import HEADER
+from symolo.dataset.side_tables import WHEELS
 
 
 def test_rows_poses_and_side_tables_are_those_of_the_files(random_release):

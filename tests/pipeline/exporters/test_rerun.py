@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from physics.arena import Arena
-from pipeline.dataset.rows import COLUMNS
-from pipeline.exporters.rerun import _box, _Maker
+from physics.arena.geometry import Arena
+from symolo.dataset.rows import COLUMNS
+from symolo.exporters.rerun import _box, _Maker
 
 PATHS = {"state": "/state", "v": "/motion/v", "w": "/motion/w", "d_f": "/range/d_f", "d_l": "/range/d_l"}
 PATHS |= {"d_r": "/range/d_r"} | {f"L{i}": f"/line/L{i}" for i in range(8)}

@@ -7,10 +7,10 @@ import numpy as np
 import pybullet
 import pytest
 
-from physics.arena import Arena, Box
+from physics.arena.geometry import Arena, Box
+from physics.arena.rays import RayScene
 from physics.bullet.ray_oracle import BATCH, EngineRays
 from physics.bullet.world import add_arena, connect
-from physics.rays import RayScene
 from pipeline.models.files import model_files
 from sensors.tof import ray_directions, ray_pattern
 

@@ -1,6 +1,6 @@
 import pytest
 
-from pipeline.publication.limits import told
+from symolo.publishing.limits import told
 
 GB = 10**9
 

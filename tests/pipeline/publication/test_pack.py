@@ -13,7 +13,7 @@ import yaml
 from datacite import schema45
 
 from pipeline.cli import main
-from pipeline.verify import verify
+from symolo.verification.verify import verify
 
 
 def files_of(folder) -> dict[str, bytes]:
@@ -209,7 +209,7 @@ def test_a_strangers_release_does_not_say_where_files_go(packed, tmp_path, capsy
 
 def test_a_full_disk_is_told_before_work_starts(packed, tmp_path, capsys, monkeypatch):
     usage = shutil.disk_usage(tmp_path)._replace(free=1_000_000)
-    monkeypatch.setattr("pipeline.output.shutil.disk_usage", lambda _: usage)
+    monkeypatch.setattr("pipeline.run_folder.output.shutil.disk_usage", lambda _: usage)
     out = tmp_path / "upload"
     assert main(["pack", str(packed.release), "--about", str(packed.about), "--out", str(out)]) == 5
     assert "are needed and 1 MB are free" in capsys.readouterr().err
@@ -219,7 +219,7 @@ def test_a_full_disk_is_told_before_work_starts(packed, tmp_path, capsys, monkey
 def test_a_file_that_changes_meanwhile_leaves_no_half_of_an_upload(packed, tmp_path, capsys, monkeypatch):
     own = tmp_path / "own"
     shutil.copytree(packed.release, own)
-    monkeypatch.setattr("pipeline.publication.pack.check_disk", lambda *_: (own / "README.md").write_text("other\n"))
+    monkeypatch.setattr("symolo.publishing.pack.check_disk", lambda *_: (own / "README.md").write_text("other\n"))
     out = tmp_path / "upload"
     assert main(["pack", str(own), "--about", str(packed.about), "--out", str(out)]) == 5
     assert "README.md is no longer what was written" in capsys.readouterr().err

@@ -3,10 +3,10 @@
 import pytest
 
 from configs.distributions import Choice, LogUniform, Normal, Uniform
-from pipeline.reader.dataset import load
-from pipeline.release_report.draw_strip import MOST_MARKS, in_words, strip
-from pipeline.release_report.draws import Draw, draws_of
-from pipeline.release_report.run_facts import run_facts
+from symolo.reader.dataset import load
+from symolo.report.plots.draw_strip import MOST_MARKS, in_words, strip
+from symolo.report.statistics.draws import Draw, draws_of
+from symolo.report.statistics.run_facts import run_facts
 
 ASKED = (
     "look={extends: classroom, sun: {elevation_deg: {uniform: [20, 40]}}}",

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from scipy.ndimage import laplace
 
-from pipeline.reader.dataset import load
-from pipeline.release_report.image_numbers import ImageNumbers, image_numbers
-from pipeline.release_report.outliers import modified_z, outliers
+from symolo.reader.dataset import load
+from symolo.report.statistics.image_statistics import ImageNumbers, image_numbers
+from symolo.report.statistics.outliers import modified_z, outliers
 
 
 def quiet(_done):

@@ -7,11 +7,11 @@ import pytest
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from physics.arena import Arena
-from pipeline.reader.dataset import load
-from pipeline.release_report.map_picture import footprints
-from pipeline.release_report.maps import maps_of
-from pipeline.release_report.run_facts import run_facts
+from physics.arena.geometry import Arena
+from symolo.reader.dataset import load
+from symolo.report.plots.map import footprints
+from symolo.report.statistics.maps import maps_of
+from symolo.report.statistics.run_facts import run_facts
 
 
 @pytest.fixture(scope="module")

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from physics.arena import Arc, Line, Straight
-from pipeline.release_report.off_line import ahead_of, off_line_m
+from physics.arena.geometry import Arc, Line, Straight
+from symolo.report.statistics.off_line import ahead_of, off_line_m
 
 STRAIGHT = Line((Straight((0.0, 0.0), (2.0, 0.0)),), 0.015, 0.05)
 QUARTER = Line((Arc((0.0, 0.0), 1.0, 0.0, np.pi / 2),), 0.015, 0.05)

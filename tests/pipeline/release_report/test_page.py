@@ -7,13 +7,13 @@ from html import unescape
 
 import pytest
 
-from pipeline.dataset.metadata import FailedRun
-from pipeline.progress import LineReport
-from pipeline.reader.dataset import load
-from pipeline.release_report.facts import release_facts
-from pipeline.release_report.page import page
-from pipeline.release_report.pictures import Pictures
-from pipeline.release_report.state_sheets import shown_of_states
+from symolo.core.progress import LineReport
+from symolo.dataset.metadata import FailedRun
+from symolo.reader.dataset import load
+from symolo.report.page import page
+from symolo.report.plots.all_plots import Pictures
+from symolo.report.state_sheets import shown_of_states
+from symolo.report.statistics.facts import release_facts
 
 HOSTILE = '<script src="https://example.org/x.js"></script>"\'&'
 

@@ -38,7 +38,7 @@ def test_what_ends_midway_leaves_the_page_that_was_there(painted, tmp_path, symo
     out = tmp_path / "report.html"
     out.write_text("before")
     monkeypatch.setattr(
-        "pipeline.release_report.facts.image_numbers", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt)
+        "symolo.report.statistics.facts.image_numbers", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt)
     )
     assert symolo("report", painted(), "--out", out).code == 130
     assert [path.name for path in tmp_path.iterdir()] == ["report.html"]

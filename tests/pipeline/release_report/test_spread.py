@@ -5,7 +5,7 @@ import itertools
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.release_report.spread import spread
+from symolo.report.statistics.spread import spread
 
 
 @given(st.integers(0, 200), st.integers(2, 20))

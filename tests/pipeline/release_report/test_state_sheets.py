@@ -5,7 +5,7 @@ from types import SimpleNamespace
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.release_report.state_sheets import PER_STATE, Shown, shown_of_states
+from symolo.report.state_sheets import PER_STATE, Shown, shown_of_states
 
 
 def runs(*of_states):

@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.dataset.rows import STATES
-from pipeline.release_report.states import MARKS, stretches
+from symolo.dataset.rows import STATES
+from symolo.report.plots.states import MARKS, stretches
 
 # Okabe and Ito, Color Universal Design (2008), without the yellow that a white page swallows; and a grey.
 SAFE = {"#000000", "#E69F00", "#56B4E9", "#009E73", "#0072B2", "#D55E00", "#CC79A7", "#777777"}

@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 from obstore.store import MemoryStore
 
-from configs.errors import EnvironmentLacking
-from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest
-from pipeline.storage.base import Store
-from pipeline.storage.bucket import Bucket
-from pipeline.storage.folder import Folder
+from symolo.core.errors import EnvironmentLacking
+from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest
+from symolo.storage.base import Store
+from symolo.storage.bucket import Bucket
+from symolo.storage.folder import Folder
 
 CONTENT = {
     "README.md": b"# A release\n",

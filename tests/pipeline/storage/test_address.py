@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from pipeline.storage import address, bucket
+from symolo.storage import address, bucket
 
 SECRET = "s3cr3t-k3y"  # noqa: S105 - of nobody
 

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from configs.errors import EnvironmentLacking
-from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST
-from pipeline.storage.folder import Folder
+from symolo.core.errors import EnvironmentLacking
+from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST
+from symolo.storage.folder import Folder
 
 SMALL = ["--set=stop.time_limit_s=0.2", "--set=render.width_px=32", "--set=render.height_px=24", "--workers=1"]
 LISTS = [MANIFEST, TAG_MANIFEST]

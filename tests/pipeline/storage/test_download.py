@@ -6,13 +6,13 @@ from types import SimpleNamespace
 
 import pytest
 
-from configs.errors import EnvironmentLacking, InputError
-from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, tag_manifest
-from pipeline.progress import LineReport
-from pipeline.storage.comparison import released_files
-from pipeline.storage.download import Remote, download
-from pipeline.storage.folder import Folder
-from pipeline.storage.upload import upload
+from symolo.core.errors import EnvironmentLacking, InputError
+from symolo.core.progress import LineReport
+from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, tag_manifest
+from symolo.storage.comparison import released_files
+from symolo.storage.download import Remote, download
+from symolo.storage.folder import Folder
+from symolo.storage.upload import upload
 
 
 @pytest.fixture

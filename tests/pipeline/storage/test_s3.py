@@ -13,7 +13,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from pipeline.storage.side_by_side import AT_ONCE
+from symolo.storage.side_by_side import AT_ONCE
 
 pytestmark = pytest.mark.cloud
 

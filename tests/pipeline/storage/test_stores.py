@@ -5,10 +5,10 @@ import os
 
 import pytest
 
-from configs.errors import InputError
-from pipeline.storage import base
-from pipeline.storage.base import LocalFile
-from pipeline.storage.folder import Folder
+from symolo.core.errors import InputError
+from symolo.storage import base
+from symolo.storage.base import LocalFile
+from symolo.storage.folder import Folder
 
 OF_ABC = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
 """SHA-256 of `abc`: FIPS 180-4, example of NIST."""

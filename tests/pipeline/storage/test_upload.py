@@ -7,14 +7,14 @@ import obstore
 import pytest
 from obstore.store import MemoryStore
 
-from configs.errors import EnvironmentLacking, InputError
-from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST
-from pipeline.progress import LineReport
-from pipeline.storage.bucket import Bucket
-from pipeline.storage.comparison import released_files
-from pipeline.storage.download import Remote
-from pipeline.storage.folder import Folder
-from pipeline.storage.upload import planned, upload
+from symolo.core.errors import EnvironmentLacking, InputError
+from symolo.core.progress import LineReport
+from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST
+from symolo.storage.bucket import Bucket
+from symolo.storage.comparison import released_files
+from symolo.storage.download import Remote
+from symolo.storage.folder import Folder
+from symolo.storage.upload import planned, upload
 
 FILES = 10
 """Of the release of these tests, with its two lists."""

@@ -1,0 +1,149 @@
+"""The scene's description built in Blender: meshes, lights, sky and camera."""
+
+import itertools
+from pathlib import Path
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from blender_scenes.blender_side.own_images import OwnPictures
+from blender_scenes.blender_side.shaders import ShaderGraph, material
+from blender_scenes.scene.description import Intrinsics, Mesh, Panel, Scene, Sky, Sun
+from sensors.camera.lens_warp import pinhole_picture
+
+ROBOT = "R"
+CAMERA = "C"
+
+
+def start() -> None:
+    """An empty file with nobody's preferences."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+
+
+def build(scene: Scene, camera: Intrinsics, own_files: Path | None = None) -> None:
+    """Fills an empty Blender file; the robot hangs on an empty called `R`, the camera is called `C`.
+
+    Moving obstacles are called as `moving_name` says, to be placed for each view. Every mesh has its number, among
+    the scene's meshes, the robot's and the moving ones, as its `pass_index`, from 1. `own_files` is the folder that
+    holds the user's own files by their SHA-256.
+    """
+    own = OwnPictures(own_files)
+    materials = {surface.name: material(surface, own) for surface in scene.surfaces}
+    numbers = itertools.count(1)
+    for mesh in scene.meshes:
+        _mesh(mesh, materials).pass_index = next(numbers)
+    robot = _place(ROBOT, None)
+    for seen, parts in ((False, scene.robot), (True, scene.robot_in_sight)):
+        for mesh in parts:
+            part = _mesh(mesh, materials)
+            part.parent, part.visible_camera, part.pass_index = robot, seen, next(numbers)
+    for number, mesh in enumerate(scene.moving):
+        placed = _mesh(mesh, materials)
+        placed.name, placed.pass_index = moving_name(number), next(numbers)
+    for panel in scene.panels:
+        _panel(panel)
+    if scene.sun is not None:
+        _sun(scene.sun)
+    _sky(scene.sky, own)
+    _camera(camera)
+
+
+def moving_name(number: int) -> str:
+    """Of the scene's moving mesh with this number, from 0; its own may exceed the 63 bytes that Blender keeps."""
+    return f"moving_{number}"
+
+
+def _place(name: str, data: bpy.types.ID | None) -> bpy.types.Object:
+    made = bpy.data.objects.new(name, data)
+    bpy.context.scene.collection.objects.link(made)
+    return made
+
+
+def _mesh(mesh: Mesh, materials: dict[str, bpy.types.Material]) -> bpy.types.Object:
+    data = bpy.data.meshes.new(mesh.name)
+    data.from_pydata(mesh.vertices, [], mesh.faces)
+    uv = data.uv_layers.new(name="uv_m")
+    uv.data.foreach_set("uv", np.array([c for face in mesh.uv_m for c in face], np.float32).ravel())
+    slots = list(dict.fromkeys(mesh.face_surface))
+    for name in slots:
+        data.materials.append(materials[name])
+    data.polygons.foreach_set("material_index", [slots.index(name) for name in mesh.face_surface])
+    if data.validate():
+        raise ValueError(f"mesh {mesh.name} is not valid geometry")
+    return _place(mesh.name, data)
+
+
+def _axes(right: tuple, up: tuple, center: tuple) -> Matrix:
+    """A light's local frame: it shines along its own -z, which is right x up."""
+    x, y = np.array(right, float), -np.array(up, float)
+    pose = np.eye(4)
+    pose[:3, :3] = np.stack([x, y, np.cross(x, y)], axis=1)
+    pose[:3, 3] = center
+    return Matrix(pose.tolist())
+
+
+def _panel(panel: Panel) -> None:
+    light = bpy.data.lights.new(panel.name, "AREA")
+    light.shape, light.size, light.size_y = "RECTANGLE", panel.width_m, panel.height_m
+    peak = max(panel.radiance)
+    light.color = [c / peak for c in panel.radiance]
+    # A Lambertian emitter of radiance L over the area A has the power pi A L.
+    light.energy = peak * np.pi * panel.width_m * panel.height_m
+    made = _place(panel.name, light)
+    made.matrix_world = _axes(panel.right, panel.up, panel.center)
+    # A pane of glass hands the camera's ray on as one of transmission; shadow rays, which light the floor, are others.
+    made.visible_camera = made.visible_transmission = panel.seen
+
+
+def _sun(sun: Sun) -> None:
+    light = bpy.data.lights.new("sun", "SUN")
+    peak = max(sun.irradiance)
+    light.color, light.energy = [c / peak for c in sun.irradiance], peak
+    light.angle = sun.angular_diameter_rad
+    z = np.array(sun.towards)
+    x = np.cross((0.0, 0.0, 1.0), z) if abs(z[2]) < 0.999 else np.array([1.0, 0, 0])
+    x /= np.linalg.norm(x)
+    pose = np.eye(4)
+    pose[:3, :3] = np.stack([x, np.cross(z, x), z], axis=1)
+    _place("sun", light).matrix_world = Matrix(pose.tolist())
+
+
+def _sky(sky: Sky, own: OwnPictures) -> None:
+    world = bpy.data.worlds.new("sky")
+    bpy.context.scene.world = world
+    world.cycles.sampling_method = "NONE"
+    world.cycles_visibility.diffuse = world.cycles_visibility.glossy = False
+    world.use_nodes = True
+    graph = ShaderGraph(world.node_tree)
+    image = _shipped(sky.panorama) if sky.mean is None else own.panorama(sky.panorama)
+    towards = graph.node("ShaderNodeTexCoord").outputs["Generated"]
+    turned = graph.node("ShaderNodeMapping", Vector=towards, Rotation=(0.0, 0.0, -sky.yaw_rad))
+    texture = graph.node("ShaderNodeTexEnvironment", Vector=turned.outputs[0])
+    texture.image = image
+    cut = graph.node("ShaderNodeVectorMath")
+    cut.operation = "MINIMUM"
+    graph.feed(cut.inputs[0], texture.outputs["Color"])
+    cut.inputs[1].default_value = (sky.ceiling,) * 3
+    tint = graph.node("ShaderNodeHueSaturation", Saturation=sky.saturation, Color=cut.outputs[0])
+    shine = graph.node("ShaderNodeBackground", Color=tint.outputs[0], Strength=sky.gain)
+    graph.node("ShaderNodeOutputWorld", Surface=shine.outputs[0])
+
+
+def _shipped(panorama: str) -> bpy.types.Image:
+    folder = Path(bpy.utils.system_resource("DATAFILES")) / "studiolights" / "world"
+    image = bpy.data.images.load(str(folder / f"{panorama}.exr"))
+    image.colorspace_settings.name = "Linear Rec.709"
+    return image
+
+
+def _camera(camera: Intrinsics) -> None:
+    data = bpy.data.cameras.new(CAMERA)
+    data.sensor_fit, data.sensor_width = "HORIZONTAL", 36.0
+    pinhole = pinhole_picture(camera).camera
+    data.lens = 36.0 * pinhole.fx_px / pinhole.width_px
+    # Both in widths of the picture; Blender moves the frame over the view, so the axis the other way.
+    data.shift_x = (0.5 * (pinhole.width_px - 1) - pinhole.cx_px) / pinhole.width_px
+    data.shift_y = (pinhole.cy_px - 0.5 * (pinhole.height_px - 1)) / pinhole.width_px
+    data.clip_start, data.clip_end = 0.001, 1000.0
+    bpy.context.scene.camera = _place(CAMERA, data)

@@ -1,0 +1,152 @@
+"""Cycles, with every setting that decides a pixel set here, and the linear light of one view read back whole."""
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from blender_scenes.blender_side import gpus
+from blender_scenes.blender_side.hybrid.images import PartPictures
+from blender_scenes.blender_side.placing import open_shutter, place
+from blender_scenes.blender_side.rendering import rendered
+from blender_scenes.render.job import RenderJob
+from blender_scenes.render.sampling import Sampling
+from blender_scenes.scene.description import FrameView
+from sensors.camera.lens_warp import pinhole_picture, through_lens
+from sensors.camera.metering import metered_views, metering_camera
+from sensors.camera.rolling_shutter import lateness
+from sensors.camera.shutter import window
+from symolo.core.random_streams import stream
+
+_SCRATCH = "light.exr"
+_METERING_SAMPLES = 8
+_EXR_PIXEL_BYTES = 12
+
+
+def configure(job: RenderJob, threads: int, scratch: Path) -> None:
+    """Sets the scene up for the job; the picture's size is set for each view.
+
+    Raises:
+        LookupError: The job is for a graphics card that is not there.
+    """
+    if job.sampling.device != "CPU":
+        gpus.enable(job.sampling.device)
+    scene = bpy.context.scene
+    render = scene.render
+    render.engine = "CYCLES"
+    render.resolution_percentage = 100
+    render.pixel_aspect_x = render.pixel_aspect_y = 1.0
+    render.threads_mode, render.threads = "FIXED", threads
+    render.use_persistent_data = True
+    render.use_border = render.use_compositing = render.use_sequencer = False
+    render.film_transparent = False
+    render.dither_intensity = 0.0
+    render.filepath = str(scratch / _SCRATCH)
+    render.use_file_extension = False
+    image = render.image_settings
+    image.file_format, image.color_mode, image.color_depth, image.exr_codec = "OPEN_EXR", "RGB", "32", "NONE"
+    image.color_management = "FOLLOW_SCENE"
+    scene.display_settings.display_device = "sRGB"
+    scene.view_settings.view_transform, scene.view_settings.look = "Raw", "None"  # OpenEXR is written linear anyway
+    scene.view_settings.exposure, scene.view_settings.gamma = 0.0, 1.0
+    _cycles(scene.cycles, job.sampling)
+    open_shutter(window(job.shutter, job.camera))
+
+
+def _cycles(cycles: bpy.types.PropertyGroup, sampling: Sampling) -> None:
+    settings = {
+        "device": "CPU" if sampling.device == "CPU" else "GPU",
+        "feature_set": "SUPPORTED",
+        "shading_system": False,
+        "samples": sampling.samples,
+        "use_adaptive_sampling": False,
+        "time_limit": 0.0,
+        "sampling_pattern": "TABULATED_SOBOL",
+        "scrambling_distance": 1.0,
+        "auto_scrambling_distance": False,
+        "use_denoising": sampling.denoise,
+        "denoiser": "OPENIMAGEDENOISE",
+        "denoising_input_passes": "RGB_ALBEDO_NORMAL",
+        "denoising_prefilter": sampling.prefilter,
+        "denoising_quality": sampling.denoise_quality,
+        "denoising_use_gpu": sampling.device != "CPU",
+        "use_light_tree": False,
+        "light_sampling_threshold": 0.0,
+        "use_guiding": False,
+        "max_bounces": max(sampling.diffuse_bounces, sampling.glossy_bounces, sampling.transmission_bounces),
+        "diffuse_bounces": sampling.diffuse_bounces,
+        "glossy_bounces": sampling.glossy_bounces,
+        "transmission_bounces": sampling.transmission_bounces,
+        "volume_bounces": 0,
+        "transparent_max_bounces": 8,
+        "min_light_bounces": 0,
+        "min_transparent_bounces": 0,
+        "caustics_reflective": False,
+        "caustics_refractive": False,
+        "blur_glossy": 1.0,
+        "sample_clamp_direct": 0.0,
+        "sample_clamp_indirect": 1.0,
+        "use_fast_gi": False,
+        "film_exposure": 1.0,
+        "pixel_filter_type": "BLACKMAN_HARRIS",
+        "filter_width": sampling.filter_width_px,
+        "use_animated_seed": False,
+        "use_auto_tile": False,
+        "debug_bvh_type": "DYNAMIC_BVH",
+        "debug_use_spatial_splits": False,
+    }
+    for name, value in settings.items():
+        setattr(cycles, name, value)
+
+
+class Pictures:
+    """The light of a configured job's frames."""
+
+    def __init__(self, job: RenderJob, threads: int, scratch: Path) -> None:
+        self._job = job
+        rendered = pinhole_picture(job.camera).camera
+        self._size = rendered.width_px, rendered.height_px
+        self._parts = PartPictures(job, threads, scratch) if job.sampling.parts else None
+
+    def light(self, view: FrameView) -> np.ndarray:
+        """(H, W, 3) linear light of one of the job's frames."""
+        job = self._job
+        seed = _noise_seed(job.sampling.seed, "frame", view.number)
+        if self._parts is not None:
+            light = self._parts.light(view, seed)
+        else:
+            light = _light(view, self._size, seed=seed, samples=job.sampling.samples, denoise=job.sampling.denoise)
+        light *= np.array(view.light_gain, np.float32)
+        return through_lens(light, job.camera, lateness(view, job.camera, job.shutter))
+
+
+def metered_light(job: RenderJob) -> np.ndarray:
+    """Light of small pictures of a few of the job's views."""
+    small = metering_camera(pinhole_picture(job.camera).camera)
+    size = small.width_px, small.height_px
+    seen = []
+    for view in metered_views(job):
+        seed = _noise_seed(job.sampling.seed, "metering", view.number)
+        seen.append(_light(view, size, seed=seed, samples=_METERING_SAMPLES, denoise=False))
+    return np.concatenate(seen)
+
+
+def _noise_seed(seed: int, *path: str | int) -> int:
+    return int(stream(seed, "path tracing", *path).integers(2**31))
+
+
+def _light(view: FrameView, size: tuple[int, int], *, seed: int, samples: int, denoise: bool) -> np.ndarray:
+    """(H, W, 3) linear light that the camera receives in a view; raises what `traced` does."""
+    channels = traced(view, size, _EXR_PIXEL_BYTES, seed=seed, samples=samples, denoise=denoise)
+    return np.stack([channels[name] for name in "RGB"], axis=-1).astype(np.float32)
+
+
+def traced(
+    view: FrameView, size: tuple[int, int], pixel_bytes: int, *, seed: int, samples: int, denoise: bool
+) -> dict[str, np.ndarray]:
+    """Channel name -> (H, W) of what Blender writes of a view; `pixel_bytes` and errors as `rendered` has them."""
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y = size
+    scene.cycles.seed, scene.cycles.samples, scene.cycles.use_denoising = seed, samples, denoise
+    place(view)
+    return rendered(scene, pixel_bytes)

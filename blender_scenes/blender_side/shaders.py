@@ -1,0 +1,226 @@
+"""Surfaces to Blender materials: each texture expression becomes one node, equal ones share it."""
+
+from collections.abc import Callable
+
+import bpy
+
+from blender_scenes.blender_side.own_images import OwnPictures
+from blender_scenes.scene.shading import (
+    Arithmetic,
+    Cells,
+    Color,
+    Coordinate,
+    Expression,
+    Mix,
+    Noise,
+    Number,
+    Picture,
+    Step,
+    Surface,
+    Tiles,
+)
+from blender_scenes.scene.typical import typical_color
+
+_OPERATIONS = {
+    "add": "ADD",
+    "subtract": "SUBTRACT",
+    "multiply": "MULTIPLY",
+    "maximum": "MAXIMUM",
+    "sine": "SINE",
+}
+_CELLS = {"distance": ("F1", "Distance"), "edge": ("DISTANCE_TO_EDGE", "Distance"), "random": ("F1", "Color")}
+
+
+class ShaderGraph:
+    """Compiles the expressions of one material."""
+
+    def __init__(self, tree: bpy.types.NodeTree, own: OwnPictures | None = None) -> None:
+        tree.nodes.clear()
+        self._tree = tree
+        self._own = own or OwnPictures(None)
+        self._sockets: dict[Expression, bpy.types.NodeSocket] = {}
+        self._uv: bpy.types.NodeSocket | None = None
+        self._compilers: dict[type, Callable] = {
+            Number: self._number,
+            Color: self._color,
+            Coordinate: self._coordinate,
+            Noise: self._noise,
+            Cells: self._cells,
+            Tiles: self._tiles,
+            Picture: self._picture,
+            Arithmetic: self._arithmetic,
+            Step: self._step,
+            Mix: self._mix,
+        }
+
+    def node(self, kind: str, **inputs: object) -> bpy.types.Node:
+        """A new node with values or sockets for its inputs, named as Blender names them, spaces as underscores."""
+        node = self._tree.nodes.new(kind)
+        for name, value in inputs.items():
+            self.feed(node.inputs[name.replace("_", " ")], value)
+        return node
+
+    def feed(self, socket: bpy.types.NodeSocket, value: object) -> None:
+        if isinstance(value, Expression):
+            value = self.socket(value)
+        if isinstance(value, bpy.types.NodeSocket):
+            self._tree.links.new(value, socket)
+        else:
+            socket.default_value = value
+
+    def socket(self, expression: Expression) -> bpy.types.NodeSocket:
+        if expression not in self._sockets:
+            self._sockets[expression] = self._compilers[type(expression)](expression)
+        return self._sockets[expression]
+
+    def _surface_coordinates(self) -> bpy.types.NodeSocket:
+        if self._uv is None:
+            node = self.node("ShaderNodeUVMap")
+            node.uv_map = "uv_m"
+            self._uv = node.outputs[0]
+        return self._uv
+
+    def _number(self, e: Number) -> bpy.types.NodeSocket:
+        node = self.node("ShaderNodeValue")
+        node.outputs[0].default_value = e.value
+        return node.outputs[0]
+
+    def _color(self, e: Color) -> bpy.types.NodeSocket:
+        node = self.node("ShaderNodeRGB")
+        node.outputs[0].default_value = (*e.rgb, 1.0)
+        return node.outputs[0]
+
+    def _coordinate(self, e: Coordinate) -> bpy.types.NodeSocket:
+        return self.node("ShaderNodeSeparateXYZ", Vector=self._surface_coordinates()).outputs["uv".index(e.axis)]
+
+    def _placed(
+        self, per_m: tuple[float, float], offset: tuple[float, float], turn_rad: float = 0.0
+    ) -> bpy.types.NodeSocket:
+        """Surface coordinates turned, then scaled to features and moved."""
+        at = self._surface_coordinates()
+        if turn_rad:
+            at = self.node("ShaderNodeMapping", Vector=at, Rotation=(0.0, 0.0, -turn_rad)).outputs[0]
+        # Cheaper than a mapping node, which works out a rotation for every sample.
+        moved = self._tree.nodes.new("ShaderNodeVectorMath")
+        moved.operation = "MULTIPLY_ADD"
+        for socket, value in zip(moved.inputs, (at, (*per_m, 1.0), (*offset, 0.0)), strict=False):
+            self.feed(socket, value)
+        return moved.outputs[0]
+
+    def _noise(self, e: Noise) -> bpy.types.NodeSocket:
+        node = self.node("ShaderNodeTexNoise")
+        node.noise_dimensions, node.noise_type, node.normalize = "2D", "FBM", True
+        at = self._placed(e.per_m, e.offset, e.turn_rad)
+        if e.shift is not None:
+            apart = self.node("ShaderNodeCombineXYZ", X=e.shift, Y=e.shift)
+            moved = self._tree.nodes.new("ShaderNodeVectorMath")
+            self.feed(moved.inputs[0], at)
+            self.feed(moved.inputs[1], apart.outputs[0])
+            at = moved.outputs[0]
+        values = {"Vector": at, "Scale": 1.0, "Detail": e.octaves - 1, "Roughness": e.gain}
+        for name, value in {**values, "Lacunarity": 2.0, "Distortion": e.warp}.items():
+            self.feed(node.inputs[name], value)
+        return node.outputs["Fac"]
+
+    def _cells(self, e: Cells) -> bpy.types.NodeSocket:
+        feature, output = _CELLS[e.value]
+        node = self.node("ShaderNodeTexVoronoi")
+        node.voronoi_dimensions, node.feature = "2D", feature
+        for name, value in {"Vector": self._placed(e.per_m, e.offset), "Scale": 1.0, "Randomness": 1.0}.items():
+            self.feed(node.inputs[name], value)
+        if output == "Distance":
+            return node.outputs["Distance"]
+        return self.node("ShaderNodeSeparateColor", Color=node.outputs["Color"]).outputs[0]
+
+    def _tiles(self, e: Tiles) -> bpy.types.NodeSocket:
+        node = self.node("ShaderNodeTexBrick")
+        node.offset, node.offset_frequency, node.squash = e.stagger, 2, 1.0
+        values = {
+            "Vector": self._placed((1.0, 1.0), e.offset_m),
+            "Color1": (0, 0, 0, 1),
+            "Color2": (1, 1, 1, 1),
+            "Mortar": (0.5, 0.5, 0.5, 1),
+            "Scale": 1.0,
+            "Mortar Size": 0.5 * e.joint_m,  # Blender measures it from the tile's edge, half the joint
+            "Mortar Smooth": e.softness,
+            "Bias": 0.0,
+            "Brick Width": e.size_m[0],
+            "Row Height": e.size_m[1],
+        }
+        for name, value in values.items():
+            self.feed(node.inputs[name], value)
+        if e.value == "joint":
+            return node.outputs["Fac"]
+        return self.node("ShaderNodeSeparateColor", Color=node.outputs["Color"]).outputs[0]
+
+    def _picture(self, e: Picture) -> bpy.types.NodeSocket:
+        node = self.node("ShaderNodeTexImage")
+        node.image, node.interpolation, node.extension = self._own.picture(e.sha256), "Linear", "REPEAT"
+        (width, height), (u, v) = e.size_m, e.at_m
+        self.feed(node.inputs["Vector"], self._placed((1 / width, 1 / height), (-u / width, -v / height)))
+        return node.outputs["Color"]
+
+    def _arithmetic(self, e: Arithmetic) -> bpy.types.NodeSocket:
+        node = self.node("ShaderNodeMath")
+        node.operation = _OPERATIONS[e.operation]
+        for socket, operand in zip(node.inputs, (e.a, e.b), strict=False):
+            self.feed(socket, operand.value if isinstance(operand, Number) else operand)
+        return node.outputs[0]
+
+    def _step(self, e: Step) -> bpy.types.NodeSocket:
+        node = self.node("ShaderNodeMapRange")
+        node.interpolation_type, node.clamp = "SMOOTHSTEP", True
+        for name, value in {"Value": e.of, "From Min": e.low, "From Max": e.high, "To Min": 0.0, "To Max": 1.0}.items():
+            self.feed(node.inputs[name], value)
+        return node.outputs["Result"]
+
+    def _mix(self, e: Mix) -> bpy.types.NodeSocket:
+        node = self.node("ShaderNodeMix")
+        node.data_type, node.blend_type, node.clamp_factor = "RGBA", "MIX", True
+        # The node has one input per data type under the same names; the colours are numbers 6 and 7.
+        self.feed(node.inputs[0], e.by)
+        self.feed(node.inputs[6], e.a)
+        self.feed(node.inputs[7], e.b)
+        return node.outputs[2]
+
+
+def material(surface: Surface, own: OwnPictures | None = None) -> bpy.types.Material:
+    """The Blender material of a surface."""
+    made = bpy.data.materials.new(surface.name)
+    made.use_nodes = True
+    graph = ShaderGraph(made.node_tree, own)
+    values = {
+        "Base Color": surface.base_color,
+        "Roughness": surface.roughness,
+        "Metallic": surface.metallic,
+        "IOR": surface.refractive_index,
+        "Transmission Weight": surface.transmission,
+    }
+    shader = graph.node("ShaderNodeBsdfPrincipled")
+    for name, value in values.items():
+        graph.feed(shader.inputs[name], value)
+    if surface.height_m is not None:
+        bump = graph.node("ShaderNodeBump", Strength=1.0, Distance=1.0, Height=surface.height_m)
+        graph.feed(shader.inputs["Normal"], bump.outputs[0])
+    lit = shader.outputs[0]
+    rays = graph.node("ShaderNodeLightPath")
+    if surface.transmission > 0:
+        # Without caustics a clear body would throw the shadow of a black one: light goes straight through instead.
+        clear = graph.node("ShaderNodeBsdfTransparent", Color=surface.base_color)
+        lit = _instead(graph, lit, clear, rays.outputs["Is Shadow Ray"])
+    else:
+        # Light that is on its way to another surface need not know the grain of this one: a quarter of the time less.
+        plain = graph.node("ShaderNodeBsdfDiffuse", Color=(*typical_color(surface), 1.0))
+        lit = _instead(graph, lit, plain, rays.outputs["Is Diffuse Ray"])
+    graph.node("ShaderNodeOutputMaterial", Surface=lit).is_active_output = True
+    return made
+
+
+def _instead(
+    graph: ShaderGraph, shader: bpy.types.NodeSocket, other: bpy.types.Node, rays: bpy.types.NodeSocket
+) -> bpy.types.NodeSocket:
+    """The shader, for the named rays the other one."""
+    mix = graph.node("ShaderNodeMixShader", Fac=rays)
+    graph.feed(mix.inputs[1], shader)
+    graph.feed(mix.inputs[2], other.outputs[0])
+    return mix.outputs[0]

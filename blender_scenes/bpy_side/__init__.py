@@ -1,1 +1,0 @@
-"""The only place that imports bpy; it is run as a process (`python -m blender_scenes.bpy_side`), never imported."""

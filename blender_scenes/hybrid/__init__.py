@@ -1,0 +1,1 @@
+"""Hybrid rendering: an image assembled from light maps and separately traced parts."""

@@ -1,0 +1,117 @@
+"""Which points of the floor the pixels of a picture see, while the shutter is open and all over their filter."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blender_scenes.scene.description import FrameView, Intrinsics
+from sensors.camera.geometry import Array, pose_X_WR
+from sensors.camera.shutter import MOMENTS
+
+Image = NDArray[np.float32]
+_MOST_BYTES = 128 * 2**20
+"""Of what is kept from frame to frame."""
+_POINTS = 3
+"""Of a pixel's filter from left to right."""
+_CYCLES_FILTER = 2.0
+"""Cycles' Blackman-Harris filter reaches this many half widths from the pixel's middle (scene/film.cpp)."""
+_TURNS = (1, 6, 5, 8, 4, 0, 3, 2, 7)
+"""When each of 3 x 3 points has its time, row by row: a magic square, so that no side of the filter is early."""
+
+
+@dataclass(frozen=True)
+class FilterPoint:
+    """A share of a pixel's light."""
+
+    right_px: float
+    """From the pixel's middle."""
+    down_px: float
+    time: float
+    """In its exposure, 0 to 1."""
+
+
+MIDDLE = FilterPoint(0.0, 0.0, 0.5)
+
+
+def filter_points(width_px: float, squares: int = 1) -> tuple[FilterPoint, ...]:
+    """Points for equal shares of Cycles' Blackman-Harris filter of a width: so many times three rows of three."""
+    reach = 0.5 * _CYCLES_FILTER * width_px
+    at = np.linspace(-reach, reach, 4001)
+    turn = np.pi * (at / reach + 1)
+    weight = 0.35875 - 0.48829 * np.cos(turn) + 0.14128 * np.cos(2 * turn) - 0.01168 * np.cos(3 * turn)
+    share = np.cumsum(weight) / weight.sum()
+    across, down = (np.interp((np.arange(n) + 0.5) / n, share, at).tolist() for n in (_POINTS, squares * _POINTS))
+    found = []
+    for row, down_px in enumerate(down):
+        # Rows of the squares in turns; every other square stands on its head.
+        square, place = row % squares, row // squares
+        turns = _TURNS[:: -1 if square % 2 else 1][place * _POINTS :][:_POINTS]
+        times = [(turn * squares + square + 0.5) / (len(_TURNS) * squares) for turn in turns]
+        found += [FilterPoint(right_px, down_px, time) for right_px, time in zip(across, times, strict=True)]
+    return tuple(found)
+
+
+class FloorSight:
+    def __init__(self, camera: Intrinsics, view: FrameView, row_share: float) -> None:
+        """Of a camera without distortion, on the robot as any view has it; `row_share` as `shutter.Window` has it."""
+        self._camera, self._row_share = camera, row_share
+        self._X_RC = np.linalg.inv(pose_X_WR(*view.robot_pose)) @ np.array(view.X_WC)
+        self._kept: dict[tuple[float, float], Image] = {}
+        self._most_kept = _MOST_BYTES // (2 * np.dtype(np.float32).itemsize * camera.width_px * camera.height_px)
+
+    def depth_m(self) -> Image:
+        """(H, W) of the floor along the optical axis in the middle of each pixel; NaN above the horizon."""
+        return (-self._X_RC[2, 3] / self._rays(0.0, 0.0)[2]).astype(np.float32)
+
+    def pixel_m(self) -> tuple[Image, Image]:
+        """(H, W) of the floor that a pixel covers across the view and along it; NaN above the horizon.
+
+        At the depth z a pixel covers z^3 / (f^2 h) of a plane at the distance h, and z / f across.
+        """
+        depth_m = self.depth_m()
+        across_m = depth_m / self._camera.fx_px
+        return across_m, across_m * depth_m / np.float32(self._X_RC[2, 3])
+
+    def points(self, view: FrameView, point: FilterPoint, rows: slice = slice(None)) -> Image:
+        """(H, W, 2) x and y in W [m] of what each pixel sees of the floor, in some rows; NaN above the horizon."""
+        x, y, yaw = (one[rows, None] for one in self._robot_poses(view, point.time))
+        ahead, left = self._in_robot(point.right_px, point.down_px, rows)
+        cosine, sine = np.cos(yaw).astype(np.float32), np.sin(yaw).astype(np.float32)
+        found = np.empty((2, *ahead.shape), np.float32)
+        found[0] = cosine * ahead - sine * left + x.astype(np.float32)
+        found[1] = sine * ahead + cosine * left + y.astype(np.float32)
+        return np.moveaxis(found, 0, -1)
+
+    def _robot_poses(self, view: FrameView, time: float) -> tuple[Array, Array, Array]:
+        """(H,) x, y and yaw at a share of each row's exposure; Cycles' rolling shutter as in `shutter.window`."""
+        rows = self._camera.height_px
+        if not view.exposure:
+            x, y, yaw = view.robot_pose
+            return np.full(rows, x), np.full(rows, y), np.full(rows, yaw)
+        middle = 0.5 + ((np.arange(rows) + 1) / rows - 0.5) * (1 - self._row_share)
+        at = middle + (time - 0.5) * self._row_share
+        x, y, yaw = np.array([moment.robot_pose for moment in view.exposure]).T
+        known = np.linspace(0.0, 1.0, MOMENTS)
+        return np.interp(at, known, x), np.interp(at, known, y), np.interp(at, known, np.unwrap(yaw))
+
+    def _in_robot(self, right_px: float, down_px: float, rows: slice) -> Image:
+        """(2, rows, W) x and y, the same in every frame; of large pictures those of the first points alone are kept."""
+        at = right_px, down_px
+        if at not in self._kept and len(self._kept) < self._most_kept:
+            self._kept[at] = self._seen_in_robot(*at, slice(None))
+        return self._kept[at][:, rows] if at in self._kept else self._seen_in_robot(*at, rows)
+
+    def _seen_in_robot(self, right_px: float, down_px: float, rows: slice) -> Image:
+        ahead, left, down = self._rays(right_px, down_px, rows)
+        reach = self._X_RC[2, 3] / down
+        x_m, y_m = self._X_RC[:2, 3]
+        return np.stack([x_m - reach * ahead, y_m - reach * left], dtype=np.float32, casting="same_kind")
+
+    def _rays(self, right_px: float, down_px: float, rows: slice = slice(None)) -> tuple[Array, Array, Array]:
+        """Three (rows, W), x, y and z in R of each pixel's ray of depth 1; z is NaN where that meets no floor."""
+        camera = self._camera
+        x = (np.arange(camera.width_px) + right_px - camera.cx_px) / camera.fx_px
+        y = (np.arange(camera.height_px)[rows] + down_px - camera.cy_px) / camera.fy_px
+        ahead, left, down = (a * x + (b * y + c)[:, None] for a, b, c in self._X_RC[:3, :3])
+        return ahead, left, np.where(down < -1e-6, down, np.nan)

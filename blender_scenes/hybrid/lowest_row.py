@@ -1,0 +1,63 @@
+"""How far down a picture things reach, by their edges."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blender_scenes.scene.description import FrameView, Intrinsics, Mesh, Moment
+from sensors.camera.geometry import Array, pose_X_WR
+
+_BEYOND_PX = 2.0
+"""The picture's borders, by which its filter sees a little."""
+_NEAREST_M = 1e-3
+"""Along the optical axis."""
+
+
+class EdgesInSight:
+    def __init__(
+        self, camera: Intrinsics, standing: Sequence[Mesh], moving: Sequence[Mesh], on_robot: Sequence[Mesh] = ()
+    ) -> None:
+        """Of what stands, in W, and of what moves or is on the robot, as a view places it; of a camera without lens."""
+        self._camera = camera
+        self._standing = _edges(standing)
+        self._moving = [_edges(on_robot), *(_edges([mesh]) for mesh in moving)]
+        # Inside are the points p_C with p_C @ plane >= 0: right of the left border, left of the right one.
+        left, right = -0.5 - _BEYOND_PX - camera.cx_px, camera.width_px - 0.5 + _BEYOND_PX - camera.cx_px
+        self._sides = np.array([(camera.fx_px, 0.0, -left), (-camera.fx_px, 0.0, right)])
+
+    def lowest_row(self, view: FrameView) -> int:
+        """The last row that has a piece of an edge, the picture's height at most; -1 where none is in sight.
+
+        Edges hidden by other things count too, and those at any moment of the exposure. A face that fills the picture
+        without an edge in it is not told.
+        """
+        moments = view.exposure or (Moment(view.robot_pose, view.X_WC, view.moving),)
+        return max(self._lowest(moment) for moment in moments)
+
+    def _lowest(self, moment: Moment) -> int:
+        X_WC, poses = np.array(moment.X_WC), [pose_X_WR(*pose) for pose in (moment.robot_pose, *moment.moving)]
+        moved = [ends @ X[:3, :3].T + X[:3, 3] for ends, X in zip(self._moving, poses, strict=True)]
+        ends = (np.concatenate([self._standing, *moved]) - X_WC[:3, 3]) @ X_WC[:3, :3]
+        begin, along = ends[:, 0], ends[:, 1] - ends[:, 0]
+        first, last = np.zeros(len(ends)), np.ones(len(ends))
+        for inside in (ends[..., 2] - _NEAREST_M, *(ends @ plane for plane in self._sides)):
+            crossed = inside[:, 0] / np.where(inside[:, 0] == inside[:, 1], np.inf, inside[:, 0] - inside[:, 1])
+            first = np.where(inside[:, 0] < 0, np.maximum(first, crossed), first)
+            last = np.where(inside[:, 1] < 0, np.minimum(last, crossed), last)
+            last[(inside < 0).all(axis=1)] = -1.0
+        seen = first <= last
+        pieces = begin[seen, None] + np.stack([first, last], axis=1)[seen, :, None] * along[seen, None]
+        rows = self._camera.fy_px * pieces[..., 1] / pieces[..., 2] + self._camera.cy_px
+        in_sight = (rows.max(axis=1) > -_BEYOND_PX) & (rows.min(axis=1) < self._camera.height_px + _BEYOND_PX)
+        lowest = np.ceil(rows[in_sight].max(initial=-1.0))
+        return int(min(lowest, self._camera.height_px))
+
+
+def _edges(meshes: Sequence[Mesh]) -> NDArray[np.float64]:
+    """(N, 2, 3) both ends of each edge of each face, once."""
+    found: list[Array] = [np.zeros((0, 2, 3))]
+    for mesh in meshes:
+        pairs = {tuple(sorted(pair)) for face in mesh.faces for pair in zip(face, (*face[1:], face[0]), strict=True)}
+        found.append(np.array(mesh.vertices, float)[np.array(sorted(pairs), int)])
+    return np.concatenate(found)

@@ -1,0 +1,1 @@
+"""Render jobs, the Blender child process that does them, and the files that it leaves."""

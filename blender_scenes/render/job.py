@@ -1,0 +1,109 @@
+"""One run's rendering as a file: the scene, the views to be taken, and every setting that decides a pixel."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from blender_scenes.lighting.flicker import frame_gains
+from blender_scenes.lighting.illuminance import on_the_floor
+from blender_scenes.render.devices import DeviceKind
+from blender_scenes.render.frame_files import frame_name
+from blender_scenes.render.job_text import JobText
+from blender_scenes.render.sampling import Sampling, sampling
+from blender_scenes.scene.description import INSTANT, FrameView, Intrinsics, Scene, Shutter
+from blender_scenes.scene.run_scene import arena_bounds, describe
+from blender_scenes.scene.shading import RGB
+from configs.schema.look import LookConfig
+from configs.schema.robot import RobotConfig
+from configs.schema.scenario import Render
+from physics.arena.geometry import Arena
+from physics.robot.path import RobotPath
+from sensors.camera.geometry import intrinsics, pose_X_RC
+from sensors.camera.response import CameraResponse
+from sensors.camera.shutter import Window, exposed, moment, window
+
+
+@dataclass(frozen=True)
+class FramePose:
+    """Where the robot stood at one shutter."""
+
+    number: int
+    """Image number, from 1."""
+    t_s: float
+    """Since the start of the run; moving obstacles are where they are then."""
+    x_m: float
+    y_m: float
+    yaw_rad: float
+
+
+@dataclass(frozen=True)
+class RenderJob(JobText):
+    FORMAT = 4
+    KIND = "render"
+
+    scene: Scene
+    camera: Intrinsics
+    frames: tuple[FrameView, ...]
+    sampling: Sampling
+    response: CameraResponse
+    shutter: Shutter = INSTANT
+
+    def files(self, number: int) -> tuple[str, ...]:
+        """Names of a frame's files."""
+        return (frame_name(number),)
+
+
+def build_job(  # noqa: PLR0917 - a run's pictures depend on all of these
+    arena: Arena,
+    robot: RobotConfig,
+    look: LookConfig,
+    render: Render,
+    frames: Sequence[FramePose],
+    seed: int,
+    path: RobotPath | None = None,
+    device: DeviceKind = "CPU",
+) -> RenderJob:
+    """The rendering of a run; the same arguments give the same job.
+
+    Raises:
+        ValueError: Something moves during the exposure and there is no path to say how, or the lens cannot be.
+    """
+    scene = describe(arena, robot, look, seed)
+    (x0, y0), (x1, y1) = arena_bounds(arena)
+    middle = 0.5 * (x0 + x1), 0.5 * (y0 + y1), 0.0
+    light = on_the_floor(scene.panels, middle)
+    mains = on_the_floor([panel for panel in scene.panels if panel.on_mains], middle)
+    camera = intrinsics(robot.camera, render.width_px, render.height_px)
+    shutter = Shutter(look.camera.exposure_time_s, robot.camera.read_out_s)
+    times = np.array([frame.t_s for frame in frames])
+    gains = frame_gains(look.lamps.flicker, times, shutter.exposure_s, mains, light, seed)
+    return RenderJob(
+        format=RenderJob.FORMAT,
+        scene=scene,
+        camera=camera,
+        frames=_views(arena, robot, frames, gains, window(shutter, camera), path),
+        sampling=sampling(render, seed, device),
+        response=CameraResponse.from_look(look.camera, light, seed, render.jpeg_quality),
+        shutter=shutter,
+    )
+
+
+def _views(  # noqa: PLR0917 - likewise
+    arena: Arena,
+    robot: RobotConfig,
+    frames: Sequence[FramePose],
+    gains: Sequence[RGB],
+    exposure: Window,
+    path: RobotPath | None,
+) -> tuple[FrameView, ...]:
+    X_RC = pose_X_RC(robot.camera, robot.chassis.base_height_m)
+    views = []
+    for frame, gain in zip(frames, gains, strict=True):
+        at = moment(arena, X_RC, (frame.x_m, frame.y_m, frame.yaw_rad), frame.t_s)
+        views.append(FrameView(frame.number, frame.t_s, at.robot_pose, at.X_WC, at.moving, gain))
+    if exposure.length_s == 0:
+        return tuple(views)
+    if path is None:
+        raise ValueError("an exposure that is no instant needs the robot's path, and there is none")
+    return exposed(views, arena, X_RC, path, exposure)

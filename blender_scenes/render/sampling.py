@@ -1,0 +1,114 @@
+"""The qualities of pictures: samples and denoiser of each. docs/render_benchmarks.md has what they cost and miss."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Annotated
+
+from pydantic import Field
+
+from blender_scenes.render.devices import DeviceKind
+from configs.schema.scenario import Render, RenderQuality
+
+
+@dataclass(frozen=True)
+class PartSamples:
+    """Of a picture that is put together from its parts (`blender_side/hybrid/images.py`)."""
+
+    near: int
+    """Light paths per pixel of the picture of all light, which has a few thousand pixels."""
+    far: int
+    """Light paths per pixel of that of the upper rows, where the floor is far, which is finer; more of few rows."""
+    surfaces: int
+    """Camera rays per pixel for what the surfaces reflect."""
+
+
+def _is_whole(parts: PartSamples | None) -> bool:
+    return parts is None
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """How the light is traced; nothing of it is left to Blender's defaults."""
+
+    seed: int
+    samples: int
+    denoise: bool
+    prefilter: str = "FAST"
+    """Of the denoiser's guides."""
+    denoise_quality: str = "BALANCED"
+    diffuse_bounces: int = 3
+    glossy_bounces: int = 3
+    transmission_bounces: int = 6
+    filter_width_px: float = 1.5
+    device: DeviceKind = "CPU"
+    parts: Annotated[PartSamples | None, Field(exclude_if=_is_whole)] = None
+    """None where a picture is traced whole; else `samples` and the denoiser's settings are not used."""
+
+
+@dataclass(frozen=True)
+class Quality:
+    samples: int
+    """Light paths per pixel of a picture of 640 x 480."""
+    prefilter: str
+    """Of the denoiser's guides, in Cycles' words: ACCURATE denoises them first, at the price of two samples."""
+    denoise_quality: str
+    """HIGH differs from BALANCED only behind ACCURATE guides (Open Image Denoise has larger weights for clean ones)."""
+
+
+QUALITIES: dict[RenderQuality, Quality] = {
+    "draft": Quality(1, "FAST", "FAST"),
+    "standard": Quality(4, "FAST", "BALANCED"),
+    "high": Quality(48, "ACCURATE", "HIGH"),
+    "reference": Quality(2048, "ACCURATE", "HIGH"),
+}
+
+PARTS: dict[RenderQuality, PartSamples] = {"draft": PartSamples(1, 1, 2), "standard": PartSamples(4, 2, 4)}
+"""Of `render.method: parts` at 640 x 480; the maps are not true enough for the others."""
+LIGHT_WIDTH_PX = 80
+"""Of their light's picture at least, where halving the final one leads there."""
+_AUTO_WIDTH_PX = 320
+"""Where parts begin to cost less than whole pictures of the same error; they have not been measured in smaller ones."""
+
+_SIZE_PX = 640 * 480
+_MOST_TIMES = 2.0
+
+
+def sampling(render: Render, seed: int, device: DeviceKind = "CPU") -> Sampling:
+    """Of a run's settings: `render.samples` stands above those of its quality and size."""
+    quality = QUALITIES[render.quality]
+    return Sampling(
+        seed=seed,
+        samples=_samples(render) if render.samples is None else render.samples,
+        denoise=render.denoise,
+        prefilter=quality.prefilter,
+        denoise_quality=quality.denoise_quality,
+        device=device,
+        parts=part_samples(render) if _in_parts(render, device) else None,
+    )
+
+
+def _in_parts(render: Render, device: DeviceKind) -> bool:
+    if render.method != "auto":
+        return render.method == "parts"
+    by_quality = render.quality == "standard" and render.samples is None and render.denoise
+    return by_quality and device == "CPU" and render.width_px >= _AUTO_WIDTH_PX
+
+
+def _samples(render: Render) -> int:
+    """Small pictures take more: the denoiser has fewer pixels to go by, and texture is finer than they are.
+
+    Four times the pixels were worth twice the samples between 320 x 240 and 640 x 480, which is not carried further.
+    """
+    samples = QUALITIES[render.quality].samples
+    return samples if render.quality == "reference" else _of_size(samples, render)
+
+
+def part_samples(render: Render) -> PartSamples:
+    """Of a run's settings; only what the surfaces reflect is as fine as the picture."""
+    own = PARTS[render.quality]
+    return replace(own, surfaces=_of_size(own.surfaces, render))
+
+
+def _of_size(samples: int, render: Render) -> int:
+    times = math.sqrt(_SIZE_PX / (render.width_px * render.height_px))
+    return math.ceil(samples * min(max(times, 1.0), _MOST_TIMES))

@@ -1,0 +1,1 @@
+"""The scene of a run as data: meshes, surfaces, lights and their assembly."""

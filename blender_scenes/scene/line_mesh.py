@@ -1,0 +1,142 @@
+"""Meshes of the line, their outline made from the edges that the line sensor reads.
+
+u runs along the line, v across from the right edge to the left one [m]. Each piece lies 2 um above the one before, so
+that those that cross are drawn as laid.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blender_scenes.scene.description import Mesh, Point2
+from physics.arena.geometry import Arc, Line, Straight
+from symolo.core.random_streams import stream
+
+Array = NDArray[np.float64]
+
+_ABOVE_THE_LAST_M = 2e-6
+_LIFTED_BORDER_M = 0.003
+"""What of the tape's width comes off the floor with its edge."""
+_LIFTS_PER_M = 1.5
+_RIPPLES_M = ((0.014, 0.5), (0.006, 0.4), (0.0025, 0.3))
+"""Wavelengths of an edge of paint with their shares: the hand, the masking tape's creases, the pores of the floor."""
+_RIPPLES_END_M = 0.006
+
+
+def tapes(
+    line: Line, surfaces: Sequence[str], *, thickness_m: float, gap_m: float, lift_m: float, seed: int
+) -> list[Mesh]:
+    """One strip per piece of the line, `thickness_m` above the floor, cut short at both ends by half of `gap_m`.
+
+    Here and there a corner or an edge stands up to `lift_m` off the floor; from above it is where it was. u is 0 where
+    the tape begins.
+    """
+    meshes, half = [], 0.5 * line.width_m
+    border = min(_LIFTED_BORDER_M, 0.5 * half)
+    columns = np.array([-half, border - half, half - border, half])
+    for number, piece in enumerate(line.pieces):
+        begin = 0.5 * (piece.length_m - taped_length_m(piece, gap_m))
+        ends = begin, piece.length_m - begin
+        lifts = _lifts(ends, lift_m, stream(seed, "lifted tape", number))
+        along = _along(piece, ends, lifts)
+        lifted = np.zeros((len(along), 4))
+        for lift in lifts:
+            lifted[:, lift.column] = np.maximum(lifted[:, lift.column], lift.at(along))
+        z = thickness_m + _ABOVE_THE_LAST_M * number + lifted
+        across = np.broadcast_to(columns, z.shape)
+        meshes.append(_strip(f"tape_{number}", piece, (along, across, z), (-begin, half), surfaces[number]))
+    return meshes
+
+
+def taped_length_m(piece: Straight | Arc, gap_m: float) -> float:
+    """What of a piece is tape when every end stands back by half of `gap_m`; at least half of a very short one."""
+    return max(piece.length_m - gap_m, 0.5 * piece.length_m)
+
+
+def paint(line: Line, surface: str, *, thickness_m: float, bleeding_m: float, seed: int) -> list[Mesh]:
+    """One strip per piece, without joints: u runs on from piece to piece.
+
+    Both edges wander by up to `bleeding_m`, further out than in; their mean is the line's edge, and at the ends of a
+    piece they are on it.
+    """
+    meshes, half, done = [], 0.5 * line.width_m, 0.0
+    for number, piece in enumerate(line.pieces):
+        along = np.linspace(0.0, piece.length_m, max(2, int(np.ceil(piece.length_m / 0.001)) + 1))
+        out = [_wander(along, bleeding_m, stream(seed, "bleeding paint", number, side)) for side in ("right", "left")]
+        across = np.column_stack([-half - out[0], half + out[1]])
+        z = np.full(across.shape, thickness_m + _ABOVE_THE_LAST_M * number)
+        meshes.append(_strip(f"paint_{number}", piece, (along, across, z), (done, half), surface))
+        done += piece.length_m
+    return meshes
+
+
+@dataclass(frozen=True)
+class _Lift:
+    middle_m: float
+    half_length_m: float
+    height_m: float
+    column: int
+
+    def at(self, along: Array) -> Array:
+        away = np.minimum(np.abs(along - self.middle_m) / self.half_length_m, 1.0)
+        return self.height_m * np.cos(0.5 * np.pi * away) ** 2
+
+
+def _lifts(ends: tuple[float, float], lift_m: float, rng: np.random.Generator) -> list[_Lift]:
+    """Every second corner, and edges at random."""
+    if lift_m == 0:
+        return []
+    lifts = []
+    for end in ends:
+        for column in (0, 3):
+            share, length, high = rng.uniform(0.0, 1.0), rng.uniform(0.006, 0.02), rng.uniform(0.4, 1.0)
+            if share < 0.5:
+                lifts.append(_Lift(end, length, high * lift_m, column))
+    for _ in range(rng.poisson(_LIFTS_PER_M * (ends[1] - ends[0]))):
+        middle, length, high = rng.uniform(*ends), rng.uniform(0.008, 0.025), rng.uniform(0.3, 0.8)
+        lifts.append(_Lift(middle, length, high * lift_m, int(rng.choice((0, 3)))))
+    return lifts
+
+
+def _along(piece: Straight | Arc, ends: tuple[float, float], lifts: Sequence[_Lift]) -> Array:
+    """Arc lengths between the ends: every 4 mm of an arc, every 2 mm of what is lifted."""
+    count = 2 if isinstance(piece, Straight) else max(2, int(np.ceil(piece.length_m / 0.004)) + 1)
+    places = [np.linspace(*ends, count)]
+    places += [lift.middle_m + lift.half_length_m * np.linspace(-1.0, 1.0, 13) for lift in lifts]
+    inside = np.unique(np.round(np.concatenate(places), 5))
+    inside = inside[(inside > ends[0] + 1e-4) & (inside < ends[1] - 1e-4)]
+    return np.concatenate([[ends[0]], inside, [ends[1]]])
+
+
+def _wander(along: Array, most_m: float, rng: np.random.Generator) -> Array:
+    """Distance outwards at the arc lengths (N,): mean 0, 0 at both ends, never more than `most_m`."""
+    length = along[-1]
+    raw = np.zeros(len(along))
+    for wavelength, share in _RIPPLES_M:
+        nodes = int(np.ceil(2 * length / wavelength)) + 2
+        raw += share * np.interp(along, 0.5 * wavelength * np.arange(nodes), rng.normal(size=nodes))
+    raw = np.where(raw > 0, 1.6 * raw, 0.6 * raw)  # paint creeps out in tongues and stays back in shallow bays
+    window = np.clip(np.minimum(along, length - along) / min(_RIPPLES_END_M, 0.5 * length), 0.0, 1.0)
+    raw = window * (raw - (window @ raw) / window.sum()) if window.sum() > 0 else window
+    return raw * (most_m / max(np.abs(raw).max(), 1e-12))
+
+
+def _strip(name: str, piece: Straight | Arc, grid: tuple[Array, Array, Array], origin: Point2, surface: str) -> Mesh:
+    """A strip from arc lengths (N,), and offsets to the left and heights, (N, K) each; `origin` is added to (u, v)."""
+    along, across, z = grid
+    count, columns = z.shape
+    flat = [piece.at(along, across[:, k]) for k in range(columns)]
+    vertices = [
+        (float(flat[k][i, 0]), float(flat[k][i, 1]), float(z[i, k])) for i in range(count) for k in range(columns)
+    ]
+    uv = [(float(along[i] + origin[0]), float(across[i, k] + origin[1])) for i in range(count) for k in range(columns)]
+    corners = (
+        (i * columns + k, (i + 1) * columns + k, (i + 1) * columns + k + 1, i * columns + k + 1)
+        for i in range(count - 1)
+        for k in range(columns - 1)
+    )
+    faces = tuple(corners)
+    face_uv = tuple(tuple(uv[vertex] for vertex in face) for face in faces)
+    return Mesh(name, tuple(vertices), faces, face_uv, (surface,) * len(faces))

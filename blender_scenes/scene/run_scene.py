@@ -1,0 +1,138 @@
+"""The scene of a run: arena, room, light and robot put together from configuration and seed."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from blender_scenes.lighting import LIGHTS
+from blender_scenes.materials import FLOORS, body_material
+from blender_scenes.materials.base import Patch
+from blender_scenes.materials.dirt import dirtied
+from blender_scenes.materials.line_paint import line_paint
+from blender_scenes.materials.stains import stained
+from blender_scenes.materials.tape import tape
+from blender_scenes.rooms import ROOMS
+from blender_scenes.rooms.base import Room
+from blender_scenes.rooms.plain import room_bounds
+from blender_scenes.scene import line_mesh
+from blender_scenes.scene import meshes as geometry
+from blender_scenes.scene.bevel import BEVEL_M, bevelled_box
+from blender_scenes.scene.description import Mesh, Point2, Scene
+from blender_scenes.scene.robot_body import CAMERA_BODY, robot_body, robot_surfaces
+from blender_scenes.scene.shading import Surface
+from configs.schema.look import LinePaintLook, LookConfig, TapeLook
+from configs.schema.robot import RobotConfig
+from physics.arena.geometry import Arena, Box, Line
+from physics.arena.obstacle_motion import ObstacleMotion
+
+_GLASS_BEVEL_M = 0.0001
+"""Of polished edges; through a wider one the path tracer would see black, where light goes to and fro inside."""
+
+
+def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> Scene:
+    """The scene that the run's camera sees; the same arguments give the same scene."""
+    room = room_around(arena, look, seed)
+    parts = [_floor(look, room, seed), *_line(arena, look, seed)]
+    parts += [_box(box, look, seed) for box in arena.boxes if box.motion is None]
+    moving = [_box(_in_its_frame(box), look, seed) for box in arena.moving]
+    lights = [light(look, room) for light in LIGHTS.values()]
+    surfaces = [s for _, own in parts + moving for s in own] + list(room.surfaces) + list(robot_surfaces())
+    surfaces += [surface for light in lights for surface in light.surfaces]
+    suns = [sun for light in lights for sun in light.suns]
+    (sky,) = [sky for light in lights for sky in light.skies]
+    body = robot_body(robot)
+    in_sight = tuple(part for part in body if robot.camera.sees_robot and part.name != CAMERA_BODY)
+    return Scene(
+        surfaces=tuple(surfaces),
+        meshes=(*(mesh for mesh, _ in parts), *room.meshes, *(mesh for light in lights for mesh in light.meshes)),
+        robot=tuple(part for part in body if part not in in_sight),
+        panels=tuple(panel for light in lights for panel in light.panels),
+        sun=suns[0] if suns else None,
+        sky=sky,
+        moving=tuple(mesh for mesh, _ in moving),
+        robot_in_sight=in_sight,
+    )
+
+
+def room_around(arena: Arena, look: LookConfig, seed: int) -> Room:
+    """The room of the scene, with its furniture."""
+    low, high = arena_bounds(arena)
+    return ROOMS["plain"](look, low, high, seed)
+
+
+def arena_bounds(arena: Arena) -> tuple[Point2, Point2]:
+    """Corners of the rectangle that holds line and boxes, on all of their way; a square metre for an empty arena."""
+    points = [np.concatenate(edges) for edges in arena.line.edges()]
+    points += [box.footprint() if box.motion is None else _reach(box, box.motion) for box in arena.boxes]
+    everything = np.concatenate(points) if points else np.array([[-0.5, -0.5], [0.5, 0.5]])
+    low, high = everything.min(axis=0), everything.max(axis=0)
+    return (float(low[0]), float(low[1])), (float(high[0]), float(high[1]))
+
+
+def floor_bounds(arena: Arena, look: LookConfig) -> tuple[Point2, Point2]:
+    """Corners of the rectangle of floor, which ends at the walls of the room."""
+    return room_bounds(look.room, *arena_bounds(arena))
+
+
+def _reach(box: Box, motion: ObstacleMotion) -> np.ndarray:
+    """Points (N, 2) whose bounds hold a box on all of its way, however it is turned."""
+    places, half = np.array(motion.poses)[:, :2], 0.5 * math.hypot(*box.size[:2])
+    return np.concatenate([places - half, places + half])
+
+
+Part = tuple[Mesh, tuple[Surface, ...]]
+
+
+def _floor(look: LookConfig, room: Room, seed: int) -> Part:
+    size = room.high[0] - room.low[0], room.high[1] - room.low[1]
+    patch = Patch("floor", size, seed)
+    surface = stained(FLOORS[look.floor.material](look.floor, patch), patch, look.floor.stains)
+    surface = dirtied(surface, patch, look.floor.dirt)
+    mesh = geometry.floor("floor", room.low, room.high, math.radians(look.floor.yaw_deg), surface.name)
+    return mesh, (surface,)
+
+
+def _line(arena: Arena, look: LookConfig, seed: int) -> list[Part]:
+    if look.line == "paint":
+        return _painted(arena.line, look.line_paint, seed)
+    bed_m = look.floor.carpet.loop_m if look.floor.material == "carpet" else 0.0
+    return _taped(arena.line, look.tape, bed_m, seed)
+
+
+def _taped(line: Line, own: TapeLook, bed_m: float, seed: int) -> list[Part]:
+    surfaces = []
+    for i, piece in enumerate(line.pieces):
+        size = line_mesh.taped_length_m(piece, own.gap_m), line.width_m
+        surfaces.append(tape(own, Patch(f"tape_{i}", size, seed), piece.curvature_per_m, bed_m))
+    meshes = line_mesh.tapes(
+        line,
+        [surface.name for surface in surfaces],
+        thickness_m=own.thickness_m,
+        gap_m=own.gap_m,
+        lift_m=own.lift_m,
+        seed=seed,
+    )
+    return [(mesh, (surface,)) for mesh, surface in zip(meshes, surfaces, strict=True)]
+
+
+def _painted(line: Line, own: LinePaintLook, seed: int) -> list[Part]:
+    surface = line_paint(own, Patch("line_paint", (line.length_m, line.width_m), seed))
+    meshes = line_mesh.paint(line, surface.name, thickness_m=own.thickness_m, bleeding_m=own.bleeding_m, seed=seed)
+    return [(mesh, (surface,) if number == 0 else ()) for number, mesh in enumerate(meshes)]
+
+
+def _box(box: Box, look: LookConfig, seed: int) -> Part:
+    name = f"{box.kind}_{box.name}"
+    length, width, height = box.size
+    ends = body_material(look, box.surface, Patch(f"{name}_ends", (width, height), seed))
+    sides = body_material(look, box.surface, Patch(f"{name}_sides", (length, height), seed))
+    lid = body_material(look, box.surface, Patch(f"{name}_lid", (length, width), seed))
+    # No face lies on the floor: where two coincide, glass would turn black.
+    around = (ends.name, sides.name, ends.name, sides.name)
+    bevel_m = _GLASS_BEVEL_M if box.surface == "glass" else BEVEL_M
+    return bevelled_box(name, geometry.box_corners(box), around, lid.name, bevel_m), (ends, sides, lid)
+
+
+def _in_its_frame(box: Box) -> Box:
+    return replace(box, center=(0.0, 0.0, box.center[2]), yaw_rad=0.0)

@@ -1,0 +1,71 @@
+"""What a surface amounts to seen from afar: one colour, for the light that it passes on to others."""
+
+import math
+
+from blender_scenes.scene.shading import (
+    RGB,
+    Arithmetic,
+    Cells,
+    Color,
+    Coordinate,
+    Mix,
+    Noise,
+    Number,
+    Picture,
+    Step,
+    Surface,
+    Texture,
+    Tiles,
+)
+
+_CELL_MEANS = {"distance": 0.4, "edge": 0.2, "random": 0.5}
+
+
+def typical_color(surface: Surface) -> RGB:
+    """The base colour where every texture of it has its mean; exact for a surface of one colour."""
+    value = _typical(surface.base_color)
+    return value if isinstance(value, tuple) else (value, value, value)
+
+
+def _typical(texture: Texture) -> RGB | float:
+    match texture:
+        case Number(value) | Color(value):
+            return value
+        case Noise():
+            return 0.5
+        case Cells():
+            return _CELL_MEANS[texture.value]
+        case Tiles():
+            return 0.5 if texture.value == "random" else 0.0
+        case Picture():
+            return texture.mean
+        case Coordinate():
+            return 0.05  # somewhere on the surface, away from its border
+        case Step(of, low, high):
+            share = min(max((_number(of) - low) / (high - low), 0.0), 1.0)
+            return share * share * (3 - 2 * share)
+        case Mix(by, a, b):
+            return _between(min(max(_number(by), 0.0), 1.0), _typical(a), _typical(b))
+        case Arithmetic():
+            return _OPERATIONS[texture.operation](_number(texture.a), _number(texture.b))
+
+
+def _number(texture: Texture) -> float:
+    value = _typical(texture)
+    return sum(value) / 3 if isinstance(value, tuple) else value
+
+
+def _between(share: float, a: RGB | float, b: RGB | float) -> RGB | float:
+    if isinstance(a, float) and isinstance(b, float):
+        return a + share * (b - a)
+    (r, g, b_), (s, h, c) = ((v if isinstance(v, tuple) else (v, v, v)) for v in (a, b))
+    return r + share * (s - r), g + share * (h - g), b_ + share * (c - b_)
+
+
+_OPERATIONS = {
+    "add": lambda a, b: a + b,
+    "subtract": lambda a, b: a - b,
+    "multiply": lambda a, b: a * b,
+    "maximum": max,
+    "sine": lambda a, _: math.sin(a),
+}

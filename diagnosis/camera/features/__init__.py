@@ -1,0 +1,1 @@
+"""What is measured in the images: edges, levels, sharpness and noise."""

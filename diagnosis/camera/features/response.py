@@ -1,0 +1,43 @@
+"""Pictures to the sensor's light and back, by the nominal camera's response and by one that deviates from it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from diagnosis.camera.case import Array, Picture
+from sensors.camera.colour import LUMINANCE
+from sensors.camera.response import CameraResponse, tone, untoned
+
+
+@dataclass(frozen=True)
+class Response:
+    """What lies between the exposed light of the sensor and the numbers of the picture."""
+
+    contrast: float
+    saturation: float
+    white_balance: tuple[float, float, float]
+
+    @classmethod
+    def of(cls, nominal: CameraResponse) -> "Response":
+        return cls(nominal.contrast, nominal.saturation, nominal.white_balance)
+
+    def raw(self, coded: Array) -> Array:
+        """Light of the sensor (..., 3), of values (..., 3) from 0 to 1, sharpening left aside."""
+        exposed = untoned(coded, self.contrast)
+        if self.saturation > 0:
+            grey = (exposed @ LUMINANCE)[..., None]
+            exposed = np.maximum(grey + (exposed - grey) / self.saturation, 0.0)
+        return exposed / np.array(self.white_balance)
+
+    def coded(self, raw: Array) -> Array:
+        """Values (..., 3) from 0 to 1, of light of the sensor (..., 3)."""
+        exposed = np.maximum(raw, 0.0) * np.array(self.white_balance)
+        grey = (exposed @ LUMINANCE)[..., None]
+        exposed = np.maximum(grey + self.saturation * (exposed - grey), 0.0)
+        return np.asarray(tone(exposed.astype(np.float32), self.contrast), np.float64)
+
+
+def luminance(picture: Picture, contrast: float) -> Array:
+    """(H, W) light of a picture by the nominal tone curve."""
+    table = untoned(np.arange(256) / 255.0, contrast)
+    return table[picture] @ LUMINANCE

@@ -1,0 +1,118 @@
+"""How sharp the line's edges are, against the simulated pictures of the same places.
+
+An edge that a lens and a moving camera blur is a normal distribution function in light: the variances of the lens'
+point spread, of the pixel, and of the way across the edge during the exposure add up. The tone curve and an unsharp
+mask follow. What the pixel and the renderer's filter do is fitted to the simulated pictures first, so that only
+differences count. The line is a bar with two edges, of which a narrow one shows both.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.special import ndtr
+
+from diagnosis.camera.case import Array, Ints, Mask
+from diagnosis.camera.features.edge_points import STEP_PX, EdgeProfiles
+from diagnosis.camera.parameter import Number
+from sensors.camera.response import CameraResponse, tone
+
+SHARPNESS = (
+    Number(
+        "lens_blur", "px", 0.08, "the lens spreads a point more; standard deviation, the whole", "a lens out of focus"
+    ),
+    Number("exposure_time", "s", 2.5e-5, "the shutter is open longer; the whole time", "less light, another setting"),
+    Number("sharpening", "1", 0.06, "an unsharp mask adds more", "another picture style"),
+)
+"""The tolerances of blur and time are of their squares."""
+REACH_PX = 5.0
+LEAST_PX2 = 0.02
+"""No edge is sharper than its pixels."""
+OUTER = 12.0
+"""Pixels to each side over which the unsharp mask is worked out."""
+NARROWEST_PX = 5.0
+OWN_SHIFT_PX = 0.2
+"""Standard deviation, of where the edges of a picture are found."""
+
+
+@dataclass(frozen=True)
+class SharpnessModel:
+    """Profiles across edges; a sample is one value of one profile, level and height of the edge taken out."""
+
+    frame_of_edge: Ints
+    heldout_frames: Mask
+    profiles: EdgeProfiles
+    """Values from 0 to 1, grey, around the edge."""
+    width_px: Array
+    """(N,), of the line."""
+    speed_px_s: Array
+    """(N,), of the picture across the edge."""
+    levels: tuple[float, float]
+    """Light of the floor and of the line, typical."""
+    response: CameraResponse
+    exposure_s: float
+    base_px2: float = 0.25
+    """Variance of pixel and filter, and of the nominal lens."""
+    numbers: tuple[Number, ...] = SHARPNESS
+    least_sd: float = 0.03
+    most_worth: float = float("inf")
+
+    @cached_property
+    def _inside(self) -> Mask:
+        """(N, K), samples far enough from other edges than the line's two."""
+        s = self.profiles.along_px[None, :]
+        return (np.abs(s) <= REACH_PX) & (s >= -0.5 * self.width_px[:, None])
+
+    @property
+    def frame(self) -> Ints:
+        return np.repeat(self.frame_of_edge, len(self.profiles.along_px))
+
+    @cached_property
+    def heldout(self) -> Mask:
+        return self.heldout_frames[self.frame]
+
+    @property
+    def fit(self) -> Mask:
+        return ~self.heldout
+
+    def left(self, x: Array) -> Array:
+        expected = self._expected(x)
+        w, seen = self._inside.astype(np.float64), self.profiles.light
+        count = w.sum(axis=1)
+        mean_t, mean_s = (w * expected).sum(axis=1) / count, (w * seen).sum(axis=1) / count
+        t, s = expected - mean_t[:, None], seen - mean_s[:, None]
+        height = (w * t * s).sum(axis=1) / np.maximum((w * t * t).sum(axis=1), 1e-12)
+        # Relative to the edge's height, so that bright and dark pictures count alike.
+        left = (s - height[:, None] * t) / np.maximum(np.abs(height[:, None]), 1e-3)
+        return np.where(self._inside, left, np.nan).ravel()
+
+    def own(self, x: Array) -> Array:
+        """By a shift of all edges of a picture, for where an edge was found depends on what is done to it."""
+        slope = np.gradient(self._expected(x), self.profiles.along_px, axis=1)
+        return (OWN_SHIFT_PX * slope).reshape(-1, 1)
+
+    def _expected(self, x: Array) -> Array:
+        blur, exposure, sharpening = (x * [n.tolerance for n in self.numbers]).tolist()
+        variance = self.base_px2 + blur + (self.exposure_s**2 + exposure) * self.speed_px_s**2 / 12.0
+        return self._template(np.sqrt(np.maximum(variance, LEAST_PX2)), self.response.sharpening + sharpening)
+
+    def _template(self, sd_px: Array, sharpening: float) -> Array:
+        """(N, K) values across edges of these blurs (N,)."""
+        step = STEP_PX * 2
+        wide = np.arange(-OUTER, OUTER + step / 2, step)
+        bar = ndtr((wide[None, :] + self.width_px[:, None]) / sd_px[:, None]) - ndtr(wide[None, :] / sd_px[:, None])
+        floor, line = self.levels
+        coded = np.asarray(tone((floor + (line - floor) * bar).astype(np.float32), self.response.contrast), np.float64)
+        if sharpening:
+            bell = np.exp(-0.5 * ((wide[:, None] - wide[None, :]) / self.response.sharpening_radius_px) ** 2)
+            blurred = coded @ (bell / bell.sum(axis=0, keepdims=True))
+            coded = coded + sharpening * (coded - blurred)
+        along = self.profiles.along_px
+        # Between pixels the picture is linear, which spreads by 1/6 px2: three samples half a pixel apart.
+        coded = (np.roll(coded, 1, axis=1) + coded + np.roll(coded, -1, axis=1)) / 3.0
+        first = int(np.rint((along[0] - wide[0]) / step))
+        return coded[:, first : first + len(along)]
+
+    def based_on(self, simulated: "SharpnessModel", x: Array) -> "SharpnessModel":
+        """With the blur that was found in simulated pictures, deviations x (P,), as the nominal one."""
+        return replace(self, base_px2=max(simulated.base_px2 + float(x[0]) * self.numbers[0].tolerance, LEAST_PX2))

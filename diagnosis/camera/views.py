@@ -1,0 +1,140 @@
+"""Where a camera that is not quite the nominal one sees points of the world.
+
+Its numbers are deviations in tolerances, as one vector in the order of `numbers`; all 0 is the nominal camera.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from blender_scenes.scene.description import Intrinsics
+from configs.schema.robot import Camera
+from diagnosis.camera.case import Array, Ints, PictureCase
+from diagnosis.camera.parameter import Number
+from sensors.camera.geometry import intrinsics, pixels, pose_X_RC, pose_X_WR
+from symolo.core.lens import distorted
+
+RATE_OVER_S = 0.01
+"""To either side, over which a picture's robot moves evenly."""
+MOUNT, LENS, CLOCK = "a bent or badly printed mount", "another lens, or one focused anew", "a late time stamp"
+
+GEOMETRY = (
+    Number("pitch_down", "deg", 0.2, "the camera looks further down than in the simulation", MOUNT),
+    Number("height", "m", 0.0005, "the camera sits higher than in the simulation", "another mount, wheels or tyres"),
+    Number("focal_length_scale", "1", 0.005, "f_true = scale * f: the picture shows less of the scene", LENS),
+    Number("yaw_left", "deg", 0.2, "the camera looks further to the left", MOUNT),
+    Number("roll", "deg", 0.2, "the camera is turned clockwise about its axis, seen from behind", MOUNT),
+    Number("forward", "m", 0.0005, "the camera sits further ahead", MOUNT),
+    Number("left", "m", 0.0005, "the camera sits further to the left", MOUNT),
+    Number("principal_point_right", "1", 0.003, "the optical axis is further right, in picture widths", LENS),
+    Number("principal_point_down", "1", 0.003, "the optical axis is further down, in picture widths", LENS),
+    Number("k1", "1", 0.01, "radial distortion: below 0 barrel, above 0 pincushion", LENS),
+    Number("k2", "1", 0.01, "radial distortion of the fourth power", LENS),
+    Number("time_offset", "s", 0.002, "pictures are exposed later than their stamps say", CLOCK),
+    Number("read_out", "s", 0.001, "rolling shutter: the bottom row is exposed later than the top", "another sensor"),
+    Number("line_width", "m", 0.0003, "the line is wider than on the map", "another tape", can_be_named=False),
+)
+
+
+@dataclass(frozen=True)
+class EdgePoints:
+    """Points on the edges of the line, each looked for in one picture."""
+
+    frame: Ints
+    """(N,), place in the case's frames."""
+    on_line: Array
+    """(N, 2), x [m], y [m] in W, on the middle of the line."""
+    outwards: Array
+    """(N, 2), unit vector in W from there over the edge."""
+
+    def __len__(self) -> int:
+        return len(self.frame)
+
+
+def deviating(case: PictureCase, x: Sequence[float]) -> tuple[Camera, float]:
+    """The camera with these deviations (P,), and how much later its pictures are exposed [s]."""
+    d = {number.name: value * number.tolerance for number, value in zip(GEOMETRY, x, strict=True)}
+    nominal, lens = case.camera, case.camera.distortion
+    moved = {
+        "pitch_down_deg": nominal.pitch_down_deg + d["pitch_down"],
+        "yaw_left_deg": nominal.yaw_left_deg + d["yaw_left"],
+        "roll_deg": nominal.roll_deg + d["roll"],
+        "height_above_base_m": nominal.height_above_base_m + d["height"],
+        "x_m": nominal.x_m + d["forward"],
+        "y_m": nominal.y_m + d["left"],
+        "focal_length_mm": nominal.focal_length_mm * float(np.exp(d["focal_length_scale"])),
+        "principal_point_right_mm": nominal.principal_point_right_mm
+        + d["principal_point_right"] * nominal.sensor_width_mm,
+        "principal_point_down_mm": nominal.principal_point_down_mm
+        + d["principal_point_down"] * nominal.sensor_width_mm,
+        "distortion": lens.model_copy(update={"k1": lens.k1 + d["k1"], "k2": lens.k2 + d["k2"]}),
+        "read_out_s": nominal.read_out_s + d["read_out"],
+    }
+    return nominal.model_copy(update=moved), d["time_offset"]
+
+
+@dataclass(frozen=True)
+class View:
+    """A camera with deviations on its way along the path."""
+
+    case: PictureCase
+    x: Array
+    """(P,), deviations."""
+
+    def pixels(self, points: EdgePoints, beyond_m: float = 0.0, moved: Array | None = None) -> Array:
+        """Pixels (N, 2) of the points, `beyond_m` further out than the edge; NaN behind the camera.
+
+        `moved` (N, 3) is how far each picture's robot stood from its pose: ahead [m], to the left [m], turned [rad].
+        """
+        case = self.case
+        camera, late_s = deviating(case, self.x.tolist())
+        lens = intrinsics(camera, *case.size_px)
+        X_RC = pose_X_RC(camera, case.robot.chassis.base_height_m)
+        widening = GEOMETRY[-1].tolerance * float(self.x[-1])
+        half = 0.5 * (case.arena.line.width_m + widening) + beyond_m
+        floor = points.on_line + half * points.outwards
+        p_W = np.column_stack([floor, np.zeros(len(floor))])
+        poses, rates = self._ways(late_s)
+        at = poses[points.frame]
+        found = _seen(p_W, _moved(at, moved), X_RC, lens)
+        if camera.read_out_s:
+            rows = np.nan_to_num(found[:, 1], nan=0.5 * lens.height_px)
+            share = np.clip((rows + 0.5) / lens.height_px, 0.0, 1.0) - 0.5
+            at = at + (share * camera.read_out_s)[:, None] * rates[points.frame]
+            found = _seen(p_W, _moved(at, moved), X_RC, lens)
+        return found
+
+    def _ways(self, late_s: float) -> tuple[Array, Array]:
+        """Poses (frames, 3) at the pictures' middles, and how fast they change."""
+        t_s = np.array([frame.t_s for frame in self.case.frames]) + late_s
+        around = self.case.path.poses_at(np.concatenate([t_s - RATE_OVER_S, t_s, t_s + RATE_OVER_S]))
+        before, here, after = np.split(around, 3)
+        return here, (after - before) / (2.0 * RATE_OVER_S)
+
+    def floor_X_WC(self, frame: int) -> Array:
+        """(4, 4) pose of the camera at a picture's middle."""
+        camera, late_s = deviating(self.case, self.x.tolist())
+        t_s = np.array([self.case.frames[frame].t_s + late_s])
+        x_m, y_m, yaw_rad = self.case.path.poses_at(t_s)[0].tolist()
+        return pose_X_WR(x_m, y_m, yaw_rad) @ pose_X_RC(camera, self.case.robot.chassis.base_height_m)
+
+
+def _moved(poses: Array, moved: Array | None) -> Array:
+    if moved is None:
+        return poses
+    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    ahead, left, turned = moved.T
+    return poses + np.column_stack([c * ahead - s * left, s * ahead + c * left, turned])
+
+
+def _seen(p_W: Array, poses: Array, X_RC: Array, lens: Intrinsics) -> Array:
+    """Pixels (N, 2) of points (N, 3), each with a robot pose (N, 3) of its own."""
+    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    x, y = (p_W[:, :2] - poses[:, :2]).T
+    p_R = np.column_stack([c * x + s * y, c * y - s * x, p_W[:, 2]])
+    p_C = (p_R - X_RC[:3, 3]) @ X_RC[:3, :3]
+    depth = p_C[:, 2]
+    rays = p_C[:, :2] / np.where(depth > 0.01, depth, np.nan)[:, None]
+    # Within the picture no lens folds, so that nothing of `project`'s search for folds is needed.
+    return pixels(lens, distorted(lens.distortion, rays))

@@ -1,0 +1,1 @@
+"""The residuals that hypotheses are compared on, and what is known of their noise."""

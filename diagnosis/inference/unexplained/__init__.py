@@ -1,0 +1,1 @@
+"""Whether the residuals of the best model still have structure, and where."""

@@ -1,0 +1,102 @@
+"""Rows of a log on one grid of samples, all trials side by side, for models that go step by step."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diagnosis.measured.channel import Array
+from diagnosis.measured.measurement import Measurement, Trial
+from diagnosis.measured.screening import GAP, usual
+from symolo.core.errors import InputError
+
+OFF_GRID = 0.25
+"""Periods, root mean square, at which the rows of a log are not on the grid of a rate: a quarter is half a period off,
+evenly spread, less rounding."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Samples 0 ... T - 1, a period apart, of N trials; at sample 0, time 0, all is at rest."""
+
+    period_s: float
+    places: tuple[NDArray[np.int64], ...]
+    """Of the rows of each trial."""
+    begins_s: Array
+    """(N,), time of sample 0 since the session began."""
+
+    @classmethod
+    def of(cls, measurement: Measurement, rate_hz: float | None) -> "Grid":
+        """The grid of the nominal rate where the rows are on it, else that which fits them.
+
+        Raises:
+            InputError: Two rows of a trial fall on the same sample.
+        """
+        period_s = _period_s(measurement, rate_hz)
+        places = tuple(_places(trial, period_s, measurement) for trial in measurement.trials)
+        return cls(period_s, places, np.array([trial.begins_s or 0.0 for trial in measurement.trials]))
+
+    @property
+    def samples(self) -> int:
+        return max(1, *(int(place[-1]) for place in self.places)) + 1
+
+    def held(self, trials: tuple[Trial, ...], name: str) -> Array:
+        """A channel at every sample, (T, N): where a row misses or has no value that of the row before, at first 0."""
+        columns = []
+        for trial, place in zip(trials, self.places, strict=True):
+            values = np.full(self.samples, np.nan)
+            values[place] = trial[name].values
+            known = np.isfinite(values)
+            last = np.maximum.accumulate(np.where(known, np.arange(self.samples), -1))
+            columns.append(np.where(last >= 0, values[last], 0.0))
+        return np.stack(columns, axis=1)
+
+    def of_rows(self, samples: Array) -> Array:
+        """Samples (T, ..., N) at the rows of all trials, (..., n)."""
+        return np.concatenate([samples[place, ..., k].T for k, place in enumerate(self.places)], axis=-1)
+
+
+def _period_s(measurement: Measurement, rate_hz: float | None) -> float:
+    """Of the log: that of the nominal rate where the rows are on its grid, else the one that fits them.
+
+    Times of a log are rounded, so that the usual step would drift away from the rows.
+    """
+    t_s = np.concatenate([trial.t_s for trial in measurement.trials])
+    if rate_hz is not None:
+        places = t_s * rate_hz
+        if np.sqrt(np.mean((places - np.rint(places)) ** 2)) < OFF_GRID:
+            return 1.0 / rate_hz
+    return _fitted_period_s(measurement.trials)
+
+
+def _fitted_period_s(trials: tuple[Trial, ...]) -> float:
+    """Slope of times over sample numbers by least squares, each trial with a start of its own.
+
+    The first row's time where no trial has two rows.
+    """
+    steps = np.concatenate([np.diff(trial.t_s) for trial in trials])
+    if not len(steps):
+        return float(trials[0].t_s[0]) or 1.0
+    period_s = float(steps[steps <= GAP * usual(steps)].mean())
+    products = squares = 0.0
+    for trial in trials:
+        number = np.concatenate([[0.0], np.cumsum(np.maximum(np.rint(np.diff(trial.t_s) / period_s), 1.0))])
+        number -= number.mean()
+        products += float(number @ trial.t_s)
+        squares += float(number @ number)
+    return products / squares
+
+
+def _places(trial: Trial, period_s: float, measurement: Measurement) -> NDArray[np.int64]:
+    """Of each row on the grid, (N,); the state at rest is 0."""
+    place = np.maximum(np.rint(trial.t_s / period_s).astype(np.int64), 0)
+    same = np.flatnonzero(np.diff(place) == 0).tolist()
+    if same:
+        first, second = trial.t_s[same[0] : same[0] + 2].tolist()
+        raise InputError(
+            f"column t_s: {first:.10g} and {second:.10g} of trial {trial.name} fall on the same sample",
+            where=next(iter(measurement.source.files), measurement.name),
+            allowed=f"samples {period_s:.6g} s apart",
+            cure="keep one of the two rows, and check the rate",
+        )
+    return place

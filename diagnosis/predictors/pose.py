@@ -1,0 +1,237 @@
+"""Encoder ticks -> what the pose changes by over ten rows, seen from the body at the first of them.
+
+Windows begin at every fifth row, so that each half is in two of them: twice as many measured poses are used as by
+windows end to end, and neighbours have no pose in common. What they share is half of the slip's noise, a few per cent
+of all; a window and the next but one have a pose in common, which makes slow structure stand out more than it is held
+to, never less.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from configs.schema.robot import RobotConfig
+from diagnosis.measured.channel import Array, Mask
+from diagnosis.measured.measurement import Measurement
+from diagnosis.measured.nominal import KnownWheels, NominalDrive
+from diagnosis.measured.screening import noise_of
+from diagnosis.predictors.base import Covariate, Observed, Predicted, Shape
+from diagnosis.predictors.distinct import distinct
+from diagnosis.predictors.rows import bridged, given, joined, rows_after, session_time_s, trial_of_rows
+from diagnosis.predictors.window_noise import window_noise
+from physics.drivetrain.wheel_turns import uncounted
+from physics.effects.base import Slot, effects
+from physics.robot.model import RobotModel, through
+from physics.robot.stack import alike, stacked, stacked_terms
+from sensors.effects import SENSOR_TERMS
+
+WINDOW, STRIDE = 10, 5
+SHARE_NO_POSE = WINDOW // STRIDE + 1
+"""Windows from one to the next that begins after its end."""
+LEVER_M = 0.12
+"""At which noise of the heading counts as noise of the place."""
+PARTS = ("drive", "encoder")
+SLOTS = frozenset({Slot.GEOMETRY, Slot.GROUND, Slot.ENCODER, Slot.COUNTING, Slot.POSE_POINT, Slot.POSE_DELAY})
+"""What acts between the counts and the logged poses."""
+UNSTATED_SLIP = 1e-3
+"""Noise of travel [m / sqrt m] where nobody states it: a millimetre in a metre."""
+SIDES = ("right", "left")
+COMPONENTS = (("pose_dx_m", "m"), ("pose_dy_m", "m"), ("pose_dtheta_rad", "rad"))
+
+
+@dataclass(frozen=True)
+class PoseNoise:
+    xy_m: float
+    theta_rad: float
+    slip_m_per_sqrt_m: float
+
+    @classmethod
+    def of(cls, measurement: Measurement) -> "PoseNoise":
+        """As the case states it, else of the camera as its channels show it."""
+        if isinstance(measurement.nominal, NominalDrive):
+            noise = measurement.nominal.noise
+            return cls(noise.pose_xy_m, noise.pose_theta_rad, noise.travel_m_per_sqrt_m)
+        xy_m, theta_rad = (_camera_noise(measurement, name) for name in ("x_m", "theta_rad"))
+        return cls(xy_m, theta_rad, UNSTATED_SLIP)
+
+
+class Pose:
+    """The format's windows: mid-point rule, slip in turns, tracked point and age of the pose by the robot's terms."""
+
+    name = "pose"
+    at_once = 48
+
+    def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
+        self._trials = [len(trial.t_s) for trial in measurement.trials]
+        self._t_s = joined(trial.t_s for trial in measurement.trials)
+        ticks = np.stack([given(measurement, f"enc_{side}_ticks") for side in SIDES], axis=-1)
+        whole = np.isfinite(ticks).all(axis=-1)
+        self._ticks = bridged(ticks, self._t_s, self._trials)
+        self._steps_s = np.maximum(np.diff(self._t_s, prepend=self._t_s[0]), 0.0)
+        self._starts = np.cumsum([0, *self._trials[:-1]])
+        # The first row of a trial has no row before it; any time will do, since its wheels have not turned.
+        self._steps_s[self._starts] = 1.0
+        self._first, self._last = rows_after(measurement, WINDOW, STRIDE)
+        missing = np.concatenate([[0], np.cumsum(~whole)])
+        self._complete = missing[self._last + 1] == missing[self._first]
+        self.observed: tuple[Observed, ...] = self._observed(measurement, nominal)
+
+    def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
+        distinct_robots, which = distinct(robots, PARTS, SLOTS)
+        found = np.empty((len(distinct_robots), len(self._first), 3))
+        for group in alike(distinct_robots):
+            path, seen = self._paths([distinct_robots[k] for k in group])
+            found[group] = seen_from_body(
+                path[..., self._first, 2], seen[..., self._last, :] - seen[..., self._first, :]
+            )
+        return tuple(Predicted(found[which, :, k], of.sd) for k, of in enumerate(self.observed))
+
+    def path(self, robot: RobotConfig, starts: Array) -> Array:
+        """Poses of all rows as the log would have them, (n, 3), from the first one of each trial and the ticks.
+
+        Args:
+            robot: One.
+            starts: (N, 3), logged pose x [m], y [m], yaw [rad] in the first row of each trial.
+        """
+        _, seen = self._paths([robot])
+        begin = np.repeat(seen[self._starts], self._trials, axis=0)
+        from_w = np.repeat(starts, self._trials, axis=0)
+        return from_w + seen_from_body(-from_w[:, 2], seen - begin)
+
+    def _paths(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
+        """Of axle and tracked point at the times that the log says, (n, 3) or (M, n, 3) each."""
+        steps = self._steps(robots)
+        pose = np.zeros((*steps.shape[:-1], 3))
+        for start, rows in zip(self._starts.tolist(), self._trials, strict=True):
+            of = slice(start, start + rows)
+            forward, turn = steps[..., of, 0], steps[..., of, 1]
+            yaw = np.cumsum(turn, axis=-1)
+            middle = yaw - 0.5 * turn
+            pose[..., of, 0] = np.cumsum(forward * np.cos(middle), axis=-1)
+            pose[..., of, 1] = np.cumsum(forward * np.sin(middle), axis=-1)
+            pose[..., of, 2] = yaw
+        terms = stacked_terms(robots, axes=1)
+        delay_s = through(effects(SENSOR_TERMS, terms, Slot.POSE_DELAY), 0.0)
+        pose = earlier(pose, self._t_s, self._trials, delay_s)
+        point = effects(SENSOR_TERMS, stacked_terms(robots, axes=2), Slot.POSE_POINT)
+        return pose, through(point, pose)
+
+    def _steps(self, robots: Sequence[RobotConfig]) -> Array:
+        """Way forward [m] and turn [rad] of each row since the one before, (n, 2) or (M, n, 2)."""
+        model = RobotModel.from_config(stacked(robots, axes=2))
+        counted = np.diff(self._ticks, axis=0, prepend=self._ticks[:1])
+        counted[self._starts] = 0.0
+        turned = uncounted(model, 2.0 * pi / model.counts_per_revolution * counted, self._steps_s[:, None])
+        geometry = model.geometry
+        right_m, left_m = geometry.right_radius_m * turned[..., :1], geometry.left_radius_m * turned[..., 1:]
+        forward_m, turn_rad = 0.5 * (right_m + left_m), (right_m - left_m) / geometry.track_m
+        step_s = self._steps_s[:, None]
+        share = through(model.effects(Slot.GROUND), np.ones_like(turn_rad), forward_m / step_s, turn_rad / step_s)
+        return np.concatenate(np.broadcast_arrays(forward_m, turn_rad * share), axis=-1)
+
+    def _observed(self, measurement: Measurement, nominal: RobotConfig) -> tuple[Observed, ...]:
+        log = np.stack([given(measurement, name) for name in ("x_m", "y_m", "theta_rad")], axis=-1)
+        first, last = self._first, self._last
+        values = seen_from_body(log[first, 2], log[last] - log[first])
+        path, _ = self._paths([nominal])
+        predicted = seen_from_body(path[first, 2], path[last] - path[first])
+        middle = (first + last) // 2
+        angle_rad = 2.0 * pi / nominal.encoder.counts_per_revolution * self._ticks[middle]
+        trial = trial_of_rows(measurement)[first]
+        covariates = (
+            Covariate("ds", np.copysign(np.hypot(predicted[:, 0], predicted[:, 1]), predicted[:, 0])),
+            Covariate("dtheta", predicted[:, 2]),
+            Covariate("theta_rad", log[first, 2], Shape.PERIODIC),
+            Covariate("position", log[first, 0], second=log[first, 1]),
+            Covariate("t_s", self._t_s[middle]),
+            Covariate("session_time_s", session_time_s(measurement)[middle]),
+            Covariate("trial", trial.astype(float), Shape.CATEGORY, labels=tuple(t.name for t in measurement.trials)),
+            Covariate("wheel_angle_rad[left]", angle_rad[:, 1], Shape.PERIODIC),
+            Covariate("wheel_angle_rad[right]", angle_rad[:, 0], Shape.PERIODIC),
+        )
+        sds, correlations = self._noise(measurement, nominal)
+        holdout = joined(t.holdout for t in measurement.trials)
+        usable: Mask = self._complete & np.isfinite(values).all(axis=-1)
+        if isinstance(measurement.nominal, KnownWheels):
+            # A real camera's noise; of runs that we made ourselves nothing scatters, and the guess stands.
+            rows = usable & ~(holdout[first] | holdout[last])
+            found = [window_noise(values[:, k] - predicted[:, k], trial, rows, SHARE_NO_POSE) for k in range(3)]
+            sds = tuple(sd if of is None else np.full(len(sd), of) for sd, of in zip(sds, found, strict=True))
+        return tuple(
+            Observed(
+                name=name,
+                channel="pose_increment",
+                unit=unit,
+                values=np.where(usable, values[:, k], np.nan),
+                sd=sds[k],
+                correlation=correlations[k],
+                trial=trial,
+                t_s=self._t_s[first],
+                holdout=holdout[first] | holdout[last],
+                usable=usable,
+                covariates=covariates,
+            )
+            for k, (name, unit) in enumerate(COMPONENTS)
+        )
+
+    def _noise(self, measurement: Measurement, nominal: RobotConfig) -> tuple[tuple[Array, ...], tuple[float, ...]]:
+        """Of each component its standard deviations (m,) and the correlation of a window with the next."""
+        noise, radius_m = PoseNoise.of(measurement), 0.5 * nominal.drive.wheel_diameter_m
+        turned = 2.0 * pi / nominal.encoder.counts_per_revolution * np.abs(np.diff(self._ticks, axis=0, prepend=0.0))
+        turned[self._starts] = 0.0
+        travel_m = np.cumsum(radius_m * turned.mean(axis=-1))
+        q = noise.slip_m_per_sqrt_m**2 * (travel_m[self._last] - travel_m[self._first])
+        of_place, of_heading = 0.5 * q, 2.0 * q / nominal.drive.track_m**2
+        place = 2.0 * noise.xy_m**2 + (LEVER_M * noise.theta_rad) ** 2 + of_place
+        heading = 2.0 * noise.theta_rad**2 + of_heading
+        # Half of a window's travel, and so of its slip, is the next one's too.
+        shared = (
+            0.5 * float(of_place.sum() / (place.sum() or 1.0)),
+            0.5 * float(of_heading.sum() / (heading.sum() or 1.0)),
+        )
+        sd = np.sqrt(place)
+        return (sd, sd, np.sqrt(heading)), (shared[0], shared[0], shared[1])
+
+
+def seen_from_body(yaw_rad: Array, change: Array) -> Array:
+    """Changes of pose (..., 3) in W, their places turned into the frame of a body at this yaw (...)."""
+    c, s = np.cos(yaw_rad), np.sin(yaw_rad)
+    x, y, turn = change[..., 0], change[..., 1], change[..., 2]
+    return np.stack([c * x + s * y, c * y - s * x, turn], axis=-1)
+
+
+def earlier(pose: Array, t_s: Array, trials: Sequence[int], delay_s: float | Array) -> Array:
+    """Poses (..., n, 3) as they were so much before the times of their rows, on lines between rows.
+
+    Args:
+        pose: Of all trials.
+        t_s: (n,).
+        trials: How many rows each has; beyond its ends its first or last pose stands.
+        delay_s: One, or (M, 1).
+    """
+    if np.all(np.equal(delay_s, 0.0)):
+        return pose
+    parts, begin = [], 0
+    for rows in trials:
+        times, of = t_s[begin : begin + rows], pose[..., begin : begin + rows, :]
+        begin += rows
+        if rows < 2:
+            parts.append(of)
+            continue
+        wanted_s = np.clip(times - delay_s, times[0], times[-1])
+        after = np.clip(np.searchsorted(times, wanted_s), 1, rows - 1)
+        share = ((wanted_s - times[after - 1]) / (times[after] - times[after - 1]))[..., None]
+        shape = np.broadcast_shapes(of.shape[:-1], after.shape)
+        of, index = np.broadcast_to(of, (*shape, 3)), np.broadcast_to(after, shape)[..., None]
+        before, later = (np.take_along_axis(of, place, axis=-2) for place in (index - 1, index))
+        parts.append(before + share * (later - before))
+    shape = max((part.shape[:-2] for part in parts), key=len)
+    return np.concatenate([np.broadcast_to(part, (*shape, *part.shape[-2:])) for part in parts], axis=-2)
+
+
+def _camera_noise(measurement: Measurement, name: str) -> float:
+    found = [noise_of(channel) for channel in measurement.across(name)]
+    known = [noise.sd for noise in found if noise is not None and noise.sd > 0.0]
+    return float(np.median(known)) if known else 1e-3

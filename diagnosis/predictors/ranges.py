@@ -1,0 +1,148 @@
+"""Logged pose -> readings of the three range sensors, to the walls of an empty room."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from configs.schema.robot import RobotConfig
+from diagnosis.measured.channel import Array, Mask
+from diagnosis.measured.measurement import Measurement
+from diagnosis.measured.nominal import NominalDrive
+from diagnosis.predictors.base import Covariate, Observed, Predicted, Shape
+from diagnosis.predictors.distinct import distinct
+from diagnosis.predictors.pose import earlier
+from diagnosis.predictors.room_ranges import WALLS, RoomRanges, near_corner, room_ranges
+from diagnosis.predictors.rows import bridged, given, joined, session_time_s, trial_of_rows
+from physics.effects.base import Slot, effects
+from physics.robot.model import through
+from physics.robot.stack import alike, stacked, stacked_terms
+from sensors.effects import SENSOR_TERMS
+from sensors.range_effects import RangeEffects
+from sensors.range_view import RangeView
+
+SENSORS = ("front", "left", "right")
+PARTS = ("tof",)
+SLOTS = frozenset(
+    {
+        Slot.POSE_POINT,
+        Slot.POSE_DELAY,
+        Slot.RANGE_MOUNT,
+        Slot.RANGE,
+        Slot.RANGE_NOISE,
+        Slot.RANGE_LIMIT,
+        Slot.RANGE_DELAY,
+    }
+)
+"""What acts between the logged poses and the readings."""
+CORNER_M, CORNER_RAD, END_M = 0.02, 0.05, 0.03
+"""Nearer to a corner, or to the end of the range, a row is left out (the format's)."""
+WALL_REFLECTANCE = 1.0
+
+
+class Ranges:
+    """Rays from where the axle was when the readings were taken, by the logged pose, its age and its tracked point."""
+
+    name = "tof"
+    at_once = 48
+
+    def __init__(self, measurement: Measurement, nominal_case: NominalDrive, nominal: RobotConfig) -> None:
+        self._case = nominal_case
+        self._trials = [len(trial.t_s) for trial in measurement.trials]
+        self._t_s = joined(trial.t_s for trial in measurement.trials)
+        self._since_on_s = session_time_s(measurement)
+        log = np.stack([given(measurement, name) for name in ("x_m", "y_m", "theta_rad")], axis=-1)
+        self._log = bridged(log, self._t_s, self._trials)
+        seen = self._seen([nominal])
+        noise = nominal_case.noise
+        self._pose_variance = (seen.by_x**2 + seen.by_y**2) * noise.pose_xy_m**2
+        self._pose_variance += seen.by_yaw**2 * noise.pose_theta_rad**2
+        mean, sd = self._expected([nominal])
+        in_reach = seen.distance_m <= nominal_case.tof.max_range_m - END_M
+        clear = in_reach & ~near_corner(nominal_case.world, seen, CORNER_M, CORNER_RAD)
+        clear &= np.isfinite(log).all(axis=-1, keepdims=True)
+        self.observed: tuple[Observed, ...] = tuple(
+            self._observed(measurement, k, seen, Predicted(mean[0][:, k], sd[0][:, k]), clear[:, k])
+            for k in range(len(SENSORS))
+        )
+
+    def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
+        several, which = distinct(robots, PARTS, SLOTS)
+        mean, sd = self._expected(several)
+        return tuple(Predicted(mean[which, :, k], sd[which, :, k]) for k in range(len(SENSORS)))
+
+    def _observed(
+        self, measurement: Measurement, k: int, seen: RoomRanges, nominal: Predicted, clear: Mask
+    ) -> Observed:
+        name = f"tof_{SENSORS[k]}_m"
+        values = given(measurement, name)
+        usable = clear & np.isfinite(values)
+        trial = trial_of_rows(measurement)
+        covariates = (
+            Covariate("distance_m", nominal.mean),
+            Covariate("incidence_rad", seen.incidence_rad[:, k]),
+            Covariate("wall", seen.wall[:, k].astype(float), Shape.CATEGORY, labels=WALLS),
+            Covariate("position", self._log[:, 0], second=self._log[:, 1]),
+            Covariate("theta_rad", self._log[:, 2], Shape.PERIODIC),
+            Covariate("t_s", self._t_s),
+            Covariate("session_time_s", self._since_on_s),
+            Covariate("trial", trial.astype(float), Shape.CATEGORY, labels=tuple(t.name for t in measurement.trials)),
+        )
+        return Observed(
+            name=name,
+            channel="tof_m",
+            unit="m",
+            values=np.where(usable, values, np.nan),
+            sd=nominal.sd,
+            correlation=0.0,
+            trial=trial,
+            t_s=self._t_s,
+            holdout=joined(t.holdout for t in measurement.trials),
+            usable=usable,
+            covariates=covariates,
+        )
+
+    def _seen(self, robots: Sequence[RobotConfig]) -> RoomRanges:
+        """By one robot (n, 3), by M of them (M, n, 3)."""
+        several, terms = stacked(robots, axes=2), stacked_terms(robots, axes=2)
+        mounts = [getattr(several.tof.mounts, sensor) for sensor in SENSORS]
+        x_m, y_m, yaw_deg = (_side_by_side([getattr(m, of) for m in mounts]) for of in ("x_m", "y_m", "yaw_deg"))
+        askew = through(effects(SENSOR_TERMS, terms, Slot.RANGE_MOUNT), np.zeros(len(SENSORS)))
+        return room_ranges(self._case.world, self._axle(robots), x_m, y_m, np.radians(yaw_deg) + askew)
+
+    def _axle(self, robots: Sequence[RobotConfig]) -> Array:
+        """Pose of the axle at the times of the readings, (n, 3) or (M, n, 3)."""
+        terms = stacked_terms(robots, axes=1)
+        of_ranges, of_pose = (
+            through(effects(SENSOR_TERMS, terms, slot), 0.0) for slot in (Slot.RANGE_DELAY, Slot.POSE_DELAY)
+        )
+        # The pose that stands in the log now was true a while ago, and will be logged a while from now.
+        tracked = earlier(self._log, self._t_s, self._trials, of_ranges - of_pose)
+        point = effects(SENSOR_TERMS, stacked_terms(robots, axes=2), Slot.POSE_POINT)
+        return 2.0 * tracked - through(point, tracked)
+
+    def _expected(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
+        """Mean and standard deviation, (M, n, 3) each."""
+        mean, sd = (np.empty((len(robots), len(self._t_s), len(SENSORS))) for _ in range(2))
+        for group in alike(robots):
+            several = [robots[k] for k in group]
+            seen, terms, tof = self._seen(several), stacked_terms(several, axes=2), stacked(several, axes=2).tof
+            view = RangeView(
+                distance_m=seen.distance_m,
+                incidence_rad=seen.incidence_rad,
+                reflectance=np.full(len(SENSORS), WALL_REFLECTANCE),
+                material_share={},
+                temperature_C=tof.temperature_C,
+                reference_temperature_C=tof.reference_temperature_C,
+                ambient_lux=tof.ambient_lux,
+                time_s=self._since_on_s[:, None],
+            )
+            bare_sd = self._case.noise.tof.sd_m(seen.distance_m) * tof.noise_scale
+            found, of_reading = RangeEffects.of(terms).expected(seen.distance_m, bare_sd, view, 0.0)
+            mean[group], sd[group] = found, np.sqrt(of_reading**2 + self._pose_variance)
+        return mean, sd
+
+
+def _side_by_side(values: Sequence[float | Array]) -> Array:
+    """Of each sensor, (3,), or (M, 1, 3) where those of many robots differ, (M, 1, 1) each."""
+    shape = np.broadcast_shapes(*(np.shape(value) for value in values))
+    return np.concatenate([np.broadcast_to(np.atleast_1d(value), shape or (1,)) for value in values], axis=-1)

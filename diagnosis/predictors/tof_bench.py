@@ -1,0 +1,125 @@
+"""Distance, target and surroundings -> reading of a range sensor on its bench.
+
+The nominal sensor is the format's, offset and scale alone: neither the paper's Eq. 24 nor the cone of the shipped one.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from configs.schema.robot import RobotConfig
+from diagnosis.measured.channel import Array
+from diagnosis.measured.measurement import Measurement, Trial
+from diagnosis.measured.nominal import NominalTof
+from diagnosis.predictors.base import Covariate, Observed, Predicted, Shape, Stage
+from diagnosis.predictors.rows import given, joined, observed_channel
+from physics.robot.stack import alike, stacked, stacked_terms
+from sensors.range_effects import RangeEffects
+from sensors.range_view import RangeView
+from sensors.tof import NOISE_AT_NEAR_MM, noise_sd_m
+
+UNKNOWN_REFLECTANCE = 1.0
+"""Of a material that the case has no reflectance of."""
+
+
+class TofBench:
+    """All rows of a bench at once."""
+
+    name = "tof"
+    at_once = 48
+
+    def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
+        trials = measurement.trials
+        known = measurement.nominal.tof.reflectance if isinstance(measurement.nominal, NominalTof) else {}
+        materials = [name for trial in trials for name in _materials(trial)]
+        distance_m, incidence_rad, temperature_C, ambient_lux = (
+            given(measurement, name) for name in ("distance_m", "incidence_rad", "temperature_C", "ambient_lux")
+        )
+        self._distance_m = distance_m
+        # What nobody noted is as it was when the sensor was calibrated.
+        self._incidence_rad, self._temperature_C, self._ambient_lux = (
+            np.where(np.isfinite(values), values, neutral)
+            for values, neutral in (
+                (incidence_rad, 0.0),
+                (temperature_C, nominal.tof.reference_temperature_C),
+                (ambient_lux, 0.0),
+            )
+        )
+        self._since_on_s = joined(trial.t_s + (trial.begins_s or 0.0) for trial in trials)
+        self._materials = np.array(materials)
+        self._reflectance = np.array([known.get(name, UNKNOWN_REFLECTANCE) for name in materials])
+        self._bare_sd_m = _noise_sd_m(measurement, self._distance_m)
+        names = tuple(dict.fromkeys((*known, *sorted(set(materials)))))
+        covariates = (
+            Covariate("distance_m", self._distance_m),
+            Covariate("material", np.array([float(names.index(m)) for m in materials]), Shape.CATEGORY, labels=names),
+            Covariate("incidence_rad", incidence_rad),
+            Covariate("temperature_C", temperature_C),
+            Covariate("ambient_lux", ambient_lux),
+            Covariate("t_s", self._since_on_s),
+            Covariate("row", np.arange(1.0, len(materials) + 1.0)),
+            Covariate("previous_distance_m", _previous_m(trials), beside="distance_m"),
+        )
+        # A row without an input that other rows have could show its effect or not.
+        noted = [of for of in (incidence_rad, temperature_C, ambient_lux) if np.isfinite(of).any()]
+        predictable = np.isfinite(distance_m) & np.all([np.isfinite(of) for of in noted], axis=0)
+        offered = tuple(of for of in covariates if np.isfinite(of.values).any())
+        reading = observed_channel(measurement, "reading_m", predictable, offered)
+        sd = self._expected([nominal])[1][0]
+        known_sd = np.where(np.isfinite(distance_m), sd, reading.sd)
+        self.observed: tuple[Observed, ...] = (replace(reading, sd=known_sd, resolution=nominal.tof.quantisation_m),)
+
+    def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
+        return (Predicted(*self._expected(robots)),)
+
+    def _expected(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
+        """Mean and standard deviation, (M, n) each."""
+        mean, sd = (np.empty((len(robots), len(self._distance_m))) for _ in range(2))
+        for group in alike(robots):
+            several = [robots[k] for k in group]
+            tof = stacked(several, axes=1).tof
+            view = RangeView(
+                distance_m=self._distance_m,
+                incidence_rad=self._incidence_rad,
+                reflectance=self._reflectance,
+                material_share={name: (self._materials == name).astype(float) for name in set(self._materials)},
+                temperature_C=self._temperature_C,
+                reference_temperature_C=tof.reference_temperature_C,
+                ambient_lux=self._ambient_lux,
+                time_s=self._since_on_s,
+            )
+            # The sensor on the bench is none of the three on the robot.
+            effects = RangeEffects.of(stacked_terms(several, axes=1).model_copy(update={"tof_range_offset": None}))
+            mean[group], sd[group] = effects.expected(
+                self._distance_m, self._bare_sd_m * tof.noise_scale, view, tof.quantisation_m
+            )
+        return mean, sd
+
+
+def _materials(trial: Trial) -> tuple[str, ...]:
+    known = [label.values for label in trial.labels if label.name == "material"]
+    return known[0] if known else ("",) * len(trial.t_s)
+
+
+def _previous_m(trials: Sequence[Trial]) -> Array:
+    """Distance of the row before, of all trials one after the other."""
+    return joined(np.concatenate([[np.nan], trial["distance_m"].values[:-1]]) for trial in trials)
+
+
+def _noise_sd_m(measurement: Measurement, distance_m: Array) -> Array:
+    """As the case states it, else as the paper's Eq. 23 has it; (n,)."""
+    if isinstance(measurement.nominal, NominalTof):
+        return measurement.nominal.noise.sd_m(distance_m)
+    by_paper_m = noise_sd_m(np.full(len(distance_m), 1e-3 * NOISE_AT_NEAR_MM), distance_m)
+    stated = measurement.across("reading_m")
+    begin = np.cumsum([0, *(len(channel.values) for channel in stated)])
+    for channel, first in zip(stated, begin.tolist(), strict=False):
+        if channel.noise_sd is not None:
+            by_paper_m[first : first + len(channel.values)] = channel.noise_sd
+    return by_paper_m
+
+
+def tof_bench_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[Stage, ...]:
+    """The one stage of the bench."""
+    return (TofBench(measurement, nominal),)

@@ -1,0 +1,126 @@
+"""One panel of residuals along a covariate, and what all pictures of the report share."""
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from diagnosis.measured.channel import Array, Mask
+from diagnosis.predictors.base import Covariate, Shape
+from diagnosis.report.quantities import covariate_axis
+from symolo.pages.plotting import BLACK, BLUE, GREY, ORANGE, PALE, VERMILION
+
+BEFORE, CALIBRATED, AFTER, MEASURED = VERMILION, ORANGE, BLUE, BLACK
+MOST_POINTS = 1000
+"""In a panel; of more, every so-manieth."""
+BINS = 20
+LEAST_IN_BIN = 3
+OF_MEDIAN = 1.2533
+"""Standard error of a median over that of a mean, of normal noise: the root of pi/2."""
+KEPT = 97.0
+"""Percent of the residuals that a panel's height is made for; those beyond it stand at its edge as triangles."""
+LOWEST_SIGMA = 3.5
+"""A panel is at least as high, so that noise looks like noise."""
+
+
+def residual_panel(  # noqa: PLR0917 - what is shown, in the order of the eye
+    axes: Axes, covariate: Covariate, z: Array, heldout: Mask, colour: str, reach: float | None = None
+) -> None:
+    """Residuals in sigmas, rows held out as rings, and their median in bins with two standard errors.
+
+    Args:
+        axes: To draw in.
+        covariate: (n,) values; of one that is a place, the residual is the colour.
+        z: (n,), NaN where there is none.
+        heldout: (n,).
+        colour: Of the points.
+        reach: Sigmas up to which the panel goes; by its own residuals if not given.
+    """
+    shown = np.isfinite(z) & np.isfinite(covariate.values)
+    if covariate.second is not None:
+        _place(axes, covariate, z, shown)
+        return
+    x = _folded(covariate)
+    reach = reach_of(z[shown]) if reach is None else reach
+    axes.axhspan(-2.0, 2.0, color=PALE, alpha=0.6, linewidth=0.0)
+    axes.axhline(0.0, color=GREY, linewidth=0.6)
+    beyond = np.abs(z) > reach
+    at = x + _jitter(covariate, len(x))
+    faint = 0.85 if np.count_nonzero(shown) < 200 else 0.4
+    for rows, face in ((shown & ~heldout & ~beyond, colour), (shown & heldout & ~beyond, "none")):
+        some = np.flatnonzero(rows)
+        some = some[:: max(1, len(some) // MOST_POINTS)]
+        dots = {"markersize": 3.3, "markerfacecolor": face, "markeredgecolor": colour, "markeredgewidth": 0.7}
+        axes.plot(at[some], z[some], "o", alpha=faint, **dots)
+    for rows, marker, edge in ((shown & (z > reach), "^", 0.95), (shown & (z < -reach), "v", -0.95)):
+        axes.plot(at[rows], np.full(np.count_nonzero(rows), edge * reach), marker, markersize=4, color=colour)
+    middle, median, error = binned(covariate, x[shown], z[shown])
+    if len(middle) > 1 and np.count_nonzero(shown) > 2 * BINS:
+        axes.errorbar(middle, median, 2.0 * error, color=BLACK, linewidth=1.0, linestyle="none", capsize=2, marker=".")
+    axes.set_ylim(-reach, reach)
+    axes.set_xlabel(covariate_axis(covariate.name))
+    axes.grid(alpha=0.3)
+    _ticks(axes, covariate)
+
+
+def reach_of(z: Array) -> float:
+    """Sigmas up to which a panel of residuals goes."""
+    z = z[np.isfinite(z)]
+    return max(LOWEST_SIGMA, 1.4 * float(np.percentile(np.abs(z), KEPT))) if len(z) else LOWEST_SIGMA
+
+
+def binned(covariate: Covariate, x: Array, z: Array) -> tuple[Array, Array, Array]:
+    """Middle, median and its standard error, of bins of as many rows each or of categories; (k,) each."""
+    if covariate.shape is Shape.CATEGORY:
+        groups = [x == value for value in np.unique(x)]
+    else:
+        edges = np.unique(np.quantile(x, np.linspace(0.0, 1.0, BINS + 1))) if len(x) else np.zeros(0)
+        number = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, max(len(edges) - 2, 0))
+        groups = [number == k for k in range(max(len(edges) - 1, 0))]
+    groups = [group for group in groups if np.count_nonzero(group) >= LEAST_IN_BIN]
+    middle = np.array([float(np.mean(x[group])) for group in groups])
+    median = np.array([float(np.median(z[group])) for group in groups])
+    spread = [1.4826 * float(np.median(np.abs(z[group] - m))) for group, m in zip(groups, median.tolist(), strict=True)]
+    error = np.array([OF_MEDIAN * s / np.sqrt(np.count_nonzero(g)) for s, g in zip(spread, groups, strict=True)])
+    return middle, median, error
+
+
+def trimmed_rms(z: Array) -> float:
+    """As the error of a gain: without the largest 3 %."""
+    size = np.sort(np.abs(z[np.isfinite(z)]))
+    kept = size[: max(1, int(0.97 * len(size)))]
+    return float(np.sqrt(np.mean(kept**2))) if len(kept) else float("nan")
+
+
+def _folded(covariate: Covariate) -> Array:
+    return np.mod(covariate.values, 2.0 * np.pi) if covariate.shape is Shape.PERIODIC else covariate.values
+
+
+def _jitter(covariate: Covariate, rows: int) -> Array:
+    """Beside its category, so that points do not hide each other; by row, not by chance."""
+    if covariate.shape is not Shape.CATEGORY:
+        return np.zeros(rows)
+    return 0.5 * (np.mod(np.arange(rows) * 0.618034, 1.0) - 0.5)
+
+
+def _ticks(axes: Axes, covariate: Covariate) -> None:
+    if covariate.shape is not Shape.CATEGORY:
+        return
+    values = np.unique(covariate.values[np.isfinite(covariate.values)])
+    if len(values) > BINS:
+        return
+    names = [covariate.labels[int(v)] if int(v) < len(covariate.labels) else f"{v:g}" for v in values.tolist()]
+    axes.set_xticks(values.tolist(), names, rotation=30 if covariate.labels else 0, fontsize="small")
+
+
+def _place(axes: Axes, covariate: Covariate, z: Array, shown: Mask) -> None:
+    some = np.flatnonzero(shown)
+    some = some[:: max(1, len(some) // MOST_POINTS)]
+    second = covariate.second if covariate.second is not None else covariate.values
+    reach = max(LOWEST_SIGMA, float(np.percentile(np.abs(z[some]), 95.0))) if len(some) else LOWEST_SIGMA
+    points = axes.scatter(
+        covariate.values[some], second[some], c=z[some], s=9, cmap="RdBu_r", vmin=-reach, vmax=reach, linewidths=0.0
+    )
+    axes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
+    axes.grid(alpha=0.3)
+    figure = axes.get_figure()
+    if figure is not None:
+        figure.colorbar(points, ax=axes, label="residual [σ]")

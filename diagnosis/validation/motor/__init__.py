@@ -1,0 +1,1 @@
+"""The validation experiment of the motor."""

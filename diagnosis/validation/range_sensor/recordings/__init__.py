@@ -1,0 +1,1 @@
+"""The range sensor model beside recordings of a real sensor."""

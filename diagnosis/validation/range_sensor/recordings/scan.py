@@ -1,0 +1,76 @@
+"""A scan of a real sensor over a grid, some readings at each point, in the order they were taken."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+
+import numpy as np
+
+from diagnosis.measured.text_file import number, read_text
+from diagnosis.validation.range_sensor.recordings.columns import range_mm
+from sensors.base import Array
+from symolo.core.errors import InputError, nearest
+
+COLUMNS = ("x", "y", "lidar")
+FEWEST_POINTS = 20
+FEWEST_READINGS = 3
+
+
+@dataclass(frozen=True)
+class ScanRecord:
+    """P points with K readings each, in the order of the scan."""
+
+    x_mm: Array
+    """(P,)."""
+    y_mm: Array
+    """(P,)."""
+    reading_mm: Array
+    """(P, K), the first one right after the move."""
+
+    @property
+    def settled_mm(self) -> Array:
+        """Median of the last half of the readings of each point, (P,)."""
+        return np.median(self.reading_mm[:, self.reading_mm.shape[1] // 2 :], axis=1)
+
+
+def read_scan(path: Path) -> ScanRecord:
+    """Columns x, y [mm] and lidar [mm] of a file with a header; further columns are left alone.
+
+    Raises:
+        InputError: A column or a number is missing or wrong, or the points have not as many readings each; the text
+            names file, row and column.
+    """
+    lines = read_text(path).lines
+    header = [name.strip() for name in lines[0].split(",")]
+    for name in COLUMNS:
+        if name not in header:
+            raise InputError(
+                f"column {name} is missing", where=f"{path}: row 1", got=header, nearest=nearest(name, header)
+            )
+    x, y, lidar = (header.index(name) for name in COLUMNS)
+    rows = []
+    for row, line in enumerate(lines[1:], start=2):
+        cells = line.split(",")
+        if len(cells) != len(header):
+            raise InputError(
+                f"{len(cells)} columns", where=f"{path}: row {row}", allowed=f"{len(header)}, as in the header"
+            )
+        place = number(cells[x], path, row, "x"), number(cells[y], path, row, "y")
+        rows.append((*place, range_mm(cells[lidar], path, row, "lidar")))
+    return _grouped(rows, path)
+
+
+def _grouped(rows: Sequence[tuple[float, float, float]], path: Path) -> ScanRecord:
+    points = [(place, [row[2] for row in some]) for place, some in groupby(rows, key=lambda row: row[:2])]
+    if len(points) < FEWEST_POINTS:
+        raise InputError(f"has {len(points)} points", where=str(path), allowed=f"at least {FEWEST_POINTS}")
+    count, row = len(points[0][1]), 2
+    for (x_mm, y_mm), readings in points:
+        if len(readings) != count or count < FEWEST_READINGS:
+            what = f"column lidar: {len(readings)} readings at x = {x_mm:g}, y = {y_mm:g}"
+            allowed = f"at least {FEWEST_READINGS}, as many at each point"
+            raise InputError(what, where=f"{path}: row {row}", allowed=allowed)
+        row += len(readings)
+    places = np.array([place for place, _ in points])
+    return ScanRecord(places[:, 0], places[:, 1], np.array([readings for _, readings in points]))

@@ -1,0 +1,261 @@
+"""Compiles the firmware: for the board with avr-gcc, for this machine with gcc, and as a sketch for the Arduino IDE."""
+
+import hashlib
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from configs.schema.board import FramingName
+from configs.schema.robot import RobotConfig
+from hil import firmware
+from hil.generate import generate
+from hil.tools import AVR_PACKAGES, NATIVE_PACKAGES
+from symolo.core.atomic_files import make_folder, move, remove_folder, write_file
+from symolo.core.errors import EnvironmentLacking, InputError
+
+BAUDS = (115_200, 250_000, 500_000, 1_000_000)
+"""A board says in its hello at which place of this table its baud rate stands."""
+
+_SOURCES = Path(firmware.__file__).parent
+_SKETCH_MAIN = "symolo.ino"
+_WARNINGS = ("-Wall", "-Wextra", "-Wundef")
+_AVR = ("-mmcu=atmega2560", "-DF_CPU=16000000UL")
+_AVR_FLAGS = (*_AVR, "-std=gnu11", "-Os", "-flto", "-ffunction-sections", "-Wl,--gc-sections", *_WARNINGS)
+_NATIVE_FLAGS = ("-std=gnu11", "-O1", "-fPIC", "-shared", "-ffp-contract=off", *_WARNINGS)
+_TASK = re.compile(r"#ifdef TODO_(\w+)")
+
+
+@dataclass(frozen=True)
+class FirmwareBuild:
+    """A firmware that is ready for a board."""
+
+    elf: Path
+    hex: Path
+    """For avrdude."""
+    id: str
+    """16 hex digits: the first eight bytes of the SHA-256 of sources and settings, told by the board's hello."""
+
+
+@dataclass(frozen=True)
+class FirmwareSize:
+    """What a firmware takes of the board's memory."""
+
+    flash_bytes: int
+    """Of 262144, of which a boot loader may hold 8192."""
+    ram_bytes: int
+    """Of 8192, before the stack."""
+
+
+def student_tasks() -> tuple[str, ...]:
+    """The functions of student.c, in its order, which may be left to be written."""
+    return tuple(name.lower() for name in _TASK.findall(_hand_written()["student.c"]))
+
+
+def firmware_sources(
+    robot: RobotConfig, framing: FramingName, baud: int, student: str | None = None
+) -> tuple[dict[str, str], str]:
+    """All files that the firmware is made of, text by name, and its id.
+
+    Args:
+        robot: Whose numbers and paths it gets.
+        framing: Of the messages.
+        baud: One of `BAUDS`.
+        student: Text of a student.c to take in place of the reference.
+
+    Raises:
+        InputError: The robot's numbers do not fit the board, or there is no such baud rate.
+    """
+    if baud not in BAUDS:
+        raise InputError("baud", got=baud, allowed=", ".join(map(str, BAUDS)))
+    files = _hand_written() | generate(robot)
+    if student is not None:
+        files["student.c"] = student
+    digest = hashlib.sha256()
+    for name in sorted(files):
+        digest.update(f"{name}\0{files[name]}\0".encode())
+    digest.update(f"{framing}\0{baud}".encode())
+    id_bytes = digest.digest()[:8]
+    return files | {"build_settings.h": _build_settings(framing, baud, id_bytes)}, id_bytes.hex()
+
+
+def build_firmware(
+    robot: RobotConfig, framing: FramingName, baud: int, out_dir: Path, student: str | None = None
+) -> FirmwareBuild:
+    """Firmware for the board in a folder of its own within `out_dir`; compiled if it is not there.
+
+    Args:
+        robot: Whose controller it is.
+        framing: Of the messages.
+        baud: One of `BAUDS`.
+        out_dir: Holds every firmware by its id.
+        student: Text of a student.c to take in place of the reference.
+
+    Raises:
+        InputError: The robot's numbers do not fit the board, or the compiler does not take the student's text.
+        EnvironmentLacking: There is no avr-gcc; names the line that installs it.
+    """
+    files, identity = firmware_sources(robot, framing, baud, student)
+    place = out_dir / f"firmware-{identity}-{_short_hash(_AVR_FLAGS)}"
+    build = FirmwareBuild(place / "firmware.elf", place / "firmware.hex", identity)
+    if build.elf.is_file() and build.hex.is_file():
+        return build
+    with _scratch(files, out_dir) as scratch:
+        elf, hex_file = (Path(scratch) / path.name for path in (build.elf, build.hex))
+        _compile(["avr-gcc", *_AVR_FLAGS, "-o", str(elf)], files, Path(scratch), AVR_PACKAGES)
+        _run(["avr-objcopy", "-O", "ihex", "-R", ".eeprom", str(elf), str(hex_file)], AVR_PACKAGES)
+        make_folder(place)
+        move(elf, build.elf)  # over one of another process, which is the same
+        move(hex_file, build.hex)
+    return build
+
+
+def build_native(
+    robot: RobotConfig, out_dir: Path, framing: FramingName = "framed", student: str | None = None
+) -> Path:
+    """The same firmware as a shared library of this machine, in `out_dir`; native.c says what it exports.
+
+    Raises:
+        InputError: As `build_firmware`.
+        EnvironmentLacking: There is no C compiler; names the line that installs it.
+    """
+    files, identity = firmware_sources(robot, framing, BAUDS[0], student)
+    place = out_dir / f"firmware-{identity}-{_short_hash(_NATIVE_FLAGS)}.so"
+    if not place.is_file():
+        with _scratch(files, out_dir) as scratch:
+            made = Path(scratch) / place.name
+            _compile(["gcc", *_NATIVE_FLAGS, "-o", str(made)], files, Path(scratch), NATIVE_PACKAGES)
+            move(made, place)
+    return place
+
+
+def firmware_size(build: FirmwareBuild) -> FirmwareSize:
+    """Read off the program's sections."""
+    listing = _run(["avr-size", "-A", str(build.elf)], AVR_PACKAGES)
+    sizes = {name: int(size) for name, size in re.findall(r"^(\.\w+)\s+(\d+)", listing, re.MULTILINE)}
+    data, text, bss = (sizes.get(name, 0) for name in (".data", ".text", ".bss"))
+    return FirmwareSize(text + data, data + bss + sizes.get(".noinit", 0))
+
+
+def write_sketch(
+    robot: RobotConfig, folder: Path, framing: FramingName = "framed", baud: int = 500_000, todo: Sequence[str] = ()
+) -> str:
+    """A complete sketch for the Arduino IDE in `folder`, made new; returns the firmware's id.
+
+    Args:
+        robot: Whose controller it is.
+        folder: Not there yet; its name becomes that of the sketch.
+        framing: Of the messages.
+        baud: One of `BAUDS`.
+        todo: Functions of student.c that are left to be written, of `student_tasks()`.
+
+    Raises:
+        InputError: The folder is there already, has a name that is none for a sketch, or there is no such function.
+    """
+    if folder.exists():
+        raise InputError(f"{folder}: is there already", cure="name a new folder, so that nobody's work is overwritten")
+    if not re.fullmatch(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,62}", folder.name):
+        raise InputError("name of a sketch", got=folder.name, allowed="letters, digits, '_', '.' and '-'")
+    student = student_version(todo) if todo else None
+    files, identity = firmware_sources(robot, framing, baud, student)
+    if "next_state" in todo:
+        del files["transitions.h"]  # it is the solution
+    sketch = {name: text for name, text in files.items() if name not in {"main.c", "native.c", _SKETCH_MAIN}}
+    sketch[f"{folder.name}.ino"] = files[_SKETCH_MAIN]
+    partial = folder.with_name(f".{folder.name}.tmp")
+    remove_folder(partial)
+    make_folder(partial)
+    for name, text in sorted(sketch.items()):
+        write_file(partial / name, text.encode())
+    move(partial, folder)
+    return identity
+
+
+def student_version(todo: Sequence[str]) -> str:
+    """student.c with a TODO in place of the solution of each function named, and nothing else to choose from.
+
+    Raises:
+        InputError: There is no such function.
+    """
+    tasks = student_tasks()
+    for name in todo:
+        if name not in tasks:
+            raise InputError("function to be written", got=name, allowed=f"one of {', '.join(tasks)}")
+    kept: list[str] = []
+    keep = [True]
+    for line in _hand_written()["student.c"].splitlines():
+        if found := re.fullmatch(r"#if(n?)def TODO_(\w+)", line):
+            keep.append((found[2].lower() in todo) is not bool(found[1]))
+        elif line == "#else":
+            keep[-1] = not keep[-1]
+        elif line == "#endif":
+            keep.pop()
+        elif all(keep):
+            kept.append(line)
+    return re.sub(r"\n{3,}", "\n\n", "\n".join(kept) + "\n")
+
+
+def _hand_written() -> dict[str, str]:
+    paths = (path for path in _SOURCES.iterdir() if path.suffix in {".c", ".h", ".ino"})
+    return {path.name: path.read_text(encoding="utf-8") for path in sorted(paths)}
+
+
+def _build_settings(framing: FramingName, baud: int, id_bytes: bytes) -> str:
+    lines = [
+        "/* Made: what this firmware is built for. */",
+        "#ifndef BUILD_SETTINGS_H",
+        "#define BUILD_SETTINGS_H",
+        "",
+        *(["#define FRAMING_SIMTWO"] if framing == "simtwo" else []),
+        f"#define BAUD {baud}UL",
+        f"#define BAUD_INDEX {BAUDS.index(baud)}",
+        f"#define FIRMWARE_ID {{{', '.join(f'0x{byte:02X}' for byte in id_bytes)}}}",
+        "",
+        "#endif",
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def _short_hash(flags: Sequence[str]) -> str:
+    return hashlib.sha256(" ".join(flags).encode()).hexdigest()[:8]
+
+
+def _scratch(files: Mapping[str, str], out_dir: Path) -> tempfile.TemporaryDirectory[str]:
+    """A folder within `out_dir` with the sources in it, gone at the end."""
+    make_folder(out_dir)
+    scratch = tempfile.TemporaryDirectory(prefix="firmware-", dir=out_dir)
+    for name, text in files.items():
+        (Path(scratch.name) / name).write_text(text, encoding="utf-8")
+    return scratch
+
+
+def _compile(command: Sequence[str], files: Mapping[str, str], folder: Path, packages: str) -> None:
+    sources = [str(folder / name) for name in sorted(files) if name.endswith(".c")]
+    _run([*command, *sources, "-lm"], packages)
+
+
+def _run(command: Sequence[str], packages: str) -> str:
+    """What a tool of the compiler says.
+
+    Raises:
+        EnvironmentLacking: It is not there, or lacks its library.
+        InputError: It does not take what it is given; ends with the first error that it names.
+    """
+    program = shutil.which(command[0])
+    if program is None:
+        raise EnvironmentLacking(f"there is no {command[0]}; run `apt-get install -y {packages}`")
+    plain = {**os.environ, "LC_ALL": "C"}  # messages in English, with plain quotes
+    done = subprocess.run(
+        [program, *command[1:]], env=plain, capture_output=True, text=True, errors="replace", check=False
+    )
+    if done.returncode == 0:
+        return done.stdout
+    errors = [line for line in done.stderr.splitlines() if "error:" in line] or done.stderr.splitlines()[-1:] or ["?"]
+    if any(f"{name}: No such file" in line for line in errors for name in ("avr/io.h", "stdint.h", "math.h")):
+        raise EnvironmentLacking(f"{command[0]} lacks its C library; run `apt-get install -y {packages}`")
+    raise InputError(f"the firmware does not compile: {errors[0].rsplit('/', 1)[-1]}")

@@ -1,0 +1,7 @@
+"""How frames become bytes on the serial line: one file per framing, and this table."""
+
+from hil.framings.base import Framing
+from hil.framings.framed import Framed
+from hil.framings.simtwo import SimTwo
+
+FRAMINGS: dict[str, Framing] = {"framed": Framed(), "simtwo": SimTwo()}

@@ -1,0 +1,109 @@
+"""A board at a serial port or pty, in real time, by pyserial."""
+
+import errno
+import importlib
+import os
+import select
+import time
+from typing import Any
+
+from hil.errors import BoardLost
+from symolo.core.errors import EnvironmentLacking, InputError
+
+INSTALL = "run `.venv/bin/pip install pyserial`, or ./setup in the repository"
+_WRITE_S = 1.0
+_WHY = {
+    errno.ENOENT: ("there is no such port", "`ls /dev/ttyACM* /dev/ttyUSB*` lists the boards that are plugged in"),
+    errno.EACCES: ("no right to open the port", "`usermod -a -G dialout USER` as root gives it, from the next login"),
+    errno.EBUSY: ("another program has the port", "close its serial monitor"),
+    errno.EAGAIN: ("another program has the port", "close its serial monitor"),
+    errno.ENODEV: ("there is no device behind the port", "plug the board in"),
+    errno.ENXIO: ("there is no device behind the port", "plug the board in"),
+    errno.EIO: ("there is no device behind the port", "plug the board in"),
+    errno.ENOTTY: ("this is no serial port", "give one such as /dev/ttyACM0"),
+    errno.EISDIR: ("this is no serial port", "give one such as /dev/ttyACM0"),
+}
+
+
+class SerialLink:
+    """Sends at the beginning of each tick and takes answers until a share of it is over.
+
+    The rest of the tick is the simulation's.
+    """
+
+    def __init__(self, port: str, baud: int, *, answer_within: float = 0.5) -> None:
+        """Open a port, which resets an Arduino that is plugged in.
+
+        Args:
+            port: Path of the device.
+            baud: Bits per second.
+            answer_within: Share of a tick until whose end an answer is waited for.
+
+        Raises:
+            EnvironmentLacking: pyserial is not installed.
+            InputError: The port is not there, not free or not permitted.
+        """
+        self.name = port
+        self._answer_within = answer_within
+        self._serial = _open(port, baud)
+        self._due_s: float | None = None
+        self._answer_by_s = 0.0
+
+    def start_tick(self, tick_s: float) -> float:
+        """Sleep until the next tick is due. One that is due for longer than a tick moves all that come after it."""
+        now_s = time.monotonic()
+        self._due_s = now_s if self._due_s is None else self._due_s + tick_s
+        if self._due_s > now_s:
+            time.sleep(self._due_s - now_s)
+        begins_s = time.monotonic()
+        late_s = max(0.0, begins_s - self._due_s)
+        if late_s > tick_s:
+            self._due_s = begins_s
+        self._answer_by_s = begins_s + self._answer_within * tick_s
+        return late_s
+
+    def write(self, data: bytes) -> None:
+        try:
+            self._serial.write(data)
+        except OSError as error:
+            raise self._gone(error) from None
+
+    def read(self) -> bytes:
+        try:
+            left_s = max(0.0, self._answer_by_s - time.monotonic())
+            ready, _, _ = select.select([self._serial.fileno()], [], [], left_s)
+            return self._serial.read(max(1, self._serial.in_waiting)) if ready else b""
+        except OSError as error:
+            raise self._gone(error) from None
+
+    def close(self) -> None:
+        self._serial.close()
+
+    def _gone(self, error: OSError) -> BoardLost:
+        return BoardLost(f"the board at {self.name} is gone: {_reason(error)}")
+
+
+def _open(port: str, baud: int) -> Any:  # noqa: ANN401 - of a package that need not be there
+    try:
+        serial = importlib.import_module("serial")
+    except ImportError:
+        raise EnvironmentLacking(
+            f"a board at a serial port needs pyserial, which is not installed; {INSTALL}"
+        ) from None
+    try:
+        return serial.Serial(port, baud, timeout=0, write_timeout=_WRITE_S, exclusive=True)
+    except (OSError, ValueError) as error:
+        what, cure = _WHY.get(_number(error) or 0, (_reason(error), ""))
+        raise InputError(what, where=f"--port {port}", cure=cure) from None
+
+
+def _number(error: BaseException) -> int | None:
+    """The system's, which pyserial leaves in the error that it caught where it is one of termios."""
+    caught = error.__context__
+    number = getattr(error, "errno", None) or (caught.args[0] if caught is not None and caught.args else None)
+    return number if isinstance(number, int) else None
+
+
+def _reason(error: BaseException) -> str:
+    number = _number(error)
+    return str(error) if number is None else os.strerror(number)

@@ -1,0 +1,263 @@
+"""The loop with the controller outside: sensors out, wheel commands in, and a safe stop when none come."""
+
+from collections import deque
+from dataclasses import dataclass, field, replace
+from typing import Literal, Self
+
+from configs.schema.robot import RobotConfig
+from hil.closing import Closing
+from hil.errors import BoardLost
+from hil.frames import CommandFrame, HelloFrame, SensorFrame
+from hil.framings.base import Answer, Damaged, Framing
+from hil.links.base import Link
+from hil.plausible import DriveLimits, TickCount, check_encoders
+from physics.control.base import State
+
+PROTOCOL = 1
+"""Version of the wire format that is spoken here."""
+_CAUSES = frozenset({"damaged", "refused", "stale"})
+"""Of a missing command, where one is known."""
+_DAMAGE_TOLD = 3
+"""Reasons of one tick's damage that its event spells out."""
+
+Kind = Literal[
+    "damaged",
+    "damaged at the board",
+    "refused",
+    "stale",
+    "repeated",
+    "no answer",
+    "stopped",
+    "resumed",
+    "re-boot",
+    "late",
+]
+
+
+@dataclass(frozen=True)
+class BoardEvent:
+    """Something that went wrong, or right again, at one tick."""
+
+    tick: int
+    kind: Kind
+    text: str
+
+
+@dataclass(frozen=True)
+class LoopSettings:
+    """How the loop deals with time and with a board that does not answer."""
+
+    tick_s: float = 0.05
+    delay_ticks: int = 1
+    """Ticks between the sensors and the motion that a command made of them causes; 1 as in SimTwo."""
+    timeout_ticks: int = 3
+    """Ticks in a row without a command after which the wheels are told to stand still."""
+    give_up_s: float = 2.0
+    """Without a command after which the run ends."""
+    hello_s: float = 5.0
+    """In which a board must answer at first; an Arduino that resets when its port is opened takes two of them."""
+    on_reboot: Literal["stop", "go on"] = "stop"
+    """Whether the run ends when the board starts afresh within it, or goes on with what it then commands."""
+
+
+@dataclass(frozen=True)
+class Orders:
+    """What the robot does at one tick."""
+
+    state: State
+    right_rad_s: float
+    left_rad_s: float
+    v_m_s: float
+    w_rad_s: float
+    line_lost: int
+    """Ticks in the line state without a channel on the line; 0 where the framing does not say."""
+    stopped: bool
+    """The wheels stand because no command has come for too long."""
+
+
+@dataclass
+class BoardPilot(Closing):
+    """Drives the robot by what a board answers.
+
+    Call `start` once, `step` at each tick, `close` at the end, which leaving a `with` does too. What went wrong is in
+    `events`, also after an error.
+    """
+
+    link: Link
+    framing: Framing
+    limits: DriveLimits
+    settings: LoopSettings = field(default_factory=LoopSettings)
+    events: list[BoardEvent] = field(default_factory=list)
+    board: HelloFrame | None = None
+    """Who has answered; None before `start`, and where the framing cannot ask."""
+
+    def __post_init__(self) -> None:
+        self._ears = self.framing.from_board()
+        self._tick = -1
+        self._seq = 0
+        self._count = TickCount()
+        self._misses = 0
+        self._answered = self._closed = False
+        self._pending: deque[CommandFrame | None] = deque([None] * self.settings.delay_ticks)
+        self._acting: CommandFrame | None = None
+
+    @classmethod
+    def for_robot(cls, link: Link, framing: Framing, robot: RobotConfig, settings: LoopSettings | None = None) -> Self:
+        """The pilot of a robot as it is configured.
+
+        Raises:
+            InputError: Its encoders count more in a tick than a frame holds.
+        """
+        settings = settings or LoopSettings()
+        check_encoders(robot, settings.tick_s)
+        return cls(link, framing, DriveLimits.from_robot(robot), settings)
+
+    def start(self) -> HelloFrame | None:
+        """Wait until the board answers, and ask who it is where the framing can.
+
+        Raises:
+            BoardLost: Nobody answers, or another wire format.
+        """
+        at_rest = SensorFrame((0, 0), (1.0,) * 8, None, None, None, run=False)
+        for _ in range(max(1, round(self.settings.hello_s / self.settings.tick_s))):
+            self.link.start_tick(self.settings.tick_s)
+            seq = self._next_seq()
+            hello = self.framing.hello(seq)
+            self.link.write(hello or self.framing.sensors(seq, at_rest))
+            while heard := self.link.read():
+                for found in self._ears.feed(heard):
+                    if isinstance(found, HelloFrame):
+                        return self._greeted(found)
+                    if isinstance(found, Answer) and not hello:
+                        return self._drained()
+        raise BoardLost(
+            f"no answer from {self.link.name} in {self.settings.hello_s:g} s: is the firmware on it, built for the"
+            f" framing {self.framing.name} and this baud rate?"
+        )
+
+    def step(self, sensors: SensorFrame) -> Orders:
+        """Tell the board what the sensors say, and return what the robot is to do until the next tick.
+
+        Increments of frames that the board did not take are told again with the next one, so that its odometry holds.
+
+        Raises:
+            BoardLost: No command for longer than `give_up_s`, a re-boot, or nobody at the other end any more.
+        """
+        self._tick += 1
+        late_s = self.link.start_tick(self.settings.tick_s)
+        if late_s > self.settings.tick_s:
+            self._note("late", f"the tick begins {1000.0 * late_s:.0f} ms late")
+        sent = replace(
+            sensors, encoder_increments=self._count.owed(sensors.encoder_increments), start=not self._answered
+        )
+        self._count.sent(sent.encoder_increments)
+        self.link.write(self.framing.sensors(self._next_seq(), sent))
+        command = self._answer()
+        self._mind(command)
+        self._pending.append(command)
+        self._acting = self._pending.popleft() or self._acting
+        return self._orders()
+
+    def close(self) -> None:
+        """Tell the board to stand still, and let go of the line; may be called again."""
+        if self._closed:
+            return
+        self._closed = True
+        try:
+            self.link.start_tick(self.settings.tick_s)
+            at_rest = SensorFrame((0, 0), (1.0,) * 8, None, None, None, run=False)
+            self.link.write(self.framing.sensors(self._next_seq(), at_rest))
+            self.link.read()
+        except BoardLost:
+            pass  # it stands still by itself when nobody talks to it
+        finally:
+            self.link.close()
+
+    def _next_seq(self) -> int:
+        self._seq = (self._seq + 1) & 0xFF
+        return self._seq
+
+    def _greeted(self, hello: HelloFrame) -> HelloFrame:
+        if hello.protocol != PROTOCOL:
+            raise BoardLost(
+                f"{self.link.name} speaks version {hello.protocol} of the wire format, this program {PROTOCOL}:"
+                " build and flash the firmware anew"
+            )
+        self.board = hello
+        return hello
+
+    def _drained(self) -> None:
+        """Let a tick pass, lest an answer to the greeting be taken for one to what comes next."""
+        self.link.start_tick(self.settings.tick_s)
+        while heard := self.link.read():
+            self._ears.feed(heard)
+
+    def _answer(self) -> CommandFrame | None:
+        """The command to the frame just sent, or None when the tick ends without a good one."""
+        command: CommandFrame | None = None
+        damage: list[str] = []
+        while command is None and (heard := self.link.read()):
+            for found in self._ears.feed(heard):
+                if isinstance(found, Damaged):
+                    damage.append(found.reason)
+                elif isinstance(found, Answer):
+                    command = self._judged(found, command)
+        if damage:
+            self._note("damaged", f"{len(damage)} from the board: {', '.join(damage[:_DAMAGE_TOLD])}")
+        return command
+
+    def _judged(self, answer: Answer, accepted: CommandFrame | None) -> CommandFrame | None:
+        """The command that holds for this tick when one more answer has come in."""
+        command = answer.command
+        if answer.seq is not None and answer.seq != self._seq:
+            self._note("stale", f"an answer to frame {answer.seq}, the last is {self._seq}")
+        elif accepted is not None:
+            self._note("repeated", "one more answer to the same frame")
+        elif reason := self.limits.refusal(command) or self._count.refusal(command):
+            self._note("refused", reason)
+        else:
+            self._accept(command)
+            return command
+        return accepted
+
+    def _accept(self, command: CommandFrame) -> None:
+        self._answered = True
+        rebooted = self._count.answered(command)
+        if command.dropped:
+            self._note("damaged at the board", f"{command.dropped} frames")
+        if rebooted:
+            self._note("re-boot", f"the board has started afresh and counts {command.ticks} frames")
+            if self.settings.on_reboot == "stop":
+                raise BoardLost(f"the board re-booted {self._when()}; the robot was stopped")
+
+    def _mind(self, command: CommandFrame | None) -> None:
+        """Count ticks without a command, and end the run when there are too many."""
+        settings = self.settings
+        if command is not None:
+            if self._misses >= settings.timeout_ticks:
+                self._note("resumed", f"after {self._misses} ticks without a command")
+            self._misses = 0
+            return
+        self._misses += 1
+        self._note("no answer", "no command to this tick's frame")
+        if self._misses == settings.timeout_ticks:
+            self._note("stopped", f"{self._misses} ticks without a command: the wheels are told to stand still")
+            # Nor does an old command act again when the next one comes but does not act yet.
+            self._pending = deque([None] * settings.delay_ticks)
+            self._acting = self._acting and replace(self._acting, right_rad_s=0.0, left_rad_s=0.0)
+        if self._misses * settings.tick_s >= settings.give_up_s:
+            why = next((f"; last: {event.text}" for event in reversed(self.events) if event.kind in _CAUSES), "")
+            silence = f"no command from {self.link.name} for {settings.give_up_s:g} s {self._when()}"
+            raise BoardLost(f"{silence}; the robot was stopped{why}")
+
+    def _orders(self) -> Orders:
+        acting = self._acting or CommandFrame(State.LINE, 0.0, 0.0)
+        stopped = self._misses >= self.settings.timeout_ticks
+        twist, line_lost = self.limits.twist(acting), acting.line_lost or 0
+        return Orders(acting.state, acting.right_rad_s, acting.left_rad_s, *twist, line_lost, stopped)
+
+    def _when(self) -> str:
+        return f"at {self._tick * self.settings.tick_s:.2f} s"
+
+    def _note(self, kind: Kind, text: str) -> None:
+        self.events.append(BoardEvent(self._tick, kind, text))

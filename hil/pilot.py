@@ -1,0 +1,89 @@
+"""A board at the other end of a serial line as the pilot of a run."""
+
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+
+from configs.schema.board import Board
+from configs.schema.robot import RobotConfig
+from hil.board.build import build_board, cache_folder
+from hil.build import FirmwareBuild, build_firmware, firmware_sources
+from hil.frames import SensorFrame
+from hil.framings import FRAMINGS
+from hil.links.base import Link
+from hil.links.lockstep import LockstepLink
+from hil.links.serial_link import SerialLink
+from hil.loop import BoardEvent, BoardPilot, LoopSettings
+from hil.tally import tally
+from physics.control.base import Command, ControlInput
+from physics.run.pilot import Decision
+
+
+@dataclass(frozen=True)
+class PilotFromBoard:
+    """Asks the board for each decision."""
+
+    loop: BoardPilot
+    firmware_id: str
+    """Of the firmware that answers; empty where the framing cannot ask a real board."""
+
+    @property
+    def events(self) -> tuple[BoardEvent, ...]:
+        return tuple(self.loop.events)
+
+    def decide(self, seen: ControlInput, turned: tuple[int, int]) -> Decision:
+        before = len(self.loop.events)
+        orders = self.loop.step(SensorFrame(turned, seen.line, seen.front_m, seen.left_m, seen.right_m))
+        command = Command(orders.v_m_s, orders.w_rad_s, orders.state)
+        counts = tally(self.loop.events[before:], stopped=orders.stopped)
+        return Decision(command, (orders.right_rad_s, orders.left_rad_s), orders.line_lost, counts)
+
+
+@contextmanager
+def pilot_from_board(robot: RobotConfig, board: Board, control_hz: int, port: str = "") -> Iterator[PilotFromBoard]:
+    """A board that has answered; told to stand still at the end.
+
+    Args:
+        robot: Whose controller the firmware is.
+        board: How it is spoken to.
+        control_hz: Rate of the decisions.
+        port: Of the serial line to a real board; the simulated one if it is empty.
+
+    Raises:
+        InputError: The port cannot be opened, or the robot's numbers do not fit the firmware.
+        EnvironmentLacking: A compiler or a library is missing; names the line that installs it.
+        RunFailed: Nobody answers.
+    """
+    link, firmware_id = _line(robot, board, port)
+    settings = LoopSettings(
+        tick_s=1.0 / control_hz,
+        delay_ticks=board.actuation_delay_ticks,
+        timeout_ticks=board.timeout_ticks,
+        give_up_s=board.give_up_s,
+    )
+    with closing(link), BoardPilot.for_robot(link, FRAMINGS[board.framing], robot, settings) as loop:
+        hello = loop.start()
+        yield PilotFromBoard(loop, hello.firmware_id if hello else firmware_id)
+
+
+def firmware_id_of(robot: RobotConfig, board: Board) -> str:
+    """Of the firmware that the simulated board is given."""
+    return firmware_sources(robot, board.framing, board.bits_per_s)[1]
+
+
+def build_for(robot: RobotConfig, board: Board) -> FirmwareBuild:
+    """Board and firmware, as files of the user's cache.
+
+    Raises:
+        InputError: The robot's numbers do not fit the firmware.
+        EnvironmentLacking: A compiler or a library is missing; names the line that installs it.
+    """
+    build_board()
+    return build_firmware(robot, board.framing, board.bits_per_s, cache_folder())
+
+
+def _line(robot: RobotConfig, board: Board, port: str) -> tuple[Link, str]:
+    if port:
+        return SerialLink(port, board.bits_per_s), ""
+    firmware = build_for(robot, board)
+    return LockstepLink(firmware.elf, board.bits_per_s), firmware.id

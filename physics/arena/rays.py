@@ -1,0 +1,88 @@
+"""Ray casts against floor, walls and obstacles in closed form.
+
+The robot is no part of the scene and cannot be hit. PyBullet's own ray test walks to the surface in steps: on these
+boxes it is up to 3 mm off and its normals by tens of degrees near edges, at three times the cost.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physics.arena.geometry import Arena
+
+Array = NDArray[np.float64]
+
+PARALLEL = 1e-30
+"""Added to every direction [m], so that a ray along a face divides by something; lost in all others."""
+FLOOR_SIZE_M = (1e6, 1e6, 1.0)
+"""The floor is a box like the others, in row 0, with its lid at height 0."""
+
+
+@dataclass(frozen=True)
+class Hits:
+    """The first thing each ray meets."""
+
+    fraction: Array
+    """(N,), of the way from origin to end; 1 where nothing was met."""
+    surface: NDArray[np.int64]
+    """(N,), -1 nothing, 0 the floor, 1 + i for box i of the arena."""
+    normal: Array
+    """(N, 3), unit normal of what was met, in W; zero where nothing was."""
+
+
+class RayScene:
+    """The boxes as they stand at one time; those that move are put in place when another time is asked for."""
+
+    def __init__(self, arena: Arena) -> None:
+        self._moving = [(1 + index, box) for index, box in enumerate(arena.boxes) if box.motion is not None]
+        self._yaw = np.array([0.0, *(box.yaw_rad for box in arena.boxes)])
+        self._middle = np.array([(0.0, 0.0, -0.5 * FLOOR_SIZE_M[2]), *(box.center for box in arena.boxes)])
+        self._half_size = 0.5 * np.array([FLOOR_SIZE_M, *(box.size for box in arena.boxes)]).T[..., None]
+        self._time_s = 0.0
+        self._orient()
+
+    def _orient(self) -> None:
+        yaw = self._yaw
+        c, s, zero, one = np.cos(yaw), np.sin(yaw), np.zeros_like(yaw), np.ones_like(yaw)
+        # (3, B, 3): the x, y and z axes of all boxes, in W.
+        axes = np.stack([np.stack(axis, axis=-1) for axis in ([c, s, zero], [-s, c, zero], [zero, zero, one])])
+        self._to_boxes = axes.reshape(-1, 3)
+        self._center = np.einsum("abk,bk->ab", axes, self._middle)[..., None]
+        # (2, 3, B, 3): of the faces met on the way up each axis, and of those met on the way down.
+        self._outward = np.stack([-axes, axes])
+
+    def _move(self, time_s: float) -> None:
+        for row, box in self._moving:
+            x, y, self._yaw[row] = box.poses_at(np.array([time_s]))[0]
+            self._middle[row, :2] = x, y
+        self._time_s = time_s
+        self._orient()
+
+    def cast(self, origins: Array, ends: Array, time_s: float = 0.0) -> Hits:
+        """Cast rays from `origins` to `ends`, (N, 3) each, in W. A ray that starts inside a box does not meet it.
+
+        Args:
+            origins: Where the rays begin.
+            ends: How far they reach.
+            time_s: Since the start of the run; moving obstacles are where they are then.
+        """
+        if self._moving and time_s != self._time_s:
+            self._move(time_s)
+        shape = (*self._center.shape[:2], len(origins))
+        along = (self._to_boxes @ (ends - origins).T).reshape(shape)
+        along += PARALLEL
+        # Slab method: between which fractions of the way each ray is within each pair of faces.
+        per_metre = 1.0 / along
+        middle = (self._center - (self._to_boxes @ origins.T).reshape(shape)) * per_metre
+        half = self._half_size * np.abs(per_metre)
+        entry, leave = middle - half, middle + half
+        enters = np.maximum.reduce(entry)
+        np.putmask(enters, (enters > np.minimum.reduce(leave)) | (enters < 0.0), np.inf)
+        fraction = np.minimum.reduce(enters)
+        surface, ray = enters.argmin(axis=0), np.arange(len(origins))
+        axis = entry[:, surface, ray].argmax(axis=0)
+        normal = self._outward[(along[axis, surface, ray] < 0.0).astype(np.int64), axis, surface]
+        (nothing,) = (fraction > 1.0).nonzero()
+        fraction[nothing], surface[nothing], normal[nothing] = 1.0, -1, 0.0
+        return Hits(fraction, surface, normal)

@@ -1,0 +1,112 @@
+"""What a robot's terms do to its wheels at every step of the engine; made only for a robot that has such terms.
+
+The engine keeps the linear part, damping and stall torque. Terms add a torque to it, move the limit of the dry
+friction, hold commands back, lose counts, and let turns fall short; each adds exactly nothing at its null value.
+"""
+
+from collections import deque
+from math import cos, sin
+
+import numpy as np
+import pybullet
+from numpy.typing import NDArray
+
+from physics.drivetrain.driveline import Driveline
+from physics.effects.base import Slot
+from physics.robot.model import RobotModel, through
+
+Array = NDArray[np.float64]
+
+REST_RAD_S = 1e-4
+"""Below it a wheel counts as at rest; the solver's own rest is 5e-9 rad/s."""
+
+
+class WheelsWithTerms:
+    def __init__(self, model: RobotModel, physics_hz: int) -> None:
+        model.require_rigid_gears("PyBullet")
+        self._driveline = Driveline.of_robot(model)
+        self._period_s = 1.0 / physics_hz
+        self._delay_steps = round(model.input_delay_s * physics_hz)
+        self._counting = model.effects(Slot.COUNTING)
+        self._ground = model.effects(Slot.GROUND)
+        self._geometry = model.geometry
+        self._coming: deque[tuple[int, Array]] = deque()
+        self._command_V = self._held_V = self._voltage_V = np.zeros(2)
+        self._angles: Array | None = None
+        self._friction_N_m = self._wanted_friction_N_m = self._driveline.coulomb_N_m
+        self.lost_rad = np.zeros(2)
+        """Angles, right and left, that the encoders have not counted."""
+        self.yaw_share = 1.0
+        """Of the wheels' yaw rate, what the body turns."""
+
+    def command(self, step: int, voltages_V: tuple[float, float]) -> None:
+        self._coming.append((step + self._delay_steps, np.array(voltages_V)))
+
+    def torques_N_m(self, step: int, angles_rad: Array, speeds_rad_s: Array) -> list[float]:
+        """Driving torques, right and left, for this step of the engine; `friction_to_set` goes with them."""
+        while self._coming and self._coming[0][0] <= step:
+            self._command_V = self._coming.popleft()[1]
+        self._count(angles_rad)
+        driveline, time_s = self._driveline, step * self._period_s
+        self._held_V, voltage_V = driveline.voltage_V(self._held_V, self._command_V, time_s, self._period_s)
+        self._voltage_V = voltage_V
+        torque = driveline.stall_torque_N_m(voltage_V) + driveline.extra_torque_N_m(voltage_V, speeds_rad_s)
+        at_rest = np.where(np.abs(speeds_rad_s) < REST_RAD_S, 0.0, speeds_rad_s)
+        self._wanted_friction_N_m = driveline.friction_N_m(torque, at_rest, time_s)
+        return torque.tolist()
+
+    def friction_to_set(self) -> list[float] | None:
+        """Limits of the dry friction [N m] where they have changed."""
+        if np.array_equal(self._wanted_friction_N_m, self._friction_N_m):
+            return None
+        self._friction_N_m = self._wanted_friction_N_m
+        return self._friction_N_m.tolist()
+
+    def _count(self, angles_rad: Array) -> None:
+        if self._counting and self._angles is not None:
+            turned = angles_rad - self._angles
+            self.lost_rad = self.lost_rad + (turned - through(self._counting, turned, self._period_s))
+        self._angles = angles_rad
+
+    def currents_A(self, speeds_rad_s: Array) -> tuple[float, float]:
+        right, left = self._driveline.current_A(self._voltage_V, speeds_rad_s).tolist()
+        return right, left
+
+    def turn_back(self, client: int, body: int, to_axle: tuple[float, float, float], speeds_rad_s: Array) -> None:
+        """Take from the body's last step of yaw what slip takes of it, about the middle of the axle.
+
+        Bullet's contacts hold a rolling wheel without any slip, so this cannot come from a force.
+        """
+        if not self._ground:
+            return
+        right_m_s = self._geometry.right_radius_m * speeds_rad_s[0]
+        left_m_s = self._geometry.left_radius_m * speeds_rad_s[1]
+        yaw_rate = (right_m_s - left_m_s) / self._geometry.track_m
+        self.yaw_share = float(through(self._ground, 1.0, 0.5 * (right_m_s + left_m_s), yaw_rate))
+        turn = -(1.0 - self.yaw_share) * float(yaw_rate) * self._period_s
+        if turn != 0.0:
+            _turn_about_axle(client, body, to_axle, turn)
+
+
+def _turn_about_axle(client: int, body: int, to_axle: tuple[float, float, float], turn_rad: float) -> None:
+    position, quaternion = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
+    velocity, spin = pybullet.getBaseVelocity(body, physicsClientId=client)
+    r = pybullet.getMatrixFromQuaternion(quaternion)
+    a, _, h = to_axle
+    # From the middle of the axle to the centre of mass, level.
+    x, y = -(r[0] * a + r[2] * h), -(r[3] * a + r[5] * h)
+    c, s = cos(turn_rad), sin(turn_rad)
+    moved = [position[0] + (c - 1.0) * x - s * y, position[1] + s * x + (c - 1.0) * y, position[2]]
+    half = [0.0, 0.0, sin(0.5 * turn_rad), cos(0.5 * turn_rad)]
+    _, turned = pybullet.multiplyTransforms([0, 0, 0], half, [0, 0, 0], quaternion)
+    pybullet.resetBasePositionAndOrientation(body, moved, turned, physicsClientId=client)
+    swung = [c * velocity[0] - s * velocity[1], s * velocity[0] + c * velocity[1], velocity[2]]
+    pybullet.resetBaseVelocity(body, swung, spin, physicsClientId=client)
+
+
+def needs_every_step(model: RobotModel) -> bool:
+    """Whether a term of this robot acts at every step, or all are in numbers that the engine is given once."""
+    slots = (Slot.ACTUATOR, Slot.BATTERY, Slot.BRIDGE, Slot.SUPPLY, Slot.CURRENT_LIMIT, Slot.FRICTION)
+    # The gearbox cannot act at all: it is here so that play in it is refused.
+    slots += (Slot.COMMAND_DELAY, Slot.COUNTING, Slot.GROUND, Slot.GEARBOX)
+    return any(model.effects(slot) for slot in slots)

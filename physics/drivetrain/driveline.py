@@ -1,0 +1,143 @@
+"""From the commanded voltages to the torques at the wheels, with everything that voltage, supply and friction may do.
+
+Motors lie along the last axis of every array: right and left of a robot, or one alone on a bench. Numbers of many
+robots at once are stacked along an axis before it. The winding's own current is linear in the speed, and whoever
+integrates treats that part exactly; what terms add to it comes as an extra torque, which is zero to the bit where they
+have no effect.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physics.drivetrain.bridge import Bridge
+from physics.drivetrain.motion import Motion
+from physics.drivetrain.motor import MotorModel
+from physics.effects.base import Slot
+from physics.robot.model import RobotModel, through
+
+Array = NDArray[np.float64]
+
+_GAUSS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
+NODES, WEIGHTS = (0.5 * (1.0 + _GAUSS)).tolist(), (0.5 * _GAUSS_WEIGHTS).tolist()
+"""Of Gauss's rule on 0 to 1, for the mean of a voltage that lags."""
+LEAST_INERTIA_KG_M2 = 1e-12
+
+
+class Driveline:
+    """The motors of a robot with its terms; pure, the voltage that a lag holds is the caller's to keep."""
+
+    def __init__(self, model: RobotModel, motors: Sequence[MotorModel]) -> None:
+        self.resistance_ohm = _along_wheels([motor.resistance_ohm for motor in motors])
+        self.torque_constant_N_m_A = _along_wheels([motor.torque_constant_N_m_A for motor in motors])
+        self.viscous_N_m_s_rad = _along_wheels([motor.viscous_N_m_s_rad for motor in motors])
+        self.coulomb_N_m = _along_wheels([motor.coulomb_N_m for motor in motors])
+        self.inertia_kg_m2 = _along_wheels([motor.inertia_kg_m2 for motor in motors])
+        self.damping_N_m_s_rad = _along_wheels([motor.damping_N_m_s_rad for motor in motors])
+        self.supply_V = model.config.power.battery_voltage_V
+        self._actuator = model.effects(Slot.ACTUATOR)
+        self._battery = model.effects(Slot.BATTERY)
+        self._bridge = model.effects(Slot.BRIDGE)
+        self._supply = model.effects(Slot.SUPPLY)
+        self._limit = model.effects(Slot.CURRENT_LIMIT)
+        self._friction = model.effects(Slot.FRICTION)
+
+    @classmethod
+    def of_robot(cls, model: RobotModel) -> "Driveline":
+        """Both motors, right and left."""
+        return cls(model, (model.motors.right, model.motors.left))
+
+    @classmethod
+    def of_bench(cls, model: RobotModel) -> "Driveline":
+        """One motor alone."""
+        return cls(model, (model.motors.right,))
+
+    @property
+    def lags(self) -> bool:
+        """Whether the voltage depends on what it was before."""
+        return bool(self._actuator)
+
+    @property
+    def adds_torque(self) -> bool:
+        """Whether terms can change the torque of the bare windings."""
+        return bool(self._bridge or self._supply or self._limit)
+
+    @property
+    def is_bare(self) -> bool:
+        """Whether torque and friction are those of the bare motors, at any speed and time."""
+        return not (self.adds_torque or self._friction)
+
+    def voltage_V(
+        self, held_V: Array, command_V: Array, time_s: float | Array, duration_s: float
+    ) -> tuple[Array, Array]:
+        """What a lag holds after `duration_s`, and the voltage at the motors."""
+        held_V = self.held_V(held_V, command_V, duration_s)
+        return held_V, self.of_battery_V(held_V, time_s)
+
+    def held_V(self, held_V: Array, command_V: Array, duration_s: float | Array) -> Array:
+        """What a lag holds after `duration_s`; the command where nothing lags."""
+        for lag in self._actuator:
+            held_V = lag(held_V, command_V, duration_s)
+        return held_V if self._actuator else command_V
+
+    def of_battery_V(self, voltage_V: Array, time_s: float | Array) -> Array:
+        """What is left of a voltage at the motors."""
+        return through(self._battery, voltage_V, time_s)
+
+    def lagged_V(self, held_V: Array, command_V: Array, duration_s: float | Array) -> tuple[Array, Array]:
+        """What a lag holds after `duration_s`, and the mean voltage until then, by which a bare motor comes to the same
+        speed; both without the battery.
+        """
+        if not self._actuator:
+            return command_V, command_V
+        (lag,) = self._actuator
+        decay_1_s = self.damping_N_m_s_rad / np.maximum(self.inertia_kg_m2, LEAST_INERTIA_KG_M2)
+        weighed, weights = np.zeros(()), np.zeros(())
+        for node, weight in zip(NODES, WEIGHTS, strict=True):
+            left = weight * np.exp(-decay_1_s * (NODES[-1] - node) * duration_s)
+            weighed = weighed + left * (lag(held_V, command_V, node * duration_s) - command_V)
+            weights = weights + left
+        return lag(held_V, command_V, duration_s), command_V + weighed / weights
+
+    def current_A(self, voltage_V: Array, speed_rad_s: Array) -> Array:
+        """Through the windings, at the voltage that the bridge would give from a full supply."""
+        emf_V = voltage_V - self.torque_constant_N_m_A * speed_rad_s
+        if self._supply:
+            (sag,) = self._supply
+            current_A = sag(
+                emf_V, Bridge(self.supply_V, voltage_V / self.supply_V, self.resistance_ohm, self._driving_V)
+            )
+        else:
+            current_A = self._driving_V(emf_V) / self.resistance_ohm
+        return through(self._limit, current_A)
+
+    def _driving_V(self, emf_V: Array) -> Array:
+        return through(self._bridge, emf_V)
+
+    def extra_torque_N_m(self, voltage_V: Array, speed_rad_s: Array) -> Array:
+        """By terms, on top of that of the bare winding at this voltage and speed."""
+        if not self.adds_torque:
+            return np.zeros_like(speed_rad_s)
+        bare_A = (voltage_V - self.torque_constant_N_m_A * speed_rad_s) / self.resistance_ohm
+        return self.torque_constant_N_m_A * (self.current_A(voltage_V, speed_rad_s) - bare_A)
+
+    def stall_torque_N_m(self, voltage_V: Array) -> Array:
+        """Of the bare windings at rest."""
+        return self.torque_constant_N_m_A * voltage_V / self.resistance_ohm
+
+    def friction_N_m(self, torque_N_m: Array, speed_rad_s: Array, time_s: float | Array) -> Array:
+        """Dry friction against the motion, or against the torque on a wheel at rest, up to which it holds.
+
+        Of the motors alone, to be broadcast, where no term makes it differ in time.
+        """
+        if not self._friction:
+            return self.coulomb_N_m
+        direction = np.sign(np.where(speed_rad_s == 0.0, torque_N_m, speed_rad_s))
+        motion = Motion(direction, speed_rad_s, time_s)
+        return through(self._friction, self.coulomb_N_m, motion)
+
+
+def _along_wheels(values: Sequence[float | Array]) -> Array:
+    """Of each motor; with a last axis for them where they are those of many robots, (M, 1, ..., 1) each."""
+    return np.concatenate([np.atleast_1d(value) for value in values], axis=-1)

@@ -1,0 +1,118 @@
+"""One motor on a bench with everything that a robot's terms do to it: steady states and step responses, without noise.
+
+What the bench's own instruments make of current and speed is `sensors.instruments`. The numbers of many robots may be
+stacked, (M, 1, 1) each (`physics.robot.stack`): results then are those of all of them at once.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physics.drivetrain.driveline import Driveline
+from physics.drivetrain.held_rows import held_rows
+from physics.drivetrain.shaft import shaft_of
+from physics.drivetrain.two_mass import TwoMass
+from physics.robot.model import RobotModel
+from symolo.core.finite import require_finite
+
+Array = NDArray[np.float64]
+
+SETTLED = 1e-11
+"""Of the highest speed, to which a steady speed is found."""
+MOST_STEPS = 200
+
+
+def steady_states(model: RobotModel, voltage_V: Array, time_s: Array) -> tuple[Array, Array]:
+    """Current [A] and speed [rad/s], (N,) or (M, N) each, reached from rest at these voltages.
+
+    Args:
+        model: The robot, or M of them, whose right motor is on the bench.
+        voltage_V: (N,).
+        time_s: (N,), since the motor was first switched on.
+
+    Raises:
+        ValueError: A voltage is no finite number.
+    """
+    require_finite(voltage_V, "voltage_V", ("trial",))
+    driveline = Driveline.of_bench(model)
+    time = time_s[:, None]
+    command = voltage_V[:, None]
+    _, voltage = driveline.voltage_V(command, command, time, np.inf)
+    sign = np.sign(voltage)
+
+    def surplus_N_m(speed: Array) -> Array:
+        drive = driveline.torque_constant_N_m_A * driveline.current_A(voltage, speed)
+        friction = driveline.friction_N_m(drive, speed, time)
+        return sign * (drive - driveline.viscous_N_m_s_rad * speed) - friction
+
+    def surplus_forward_N_m(size: Array) -> Array:
+        return surplus_N_m(sign * size)
+
+    rest = np.zeros_like(voltage)
+    at_rest = surplus_N_m(rest)
+    top = np.abs(voltage) / driveline.torque_constant_N_m_A
+    moves = at_rest > 0.0
+    speed = np.where(moves, sign * _root(surplus_forward_N_m, at_rest, top, moves), 0.0)
+    return driveline.current_A(voltage, speed)[..., 0], speed[..., 0]
+
+
+def _root(function: Callable[[Array], Array], at_0: Array, top: Array, wanted: NDArray[np.bool_]) -> Array:
+    """Where a function that falls from `at_0` at 0 to below 0 at `top` is 0, by the Illinois method, where `wanted`.
+
+    One step finds the zero of a straight line; kinks and bends take about ten. Every third step halves the bracket,
+    which bounds their number.
+    """
+    low: Array = np.zeros_like(at_0)
+    high, at_low, at_high = low + top, at_0, function(top)
+    root, was_above = low, wanted
+    for step in range(MOST_STEPS):
+        spread = at_low - at_high
+        share = np.clip(at_low / np.where(spread > 0.0, spread, 1.0), 0.0, 1.0)
+        halves = step % 3 == 2
+        before, root = root, low + (high - low) * (np.full_like(share, 0.5) if halves else share)
+        found = function(root)
+        if not halves and np.all((np.abs(root - before) <= SETTLED * top) | (found == 0.0) | ~wanted):
+            break
+        above = found > 0.0
+        # An end that stays a second time counts half, so that it is not kept for ever.
+        again = np.where(above == was_above, 0.5, 1.0)
+        at_low, at_high = np.where(above, found, again * at_low), np.where(above, again * at_high, found)
+        low, high, was_above = np.where(above, root, low), np.where(above, high, root), above
+    return root
+
+
+def step_responses(
+    model: RobotModel, voltage_V: Array, row_s: float, begin_s: Array | None = None
+) -> tuple[Array, Array]:
+    """Current [A] and speed [rad/s] on the motor side of the gearbox at the end of each row, from rest.
+
+    Args:
+        model: The robot, or M of them, whose right motor is on the bench.
+        voltage_V: (T, N), each held for the row that ends at its sample.
+        row_s: Length of a row.
+        begin_s: (N,), time of each trial's start since the motor was first switched on; 0 by default.
+
+    Returns:
+        (T, N) or (T, M, N) each. The current is at the mean voltage of the row's last half millisecond, in which a
+        delayed command may come to act.
+
+    Raises:
+        ValueError: A voltage is no finite number.
+    """
+    require_finite(voltage_V, "voltage_V", ("row", "trial"))
+    driveline = Driveline.of_bench(model)
+    shaft = shaft_of(model, driveline)
+    begin = np.zeros((voltage_V.shape[1], 1)) if begin_s is None else begin_s[:, None]
+    rest = np.zeros((voltage_V.shape[1], 1))
+    state = TwoMass(rest, rest, rest)
+    voltages, speeds = [], []
+    for row in held_rows(driveline, voltage_V[..., None], row_s, model.input_delay_s, begin):
+        for part in row.parts:
+            state = shaft.moved(part, state)
+        voltages.append(row.last_V)
+        speeds.append(state.motor_rad_s)
+    voltage, speed = (np.stack(np.broadcast_arrays(*of)) for of in (voltages, speeds))
+    if voltage.ndim < speed.ndim:
+        voltage = voltage[:, None]
+    return driveline.current_A(voltage, speed)[..., 0], speed[..., 0]

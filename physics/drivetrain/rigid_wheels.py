@@ -1,0 +1,85 @@
+"""Wheels that are one mass each with their motors and feel each other through the supply alone, over stretches of time.
+
+Bare motors take one exact step. What terms add to torque and friction is the mean of both ends of a step, by the speed
+that a step with the first end's alone comes to (Heun's method about the exact step; of second order). Where the two
+differ by more than the tolerance, the stretch is taken in quarters; at null values they are equal to the bit.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physics.drivetrain.driveline import Driveline
+from physics.drivetrain.held_rows import HeldPart
+from physics.drivetrain.motor_arrays import HeldDrive, share_behind
+
+Array = NDArray[np.float64]
+
+TOLERANCE_RAD_S = 0.02
+TOLERANCE = 2e-3
+"""Of the speed."""
+PARTS = 4
+DEEPEST = 6
+
+
+class RigidWheels:
+    def __init__(self, driveline: Driveline, load_N_m: Callable[[Array], Array] | None = None) -> None:
+        """
+        Args:
+            driveline: Of the motors.
+            load_N_m: Torques from outside, (..., wheels) at speeds (..., wheels); None for none.
+        """
+        self._driveline = driveline
+        self._load_N_m = load_N_m
+        self._time_constant_s = driveline.inertia_kg_m2 / driveline.damping_N_m_s_rad
+        self._known: dict[float, Array] = {}
+
+    def moved(self, part: HeldPart, speed_rad_s: Array) -> tuple[Array, Array]:
+        """Speed [rad/s] after a stretch and angle [rad] turned in it."""
+        driveline = self._driveline
+        stall = driveline.stall_torque_N_m(part.voltage_V)
+        if driveline.is_bare and self._load_N_m is None:
+            behind = self._behind(part.duration_s)
+            return self._held(stall, driveline.coulomb_N_m).step(speed_rad_s, part.duration_s, behind)
+        # What a body asks changes little in a row, and needs no finer steps.
+        return self._with_terms(part, stall, speed_rad_s, 0 if driveline.is_bare else DEEPEST)
+
+    def _behind(self, duration_s: float | Array) -> Array:
+        """Worked out once for each length of a step that comes again and again."""
+        if isinstance(duration_s, np.ndarray):
+            return share_behind(duration_s, self._time_constant_s)
+        if duration_s not in self._known:
+            self._known[duration_s] = share_behind(duration_s, self._time_constant_s)
+        return self._known[duration_s]
+
+    def _held(self, torque_N_m: Array, friction_N_m: Array) -> HeldDrive:
+        return HeldDrive(torque_N_m, self._driveline.damping_N_m_s_rad, friction_N_m, self._driveline.inertia_kg_m2)
+
+    def _with_terms(self, part: HeldPart, stall: Array, speed_rad_s: Array, deeper: int) -> tuple[Array, Array]:
+        torque, friction = self._loads(part.voltage_V, stall, speed_rad_s, part.begin_s)
+        behind = self._behind(part.duration_s)
+        ahead, _ = self._held(torque, friction).step(speed_rad_s, part.duration_s, behind)
+        torque_ahead, friction_ahead = self._loads(part.voltage_V, stall, ahead, part.begin_s + part.duration_s)
+        both = self._held(0.5 * (torque + torque_ahead), 0.5 * (friction + friction_ahead))
+        speed, angle = both.step(speed_rad_s, part.duration_s, behind)
+        off = np.abs(speed - ahead)
+        if not deeper or off.max() <= TOLERANCE_RAD_S:
+            return speed, angle
+        rough = off > TOLERANCE_RAD_S + TOLERANCE * np.abs(speed)
+        if not rough.any():
+            return speed, angle
+        fine_speed, fine_angle = speed_rad_s, np.zeros(())
+        duration_s = part.duration_s / PARTS
+        for k in range(PARTS):
+            quarter = HeldPart(part.voltage_V, part.begin_s + k * duration_s, duration_s)
+            fine_speed, further = self._with_terms(quarter, stall, fine_speed, deeper - 1)
+            fine_angle = fine_angle + further
+        return np.where(rough, fine_speed, speed), np.where(rough, fine_angle, angle)
+
+    def _loads(self, voltage_V: Array, stall: Array, speed_rad_s: Array, time_s: Array) -> tuple[Array, Array]:
+        """Torque at rest and dry friction [N m]."""
+        driveline = self._driveline
+        torque = stall + driveline.extra_torque_N_m(voltage_V, speed_rad_s) if driveline.adds_torque else stall
+        torque = torque if self._load_N_m is None else torque + self._load_N_m(speed_rad_s)
+        return torque, driveline.friction_N_m(torque, speed_rad_s, time_s)

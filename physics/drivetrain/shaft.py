@@ -1,0 +1,73 @@
+"""Rotor and gearbox of a motor on a bench, as one mass or as two with play between them."""
+
+from math import ceil
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physics.drivetrain.driveline import Driveline
+from physics.drivetrain.held_rows import HeldPart
+from physics.drivetrain.rigid_wheels import RigidWheels
+from physics.drivetrain.two_mass import Load, TwoMass
+from physics.effects.base import Slot
+from physics.robot.model import RobotModel
+
+Array = NDArray[np.float64]
+
+LONGEST_S, SHARE = 5e-3, 0.25
+"""Longest step with play, in which the sides meet or part at most once; also in time constants of the motor side.
+At 5 ms speeds are within 0.006 rad/s of those at 0.02 ms, for a motor of 60 ms and a gap of 0.05 rad."""
+
+
+class Shaft(Protocol):
+    def moved(self, part: HeldPart, state: TwoMass) -> TwoMass:
+        """The state after a stretch of time."""
+        ...
+
+
+def shaft_of(model: RobotModel, driveline: Driveline) -> Shaft:
+    """With play where the robot has any."""
+    return PlayingShaft(model, driveline) if model.has_play else RigidShaft(driveline)
+
+
+class RigidShaft:
+    def __init__(self, driveline: Driveline) -> None:
+        self._wheels = RigidWheels(driveline)
+
+    def moved(self, part: HeldPart, state: TwoMass) -> TwoMass:
+        speed, _ = self._wheels.moved(part, state.motor_rad_s)
+        return TwoMass(speed, speed, state.slack_rad)
+
+
+class PlayingShaft:
+    def __init__(self, model: RobotModel, driveline: Driveline) -> None:
+        self._driveline = driveline
+        self._config = model.config.motor
+        self._play = model.effects(Slot.GEARBOX)
+        inertia, viscous = self._config.motor_side_inertia_fraction, driveline.viscous_N_m_s_rad
+        self._inertias = inertia * driveline.inertia_kg_m2, (1.0 - inertia) * driveline.inertia_kg_m2
+        share = self._config.motor_side_friction_fraction
+        winding = driveline.damping_N_m_s_rad - viscous
+        self._dampings = winding + share * viscous, (1.0 - share) * viscous
+        self._longest_s = min(LONGEST_S, SHARE * float(np.min(self._inertias[0] / driveline.damping_N_m_s_rad)))
+
+    def moved(self, part: HeldPart, state: TwoMass) -> TwoMass:
+        substeps = max(1, ceil(float(np.max(part.duration_s)) / self._longest_s - 1e-9))
+        duration_s = part.duration_s / substeps
+        for k in range(substeps):
+            state = self._step(part.voltage_V, state, part.begin_s + k * duration_s, duration_s)
+        return state
+
+    def _step(self, voltage_V: Array, state: TwoMass, time_s: Array, duration_s: float | Array) -> TwoMass:
+        driveline, speed = self._driveline, state.motor_rad_s
+        torque = driveline.stall_torque_N_m(voltage_V)
+        torque = torque + driveline.extra_torque_N_m(voltage_V, speed) if driveline.adds_torque else torque
+        friction = driveline.friction_N_m(torque, speed, time_s)
+        share = self._config.motor_side_friction_fraction
+        of_load = (1.0 - share) * driveline.friction_N_m(torque, state.load_rad_s, time_s)
+        motor_side = Load(torque, self._dampings[0], share * friction, self._inertias[0])
+        load_side = Load(np.zeros_like(torque), self._dampings[1], of_load, self._inertias[1])
+        for play in self._play:
+            state = play(state, motor_side, load_side, duration_s)
+        return state

@@ -1,0 +1,47 @@
+"""A gearbox with play: motor side and load side, at the wheel shaft, that push each other at the ends of the gap."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physics.drivetrain.motor_arrays import HeldDrive
+
+Array = NDArray[np.float64]
+
+LEAST_DAMPING_N_M_S_RAD = 1e-12
+"""Stands for none."""
+
+
+@dataclass(frozen=True)
+class TwoMass:
+    motor_rad_s: Array
+    load_rad_s: Array
+    slack_rad: Array
+    """Angle of the motor side ahead of mid-gap."""
+
+
+@dataclass(frozen=True)
+class Load:
+    """What acts on a mass, and its inertia."""
+
+    torque_N_m: Array
+    """At rest."""
+    damping_N_m_s_rad: Array
+    friction_N_m: Array
+    inertia_kg_m2: Array
+
+    def moved(self, speed_rad_s: Array, duration_s: float | Array) -> tuple[Array, Array]:
+        """Speed [rad/s] after a while and angle [rad] turned meanwhile; exact, through a stop and a start."""
+        damping = np.maximum(self.damping_N_m_s_rad, LEAST_DAMPING_N_M_S_RAD)
+        held = HeldDrive(self.torque_N_m, damping, self.friction_N_m, self.inertia_kg_m2)
+        return held.step(speed_rad_s, duration_s)
+
+    def __add__(self, other: "Load") -> "Load":
+        """Both as one mass."""
+        return Load(
+            self.torque_N_m + other.torque_N_m,
+            self.damping_N_m_s_rad + other.damping_N_m_s_rad,
+            self.friction_N_m + other.friction_N_m,
+            self.inertia_kg_m2 + other.inertia_kg_m2,
+        )

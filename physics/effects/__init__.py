@@ -1,0 +1,56 @@
+"""Effects in what happens: motor, driver, supply, gearbox, wheels, ground and encoders."""
+
+from physics.effects import (
+    actuator_lag,
+    battery_decline,
+    bridge_voltage_drop,
+    coulomb_friction_scale,
+    current_limit,
+    encoder_missed_ticks,
+    encoder_ticks_scale,
+    friction_asymmetry,
+    friction_warmup,
+    gear_backlash,
+    input_delay,
+    quadratic_drag,
+    rotor_inertia_scale,
+    stribeck_friction,
+    supply_sag,
+    torque_constant_mismatch,
+    torque_constant_scale,
+    turn_slip,
+    viscous_friction_scale,
+    wheel_radius_asymmetry,
+    wheel_radius_scale,
+    wheelbase_scale,
+    winding_resistance_scale,
+)
+from physics.effects.base import Term
+
+PHYSICS_TERMS: tuple[Term, ...] = (
+    winding_resistance_scale.TERM,
+    torque_constant_scale.TERM,
+    torque_constant_mismatch.TERM,
+    viscous_friction_scale.TERM,
+    coulomb_friction_scale.TERM,
+    rotor_inertia_scale.TERM,
+    input_delay.TERM,
+    actuator_lag.TERM,
+    battery_decline.TERM,
+    bridge_voltage_drop.TERM,
+    supply_sag.TERM,
+    current_limit.TERM,
+    friction_asymmetry.TERM,
+    friction_warmup.TERM,
+    stribeck_friction.TERM,
+    quadratic_drag.TERM,
+    gear_backlash.TERM,
+    wheel_radius_scale.TERM,
+    wheel_radius_asymmetry.TERM,
+    wheelbase_scale.TERM,
+    turn_slip.TERM,
+    encoder_ticks_scale.TERM,
+    encoder_missed_ticks.TERM,
+)
+"""In the order of the signal chain, in which they act whatever the order in a file: what scales friction comes before
+what adds to it."""

@@ -1,0 +1,1 @@
+"""The rigid robot: links, inertia, model files, and many robots as arrays."""

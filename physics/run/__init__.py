@@ -1,0 +1,1 @@
+"""A run of the robot: its driver, its laps and its recording."""

@@ -1,0 +1,205 @@
+"""The robot without an engine: the same chain from voltages to poses and counts, for many trials of one robot at once.
+
+Motors are stepped exactly, wheels roll without slip, each step's path is an arc. Only the wheels' speeds are worked out
+step by step; voltages, poses and counts of all steps at once. What PyBullet has and this has not:
+contacts with walls, wheels that slide, tilting, and the shift of load between wheels and caster.
+"""
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physics.arena.geometry import Arena
+from physics.arena.rays import Hits, RayScene
+from physics.drivetrain.driveline import Driveline
+from physics.drivetrain.motor import HeldWheel
+from physics.drivetrain.motor_arrays import HeldDrive
+from physics.drivetrain.wheel_loop import voltage_limit_V
+from physics.effects.base import Slot
+from physics.robot.body_inertia import BodyOnWheels
+from physics.robot.model import RobotModel, through
+from symolo.core.finite import require_finite
+
+Array = NDArray[np.float64]
+
+FEW = 16
+"""Trials of bare motors up to which one after the other in plain numbers is faster than all at once in arrays."""
+
+
+@dataclass(frozen=True)
+class TwinRun:
+    """N trials at T + 1 times; wheels are right and left."""
+
+    t_s: Array
+    """(T + 1,), [s]."""
+    pose: Array
+    """(T + 1, N, 3), x [m], y [m], yaw [rad] in W, yaw unwrapped."""
+    wheel_speed_rad_s: Array
+    """(T + 1, N, 2)."""
+    current_A: Array
+    """(T + 1, N, 2), at the voltage of the step before."""
+    counts: NDArray[np.int64]
+    """(T + 1, N, 2), of the encoders since the start."""
+
+
+class KinematicTwin:
+    """Open-loop drives of one robot.
+
+    Raises:
+        InputError: The robot has play in its gears.
+    """
+
+    def __init__(self, model: RobotModel, step_s: float = 0.005) -> None:
+        model.require_rigid_gears("the twin")
+        self._step_s = step_s
+        self._limit_V = voltage_limit_V(model.config.power)
+        self._driveline = Driveline.of_robot(model)
+        self._body = BodyOnWheels.from_model(model)
+        inertia = self._body.wheel_inertia_kg_m2
+        self._inertia = np.diag(inertia) + self._driveline.inertia_kg_m2
+        self._coupling = inertia - np.diag(np.diag(inertia))
+        self._delay_steps = round(model.input_delay_s / step_s)
+        self._counting = model.effects(Slot.COUNTING)
+        self._ground = model.effects(Slot.GROUND)
+        self._counts_per_rad = model.counts_per_revolution / (2.0 * pi)
+
+    def drive(self, voltages_V: Array, starts: Array) -> TwinRun:
+        """Open loop from rest.
+
+        Args:
+            voltages_V: (T, N, 2), right and left, each held for one step.
+            starts: (N, 3), x [m], y [m], yaw [rad].
+
+        Raises:
+            ValueError: A voltage is no finite number.
+        """
+        require_finite(voltages_V, "voltages_V", ("step", "trial", "wheel"))
+        steps, lanes, _ = voltages_V.shape
+        commands = np.clip(voltages_V, -self._limit_V, self._limit_V)
+        late = np.zeros((min(self._delay_steps, steps), lanes, 2))
+        commands = np.concatenate([late, commands[: steps - len(late)]])
+        voltage, speed, turned = (np.zeros((steps + 1, lanes, 2)) for _ in range(3))
+        voltage[1:] = self._voltages(commands)
+        if self._driveline.is_bare and lanes <= FEW:
+            for lane in range(lanes):
+                speed[1:, lane], turned[1:, lane] = self._turned_alone(voltage[1:, lane])
+        else:
+            speed[1:], turned[1:] = self._turned_together(voltage[1:])
+        counted = np.cumsum(through(self._counting, turned, self._step_s), axis=0)
+        return TwinRun(
+            t_s=np.arange(steps + 1) * self._step_s,
+            pose=self._path(starts, turned),
+            wheel_speed_rad_s=speed,
+            current_A=self._driveline.current_A(voltage, speed),
+            counts=np.floor(counted * self._counts_per_rad + 0.5).astype(np.int64),
+        )
+
+    def _voltages(self, commands_V: Array) -> Array:
+        """At the motors, (T, N, 2), at every step."""
+        time_s = np.arange(len(commands_V)) * self._step_s
+        if not self._driveline.lags:
+            return self._driveline.voltage_V(commands_V, commands_V, time_s[:, None, None], self._step_s)[1]
+        held, voltage_V = np.zeros(commands_V.shape[1:]), np.zeros_like(commands_V)
+        for k, command_V in enumerate(commands_V):
+            held, voltage_V[k] = self._driveline.voltage_V(held, command_V, float(time_s[k]), self._step_s)
+        return voltage_V
+
+    def _turned_together(self, voltage_V: Array) -> tuple[Array, Array]:
+        """Speeds after each step, and angles turned in it, (T, N, 2) each.
+
+        What one wheel asks of the other is that of the step before.
+        """
+        driveline, body = self._driveline, self._body
+        speeds, turned = np.zeros_like(voltage_V), np.zeros_like(voltage_V)
+        speed = acceleration = np.zeros(voltage_V.shape[1:])
+        for k, stall in enumerate(driveline.stall_torque_N_m(voltage_V)):
+            torque = stall + driveline.extra_torque_N_m(voltage_V[k], speed)
+            friction = driveline.friction_N_m(torque, speed, k * self._step_s)
+            torque = torque - acceleration @ self._coupling
+            load_right, load_left = body.load_N_m(speed[:, 0], speed[:, 1])
+            torque[:, 0] += load_right
+            torque[:, 1] += load_left
+            held = HeldDrive(torque, driveline.damping_N_m_s_rad, friction, self._inertia)
+            speeds[k], turned[k] = held.step(speed, self._step_s)
+            acceleration = (speeds[k] - speed) / self._step_s
+            speed = speeds[k]
+        return speeds, turned
+
+    def _turned_alone(self, voltage_V: Array) -> tuple[Array, Array]:
+        """The same for one trial of bare motors, (T, 2) each."""
+        driveline, load_N_m, step_s = self._driveline, self._body.load_N_m, self._step_s
+        numbers = np.stack([driveline.damping_N_m_s_rad, driveline.coulomb_N_m, self._inertia], axis=1).tolist()
+        step_right, step_left = (HeldWheel(*of_wheel, duration_s=step_s).step for of_wheel in numbers)
+        coupling = float(self._coupling[0, 1])
+        right = left = faster_right = faster_left = 0.0
+        rows = []
+        for stall_right, stall_left in driveline.stall_torque_N_m(voltage_V).tolist():
+            load_right, load_left = load_N_m(right, left)
+            row = (
+                *step_right(stall_right + load_right - coupling * faster_left, right),
+                *step_left(stall_left + load_left - coupling * faster_right, left),
+            )
+            faster_right, faster_left = (row[0] - right) / step_s, (row[2] - left) / step_s
+            right, left = row[0], row[2]
+            rows.append(row)
+        both = np.array(rows).reshape(-1, 2, 2)
+        return both[..., 0], both[..., 1]
+
+    def _path(self, starts: Array, turned_rad: Array) -> Array:
+        """Poses along the arcs of the wheels' travel, with the share of each turn that slip leaves."""
+        travel = turned_rad @ self._body.to_twist.T
+        forward_m, turn_rad = travel[..., 0], travel[..., 1]
+        ones = np.ones_like(turn_rad)
+        turn_rad = turn_rad * through(self._ground, ones, forward_m / self._step_s, turn_rad / self._step_s)
+        yaw_rad = starts[:, 2] + np.cumsum(turn_rad, axis=0)
+        chord_m = forward_m * np.sinc(turn_rad / (2.0 * pi))
+        direction = yaw_rad - 0.5 * turn_rad
+        x_m = starts[:, 0] + np.cumsum(chord_m * np.cos(direction), axis=0)
+        y_m = starts[:, 1] + np.cumsum(chord_m * np.sin(direction), axis=0)
+        return np.stack([x_m, y_m, yaw_rad], axis=-1)
+
+
+class ReplayedWorld:
+    """One trial of a twin's run, for sensors to look at: the arena's rays from its poses, its counts, its time."""
+
+    def __init__(self, run: TwinRun, trial: int, arena: Arena, physics_hz: int) -> None:
+        self._run = run
+        self._trial = trial
+        self._rays = RayScene(arena)
+        self._physics_hz = physics_hz
+        self._steps = 0
+
+    @property
+    def steps(self) -> int:
+        """As the sensors count them; the run's own steps may be longer, between them the pose is interpolated."""
+        return self._steps
+
+    @property
+    def time_s(self) -> float:
+        return self._steps / self._physics_hz
+
+    def advance(self, steps: int) -> None:
+        """Go on by so many steps of the sensors.
+
+        Raises:
+            ValueError: Beyond the end of the run, where nothing is known.
+        """
+        self._steps += steps
+        end_s = float(self._run.t_s[-1])
+        if self.time_s > end_s + 1e-9:
+            raise ValueError(f"asked for {self.time_s:g} s of a run that ends at {end_s:g} s; drive it for longer")
+
+    def pose(self) -> tuple[float, float, float]:
+        poses = self._run.pose[:, self._trial]
+        x, y, yaw = (float(np.interp(self.time_s, self._run.t_s, column)) for column in poses.T)
+        return x, y, yaw
+
+    def cast(self, origins: Array, ends: Array) -> Hits:
+        return self._rays.cast(origins, ends, self.time_s)
+
+    def encoder_counts(self) -> tuple[int, int]:
+        row = int(np.searchsorted(self._run.t_s, self.time_s + 1e-9, side="right")) - 1
+        right, left = self._run.counts[row, self._trial].tolist()
+        return right, left

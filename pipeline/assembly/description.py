@@ -1,0 +1,200 @@
+"""README.md of a dataset: what a person needs to use it, written from its metadata."""
+
+import html
+from collections.abc import Iterable, Sequence
+
+from blender_scenes.annotations.document import DOCUMENT, ENCODINGS
+from configs.schema.arena import Obstacle
+from configs.schema.scenario import RunSpec
+from pipeline.assembly.scene_record import SCENE
+from symolo.core.errors import one_line
+from symolo.core.lens import coefficients
+from symolo.dataset.camera_model import INTRINSICS
+from symolo.dataset.metadata import Metadata, side_tables
+
+DESCRIPTION = "README.md"
+
+
+def markdown(metadata: Metadata, example: RunSpec) -> bytes:
+    """The description; dimensions of robot and arena are those of the run `example`."""
+    parts = [_head(metadata), _layout(metadata), columns_part(metadata), _side_tables(metadata, example)]
+    parts += [_annotations(metadata), frames_part(metadata), _robot(example), _arena(metadata, example)]
+    parts += [runs_part(metadata), _warnings(metadata), _failed(metadata), _checks()]
+    return ("\n\n".join(part for part in parts if part) + "\n").encode()
+
+
+def _head(metadata: Metadata) -> str:
+    made = ", ".join(f"{name} {version}" for name, version in sorted(metadata.made_with.items()))
+    about = f"{plain_text(metadata.description)}\n\n" if metadata.description else ""
+    return (
+        f"# {plain_text(metadata.name)}\n\n{about}"
+        "A synthetic dataset in the layout of SyMoLo (Synthetic Dataset for Mobile Robots Localization Algorithms).\n"
+        "The motion is simulated with PyBullet; the pictures are path-traced with Blender Cycles at its poses.\n\n"
+        f"Licence: {plain_text(metadata.licence)}. Seed: {metadata.seed}. Made with: {made}."
+    )
+
+
+def _layout(metadata: Metadata) -> str:
+    rates = metadata.runs[0].rates
+    return (
+        "## Layout\n\n"
+        "    <route>/test_<n>/data.csv              "
+        f"one row every {1000 / rates.control_hz:g} ms ({rates.control_hz} Hz)\n"
+        "    <route>/test_<n>/images/000001.jpg     "
+        f"camera pictures every {1000 / rates.camera_hz:g} ms ({rates.camera_hz} Hz), numbered from 1\n"
+        "    <route>/test_<n>/image_positions.txt   img x y theta: the robot's pose at each shutter [m, rad]\n"
+        "    <route>/test_<n>/side/                 more than SyMoLo has: see below\n"
+        "    metadata.json                          robot, arena, rates, seeds, every value drawn for a setting\n"
+        "    bag-info.txt                           size of the data, class of the processors that made them\n"
+        "    manifest-sha256.txt                    checksums\n"
+        "    tagmanifest-sha256.txt                 checksum of the checksums"
+    )
+
+
+def columns_part(metadata: Metadata) -> str:
+    rows = [(c.name, c.unit, c.meaning) for c in metadata.columns["data.csv"]]
+    # In an order of their own, for metadata.json keeps none: from the file the same text must follow.
+    states = [(str(number), meaning) for number, meaning in sorted(metadata.states.items())]
+    tof = metadata.runs[0]
+    return (
+        f"## data.csv\n\n{markdown_table(('column', 'unit', 'meaning'), rows)}\n\n"
+        f"Ranges are valid from {tof.tof_min_range_m:g} to {tof.tof_max_range_m:g} m; where the sensor saw no target,"
+        f" the value is {tof.tof_no_target_m:g} m.\n\n{markdown_table(('state', 'meaning'), states)}"
+    )
+
+
+def _side_tables(metadata: Metadata, example: RunSpec) -> str:
+    rows = []
+    for table in side_tables(example):
+        columns = metadata.columns[f"side/{table.file}"]
+        rows.append((table.file, table.meaning, ", ".join(f"{c.name} [{c.unit}]" for c in columns)))
+    meaning = "camera matrix K, distortion D, size, exposure; poses X_RC of the optical frame, X_CB of the body frame"
+    rows.append((INTRINSICS, meaning, "JSON"))
+    drawn = "what was drawn for the run's scene beyond its look: furniture piece by piece, phase of the mains, seed"
+    rows.append((SCENE, drawn, "JSON"))
+    rows.append(("spec.json", "every number that the run was made from, arena and robot included", "JSON"))
+    return f"## side/\n\n{markdown_table(('file', 'meaning', 'columns'), rows)}"
+
+
+def _annotations(metadata: Metadata) -> str:
+    kinds = metadata.runs[0].annotations
+    if not kinds:
+        return ""
+    rows = [(kind, text) for kind, text in ENCODINGS.items() if kind in kinds]
+    return (
+        f"## annotations/\n\nWhat is known exactly of each image, through the middle of each pixel and at the shutter's"
+        f" time; of glass the pane itself. `{DOCUMENT}` holds categories, instances, camera and images, and all that is"
+        f" no picture.\n\n{markdown_table(('annotation', 'encoding'), rows)}"
+    )
+
+
+def frames_part(metadata: Metadata) -> str:
+    inwards = sorted(metadata.frames.items(), reverse=True)  # W, R, C, B: from the world to the camera's body
+    return f"## Frames\n\n{markdown_table(('frame', 'meaning'), inwards)}"
+
+
+def _robot(spec: RunSpec) -> str:
+    robot = spec.robot
+    chassis, drive, line, camera = robot.chassis, robot.drive, robot.line_sensor, robot.camera
+    camera_z_m = chassis.base_height_m + camera.height_above_base_m
+    mounts = robot.tof.mounts
+    axis = f"{camera.pitch_down_deg:g} deg below the horizon, {camera.yaw_left_deg:g} deg to the left"
+    axis += f", rolled by {camera.roll_deg:g} deg"
+    rows = [
+        ("chassis", f"{chassis.length_m:g} x {chassis.width_m:g} m, {chassis.mass_kg:g} kg, centred on the axle"),
+        ("track b", f"{drive.track_m:g} m between the wheels' contact points"),
+        ("wheel diameter", f"{drive.wheel_diameter_m:g} m"),
+        ("encoders", f"{robot.encoder.counts_per_revolution} counts per wheel turn"),
+        ("line sensor", f"x = {line.x_m:g} m, {line.channels} channels, pitch {line.pitch_m:g} m, L0 at the right end"),
+        *(
+            (f"ToF {name}", f"x = {mount.x_m:g}, y = {mount.y_m:g}, z = {mount.z_m:g} m, turned {mount.yaw_deg:g} deg")
+            for name, mount in (("front", mounts.front), ("left", mounts.left), ("right", mounts.right))
+        ),
+        ("camera", f"x = {camera.x_m:g}, y = {camera.y_m:g}, z = {camera_z_m:g} m"),
+        ("camera axis", axis),
+        ("focal length", f"{camera.focal_length_mm:g} mm on a sensor {camera.sensor_width_mm:g} mm wide"),
+        ("lens", "as k1, k2, p1, p2, k3 of OpenCV: " + ", ".join(f"{k:g}" for k in coefficients(camera))),
+    ]
+    return (
+        f"## Robot\n\n{plain_text(robot.name)}: {plain_text(robot.description)}. Positions are in R; values are those"
+        f" of {spec.key} where they are drawn per run.\n\n{markdown_table(('part', 'value'), rows)}"
+    )
+
+
+def _arena(metadata: Metadata, spec: RunSpec) -> str:
+    arena = spec.arena
+    if metadata.scenario.get("arena", {}).get("generate"):
+        whose = f"Each run has an arena of its own, in its side/spec.json; this one is of {spec.key}."
+        pieces_at = "side/spec.json"
+    else:
+        whose, pieces_at = f"Values are those of {spec.key} where they are drawn per run.", "metadata.json"
+    rows = [
+        (w.name, "wall", f"{_point(w.start)} - {_point(w.end)}", f"height {w.height_m:g} m", w.surface)
+        for w in arena.walls
+    ]
+    rows += [
+        (o.name, "obstacle", _place(o), " x ".join(f"{s:g}" for s in o.size) + " m", o.surface) for o in arena.obstacles
+    ]
+    return (
+        f"## Arena\n\n{plain_text(arena.name)}: {plain_text(arena.description.rstrip('.'))}. {whose}"
+        f" Line {arena.line.width_m:g} m wide in {len(arena.line.pieces)} pieces ({pieces_at})."
+        " Positions in W [m].\n\n"
+        f"{markdown_table(('name', 'kind', 'position', 'size', 'surface'), rows)}"
+    )
+
+
+def runs_part(metadata: Metadata) -> str:
+    rows = [
+        (
+            run.run,
+            f"{run.duration_s:.1f}",
+            "-" if run.lap_time_s is None else f"{run.lap_time_s:.2f}",
+            f"{run.distance_m:.2f}",
+            str(run.rows),
+            str(run.images),
+            f"{run.image_width_px} x {run.image_height_px}",
+            " ".join(map(str, run.state_order)),
+        )
+        for run in metadata.runs
+    ]
+    header = ("run", "duration [s]", "lap [s]", "distance [m]", "rows", "images", "size [px]", "order of states")
+    return f"## Runs\n\n{markdown_table(header, rows)}"
+
+
+def _warnings(metadata: Metadata) -> str:
+    rows = [(run.run, warning) for run in metadata.runs for warning in run.warnings]
+    return f"## Warnings\n\n{markdown_table(('run', 'warning'), rows)}" if rows else ""
+
+
+def _failed(metadata: Metadata) -> str:
+    if not metadata.failed_runs:
+        return ""
+    rows = [(run.run, run.stage, run.problem) for run in metadata.failed_runs]
+    return f"## Runs that failed and are not here\n\n{markdown_table(('run', 'stage', 'problem'), rows)}"
+
+
+def _checks() -> str:
+    return (
+        "## Checking\n\n"
+        "    sha256sum -c tagmanifest-sha256.txt manifest-sha256.txt    # every file as it was released\n"
+        "    symolo verify .                     # the same; structure, columns, ranges, rates, pictures; extra files"
+    )
+
+
+def markdown_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join("| " + " | ".join(plain_text(cell) for cell in line) + " |" for line in lines)
+
+
+def _point(point: tuple[float, float]) -> str:
+    return f"({point[0]:g}, {point[1]:g})"
+
+
+def _place(obstacle: Obstacle) -> str:
+    moves = " at t = 0, moves: side/obstacles.csv" if obstacle.motion else ""
+    return _point(obstacle.center) + moves
+
+
+def plain_text(text: str) -> str:
+    """Text of a scenario file as plain text of a Markdown page, whatever it holds."""
+    return html.escape(one_line(text), quote=False).replace("|", "\\|")

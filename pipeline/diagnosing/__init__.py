@@ -1,0 +1,1 @@
+"""The diagnosis as a command: reading cases, running it, writing its files."""

@@ -1,0 +1,150 @@
+"""Pictures of a run on disk, as a case for the diagnosis of pictures."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from blender_scenes.render.frame_files import frame_name
+from configs.schema.scenario import RunSpec
+from diagnosis.camera.case import HELD_OUT_EACH, Frame, Picture, PictureCase, PoseErrors
+from physics.arena.geometry import Arena
+from physics.robot.path import RobotPath
+from pipeline.rerendering.rerender import Source, read_source
+from pipeline.stages.assemble import DATA
+from pipeline.stages.render import IMAGES, Appearance, frame_poses
+from sensors.camera.response import CameraResponse
+from symolo.core.errors import InputError
+from symolo.dataset.rows import Rows
+
+MOST_FRAMES = 60
+"""Of a run's pictures, evenly spread: more tell little more."""
+FEWEST_FRAMES = 6
+
+
+@dataclass(frozen=True)
+class _Run:
+    folder: Path
+    source: Source
+
+
+def read_picture_case(run: Path, simulated: Path | None, pose_errors: PoseErrors) -> PictureCase:
+    """Pictures of `run`, and of the simulation that they are held against.
+
+    Args:
+        run: Folder with data.csv and images.
+        simulated: Run folder of a dataset with the nominal robot, look and arena in its specification, and pictures of
+            the same places where there are any; None where `run` has a specification itself.
+        pose_errors: Of the poses in `run`.
+
+    Raises:
+        InputError: Something is missing, damaged, or does not fit.
+    """
+    real = _run(run)
+    nominal = real if simulated is None else _run(simulated)
+    spec = nominal.source.spec
+    if spec is None:
+        raise InputError(
+            "has no side/spec.json, which tells the nominal camera, look and arena",
+            where=str(nominal.folder),
+            cure="name a run of a dataset by --simulated",
+        )
+    rows = real.source.rows
+    poses = frame_poses(rows)
+    if len(poses) < FEWEST_FRAMES:
+        raise InputError(
+            "data.csv",
+            where=str(real.folder),
+            got=f"{len(poses)} rows with an image",
+            allowed=f"at least {FEWEST_FRAMES}",
+            cure="give a longer run",
+        )
+    chosen = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), MOST_FRAMES)).round().astype(int)).tolist()
+    same_place = {} if simulated is None else _same_places(rows, nominal)
+    frames = []
+    for k, i in enumerate(chosen):
+        picture = _picture(real.folder / IMAGES / frame_name(poses[i].number))
+        if k and picture.shape != frames[0].picture.shape:
+            raise _other_size(real.folder / IMAGES / frame_name(poses[i].number), picture, frames[0].picture)
+        its = None
+        if (number := same_place.get(poses[i].number)) is not None:
+            path = nominal.folder / IMAGES / frame_name(number)
+            its = _picture(path)
+            if its.shape != picture.shape:
+                raise _other_size(path, its, picture)
+        heldout = k % HELD_OUT_EACH == HELD_OUT_EACH - 1
+        frames.append(Frame(poses[i].number, poses[i].t_s, picture, its, heldout))
+    path = RobotPath(rows.t_ms / 1000, rows.pose, rows.twist)
+    arena = Arena.from_config(spec.arena)
+    return PictureCase(
+        _name(run), tuple(frames), path, arena, spec.robot, spec.look, _response(spec, rows, arena, path), pose_errors
+    )
+
+
+def _run(path: Path) -> _Run:
+    folder = path.parent if path.name == DATA else path
+    if not folder.is_dir():
+        raise InputError("no such folder", where=str(path), cure="name a run folder, with data.csv and images")
+    source = read_source(folder)
+    if not (folder / IMAGES).is_dir():
+        raise InputError(f"has no folder {IMAGES}", where=str(folder), cure="name a run whose pictures are rendered")
+    return _Run(folder, source)
+
+
+def _name(path: Path) -> str:
+    whole = (path.parent if path.name == DATA else path).absolute()
+    return f"{whole.parent.name}/{whole.name}"
+
+
+def _same_places(rows: Rows, nominal: _Run) -> dict[int, int]:
+    """Which simulated picture is of the same pose, by the measured picture's number.
+
+    Raises:
+        InputError: None is.
+    """
+    theirs = frame_poses(nominal.source.rows)
+    places = np.array([(p.x_m, p.y_m) for p in theirs]).reshape(-1, 2)
+    yaws = np.array([p.yaw_rad for p in theirs])
+    found: dict[int, int] = {}
+    for pose in frame_poses(rows):
+        if not len(places):
+            break
+        turned = np.abs((yaws - pose.yaw_rad + np.pi) % (2 * np.pi) - np.pi)
+        away = np.hypot(places[:, 0] - pose.x_m, places[:, 1] - pose.y_m)
+        nearest = int(np.argmin(away + turned))
+        if away[nearest] < SAME_PLACE_M and turned[nearest] < SAME_YAW_RAD:
+            found[pose.number] = theirs[nearest].number
+    if not found:
+        raise InputError(
+            "none of its pictures is of the same place as one of the measured run",
+            where=f"--simulated {nominal.folder}",
+            cure="rerender the measured run's data.csv with the nominal robot and name that dataset's run",
+        )
+    return found
+
+
+SAME_PLACE_M, SAME_YAW_RAD = 0.003, 0.01
+"""Two pictures within these are of the same place."""
+
+
+def _picture(path: Path) -> Picture:
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(
+            f"cannot be read: {error.strerror}", where=str(path), cure="give every image of data.csv"
+        ) from None
+    found = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR) if data else None
+    if found is None:
+        raise InputError("is no picture", where=str(path), cure="replace it, or take its number out of data.csv")
+    return np.ascontiguousarray(found[..., ::-1]).astype(np.uint8)
+
+
+def _other_size(path: Path, picture: Picture, other: Picture) -> InputError:
+    sizes = [f"{of.shape[1]} x {of.shape[0]} px" for of in (picture, other)]
+    return InputError("size", where=str(path), got=sizes[0], allowed=f"{sizes[1]}, as the others have")
+
+
+def _response(spec: RunSpec, rows: Rows, arena: Arena, path: RobotPath) -> CameraResponse:
+    return Appearance.of(spec).job(arena, frame_poses(rows), path).response

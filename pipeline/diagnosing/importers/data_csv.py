@@ -1,0 +1,87 @@
+"""A SyMoLo data.csv with nothing beside it: pose, speeds, ranges and line readings."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from diagnosis.importers.base import Importer, first_line
+from diagnosis.measured.channel import Channel, Mask, Role
+from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from physics.run.trajectory import TimeSeries
+from symolo.dataset.rows import COLUMNS, HEADER, Floats, Ints, Rows, read_rows
+
+RANGES = {"tof_front_m": 0, "tof_left_m": 1, "tof_right_m": 2}
+OFTEN = 3
+"""So many readings of exactly the largest range, and it may be the code for "no target"."""
+NEAREST_CODE_M = 1.0
+"""Of any sensor."""
+DETACHED_M = 0.05
+"""From the next lower reading, that it is no wall seen from nearer and nearer."""
+
+
+def row_channels(rows: Rows, no_target: Mask, stale: Mask) -> tuple[Channel, ...]:
+    """What data.csv holds, as channels at its rows.
+
+    Args:
+        rows: As read.
+        no_target: (N, 3), where front, left and right sensor saw nothing.
+        stale: (N, 3), where they said the reading before again.
+    """
+    t_s = 1e-3 * rows.t_ms
+    theta = np.unwrap(rows.pose[:, 2])
+    units = {column.name: column.unit for column in COLUMNS}
+
+    def series(name: str, unit: str, values: Floats | Ints) -> TimeSeries:
+        return TimeSeries(name, unit, t_s, values.astype(np.float64))
+
+    channels = [
+        Channel.logged(series(name, "m", rows.tof_m[:, i]), Role.READING, no_target=no_target[:, i], stale=stale[:, i])
+        for name, i in RANGES.items()
+    ]
+    for name, unit, values in (
+        ("x_m", "m", rows.pose[:, 0]),
+        ("y_m", "m", rows.pose[:, 1]),
+        ("theta_rad", "rad", theta),
+    ):
+        channels.append(Channel.logged(series(name, unit, values), Role.READING))
+    channels += [
+        Channel.logged(series("v_m_s", units["v"], rows.twist[:, 0]), Role.READING),
+        Channel.logged(series("w_rad_s", units["w"], rows.twist[:, 1]), Role.READING),
+        Channel.logged(series("state", "", rows.state), Role.INPUT),
+    ]
+    channels += [Channel.logged(series(f"line_{i}", "", rows.line[:, i]), Role.READING) for i in range(8)]
+    return tuple(channels)
+
+
+def trial_of(name: str, rows: Rows, channels: Sequence[Channel]) -> Trial:
+    return Trial(name, 1e-3 * rows.t_ms, np.zeros(len(rows.t_ms), dtype=bool), tuple(channels))
+
+
+def no_target_code_m(tof_m: Floats) -> float | None:
+    """The largest of all ranges, if it comes often, is far off, and no other is near it."""
+    largest = float(tof_m.max())
+    others = tof_m[tof_m < largest]
+    is_detached = not len(others) or largest - others.max() >= DETACHED_M
+    is_code = is_detached and largest >= NEAREST_CODE_M and np.count_nonzero(tof_m == largest) >= OFTEN
+    return largest if is_code else None
+
+
+def _read(path: Path) -> Measurement:
+    rows = read_rows(path)
+    code_m = no_target_code_m(rows.tof_m)
+    code = np.zeros(rows.tof_m.shape, dtype=bool) if code_m is None else rows.tof_m == code_m
+    told = "no reading is taken for no target"
+    if code_m is not None:
+        told = f"the largest range, {code_m:g} m, comes {np.count_nonzero(code)} times and is taken for no target"
+    trial = trial_of("1", rows, row_channels(rows, code, np.zeros_like(code)))
+    notes = ("not logged: voltages, encoder counts", told, "nothing is marked as held out")
+    return Measurement(path.stem, Kind.DRIVE_LOG, Source("a SyMoLo data.csv", (str(path),)), (trial,), notes=notes)
+
+
+IMPORTER = Importer(
+    "data-csv",
+    "SyMoLo data.csv with nothing beside it",
+    lambda path: first_line(path).split(",")[: len(HEADER)] == list(HEADER),
+    _read,
+)

@@ -1,0 +1,51 @@
+"""Several diagnoses as one table for a terminal."""
+
+import json
+from collections.abc import Collection, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from diagnosis.report.quantities import percent
+from pipeline.diagnosing.diagnose import Case, folder_of
+
+LONGEST_NAME = 40
+
+
+def diagnosis_table(cases: Sequence[Case], out: Path, failed: Collection[str]) -> Iterator[str]:
+    """A heading and a line for each case, then a count.
+
+    Args:
+        cases: In the order in which they are shown.
+        out: Where the folders of those that did not fail lie.
+        failed: Names of the others.
+    """
+    width = min(LONGEST_NAME, max(len(case.name) for case in cases)) + 2
+    yield f"{'case':{width}}{'gain':8}{'95 % interval':22}found"
+    for case in cases:
+        if case.name in failed:
+            yield f"{case.name:{width}}{'-':8}{'-':22}FAILED, see above"
+            continue
+        answer = json.loads((folder_of(case, out, alone=False) / "answer.json").read_bytes())
+        yield f"{case.name:{width}}{_gain(answer)}{_found(answer)}"
+    done = len(cases) - len(failed)
+    yield f"{done} of {len(cases)} cases diagnosed; {out / '<case>' / 'report.html'} tells each"
+
+
+def _gain(answer: dict[str, Any]) -> str:
+    if "heldout_gain" not in answer:
+        return f"{'-':8}{'nothing held out':22}"
+    low, high = answer["heldout_gain_ci"]
+    return f"{percent(answer['heldout_gain']):8}{f'{percent(low)} to {percent(high)}':22}"
+
+
+def _found(answer: dict[str, Any]) -> str:
+    names = [_with_rivals(effect) for effect in answer["effects"]]
+    if answer["unexplained"]:
+        where = answer.get("unexplained_where")
+        names.append(f"UNEXPLAINED {where['channel']} along {where['covariate']}" if where else "UNEXPLAINED")
+    return ", ".join(names) or "nothing"
+
+
+def _with_rivals(effect: dict[str, Any]) -> str:
+    rivals = effect.get("ambiguous_with") or []
+    return effect["name"] + (f" (or {', '.join(rivals)})" if rivals else "")

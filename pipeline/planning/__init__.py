@@ -1,0 +1,1 @@
+"""What a scenario would make and what it would cost."""

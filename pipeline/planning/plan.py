@@ -1,0 +1,188 @@
+"""What a scenario would make, how large it would be and how long it would take; estimates, with what they rest on."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from blender_scenes.render.sampling import Sampling, sampling
+from configs.schema.scenario import RunSpec
+from sensors.camera.geometry import intrinsics
+from sensors.camera.lens_warp import pinhole_picture
+from symolo.core.progress import seconds
+
+LAP_S = 40.0
+"""Simulated seconds of a lap of the shipped arena; others differ."""
+REAL_TIME_FACTOR = 10.0
+"""Simulated seconds per second and core, the least that the project promises."""
+RENDER_START_S = 4.0
+"""Start of Blender and making of the scene, per run."""
+RENDER_FRAME_S = 0.05
+"""Per image whatever its size, on one core."""
+RENDER_SAMPLE_S = 8.5e-6
+"""Per pixel and sample on one core."""
+DENOISE_S = {"FAST": 4e-6, "ACCURATE": 2e-5}
+"""Per pixel on one core, by the prefilter of the denoiser's guides."""
+BYTES_PER_PIXEL = 0.2
+"""Of a JPEG of quality 92."""
+PARTS_FRAME_S, PARTS_PIXEL_S = 0.8, 3.7e-6
+"""Of one core for an image put together from parts, and for each of its pixels; its share of the maps included."""
+ANNOTATION_PIXEL_S = 1.5e-6
+"""Per pixel on one core, all annotations together."""
+ANNOTATION_BYTES_PER_PIXEL = 0.6
+"""Likewise; the flow alone takes nine tenths of it."""
+BYTES_PER_IMAGE = 4096
+"""Besides its pixels: tables, and the rest of a disk block."""
+BYTES_PER_JOB = 2_500_000
+"""The scene of a run as text, 1.6 MB with a room full of furniture, and the run's poses."""
+BYTES_PER_ROW = 600
+"""data.csv, side files and the stored trajectory."""
+COPIES = 2
+"""The stages keep what the release holds, so that a rerun continues."""
+
+
+@dataclass(frozen=True)
+class PlannedRun:
+    run: str
+    duration_s: float
+    lap: bool
+    rows: int
+    images: int
+    width_px: int
+    height_px: int
+    annotated: bool
+    quality: str
+    sampling: Sampling
+    margin: float
+    """Pixels that are traced, to those of the picture: more behind a lens."""
+    render_core_s: float
+
+    @property
+    def bytes_needed(self) -> int:
+        pixels = self.images * self.width_px * self.height_px
+        return pictures_bytes(self.images, pixels, annotated=self.annotated) + COPIES * self.rows * BYTES_PER_ROW
+
+
+def pictures_bytes(images: int, pixels: int, *, annotated: bool) -> int:
+    """Disk space of a run's pictures, of so many pixels in all, with the jobs that they are made by [byte]."""
+    per_pixel = BYTES_PER_PIXEL + (ANNOTATION_BYTES_PER_PIXEL if annotated else 0.0)
+    return round(COPIES * (pixels * per_pixel + images * BYTES_PER_IMAGE) + (1 + annotated) * BYTES_PER_JOB)
+
+
+@dataclass(frozen=True)
+class Plan:
+    runs: tuple[PlannedRun, ...]
+    cores: int
+
+    @classmethod
+    def of(cls, specs: Sequence[RunSpec], cores: int) -> "Plan":
+        return cls(tuple(_planned(spec) for spec in specs), cores)
+
+    @property
+    def images(self) -> int:
+        return sum(run.images for run in self.runs)
+
+    @property
+    def bytes_needed(self) -> int:
+        """Disk space with some to spare [byte]."""
+        return sum(run.bytes_needed for run in self.runs)
+
+    @property
+    def simulation_s(self) -> float:
+        return sum(run.duration_s for run in self.runs) / REAL_TIME_FACTOR / min(self.cores, len(self.runs))
+
+    @property
+    def render_s(self) -> float:
+        return sum(run.render_core_s for run in self.runs) / self.cores
+
+    def text(self) -> str:
+        """The plan for a person, one line a run, then sums and assumptions."""
+        lines = [f"{'run':20} {'seconds':>8} {'rows':>7} {'images':>7}  size [px]"]
+        lines += [
+            f"{run.run:20} {run.duration_s:8.1f} {run.rows:7} {run.images:7}  {run.width_px} x {run.height_px}"
+            for run in self.runs
+        ]
+        lines += [
+            "",
+            f"runs       {len(self.runs)}",
+            f"images     {self.images}",
+            f"quality    {self._quality()}",
+            f"disk       about {self.bytes_needed / 1e6:.0f} MB, stages included",
+            f"simulate   about {seconds(self.simulation_s)}",
+            f"render     about {seconds(self.render_s)}",
+            "",
+            f"Assumed: {self.cores} cores without a graphics card; {REAL_TIME_FACTOR:g} simulated seconds a second and"
+            f" core; {self._tracing()}{RENDER_FRAME_S:g} s an image"
+            f" on one core; {BYTES_PER_PIXEL:g} bytes a pixel{self._further()}"
+            + (f"; a lap of {LAP_S:g} s, which depends on arena and robot." if self.runs[0].lap else "."),
+        ]
+        return "\n".join(lines)
+
+    def _quality(self) -> str:
+        """Of the pictures; several where the scenario draws it."""
+        kinds = {f"{run.quality}, {_samples(run.sampling)}": None for run in self.runs}
+        return " or ".join(kinds)
+
+    def _tracing(self) -> str:
+        """What is assumed of rays and denoiser."""
+        ways = []
+        if any(run.sampling.parts for run in self.runs):
+            ways.append(
+                f"{PARTS_FRAME_S:g} s and {1e6 * PARTS_PIXEL_S:g} us a pixel for an image put together from parts, "
+            )
+        if any(not run.sampling.parts for run in self.runs):
+            ways.append(f"{1e6 * RENDER_SAMPLE_S:g} us a pixel and sample, {self._denoising()}")
+        return "".join(ways)
+
+    def _denoising(self) -> str:
+        """What is assumed of the denoiser, where there is one."""
+        whole = [run.sampling for run in self.runs if run.sampling.denoise and not run.sampling.parts]
+        costs = sorted({DENOISE_S[sampled.prefilter] for sampled in whole})
+        return f"{' or '.join(f'{1e6 * cost:g}' for cost in costs)} us a pixel to denoise, and " if costs else "and "
+
+    def _further(self) -> str:
+        """What is assumed of lenses and annotations, where there are any."""
+        widest = max(run.margin for run in self.runs)
+        lens = f"; {widest:.2f} times the pixels traced, for the margin behind the lens" if widest > 1 else ""
+        if not any(run.annotated for run in self.runs):
+            return lens
+        own = f"{1e6 * ANNOTATION_PIXEL_S:g} us a pixel and {RENDER_FRAME_S:g} s an image on one core"
+        return f"{lens}; all annotations {own}, and {ANNOTATION_BYTES_PER_PIXEL:g} bytes a pixel"
+
+
+def pixel_s(sampled: Sampling) -> float:
+    """Of one core for a pixel that is traced, denoising included [s]."""
+    if sampled.parts:
+        return PARTS_PIXEL_S
+    return sampled.samples * RENDER_SAMPLE_S + (DENOISE_S[sampled.prefilter] if sampled.denoise else 0.0)
+
+
+def _samples(sampled: Sampling) -> str:
+    if sampled.parts:
+        own = sampled.parts
+        return f"put together from parts, {own.near} and {own.far} samples of light and {own.surfaces} of surfaces"
+    return f"{sampled.samples} samples a pixel"
+
+
+def _planned(spec: RunSpec) -> PlannedRun:
+    duration_s = min(LAP_S, spec.stop.time_limit_s) if spec.stop.lap else spec.stop.time_limit_s
+    images = int(duration_s * spec.rates.camera_hz) + 1
+    render = spec.render
+    pixels, annotated = render.width_px * render.height_px, bool(render.annotations)
+    pinhole = pinhole_picture(intrinsics(spec.robot.camera, render.width_px, render.height_px)).camera
+    traced = pinhole.width_px * pinhole.height_px
+    sampled = sampling(render, spec.seed)
+    image_s = (PARTS_FRAME_S if sampled.parts else 0.0) + RENDER_FRAME_S + traced * pixel_s(sampled)
+    annotation_s = RENDER_START_S + images * (RENDER_FRAME_S + traced * ANNOTATION_PIXEL_S) if annotated else 0.0
+    return PlannedRun(
+        run=spec.key,
+        duration_s=duration_s,
+        lap=spec.stop.lap,
+        rows=int(duration_s * spec.rates.control_hz) + 1,
+        images=images,
+        width_px=render.width_px,
+        height_px=render.height_px,
+        annotated=annotated,
+        quality=render.quality,
+        sampling=sampled,
+        margin=traced / pixels,
+        render_core_s=RENDER_START_S + images * image_s + annotation_s,
+    )

@@ -1,0 +1,185 @@
+"""What many frames of a scenario would cost, by a few of them made here and thrown away."""
+
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import mean
+from typing import get_args
+
+from blender_scenes.render.devices import device_for
+from blender_scenes.render.frame_files import FrameFile
+from configs.draw import draw_run
+from configs.loader import load_scenario
+from configs.schema.scenario import AnnotationName, RunSpec
+from pipeline.executors.local import Local
+from pipeline.executors.part import BLOCK_FRAMES
+from pipeline.planning.plan import BYTES_PER_ROW, Plan
+from pipeline.run_folder.output import check_scratch
+from pipeline.run_folder.workspace import StageFolder, Workspace
+from pipeline.stages.render import journal
+from pipeline.stages.simulate_runs import simulate_runs
+from pipeline.work.batch import Batch
+from pipeline.work.supervisor import cores
+from symolo.core.errors import RunFailed
+from symolo.core.progress import Report, seconds
+from symolo.dataset.metadata import FailedRun
+
+RUNS, IMAGES = 3, 4
+"""That are measured: draws of the scenario differ in what they cost, images of a run hardly do."""
+DRIVE_S = 20.0
+"""Simulated seconds, for the start of a simulation takes as long as several of them."""
+SHARD_BYTES = 1e9
+HOUR_S = 3600.0
+
+
+class OneCore(Local):
+    """Cycles on one thread, as on a cluster whose cores are all at work."""
+
+    def threads(self, units: int) -> int:
+        del units
+        return 1
+
+
+@dataclass(frozen=True)
+class Price:
+    """Of one frame, with its share of what comes before it."""
+
+    device: str
+    """What rendered: CPU, or a kind of graphics card."""
+    images: int
+    """That were measured."""
+    rows_per_image: float
+    simulate_s: float
+    """What drives from one image to the next on one core [s]."""
+    start_s: float
+    """Start of Blender and making of the scene, for a block of frames [s]."""
+    first_s: float
+    """What a block's first image takes longer than later ones: the maps of all that is in sight [s]."""
+    render_s: float
+    """A later image of a block on one core, or on the card [s]."""
+    annotate_s: float
+    """All annotations of one on one core [s]."""
+    picture_bytes: float
+    annotation_bytes: float
+
+    def text(self, frames: int, about: str) -> str:
+        """For a person: hours, bytes and shards of so many frames, and what all of that rests on."""
+        block_s = self.start_s / BLOCK_FRAMES
+        simulate, render, annotate = (
+            frames * each / HOUR_S
+            for each in (
+                self.simulate_s,
+                self.render_s + block_s + self.first_s / BLOCK_FRAMES,
+                self.annotate_s + block_s,
+            )
+        )
+        bare = frames * (self.picture_bytes + self.rows_per_image * BYTES_PER_ROW)
+        whole = bare + frames * self.annotation_bytes
+        unit = "core" if self.device == "CPU" else f"{self.device}"
+        alone = (simulate + render) * HOUR_S / cores() if self.device == "CPU" else render * HOUR_S
+        block = f"{self.start_s + self.first_s:.3g} s a block"
+        lines = [
+            f"{frames} images of {about}",
+            "",
+            f"simulate   {_hours(simulate)} core-hours",
+            f"render     {_hours(render)} {unit}-hours: {self.render_s:.3g} s an image, {block}",
+            f"annotate   {_hours(annotate)} {unit}-hours more for all annotations: {self.annotate_s:.3g} s an image",
+            f"disk       {_bytes(bare)}, with all annotations {_bytes(whole)}; twice that while .stages is kept",
+            f"shards     {_shards(bare)} of {SHARD_BYTES / 1e9:g} GB, with all annotations {_shards(whole)}",
+            f"here       about {seconds(alone)} without annotations"
+            + (f", by {cores()} cores" if self.device == "CPU" else ""),
+        ]
+        lines += [
+            "",
+            f"Measured on this machine, as busy as it is: {self.images} images of {RUNS} draws from the start of their",
+            f"runs, one at a time on one thread. Assumed: blocks of {BLOCK_FRAMES} images, a Blender for each,",
+            f"and {BYTES_PER_ROW} bytes a row of the tables. Other processors differ.",
+        ]
+        if self.device == "CPU":
+            lines += ["No graphics card was measured: --device gpu measures one where there is one."]
+        return "\n".join(lines)
+
+
+def measure(scenario: str, overrides: Sequence[str], report: Report) -> tuple[Price, str]:
+    """Make a few images of a scenario with all annotations, time them, and throw them away; the price, and of what.
+
+    Raises:
+        InputError: The scenario cannot be used.
+        EnvironmentLacking: There is no room for it, or it asks for a graphics card and there is none.
+        RunFailed: One of the images could not be made.
+    """
+    hz = draw_run(loaded := load_scenario(scenario, overrides), loaded.routes[0].name, 1).rates.camera_hz
+    kinds = ",".join(get_args(AnnotationName))
+    short = ["stop.lap=false", f"stop.time_limit_s={(IMAGES - 0.5) / hz}", f"render.annotations=[{kinds}]"]
+    loaded = load_scenario(scenario, [*overrides, *short])
+    routes = loaded.routes
+    specs = tuple(draw_run(loaded, routes[i % len(routes)].name, 1 + i // len(routes)) for i in range(RUNS))
+    check_scratch(Plan.of(specs, 1).bytes_needed, "lower render.width_px and render.height_px")
+    device = device_for(specs[0].render.device)
+    with tempfile.TemporaryDirectory(prefix="symolo-") as scratch:
+        drive_s = _drive_s(specs[0], Path(scratch), report) / hz
+        batch = Batch(loaded, specs, Workspace(Path(scratch)), OneCore(1), device)
+        price = _timed(batch, drive_s, report)
+    render = specs[0].render
+    return price, f"{render.width_px} x {render.height_px} px, quality {render.quality}"
+
+
+def _drive_s(spec: RunSpec, scratch: Path, report: Report) -> float:
+    """Of one core for a simulated second: what a long drive takes longer than a short one [s]."""
+    taken = []
+    for drive_s in (spec.stop.time_limit_s, spec.stop.time_limit_s + DRIVE_S):
+        stop = spec.stop.model_copy(update={"time_limit_s": drive_s})
+        begin = time.perf_counter()
+        workspace = Workspace(scratch / f"drive_{drive_s:g}")
+        _good(simulate_runs(workspace, [spec.model_copy(update={"stop": stop})], OneCore(1), report))
+        taken.append(time.perf_counter() - begin)
+    return (taken[1] - taken[0]) / DRIVE_S
+
+
+def _timed(batch: Batch, simulate_s: float, report: Report) -> Price:
+    batch.keep_own_files()
+    _good(batch.simulate(report))
+    simulated = time.perf_counter()
+    _good(batch.render([], report))
+    rendered = time.perf_counter()
+    by_run = [_files(batch.workspace.render(spec.key), "images") for spec in batch.specs]
+    pictures = [file for files in by_run for file in files]
+    known = [file for spec in batch.specs for file in _files(batch.workspace.annotate(spec.key), "annotations")]
+    images = len(pictures)
+    render_s, annotate_s = (sum(file.seconds for file in files) for files in (pictures, known))
+    first_s = sum(max(0.0, files[0].seconds - mean(file.seconds for file in files[1:])) for files in by_run)
+    return Price(
+        device=batch.device,
+        images=images,
+        rows_per_image=batch.specs[0].rates.control_hz / batch.specs[0].rates.camera_hz,
+        simulate_s=simulate_s,
+        start_s=max(0.0, rendered - simulated - render_s - annotate_s) / (2 * len(batch.specs)),
+        first_s=first_s / len(by_run),
+        render_s=(render_s - first_s) / images,
+        annotate_s=annotate_s / images,
+        picture_bytes=sum(file.size_bytes for file in pictures) / images,
+        annotation_bytes=sum(file.size_bytes for file in known) / images,
+    )
+
+
+def _files(folder: StageFolder, name: str) -> list[FrameFile]:
+    return list(journal(folder, name).whole_files().values())
+
+
+def _good(failures: Sequence[FailedRun]) -> None:
+    if failures:
+        raise RunFailed(f"{failures[0].run}: {failures[0].stage}: {failures[0].problem}")
+
+
+def _hours(value: float) -> str:
+    return f"{value:,.3g}" if value < 1000 else f"{value:,.0f}"
+
+
+def _bytes(value: float) -> str:
+    return f"{value / 1e12:.3g} TB" if value >= 1e12 else f"{value / 1e9:.3g} GB"
+
+
+def _shards(value: float) -> int:
+    return int(-(-value // SHARD_BYTES))

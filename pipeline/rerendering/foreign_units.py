@@ -1,0 +1,82 @@
+"""Whether a trajectory from elsewhere is in metres and radians, as far as it tells."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from blender_scenes.scene.run_scene import floor_bounds
+from configs.schema.look import LookConfig
+from physics.arena.geometry import Arena
+from symolo.core.errors import InputError
+from symolo.dataset.rows import Floats, Rows
+
+Where = Callable[[int], str]
+"""Names the place of a row."""
+
+CHORD_M = 0.02
+"""Between the places whose direction is taken: some millimetres of noise turn it by some degrees only."""
+FEWEST_CHORDS = 5
+EXPLAINED_RAD, UNEXPLAINED_RAD = math.radians(5), math.radians(10)
+"""Up to one the headings fit the way, from the other on they do not; medians over the chords."""
+
+
+def check_radians(rows: Rows, at: Where) -> None:
+    """Refuse headings beyond a turn that follow the way when they are degrees, and do not when they are radians.
+
+    The robot rolls along its heading, forwards or backwards. A heading by another convention follows the way in neither
+    unit, and one that counts the turns does in radians.
+
+    Raises:
+        InputError: They do.
+    """
+    yaw = rows.pose[:, 2]
+    beyond = np.flatnonzero(np.abs(yaw) > 2 * math.pi)
+    ends = _chords(rows.pose[:, :2]) if len(beyond) else np.zeros(0, dtype=np.int64)
+    if len(ends) <= FEWEST_CHORDS:
+        return
+    off_rad = _off_the_way(rows.pose[ends, :2], yaw[ends])
+    if off_rad > UNEXPLAINED_RAD and _off_the_way(rows.pose[ends, :2], np.radians(yaw[ends])) < EXPLAINED_RAD:
+        raise InputError(
+            "column theta: follows the way that x and y go in degrees only",
+            where=at(int(beyond[0])),
+            got=round(float(yaw[beyond[0]]), 6),
+            cure="give theta in radians",
+        )
+
+
+def check_on_the_floor(rows: Rows, arena: Arena, look: LookConfig, at: Where) -> None:
+    """Refuse pictures from outside the room, where there is nothing to see.
+
+    Raises:
+        InputError: The first of them.
+    """
+    low, high = floor_bounds(arena, look)
+    place = rows.pose[:, :2]
+    outside = np.flatnonzero((rows.image > 0) & np.any((place < low) | (place > high), axis=1))
+    if not len(outside):
+        return
+    x, y = place[outside[0]].tolist()
+    goes = ", ".join(f"{axis} = {a:.2f} to {b:.2f} m" for axis, a, b in zip("xy", low, high, strict=True))
+    raise InputError(
+        f"x = {x:g}, y = {y:g} m is outside the room, whose floor goes from {goes}",
+        where=at(int(outside[0])),
+        cure="give x and y in metres, or name another --arena",
+    )
+
+
+def _chords(place: Floats) -> np.ndarray:
+    """Rows (M,), each the first that is a chord away from the one before."""
+    found, (last_x, last_y) = [0], place[0].tolist()
+    for row, (x, y) in enumerate(place.tolist()):
+        if math.hypot(x - last_x, y - last_y) >= CHORD_M:
+            found.append(row)
+            last_x, last_y = x, y
+    return np.array(found)
+
+
+def _off_the_way(place: Floats, yaw_rad: Floats) -> float:
+    """Median angle between chord and heading, the mean of those at its ends; the same forwards and backwards."""
+    way = np.diff(place, axis=0)
+    twice = 2 * (np.arctan2(way[:, 1], way[:, 0])[:, None] - np.stack([yaw_rad[:-1], yaw_rad[1:]], axis=1))
+    return float(np.median(np.abs(np.angle(np.exp(1j * twice).sum(axis=1)))) / 2)

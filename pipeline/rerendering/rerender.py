@@ -1,0 +1,389 @@
+"""Pictures for a trajectory that is there already, ours or a SyMoLo data.csv from elsewhere; simulates nothing."""
+
+import contextlib
+import hashlib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
+from pydantic import ValidationError
+
+from blender_scenes.render.devices import device_for
+from configs.draw import draw_arena, draw_look, draw_render, draw_robot
+from configs.loader import load_scenario, load_section
+from configs.overrides import replaced_section
+from configs.schema.arena import ArenaConfig
+from configs.schema.robot import RobotConfig
+from configs.schema.scenario import Render, RunSpec
+from physics.arena.geometry import Arena
+from pipeline.assembly.scene_record import scene_file
+from pipeline.executors.base import Executor
+from pipeline.planning.plan import BYTES_PER_JOB, pictures_bytes
+from pipeline.rerendering.foreign_units import check_on_the_floor, check_radians
+from pipeline.run_folder.output import check_disk, check_out
+from pipeline.run_folder.own_files import keep_own_files
+from pipeline.run_folder.workspace import Kind, Workspace, input_key, mark_done
+from pipeline.stages.annotate import AnnotationTask, copy_released
+from pipeline.stages.assemble import DATA, POSITIONS, SIDE
+from pipeline.stages.render import (
+    FRAMES,
+    IMAGES,
+    Appearance,
+    FrameTask,
+    Order,
+    RenderTask,
+    picture_seed,
+    render_runs,
+)
+from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
+from symolo.core.atomic_files import make_folder, move, remove_file, remove_folder, replace_folder, write_file
+from symolo.core.errors import InputError
+from symolo.core.file_hashes import canonical_json, hashes_of, holds, read_known
+from symolo.core.lens import lens_problem
+from symolo.core.progress import Report
+from symolo.core.random_streams import stream
+from symolo.core.yaml_tree import dotted
+from symolo.dataset.camera_model import camera_files
+from symolo.dataset.layout import JOB, LOOK
+from symolo.dataset.metadata import FailedRun
+from symolo.dataset.rows import Ints, Rows, read_rows
+from symolo.dataset.side_tables import image_positions
+from symolo.verification.annotations import ANNOTATIONS
+
+CARRIER = "symolo"
+"""The scenario whose reader checks `--set render...`, and whose picture settings a foreign trajectory gets."""
+
+SECTIONS = ("look", "render", "arena", "robot")
+
+
+@dataclass(frozen=True)
+class Request:
+    """What the user asked for beside the trajectory."""
+
+    looks: tuple[str, ...]
+    draws: int = 1
+    """Of each look."""
+    arena: str | None = None
+    robot: str | None = None
+    camera_hz: float | None = None
+    seed: int | None = None
+    overrides: tuple[str, ...] = ()
+    option: str = "--look"
+    """By which the looks are named."""
+
+    def named_by(self, section: str) -> str:
+        """The option that names this section; empty where none does."""
+        named = {"look": self.option, "arena": self.arena and "--arena", "robot": self.robot and "--robot"}
+        return named.get(section) or ""
+
+    def of(self, section: str) -> tuple[str, ...]:
+        """The overrides below one section."""
+        return tuple(text for text in self.overrides if text.strip().startswith((f"{section}.", f"{section}=")))
+
+
+@dataclass(frozen=True)
+class Source:
+    """A trajectory to look at, and what is known of the run it came from."""
+
+    rows: Rows
+    data: bytes
+    """data.csv as it is or would be."""
+    spec: RunSpec | None
+    """None for a foreign data.csv."""
+    file: Path
+    """Where it was read from."""
+
+    def at(self, row: int) -> str:
+        """Where a row stands, for errors."""
+        return f"{self.file}, row {row}" if self.file.name == TRAJECTORY else f"{self.file}:{row + 2}"
+
+
+@dataclass(frozen=True)
+class Draw:
+    """One set of pictures: a look with drawn values."""
+
+    name: str
+    """`<look>_<k>`, k from 1."""
+    appearance: Appearance
+    record: bytes
+    """Content of look.json."""
+    assets: Mapping[str, Path]
+    """Where the files of the user's own lie that the look names, by SHA-256."""
+
+
+def folder_name(source: Source, draws: Sequence[Draw]) -> str:
+    """Of the output where none is given: run and looks, our runs by route and number, others by their file."""
+    file = source.file.resolve()
+    run = source.spec.key.replace("/", "-") if source.spec else file.parent.name if file.name == DATA else file.stem
+    return "-".join((run or "run", *dict.fromkeys(draw.appearance.look.name for draw in draws)))
+
+
+def check_same(source: Source, draws: Sequence[Draw], out: Path, *, apart: bool) -> None:
+    """Refuse a folder that nobody named where it holds pictures of something else.
+
+    Raises:
+        InputError: It does.
+    """
+    for draw in draws:
+        folder = out / draw.name if apart else out
+        for name, wanted in ((DATA, source.data), (LOOK, draw.record)):
+            if (folder / name).is_file() and (folder / name).read_bytes() != wanted:
+                told = "holds pictures of another trajectory or another draw of the look"
+                raise InputError(told, where=str(folder), cure="name a folder by --out")
+
+
+@contextlib.contextmanager
+def open_folders(source: Source, draws: Sequence[Draw], out: Path, *, apart: bool) -> Iterator[list[Workspace]]:
+    """A folder for each draw, checked and held: `out/<name>` where they lie apart, else `out` for the only one.
+
+    Raises:
+        InputError: One of them cannot be used, or another command works in it.
+        EnvironmentLacking: The disk is too full.
+    """
+    kind = Kind.LOOKS if apart else Kind.PICTURES
+    check_out(out, kind)
+    whole = Workspace(out.absolute(), kind)
+    folders = [Workspace(whole.out / draw.name, Kind.PICTURES) for draw in draws] if apart else [whole]
+    for folder in folders:
+        check_out(folder.out, Kind.PICTURES, within_looks=apart)
+    check_disk(out, sum(_bytes_needed(source, draw) for draw in draws))
+    with whole.locked():
+        for folder in folders if apart else ():
+            with folder.locked():  # and let go: each lock takes one of a thousand or so file descriptors
+                pass
+        yield folders
+
+
+def render_source(
+    source: Source,
+    draws: Sequence[Draw],
+    folders: Sequence[Workspace],
+    executor: Executor,
+    report: Report,
+) -> list[FailedRun]:
+    """Render what `prepare` found, annotate it where asked for, and fill a folder with each of it."""
+    places = {draw.name: (draw, folder) for draw, folder in zip(draws, folders, strict=True)}
+    for draw, folder in places.values():
+        keep_own_files((draw.appearance.look,), draw.assets, folder.own_files)
+    pictures: dict[str, FrameTask] = {}
+    annotations: dict[str, FrameTask] = {}
+
+    def picture_orders() -> Iterator[Order]:
+        for name, (draw, folder) in places.items():
+            order = RenderTask.of(name, draw.appearance, source.rows, folder.render("rerender"), folder.own_files)
+            pictures[name] = order.task
+            yield order
+
+    def annotation_orders() -> Iterator[Order]:
+        for name, (draw, folder) in places.items():
+            if draw.appearance.render.annotations and name not in failed:
+                order = AnnotationTask.of(pictures[name], draw.appearance, folder.annotate("rerender"))
+                annotations[name] = order.task
+                yield order
+
+    failures = render_runs(picture_orders(), executor, report)
+    failed = {failure.run for failure in failures}
+    failures += render_runs(annotation_orders(), executor, report, "annotate")
+    failed = {failure.run for failure in failures}
+    for name, (draw, folder) in places.items():
+        if name not in failed:
+            _publish(pictures[name], annotations.get(name), _texts(source, draw), folder)
+    return failures
+
+
+def _bytes_needed(source: Source, draw: Draw) -> int:
+    render, images = draw.appearance.render, int(np.count_nonzero(source.rows.image))
+    pixels = images * render.width_px * render.height_px
+    # The job lies in the folder once more, beside the trajectory.
+    return pictures_bytes(images, pixels, annotated=bool(render.annotations)) + BYTES_PER_JOB + len(source.data)
+
+
+def draw_seed(seed: int, draw: int) -> int:
+    """Of a look's values, stains and noise in one draw; the first one's is the run's own."""
+    return seed if draw == 1 else int(stream(seed, "rerender", draw).integers(2**53))
+
+
+def prepare(source: Path, request: Request) -> tuple[Source, tuple[Draw, ...]]:
+    """Read and check everything, before anything is written: all draws of the first look, then those of the next.
+
+    Raises:
+        InputError: The trajectory, the look or another part of the request cannot be used.
+        EnvironmentLacking: A graphics card is asked for, and there is none.
+    """
+    for text in request.overrides:
+        if text.strip().partition("=")[0].partition(".")[0] not in SECTIONS:
+            raise InputError(
+                "--set", got=text, allowed="fields of " + ", ".join(SECTIONS), cure="simulate anew for others"
+            )
+        if option := request.named_by(replaced_section(text)):
+            raise InputError("--set", got=text, cure=f"name it by {option}")
+    found = _timed(read_source(source), request.camera_hz)
+    if found.spec is None:
+        check_radians(found.rows, found.at)
+    draws = _draws(found, request)
+    if found.spec is None or request.arena:
+        arena = Arena.from_config(draws[0].appearance.arena)
+        for draw in draws:
+            check_on_the_floor(found.rows, arena, draw.appearance.look, found.at)
+    return found, draws
+
+
+def read_source(path: Path) -> Source:
+    """A run folder of a dataset or of `.stages`, or a data.csv with nothing beside it."""
+    folder = path.parent if path.name == DATA else path
+    if path.is_dir() and (folder / TRAJECTORY).is_file():
+        try:
+            rows = Rows.from_recording(read_recording(folder))
+        except (OSError, ValueError, KeyError, BadZipFile) as error:
+            raise InputError(f"cannot be read: {error}", where=str(folder / TRAJECTORY), cure="simulate anew") from None
+        return Source(rows, rows.to_csv(), _read_spec(folder / SPEC), folder / TRAJECTORY)
+    data = path if path.is_file() else folder / DATA
+    if not data.is_file():
+        raise InputError(
+            "is no run folder and no data.csv",
+            where=str(path),
+            cure="name a folder such as OUT/CW/test_1, or a data.csv",
+        )
+    side = folder / SIDE / SPEC
+    spec = _read_spec(side) if data.name == DATA and side.is_file() else None
+    return Source(read_rows(data), data.read_bytes(), spec, data)
+
+
+def _read_spec(path: Path) -> RunSpec:
+    try:
+        return RunSpec.model_validate_json(path.read_bytes())
+    except OSError as error:
+        reason = error.strerror
+    except ValidationError as error:
+        first = error.errors()[0]
+        reason = ": ".join(filter(None, (dotted(first["loc"]), first["msg"])))
+    raise InputError(
+        f"cannot be read: {reason}",
+        where=str(path),
+        cure="make the run anew, or rerender its data.csv with --arena and --robot",
+    )
+
+
+def _timed(source: Source, camera_hz: float | None) -> Source:
+    """With image numbers at `camera_hz` when it is given, else with those of data.csv."""
+    if camera_hz is None:
+        if np.any(source.rows.image > 0):
+            return source
+        raise InputError(
+            "data.csv",
+            got="img 0 in every row",
+            allowed="at least one image",
+            cure="choose a rate, such as --camera-hz 5",
+        )
+    rows = replace(source.rows, image=image_numbers(source.rows.t_ms, camera_hz))
+    return replace(source, rows=rows, data=rows.to_csv())
+
+
+def image_numbers(t_ms: Ints, camera_hz: float) -> Ints:
+    """(N,), 1, 2, 3... at the first row of every camera period since the first row, 0 elsewhere."""
+    period = np.floor((t_ms - t_ms[0]) * camera_hz / 1000 + 1e-9)
+    first = np.concatenate(([True], np.diff(period) > 0))
+    return np.where(first, np.cumsum(first), 0)
+
+
+def _draws(source: Source, request: Request) -> tuple[Draw, ...]:
+    """The looks differ from draw to draw; arena, robot and picture settings are the run's in all of them."""
+    spec = source.spec
+    route, run = (spec.route, spec.run) if spec else ("foreign", 1)
+    seed = request.seed if request.seed is not None else spec.seed if spec else 1
+    arena = _arena(source, request, seed, route, run)
+    robot = _robot(spec, request, seed, route, run)
+    render = _render(spec, request, seed, route, run)
+    if problem := lens_problem(robot.camera, render.width_px, render.height_px):
+        raise InputError(
+            f"robot.camera.distortion: {problem}", cure="take smaller coefficients or a longer focal length"
+        )
+    draws, device = [], device_for(render.device)
+    for name in request.looks:
+        section = load_section("look", name, request.of("look"), request.option)
+        for k in range(1, request.draws + 1):
+            own = draw_seed(seed, k)
+            look, drawn = draw_look(section, own, route, run)
+            record = {"draw": k, "seed": own, "drawn": drawn, "look": look.model_dump(mode="json")}
+            appearance = Appearance(arena, robot, look, render, picture_seed(own, route, run), device)
+            draws.append(Draw(f"{look.name}_{k}", appearance, canonical_json(record), section.assets))
+    names = [draw.name for draw in draws]
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise InputError("--looks", got=twice[0].rpartition("_")[0], allowed="each look once, by a name of its own")
+    return tuple(draws)
+
+
+def _arena(source: Source, request: Request, seed: int, route: str, run: int) -> ArenaConfig:
+    if source.spec and not request.arena:
+        _refuse_overrides(request, "arena")
+        return source.spec.arena
+    section = load_section("arena", request.arena or "symolo", request.of("arena"))
+    x_m, y_m, yaw_rad = source.rows.pose[0].tolist()
+    return draw_arena(section, seed, route, run, start=(x_m, y_m, yaw_rad))[0]
+
+
+def _robot(spec: RunSpec | None, request: Request, seed: int, route: str, run: int) -> RobotConfig:
+    if spec and not request.robot:
+        _refuse_overrides(request, "robot")
+        return spec.robot
+    return draw_robot(load_section("robot", request.robot or "nominal", request.of("robot")), seed, route, run)[0]
+
+
+def _refuse_overrides(request: Request, section: str) -> None:
+    if request.of(section):
+        raise InputError(
+            "--set", got=request.of(section)[0], allowed="look or render", cure=f"name --{section} as well"
+        )
+
+
+def _render(spec: RunSpec | None, request: Request, seed: int, route: str, run: int) -> Render:
+    own = spec.render.model_dump(mode="json", exclude_none=True) if spec else {}
+    settings = [f"render.{name}={str(value).lower()}" for name, value in own.items()]
+    return draw_render(load_scenario(CARRIER, [*settings, *request.of("render")]), seed, route, run)
+
+
+def _texts(source: Source, draw: Draw) -> dict[str, bytes]:
+    """What is told of the pictures, by its path in their folder."""
+    about = {DATA: source.data, POSITIONS: image_positions(source.rows), LOOK: draw.record}
+    own = draw.appearance
+    return about | dict((*camera_files(own, source.rows), scene_file(own.arena, own.look, own.seed)))
+
+
+def _publish(task: FrameTask, annotations: FrameTask | None, texts: Mapping[str, bytes], workspace: Workspace) -> None:
+    """Fill the folder; frames.json, the list of the pictures, goes first and comes last: with it the set is whole."""
+    out, marker = workspace.out, workspace.assemble("rerender")
+    digests = {name: hashlib.sha256(data).hexdigest() for name, data in texts.items()}
+    key = input_key("pictures", render=task.key, annotate=annotations.key if annotations else "", texts=digests)
+    done = marker.done()
+    if done is not None and done.key == key and holds(out, done.files):
+        return
+    partial = marker.start()
+    _fill(task, annotations, texts, partial)
+    hashes = hashes_of(partial)
+    remove_file(out / FRAMES)
+    replace_folder(partial / IMAGES, out / IMAGES)
+    remove_folder(out / ANNOTATIONS)
+    if annotations:
+        replace_folder(partial / ANNOTATIONS, out / ANNOTATIONS)
+    replace_folder(partial / SIDE, out / SIDE)
+    for name in (DATA, POSITIONS, JOB, LOOK, FRAMES):
+        move(partial / name, out / name)
+    make_folder(marker.path)
+    mark_done(marker.path, key, hashes)
+    partial.rmdir()
+
+
+def _fill(task: FrameTask, annotations: FrameTask | None, texts: Mapping[str, bytes], folder: Path) -> None:
+    for name in (IMAGES, SIDE):
+        make_folder(folder / name)
+    for name, digest in sorted(task.folder.files().items()):
+        if name.startswith(f"{IMAGES}/"):
+            write_file(folder / name, read_known(task.folder.path / name, digest))
+    if annotations:
+        copy_released(annotations.folder, folder)
+    for name, data in texts.items():
+        write_file(folder / name, data)
+    for name in (JOB, FRAMES):
+        write_file(folder / name, (task.folder.path / name).read_bytes())

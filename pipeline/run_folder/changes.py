@@ -1,0 +1,44 @@
+"""Why something is made again: the fields of a run that changed."""
+
+from collections.abc import Iterator, Sequence
+from itertools import islice
+
+from configs.schema.scenario import RunSpec
+from pipeline.stages.simulate_runs import simulation_inputs
+from symolo.core.errors import shown
+
+MOST = 3
+"""Fields that are named; one cause often moves many."""
+
+ABOUT = ("drawn", "scenario")
+"""What no picture depends on: it tells where the other values came from."""
+
+
+def changes(made: RunSpec, asked: RunSpec, *, simulation: bool = False) -> list[str]:
+    """Fields with their values before and now, such as `look.sun.elevation_deg 30.0 -> 60.0`.
+
+    Args:
+        made: What is there was made from it.
+        asked: What it would be made from now.
+        simulation: Whether only what the trajectory depends on counts.
+    """
+    trees = [simulation_inputs(spec) if simulation else spec.model_dump(mode="json") for spec in (made, asked)]
+    before, now = ({key: value for key, value in tree.items() if key not in ABOUT} for tree in trees)
+    return list(_differences(before, now, ""))
+
+
+def told(changed: Sequence[str]) -> str:
+    """The first of them in a line."""
+    more = f" and {len(changed) - MOST} more" if len(changed) > MOST else ""
+    return ", ".join(islice(changed, MOST)) + more
+
+
+def _differences(before: object, now: object, path: str) -> Iterator[str]:
+    if isinstance(before, dict) and isinstance(now, dict):
+        for key in dict.fromkeys((*before, *now)):
+            yield from _differences(before.get(key), now.get(key), f"{path}.{key}" if path else str(key))
+    elif isinstance(before, list) and isinstance(now, list) and len(before) == len(now):
+        for i, (one, other) in enumerate(zip(before, now, strict=True)):
+            yield from _differences(one, other, f"{path}.{i}")
+    elif before != now:
+        yield f"{path} {shown(before)} -> {shown(now)}"

@@ -1,0 +1,300 @@
+"""What an output folder holds, what is missing, and whether somebody works in it; asked without changing anything."""
+
+import fcntl
+import os
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from blender_scenes.render.frame_files import Ledger
+from configs.schema.scenario import RunSpec
+from pipeline.assembly.scene_record import SCENE
+from pipeline.planning.plan import Plan
+from pipeline.run_folder.changes import changes, told
+from pipeline.run_folder.output import kind_of
+from pipeline.run_folder.workspace import FAILED, STAGES, Kind, StageFolder, Workspace
+from pipeline.stages.assemble import of_several_classes, read_metadata
+from pipeline.stages.render import IMAGES, JOB, journal
+from pipeline.stages.simulate_runs import SPEC, RunOutcome, read_outcome, simulation_key
+from symolo.core.atomic_files import LOCK, place_of
+from symolo.core.errors import InputError, one_line
+from symolo.core.file_hashes import holds
+from symolo.dataset.layout import SIDE
+from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST
+from symolo.verification.annotations import ANNOTATIONS
+from symolo.verification.inventory import Inventory
+
+OF_RUNS = ("simulate", "render", "annotate", "assemble")
+"""Stages in their order."""
+
+
+@dataclass(frozen=True)
+class StageStatus:
+    stage: str
+    text: str
+    """What is done, of how much, or what failed."""
+    again: str = ""
+    """Why another run of the command does it again, or does it at all; empty where it is done."""
+
+
+@dataclass(frozen=True)
+class RunStatus:
+    run: str
+    stages: tuple[StageStatus, ...]
+
+    @property
+    def done(self) -> bool:
+        return not any(stage.again for stage in self.stages)
+
+
+def status(out: Path, specs: Sequence[RunSpec] = (), *, check: bool = False) -> Iterator[str]:
+    """Lines for a person.
+
+    Args:
+        out: A folder that a command for datasets works in.
+        specs: Of the scenario that would be run again; without them what is stored is held against itself.
+        check: Whether every file is hashed.
+
+    Raises:
+        InputError: It is no such folder.
+    """
+    if not out.is_dir():
+        raise InputError("no such folder", where=str(out), cure="name the folder that --out named")
+    if (kind := kind_of(out)) is not Kind.DATASET:
+        what = f"holds what a command for {kind} made" if kind else "is no folder of a release"
+        raise InputError(what, where=str(out), cure="name the --out of release, simulate, render or assemble")
+    workspace = Workspace(out.absolute())
+    yield _working(workspace)
+    runs = [run_status(workspace, run, spec, check=check) for run, spec in _runs(workspace, specs).items()]
+    whole = sum(run.done for run in runs)
+    yield f"runs: {whole} of {len(runs)} released and up to date"
+    for run in runs:
+        if not run.done or check or len(runs) <= 20:
+            yield f"{run.run}: " + "; ".join(f"{stage.stage} {stage.text}" for stage in run.stages)
+    reasons = Counter(f"{stage.stage}: {stage.again}" for run in runs for stage in run.stages if stage.again)
+    for reason, count in reasons.items():
+        yield f"would be done by the next release, {count} {'run' if count == 1 else 'runs'}: {reason}"
+    yield from _mixed(workspace, [run.run for run in runs])
+    yield _release(workspace, check=check)
+    if cost := _cost(workspace, [run.run for run in runs], specs):
+        yield cost
+    yield _disk(workspace)
+
+
+def again(workspace: Workspace, specs: Sequence[RunSpec]) -> Iterator[str]:
+    """What was done for these runs and is done again now, and why; a line for each reason."""
+    reasons: Counter[str] = Counter()
+    for spec in specs:
+        if workspace.simulate(spec.key).done() is None:
+            continue
+        simulated = _simulated(workspace, spec.key, spec, check=False)
+        changed = for_pictures(workspace, spec.key, spec)
+        if simulated.again:
+            reasons[f"simulate and render again: {simulated.again}"] += 1
+        elif changed and workspace.render(spec.key).done() is not None:
+            reasons[f"not as the images there: {told(changed)}"] += 1
+    for reason, count in reasons.items():
+        yield f"{count} {'run' if count == 1 else 'runs'}: {reason}"
+
+
+def run_status(workspace: Workspace, run: str, spec: RunSpec | None, *, check: bool = False) -> RunStatus:
+    """Of one run; `spec` as the scenario asks for it now, None where no scenario is given."""
+    simulate = _simulated(workspace, run, spec, check=check)
+    outcome = _outcome(workspace, run)
+    stages = [simulate]
+    if outcome is None or not outcome.problems:
+        changed = [] if spec is None else for_pictures(workspace, run, spec)
+        render = _framed(workspace.render(run), "render", outcome, check=check)
+        if not render.again and (changed or simulate.again):
+            render = StageStatus("render", render.text, told(changed) if changed else "after the simulation")
+        stages.append(render)
+        if workspace.annotate(run).path.exists() or (spec is not None and spec.render.annotations):
+            stages.append(_framed(workspace.annotate(run), "annotate", outcome, check=check))
+        stages.append(_released(workspace, run, pending=any(stage.again for stage in stages)))
+    return RunStatus(run, tuple(stages))
+
+
+def for_pictures(workspace: Workspace, run: str, spec: RunSpec) -> list[str]:
+    """Fields that differ between a run as asked for and as its pictures were made; nothing where that is not known."""
+    released = workspace.out / run / "side" / SPEC
+    made = _read_spec(released) or _read_spec(workspace.simulate(run).path / SPEC)
+    return [] if made is None else changes(made, spec)
+
+
+def _simulated(workspace: Workspace, run: str, spec: RunSpec | None, *, check: bool) -> StageStatus:
+    folder = workspace.simulate(run)
+    done, stored = folder.done(), _read_spec(folder.path / SPEC)
+    if done is None or stored is None:
+        return StageStatus("simulate", "begun" if folder.is_begun() else "not begun", "it was never finished")
+    if check and not holds(folder.path, done.files):
+        return StageStatus("simulate", "damaged", "files of it are damaged or missing")
+    asked = spec or stored
+    if done.key == simulation_key(asked):
+        outcome = _outcome(workspace, run)
+        if outcome is not None and outcome.problems:
+            return StageStatus("simulate", f"failed: {one_line('; '.join(outcome.problems))}")
+        return StageStatus("simulate", "done")
+    changed = changes(stored, asked, simulation=True)
+    return StageStatus("simulate", "outdated", told(changed) if changed else "programs of other versions made it")
+
+
+def _framed(folder: StageFolder, stage: str, outcome: RunOutcome | None, *, check: bool) -> StageStatus:
+    total = str(outcome.images) if outcome else "?"
+    files = folder.path / (IMAGES if stage == "render" else "annotations")
+    done = folder.done()
+    if done is not None:
+        if check and not holds(folder.path, done.files):
+            return StageStatus(stage, "damaged", "files of it are damaged or missing")
+        return StageStatus(stage, f"done, {total} images")
+    if (folder.path / FAILED).exists():
+        return StageStatus(stage, f"failed: {one_line(folder.problem()) or 'nothing tells why'}")
+    if not files.is_dir():
+        return StageStatus(stage, "not begun", "it was never begun")
+    there = _frames(files)
+    return StageStatus(stage, f"{there} of {total} images", "it was interrupted or failed")
+
+
+def _frames(files: Path) -> int:
+    """Images that have a whole file, at least one where a folder holds those of each kind."""
+    folders = [path for path in files.iterdir() if path.is_dir()] or [files]
+    return min(sum(not path.name.startswith(".") for path in folder.iterdir()) for folder in folders)
+
+
+def _released(workspace: Workspace, run: str, *, pending: bool) -> StageStatus:
+    done = workspace.assemble(run).done()
+    there = (workspace.out / run).is_dir()
+    if done is None:
+        return StageStatus("release", "there, of deleted stages" if there else "not there", "it was not assembled")
+    if not there:
+        return StageStatus("release", "gone", "its folder is missing")
+    if f"{SIDE}/{SCENE}" not in done.files:
+        return StageStatus("release", "of an earlier version", f"{SIDE}/{SCENE} is not among its files")
+    missing = [name for name in done.files if not (workspace.out / run / name).is_file()]
+    if missing:
+        return StageStatus("release", f"without {missing[0]}", "files of it are missing")
+    return StageStatus("release", "done", "after the stages before it" if pending else "")
+
+
+def _runs(workspace: Workspace, specs: Sequence[RunSpec]) -> dict[str, RunSpec | None]:
+    """All runs that are asked for, or else all that are known."""
+    if specs:
+        return {spec.key: spec for spec in specs}
+    found: set[str] = set()
+    for stage in OF_RUNS:
+        root = workspace.out / STAGES / stage
+        begun = [place for path in root.glob("*/.test_*.tmp") if (place := place_of(path))]
+        places = [path for path in root.glob("*/test_*") if path.is_dir()]
+        found |= {path.relative_to(root).as_posix() for path in begun + places}
+    metadata = read_metadata(workspace.out)
+    found |= {record.run for record in metadata.runs} if metadata else set()
+    return dict.fromkeys(sorted(found, key=_in_order))
+
+
+def _in_order(run: str) -> tuple[str, int]:
+    route, _, number = run.partition("/test_")
+    return route, int(number) if number.isdigit() else 0
+
+
+def _working(workspace: Workspace) -> str:
+    """By the lock that every command holds while it works; it is let go of at once."""
+    try:
+        descriptor = os.open(workspace.out / STAGES / LOCK, os.O_RDONLY | os.O_NOFOLLOW)
+    except OSError:
+        if (workspace.out / STAGES).is_dir():
+            return "nobody works here now"
+        return "nobody works here; .stages is not there, so that the next release makes everything anew"
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        number = _holder(os.fstat(descriptor))
+        return "a command is working here now" + (f", process {number}" if number else "")
+    else:
+        return "nobody works here now"
+    finally:
+        os.close(descriptor)
+
+
+def _holder(place: os.stat_result) -> int:
+    """Process that holds the lock as Linux tells it (proc(5), /proc/locks); 0 where it does not."""
+    where = f"{os.major(place.st_dev):02x}:{os.minor(place.st_dev):02x}:{place.st_ino}"
+    try:
+        lines = Path("/proc/locks").read_text(encoding="ascii").splitlines()
+    except (OSError, ValueError):
+        return 0
+    rows = [line.split() for line in lines]
+    return next((int(row[4]) for row in rows if row[1:2] == ["FLOCK"] and row[5:6] == [where]), 0)
+
+
+def _release(workspace: Workspace, *, check: bool) -> str:
+    lists = [name for name in (MANIFEST, TAG_MANIFEST) if not (workspace.out / name).is_file()]
+    if lists:
+        return f"release: not finished, {' and '.join(lists)} not there"
+    if not check:
+        return "release: its lists are there; --check looks at every file"
+    faults = sum(1 for _ in Inventory.of(workspace.out).findings())
+    return (
+        f"release: {faults} faults, which symolo verify names" if faults else "release: every file as it was released"
+    )
+
+
+def _cost(workspace: Workspace, runs: Sequence[str], specs: Sequence[RunSpec]) -> str:
+    """What the images there took, by the journals of their making; the starts of Blender are not in it."""
+    images, core_s = 0, 0.0
+    for run in runs:
+        for name, of_run in _journals(workspace, run):
+            made = of_run.files()
+            core_s += sum(file.seconds * file.threads for file in made)
+            images += len({file.file for file in made}) if name == IMAGES else 0
+    if not images:
+        return ""
+    told = f"cost: {images} images took {core_s / 3600:.3g} core-hours, {core_s / images:.3g} core-seconds each"
+    if not specs:
+        return told
+    planned = Plan.of(specs, 1)
+    return f"{told}; planned were {planned.render_s / planned.images:.3g} each, with the starts of Blender"
+
+
+def _mixed(workspace: Workspace, runs: Sequence[str]) -> Iterator[str]:
+    """Runs whose frames were made on several classes of processor."""
+    for run in runs:
+        cpus = {cpu for _, of_run in _journals(workspace, run) for cpu in of_run.processors()}
+        if len(cpus) > 1:
+            yield f"{run}: {of_several_classes(sorted(cpus))}"
+
+
+def _journals(workspace: Workspace, run: str) -> Iterator[tuple[str, Ledger]]:
+    """Of its images and annotations, as far as they were begun, with the name of the folder that each is of."""
+    for folder, name in ((workspace.render(run), IMAGES), (workspace.annotate(run), ANNOTATIONS)):
+        if (folder.path / JOB).is_file():
+            yield name, journal(folder, name)
+
+
+def _disk(workspace: Workspace) -> str:
+    sizes: Counter[str] = Counter()
+    for folder, _, files in os.walk(workspace.out):
+        parts = Path(folder).relative_to(workspace.out).parts
+        part = "release" if parts[:1] != (STAGES,) else "/".join(parts[:2])
+        for name in files:
+            try:
+                sizes[part] += os.lstat(os.path.join(folder, name)).st_size  # noqa: PTH118 - of many files
+            except OSError:  # gone meanwhile
+                continue
+    told_sizes = ", ".join(f"{part} {size / 1e6:.1f} MB" for part, size in sorted(sizes.items(), reverse=True))
+    return f"disk: {sum(sizes.values()) / 1e6:.1f} MB: {told_sizes}"
+
+
+def _outcome(workspace: Workspace, run: str) -> RunOutcome | None:
+    try:
+        return read_outcome(workspace.simulate(run).path)
+    except (OSError, ValidationError):
+        return None
+
+
+def _read_spec(path: Path) -> RunSpec | None:
+    try:
+        return RunSpec.model_validate_json(path.read_bytes())
+    except (OSError, ValidationError):
+        return None

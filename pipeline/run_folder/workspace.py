@@ -1,0 +1,223 @@
+"""The output folder: whether it may be used, where each stage of each run lies in it, and what is done."""
+
+import contextlib
+import enum
+import fcntl
+import hashlib
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from symolo.core.atomic_files import (
+    make_folder,
+    new_folder_beside,
+    opened_lock,
+    place_of,
+    remove_folder,
+    remove_leftovers,
+    replace_folder,
+    write_file,
+)
+from symolo.core.errors import EnvironmentLacking, InputError
+from symolo.core.file_hashes import canonical_json, hashes_of, holds
+from symolo.core.os_errors import NOT_THERE
+
+DONE, FAILED = "done.json", "failed.json"
+STAGES = ".stages"
+KIND = "kind"
+"""File in `.stages` with the kind of folder this is."""
+
+
+def input_key(stage: str, **inputs: object) -> str:
+    """SHA-256 over everything that a stage's result depends on; an equal key means nothing to redo."""
+    return hashlib.sha256(canonical_json({"stage": stage, **inputs})).hexdigest()
+
+
+class Kind(enum.StrEnum):
+    """What an output folder holds; a command for one kind does not write into the other."""
+
+    DATASET = "dataset"
+    PICTURES = "pictures"
+    """Output of `symolo rerender --look`."""
+    LOOKS = "looks"
+    """Output of `symolo rerender --looks`: a folder of pictures for each draw."""
+    BENCH = "bench"
+    """Output of `symolo bench`."""
+    DIAGNOSIS = "diagnosis"
+    """Output of `symolo diagnose`: of one case, or a folder for each of several."""
+    PICTURE_DIAGNOSIS = "picture_diagnosis"
+    """Output of `symolo pictures`."""
+
+
+class Done(BaseModel):
+    """What `done.json` says."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    key: str
+    files: dict[str, str]
+    """SHA-256 by path inside the folder."""
+
+
+class _Failed(BaseModel):
+    """What `failed.json` says."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    key: str
+    problem: str
+
+
+@dataclass(frozen=True)
+class StageFolder:
+    """One stage of one run; `done.json` is its last file and names its input key and the hash of each file."""
+
+    path: Path
+
+    def is_done(self, key: str) -> bool:
+        """Whether the folder was finished from the same inputs and each of its files is still what was written."""
+        done = self.done()
+        return done is not None and done.key == key and holds(self.path, done.files)
+
+    def start(self) -> Path:
+        """An empty folder beside the final one, of this caller alone, to be filled and handed to `publish`."""
+        return new_folder_beside(self.path)
+
+    def is_begun(self) -> bool:
+        """Whether somebody has started to fill it, now or before a kill."""
+        return any(place_of(path) == self.path for path in self.path.parent.glob(".*.tmp"))
+
+    def publish(self, partial: Path, key: str, *, over: bool = False) -> None:
+        """Put the filled folder in place; what others have made of the same inputs stays, but where `over`.
+
+        Others may be reading it, and the same inputs give the same bytes, but for a board that is real.
+        """
+        mark_done(partial, key)
+        with held(self.path.parent):
+            if self.is_done(key) and not over:
+                remove_folder(partial)
+            else:
+                replace_folder(partial, self.path)
+
+    def fail(self, key: str, problem: str) -> None:
+        """Note that these inputs come to nothing that can be released, so that later stages know."""
+        write_file(self.path / FAILED, canonical_json(_Failed(key=key, problem=problem).model_dump()))
+
+    def problem(self, key: str | None = None) -> str:
+        """Why nothing came of these inputs, or of any; empty where that is not known."""
+        try:
+            failed = _Failed.model_validate_json((self.path / FAILED).read_bytes())
+        except (*NOT_THERE, ValidationError):
+            return ""
+        return failed.problem if key in {None, failed.key} else ""
+
+    def files(self) -> dict[str, str]:
+        """SHA-256 of the finished stage's files by their path inside.
+
+        Raises:
+            EnvironmentLacking: It is not finished, though it was a moment ago.
+        """
+        done = self.done()
+        if done is None:
+            raise EnvironmentLacking(f"{self.path} has changed since it was made; run the same command again")
+        return done.files
+
+    def done(self) -> Done | None:
+        """What `done.json` says, None while the stage is not finished."""
+        try:
+            return Done.model_validate_json((self.path / DONE).read_bytes())
+        except (*NOT_THERE, ValidationError):
+            return None
+
+
+def mark_done(folder: Path, key: str, files: dict[str, str] | None = None) -> None:
+    """Write `done.json` for the files named, or for all that the folder holds."""
+    files = hashes_of(folder, skip=(DONE,)) if files is None else files
+    write_file(folder / DONE, canonical_json(Done(key=key, files=files).model_dump()))
+
+
+@contextlib.contextmanager
+def held(folder: Path) -> Iterator[None]:
+    """Wait until no other process holds a folder, and hold it; for what takes moments."""
+    descriptor = opened_lock(folder)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+@contextlib.contextmanager
+def held_or_refused(folder: Path, where: str) -> Iterator[None]:
+    """Hold a folder for this process, however it ends.
+
+    Raises:
+        InputError: Another process holds it.
+    """
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        _lock(descriptor, fcntl.LOCK_EX, where)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def _lock(descriptor: int, kind: int, where: str) -> None:
+    try:
+        fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
+    except BlockingIOError:
+        what, cure = "another symolo command is working in this folder", "wait for it, or name another folder"
+        raise InputError(what, where=where, cure=cure) from None
+
+
+@dataclass(frozen=True)
+class Workspace:
+    """`out` with its released runs, and the hidden `.stages` that a rerun continues from."""
+
+    out: Path
+    kind: Kind = Kind.DATASET
+
+    def simulate(self, run_key: str) -> StageFolder:
+        return StageFolder(self.out / STAGES / "simulate" / run_key)
+
+    def render(self, run_key: str) -> StageFolder:
+        return StageFolder(self.out / STAGES / "render" / run_key)
+
+    def annotate(self, run_key: str) -> StageFolder:
+        return StageFolder(self.out / STAGES / "annotate" / run_key)
+
+    def assemble(self, run_key: str) -> StageFolder:
+        return StageFolder(self.out / STAGES / "assemble" / run_key)
+
+    @property
+    def own_files(self) -> Path:
+        """The user's own pictures and panoramas, each under its SHA-256."""
+        return self.out / STAGES / "assets"
+
+    @contextlib.contextmanager
+    def locked(self, *, alone: bool = True) -> Iterator[None]:
+        """Hold the folder for this process; the operating system lets go of it however the process ends.
+
+        Processes that are not to be `alone`, for each does a part of the work, hold it together.
+        """
+        make_folder(self.out / STAGES)
+        descriptor = opened_lock(self.out / STAGES)
+        try:
+            _lock(descriptor, fcntl.LOCK_EX if alone else fcntl.LOCK_SH, f"--out {self.out}")
+            if not (self.out / STAGES / KIND).exists():
+                write_file(self.out / STAGES / KIND, f"{self.kind}\n".encode())
+            if alone:
+                self._sweep()
+            yield
+        finally:
+            os.close(descriptor)
+
+    def _sweep(self) -> None:
+        """Free the folder of what a killed command left unfinished."""
+        routes = [path for path in self.out.iterdir() if path.is_dir() and not path.name.startswith(".")]
+        for folder in (self.out, *routes):
+            remove_leftovers(folder)
+        remove_leftovers(self.out / STAGES, below=True)

@@ -1,0 +1,190 @@
+"""A release on its way to a store while it is made: each run as soon as it is whole, the lists of checksums at its end.
+
+Runs are put together and sent by threads of their own, so that nothing waits for the network. Whatever goes wrong on
+the way there is told, and leaves the release itself as it would be without.
+"""
+
+import contextlib
+import hashlib
+import threading
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from pydantic import ValidationError
+
+from configs.schema.scenario import RunSpec
+from pipeline.assembly.description import DESCRIPTION
+from pipeline.run_folder.workspace import Workspace
+from pipeline.stages.assemble import release_run
+from pipeline.stages.simulate_runs import spec_text
+from symolo.core.errors import EnvironmentLacking, InputError
+from symolo.core.file_hashes import canonical_json
+from symolo.core.os_errors import lacking
+from symolo.core.progress import Report
+from symolo.dataset.bag import BAG_INFO
+from symolo.dataset.layout import SIDE, SPEC
+from symolo.dataset.metadata import METADATA, Metadata, made_with
+from symolo.storage.base import LocalFile, Store
+from symolo.storage.comparison import compare_listed, digest_of, released_files
+from symolo.storage.side_by_side import side_by_side
+from symolo.storage.upload import another_release, check_apart, refuse_extra, send
+from symolo.verification.inventory import LISTS
+
+AT_THE_TOP = frozenset({*LISTS, BAG_INFO, METADATA, DESCRIPTION})
+
+
+@dataclass(frozen=True)
+class Destination:
+    """Where a release goes while it is made, and the command that sends what did not get there."""
+
+    store: Store
+    command: str
+
+    @contextlib.contextmanager
+    def opened(
+        self, workspace: Workspace, tree: dict[str, Any], specs: Sequence[RunSpec], report: Report
+    ) -> Iterator["Along"]:
+        """Hold it, for as long as the release is made.
+
+        Raises:
+            InputError: It holds something else, or lies within the release.
+            EnvironmentLacking: It cannot be reached.
+        """
+        check_apart(workspace.out, self.store)
+        with self.store.held():
+            along = Along(workspace, self, _listed(self.store, tree, specs), report)
+            try:
+                yield along
+            finally:
+                along.stop()
+
+
+def _listed(store: Store, tree: dict[str, Any], specs: Sequence[RunSpec]) -> dict[str, int]:
+    """Bytes of what a place holds, all of which may be of this release: by names, specifications and metadata."""
+    sizes = store.sizes()
+    runs = {spec.key for spec in specs}
+    for name in sorted(sizes.keys() - AT_THE_TOP):
+        if "/".join(PurePosixPath(name).parts[:2]) not in runs:
+            raise another_release(store, f"{name} is of no run of this scenario")
+    wanted = {f"{spec.key}/{SIDE}/{SPEC}": hashlib.sha256(spec_text(spec)).hexdigest() for spec in specs}
+    there = [name for name in wanted if name in sizes]
+    for name, digest in side_by_side(lambda name: digest_of(store, name), there):
+        if digest not in {wanted[name], ""}:
+            raise another_release(store, f"{name} is not that of this scenario")
+    if METADATA in sizes:
+        _check_metadata(store, tree)
+    return sizes
+
+
+def _check_metadata(store: Store, tree: dict[str, Any]) -> None:
+    try:
+        told = Metadata.model_validate_json(store.get(METADATA) or b"")
+    except ValidationError:
+        raise another_release(store, f"{METADATA} is none of this version") from None
+    if canonical_json(told.scenario) != canonical_json(tree):
+        raise another_release(store, f"{METADATA} names another scenario")
+    if told.made_with != made_with():
+        raise another_release(store, "it was made with other versions")
+
+
+class Along:
+    """A release on its way. `whole` and `finish` are called by one thread."""
+
+    def __init__(self, workspace: Workspace, to: Destination, sizes: Mapping[str, int], report: Report) -> None:
+        self._workspace, self._to, self._sizes, self._report = workspace, to, sizes, report
+        self._assembling, self._sending = ThreadPoolExecutor(1), ThreadPoolExecutor(1)
+        self._sends: list[Future[None]] = []
+        self._over = threading.Event()
+        self._known: dict[str, str] = {}
+        self._sent = 0
+
+    def whole(self, spec: RunSpec) -> None:
+        """A run has all its files: put it together and send it, while others are made."""
+        # What is finished there is for the end to compare: nothing of it is replaced before that.
+        if not self._sizes.keys() & {*LISTS}:
+            self._assembling.submit(self._assemble, spec)
+
+    def assembled(self) -> None:
+        """Wait until every run that is whole is put together, so that the folder is the caller's alone."""
+        self._assembling.shutdown(wait=True)
+
+    def finish(self, *, complete: bool) -> str:
+        """Send the rest and the lists; what is to be said of it.
+
+        Args:
+            complete: Whether no run failed; else it is not finished there, for what comes next would be another one.
+
+        Raises:
+            InputError: The place holds something else meanwhile, or a file of the release changed.
+            EnvironmentLacking: It cannot be reached.
+        """
+        self._sending.shutdown(wait=True)
+        for future in self._sends:
+            future.result()
+        url = self._to.store.url
+        if not complete:
+            return f"{url}: not finished, for a run failed; the same command continues, or `{self._to.command}` ends it"
+        with self._rest_told():
+            files = released_files(self._workspace.out)
+            found = send(files, self._to.store, self._report, self._known)
+        rest = len(found.to_send)
+        return f"{url}: {len(files)} files there, {self._sent + rest} sent now, {rest} of them at the end"
+
+    def stop(self) -> None:
+        """Wait for what is in flight, and begin nothing more."""
+        self._over.set()
+        self._assembling.shutdown(wait=True, cancel_futures=True)
+        self._sending.shutdown(wait=True, cancel_futures=True)
+
+    def _assemble(self, spec: RunSpec) -> None:
+        # What goes wrong here goes wrong again, and is told, when the release is assembled.
+        hashes = release_run(self._workspace, spec)
+        out = self._workspace.out
+        files = [_local(out, f"{spec.key}/{name}", digest) for name, digest in hashes.items()]
+        self._sends.append(self._sending.submit(self._send, spec.key, files))
+
+    def _send(self, run: str, files: Sequence[LocalFile]) -> None:
+        if self._over.is_set():
+            return
+        sizes = {name: size for name, size in self._sizes.items() if name.startswith(f"{run}/")}
+        try:
+            self._send_files(run, files, sizes)
+        except (InputError, EnvironmentLacking, OSError) as error:
+            self._over.set()
+            self._report.say(f"upload: {run}: {error}; the release goes on, and the rest is tried at its end")
+
+    def _send_files(self, run: str, files: Sequence[LocalFile], sizes: Mapping[str, int]) -> None:
+        store = self._to.store
+        found = compare_listed(files, sizes, store)
+        refuse_extra(found, store)
+        self._known |= {file.name: file.digest for file in found.same}
+        done, size = 0, 0
+        with contextlib.closing(side_by_side(store.put, found.to_send)) as sent:
+            for file, _ in sent:
+                self._known[file.name] = file.digest
+                self._sent, done, size = self._sent + 1, done + 1, size + file.size_bytes
+                if self._over.is_set():
+                    return
+        self._report.say(f"upload: {run}: {done} files sent, {size / 1e6:.1f} MB; {len(found.same)} were there")
+
+    @contextlib.contextmanager
+    def _rest_told(self) -> Iterator[None]:
+        """Errors with what there is in spite of them, and how to go on."""
+        cure = f"the release is whole in {self._workspace.out}, and `{self._to.command}` sends what is missing there"
+        try:
+            yield
+        except InputError as error:
+            raise InputError(str(error), cure=cure) from None
+        except (EnvironmentLacking, OSError) as error:
+            told = str(error) if isinstance(error, EnvironmentLacking) else lacking(error)
+            if not told:
+                raise
+            raise EnvironmentLacking(f"{told}; {cure}") from None
+
+
+def _local(out: Path, name: str, digest: str) -> LocalFile:
+    path = out / name
+    return LocalFile(name, path, path.stat().st_size, digest)

@@ -1,0 +1,174 @@
+"""A scenario and an output folder: which stages are to be done for which runs, and what came of it."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from blender_scenes.render.devices import DeviceKind, device_for
+from configs.loader import LoadedScenario, load_scenario
+from configs.schema.scenario import RunSpec
+from pipeline.executors.base import Executor
+from pipeline.planning.drawing import draw_reported
+from pipeline.planning.plan import Plan
+from pipeline.run_folder.output import check_disk, check_out
+from pipeline.run_folder.own_files import keep_own_files
+from pipeline.run_folder.workspace import Kind, Workspace
+from pipeline.stages.annotate import AnnotationTask
+from pipeline.stages.assemble import assemble
+from pipeline.stages.render import Appearance, FrameTask, Order, RenderTask, render_runs
+from pipeline.stages.simulate_runs import (
+    prepare_boards,
+    problems_of,
+    read_recording,
+    simulate_runs,
+    simulation_key,
+)
+from pipeline.work.supervisor import cores
+from symolo.core.errors import InputError
+from symolo.core.progress import Report
+from symolo.dataset.metadata import FailedRun
+from symolo.dataset.rows import Rows
+
+
+@dataclass(frozen=True)
+class Batch:
+    """What a command works on; nothing is written before one of the stages is asked for."""
+
+    loaded: LoadedScenario
+    specs: tuple[RunSpec, ...]
+    workspace: Workspace
+    executor: Executor
+    device: DeviceKind = "CPU"
+
+    @classmethod
+    def open(
+        cls,
+        scenario: str,
+        overrides: Sequence[str],
+        out: Path,
+        executor: Executor,
+        report: Report,
+        *,
+        pictured: bool = True,
+    ) -> "Batch":
+        """Load and draw the scenario and see that there is room for it, and what it is rendered on where `pictured`.
+
+        Raises:
+            InputError: The scenario or the output folder cannot be used.
+            EnvironmentLacking: The disk is too full, or a graphics card is asked for and there is none.
+        """
+        loaded = load_scenario(scenario, overrides)
+        executor.check()
+        specs = draw_reported(loaded, report)
+        check_out(out, Kind.DATASET)
+        check_disk(out, Plan.of(specs, cores()).bytes_needed)
+        device = device_for(specs[0].render.device) if pictured else "CPU"
+        return cls(loaded, specs, Workspace(out.absolute()), executor.on(device), device)
+
+    def keep_own_files(self) -> None:
+        """Copy the user's own files for the renderers: before the runs are simulated, which leaves time to change them.
+
+        Raises:
+            InputError: One of them is gone or has changed.
+        """
+        keep_own_files((spec.look for spec in self.specs), self.loaded.assets, self.workspace.own_files)
+
+    def prepare_boards(self) -> None:
+        """See that the boards that drive can be had, before anything is written.
+
+        Raises:
+            InputError: A real one is asked for, which only `symolo hil` reaches.
+            EnvironmentLacking: What the simulated one is built with is missing.
+        """
+        prepare_boards(self.workspace, self.specs)
+
+    def simulate(self, report: Report) -> list[FailedRun]:
+        return simulate_runs(self.workspace, self.specs, self.executor, report)
+
+    def simulated(self) -> list[FailedRun]:
+        """Problems of runs simulated before.
+
+        Raises:
+            InputError: A run is not simulated yet, or from other inputs.
+        """
+        for spec in self.specs:
+            if not self.workspace.simulate(spec.key).is_done(simulation_key(spec)):
+                raise self._not_done(spec, "simulate")
+        return problems_of(self.workspace, self.specs)
+
+    def render(
+        self,
+        failures: Sequence[FailedRun],
+        report: Report,
+        on_whole: Callable[[RunSpec], None] = lambda _spec: None,
+    ) -> list[FailedRun]:
+        """Images, and then what is known of those that were rendered; `on_whole` hears of each run that has all."""
+        specs = {spec.key: spec for spec in self.specs}
+
+        def on_pictures(run: str) -> None:
+            if not specs[run].render.annotations:
+                on_whole(specs[run])
+
+        tasks: list[FrameTask] = []
+        orders = _noted(self._render_orders(failures), tasks)
+        failed = render_runs(orders, self.executor, report, on_whole=on_pictures)
+        orders = self._annotation_orders(tasks, failed)
+        if self._annotated:
+            failed += render_runs(orders, self.executor, report, "annotate", lambda run: on_whole(specs[run]))
+        return failed
+
+    def rendered(self, failures: Sequence[FailedRun]) -> list[FailedRun]:
+        """Problems of runs rendered before.
+
+        Raises:
+            InputError: A good run is not rendered or annotated yet, or from other inputs.
+        """
+        tasks: list[FrameTask] = []
+        failed = self._problems(_noted(self._render_orders(failures), tasks))
+        return failed + self._problems(self._annotation_orders(tasks, failed))
+
+    def assemble(self, failures: Sequence[FailedRun], report: Report) -> None:
+        assemble(self.workspace, self.loaded.tree, self.specs, failures, report)
+
+    @property
+    def _annotated(self) -> bool:
+        return any(spec.render.annotations for spec in self.specs)
+
+    def _render_orders(self, failures: Sequence[FailedRun]) -> Iterator[Order]:
+        failed = {failure.run for failure in failures}
+        for spec in self.specs:
+            if spec.key not in failed:
+                rows = Rows.from_recording(read_recording(self.workspace.simulate(spec.key).path))
+                folder, own_files = self.workspace.render(spec.key), self.workspace.own_files
+                yield RenderTask.of(spec.key, Appearance.of(spec, self.device), rows, folder, own_files)
+
+    def _annotation_orders(self, pictures: Sequence[FrameTask], failures: Sequence[FailedRun]) -> Iterator[Order]:
+        """None where the scenario asks for no annotations."""
+        failed = {failure.run for failure in failures}
+        wanted = {spec.key: Appearance.of(spec, self.device) for spec in self.specs if spec.render.annotations}
+        for task in pictures:
+            if task.run in wanted and task.run not in failed:
+                yield AnnotationTask.of(task, wanted[task.run], self.workspace.annotate(task.run))
+
+    def _problems(self, orders: Iterable[Order]) -> list[FailedRun]:
+        failed = []
+        for task in (order.task for order in orders):
+            if problem := task.folder.problem(task.key):
+                failed.append(FailedRun(run=task.run, stage=task.STAGE, problem=problem))
+            elif not task.folder.is_done(task.key):
+                raise self._not_done(next(spec for spec in self.specs if spec.key == task.run), "render")
+        return failed
+
+    def _not_done(self, spec: RunSpec, stage: str) -> InputError:
+        return InputError(
+            f"run {spec.key} of this scenario is not there from stage '{stage}'",
+            where=f"--out {self.workspace.out}",
+            cure=f"run `symolo {stage}` with the same scenario first, or `symolo release` for all stages",
+        )
+
+
+def _noted(orders: Iterable[Order], tasks: list[FrameTask]) -> Iterator[Order]:
+    """The orders as they come; their tasks are kept, their jobs are not."""
+    for order in orders:
+        tasks.append(order.task)
+        yield order

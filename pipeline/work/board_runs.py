@@ -1,0 +1,68 @@
+"""Runs with a board in the loop, one after the other in this process, shown live where there is a terminal."""
+
+import sys
+from collections.abc import Sequence
+
+from configs.schema.scenario import RunSpec
+from hil.links.serial_link import SerialLink
+from pipeline.run_folder.workspace import Workspace
+from pipeline.stages.simulate_runs import prepare_boards, problems_of, read_outcome, simulate_into, simulation_key
+from symolo.core.errors import RunFailed
+from symolo.core.progress import Report
+from symolo.dataset.metadata import FailedRun
+
+
+def check_board(workspace: Workspace, specs: Sequence[RunSpec], port: str) -> None:
+    """See before anything is written that the board can be had.
+
+    Raises:
+        InputError: The port cannot be opened, or the robot's numbers do not fit the firmware.
+        EnvironmentLacking: What the simulated board is built with is missing.
+    """
+    if not port:
+        prepare_boards(workspace, specs)
+        return
+    for spec in specs:
+        if spec.board:
+            SerialLink(port, spec.board.bits_per_s).close()
+            return
+
+
+def drive_runs(workspace: Workspace, specs: Sequence[RunSpec], port: str, report: Report) -> list[FailedRun]:
+    """Drive what is not driven yet, and tell of all that failed, now or before.
+
+    Args:
+        workspace: Where the runs lie.
+        specs: With a board each.
+        port: Of the real board; empty for the simulated one.
+        report: Where to tell how far it is.
+    """
+    due = [spec for spec in specs if not _is_driven(workspace, spec, retry=bool(port))]
+    if len(due) < len(specs):
+        report.say(f"hil: {len(specs) - len(due)} of {len(specs)} runs are there already")
+    failures: list[FailedRun] = []
+    for spec in due:
+        try:
+            _drive(workspace, spec, port, report)
+        except RunFailed as error:
+            failures.append(FailedRun.of(spec.key, "simulate", str(error)))
+    lost = {failure.run for failure in failures}
+    return failures + problems_of(workspace, [spec for spec in specs if spec.key not in lost])
+
+
+def _is_driven(workspace: Workspace, spec: RunSpec, *, retry: bool) -> bool:
+    """A real board may do better at the next try, the simulated one does the same every time."""
+    folder = workspace.simulate(spec.key)
+    return folder.is_done(simulation_key(spec)) and not (retry and read_outcome(folder.path).problems)
+
+
+def _drive(workspace: Workspace, spec: RunSpec, port: str, report: Report) -> None:
+    folder, key, text = workspace.simulate(spec.key).path, simulation_key(spec), spec.model_dump_json()
+    if not sys.stderr.isatty():
+        with report.stage(f"hil {spec.key}", 100, "%") as stage:
+            simulate_into(text, folder, key, lambda share: stage.update(spec.key, 100.0 * share), port=port)
+        return
+    from pipeline.work.live import live_view  # noqa: PLC0415 - a terminal alone has one
+
+    with live_view(spec) as view:
+        simulate_into(text, folder, key, lambda _share: None, port=port, watch=view.show)

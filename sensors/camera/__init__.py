@@ -1,0 +1,1 @@
+"""The camera: projection, shutter, lens and the response from light to pixel values."""

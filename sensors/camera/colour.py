@@ -1,0 +1,61 @@
+"""Colours: paints from the look, lights from their temperature; linear Rec. 709 throughout."""
+
+import colorsys
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blender_scenes.scene.shading import RGB, Color
+from configs.schema.look import Paint
+
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+"""Weights of linear Rec. 709 components (ITU-R BT.709)."""
+
+_XYZ_TO_RGB = np.array(
+    [
+        [3.2404542, -1.5371385, -0.4985314],
+        [-0.9692660, 1.8760108, 0.0415560],
+        [0.0556434, -0.2040259, 1.0572252],
+    ]
+)
+
+
+def paint_rgb(paint: Paint, *, times: float = 1.0) -> RGB:
+    """The paint's colour at `times` its reflectance; a component never exceeds 0.95."""
+    tint = np.array(colorsys.hsv_to_rgb((paint.hue_deg / 360.0) % 1.0, paint.saturation, 1.0))
+    rgb = tint * (paint.reflectance * times / float(tint @ LUMINANCE))
+    return _triple(np.clip(rgb, 0.0, 0.95))
+
+
+def paint_color(paint: Paint, *, times: float = 1.0) -> Color:
+    return Color(paint_rgb(paint, times=times))
+
+
+def light_rgb(temperature_K: float) -> RGB:
+    """Colour of a light of that correlated temperature, scaled to a luminance of 1.
+
+    Daylight locus of CIE 15 from 4000 K on, Planck's locus below in the approximation of Kim et al. (US 7024034).
+    """
+    t = temperature_K
+    if t >= 4000:
+        low = (0.244063, 0.09911e3, 2.9678e6, -4.6070e9)
+        high = (0.237040, 0.24748e3, 1.9018e6, -2.0064e9)
+        a0, a1, a2, a3 = low if t <= 7000 else high
+        x = a0 + a1 / t + a2 / t**2 + a3 / t**3
+        y = -3.0 * x**2 + 2.870 * x - 0.275
+    else:
+        x = -0.2661239e9 / t**3 - 0.2343589e6 / t**2 + 0.8776956e3 / t + 0.179910
+        if t >= 2222:
+            y = -0.9549476 * x**3 - 1.37418593 * x**2 + 2.09137015 * x - 0.16748867
+        else:
+            y = -1.1063814 * x**3 - 1.34811020 * x**2 + 2.18555832 * x - 0.20219683
+    rgb = np.clip(_XYZ_TO_RGB @ np.array([x / y, 1.0, (1 - x - y) / y]), 0.0, None)
+    return _triple(rgb / float(rgb @ LUMINANCE))
+
+
+def scaled(rgb: RGB, factor: float) -> RGB:
+    return rgb[0] * factor, rgb[1] * factor, rgb[2] * factor
+
+
+def _triple(rgb: NDArray[np.float64]) -> RGB:
+    return float(rgb[0]), float(rgb[1]), float(rgb[2])

@@ -1,0 +1,183 @@
+"""From light to picture, in numpy and OpenCV alone.
+
+In the order of a camera: the lens' blur, glare and vignetting, the exposure, shot and read noise of the sensor, gains
+of the white balance, which amplify that noise, saturation and tone curve, sharpening, JPEG.
+
+Pixels depend on the light, the settings and the frame's number, never on threads or order.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from blender_scenes.scene.shading import RGB
+from configs.schema.look import CameraLook
+from sensors.camera.colour import LUMINANCE, light_rgb
+from symolo.core.random_streams import stream
+
+Image = NDArray[np.float32]
+
+_LEAST_SHARE = 0.02
+"""Of blue, in light that is to become white: no gain is beyond some fifty. Light of 1900 K and less has none."""
+_BURNT_SHARE = 0.04
+_LUMA = np.array([0.299, 0.587, 0.114], np.float32)
+"""Of gamma-coded components (ITU-R BT.601), as JPEG has it."""
+_DARKEST = 1e-3
+"""A frame darker than this share of the run is not exposed any longer for it."""
+_KNEE = 0.6
+"""Where the tone curve leaves that of sRGB to keep some drawing in the highlights."""
+
+
+@dataclass(frozen=True)
+class CameraResponse:
+    seed: int
+    brightness: float
+    """Linear value of the median luminance, compensation included."""
+    exposure_adaption: float
+    white_balance: RGB
+    """Gains of the channels, green 1."""
+    contrast: float
+    saturation: float
+    vignetting: float
+    shot_noise: float
+    read_noise: float
+    jpeg_quality: int
+    lens_blur_px: float = 0.0
+    veiling_glare: float = 0.0
+    sharpening: float = 0.0
+    sharpening_radius_px: float = 1.0
+
+    @classmethod
+    def from_look(cls, look: CameraLook, light: RGB, seed: int, jpeg_quality: int) -> "CameraResponse":
+        """The response of a camera in light of the colour `light`, any brightness."""
+        return cls(
+            seed=seed,
+            brightness=look.brightness * 2.0**look.compensation_ev,
+            exposure_adaption=look.exposure_adaption,
+            white_balance=_white_balance(look, light),
+            contrast=look.contrast,
+            saturation=look.saturation,
+            vignetting=look.vignetting,
+            shot_noise=look.shot_noise,
+            read_noise=look.read_noise,
+            jpeg_quality=jpeg_quality,
+            lens_blur_px=look.lens_blur_px,
+            veiling_glare=look.veiling_glare,
+            sharpening=look.sharpening,
+            sharpening_radius_px=look.sharpening_radius_px,
+        )
+
+
+def _white_balance(look: CameraLook, light: RGB) -> RGB:
+    """Gains between those for `white_balance_K` and those that render `light` neutral, mixed on a log scale."""
+    fixed = np.maximum(light_rgb(look.white_balance_K), _LEAST_SHARE)
+    found = np.maximum(light, _LEAST_SHARE * max(light)) if max(light) > 0 else fixed
+    share = look.white_balance_adaption
+    white = (fixed / fixed[1]) ** (1 - share) * (found / found[1]) ** share
+    return 1.0 / float(white[0]), 1.0, 1.0 / float(white[2])
+
+
+def median_luminance(light: Image) -> float:
+    """The metered value of linear light (..., 3).
+
+    Raises:
+        ValueError: No light reaches what the camera sees.
+    """
+    median = _median_luminance(light)
+    if not median > 0:
+        raise ValueError("the picture is black: no light reaches what the camera sees; give the look a lamp or a sky")
+    return median
+
+
+def _median_luminance(light: Image) -> float:
+    return float(np.median(light @ LUMINANCE.astype(np.float32)))
+
+
+def develop(light: Image, response: CameraResponse, metered: float, number: int) -> NDArray[np.uint8]:
+    """(H, W, 3) 8-bit RGB of linear light (H, W, 3).
+
+    Exposed by the frame's own median and that `metered` over the run, but never so long that more than a small share of
+    the frame is beyond white.
+    """
+    height, width, _ = light.shape
+    light = _through_glass(light, response)
+    share = response.exposure_adaption
+    own = max(_median_luminance(light), _DARKEST * metered)
+    median = metered ** (1 - share) * own**share
+    highlights = float(np.quantile(light @ LUMINANCE.astype(np.float32), 1 - _BURNT_SHARE))
+    gain = min(response.brightness / median, 1.0 / highlights if highlights > 0 else np.inf)
+    raw = light * np.float32(gain) * _vignette(width, height, response.vignetting)[..., None]
+    raw = np.maximum(raw + _noise(raw, response, number), 0)
+    exposed = raw * np.asarray(response.white_balance, np.float32)
+    grey = (exposed @ LUMINANCE.astype(np.float32))[..., None]
+    exposed = np.maximum(grey + response.saturation * (exposed - grey), 0)
+    return (255 * _sharpened(tone(exposed, response.contrast), response) + 0.5).astype(np.uint8)
+
+
+def encode_jpeg(pixels: NDArray[np.uint8], quality: int) -> bytes:
+    """JPEG file of RGB pixels."""
+    done, data = cv2.imencode(".jpg", cv2.cvtColor(pixels, cv2.COLOR_RGB2BGR), [cv2.IMWRITE_JPEG_QUALITY, quality])
+    if not done:
+        raise OSError("OpenCV could not encode a frame as JPEG")
+    return data.tobytes()
+
+
+def _through_glass(light: Image, response: CameraResponse) -> Image:
+    """Light with a Gaussian point spread and the even veil of ISO 9358's glare."""
+    if response.lens_blur_px > 0:
+        light = cv2.GaussianBlur(light, (0, 0), response.lens_blur_px).astype(np.float32)
+    if response.veiling_glare > 0:
+        veil = light.mean(axis=(0, 1), dtype=np.float64).astype(np.float32)
+        light = light + np.float32(response.veiling_glare) * (veil - light)
+    return light
+
+
+def _vignette(width: int, height: int, loss: float) -> Image:
+    """Light that is left, falling with the square of the distance from the middle to 1 - `loss` in the corner."""
+    x = np.arange(width, dtype=np.float32)[None, :]
+    y = np.arange(height, dtype=np.float32)[:, None]
+    return (1 - loss * corner_share(x, y, width, height)).astype(np.float32)
+
+
+def corner_share(u: NDArray[Any], v: NDArray[Any], width: int, height: int) -> NDArray[Any]:
+    """Squared distance of pixels from the middle of the picture, 1 in its corners."""
+    x = (u + 0.5) / width - 0.5
+    y = ((v + 0.5) - 0.5 * height) / width
+    return (x**2 + y**2) / (0.25 + 0.25 * (height / width) ** 2)
+
+
+def _noise(raw: Image, response: CameraResponse, number: int) -> Image:
+    """Shot and read noise of the sensor, slightly blurred as a colour filter's interpolation leaves it."""
+    draw = stream(response.seed, "camera noise", number).standard_normal(raw.shape, np.float32)
+    soft = cv2.GaussianBlur(draw, (3, 3), 0.6)
+    sd = np.sqrt(response.shot_noise**2 * np.maximum(raw, 0) + response.read_noise**2)
+    return (2.0 * sd * soft).astype(np.float32)  # the blur halves its standard deviation
+
+
+def tone(linear: Image, contrast: float) -> Image:
+    """SRGB transfer (IEC 61966-2-1) with a soft shoulder, then contrast about middle grey."""
+    scaled = 0.18 * (linear / 0.18) ** np.float32(contrast)
+    over = np.maximum(scaled - np.float32(_KNEE), 0)
+    rolled = np.where(over > 0, 1 - (1 - _KNEE) * np.exp(-over / (1 - _KNEE)), scaled)
+    return np.where(rolled <= 0.0031308, 12.92 * rolled, 1.055 * np.power(np.maximum(rolled, 1e-9), 1 / 2.4) - 0.055)
+
+
+def untoned(coded: NDArray[np.float64], contrast: float) -> NDArray[np.float64]:
+    """The light whose `tone` these values, 0 to 1, are; just below white it is no longer known well."""
+    low = coded / 12.92
+    rolled = np.where(coded <= 0.04045, low, ((np.maximum(coded, 0.0) + 0.055) / 1.055) ** 2.4)
+    over = np.minimum(np.maximum(rolled - _KNEE, 0.0) / (1 - _KNEE), 1.0 - 1e-6)
+    scaled = np.where(over > 0, _KNEE - (1 - _KNEE) * np.log1p(-over), rolled)
+    return 0.18 * (np.maximum(scaled, 0.0) / 0.18) ** (1.0 / contrast)
+
+
+def _sharpened(picture: Image, response: CameraResponse) -> Image:
+    """An unsharp mask on the grey picture, so that edges gain no colour; what leaves the range is cut off."""
+    if response.sharpening == 0:
+        return picture
+    grey = picture @ _LUMA
+    detail = grey - cv2.GaussianBlur(grey, (0, 0), response.sharpening_radius_px)
+    return np.clip(picture + np.float32(response.sharpening) * detail[..., None], 0, 1).astype(np.float32)

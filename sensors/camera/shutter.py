@@ -1,0 +1,73 @@
+"""When the rows of a picture are exposed, and where everything is meanwhile."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from blender_scenes.scene.description import FrameView, Intrinsics, Matrix4, Moment, PlanarPose, Shutter
+from physics.arena.geometry import Arena
+from physics.robot.path import RobotPath
+from sensors.camera.geometry import Array, pose_X_WR
+from sensors.camera.lens_warp import pinhole_picture
+
+MOMENTS = 5
+"""Between two of them everything moves straight and turns evenly: on an arc of 0.2 rad off by 0.1 % of its length."""
+
+
+@dataclass(frozen=True)
+class Window:
+    """The time in which the pinhole picture of a view is exposed, which has more rows than the final one."""
+
+    opens_s: float
+    """After the view's time, so mostly below 0."""
+    length_s: float
+    row_share: float
+    """Exposure of one row as a share of the window."""
+
+
+def row_opens_s(shutter: Shutter, row: int, rows: int) -> float:
+    """When the exposure of a picture's row begins, after the view's time."""
+    return ((row + 0.5) / rows - 0.5) * shutter.read_out_s - 0.5 * shutter.exposure_s
+
+
+def window(shutter: Shutter, camera: Intrinsics) -> Window:
+    """Of length 0 for an instant.
+
+    Cycles exposes the middle of row r of H ((r + 1) / H - 0.5) of its read-out after the middle of the window
+    (kernel/camera/camera.h), which is half a row later than `row_opens_s` has it.
+    """
+    pinhole = pinhole_picture(camera)
+    row_s = shutter.read_out_s / camera.height_px
+    rows = pinhole.camera.height_px
+    length_s = shutter.exposure_s + row_s * rows
+    middle_s = row_s * (0.5 * (rows - camera.height_px) - pinhole.top_px - 0.5)
+    return Window(middle_s - 0.5 * length_s, length_s, shutter.exposure_s / length_s if length_s else 1.0)
+
+
+def moment(arena: Arena, X_RC: Array, pose: PlanarPose, t_s: float) -> Moment:
+    """Where camera and obstacles are with the robot at a pose."""
+    moving = tuple(_planar(box.poses_at(np.array([max(t_s, 0.0)]))[0]) for box in arena.moving)
+    return Moment(pose, _rows(pose_X_WR(*pose) @ X_RC), moving)
+
+
+def exposed(
+    views: Sequence[FrameView], arena: Arena, X_RC: Array, path: RobotPath, exposure: Window
+) -> tuple[FrameView, ...]:
+    """The views with where everything is during the exposure of each."""
+    found = []
+    for view in views:
+        times = view.t_s + exposure.opens_s + exposure.length_s * np.linspace(0.0, 1.0, MOMENTS)
+        poses = zip(path.poses_at(times), times.tolist(), strict=True)
+        moments = tuple(moment(arena, X_RC, _planar(pose), t_s) for pose, t_s in poses)
+        found.append(replace(view, exposure=moments))
+    return tuple(found)
+
+
+def _planar(pose: Array) -> PlanarPose:
+    return float(pose[0]), float(pose[1]), float(pose[2])
+
+
+def _rows(matrix: Array) -> Matrix4:
+    a, b, c, d = ((float(r[0]), float(r[1]), float(r[2]), float(r[3])) for r in matrix)
+    return a, b, c, d

@@ -1,0 +1,56 @@
+"""Effects in what is read: bench instruments, pose log and range sensors."""
+
+from physics.effects.base import Term
+from sensors.effects import (
+    ambient_noise,
+    cover_crosstalk,
+    current_sensor_gain,
+    current_sensor_offset,
+    incidence_bias,
+    log_range_error,
+    marker_offset,
+    material_bias,
+    near_field_error,
+    noise_scale,
+    pose_time_offset,
+    range_offset,
+    range_saturation,
+    range_scale,
+    speed_filter_lag,
+    speed_scale,
+    speed_time_offset,
+    temperature_drift,
+    tof_mount_yaw,
+    tof_range_offset,
+    tof_range_scale,
+    tof_time_offset,
+    warmup_drift,
+)
+
+SENSOR_TERMS: tuple[Term, ...] = (
+    current_sensor_gain.TERM,
+    current_sensor_offset.TERM,
+    speed_scale.TERM,
+    speed_filter_lag.TERM,
+    speed_time_offset.TERM,
+    range_scale.TERM,
+    tof_range_scale.TERM,
+    cover_crosstalk.TERM,
+    log_range_error.TERM,
+    temperature_drift.TERM,
+    material_bias.TERM,
+    incidence_bias.TERM,
+    near_field_error.TERM,
+    warmup_drift.TERM,
+    range_offset.TERM,
+    tof_range_offset.TERM,
+    range_saturation.TERM,
+    noise_scale.TERM,
+    ambient_noise.TERM,
+    tof_mount_yaw.TERM,
+    tof_time_offset.TERM,
+    marker_offset.TERM,
+    pose_time_offset.TERM,
+)
+"""In the order of the signal chain, in which they act whatever the order in a file: what scales a reading comes before
+what adds to it, and saturation last."""

@@ -1,0 +1,115 @@
+"""Two folders, file by file: identical, equal within so many decibels, different, or only in one of them."""
+
+import enum
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+from pipeline.assembly.description import DESCRIPTION
+from pipeline.run_folder.workspace import STAGES
+from symolo.compare import documents, pictures, tables
+from symolo.compare.likeness import EQUAL, Likeness, shown_db
+from symolo.core.errors import InputError, one_line
+from symolo.dataset.bag import BAG_INFO, DECLARATION
+from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST
+
+KINDS: dict[str, Callable[[bytes, bytes, str], Likeness]] = {
+    **dict.fromkeys(pictures.SUFFIXES, pictures.likeness),
+    **dict.fromkeys(tables.SEPARATORS, tables.likeness),
+    ".json": documents.likeness,
+}
+"""By suffix; files of other kinds are the same bytes or different."""
+
+FOLLOWS = frozenset({DESCRIPTION, MANIFEST, TAG_MANIFEST, BAG_INFO, DECLARATION})
+"""Files at the top that are written from the others, or tell how they were made."""
+
+_CHUNK_BYTES = 1 << 20
+
+
+class Verdict(enum.StrEnum):
+    IDENTICAL = "identical"
+    CLOSE = "equal within"
+    """Other bytes whose values are as like as was asked for."""
+    FOLLOWS = "follows"
+    """One of `FOLLOWS` that is not the same bytes."""
+    DIFFERENT = "different"
+    ONLY_A = "only in A"
+    ONLY_B = "only in B"
+
+
+@dataclass(frozen=True)
+class FileResult:
+    name: str
+    """Path within both folders."""
+    verdict: Verdict
+    likeness: Likeness = EQUAL
+
+    def __str__(self) -> str:
+        told = {
+            Verdict.CLOSE: f"equal within {shown_db(self.likeness.level_db)}: {self.likeness.what}",
+            Verdict.DIFFERENT: f"different ({shown_db(self.likeness.level_db)}): {self.likeness.what}",
+            Verdict.FOLLOWS: "differs; it is written from the other files, or tells how they were made",
+        }.get(self.verdict, self.verdict.value)
+        return one_line(f"{self.name}: {told}")
+
+
+def compare(a: Path, b: Path, tolerance_db: float) -> Iterator[FileResult]:
+    """Each file of two folders, or two files, in order of their names.
+
+    Args:
+        a: A dataset, a run, a folder of pictures, or a file.
+        b: Another one.
+        tolerance_db: What is as like as this counts as equal [dB].
+
+    Raises:
+        InputError: One is not there, or one is a file and the other one a folder.
+    """
+    for path in (a, b):
+        if not path.exists():
+            raise InputError("no such file or folder", where=str(path), cure="name two datasets, runs or pictures")
+    if a.is_dir() != b.is_dir():
+        raise InputError(f"{a} and {b}", allowed="two folders or two files")
+    if not a.is_dir():
+        yield _compared(a, b, a.name, tolerance_db)
+        return
+    names_a, names_b = _names(a), _names(b)
+    for name in sorted(names_a | names_b):
+        if name not in names_b:
+            yield FileResult(name, Verdict.ONLY_A)
+        elif name not in names_a:
+            yield FileResult(name, Verdict.ONLY_B)
+        else:
+            yield _compared(a / name, b / name, name, tolerance_db)
+
+
+def _names(root: Path) -> set[str]:
+    """Of everything but folders, and without the hidden stages of an output folder."""
+    paths = (path for path in root.rglob("*") if path.is_symlink() or not path.is_dir())
+    inner = ((path, path.relative_to(root)) for path in paths)
+    return {name.as_posix() for _, name in inner if name.parts[0] != STAGES}
+
+
+def _compared(a: Path, b: Path, name: str, tolerance_db: float) -> FileResult:
+    for path in (a, b):
+        if path.is_symlink() or not path.is_file():
+            return FileResult(name, Verdict.DIFFERENT, Likeness.none(f"{path} is no regular file"))
+    try:
+        if _same_bytes(a, b):
+            return FileResult(name, Verdict.IDENTICAL)
+        if name in FOLLOWS:
+            return FileResult(name, Verdict.FOLLOWS)
+        kind = KINDS.get(PurePosixPath(name).suffix.lower())
+        found = kind(a.read_bytes(), b.read_bytes(), name) if kind else Likeness.none("other bytes")
+    except OSError as error:
+        found = Likeness.none(f"cannot be read: {error.strerror}")
+    return FileResult(name, Verdict.CLOSE if found.level_db >= tolerance_db else Verdict.DIFFERENT, found)
+
+
+def _same_bytes(a: Path, b: Path) -> bool:
+    if a.stat().st_size != b.stat().st_size:
+        return False
+    with a.open("rb") as one, b.open("rb") as other:
+        while chunk := one.read(_CHUNK_BYTES):
+            if chunk != other.read(_CHUNK_BYTES):
+                return False
+    return True

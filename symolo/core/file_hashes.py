@@ -1,0 +1,74 @@
+"""How a file is recognised, by its SHA-256; how large files are; JSON whose bytes are the same for the same value."""
+
+import hashlib
+import json
+import os
+import stat
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+
+from symolo.core.errors import EnvironmentLacking
+from symolo.core.os_errors import NOT_THERE
+
+
+def sha256_of(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def hashes_of(folder: Path, skip: Collection[str] = ()) -> dict[str, str]:
+    """SHA-256 of every file below a folder by its path inside, sorted; `skip` names entries of the folder itself.
+
+    Raises:
+        OSError: A folder or file cannot be read; a list of some of them would pass for one of all.
+    """
+    paths = (path.relative_to(folder) for path in _files_below(folder) if path.is_file())
+    names = sorted(path.as_posix() for path in paths if path.parts[0] not in skip)
+    return {name: sha256_of(folder / name) for name in names}
+
+
+def sizes_below(folder: Path) -> Iterator[tuple[Path, int]]:
+    """Every regular file below a folder, and its bytes, while others may write there: what goes meanwhile is no file.
+
+    A link or a pipe is none either. A folder that is not there, or whose names may not be read, holds nothing.
+    """
+    for place, _, names in os.walk(folder):
+        for path in (Path(place, name) for name in names):
+            try:
+                status = path.lstat()
+            except NOT_THERE:
+                continue
+            if stat.S_ISREG(status.st_mode):
+                yield path, status.st_size
+
+
+def _files_below(folder: Path) -> Iterator[Path]:
+    """As `rglob`, which passes over folders that it has no right to read."""
+
+    def stop(error: OSError) -> None:
+        raise error
+
+    for place, _, names in os.walk(folder, onerror=stop):
+        yield from (Path(place, name) for name in names)
+
+
+def holds(folder: Path, files: Mapping[str, str]) -> bool:
+    """Whether each of the files is there with the SHA-256 named."""
+    return all((folder / name).is_file() and sha256_of(folder / name) == digest for name, digest in files.items())
+
+
+def read_known(path: Path, digest: str) -> bytes:
+    """A file that is known by its SHA-256.
+
+    Raises:
+        EnvironmentLacking: It is no longer what was written.
+    """
+    data = path.read_bytes()
+    if hashlib.sha256(data).hexdigest() != digest:
+        raise EnvironmentLacking(f"{path} is no longer what was written; run the same command again")
+    return data
+
+
+def canonical_json(value: object) -> bytes:
+    """JSON text that is the same bytes for the same value: sorted keys, two spaces, one line end."""
+    return (json.dumps(value, sort_keys=True, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()

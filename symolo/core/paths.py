@@ -1,0 +1,62 @@
+"""Whether a path from the command line can be one; asked of each, before any work starts."""
+
+import os
+from pathlib import Path
+
+from symolo.core.errors import InputError
+
+TEMPORARY_CHARS = 24
+"""What the temporary name of a file or folder has more than its own."""
+BELOW_CHARS = 128
+"""Longest path that is made inside an output folder."""
+
+
+def check_path(path: Path, where: str) -> None:
+    """Refuse a path that the system or a file of ours cannot hold; one that leads nowhere is none of those.
+
+    Raises:
+        InputError: Not UTF-8, too long, a loop of links, or out of reach.
+    """
+    try:
+        str(path).encode()
+    except UnicodeEncodeError:
+        raise InputError("is no valid UTF-8", where=where, got=str(path), cure="choose another name") from None
+    try:
+        path.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        pass
+    except OSError as error:
+        raise InputError(f"cannot be used: {error.strerror}", where=where, got=str(path)) from None
+
+
+def check_new_path(path: Path, where: str, below_chars: int = 0) -> None:
+    """Refuse what `check_path` refuses, and a path at which nothing could be made.
+
+    Args:
+        path: Of the file or folder to be made.
+        where: The option that holds it.
+        below_chars: Length of what will be made inside.
+
+    Raises:
+        InputError: As `check_path`; a link that leads nowhere on the way, or names too long for the disk.
+    """
+    check_path(path, where)
+    absolute = path.absolute()
+    for part in (absolute, *absolute.parents):
+        check_path(part, where)
+        if part.is_symlink() and not part.exists():
+            what = f"{part} is a link to something that is not there"
+            raise InputError(what, where=where, cure="remove the link or choose another name")
+    nearest = nearest_existing(absolute)
+    longest = os.pathconf(nearest, "PC_NAME_MAX") - TEMPORARY_CHARS
+    whole = os.pathconf(nearest, "PC_PATH_MAX") - TEMPORARY_CHARS - below_chars
+    made = absolute.relative_to(nearest).parts
+    if any(len(os.fsencode(name)) > longest for name in made) or len(os.fsencode(absolute)) > whole:
+        raise InputError("is too long", where=where, got=str(path), cure="choose a shorter name")
+
+
+def nearest_existing(path: Path) -> Path:
+    path = path.absolute()
+    while not path.exists():
+        path = path.parent
+    return path

@@ -1,0 +1,109 @@
+"""side/intrinsics.json and side/camera.csv: all it takes to relate pixels and the world."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from blender_scenes.scene.description import Shutter
+from configs.schema.look import LookConfig
+from configs.schema.robot import RobotConfig
+from configs.schema.scenario import Render
+from sensors.camera.geometry import intrinsics, matrix_K, pose_X_RC, pose_X_WR
+from sensors.camera.shutter import row_opens_s
+from symolo.core.file_hashes import canonical_json
+from symolo.dataset.layout import SIDE
+from symolo.dataset.rows import Rows
+from symolo.dataset.side_reading import read_record
+from symolo.dataset.side_tables import CAMERA
+
+INTRINSICS = "intrinsics.json"
+X_CB = ((0.0, -1.0, 0.0, 0.0), (0.0, 0.0, -1.0, 0.0), (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+"""Pose in the optical frame C of the camera's body frame B, x forward, y left, z up (REP 103)."""
+_DECIMALS = 9
+
+Row3 = tuple[float, float, float]
+Row4 = tuple[float, float, float, float]
+
+
+class Taken(Protocol):
+    """What decides how pictures are taken: the specification of a run, or what `rerender` was asked for."""
+
+    @property
+    def robot(self) -> RobotConfig: ...
+    @property
+    def look(self) -> LookConfig: ...
+    @property
+    def render(self) -> Render: ...
+
+
+class CameraModel(BaseModel):
+    """The content of intrinsics.json."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    camera_model: str = "pinhole"
+    distortion_model: str = "plumb_bob"
+    """ROS' name for D in OpenCV's order; all 0 is a pinhole without a lens."""
+    width_px: int
+    height_px: int
+    K: tuple[Row3, Row3, Row3]
+    """Camera matrix [px]; pixel (0, 0) is the middle of the first pixel."""
+    D: tuple[float, float, float, float, float] = Field(description="k1, k2, p1, p2, k3")
+    exposure_s: float
+    read_out_s: float
+    """From the exposure of the first row to that of the row after the last; 0 for a global shutter."""
+    X_RC: tuple[Row4, Row4, Row4, Row4]
+    X_CB: tuple[Row4, Row4, Row4, Row4]
+
+    @classmethod
+    def of(cls, spec: Taken) -> "CameraModel":
+        camera = intrinsics(spec.robot.camera, spec.render.width_px, spec.render.height_px)
+        numbers = {
+            "K": _rounded(matrix_K(camera)),
+            "D": camera.distortion,
+            "X_RC": _rounded(pose_X_RC(spec.robot.camera, spec.robot.chassis.base_height_m)),
+            "X_CB": X_CB,
+            "exposure_s": spec.look.camera.exposure_time_s,
+            "read_out_s": spec.robot.camera.read_out_s,
+        }
+        return cls.model_validate({"width_px": camera.width_px, "height_px": camera.height_px, **numbers})
+
+    def to_json(self) -> bytes:
+        return canonical_json(json.loads(self.model_dump_json()))
+
+
+def read_camera_model(path: Path) -> CameraModel:
+    """What `to_json` wrote.
+
+    Raises:
+        OSError: There is no such file.
+        ValueError: It is damaged; the text is one line.
+    """
+    return read_record(path, CameraModel)
+
+
+def camera_files(spec: Taken, rows: Rows) -> Iterator[tuple[str, bytes]]:
+    """What tells a user of the pictures of their camera, by its path in their folder."""
+    yield f"{SIDE}/{CAMERA.file}", CAMERA.to_csv(camera_table(spec, rows))
+    yield f"{SIDE}/{INTRINSICS}", CameraModel.of(spec).to_json()
+
+
+def camera_table(spec: Taken, rows: Rows) -> np.ndarray:
+    """The columns of side/camera.csv, (images, 16)."""
+    X_RC = pose_X_RC(spec.robot.camera, spec.robot.chassis.base_height_m)
+    shutter = Shutter(spec.look.camera.exposure_time_s, spec.robot.camera.read_out_s)
+    opens_ms = 1000 * row_opens_s(shutter, 0, spec.render.height_px)
+    table = []
+    for i in np.flatnonzero(rows.image):
+        X_WC = pose_X_WR(*rows.pose[i]) @ X_RC
+        exposed = rows.t_ms[i] + opens_ms, 1000 * shutter.exposure_s
+        table.append([rows.image[i], rows.t_ms[i], *X_WC[:3, :3].ravel(), *X_WC[:3, 3], *exposed])
+    return np.array(table, dtype=np.float64)
+
+
+def _rounded(matrix: np.ndarray) -> list[list[float]]:
+    return [[round(value, _DECIMALS) + 0.0 for value in row] for row in matrix.tolist()]

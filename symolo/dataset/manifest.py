@@ -1,0 +1,43 @@
+"""manifest-sha256.txt: the SHA-256 of every released file, as `sha256sum -c` reads it, and that of the list itself."""
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+
+from pipeline.run_folder.workspace import STAGES
+from symolo.core.file_hashes import hashes_of
+from symolo.dataset.bag import BAG_INFO
+
+MANIFEST = "manifest-sha256.txt"
+TAG_MANIFEST = "tagmanifest-sha256.txt"
+"""SHA-256 of the manifest and of bag-info.txt, so that an edited manifest is found."""
+
+
+def manifest(hashes: Mapping[str, str]) -> bytes:
+    return "".join(f"{digest}  {name}\n" for name, digest in sorted(hashes.items())).encode()
+
+
+def tag_manifest(hashes: Mapping[str, str]) -> bytes:
+    """For the manifest of these files.
+
+    Args:
+        hashes: SHA-256 by name, bag-info.txt among them where there is one.
+    """
+    own = {MANIFEST: hashlib.sha256(manifest(hashes)).hexdigest()}
+    return manifest(own | {name: digest for name, digest in hashes.items() if name == BAG_INFO})
+
+
+def read_manifest(data: bytes) -> dict[str, str]:
+    """SHA-256 by path; raises ValueError with the number of the first line that is not of this form."""
+    hashes: dict[str, str] = {}
+    for number, line in enumerate(data.decode("utf-8", errors="replace").splitlines(), start=1):
+        digest, separator, name = line.partition("  ")
+        if not separator or not name or len(digest) != 64 or set(digest) - set("0123456789abcdef") or name in hashes:
+            raise ValueError(f"line {number} is not a checksum, two spaces and a new file name")
+        hashes[name] = digest
+    return hashes
+
+
+def released_hashes(out: Path) -> dict[str, str]:
+    """SHA-256 of every file of a dataset but the manifests and the hidden stages."""
+    return hashes_of(out, skip=(STAGES, MANIFEST, TAG_MANIFEST))

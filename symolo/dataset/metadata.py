@@ -1,0 +1,214 @@
+"""metadata.json: what it takes to understand the data and to make it again; the same bytes for the same data."""
+
+import platform
+import re
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from configs.schema.board import BoardKind, FramingName
+from configs.schema.scenario import AnnotationName, Rates, RunSpec, StartPose
+from physics.arena.geometry import Arena
+from physics.control.base import State
+from symolo.core.file_hashes import canonical_json
+from symolo.core.versions import versions
+from symolo.dataset.obstacles import obstacle_table
+from symolo.dataset.rows import COLUMNS, HEADER, Rows
+from symolo.dataset.side_tables import BOARD, CAMERA, TOF, WHEELS, SideTable
+
+METADATA = "metadata.json"
+LOG_TAIL = "; the last lines of its log:"
+"""Where the renderer's errors turn from what happened to what was printed."""
+_FOLDERS = re.compile(r"""(?<=["'])/(?:[^/"'\n]+/)*(?=[^\s/"'])|(?<![\w.)"'])/(?:[^\s/"']+/)*(?=[^\s/"'])""")
+FORMAT_VERSION = 1
+
+_MEANINGS = {
+    State.LINE: "line following",
+    State.RIGHT_WALL: "wall following, wall on the right",
+    State.LEFT_WALL: "wall following, wall on the left",
+    State.TURN_LEFT: "turn left",
+    State.TURN_RIGHT: "turn right",
+    State.AVOID_LEFT: "obstacle avoidance by the left",
+    State.AVOID_RIGHT: "obstacle avoidance by the right",
+    State.LOST_LEFT_WALL: "lost the wall on the left, turns towards it",
+    State.LOST_RIGHT_WALL: "lost the wall on the right, turns towards it",
+}
+STATES = {state.value: _MEANINGS[state] for state in State}
+FRAMES = {
+    "W": "world: x and y on the floor, z up; theta counter-clockwise from +x",
+    "R": "robot: middle of the axle on the floor, x forward, y left, z up",
+    "C": "camera, optical (OpenCV's, and REP 103's for optical frames): x right, y down, z along the axis",
+    "B": "camera, body (REP 103): x along the axis, y left, z up; X_CB in side/intrinsics.json",
+}
+
+
+class Record(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+
+
+class BoardRecord(Record):
+    """The board that drove a run, and how the line to it did."""
+
+    kind: BoardKind
+    framing: FramingName
+    bits_per_s: int
+    actuation_delay_ticks: int
+    firmware_id: str
+    """First eight bytes of the SHA-256 of what its firmware was built from; empty where it could not be asked."""
+    rows_unanswered: int
+    """Rows in which no command came from it."""
+    events: dict[str, int]
+    """How often something else went wrong on the line, by the column of side/board.csv."""
+
+
+class RunRecord(Record):
+    """Facts of one released run."""
+
+    run: str
+    """Its folder, for example `CW/test_1`."""
+    seed: int
+    start: StartPose
+    rates: Rates
+    image_width_px: int
+    image_height_px: int
+    render_device: str = "CPU"
+    """As Cycles calls it: what the images were rendered on."""
+    cpu_classes: tuple[str, ...] = Field(default=(), exclude_if=lambda classes: not classes)
+    """Classes of the processors that made its images and annotations, where they are several: low bits may differ."""
+    rows: int
+    images: int
+    duration_s: float
+    distance_m: float
+    lap_time_s: float | None
+    state_order: list[int]
+    """States in the order in which they followed each other."""
+    tof_min_range_m: float
+    tof_max_range_m: float
+    tof_no_target_m: float
+    warnings: list[str] = Field(default_factory=list)
+    """What a user of its images should know: many of them black or burnt."""
+    drawn: dict[str, float | int | str | bool]
+    """Every value drawn for this run by its field path."""
+    annotations: tuple[AnnotationName, ...] = Field(default=(), exclude_if=lambda kinds: not kinds)
+    board: BoardRecord | None = Field(default=None, exclude_if=lambda board: board is None)
+    """None where the built-in controller drove."""
+
+    @classmethod
+    def of(
+        cls,
+        spec: RunSpec,
+        rows: Rows,
+        lap_time_s: float | None,
+        warnings: Sequence[str] = (),
+        render_device: str = "CPU",
+        *,
+        cpus: Sequence[str] = (),
+        board: BoardRecord | None = None,
+    ) -> "RunRecord":
+        changes = np.flatnonzero(np.diff(rows.state)) + 1
+        steps = np.linalg.norm(np.diff(rows.pose[:, :2], axis=0), axis=1)
+        # Limits may be drawn; data.csv holds them to the digits of its columns, and `verify` compares with these.
+        range_decimals = COLUMNS[HEADER.index("d_f")].decimals
+        return cls(
+            run=spec.key,
+            seed=spec.seed,
+            start=spec.start,
+            rates=spec.rates,
+            image_width_px=spec.render.width_px,
+            image_height_px=spec.render.height_px,
+            render_device=render_device,
+            cpu_classes=tuple(cpus) if len(cpus) > 1 else (),
+            rows=len(rows.t_ms),
+            images=int(np.count_nonzero(rows.image)),
+            duration_s=float(rows.t_ms[-1]) / 1000,
+            distance_m=round(float(steps.sum()), 4),
+            lap_time_s=lap_time_s,
+            state_order=[int(rows.state[i]) for i in (0, *changes)],
+            tof_min_range_m=round(spec.robot.tof.min_range_m, range_decimals),
+            tof_max_range_m=round(spec.robot.tof.max_range_m, range_decimals),
+            tof_no_target_m=round(spec.robot.tof.no_target_m, range_decimals),
+            warnings=list(warnings),
+            drawn=dict(spec.drawn),
+            annotations=spec.render.annotations,
+            board=board,
+        )
+
+
+class FailedRun(Record):
+    """A run of the scenario that is not released, and why."""
+
+    run: str
+    stage: str
+    problem: str
+    """One line; the dataset is the same bytes wherever it was made."""
+
+    @classmethod
+    def of(cls, run: str, stage: str, text: str) -> "FailedRun":
+        """From the text of an error, which may end with a log and name folders of this machine."""
+        first = text.partition(LOG_TAIL)[0].strip().partition("\n")[0]
+        return cls(run=run, stage=stage, problem=_FOLDERS.sub("", first))
+
+
+class ColumnRecord(Record):
+    name: str
+    unit: str
+    meaning: str = ""
+
+
+class Metadata(Record):
+    """The content of metadata.json."""
+
+    format: str = "SyMoLo"
+    format_version: int = FORMAT_VERSION
+    name: str
+    description: str
+    licence: str
+    seed: int
+    made_with: dict[str, str]
+    """Version by program."""
+    frames: dict[str, str]
+    states: dict[int, str]
+    columns: dict[str, list[ColumnRecord]]
+    """Columns by file name."""
+    scenario: dict[str, Any]
+    """The resolved scenario with arena, robot and look; a mapping such as {uniform: [a, b]} is a distribution."""
+    runs: list[RunRecord] = Field(min_length=1)
+    failed_runs: list[FailedRun]
+
+    def to_json(self) -> bytes:
+        return canonical_json(self.model_dump(mode="json"))
+
+
+def side_tables(spec: RunSpec) -> tuple[SideTable, ...]:
+    """The tables that every run of the scenario has; which obstacles move is not drawn."""
+    obstacles = obstacle_table(Arena.from_config(spec.arena))
+    return (WHEELS, TOF, CAMERA, *([BOARD] if spec.board else []), *([obstacles] if obstacles else []))
+
+
+def made_with() -> dict[str, str]:
+    packages = versions("symolo", "pybullet", "bpy", "numpy", "scipy", "opencv-python-headless")
+    return {"python": platform.python_version(), **packages}
+
+
+def describe(
+    tree: dict[str, Any], specs: Sequence[RunSpec], runs: Sequence[RunRecord], failed: Sequence[FailedRun]
+) -> Metadata:
+    """Metadata of a dataset; `tree` is the scenario as loaded, before anything is drawn."""
+    columns = {"data.csv": [ColumnRecord(name=c.name, unit=c.unit, meaning=c.meaning) for c in COLUMNS]}
+    for table in side_tables(specs[0]):
+        columns[f"side/{table.file}"] = [ColumnRecord(name=c.name, unit=c.unit) for c in table.columns]
+    return Metadata(
+        name=specs[0].scenario,
+        description=str(tree.get("description", "")),
+        licence=str(tree.get("licence", "CC-BY-4.0")),
+        seed=specs[0].seed,
+        made_with=made_with(),
+        frames=FRAMES,
+        states=STATES,
+        columns=columns,
+        scenario=tree,
+        runs=list(runs),
+        failed_runs=list(failed),
+    )

@@ -1,0 +1,15 @@
+"""JSON Schema of metadata.json, for tools in other languages and for editors."""
+
+from typing import Any
+
+from pydantic.json_schema import GenerateJsonSchema
+
+from symolo.dataset.metadata import METADATA, Metadata
+
+
+def metadata_json_schema() -> dict[str, Any]:
+    """The schema as plain data, draft 2020-12."""
+    schema = Metadata.model_json_schema(mode="validation")
+    # As JSON has no whole numbers for keys, the states' are texts.
+    schema["properties"]["states"]["propertyNames"] = {"pattern": r"^\d+$"}
+    return {"$schema": GenerateJsonSchema.schema_dialect, **schema, "title": METADATA}

@@ -1,0 +1,50 @@
+"""Where each moving obstacle of a run was: the series of the recording, and side/obstacles.csv."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from physics.arena.geometry import Arena
+from physics.run.trajectory import Recording, TimeSeries
+from symolo.dataset.rows import Floats, Rows, heading, wrapped
+from symolo.dataset.side_tables import SideColumn, SideTable
+
+SERIES = "obstacle_{name}"
+TOLERANCE = 1e-6
+"""Of a table's digits against the path, twice the rounding [m, rad]."""
+
+
+def obstacle_series(arena: Arena, t_s: Floats) -> tuple[TimeSeries, ...]:
+    """One for each obstacle that moves, (N, 3), x [m], y [m], yaw [rad] of its middle in W at the times (N,)."""
+    return tuple(TimeSeries(SERIES.format(name=box.name), "m, m, rad", t_s, box.poses_at(t_s)) for box in arena.moving)
+
+
+def obstacle_table(arena: Arena) -> SideTable | None:
+    """The table of this arena; None where nothing moves."""
+    if not arena.moving:
+        return None
+    columns = [
+        SideColumn(f"{box.name}_{field}", unit, 6)
+        for box in arena.moving
+        for field, unit in (("x", "m"), ("y", "m"), ("theta", "rad"))
+    ]
+    meaning = "pose of the middle of each moving obstacle in W at each row of data.csv"
+    return SideTable("obstacles.csv", meaning, (SideColumn("t", "ms", 0), *columns))
+
+
+def obstacles_csv(table: SideTable, arena: Arena, recording: Recording) -> bytes:
+    poses = [recording[SERIES.format(name=box.name)].values.astype(np.float64) for box in arena.moving]
+    rounded = [np.column_stack((pose[:, :2], heading(pose[:, 2], 6))) for pose in poses]
+    return table.to_csv(np.column_stack((np.rint(recording.trajectory.t_s * 1000), *rounded)))
+
+
+def off_the_path(arena: Arena, table: Floats, rows: Rows, row_hz: int) -> Iterator[tuple[str, list[int]]]:
+    """Name of each obstacle whose poses in the table are not those of its path, and in which rows."""
+    t_s = np.arange(len(rows.t_ms)) / row_hz
+    for number, box in enumerate(arena.moving):
+        pose = table[:, 1 + 3 * number : 4 + 3 * number]
+        difference = pose - box.poses_at(t_s)
+        difference[:, 2] = wrapped(difference[:, 2])
+        wrong = np.flatnonzero(np.any(np.abs(difference) > TOLERANCE, axis=1))
+        if len(wrong):
+            yield box.name, wrong.tolist()

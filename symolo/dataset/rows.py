@@ -1,0 +1,244 @@
+"""data.csv: one row per control period, in the columns of the paper's Table 5."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physics.control.base import State
+from physics.run.trajectory import Recording
+from symolo.core.errors import InputError, nearest
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Numbers = NDArray[np.float64 | np.int64]
+
+MAX_BYTES = 512 * 2**20
+STATES = tuple(state.value for state in State)
+_LARGEST = 2**53
+"""Up to here a float holds every whole number, and no square of a reading overflows."""
+
+
+@dataclass(frozen=True)
+class Column:
+    name: str
+    unit: str
+    meaning: str
+    decimals: int
+    """Digits after the point in the file; 0 is an integer."""
+
+
+COLUMNS = (
+    Column("t", "ms", "time since the first row", 0),
+    Column("x", "m", "position of the middle of the axle in the world frame W", 6),
+    Column("y", "m", "position of the middle of the axle in the world frame W", 6),
+    Column("theta", "rad", "heading from +x of W, counter-clockwise, from -3.141592 to 3.141593", 6),
+    Column("state", "-", "state of the controller, see below", 0),
+    Column("v", "m/s", "forward speed", 6),
+    Column("w", "rad/s", "yaw rate, counter-clockwise positive", 6),
+    Column("d_f", "m", "range of the front ToF sensor", 4),
+    Column("d_l", "m", "range of the left ToF sensor", 4),
+    Column("d_r", "m", "range of the right ToF sensor", 4),
+    *(Column(f"L{i}", "-", f"reflectance of line sensor channel {i}, 0 black, 1 white", 5) for i in range(8)),
+    Column("img", "-", "number of the image taken at this row, 0 for none", 0),
+)
+HEADER = tuple(column.name for column in COLUMNS)
+
+
+@dataclass(frozen=True)
+class Rows:
+    """The content of one data.csv, to the digits of the file, so that pictures made from either are the same."""
+
+    t_ms: Ints
+    """(N,), [ms], strictly increasing."""
+    pose: Floats
+    """(N, 3), x [m], y [m], theta [rad] in W."""
+    state: Ints
+    """(N,)."""
+    twist: Floats
+    """(N, 2), v [m/s], w [rad/s]."""
+    tof_m: Floats
+    """(N, 3), front, left, right [m]."""
+    line: Floats
+    """(N, 8), reflectance."""
+    image: Ints
+    """(N,), image number, 0 for none."""
+
+    def __post_init__(self) -> None:
+        for array in (self.t_ms, self.pose, self.state, self.twist, self.tof_m, self.line, self.image):
+            array.flags.writeable = False
+
+    @classmethod
+    def from_recording(cls, recording: Recording) -> "Rows":
+        trajectory = recording.trajectory
+        pose = trajectory.pose.copy()
+        pose[:, 2] = heading(pose[:, 2], COLUMNS[HEADER.index("theta")].decimals)
+        sensors = [recording[name].values for name in ("tof_m", "line", "image")]
+        columns = (np.rint(trajectory.t_s * 1000), pose, trajectory.state, trajectory.twist, *sensors)
+        table = np.column_stack(columns).astype(np.float64)
+        for i, column in enumerate(COLUMNS):
+            table[:, i] = [round(value, column.decimals) + 0.0 for value in table[:, i].tolist()]
+        return cls.from_table(table)
+
+    @classmethod
+    def from_table(cls, table: Floats) -> "Rows":
+        """From the columns of data.csv, (N, 19)."""
+        return cls(
+            t_ms=np.rint(table[:, 0]).astype(np.int64),
+            pose=table[:, 1:4].copy(),
+            state=table[:, 4].astype(np.int64),
+            twist=table[:, 5:7].copy(),
+            tof_m=table[:, 7:10].copy(),
+            line=table[:, 10:18].copy(),
+            image=table[:, 18].astype(np.int64),
+        )
+
+    def table(self) -> Floats:
+        """(N, 19), the columns of data.csv."""
+        columns = (self.t_ms, self.pose, self.state, self.twist, self.tof_m, self.line, self.image)
+        return np.column_stack([column.astype(np.float64) for column in columns])
+
+    def at(self, row: int) -> Floats:
+        """(19,), one row of `table`."""
+        one = (self.pose, self.twist, self.tof_m, self.line)
+        pose, twist, tof_m, line = (series[row] for series in one)
+        return np.array([self.t_ms[row], *pose, self.state[row], *twist, *tof_m, *line, self.image[row]], np.float64)
+
+    def to_csv(self) -> bytes:
+        return csv_bytes(HEADER, [column.decimals for column in COLUMNS], self.table())
+
+
+def wrapped(yaw_rad: Floats) -> Floats:
+    """The same directions in (-pi, pi]."""
+    return -((-yaw_rad + math.pi) % (2 * math.pi) - math.pi)
+
+
+def heading(yaw_rad: Floats, decimals: int) -> Floats:
+    """The same directions to so many decimals; half a turn is positive, also where only rounding makes it one."""
+    half_turn = round(math.pi, decimals)
+    rounded = np.array([round(yaw, decimals) for yaw in wrapped(yaw_rad).tolist()])
+    return np.where(rounded <= -half_turn, half_turn, rounded)
+
+
+def csv_bytes(header: Sequence[str], decimals: Sequence[int], table: Numbers, separator: str = ",") -> bytes:
+    """A table as text that is the same bytes for the same numbers: fixed decimals, no negative zero, one line end."""
+    lines = [separator.join(header)]
+    lines += [
+        separator.join(f"{round(value, digits) + 0.0:.{digits}f}" for value, digits in zip(row, decimals, strict=True))
+        for row in table.tolist()
+    ]
+    return ("\n".join(lines) + "\n").encode()
+
+
+@dataclass(frozen=True)
+class Fault:
+    """What is wrong with a table, and in which line of the file."""
+
+    line: int
+    what: str
+    kind: Literal["form", "time", "state", "image"] = "form"
+
+    def __str__(self) -> str:
+        return f"line {self.line}: {self.what}"
+
+
+def read_rows(path: Path) -> Rows:
+    """Read a data.csv strictly.
+
+    Raises:
+        InputError: The first fault, with its line and column.
+    """
+    try:
+        size = path.stat().st_size
+        data = path.read_bytes() if size <= MAX_BYTES else b""
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
+    if size > MAX_BYTES:
+        raise InputError(f"is larger than {MAX_BYTES // 2**20} MiB", where=str(path), cure="split it into runs")
+    table, faults = parse_table(data, HEADER)
+    faults = faults or [fault for fault in semantic_faults(Rows.from_table(table)) if fault.kind in ("time", "image")]
+    if faults:
+        cure = "mend or remove the row" if faults[0].line > 1 else ""
+        raise InputError(faults[0].what, where=f"{path}:{faults[0].line}", cure=cure)
+    return Rows.from_table(table)
+
+
+def parse_table(data: bytes, header: Sequence[str], separator: str = ",") -> tuple[Floats, list[Fault]]:
+    """The numbers of a table with exactly this header, (N, columns), and every fault of its form."""
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        return _empty(header), [Fault(data.count(b"\n", 0, error.start) + 1, "is not UTF-8 text")]
+    if not text.strip():
+        return _empty(header), [Fault(1, "is empty")]
+    lines = [line.split(separator) for line in text.replace("\r\n", "\n").removesuffix("\n").split("\n")]
+    if tuple(lines[0]) != tuple(header):
+        return _empty(header), [Fault(1, _header_fault(lines[0], header))]
+    if len(lines) == 1:
+        return _empty(header), [Fault(1, "has no rows below the header")]
+    rows, faults = [], []
+    for number, cells in enumerate(lines[1:], start=2):
+        values, fault = _row(cells, header)
+        rows.append(values)
+        if fault:
+            faults.append(Fault(number, fault))
+    return (_empty(header) if faults else np.array(rows)), faults
+
+
+def semantic_faults(rows: Rows) -> list[Fault]:
+    """Rows whose time does not increase, whose state is unknown, or whose image number does not count up."""
+    faults = [
+        Fault(int(i) + 3, f"column t: {rows.t_ms[i + 1]} ms is not after {rows.t_ms[i]} ms", "time")
+        for i in np.flatnonzero(np.diff(rows.t_ms) <= 0)
+    ]
+    faults += [
+        Fault(int(i) + 2, f"column state: {rows.state[i]} is none of {', '.join(map(str, STATES))}", "state")
+        for i in np.flatnonzero(~np.isin(rows.state, STATES))
+    ]
+    at = np.flatnonzero(rows.image)
+    numbers = rows.image[at]
+    previous = np.concatenate(([0], numbers[:-1]))
+    faults += [
+        Fault(int(at[i]) + 2, f"column img: {numbers[i]} does not count up from {previous[i]}", "image")
+        for i in np.flatnonzero(numbers <= previous)
+    ]
+    return sorted(faults, key=lambda fault: fault.line)
+
+
+def _row(cells: list[str], header: Sequence[str]) -> tuple[list[float], str]:
+    if len(cells) != len(header):
+        return [], f"{len(cells)} columns instead of {len(header)}; the row is cut off or has a stray separator"
+    values = []
+    for name, cell in zip(header, cells, strict=True):
+        try:
+            value = float(cell) if cell.isascii() and "_" not in cell else math.nan
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            return [], f"column {name}: {cell.strip()[:40]!r} is not a finite number"
+        if name in {"state", "img"} and not value.is_integer():
+            return [], f"column {name}: {cell.strip()[:40]!r} is not an integer"
+        if abs(value) > _LARGEST:
+            return [], f"column {name}: {cell.strip()[:40]!r} is beyond {_LARGEST}"
+        values.append(value)
+    return values, ""
+
+
+def _header_fault(got: Sequence[str], header: Sequence[str]) -> str:
+    expected = ",".join(header)
+    for name in got:
+        if name not in header:
+            hint = nearest(name, header)
+            return f"column {name[:40]!r} is not known{f' (nearest: {hint})' if hint else ''}; expected {expected}"
+    missing = [name for name in header if name not in got]
+    if missing:
+        return f"column {missing[0]!r} is missing; expected {expected}"
+    return f"columns in another order or twice; expected {expected}"
+
+
+def _empty(header: Sequence[str]) -> Floats:
+    return np.empty((0, len(header)))

@@ -1,0 +1,49 @@
+"""A side file of a run, read strictly; tables are held against the rows of data.csv."""
+
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+from pydantic import BaseModel, ValidationError
+
+from symolo.core.errors import InputError
+from symolo.dataset.rows import Floats, Rows, parse_table
+from symolo.dataset.side_tables import CAMERA, SideTable
+
+Record = TypeVar("Record", bound=BaseModel)
+
+
+def read_record(path: Path, kind: type[Record]) -> Record:
+    """A JSON file that holds one record.
+
+    Raises:
+        OSError: There is no such file.
+        ValueError: It is damaged; the text is one line.
+    """
+    try:
+        return kind.model_validate_json(path.read_bytes())
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise ValueError(": ".join(filter(None, (".".join(map(str, first["loc"])), first["msg"])))) from None
+
+
+def read_side(path: Path, table: SideTable, rows: Rows) -> Floats:
+    """The numbers of a side table, (rows or images, columns), at the rows of data.csv or, of the camera, its images.
+
+    Raises:
+        InputError: It cannot be read, has another form, or is of other times or images.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", where=str(path), cure="make the run again") from None
+    numbers, faults = parse_table(data, table.header)
+    if faults:
+        raise InputError(faults[0].what, where=f"{path}: row {faults[0].line}", cure="mend or remove the row")
+    taken = rows.image > 0
+    keys = np.column_stack((rows.image[taken], rows.t_ms[taken])) if table is CAMERA else rows.t_ms[:, None]
+    told = numbers[:, : keys.shape[1]]
+    for name, column, expected in zip(table.header, told.T, keys.T, strict=False):
+        if not np.array_equal(column, expected):
+            raise InputError(f"column {name} is not that of data.csv", where=str(path), cure="make the run again")
+    return numbers

@@ -1,0 +1,111 @@
+"""Tables beside data.csv: image positions, drive, range statuses, camera poses."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hil.tally import COLUMNS as BOARD_COLUMNS
+from physics.run.trajectory import Recording
+from sensors.tof import TofStatus
+from symolo.dataset.rows import Floats, Numbers, Rows, csv_bytes, heading
+
+
+@dataclass(frozen=True)
+class SideColumn:
+    name: str
+    unit: str
+    decimals: int
+
+
+@dataclass(frozen=True)
+class SideTable:
+    """One file below `side/`, with what its columns mean."""
+
+    file: str
+    meaning: str
+    columns: tuple[SideColumn, ...]
+
+    @property
+    def header(self) -> tuple[str, ...]:
+        return tuple(column.name for column in self.columns)
+
+    def to_csv(self, table: Numbers) -> bytes:
+        return csv_bytes(self.header, [column.decimals for column in self.columns], table)
+
+
+POSITIONS_HEADER = ("img", "x", "y", "theta")
+POSITIONS_DECIMALS = (0, 6, 6, 6)
+
+WHEELS = SideTable(
+    "wheels.csv",
+    "drive at each row of data.csv; mean voltages are those since the row before; r is the right wheel, l the left; "
+    "odometry counts from (0, 0, 0) at the start pose",
+    (
+        SideColumn("t", "ms", 0),
+        SideColumn("command_v", "m/s", 5),
+        SideColumn("command_w", "rad/s", 5),
+        *(SideColumn(f"speed_{side}", "rad/s", 5) for side in "rl"),
+        *(SideColumn(f"voltage_{side}", "V", 5) for side in "rl"),
+        *(SideColumn(f"mean_voltage_{side}", "V", 5) for side in "rl"),
+        *(SideColumn(f"current_{side}", "A", 5) for side in "rl"),
+        *(SideColumn(f"counts_{side}", "encoder counts", 0) for side in "rl"),
+        SideColumn("odometry_x", "m", 6),
+        SideColumn("odometry_y", "m", 6),
+        SideColumn("odometry_theta", "rad", 6),
+    ),
+)
+DRIVE_SERIES = ("command", "wheel_speed_rad_s", "voltage_V", "mean_voltage_V", "current_A", "encoder_counts")
+TOF = SideTable(
+    "tof.csv",
+    "status of each ToF sensor at each row of data.csv: "
+    + ", ".join(f"{status.value} {status.name.lower()}" for status in TofStatus),
+    (SideColumn("t", "ms", 0), *(SideColumn(f"status_{side}", "-", 0) for side in "flr")),
+)
+CAMERA = SideTable(
+    "camera.csv",
+    "pose X_WC of the camera at each shutter: rotation r11..r33 by rows and position p of C in W; "
+    "C is the optical frame, x right, y down, z forward; "
+    "when the exposure of the first row of pixels begins and how long that of each row is, t being the middle of all",
+    (
+        SideColumn("img", "-", 0),
+        SideColumn("t", "ms", 0),
+        *(SideColumn(f"r{row}{column}", "-", 9) for row in (1, 2, 3) for column in (1, 2, 3)),
+        *(SideColumn(f"p_{axis}", "m", 6) for axis in "xyz"),
+        SideColumn("exposure_start", "ms", 3),
+        SideColumn("exposure", "ms", 3),
+    ),
+)
+BOARD_SERIES = "board"
+BOARD = SideTable(
+    "board.csv",
+    "the line to the board that drives, at each row of data.csv: whether it answered, whether the wheels were told to "
+    "stand still because it did not, and how many frames were damaged on the way from it and to it, refused as "
+    "impossible, answers to an older row, or repeated; whether it re-booted; whether the row began late",
+    (SideColumn("t", "ms", 0), *(SideColumn(name, "-", 0) for name in BOARD_COLUMNS)),
+)
+
+
+def image_positions(rows: Rows) -> bytes:
+    """image_positions.txt: number of each image and the robot's pose at its shutter."""
+    taken = rows.image > 0
+    table = np.column_stack((rows.image[taken], rows.pose[taken]))
+    return csv_bytes(POSITIONS_HEADER, POSITIONS_DECIMALS, table, separator=" ")
+
+
+def wheels_csv(recording: Recording) -> bytes:
+    odometry = recording["odometry"].values.astype(np.float64)
+    columns = [recording[name].values for name in DRIVE_SERIES]
+    theta = heading(odometry[:, 2], WHEELS.columns[-1].decimals)
+    return WHEELS.to_csv(np.column_stack((_t_ms(recording), *columns, odometry[:, :2], theta)))
+
+
+def board_csv(recording: Recording) -> bytes:
+    return BOARD.to_csv(np.column_stack((_t_ms(recording), recording[BOARD_SERIES].values)))
+
+
+def tof_csv(recording: Recording) -> bytes:
+    return TOF.to_csv(np.column_stack((_t_ms(recording), recording["tof_status"].values)))
+
+
+def _t_ms(recording: Recording) -> Floats:
+    return np.rint(recording.trajectory.t_s * 1000)

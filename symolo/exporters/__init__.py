@@ -1,0 +1,18 @@
+"""All formats that a release is exported to, in the order in which `--help` names them."""
+
+from symolo.exporters import coco, hdf5, huggingface, kitti, lerobot, mcap, parquet, rerun, ros1, tum, webdataset
+from symolo.exporters.base import Exporter
+
+EXPORTERS: tuple[Exporter, ...] = (
+    tum.EXPORTER,
+    kitti.EXPORTER,
+    coco.EXPORTER,
+    webdataset.EXPORTER,
+    parquet.EXPORTER,
+    mcap.EXPORTER,
+    ros1.EXPORTER,
+    hdf5.EXPORTER,
+    huggingface.EXPORTER,
+    lerobot.EXPORTER,
+    rerun.EXPORTER,
+)

@@ -1,0 +1,184 @@
+"""Instances of each image with masks, boxes and key points, as COCO has them (https://cocodataset.org/#format-data)."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import asdict
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blender_scenes.annotations.boxes_2d import rectangle
+from blender_scenes.annotations.document import AnnotationEntry, Document
+from blender_scenes.annotations.key_points import Sighting
+from symolo.core.errors import InputError
+from symolo.exporters.base import CopiedFile, ExportedFile, Exporter, ExportSettings, MadeFile
+from symolo.reader.dataset import Dataset
+from symolo.reader.image import Image
+from symolo.reader.run import Run
+
+_CORNERS = tuple(f"corner_{number}" for number in range(8))
+"""0-3 at the foot, 4-7 above them, counter-clockwise, as the names of our key points end."""
+_EDGES = ((1, 2), (2, 3), (3, 4), (4, 1), (5, 6), (6, 7), (7, 8), (8, 5), (1, 5), (2, 6), (3, 7), (4, 8))
+"""COCO counts the points of a skeleton from 1."""
+_OF_CORNERS = ("wall", "obstacle")
+"""Categories whose instances have corners."""
+_NOT_LABELLED, _HIDDEN, _VISIBLE = 0, 1, 2
+"""COCO's flag v of a key point; one outside of the image is not labelled."""
+
+
+def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
+    for run in data.runs:
+        if "instance" not in run.annotation_pictures:
+            what = f"run {run.name} has no pictures of its instances, from which the masks come"
+            cure = (
+                "release it with `--set render.annotations=[instance,boxes_2d,key_points]`, or leave it out by --runs"
+            )
+            raise InputError(what, where=str(data.root), cure=cure)
+    known = data.runs[0].annotations.categories
+    for run in data.runs[1:]:
+        if run.annotations.categories != known:
+            raise InputError("has other categories than the first run", where=str(run.folder), cure="use --runs")
+    yield MadeFile("annotations/instances.json", lambda: _document(data), lambda: _about_bytes(data))
+    for run in data.runs:
+        for image in run.images:
+            yield CopiedFile(f"images/{_file_name(image)}", image.path)
+
+
+def _file_name(image: Image) -> str:
+    """Within images/."""
+    return f"{image.run.name}/{image.path.name}"
+
+
+def _about_bytes(data: Dataset) -> int:
+    """Were all images of a run like its first."""
+    firsts = [(run, json.dumps([*_Labels(run).of(run.images[0])])) for run in data.runs if run.numbers]
+    return sum(len(run.numbers) * len(of_first) for run, of_first in firsts)
+
+
+def _document(data: Dataset) -> bytes:
+    images, annotations = [], []
+    for run in data.runs:
+        labels = _Labels(run)
+        for image in run.images:
+            number = len(images) + 1
+            images.append(_image(image, number, run))
+            for annotation in labels.of(image):
+                annotations.append({"id": len(annotations) + 1, "image_id": number, **annotation})
+    content = {
+        "info": _info(data),
+        "licenses": [{"id": 1, "name": data.metadata.licence if data.metadata else "", "url": ""}],
+        "images": images,
+        "annotations": annotations,
+        "categories": _categories(data.runs[0].annotations),
+    }
+    return (json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n").encode()
+
+
+def _info(data: Dataset) -> dict[str, object]:
+    """Without the year and the day that COCO has: a release tells none."""
+    told = data.metadata
+    return {"description": told.description or told.name if told else data.root.name, "version": "1"}
+
+
+def _image(image: Image, number: int, run: Run) -> dict[str, object]:
+    """`run`, `img`, `t_s`, `X_WC` are ours."""
+    return {
+        "id": number,
+        "file_name": _file_name(image),
+        "width": run.camera.width_px,
+        "height": run.camera.height_px,
+        "license": 1,
+        "run": run.name,
+        "img": image.number,
+        "t_s": image.t_s,
+        "X_WC": image.X_WC.tolist(),
+    }
+
+
+def _categories(document: Document) -> list[dict[str, object]]:
+    """Without the sky, which has no instances, and whose id 0 means none to many readers."""
+    return [
+        {"id": one.id, "name": one.name, "supercategory": "scene"}
+        | ({"keypoints": _CORNERS, "skeleton": _EDGES} if one.name in _OF_CORNERS else {})
+        for one in document.categories
+        if one.id
+    ]
+
+
+class _Labels:
+    """What the annotations of a run say of its images."""
+
+    def __init__(self, run: Run) -> None:
+        document = run.annotations
+        names = {one.id: one.name for one in document.categories}
+        self._instances = document.instances
+        self._has_corners = {
+            one.id: "key_points" in document.kinds and names[one.category_id] in _OF_CORNERS
+            for one in document.instances
+        }
+        corners = {
+            point.id: (point.instance_id, int(point.name.rpartition("_")[2]))
+            for point in document.key_points
+            if self._has_corners.get(point.instance_id)
+        }
+        self._sighted: dict[tuple[int, int], dict[int, Sighting]] = {}
+        for sighting in document.sightings:
+            if sighting.key_point_id in corners:
+                instance, corner = corners[sighting.key_point_id]
+                self._sighted.setdefault((sighting.image_id, instance), {})[corner] = sighting
+        self._entries = {(one.image_id, one.instance_id): one for one in document.annotations}
+
+    def of(self, image: Image) -> Iterator[dict[str, object]]:
+        """One for each instance of which a pixel is seen."""
+        ids = image.annotation("instance")
+        seen = set(np.unique(ids).tolist())
+        for one in self._instances:
+            if one.id not in seen:
+                continue
+            mask = ids == one.id
+            annotation: dict[str, object] = {
+                "category_id": one.category_id,
+                "segmentation": {"size": list(mask.shape), "counts": run_lengths(mask)},
+                "area": int(mask.sum()),
+                "bbox": rectangle(mask),
+                "iscrowd": 0,
+                "instance_id": one.id,
+                "name": one.name,
+            }
+            key = image.number, one.id
+            yield annotation | self._corners(key) | _amodal(self._entries.get(key))
+
+    def _corners(self, key: tuple[int, int]) -> dict[str, object]:
+        if not self._has_corners[key[1]]:
+            return {}
+        sighted = self._sighted.get(key, {})
+        points = [_flagged(sighted.get(corner)) for corner in range(len(_CORNERS))]
+        return {"keypoints": [number for point in points for number in point], "num_keypoints": len(sighted)}
+
+
+def _flagged(sighting: Sighting | None) -> tuple[float, float, int]:
+    """x, y, v; as ours, COCO's (0, 0) is the middle of the first pixel."""
+    if sighting is None:
+        return 0, 0, _NOT_LABELLED
+    return *sighting.pixel, _VISIBLE if sighting.visible else _HIDDEN
+
+
+def _amodal(entry: AnnotationEntry | None) -> dict[str, object]:
+    """What `boxes_2d` says beyond what the mask does; COCO's readers pass over it."""
+    names = ("amodal_bbox", "amodal_area", "visible_fraction", "truncated")
+    told = asdict(entry) if entry else {}
+    return {name: told[name] for name in names if told.get(name) is not None}
+
+
+def run_lengths(mask: NDArray[np.bool_]) -> list[int]:
+    """COCO's uncompressed RLE of a mask (H, W): lengths of runs down the columns, in turns of 0 and 1, 0 first."""
+    pixels = mask.ravel(order="F")
+    bounds = [0, *(np.flatnonzero(pixels[1:] != pixels[:-1]) + 1).tolist(), pixels.size]
+    lengths = [after - before for before, after in pairwise(bounds)]
+    return [0, *lengths] if pixels[0] else lengths
+
+
+EXPORTER = Exporter(
+    "coco", "masks, boxes and corners of what is seen in each image, of a release that has them", _files
+)

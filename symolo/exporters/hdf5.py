@@ -1,0 +1,136 @@
+"""A file for each image as BlenderProc writes them, and one with all tables.
+
+Keys and forms are those of its `write_hdf5` with colours, depth, normals, optical flow and a segmentation by
+`category_id`, `instance` and `name` (https://dlr-rm.github.io/BlenderProc, release 2.8).
+"""
+
+import json
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from blender_scenes.annotations.depth import UNIT_M
+from blender_scenes.annotations.flow import PER_PX
+from blender_scenes.annotations.flow import ZERO as STILL
+from blender_scenes.annotations.normals import SCALE, ZERO
+from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
+from symolo.exporters.optional import H5PY, optional
+from symolo.exporters.record import record_of
+from symolo.reader.dataset import Dataset
+from symolo.reader.image import Image
+from symolo.reader.run import Run
+from symolo.reader.tables import UNITS
+
+FAR_M = 1e10
+"""What Blender's depth is where nothing is met."""
+_CAMERA = "camera"
+_PACKED = {"compression": "gzip", "track_times": False}
+"""Without times the same content is the same bytes."""
+Entries = dict[str, np.ndarray | bytes]
+
+
+def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
+    h5py = optional("h5py", H5PY)
+    yield MadeFile("tables.hdf5", lambda: _tables(h5py, data))
+    for run in data.runs:
+        like_first = cache(lambda run=run: len(_frame(h5py, run.images[0])))
+        for image in run.images:
+            yield MadeFile(f"{run.name}/{image.index}.hdf5", lambda image=image: _frame(h5py, image), like_first)
+
+
+def _whole(h5py: ModuleType, fill: Callable[[Any], None]) -> bytes:
+    """A file in memory."""
+    with h5py.File.in_memory() as file:
+        fill(file)
+        file.flush()
+        return file.id.get_file_image()
+
+
+def _tables(h5py: ModuleType, data: Dataset) -> bytes:
+    """A group for each run, in it one for each table, in it each column with its unit."""
+
+    def fill(file: Any) -> None:  # noqa: ANN401 - of the library
+        for run in data.runs:
+            names = [name for name in run.side_names if name != _CAMERA]
+            tables = {"rows": run.rows} | {name: run.side(name) for name in (*names, _CAMERA)}
+            for name, table in tables.items():
+                for column in table:
+                    place = f"{run.name}/{name}/{column}"
+                    made = file.create_dataset(place, data=table[column].to_numpy(), **_PACKED)
+                    made.attrs["unit"] = table.attrs[UNITS][column]
+
+    return _whole(h5py, fill)
+
+
+def _frame(h5py: ModuleType, image: Image) -> bytes:
+    entries: Entries = {"colors": image.pixels(), "camera_pose": _pose(image), "row": record_of(image)}
+    for kind in image.run.annotation_pictures:
+        if kind != "flow" or image.number != image.run.numbers[-1]:  # the last image has none
+            entries |= _DECODED[kind](image.annotation(kind), image.run)
+
+    def fill(file: Any) -> None:  # noqa: ANN401 - of the library
+        for name, value in entries.items():
+            if isinstance(value, bytes):
+                file.create_dataset(name, data=np.bytes_(value), track_times=False)
+            else:
+                file.create_dataset(name, data=value, **_PACKED)
+
+    return _whole(h5py, fill)
+
+
+def _pose(image: Image) -> bytes:
+    """The camera in OpenCV's convention, as BlenderProc has it with `save_world2cam`."""
+    X_CW = np.linalg.inv(image.X_WC)
+    K = np.array(image.run.camera.K)
+    told = {"cam_K": K.ravel(), "cam_R_w2c": X_CW[:3, :3].ravel(), "cam_t_w2c": X_CW[:3, 3]}
+    return json.dumps({name: (values + 0.0).tolist() for name, values in told.items()}, allow_nan=False).encode()
+
+
+def _depth(stored: np.ndarray, _run: Run) -> Entries:
+    metres = np.where(stored > 0, stored * UNIT_M, FAR_M)
+    return {"depth": metres.astype(np.float32)}
+
+
+def _normals(stored: np.ndarray, _run: Run) -> Entries:
+    """In 0..1, in Blender's axes of a camera: x right, y up, z back; 0.5 where nothing is met."""
+    normal_C = (stored.astype(np.float64) - ZERO) / SCALE
+    met = np.any(stored > 0, axis=-1, keepdims=True)
+    return {"normals": np.where(met, 0.5 + 0.5 * normal_C * (1, -1, -1), 0.5).astype(np.float32)}
+
+
+def _flow(stored: np.ndarray, _run: Run) -> Entries:
+    valid = stored[..., 2] > 0
+    change_px = (stored[..., :2].astype(np.float64) - STILL) / PER_PX
+    shown = np.where(valid[..., None], change_px, 0).astype(np.float32)
+    return {"forward_flow": shown, "forward_flow_valid": valid.astype(np.uint8)}
+
+
+def _instances(stored: np.ndarray, run: Run) -> Entries:
+    seen = set(np.unique(stored).tolist())
+    known = [{"idx": one.id, "name": one.name, "category_id": one.category_id} for one in run.annotations.instances]
+    sky = {"idx": 0, "name": "sky", "category_id": 0}
+    told = [one for one in (sky, *known) if one["idx"] in seen]
+    return {"instance_segmaps": stored, "instance_attribute_maps": json.dumps(told, allow_nan=False).encode()}
+
+
+def _categories(stored: np.ndarray, _run: Run) -> Entries:
+    return {"category_id_segmaps": stored}
+
+
+def _free_floor(stored: np.ndarray, _run: Run) -> Entries:
+    return {"free_floor_segmaps": (stored > 0).astype(np.uint8)}
+
+
+_DECODED: Mapping[str, Callable[[np.ndarray, Run], Entries]] = {
+    "depth": _depth,
+    "instance": _instances,
+    "semantic": _categories,
+    "normals": _normals,
+    "flow": _flow,
+    "free_floor": _free_floor,
+}
+
+EXPORTER = Exporter("hdf5", "a file for each image as BlenderProc writes them, and one with all tables", _files)

@@ -1,0 +1,224 @@
+"""A dataset of LeRobot (https://huggingface.co/docs/lerobot/lerobot-dataset-v3): a run is an episode, an image a frame.
+
+Pictures are of the type `image`, files within the Parquet files, so that they stay what they are, byte by byte.
+"""
+
+import io
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from symolo.core.errors import InputError
+from symolo.core.file_hashes import canonical_json
+from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile, pictures_bytes
+from symolo.exporters.features import parquet_bytes, picture, pictured, value, vector
+from symolo.exporters.lerobot_stats import Levels, Stats, vector_stats
+from symolo.exporters.optional import PYARROW, optional
+from symolo.reader.dataset import Dataset
+from symolo.reader.run import Run
+
+_VERSION = "v3.0"
+_FRONT, _STATE, _ACTION, _POSE = "observation.images.front", "observation.state", "action", "pose"
+"""A pose is no observation: policies shall not see the truth."""
+_STATE_NAMES = ("speed_right", "speed_left", "d_f", "d_l", "d_r", *(f"L{i}" for i in range(8)))
+_ACTION_NAMES = ("speed_right", "speed_left")
+_POSE_NAMES = ("x", "y", "theta")
+_VECTORS = {_STATE: _STATE_NAMES, _ACTION: _ACTION_NAMES, _POSE: _POSE_NAMES}
+_COUNTS = ("frame_index", "episode_index", "index", "task_index")
+_FILES_PER_CHUNK = 1000
+_FRAMES_PER_GROUP = 100
+_STATS_BYTES = 10_000
+"""What the statistics of an episode take, about."""
+_PLACE = "chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
+
+
+@dataclass(frozen=True)
+class _Episode:
+    run: Run
+    index: int
+    first: int
+    """Index of its first frame among all."""
+    task_index: int
+
+    def __len__(self) -> int:
+        return len(self.run.numbers)
+
+    @cached_property
+    def numbers(self) -> dict[str, np.ndarray]:
+        """All but the pictures, by feature, (frames,) or (frames, components)."""
+        at = [image.row for image in self.run.images]
+        drive, wheels = self.run.spec.robot.drive, self.run.side("wheels").iloc[at]
+        table = self.run.table
+        speed_rad_s = wheels[["speed_r", "speed_l"]].to_numpy()
+        v_m_s, w_rad_s = (wheels[f"command_{one}"].to_numpy() for one in "vw")
+        aside_m_s = 0.5 * drive.track_m * w_rad_s
+        asked_m_s = np.column_stack((v_m_s + aside_m_s, v_m_s - aside_m_s))
+        stamps_s = np.array([image.t_s for image in self.run.images])
+        count = np.arange(len(self))
+        found = {
+            _STATE: np.column_stack((speed_rad_s, table.tof_m[at], table.line[at])).astype(np.float32),
+            _ACTION: (asked_m_s / (0.5 * drive.wheel_diameter_m)).astype(np.float32),
+            _POSE: table.pose[at].astype(np.float32),
+            "timestamp": (stamps_s - stamps_s[0]).astype(np.float32),
+        }
+        whole = (count, np.full_like(count, self.index), self.first + count, np.full_like(count, self.task_index))
+        return found | {name: one.astype(np.int64) for name, one in zip(_COUNTS, whole, strict=True)}
+
+    @cached_property
+    def levels(self) -> Levels:
+        return Levels.of(image.pixels() for image in self.run.images)
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """Everything but the content of the pictures."""
+
+    data: Dataset
+    tasks: tuple[str, ...]
+    files: tuple[tuple[_Episode, ...], ...]
+    """Episodes of each file of frames; none is torn apart."""
+    most_bytes: int
+
+    @property
+    def episodes(self) -> tuple[_Episode, ...]:
+        return tuple(one for file in self.files for one in file)
+
+
+def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
+    optional("pyarrow", PYARROW)
+    plan = _plan(data, settings.shard_bytes)
+    yield MadeFile("README.md", lambda: _card(plan))
+    yield MadeFile("meta/info.json", lambda: canonical_json(_info(plan)))
+    yield MadeFile("meta/stats.json", lambda: canonical_json(_stats(plan.episodes)), lambda: _STATS_BYTES)
+    yield MadeFile("meta/tasks.parquet", lambda: _tasks(plan))
+    about = _STATS_BYTES * len(plan.episodes)
+    yield MadeFile(f"meta/episodes/{_place(0)}", lambda: _episodes(plan), lambda: about)
+    for number, episodes in enumerate(plan.files):
+        size = sum(pictures_bytes(one.run.images) for one in episodes)
+        name = f"data/{_place(number)}"
+        yield MadeFile(name, lambda episodes=episodes: _frames(episodes), lambda size=size: size)
+
+
+def _plan(data: Dataset, most_bytes: int) -> _Plan:
+    first = data.runs[0].spec
+    for run in data.runs:
+        if not run.numbers:
+            raise InputError(f"run {run.name} has no images", where=str(data.root), cure="leave it out by --runs")
+        if run.spec.rates.camera_hz != first.rates.camera_hz:
+            raise InputError("has another camera rate than the first run", where=str(run.folder), cure="use --runs")
+    names = tuple(dict.fromkeys(_task(run) for run in data.runs))
+    files: list[list[_Episode]] = []
+    used, frames = 0, 0
+    for index, run in enumerate(data.runs):
+        size = pictures_bytes(run.images)
+        if not files or used + size > most_bytes:
+            files.append([])
+            used = 0
+        files[-1].append(_Episode(run, index, frames, names.index(_task(run))))
+        used, frames = used + size, frames + len(run.numbers)
+    return _Plan(data, names, tuple(map(tuple, files)), most_bytes)
+
+
+def _task(run: Run) -> str:
+    return f"Follow the line and the walls and pass the obstacles, route {run.spec.route}"
+
+
+def _place(number: int) -> str:
+    chunk, file = divmod(number, _FILES_PER_CHUNK)
+    return _PLACE.format(chunk_index=chunk, file_index=file)
+
+
+def _info(plan: _Plan) -> dict[str, Any]:
+    first, episodes = plan.data.runs[0], plan.episodes
+    robots = {run.spec.robot.name for run in plan.data.runs}
+    size = [first.camera.height_px, first.camera.width_px, 3]
+    features: dict[str, Any] = {_FRONT: {"dtype": "image", "shape": size, "names": ["height", "width", "channels"]}}
+    features |= {name: {"dtype": "float32", "shape": [len(of)], "names": list(of)} for name, of in _VECTORS.items()}
+    one = {"shape": [1], "names": None}
+    features |= {"timestamp": {"dtype": "float32", **one}} | {name: {"dtype": "int64", **one} for name in _COUNTS}
+    return {
+        "codebase_version": _VERSION,
+        "robot_type": robots.pop() if len(robots) == 1 else "symolo",
+        "total_episodes": len(episodes),
+        "total_frames": sum(map(len, episodes)),
+        "total_tasks": len(plan.tasks),
+        "chunks_size": _FILES_PER_CHUNK,
+        "data_files_size_in_mb": max(1, plan.most_bytes // 1_000_000),
+        "video_files_size_in_mb": 200,
+        "fps": first.spec.rates.camera_hz,
+        "splits": {"train": f"0:{len(episodes)}"},
+        "data_path": f"data/{_PLACE}",
+        "video_path": None,
+        "features": features,
+    }
+
+
+def _stats(episodes: Sequence[_Episode]) -> dict[str, Stats]:
+    """Of every feature over some episodes."""
+    levels = [one.levels for one in episodes]
+    found = {_FRONT: sum(levels[1:], start=levels[0]).stats()}
+    for name in episodes[0].numbers:
+        found[name] = vector_stats(np.concatenate([one.numbers[name] for one in episodes]))
+    return found
+
+
+def _tasks(plan: _Plan) -> bytes:
+    """A table of pandas: its index is the text."""
+    table = pd.DataFrame({"task_index": range(len(plan.tasks))}, index=pd.Index(plan.tasks, name="task"))
+    file = io.BytesIO()
+    table.to_parquet(file, engine="pyarrow")
+    return file.getvalue()
+
+
+def _episodes(plan: _Plan) -> bytes:
+    arrow, writer = optional("pyarrow", PYARROW), optional("pyarrow.parquet", PYARROW)
+    rows = []
+    for number, file in enumerate(plan.files):
+        chunk, place = divmod(number, _FILES_PER_CHUNK)
+        for one in file:
+            row: dict[str, Any] = {
+                "episode_index": one.index,
+                "tasks": [plan.tasks[one.task_index]],
+                "length": len(one),
+                "data/chunk_index": chunk,
+                "data/file_index": place,
+                "dataset_from_index": one.first,
+                "dataset_to_index": one.first + len(one),
+                "meta/episodes/chunk_index": 0,
+                "meta/episodes/file_index": 0,
+            }
+            stats: Mapping[str, Stats] = _stats([one])
+            rows.append(row | {f"stats/{name}/{key}": of for name, told in stats.items() for key, of in told.items()})
+    file = io.BytesIO()
+    writer.write_table(arrow.Table.from_pylist(rows), file, compression="zstd")
+    return file.getvalue()
+
+
+def _frames(episodes: Sequence[_Episode]) -> bytes:
+    images = [image for one in episodes for image in one.run.images]
+    named = [pictured(image.path.read_bytes(), f"{image.run.name}/{image.path.name}") for image in images]
+    columns = {_FRONT: (picture(), named)}
+    number = value("float32")
+    for name in episodes[0].numbers:
+        stacked = np.concatenate([one.numbers[name] for one in episodes])
+        if name in _VECTORS:
+            columns[name] = vector(number, len(_VECTORS[name])), list(stacked)
+        else:
+            columns[name] = value(str(stacked.dtype)), stacked.tolist()
+    return parquet_bytes(columns, {}, rows_per_group=_FRAMES_PER_GROUP)
+
+
+def _card(plan: _Plan) -> bytes:
+    """The head that the hub knows LeRobot's datasets by."""
+    told = plan.data.metadata
+    name, about = (told.name, told.description) if told else (plan.data.root.name, "")
+    head = ["---", *([f"license: {told.licence.lower()}"] if told else []), "task_categories:", "- robotics"]
+    head += ["tags:", "- LeRobot", "configs:", "- config_name: default", "  data_files: data/*/*.parquet", "---"]
+    return ("\n".join([*head, f"# {name}", *(["", about] if about else [])]) + "\n").encode()
+
+
+EXPORTER = Exporter("lerobot", "episodes of LeRobot v3.0 at the camera's rate: picture, state, action, task", _files)

@@ -1,0 +1,39 @@
+"""A bag of ROS 1 for each run (https://wiki.ros.org/Bags/Format/2.0); what is in it: `ros_messages`."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
+from symolo.exporters.optional import ROSBAGS, optional
+from symolo.exporters.ros_messages import TOPICS, Vocabulary, about_bytes, messages
+from symolo.reader.dataset import Dataset
+from symolo.reader.run import Run
+
+
+def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
+    optional("rosbags.rosbag1", ROSBAGS)
+    for run in data.runs:
+        yield MadeFile(f"{run.name}.bag", lambda run=run: _bag(run), lambda run=run: about_bytes(run))
+
+
+def _bag(run: Run) -> bytes:
+    rosbag1, typesys = optional("rosbags.rosbag1", ROSBAGS), optional("rosbags.typesys", ROSBAGS)
+    store = typesys.get_typestore(typesys.Stores.ROS1_NOETIC)
+    # The library's set of Noetic lacks the messages of tf2.
+    store.register(typesys.get_types_from_msg("geometry_msgs/TransformStamped[] transforms", "tf2_msgs/msg/TFMessage"))
+    with TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as scratch:
+        path = Path(scratch) / "run.bag"
+        with rosbag1.Writer(path) as bag:
+            connections = {
+                topic.name: bag.add_connection(
+                    topic.name, topic.type, typestore=store, latching=1 if topic.latched else None
+                )
+                for topic in TOPICS
+            }
+            for topic, at_ns, message in messages(run, Vocabulary(store, 1)):
+                bag.write(connections[topic.name], at_ns, store.serialize_ros1(message, topic.type))
+        return path.read_bytes()
+
+
+EXPORTER = Exporter("ros1", "a bag of ROS 1 for each run, with the messages of that of ROS 2", _files)

@@ -1,0 +1,291 @@
+"""What a ROS bag of a run holds: one table of topics, for bags of ROS 1 and of ROS 2.
+
+Frames are those of REP 103 and 105: `map` is W, `base_link` is R, `odom` is where the wheels' encoders begin to count.
+Axes of `camera_link` are those of a body, of `camera_optical_frame` those of a picture.
+"""
+
+import heapq
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+from scipy.spatial.transform import Rotation
+
+from sensors.tof import TofStatus
+from symolo.dataset.rows import Floats
+from symolo.exporters.base import pictures_bytes
+from symolo.reader.image import Image
+from symolo.reader.run import Run
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
+
+START_NS = 1_000_000_000
+"""Stamp of the first row: 0 is no time to ROS, and in tf the latest one."""
+MAP, ODOM, BASE, CAMERA, OPTICAL = "map", "odom", "base_link", "camera_link", "camera_optical_frame"
+LINE_SENSOR = "line_sensor"
+WHEELS = ("wheel_right", "wheel_left")
+TOF = {"front": "f", "left": "l", "right": "r"}
+"""Sensors, and what their columns end in."""
+_INFRARED = 1
+Stamped = tuple[int, Any]
+"""When [ns], and a message."""
+Planar = tuple[float, float, float]
+"""x [m], y [m], yaw [rad]."""
+
+
+@dataclass(frozen=True)
+class Vocabulary:
+    """How a version of ROS spells its messages."""
+
+    store: "Typestore"
+    version: int
+
+    def __call__(self, name: str, *values: Any) -> Any:  # noqa: ANN401 - of the library, made at run time
+        """A message of a type such as `geometry_msgs/Point`, fields in the order of its definition."""
+        package, kind = name.split("/")
+        return self.store.types[f"{package}/msg/{kind}"](*values)
+
+    def header(self, at_ns: int, frame: str, number: int = 0) -> Any:  # noqa: ANN401 - as above
+        """Messages of ROS 1 are numbered."""
+        stamp = self("builtin_interfaces/Time", *divmod(at_ns, 1_000_000_000))
+        return self("std_msgs/Header", *([number] if self.version == 1 else []), stamp, frame)
+
+    def vector(self, x: float, y: float, z: float, kind: str = "Vector3") -> Any:  # noqa: ANN401 - as above
+        return self(f"geometry_msgs/{kind}", float(x), float(y), float(z))
+
+    def quaternion(self, x: float, y: float, z: float, w: float) -> Any:  # noqa: ANN401 - as above
+        return self("geometry_msgs/Quaternion", float(x), float(y), float(z), float(w))
+
+    def upright(self, yaw_rad: float) -> Any:  # noqa: ANN401 - as above
+        """The turn of something that stands on the floor."""
+        return self.quaternion(0, 0, np.sin(yaw_rad / 2), np.cos(yaw_rad / 2))
+
+    def twist(self, v_m_s: float, w_rad_s: float) -> Any:  # noqa: ANN401 - as above
+        return self("geometry_msgs/Twist", self.vector(v_m_s, 0, 0), self.vector(0, 0, w_rad_s))
+
+    def on_floor(self, at_ns: int, frame: str, child: str, pose: Planar, number: int) -> Any:  # noqa: ANN401 - as above
+        """A transform between frames that stand on the floor."""
+        x_m, y_m, yaw_rad = pose
+        transform = self("geometry_msgs/Transform", self.vector(x_m, y_m, 0), self.upright(yaw_rad))
+        return self("geometry_msgs/TransformStamped", self.header(at_ns, frame, number), child, transform)
+
+    def fixed(self, frame: str, child: str, X: Floats) -> Any:  # noqa: ANN401 - as above
+        """A transform (4, 4) that never changes."""
+        X = X + 0.0  # no -0
+        turned = self.quaternion(*Rotation.from_matrix(X[:3, :3]).as_quat(canonical=True).tolist())
+        transform = self("geometry_msgs/Transform", self.vector(*X[:3, 3].tolist()), turned)
+        return self("geometry_msgs/TransformStamped", self.header(START_NS, frame), child, transform)
+
+
+@dataclass(frozen=True)
+class Log:
+    """Tables of a run, read once for all topics."""
+
+    run: Run
+
+    @cached_property
+    def at_ns(self) -> list[int]:
+        """Stamp of each row."""
+        return [_stamp_ns(t_ms) for t_ms in self.run.table.t_ms.tolist()]
+
+    @cached_property
+    def wheels(self) -> pd.DataFrame:
+        return self.run.side("wheels")
+
+    @cached_property
+    def odometry(self) -> list[Planar]:
+        return self.wheels[["odometry_x", "odometry_y", "odometry_theta"]].to_numpy().tolist()
+
+    def rows(self, *columns: np.ndarray) -> Iterator[tuple[int, int, Any]]:
+        """Number, stamp and values of each row."""
+        values = zip(*(one.tolist() for one in columns), strict=True)
+        return zip(range(len(self.at_ns)), self.at_ns, values, strict=True)
+
+
+@dataclass(frozen=True)
+class Topic:
+    name: str
+    type: str
+    messages: Callable[[Log, Vocabulary], Iterator[Stamped]]
+    """In the order of time."""
+    latched: bool = False
+    """Whether who comes later gets the last one."""
+
+
+_ROW_BYTES = 2_700
+"""What the messages of a row take in a bag, about."""
+
+
+def about_bytes(run: Run) -> int:
+    """How large a bag of a run is, about."""
+    return pictures_bytes(run.images) + _ROW_BYTES * len(run)
+
+
+def messages(run: Run, ros: Vocabulary) -> Iterator[tuple[Topic, int, Any]]:
+    """All of a run in the order of time; of one instant, in the order of `TOPICS`."""
+    log = Log(run)
+
+    def of(place: int, topic: Topic) -> Iterator[tuple[int, int, Any]]:
+        return ((at_ns, place, message) for at_ns, message in topic.messages(log, ros))
+
+    merged = heapq.merge(*(of(*numbered) for numbered in enumerate(TOPICS)), key=lambda one: one[:2])
+    for at_ns, place, message in merged:
+        yield TOPICS[place], at_ns, message
+
+
+def _stamp_ns(t_ms: int) -> int:
+    return START_NS + t_ms * 1_000_000
+
+
+def _static(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
+    robot, camera = log.run.spec.robot, log.run.camera
+    X_RC, X_CB = np.array(camera.X_RC), np.array(camera.X_CB)
+    poses = [(BASE, CAMERA, X_RC @ X_CB), (CAMERA, OPTICAL, np.linalg.inv(X_CB))]
+    for name in TOF:
+        mount = getattr(robot.tof.mounts, name)
+        angles = [mount.yaw_deg, -mount.pitch_up_deg]
+        X_RT = _pose(Rotation.from_euler("ZY", angles, degrees=True), [mount.x_m, mount.y_m, mount.z_m])
+        poses.append((BASE, _tof_frame(name), X_RT))
+    line = robot.line_sensor
+    poses.append((BASE, LINE_SENSOR, _pose(Rotation.identity(), [line.x_m, 0, line.height_m])))
+    yield START_NS, ros("tf2_msgs/TFMessage", [ros.fixed(*one) for one in poses])
+
+
+def _pose(turn: Rotation, place_m: list[float]) -> Floats:
+    X = np.eye(4)
+    X[:3, :3], X[:3, 3] = turn.as_matrix(), place_m
+    return X
+
+
+def _tof_frame(name: str) -> str:
+    return f"tof_{name}"
+
+
+def _moving(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
+    """`map` to `odom` puts right what the odometry gets wrong, so that `map` to `base_link` is the truth (REP 105)."""
+    for number, at_ns, (true,) in log.rows(log.run.table.pose):
+        told = log.odometry[number]
+        poses = ((MAP, ODOM, _difference(true, told)), (ODOM, BASE, told))
+        found = [ros.on_floor(at_ns, frame, child, pose, number) for frame, child, pose in poses]
+        yield at_ns, ros("tf2_msgs/TFMessage", found)
+
+
+def _difference(X_WR: Planar, X_OR: Planar) -> Planar:
+    """X_WO, with which X_WO X_OR is X_WR."""
+    x_m, y_m, yaw_rad = X_OR
+    turn_rad = X_WR[2] - yaw_rad
+    c, s = np.cos(turn_rad), np.sin(turn_rad)
+    return X_WR[0] - (c * x_m - s * y_m), X_WR[1] - (s * x_m + c * y_m), turn_rad
+
+
+def _odometry(ros: Vocabulary, header: object, pose: Planar, twist: tuple[float, float]) -> Any:  # noqa: ANN401 - as above
+    """Without covariances: those of the truth are 0, those of the wheels nobody knows."""
+    placed = ros("geometry_msgs/Pose", ros.vector(pose[0], pose[1], 0, "Point"), ros.upright(pose[2]))
+    return ros(
+        "nav_msgs/Odometry",
+        header,
+        BASE,
+        ros("geometry_msgs/PoseWithCovariance", placed, np.zeros(36)),
+        ros("geometry_msgs/TwistWithCovariance", ros.twist(*twist), np.zeros(36)),
+    )
+
+
+def _truth(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
+    for number, at_ns, (pose, twist) in log.rows(log.run.table.pose, log.run.table.twist):
+        yield at_ns, _odometry(ros, ros.header(at_ns, MAP, number), pose, twist)
+
+
+def _wheel_odometry(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
+    """The twist by the measured speeds of the wheels (paper Eq. 1-5)."""
+    drive = log.run.spec.robot.drive
+    right, left = (0.5 * drive.wheel_diameter_m * log.wheels[f"speed_{side}"].to_numpy() for side in "rl")
+    for number, at_ns, twist in log.rows(0.5 * (right + left), (right - left) / drive.track_m):
+        yield at_ns, _odometry(ros, ros.header(at_ns, ODOM, number), log.odometry[number], twist)
+
+
+def _pictures(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
+    for image, at_ns, header in _shutters(log, ros):
+        pixels = np.frombuffer(image.path.read_bytes(), dtype=np.uint8)
+        yield at_ns, ros("sensor_msgs/CompressedImage", header, "jpeg", pixels)
+
+
+def _camera_info(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
+    camera = log.run.camera
+    K, D = np.array(camera.K), np.array(camera.D)
+    P = np.column_stack((K, np.zeros(3)))
+    whole = ros("sensor_msgs/RegionOfInterest", 0, 0, 0, 0, False)  # noqa: FBT003 - a field of the message
+    for _image, at_ns, header in _shutters(log, ros):
+        size, unbinned = (camera.height_px, camera.width_px), (0, 0)
+        matrices = D, K.ravel(), np.eye(3).ravel(), P.ravel()
+        yield at_ns, ros("sensor_msgs/CameraInfo", header, *size, camera.distortion_model, *matrices, *unbinned, whole)
+
+
+def _shutters(log: Log, ros: Vocabulary) -> Iterator[tuple[Image, int, Any]]:
+    """Image, stamp and header."""
+    for image in log.run.images:
+        at_ns = log.at_ns[image.row]
+        yield image, at_ns, ros.header(at_ns, OPTICAL, image.index)
+
+
+def _ranges(name: str) -> Callable[[Log, Vocabulary], Iterator[Stamped]]:
+    """Of one sensor: +inf is "no target" (REP 117), in place of the number that data.csv has."""
+
+    def found(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
+        tof = log.run.spec.robot.tof
+        limits = np.radians(tof.field_of_view_deg), tof.min_range_m, tof.max_range_m
+        status = log.run.side("tof")[f"status_{TOF[name]}"].to_numpy()
+        range_m = np.where(status == TofStatus.NO_TARGET, np.inf, log.run.table.tof_m[:, [*TOF].index(name)])
+        variance = [0.0] if ros.version > 1 else []  # 0: not known
+        for number, at_ns, (value,) in log.rows(range_m):
+            header = ros.header(at_ns, _tof_frame(name), number)
+            yield at_ns, ros("sensor_msgs/Range", header, _INFRARED, *map(float, limits), value, *variance)
+
+    return found
+
+
+def _line(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
+    channels = log.run.table.line.shape[1]
+    layout = ros("std_msgs/MultiArrayLayout", [ros("std_msgs/MultiArrayDimension", "channel", channels, channels)], 0)
+    for at_ns, values in zip(log.at_ns, np.ascontiguousarray(log.run.table.line), strict=True):
+        yield at_ns, ros("std_msgs/Float64MultiArray", layout, values)
+
+
+def _joints(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
+    """Angles by the encoders, speeds as measured; what torque the motors give is not known to the robot."""
+    turn_rad = 2 * np.pi / log.run.spec.robot.encoder.counts_per_revolution
+    counts, speeds = (
+        np.ascontiguousarray(log.wheels[[f"{name}_r", f"{name}_l"]].to_numpy(dtype=np.float64))
+        for name in ("counts", "speed")
+    )
+    for number, at_ns in enumerate(log.at_ns):
+        values = turn_rad * counts[number], speeds[number], np.zeros(0)
+        yield at_ns, ros("sensor_msgs/JointState", ros.header(at_ns, "", number), [*WHEELS], *values)
+
+
+def _commands(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
+    for number, at_ns, twist in log.rows(*(log.wheels[f"command_{one}"].to_numpy() for one in "vw")):
+        yield at_ns, ros("geometry_msgs/TwistStamped", ros.header(at_ns, BASE, number), ros.twist(*twist))
+
+
+def _states(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
+    for _number, at_ns, (state,) in log.rows(log.run.table.state):
+        yield at_ns, ros("std_msgs/Int32", int(state))
+
+
+TOPICS = (
+    Topic("/tf_static", "tf2_msgs/msg/TFMessage", _static, latched=True),
+    Topic("/tf", "tf2_msgs/msg/TFMessage", _moving),
+    Topic("/ground_truth/odom", "nav_msgs/msg/Odometry", _truth),
+    Topic("/odom", "nav_msgs/msg/Odometry", _wheel_odometry),
+    Topic("/joint_states", "sensor_msgs/msg/JointState", _joints),
+    Topic("/cmd_vel", "geometry_msgs/msg/TwistStamped", _commands),
+    *(Topic(f"/tof/{name}", "sensor_msgs/msg/Range", _ranges(name)) for name in TOF),
+    Topic("/line_sensor", "std_msgs/msg/Float64MultiArray", _line),
+    Topic("/state", "std_msgs/msg/Int32", _states),
+    Topic("/camera/camera_info", "sensor_msgs/msg/CameraInfo", _camera_info),
+    Topic("/camera/image_raw/compressed", "sensor_msgs/msg/CompressedImage", _pictures),
+)

@@ -1,0 +1,52 @@
+"""Trajectories as the TUM RGB-D benchmark has them, which evo and others read.
+
+A line for each pose: `timestamp tx ty tz qx qy qz qw`, times in s, lengths in m, the quaternion's scalar last
+(https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats).
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from sensors.camera.geometry import pose_X_WR
+from symolo.dataset.rows import Floats, csv_bytes
+from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
+from symolo.reader.dataset import Dataset
+from symolo.reader.run import Run
+
+_HEADER = ("# timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw")
+_DECIMALS = (3, 6, 6, 6, 9, 9, 9, 9)
+_ODOMETRY = ["odometry_x", "odometry_y", "odometry_theta"]
+
+
+def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
+    for run in data.runs:
+        for name, poses in (("robot", _robot), ("camera", _camera), ("odometry", _odometry)):
+            yield MadeFile(f"{run.name}/{name}.txt", lambda run=run, poses=poses: _text(*poses(run)))
+
+
+def _robot(run: Run) -> tuple[Floats, Floats]:
+    return run.t_s, np.array([pose_X_WR(*pose) for pose in run.table.pose.tolist()])
+
+
+def _camera(run: Run) -> tuple[Floats, Floats]:
+    return np.array([image.t_s for image in run.images]), run.X_WC
+
+
+def _odometry(run: Run) -> tuple[Floats, Floats]:
+    """Counted from the true start, for that of the file begins at nothing."""
+    X_WS = pose_X_WR(*run.table.pose[0].tolist())
+    poses = run.side("wheels")[_ODOMETRY].to_numpy().tolist()
+    return run.t_s, np.array([X_WS @ pose_X_WR(*pose) for pose in poses])
+
+
+def _text(t_s: Floats, X: Floats) -> bytes:
+    """Poses (N, 4, 4) at times (N,); of the two quaternions of a rotation the one nearer to that of the pose before."""
+    quaternions = Rotation.from_matrix(X[:, :3, :3]).as_quat(canonical=True)
+    turns = np.where(np.sum(quaternions[1:] * quaternions[:-1], axis=1) < 0, -1.0, 1.0)
+    quaternions[1:] *= np.cumprod(turns)[:, None]
+    return csv_bytes(_HEADER, _DECIMALS, np.column_stack((t_s, X[:, :3, 3], quaternions)), separator=" ")
+
+
+EXPORTER = Exporter("tum", "poses of robot, camera and odometry of each run, as evo reads them", _files)

@@ -1,0 +1,1 @@
+"""The kit for HTML pages, plots and contact sheets that all reports share."""

@@ -1,0 +1,72 @@
+"""One picture with images of every run, spread evenly over its time, to be looked at by a person."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from blender_scenes.render.frame_files import frame_name
+from pipeline.run_folder.workspace import STAGES
+from symolo.core.errors import InputError
+from symolo.dataset.rows import Rows, read_rows
+from symolo.pages.sheet import Cell, Pixels, check_side, row, stacked
+
+
+@dataclass(frozen=True)
+class Shown:
+    """One image of the sheet."""
+
+    path: Path
+    label: str
+
+
+def contact_sheet(root: Path, per_run: int, width_px: int) -> Pixels:
+    """A row for each run below `root`, `per_run` images in it, each `width_px` wide, (H, W, 3) BGR.
+
+    Raises:
+        InputError: There is no run with images below `root`, an image cannot be decoded, or the sheet is too large.
+    """
+    folders = sorted(
+        path.parent
+        for path in root.rglob("data.csv")
+        if STAGES not in path.relative_to(root).parts and (path.parent / "images").is_dir()
+    )
+    if not folders:
+        raise InputError(
+            "holds no data.csv with images beside it", where=str(root), cure="name a dataset or a run folder"
+        )
+    shown = [_spread(folder, root, per_run) for folder in folders]
+    check_side("wide", max(map(len, shown)) * width_px, "--per-run or --width-px")
+    rows: list[Pixels] = []
+    for images in shown:
+        rows.append(_row(images, width_px))
+        check_side("high", sum(row.shape[0] for row in rows), "--width-px, or name a single run")
+    return stacked(rows)
+
+
+def _spread(folder: Path, root: Path, count: int) -> list[Shown]:
+    rows: Rows = read_rows(folder / "data.csv")
+    at = np.flatnonzero(rows.image)
+    if not len(at):
+        raise InputError(
+            "img is 0 in every row, though there are images", where=str(folder / "data.csv"), cure="run `symolo verify`"
+        )
+    chosen = at[np.unique(np.linspace(0, len(at) - 1, min(count, len(at))).round().astype(int))]
+    run = folder.relative_to(root).as_posix()
+    return [
+        Shown(folder / "images" / frame_name(number), f"{run} {number} s{state}")
+        for number, state in zip(rows.image[chosen].tolist(), rows.state[chosen].tolist(), strict=True)
+    ]
+
+
+def _row(images: Sequence[Shown], width_px: int) -> Pixels:
+    cells = []
+    for shown in images:
+        data = shown.path.read_bytes() if shown.path.is_file() else b""
+        picture = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR) if data else None
+        if picture is None:
+            raise InputError("is missing or cannot be decoded", where=str(shown.path), cure="run `symolo verify`")
+        cells.append(Cell(np.asarray(picture, np.uint8), (shown.label,)))
+    return row(cells, width_px)

@@ -1,0 +1,77 @@
+"""Pictures in rows, with lines of text below each: the layout of contact sheets and previews."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from symolo.core.atomic_files import write_file
+from symolo.core.errors import InputError
+
+Pixels = NDArray[np.uint8]
+
+LINE_PX = 18
+LONGEST_SIDE_PX = 65_500
+"""JPEG_MAX_DIMENSION of libjpeg's jmorecfg.h; OpenCV would print a line of its own."""
+_FONT = cv2.FONT_HERSHEY_SIMPLEX
+_SCALE = 0.4
+_MARGIN_PX = 3
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One picture of a sheet."""
+
+    picture: Pixels
+    """(H, W, 3) BGR."""
+    lines: tuple[str, ...]
+    """What stands below it, as many lines as its neighbours have."""
+
+
+def row(cells: Sequence[Cell], width_px: int) -> Pixels:
+    """Pictures of one shape side by side, each `width_px` wide, (H, W, 3) BGR."""
+    return np.concatenate([_drawn(cell, width_px) for cell in cells], axis=1)
+
+
+def stacked(rows: Sequence[Pixels]) -> Pixels:
+    """Rows below each other, filled up with black to the width of the widest."""
+    widest = max(row.shape[1] for row in rows)
+    return np.concatenate([np.pad(row, ((0, 0), (0, widest - row.shape[1]), (0, 0))) for row in rows])
+
+
+def check_side(which: str, length_px: int, smaller: str) -> None:
+    """Refuse a sheet that no picture file could hold; `smaller` says what to make less of."""
+    if length_px > LONGEST_SIDE_PX:
+        raise InputError(
+            f"the sheet would be too {which}",
+            got=f"{length_px} px",
+            allowed=f"up to {LONGEST_SIDE_PX} px",
+            cure=f"choose a smaller {smaller}",
+        )
+
+
+def save(sheet: Pixels, path: Path) -> None:
+    """Write the sheet as the format that the file's name asks for, JPEG or PNG."""
+    encoded, data = cv2.imencode(path.suffix, sheet)
+    if not encoded:
+        raise InputError("cannot be encoded", where=str(path))
+    write_file(path, data.tobytes())
+
+
+def _drawn(cell: Cell, width_px: int) -> Pixels:
+    height_px = round(cell.picture.shape[0] * width_px / cell.picture.shape[1])
+    method = cv2.INTER_AREA if width_px < cell.picture.shape[1] else cv2.INTER_NEAREST
+    small = np.asarray(cv2.resize(cell.picture, (width_px, height_px), interpolation=method), np.uint8)
+    return np.concatenate((small, *(_text(line, width_px) for line in cell.lines)))
+
+
+def _text(line: str, width_px: int) -> Pixels:
+    """White on black, smaller where it would be too long."""
+    strip = np.zeros((LINE_PX, width_px, 3), np.uint8)
+    (length_px, _), _ = cv2.getTextSize(line, _FONT, _SCALE, 1)
+    scale = _SCALE * min(1.0, (width_px - 2 * _MARGIN_PX) / max(length_px, 1))
+    cv2.putText(strip, line, (_MARGIN_PX, LINE_PX - 5), _FONT, scale, (255, 255, 255), 1, cv2.LINE_AA)
+    return strip

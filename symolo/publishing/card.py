@@ -1,0 +1,81 @@
+"""README.md of a publication: a dataset card for people, with the front matter that the Hugging Face Hub reads."""
+
+from typing import Any
+
+import yaml
+
+from pipeline.assembly.description import columns_part, frames_part, markdown_table, plain_text, runs_part
+from symolo.publishing.dataset import PackedFile, Published
+
+_SIZES = ((1_000, "n<1K"), (10_000, "1K<n<10K"), (100_000, "10K<n<100K"), (1_000_000, "100K<n<1M"))
+"""The Hub's size categories up to a million samples, each with the number below which it holds."""
+
+
+def card(data: Published) -> bytes:
+    told = data.metadata
+    parts = [_head(data), _files(data), _use(data)]
+    parts += [columns_part(told), frames_part(told), runs_part(told), _citation(data)]
+    front = yaml.safe_dump(_front_matter(data), sort_keys=False, allow_unicode=True, width=120)
+    return (f"---\n{front}---\n\n" + "\n\n".join(parts) + "\n").encode()
+
+
+def _front_matter(data: Published) -> dict[str, Any]:
+    licence = data.licence
+    images = sum(run.images for run in data.metadata.runs)
+    size = next((name for most, name in _SIZES if images < most), "1M<n<10M")
+    front: dict[str, Any] = {"pretty_name": data.about.title, "license": licence.hub}
+    if licence.hub == "other":
+        front["license_name"] = licence.spdx
+    return front | {
+        "task_categories": ["robotics"],
+        "size_categories": [size],
+        "tags": list(data.about.keywords),
+        # The Hub shows these; left to itself it would take the shards for samples of WebDataset.
+        "configs": [{"config_name": table.name, "data_files": table.file} for table, _ in data.tables],
+    }
+
+
+def _head(data: Published) -> str:
+    about, licence = data.about, data.licence
+    authors = "; ".join(
+        author.name + (f" ([{author.orcid}]({author.orcid_url}))" if author.orcid else "") for author in about.authors
+    )
+    terms = f"[{plain_text(licence.name)}]({licence.url})" if licence.url else plain_text(licence.name)
+    facts = f"Version {about.version}, {about.published}. {plain_text(authors)}. Licence: {terms}."
+    return f"# {plain_text(about.title)}\n\n{plain_text(data.description)}\n\n{facts}"
+
+
+def _files(data: Published) -> str:
+    rows = [(shard.name, _megabytes(shard), f"the dataset, below `{data.name}/`") for shard in data.shards]
+    rows += [(file.name, _megabytes(file), f"`{table.source}` of all runs") for table, file in data.tables]
+    rows += [
+        ("croissant.json", "", "files, tables and columns for MLCommons' `mlcroissant`"),
+        ("datacite.json", "", "the record in DataCite's schema 4.5"),
+        ("CITATION.cff", "", "how to cite it"),
+        ("SHA256SUMS", "", "checksums of all files here"),
+    ]
+    return f"## Files\n\n{markdown_table(('file', 'size', 'what it is'), rows)}"
+
+
+def _megabytes(file: PackedFile) -> str:
+    return f"{file.size / 1e6:.1f} MB"
+
+
+def _use(data: Published) -> str:
+    return (
+        "## Use\n\n"
+        "    sha256sum -c SHA256SUMS\n"
+        '    for shard in *.tar; do tar xf "$shard"; done\n'
+        f"    cd {data.name} && sha256sum --quiet -c tagmanifest-sha256.txt manifest-sha256.txt\n\n"
+        f"`{data.name}/README.md` tells layout, robot, arena and files of a run; with `symolo` installed,"
+        f" `symolo verify {data.name}` checks the content too. With `pip install mlcroissant`:\n\n"
+        "```python\n"
+        "import mlcroissant\n\n"
+        'for row in mlcroissant.Dataset("croissant.json").records("rows"):\n'
+        '    print(row["rows/run"].decode(), row["rows/t"], row["rows/x"], row["rows/y"], row["rows/theta"])\n'
+        "```"
+    )
+
+
+def _citation(data: Published) -> str:
+    return f"## Citation\n\n{plain_text(data.about.citation)}"

@@ -1,0 +1,137 @@
+"""croissant.json: files, tables and columns in MLCommons' Croissant 1.0, so that `mlcroissant` loads the records.
+
+http://mlcommons.org/croissant/1.0
+"""
+
+from typing import Any
+
+from symolo.dataset.layout import IMAGES
+from symolo.publishing.about import Author
+from symolo.publishing.dataset import PackedFile, Published
+from symolo.publishing.tables import RUN, PlannedTable
+
+CONFORMS_TO = "http://mlcommons.org/croissant/1.0"
+_TERMS = (
+    "citeAs column equivalentProperty extract field fileObject fileProperty fileSet format includes isLiveDataset "
+    "jsonPath key md5 parentField path recordSet references regex repeated replace samplingRate separator source "
+    "subField transform"
+)
+"""Of Croissant's own vocabulary: readers want all of them in the context, used or not."""
+_CONTEXT: dict[str, Any] = {
+    "@language": "en",
+    "@vocab": "https://schema.org/",
+    "sc": "https://schema.org/",
+    "cr": "http://mlcommons.org/croissant/",
+    "rai": "http://mlcommons.org/croissant/RAI/",
+    "dct": "http://purl.org/dc/terms/",
+    "conformsTo": "dct:conformsTo",
+    "data": {"@id": "cr:data", "@type": "@json"},
+    "examples": {"@id": "cr:examples", "@type": "@json"},
+} | {name: f"cr:{name}" for name in _TERMS.split()}
+_CONTEXT["dataType"] = {"@id": "cr:dataType", "@type": "@vocab"}
+
+PICTURE_FILES = "image-files"
+
+
+def croissant(data: Published) -> dict[str, Any]:
+    about = data.about
+    found: dict[str, Any] = {
+        "@context": _CONTEXT,
+        "@type": "sc:Dataset",
+        "conformsTo": CONFORMS_TO,
+        "name": about.title,
+        "alternateName": data.name,
+        "description": data.description,
+        "license": data.licence.url or data.licence.name,
+        "creator": [_creator(author) for author in about.authors],
+        "publisher": {"@type": "sc:Organization", "name": about.publisher},
+        "datePublished": about.published,
+        "version": about.version,
+        "keywords": list(about.keywords),
+        "citeAs": about.citation,
+        "isLiveDataset": False,
+        "distribution": [
+            *(_file(shard, "application/x-tar") for shard in data.shards),
+            *(_file(file, "text/csv") for _, file in data.tables),
+        ],
+        "recordSet": [_rows(table, data) for table, _ in data.tables],
+    }
+    if any(run.images for run in data.metadata.runs):
+        found["distribution"].append(_picture_files(data))
+        found["recordSet"].append(_pictures())
+    return found | ({"url": about.address} if about.address else {})
+
+
+def _creator(author: Author) -> dict[str, str]:
+    kind = "sc:Person" if author.given else "sc:Organization"
+    return {"@type": kind, "name": author.name} | ({"url": author.orcid_url} if author.orcid else {})
+
+
+def _file(file: PackedFile, encoding: str) -> dict[str, Any]:
+    return {
+        "@type": "cr:FileObject",
+        "@id": file.name,
+        "name": file.name,
+        "contentUrl": file.name,
+        "contentSize": f"{file.size} B",
+        "encodingFormat": encoding,
+        "sha256": file.sha256,
+    }
+
+
+def _picture_files(data: Published) -> dict[str, Any]:
+    archives = [{"@id": shard.name} for shard in data.shards]
+    return {
+        "@type": "cr:FileSet",
+        "@id": PICTURE_FILES,
+        "name": PICTURE_FILES,
+        "containedIn": archives if len(archives) > 1 else archives[0],
+        "encodingFormat": "image/jpeg",
+        "includes": f"{data.name}/*/*/{IMAGES}/*.jpg",
+    }
+
+
+def _rows(table: PlannedTable, data: Published) -> dict[str, Any]:
+    file = {"fileObject": {"@id": table.file}}
+    fields = [_field(table.name, RUN, "for example CW/test_1", "sc:Text", file | {"extract": {"column": RUN}})]
+    for column in data.metadata.columns[table.source]:
+        text = f"{column.meaning or column.name} [{column.unit}]"
+        source = file | {"extract": {"column": column.name}}
+        fields.append(_field(table.name, column.name, text, table.kinds[column.name], source))
+    return {
+        "@type": "cr:RecordSet",
+        "@id": table.name,
+        "name": table.name,
+        "description": f"{table.source} of every run",
+        "field": fields,
+    }
+
+
+def _pictures() -> dict[str, Any]:
+    files = {"fileSet": {"@id": PICTURE_FILES}}
+    # The first folder is that of the dataset.
+    run = {"extract": {"fileProperty": "fullpath"}, "transform": {"regex": f"^[^/]+/([^/]+/[^/]+)/{IMAGES}/"}}
+    number = {"extract": {"fileProperty": "filename"}, "transform": {"regex": r"0*(\d+)\.jpg$"}}
+    content = {"extract": {"fileProperty": "content"}}
+    return {
+        "@type": "cr:RecordSet",
+        "@id": IMAGES,
+        "name": IMAGES,
+        "description": "Every image; run and img are those of the row at whose time it was taken.",
+        "field": [
+            _field(IMAGES, RUN, "for example CW/test_1", "sc:Text", files | run),
+            _field(IMAGES, "img", "number of the image", "sc:Integer", files | number),
+            _field(IMAGES, "image", "the picture", "sc:ImageObject", files | content),
+        ],
+    }
+
+
+def _field(table: str, name: str, text: str, kind: str, source: dict[str, Any]) -> dict[str, Any]:
+    return {
+        "@type": "cr:Field",
+        "@id": f"{table}/{name}",
+        "name": name,
+        "description": text,
+        "dataType": kind,
+        "source": source,
+    }

@@ -1,0 +1,121 @@
+"""Packs a release for upload: tar shards, tables, documents for people and machines, checksums."""
+
+import hashlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import TypeAdapter, ValidationError
+
+from configs.schema.base import Slug
+from pipeline.run_folder.output import check_disk
+from symolo.core.atomic_files import write_chunks, write_file
+from symolo.core.errors import InputError
+from symolo.core.file_hashes import canonical_json, sha256_of
+from symolo.core.new_folder import check_new, new_folder
+from symolo.core.progress import Report, StageReport
+from symolo.core.tar_files import tar_chunks
+from symolo.dataset.manifest import manifest
+from symolo.dataset.metadata import METADATA, Metadata
+from symolo.publishing.about import About
+from symolo.publishing.card import card
+from symolo.publishing.citation import citation
+from symolo.publishing.croissant import croissant
+from symolo.publishing.datacite import datacite
+from symolo.publishing.dataset import PackedFile, Published
+from symolo.publishing.shards import PlannedShard, planned_shards
+from symolo.publishing.tables import PlannedTable, planned_table
+from symolo.reader.dataset import load
+from symolo.verification.inventory import LISTS, Inventory
+
+SUMS = "SHA256SUMS"
+DOCUMENTS_BYTES = 1_000_000
+"""Room for all that is neither shard nor table; a tenth of it is usual."""
+_NAME: TypeAdapter[str] = TypeAdapter(Slug)
+
+
+@dataclass(frozen=True)
+class Plan:
+    root: Path
+    about: About
+    metadata: Metadata
+    tables: tuple[PlannedTable, ...]
+    shards: tuple[PlannedShard, ...]
+
+    @property
+    def size(self) -> int:
+        return sum(file.size for file in (*self.shards, *self.tables))
+
+
+def plan(root: Path, about: About, shard_bytes: int) -> Plan:
+    """What would be written; nothing is.
+
+    Raises:
+        InputError: It is no release, or a damaged one.
+    """
+    data = load(root)
+    inventory = Inventory.of_whole(data.root)
+    if data.metadata is None:
+        raise InputError("is one run, not a release", where=str(root), cure="name the folder that holds metadata.json")
+    _check_names(data.root, data.metadata)
+    digests = dict(inventory.files.digests) | {name: sha256_of(data.root / name) for name in LISTS}
+    shards = planned_shards(data.root, digests, data.metadata.name, shard_bytes)
+    runs = [run.name for run in data.runs]
+    tables = tuple(
+        planned_table(data.root, runs, source, [column.name for column in columns], digests)
+        for source, columns in sorted(data.metadata.columns.items())
+    )
+    return Plan(data.root, about, data.metadata, tables, tuple(shards))
+
+
+def _check_names(root: Path, metadata: Metadata) -> None:
+    """What becomes the name of a file: the release may be a stranger's."""
+    try:
+        _NAME.validate_python(metadata.name)
+    except ValidationError:
+        allowed = "up to 64 letters, digits, _ and -"
+        raise InputError("name", where=str(root / METADATA), got=metadata.name, allowed=allowed) from None
+
+
+def pack(planned: Plan, out: Path, report: Report) -> int:
+    """Write a publication, which comes into being at once; the number of its bytes.
+
+    Raises:
+        InputError: There is something at `out`, or it lies within the release.
+        EnvironmentLacking: The disk has too little room, or a file of the release has changed meanwhile.
+    """
+    check_new(out, planned.root)
+    check_disk(out, planned.size + DOCUMENTS_BYTES, "release fewer runs")
+    with new_folder(out) as folder:
+        shards = []
+        with report.stage("pack", sum(len(shard.members) for shard in planned.shards), "files") as stage:
+            for shard in planned.shards:
+                digest = write_chunks(folder / shard.name, _chunks(shard, stage))
+                shards.append(PackedFile(shard.name, shard.size, digest))
+        tables = [
+            PackedFile(table.file, table.size, write_chunks(folder / table.file, table.chunks()))
+            for table in planned.tables
+        ]
+        together = tuple(zip(planned.tables, tables, strict=True))
+        documents = _documents(Published(planned.about, planned.metadata, together, tuple(shards)))
+        for name, content in documents.items():
+            write_file(folder / name, content)
+        sums = {file.name: file.sha256 for file in (*shards, *tables)}
+        sums |= {name: hashlib.sha256(content).hexdigest() for name, content in documents.items()}
+        write_file(folder / SUMS, manifest(sums))
+    return planned.size + sum(map(len, documents.values()))
+
+
+def _chunks(shard: PlannedShard, stage: StageReport) -> Iterator[bytes]:
+    for number, chunk in enumerate(tar_chunks(shard.members), start=1):
+        yield chunk
+        stage.update(shard.name, min(number, len(shard.members)))  # the last chunk is the tar's end
+
+
+def _documents(data: Published) -> dict[str, bytes]:
+    return {
+        "README.md": card(data),
+        "CITATION.cff": citation(data),
+        "croissant.json": canonical_json(croissant(data)),
+        "datacite.json": canonical_json(datacite(data)),
+    }

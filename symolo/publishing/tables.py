@@ -1,0 +1,90 @@
+"""The tables of all runs under each other, with the run in a first column; digits as they are.
+
+They lie beside the shards, so that who wants numbers alone unpacks nothing, and because `mlcroissant` does not read
+the many tables of an archive as one.
+"""
+
+import csv
+import io
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from symolo.core.errors import InputError
+from symolo.core.file_hashes import read_known
+from symolo.dataset.layout import DATA
+from symolo.dataset.metadata import METADATA
+
+RUN = "run"
+
+
+@dataclass(frozen=True)
+class PlannedTable:
+    name: str
+    """`rows` of data.csv, else that of the side table."""
+    source: str
+    """Within the folder of a run, for example `side/wheels.csv`."""
+    kinds: Mapping[str, str]
+    """Croissant's data type by column."""
+    files: Sequence[tuple[str, Path, str]]
+    """Run, path and SHA-256 of each."""
+    size: int
+
+    @property
+    def file(self) -> str:
+        return f"{self.name}.csv"
+
+    def chunks(self) -> Iterator[bytes]:
+        """Of the whole table, a run at a time.
+
+        Raises:
+            EnvironmentLacking: A file is no longer what it was when the release was checked.
+        """
+        for number, (run, path, digest) in enumerate(self.files):
+            header, *lines = read_known(path, digest).splitlines(keepends=True)
+            own = f"{run},".encode()
+            yield b"".join([f"{RUN},".encode() + header] * (number == 0) + [own + line for line in lines])
+
+
+def planned_table(
+    root: Path, runs: Sequence[str], source: str, columns: Sequence[str], digests: Mapping[str, str]
+) -> PlannedTable:
+    """Of one file of every run.
+
+    Args:
+        root: The release.
+        runs: Names of its runs.
+        source: The file within the folder of a run.
+        columns: Their names, as metadata.json has them.
+        digests: SHA-256 by path within the release.
+
+    Raises:
+        InputError: No run has it, or other columns are in it.
+    """
+    files = [(run, root / run / source, digests[f"{run}/{source}"]) for run in runs if f"{run}/{source}" in digests]
+    if not files:
+        raise InputError(f"names a table {source} that no run has", where=str(root / METADATA))
+    with files[0][1].open("rb") as file:
+        header, first = file.readline(), file.readline()
+    if header.decode(errors="replace").strip().split(",") != list(columns):
+        raise InputError(f"{METADATA} names other columns", where=str(files[0][1]), allowed=", ".join(columns))
+    size = len(f"{RUN},") + len(header)
+    for run, path, _ in files:
+        content = path.read_bytes()
+        size += len(content) - len(header) + (content.count(b"\n") - 1) * len(f"{run},")
+    name = "rows" if source == DATA else Path(source).stem
+    return PlannedTable(name, source, _kinds(header, first), files, size)
+
+
+def _kinds(header: bytes, first: bytes) -> dict[str, str]:
+    """Columns have a fixed number of digits: a row tells which of them are whole numbers."""
+    names, values = csv.reader(io.StringIO((header + first).decode()))
+    return {name: _kind(value) for name, value in zip(names, values, strict=True)}
+
+
+def _kind(value: str) -> str:
+    try:
+        float(value)
+    except ValueError:
+        return "sc:Text"
+    return "sc:Integer" if value.lstrip("-").isdigit() else "sc:Float"

@@ -1,0 +1,117 @@
+"""A released dataset, or one run of it, to be read by people and by exporters."""
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+from pydantic import ValidationError
+
+from symolo.core.errors import InputError, nearest
+from symolo.dataset.bag import DECLARATION
+from symolo.dataset.layout import DATA, LOOK
+from symolo.dataset.metadata import METADATA, Metadata
+from symolo.publishing.bagging import PAYLOAD
+from symolo.reader.image import Image
+from symolo.reader.run import Run
+
+RUN = "run"
+"""The column that `Dataset.rows` has beside those of data.csv."""
+
+
+@dataclass(frozen=True)
+class Dataset:
+    root: Path
+    """The folder that holds metadata.json, or that of the one run."""
+    metadata: Metadata | None
+    """None of a run that was named by its own folder."""
+    runs: tuple[Run, ...]
+
+    def __getitem__(self, name: str) -> Run:
+        """A run by its name.
+
+        Raises:
+            InputError: There is none of this name.
+        """
+        found = next((run for run in self.runs if run.name == name), None)
+        if found is None:
+            names = [run.name for run in self.runs]
+            allowed = ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
+            hint = nearest(name, names)
+            raise InputError(f"has no run {name}", where=str(self.root), allowed=allowed, nearest=hint)
+        return found
+
+    def __iter__(self) -> Iterator[Run]:
+        return iter(self.runs)
+
+    def __len__(self) -> int:
+        """Number of runs."""
+        return len(self.runs)
+
+    @property
+    def rows(self) -> pd.DataFrame:
+        """The rows of all runs under each other, with the name of the run in the column `run`."""
+        tables = [run.rows for run in self.runs]
+        found = pd.concat(tables, ignore_index=True)
+        found.insert(
+            0, RUN, [run.name for run, table in zip(self.runs, tables, strict=True) for _ in range(len(table))]
+        )
+        found.attrs = tables[0].attrs | {"units": {RUN: "-"} | tables[0].attrs["units"]}
+        return found
+
+    @property
+    def images(self) -> tuple[Image, ...]:
+        """Those of all runs; no picture is opened."""
+        return tuple(image for run in self.runs for image in run.images)
+
+
+def load(path: str | Path) -> Dataset:
+    """A release, a bag that holds one, or the folder of one run. Files are read when they are asked for.
+
+    Checksums are the matter of `symolo verify`; what is read is read strictly.
+
+    Raises:
+        InputError: It is none of these, metadata.json is damaged, or a run that it names is not there.
+    """
+    root = Path(path)
+    if not root.is_dir():
+        raise InputError("no such folder", where=str(root), cure="name the folder that holds metadata.json")
+    if (root / DECLARATION).is_file():
+        root /= PAYLOAD
+    if (root / METADATA).is_file():
+        metadata = _metadata(root / METADATA)
+        names = [record.run for record in metadata.runs]
+        if twice := [name for name, count in Counter(names).items() if count > 1]:
+            raise InputError(f"names the run {twice[0]} twice", where=str(root / METADATA), cure="see `symolo repair`")
+        return Dataset(root, metadata, tuple(_run(root, name) for name in names))
+    if (root / DATA).is_file():
+        absolute = root.absolute()
+        return Dataset(root, None, (Run(root, f"{absolute.parent.name}/{absolute.name}"),))
+    draws = sorted(folder.name for folder in root.iterdir() if (folder / LOOK).is_file() and (folder / DATA).is_file())
+    if draws:
+        cure = f"name the folder of one, such as {draws[0]}"
+        raise InputError("holds draws of `symolo rerender`", where=str(root), cure=cure)
+    what = f"is neither a release nor a run: there is no {METADATA} and no {DATA} in it"
+    raise InputError(what, where=str(root), cure="name a folder that `symolo release` made, or a run's within it")
+
+
+def _metadata(path: Path) -> Metadata:
+    try:
+        return Metadata.model_validate_json(path.read_bytes())
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
+    except ValidationError as error:
+        first = error.errors()[0]
+        what = ": ".join(filter(None, (".".join(map(str, first["loc"])), first["msg"])))
+        raise InputError(f"is damaged: {what}", where=str(path), cure="see `symolo repair`") from None
+
+
+def _run(root: Path, name: str) -> Run:
+    if name.startswith("/") or ".." in name.split("/"):
+        raise InputError(f"run {name} leads out of the dataset", where=str(root / METADATA))
+    run = Run(root / name, name)
+    if not (run.folder / DATA).is_file():
+        cure = "see `symolo verify` and `symolo repair`"
+        raise InputError(f"is missing, and {METADATA} names the run", where=str(run.folder / DATA), cure=cure)
+    return run

@@ -1,0 +1,30 @@
+"""Numbers of a file as a table that knows its units."""
+
+from collections.abc import Sequence
+
+import pandas as pd
+
+from symolo.dataset.rows import COLUMNS, Column, Floats, Rows
+from symolo.dataset.side_tables import SideColumn
+
+UNITS = "units"
+"""Key of a table's `attrs` that holds the unit of each column."""
+
+
+def frame(columns: Sequence[Column | SideColumn], numbers: Floats) -> pd.DataFrame:
+    """A table of numbers (N, columns); what has no digits after the point is an integer.
+
+    `attrs["units"]` is the unit of each column: m, rad, ms...; "-" for what has none.
+    """
+    made = {
+        column.name: values.copy() if column.decimals else values.round().astype("int64")
+        for column, values in zip(columns, numbers.T, strict=True)
+    }
+    table = pd.DataFrame(made)
+    table.attrs[UNITS] = {column.name: column.unit for column in columns}
+    return table
+
+
+def rows_frame(rows: Rows) -> pd.DataFrame:
+    """The columns of data.csv."""
+    return frame(COLUMNS, rows.table())

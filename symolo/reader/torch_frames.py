@@ -1,0 +1,59 @@
+"""Images and poses for PyTorch, which need not be there unless this is asked for."""
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from symolo.core.errors import EnvironmentLacking
+from symolo.reader.dataset import Dataset
+from symolo.reader.image import Pixels
+
+
+class Frame(NamedTuple):
+    """One item, or with a batch's dimension before each of its own, as PyTorch's default collation makes of several."""
+
+    image: Any
+    """(3, H, W), float32, red, green, blue in 0..1; or what the transform makes of the pixels."""
+    pose: Any
+    """(3,), float64, x [m], y [m], theta [rad] of the robot in W."""
+    X_WC: Any
+    """(4, 4), float64, pose of the camera in W."""
+    t_s: float
+    run: str
+
+
+def torch_dataset(data: Dataset, transform: Callable[[Pixels], Any] | None = None) -> Any:  # noqa: ANN401 - of torch
+    """A map-style `torch.utils.data.Dataset` of `Frame`, one for each image of all runs, decoded when it is asked for.
+
+    Args:
+        data: What `load` gives.
+        transform: What to make of the pixels, (H, W, 3) uint8 RGB, in place of a tensor in 0..1.
+
+    Raises:
+        EnvironmentLacking: PyTorch is not installed.
+    """
+    try:
+        torch = import_module("torch")
+    except ImportError:
+        raise EnvironmentLacking("PyTorch is missing; run: pip install torch") from None
+    images = data.images
+
+    class Frames(torch.utils.data.Dataset):
+        def __len__(self) -> int:
+            return len(images)
+
+        def __getitem__(self, index: int) -> Frame:
+            image = images[index]
+            pixels = image.pixels()
+            planes = np.ascontiguousarray(pixels.transpose(2, 0, 1), dtype=np.float32) / 255
+            shown = torch.from_numpy(planes) if transform is None else transform(pixels)
+            pose, X_WC = (torch.from_numpy(np.array(pose)) for pose in (image.pose, image.X_WC))
+            return Frame(shown, pose, X_WC, image.t_s, image.run.name)
+
+        def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+            """For loaders whose workers are spawned: a class made here has no name that another process finds."""
+            return torch_dataset, (data, transform)
+
+    return Frames()

@@ -1,0 +1,82 @@
+"""How often each grey value occurs, and how the images of each run spread in brightness, clipping and sharpness."""
+
+from collections.abc import Sequence
+from itertools import cycle
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from sensors.camera.exposure_guard import BLACK_UP_TO, BURNT_FROM
+from symolo.dataset.rows import Floats, Ints
+from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, PURPLE, SKY, VERMILION, finished, svg
+from symolo.report.statistics.image_statistics import GREYS, ImageNumbers
+
+MOST_CURVES = 8
+"""Of runs; of more, each route has one curve."""
+_BIN = 4
+_LINES = (
+    (BLACK, "-"),
+    (BLUE, (0, (4.0, 1.5))),
+    (VERMILION, "-"),
+    (GREEN, (0, (1.0, 1.0))),
+    (ORANGE, (0, (5.0, 1.2, 1.0, 1.2))),
+    (PURPLE, (0, (4.0, 1.5))),
+    (SKY, "-"),
+    (GREY, (0, (1.0, 1.0))),
+)
+
+
+def brightness_picture(of_runs: Sequence[ImageNumbers]) -> bytes:
+    """Histograms of the grey values of all pixels, as SVG; at least one run with an image."""
+    figure = Figure(figsize=(11.0, 3.0), layout="constrained")
+    axes = figure.subplots()
+    for (name, pixels), (colour, dash) in zip(_curves(of_runs), cycle(_LINES), strict=False):
+        share = 100 * pixels.reshape(-1, _BIN).sum(axis=1) / max(int(pixels.sum()), 1)
+        edges = np.arange(0, GREYS + 1, _BIN)
+        axes.stairs(share, edges, color=colour, linestyle=dash, linewidth=1.2, label=name)
+    for value in (BLACK_UP_TO + 0.5, BURNT_FROM - 0.5):
+        axes.axvline(value, color=GREY, linewidth=0.8, linestyle=(0, (2.0, 2.0)))
+    axes.set(xlim=(0, GREYS), xticks=range(0, GREYS + 1, 32))
+    axes.set_ylim(bottom=0.0)
+    finished(axes, "", "grey value", f"pixels [%], bins of {_BIN}", legend=False)
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="small", frameon=False)
+    return svg(figure)
+
+
+def _curves(of_runs: Sequence[ImageNumbers]) -> list[tuple[str, Ints]]:
+    if len(of_runs) <= MOST_CURVES:
+        return [(of.run, of.pixels) for of in of_runs]
+    routes: dict[str, Ints] = {}
+    for of in of_runs:
+        route = of.run.partition("/")[0]
+        routes[route] = routes.get(route, np.zeros(GREYS, np.int64)) + of.pixels
+    return list(routes.items())
+
+
+def spread_picture(of_runs: Sequence[ImageNumbers]) -> bytes:
+    """A row for each run, as SVG; each has an image."""
+    columns = (
+        ("brightness [mean grey value]", [of.brightness for of in of_runs]),
+        ("black or burnt [% of pixels]", [100 * (of.black + of.burnt) for of in of_runs]),
+        ("sharpness [sd of the Laplacian]", [of.sharpness for of in of_runs]),
+    )
+    figure = Figure(figsize=(11.0, 0.9 + 0.27 * len(of_runs)), layout="constrained")
+    panels = figure.subplots(1, len(columns), sharey=True)
+    for axes, (label, values) in zip(panels, columns, strict=True):
+        for row, of_run in enumerate(values):
+            _row(axes, row, of_run)
+        axes.set_xlabel(label)
+        axes.grid(alpha=0.3, axis="x")
+    panels[0].set_yticks(range(len(of_runs)), [of.run for of in of_runs], fontsize="small")
+    panels[0].set_ylim(len(of_runs) - 0.5, -0.5)
+    panels[1].set_xlim(left=min(0.0, panels[1].get_xlim()[0]))
+    return svg(figure)
+
+
+def _row(axes: Axes, row: int, values: Floats) -> None:
+    """All, the middle half, the median."""
+    low, lower, middle, upper, high = np.percentile(values, (0, 25, 50, 75, 100)).tolist()
+    axes.plot((low, high), (row, row), "|-", color=BLACK, linewidth=0.8, markersize=5)
+    axes.barh(row, max(upper - lower, 0.0), 0.5, left=lower, color=PALE, edgecolor=BLACK, linewidth=0.8, zorder=3)
+    axes.plot(middle, row, "D", color=BLUE, markersize=4, zorder=4)

@@ -1,0 +1,171 @@
+"""The floor from above: line, walls, obstacles, and the ways of all runs in the colours of their states."""
+
+from collections.abc import Iterable
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Polygon
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MultipleLocator
+
+from physics.arena.geometry import Box
+from symolo.dataset.rows import Floats
+from symolo.pages.plotting import BLACK, GREY, svg
+from symolo.report.plots.states import MARKS, named, stretches
+from symolo.report.statistics.maps import Map
+from symolo.report.statistics.run_facts import Track
+
+_WALL, _OBSTACLE, _TAPE = "#8A8A8A", "#F4F4F4", "#C9C9C9"
+_MARGIN = 0.06
+"""Of the longer side of what is shown, left free around it."""
+_WIDTH_IN, _HIGHEST_IN = 11.0, 6.5
+_LABELS_IN, _LEGEND_IN = 0.75, 1.5
+"""What a panel's labels take beside it, and what title, labels and legend take above and below all."""
+_ARROW_PT, _NAME_PT = 26.0, 8.0
+_MARKED_M = 0.05
+"""Around the start, where no number would be read."""
+_SHORT_NAME = 3
+_GHOSTS = 4
+"""Other places at which an obstacle that moves is drawn."""
+_HALO = [withStroke(linewidth=2.5, foreground="white")]
+
+
+def map_picture(maps: tuple[Map, ...]) -> bytes:
+    """As SVG, side by side; at least one."""
+    windows = [_window(one) for one in maps]
+    widths = [width for width, _ in windows]
+    floor_in = (_WIDTH_IN - _LABELS_IN * len(maps)) / sum(widths) * max(height for _, height in windows)
+    figure = Figure(figsize=(_WIDTH_IN, min(floor_in, _HIGHEST_IN) + _LEGEND_IN), layout="constrained")
+    panels = figure.subplots(1, len(maps), squeeze=False, width_ratios=widths)[0]
+    for axes, one in zip(panels, maps, strict=True):
+        _panel(axes, one)
+    figure.legend(handles=_legend(maps), loc="outside lower center", ncols=4, fontsize="small", frameon=False)
+    return svg(figure)
+
+
+def _window(one: Map) -> tuple[float, float]:
+    """Width and height of what the panel shows [m]."""
+    low, high = _corners(one)
+    return float(high[0] - low[0]), float(high[1] - low[1])
+
+
+def _corners(one: Map) -> tuple[Floats, Floats]:
+    arena = one.arena
+    points = [edge for pair in arena.line.edges() for edge in pair]
+    points += [place for box in arena.boxes for place in footprints(box, _times(one.duration_s))]
+    points += [facts.track.pose[:, :2] for facts in one.runs if facts.track is not None]
+    everything = np.concatenate(points)
+    low, high = everything.min(axis=0), everything.max(axis=0)
+    free_m = _MARGIN * max(float((high - low).max()), 0.1)
+    return low - free_m, high + free_m
+
+
+def _panel(axes: Axes, one: Map) -> None:
+    low, high = _corners(one)
+    for left, right in one.arena.line.edges():
+        axes.add_patch(Polygon(np.concatenate((left, right[::-1])), facecolor=_TAPE, edgecolor="none", zorder=1))
+    for box in one.arena.boxes:
+        _box(axes, box, one.duration_s, 0.5 * (low + high))
+    for number, facts in enumerate(one.runs):
+        if facts.track is not None:
+            _track(axes, facts.track, numbered=number == 0)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x [m]", ylabel="y [m]")
+    step_m = next(step for step in (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 1e9) if float((high - low).max()) <= 10 * step)
+    axes.xaxis.set_major_locator(MultipleLocator(step_m))
+    axes.yaxis.set_major_locator(MultipleLocator(step_m))
+    axes.set_anchor("N")
+    axes.set_title(one.title, fontsize="medium")
+    axes.grid(alpha=0.25)
+    axes.set_axisbelow(True)
+
+
+def _box(axes: Axes, box: Box, duration_s: float, middle: Floats) -> None:
+    face, hatch = (_WALL, None) if box.kind == "wall" else (_OBSTACLE, "////")
+    corners = box.footprint()
+    if box.motion is not None:
+        way = box.poses_at(np.linspace(0.0, duration_s, 200))[:, :2]
+        axes.plot(way[:, 0], way[:, 1], color=GREY, linewidth=1.0, linestyle=(0, (2.0, 2.0)), zorder=2)
+        for ghost in footprints(box, _times(duration_s)[1:]):
+            axes.add_patch(Polygon(ghost, facecolor="none", edgecolor=GREY, linewidth=0.6, zorder=2))
+    axes.add_patch(Polygon(corners, facecolor=face, edgecolor=BLACK, linewidth=0.8, hatch=hatch, zorder=3))
+    _name(axes, box, middle)
+
+
+def _name(axes: Axes, box: Box, middle: Floats) -> None:
+    """On the side that looks away from the middle of the arena, where fewer ways lead: of a wall along it."""
+    centre, turn = np.array(box.center[:2]), 0.0
+    if box.kind == "wall":
+        across = np.array([-np.sin(box.yaw_rad), np.cos(box.yaw_rad)])
+        sides = [(across, 0.5 * box.size[1]), (-across, 0.5 * box.size[1])]
+        turn = (np.degrees(box.yaw_rad) + 90.0) % 180.0 - 90.0
+    else:
+        x_m, y_m = np.abs(box.footprint() - centre).max(axis=0)
+        sides = [(np.array([0.0, 1.0]), y_m), (np.array([0.0, -1.0]), y_m)]
+        if len(box.name) <= _SHORT_NAME:  # a long one would lead out of the panel
+            sides += [(np.array([1.0, 0.0]), x_m), (np.array([-1.0, 0.0]), x_m)]
+    outwards, reach_m = max(sides, key=lambda side: float(side[0] @ (centre - middle)))
+    axes.annotate(
+        box.name,
+        tuple((centre + reach_m * outwards).tolist()),
+        tuple((_NAME_PT * outwards).tolist()),
+        textcoords="offset points",
+        rotation=turn,
+        rotation_mode="anchor",
+        ha="center",
+        va="center_baseline",
+        fontsize=7,
+        zorder=7,
+        path_effects=_HALO,
+    )
+
+
+def footprints(box: Box, t_s: Floats) -> Iterable[Floats]:
+    """(4, 2) at each of the times."""
+    first = np.array([*box.center[:2], box.yaw_rad])
+    corners = box.footprint() - first[:2]
+    for x, y, yaw in box.poses_at(t_s if box.motion is not None else t_s[:1]):
+        turn = yaw - first[2]
+        rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+        yield np.asarray(corners @ rotation.T + (x, y), np.float64)
+
+
+def _times(duration_s: float) -> Floats:
+    return np.linspace(0.0, duration_s, _GHOSTS + 1)
+
+
+def _track(axes: Axes, track: Track, *, numbered: bool) -> None:
+    pose = track.pose
+    for part in stretches(track.state):
+        mark, rows = MARKS[part.state], slice(part.first, part.end + 1)
+        axes.plot(pose[rows, 0], pose[rows, 1], color=mark.colour, linestyle=mark.dash, linewidth=1.4, zorder=4)
+        x, y = pose[(part.first + part.end - 1) // 2, :2].tolist()
+        if numbered and np.hypot(x - pose[0, 0], y - pose[0, 1]) > _MARKED_M:
+            ring = {"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": mark.colour, "linewidth": 0.9}
+            axes.text(x, y, str(part.state), fontsize=6.5, ha="center", va="center", zorder=6, bbox=ring)
+    x, y, theta = pose[0].tolist()
+    axes.plot(x, y, "o", color=BLACK, markeredgecolor="white", markersize=8, zorder=5)
+    if numbered:
+        tip = (_ARROW_PT * np.cos(theta), _ARROW_PT * np.sin(theta))
+        look = {"arrowstyle": "<|-,head_width=0.35,head_length=0.7", "color": BLACK, "linewidth": 2.2}
+        look |= {"shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", (x, y), tip, textcoords="offset points", arrowprops=look, zorder=5)
+
+
+def _legend(maps: tuple[Map, ...]) -> list[Line2D | Patch]:
+    seen = {int(s) for one in maps for f in one.runs if f.track is not None for s in np.unique(f.track.state)}
+    handles: list[Line2D | Patch] = []
+    for state in sorted(seen):
+        mark = MARKS[state]
+        handles.append(Line2D([], [], color=mark.colour, linestyle=mark.dash, label=named(state)))
+    handles.append(Line2D([], [], color=BLACK, marker="o", linestyle="none", label="start, and where it faces"))
+    handles.append(Patch(facecolor=_TAPE, label="line"))
+    kinds = {box.kind for one in maps for box in one.arena.boxes}
+    if "wall" in kinds:
+        handles.append(Patch(facecolor=_WALL, edgecolor=BLACK, label="wall"))
+    if "obstacle" in kinds:
+        handles.append(Patch(facecolor=_OBSTACLE, edgecolor=BLACK, hatch="////", label="obstacle, at the start"))
+    if any(one.arena.moving for one in maps):
+        handles.append(Line2D([], [], color=GREY, linestyle=(0, (2.0, 2.0)), label="way of one that moves"))
+    return handles

@@ -1,0 +1,111 @@
+"""One run against time: states, speeds, ranges, line readings, and how far it was from the line."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
+
+from physics.arena.geometry import Arena
+from symolo.dataset.rows import Floats, Rows
+from symolo.pages.plotting import BLACK, BLUE, GREY, PALE, VERMILION, svg
+from symolo.reader.run import Run
+from symolo.report.plots.states import MARKS, Stretch, named, stretches
+from symolo.report.statistics.off_line import ahead_of, off_line_m
+from symolo.report.statistics.run_facts import RunFacts, fresh
+
+_WIDTH_IN = 11.0
+_CHANNELS = 8
+_RANGES = (("front", BLACK, "-"), ("left", BLUE, (0, (4.0, 1.5))), ("right", VERMILION, (0, (1.0, 1.0))))
+
+
+def run_picture(run: Run, facts: RunFacts) -> bytes:
+    """As SVG.
+
+    Raises:
+        InputError: A file of the run is missing or damaged.
+    """
+    run = fresh(run)
+    rows = run.table
+    parts = stretches(rows.state)
+    of_states = 0.32 * len({part.state for part in parts}) + 0.25
+    heights = (of_states, 1.0, 1.0, 1.5, 1.1, 1.5)
+    figure = Figure(figsize=(_WIDTH_IN, sum(heights) + 1.1), layout="constrained")
+    panels = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
+    t_s = rows.t_ms / 1000
+    _states(panels[0], t_s, parts)
+    for axes, values, label in ((panels[1], rows.twist[:, 0], "v [m/s]"), (panels[2], rows.twist[:, 1], "w [rad/s]")):
+        axes.axhline(0.0, color=GREY, linewidth=0.6)
+        axes.plot(t_s, values, color=BLACK, linewidth=0.9)
+        axes.set_ylabel(label)
+    _ranges(panels[3], t_s, rows, facts)
+    _line(panels[4], t_s, rows.line)
+    _off_line(panels[5], rows, facts.arena, run.spec.robot.line_sensor.x_m)
+    for axes in panels:
+        for part in parts[1:]:
+            axes.axvline(t_s[part.first], color=GREY, linewidth=0.5, linestyle=(0, (1.0, 2.0)), zorder=0)
+    panels[0].set_xlim(_edges(t_s)[0], _edges(t_s)[-1])
+    panels[-1].set_xlabel("time since the start of the run [s]")
+    figure.align_ylabels(panels.tolist())
+    return svg(figure)
+
+
+def _states(axes: Axes, t_s: Floats, parts: tuple[Stretch, ...]) -> None:
+    present = sorted({part.state for part in parts})
+    edges = _edges(t_s)
+    for part in parts:
+        from_s, to_s = edges[part.first], edges[part.end]
+        axes.barh(present.index(part.state), to_s - from_s, 0.7, left=from_s, color=MARKS[part.state].colour)
+    axes.set_yticks(range(len(present)), [named(state) for state in present], fontsize="small")
+    axes.set_ylim(len(present) - 0.4, -0.6)
+    axes.set_ylabel("state")
+
+
+def _ranges(axes: Axes, t_s: Floats, rows: Rows, facts: RunFacts) -> None:
+    """Gaps where a sensor saw no target."""
+    none = facts.record.tof_no_target_m
+    for (name, colour, dash), values in zip(_RANGES, rows.tof_m.T, strict=True):
+        seen = np.where(values == none, np.nan, values)
+        axes.plot(t_s, seen, color=colour, linestyle=dash, linewidth=1.1, label=name)
+    found = rows.tof_m[rows.tof_m != none]
+    farthest = float(found.max()) if found.size else facts.record.tof_max_range_m
+    axes.set_ylim(0.0, 1.05 * min(facts.record.tof_max_range_m, farthest))
+    if not found.size:
+        axes.text(0.5, 0.5, "no sensor saw a target", transform=axes.transAxes, ha="center", va="center")
+    axes.set_ylabel("range [m]")
+    axes.grid(alpha=0.3)
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="small", frameon=False)
+
+
+def _line(axes: Axes, t_s: Floats, line: Floats) -> None:
+    """As a strip of greys, L7 (left end of the row) on top."""
+    channels = np.arange(_CHANNELS + 1) - 0.5
+    axes.pcolormesh(_edges(t_s), channels, line.T, cmap="gray", vmin=0.0, vmax=1.0, rasterized=True)
+    axes.set_yticks([0, 7], ["L0 right", "L7 left"], fontsize="small")
+    axes.set_ylabel("line sensor")
+
+
+def _off_line(axes: Axes, rows: Rows, arena: Arena, ahead_m: float) -> None:
+    """Linear up to 1 mm, logarithmic from there on."""
+    axes.set_ylabel("off the line [mm]")
+    if not arena.line.pieces:
+        axes.text(0.5, 0.5, "there is no line", transform=axes.transAxes, ha="center", va="center")
+        return
+    t_s, off_mm = rows.t_ms / 1000, 1000.0 * off_line_m(arena.line, ahead_of(rows.pose, ahead_m))
+    for part in stretches(rows.state):
+        inside = slice(part.first, part.end + 1)
+        axes.plot(t_s[inside], off_mm[inside], color=MARKS[part.state].colour, linewidth=1.1)
+    axes.axhspan(0.0, 500.0 * arena.line.width_m, color=PALE, alpha=0.6, linewidth=0.0, zorder=0)
+    farthest = int(np.argmax(off_mm))
+    axes.plot(t_s[farthest], off_mm[farthest], "v", color=BLACK, markersize=5)
+    axes.set_yscale("symlog", linthresh=1.0)
+    axes.set_ylim(0.0, max(20.0, 2.2 * float(off_mm.max())))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.grid(alpha=0.3)
+
+
+def _edges(t_s: Floats) -> Floats:
+    """(N + 1,), where the time of each row begins and ends: half way between rows."""
+    if len(t_s) == 1:
+        return np.array([t_s[0] - 0.5, t_s[0] + 0.5])
+    middles = 0.5 * (t_s[:-1] + t_s[1:])
+    return np.concatenate(([2 * t_s[0] - middles[0]], middles, [2 * t_s[-1] - middles[-1]]))

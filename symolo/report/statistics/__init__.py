@@ -1,0 +1,1 @@
+"""The numbers that the release report shows, gathered before the page is written."""

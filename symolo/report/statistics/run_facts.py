@@ -1,0 +1,73 @@
+"""What the page says of each run, small enough to be kept for all of them."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from physics.arena.geometry import Arena
+from physics.control.base import State
+from symolo.dataset.metadata import RunRecord
+from symolo.dataset.rows import Floats, Ints
+from symolo.reader.run import Run
+from symolo.report.statistics.off_line import ahead_of, off_line_m
+
+
+@dataclass(frozen=True)
+class Track:
+    """The way of a run, for the map."""
+
+    pose: Floats
+    """(N, 3), x [m], y [m], theta [rad] in W."""
+    state: Ints
+    """(N,)."""
+
+
+@dataclass(frozen=True)
+class RunFacts:
+    record: RunRecord
+    arena: Arena
+    drawn: dict[str, float | int | str | bool]
+    farthest_following_m: float | None
+    """Of the line sensor's middle from the line's, while the robot follows the line; None where it never does."""
+    images: tuple[tuple[int, int, float], ...]
+    """Number, state and time [s] of each."""
+    track: Track | None
+    """None where this run is not on the map."""
+
+    @property
+    def route(self) -> str:
+        return self.record.run.partition("/")[0]
+
+
+def run_facts(run: Run, record: RunRecord, *, with_track: bool) -> RunFacts:
+    """Of one run; its tables are read and let go again.
+
+    Raises:
+        InputError: A file of the run is missing or damaged.
+    """
+    run = fresh(run)
+    rows, spec = run.table, run.spec
+    arena = Arena.from_config(spec.arena)
+    following = (rows.state == State.LINE.value) & bool(arena.line.pieces)
+    off_m = off_line_m(arena.line, ahead_of(rows.pose[following], spec.robot.line_sensor.x_m))
+    taken = np.flatnonzero(rows.image)
+    return RunFacts(
+        record=record,
+        arena=arena,
+        drawn=dict(spec.drawn),
+        farthest_following_m=float(off_m.max()) if len(off_m) else None,
+        images=tuple(
+            zip(
+                rows.image[taken].tolist(),
+                rows.state[taken].tolist(),
+                (rows.t_ms[taken] / 1000).tolist(),
+                strict=True,
+            )
+        ),
+        track=Track(rows.pose, rows.state) if with_track else None,
+    )
+
+
+def fresh(run: Run) -> Run:
+    """The same run without what it has read so far, so that its tables go when it goes."""
+    return replace(run)

@@ -1,0 +1,154 @@
+"""A release fetched from a store: whole and checked, or not at all."""
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+from pipeline.run_folder.output import check_room
+from pipeline.run_folder.workspace import STAGES, held_or_refused
+from symolo.core.atomic_files import (
+    make_folder,
+    remove_file,
+    remove_folder,
+    remove_leftovers,
+    replace_folder,
+    write_file,
+)
+from symolo.core.errors import InputError
+from symolo.core.file_hashes import hashes_of
+from symolo.core.new_folder import check_new
+from symolo.core.paths import BELOW_CHARS
+from symolo.core.progress import Report
+from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, tag_manifest
+from symolo.storage.base import Store
+from symolo.storage.side_by_side import side_by_side
+from symolo.verification.inventory import LISTS
+
+MOST_BYTES = 1 << 28
+"""Of a list of checksums, which is some hundred bytes for each file."""
+
+
+@dataclass(frozen=True)
+class Remote:
+    """A finished release in a store."""
+
+    store: Store
+    digests: Mapping[str, str]
+    """SHA-256 by path, of all files but the lists."""
+    size_bytes: int
+
+    @classmethod
+    def of(cls, store: Store) -> "Remote":
+        """By its lists of checksums.
+
+        Raises:
+            InputError: There is no finished release, or its lists are damaged or name what is not there.
+            EnvironmentLacking: The store cannot be reached.
+        """
+        sizes = store.sizes()
+        if sum(sizes.get(name, 0) for name in LISTS) > MOST_BYTES:
+            raise InputError("holds a list of checksums that no release has", where=store.url)
+        listed, tags = (store.get(name) if name in sizes else None for name in LISTS)
+        if listed is None or tags is None:
+            what = f"holds no finished release: there is no {MANIFEST if listed is None else TAG_MANIFEST}"
+            cure = "name the address that it was uploaded to, or upload it again to its end"
+            raise InputError(what, where=store.url, cure=cure)
+        digests = _read(listed, tags, store.url)
+        missing = [name for name in digests if name not in sizes]
+        if missing:
+            first, *others = missing
+            what = f"{first} is missing" + (f", and {len(others)} more" if others else "")
+            raise InputError(what, where=store.url, cure="upload the release again: only what is missing is sent")
+        return cls(store, digests, sum(sizes[name] for name in (*digests, *LISTS)))
+
+
+def _read(listed: bytes, tags: bytes, url: str) -> dict[str, str]:
+    try:
+        digests = read_manifest(listed)
+    except ValueError as error:
+        raise InputError(f"{MANIFEST}: {error}", where=url) from None
+    if manifest(digests) != listed or tag_manifest(digests) != tags:
+        raise InputError(f"{MANIFEST} is not the one that {TAG_MANIFEST} names", where=url)
+    folders = {parent for name in digests for parent in PurePosixPath(name).parents}
+    for name in digests:
+        path = PurePosixPath(name)
+        strange = path.is_absolute() or ".." in path.parts or str(path) != name or not name.isprintable()
+        strange = strange or name == "." or len(name.encode()) > BELOW_CHARS
+        if strange or path in folders or path.parts[0] == STAGES or name in LISTS:
+            raise InputError(f"{MANIFEST} names what is no file of a release", where=url, got=name)
+    return digests
+
+
+def download(remote: Remote, out: Path, report: Report) -> int:
+    """Fetch a release, which comes into being at once; the number of files that were fetched.
+
+    What came before an interruption is kept beside `out`, hidden, and not fetched again.
+
+    Args:
+        remote: What `Remote.of` gave.
+        out: New or empty.
+        report: Where to tell.
+
+    Raises:
+        InputError: There is something at `out`, or an object is not what the lists say.
+        EnvironmentLacking: The disk has no room, or the store cannot be reached.
+    """
+    check_new(out)
+    place = out.resolve()
+    partial = place.with_name(f".{place.name}.download")
+    if partial.is_symlink():
+        remove_file(partial)
+    make_folder(partial)
+    with held_or_refused(partial, f"--out {out}"):
+        fetched = _fill(partial, remote, out, report)
+        check_new(out)  # for nothing of another process's is ever replaced
+        replace_folder(partial, place)
+    return fetched
+
+
+def _fill(partial: Path, remote: Remote, out: Path, report: Report) -> int:
+    remove_leftovers(partial, below=True)
+    expected = {**remote.digests, **_lists(remote)}
+    if _holds_others(partial, expected):
+        for path in partial.iterdir():
+            (remove_folder if path.is_dir() and not path.is_symlink() else remove_file)(path)
+    there = hashes_of(partial)
+    check_room(out, remote.size_bytes - sum((partial / name).stat().st_size for name in there))
+    wanted = [name for name in expected if there.get(name) != expected[name]]
+    for name in wanted:
+        make_folder((partial / name).parent)
+    fetch = _Fetch(remote.store, partial, expected)
+    with report.stage("download", len(wanted), "files") as stage:
+        for number, _ in enumerate(side_by_side(fetch, wanted), start=1):
+            stage.update("all", number)
+    return len(wanted)
+
+
+def _holds_others(partial: Path, expected: Mapping[str, str]) -> bool:
+    """Whether something there is of no use, such as what was begun of another release."""
+    folders = {parent.as_posix() for name in expected for parent in PurePosixPath(name).parents}
+    return any(
+        path.is_symlink() or path.relative_to(partial).as_posix() not in (folders if path.is_dir() else expected)
+        for path in partial.rglob("*")
+    )
+
+
+def _lists(remote: Remote) -> dict[str, str]:
+    texts = {MANIFEST: manifest(remote.digests), TAG_MANIFEST: tag_manifest(remote.digests)}
+    return {name: hashlib.sha256(text).hexdigest() for name, text in texts.items()}
+
+
+@dataclass(frozen=True)
+class _Fetch:
+    store: Store
+    folder: Path
+    expected: Mapping[str, str]
+
+    def __call__(self, name: str) -> None:
+        data = self.store.get(name)
+        if data is None or hashlib.sha256(data).hexdigest() != self.expected[name]:
+            what = "is missing" if data is None else f"is not what {MANIFEST} says"
+            cure = "remove it by the tools of the store, and upload the release again: only what is missing is sent"
+            raise InputError(what, where=f"{self.store.url}: {name}", cure=cure)
+        write_file(self.folder / name, data)

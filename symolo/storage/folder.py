@@ -1,0 +1,52 @@
+"""A folder as a store, such as one of a mounted disk: every file is whole, and on the disk when it is told stored."""
+
+import contextlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipeline.run_folder.workspace import held_or_refused
+from symolo.core.atomic_files import make_folder, place_of, remove_leftovers, write_file
+from symolo.core.errors import InputError
+from symolo.core.file_hashes import sha256_of, sizes_below
+from symolo.core.os_errors import NOT_THERE
+from symolo.storage.base import LocalFile
+
+
+@dataclass(frozen=True)
+class Folder:
+    url: str
+    root: Path
+
+    @contextlib.contextmanager
+    def held(self) -> Iterator[None]:
+        """By a lock of the operating system, which lets go of it however the process ends."""
+        make_folder(self.root)
+        with held_or_refused(self.root, self.url):
+            yield
+
+    def sweep(self) -> None:
+        remove_leftovers(self.root, below=True)
+
+    def sizes(self) -> dict[str, int]:
+        there = ((path, size) for path, size in sizes_below(self.root) if not place_of(path))
+        return {path.relative_to(self.root).as_posix(): size for path, size in there}
+
+    def digest(self, name: str) -> str:
+        try:
+            return sha256_of(self.root / name)
+        except NOT_THERE:  # gone since it was listed
+            return ""
+
+    def put(self, file: LocalFile) -> None:
+        place = self.root / file.name
+        if place.parent.resolve() != (self.root.resolve() / file.name).parent:
+            raise InputError("leads through a link", where=f"{self.url}: {file.name}", cure="remove the link")
+        make_folder(place.parent)
+        write_file(place, b"".join(file.chunks()))
+
+    def get(self, name: str) -> bytes | None:
+        try:
+            return (self.root / name).read_bytes()
+        except NOT_THERE:
+            return None

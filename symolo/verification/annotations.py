@@ -1,0 +1,159 @@
+"""What is wrong with the annotations of a released run: files, their form, and ids that no table has."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from blender_scenes.annotations.document import DOCUMENT, ENCODINGS, Document
+from blender_scenes.annotations.instances import CATEGORIES
+from blender_scenes.annotations.job import RECORDS, picture_file
+from blender_scenes.render.frame_files import frame_name
+from configs.schema.scenario import RunSpec
+from sensors.camera.geometry import intrinsics
+from symolo.dataset.camera_model import camera_table
+from symolo.dataset.metadata import RunRecord
+from symolo.dataset.pixels import decoded
+from symolo.dataset.rows import Rows
+
+ANNOTATIONS = "annotations"
+"""Their folder within a run's."""
+
+_FORMS = {
+    "depth": (np.uint16, 1),
+    "instance": (np.uint16, 1),
+    "semantic": (np.uint8, 1),
+    "normals": (np.uint16, 3),
+    "flow": (np.uint16, 3),
+    "free_floor": (np.uint8, 1),
+}
+"""Type and channels of each picture."""
+
+_POSE_TOLERANCE = 1e-6
+"""In ms, m, and of the components of unit vectors."""
+
+_LAST_ID = 2**16 - 1
+"""Of an instance: its picture has 16 bits."""
+
+Fault = tuple[str, str]
+"""A file within the folder, nothing for the folder itself, and what is wrong with it."""
+
+
+def annotation_faults(folder: Path, rows: Rows, record: RunRecord, spec: RunSpec | None) -> Iterator[Fault]:
+    """Every fault of the annotations of a run; without its specification cameras and poses are not looked at."""
+    numbers = rows.image[rows.image > 0].tolist()
+    there = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+    expected = set(_expected(numbers, record))
+    for name in sorted(expected - there):
+        yield name, "is missing"
+    for name in sorted(there - expected):
+        yield name, "is none of the annotations that metadata.json names"
+    known = set(range(2**16))
+    if DOCUMENT in expected & there:
+        try:
+            document = Document.from_json((folder / DOCUMENT).read_bytes())
+        except ValueError as error:
+            yield DOCUMENT, f"cannot be read: {str(error).splitlines()[0]}"
+        else:
+            known = {0, *(one.id for one in document.instances)}
+            yield from _head_faults(document, record)
+            if spec is not None:
+                yield from _camera_faults(document, rows, spec)
+            yield from _document_faults(document, numbers, known)
+            strange = list(_instance_faults(document))
+            yield from strange
+            if not strange:
+                category_of = {one.id: one.category_id for one in document.instances}
+                yield from _category_faults(folder, expected & there, category_of)
+    for name in sorted((expected & there) - {DOCUMENT}):
+        fault = _picture_fault(folder / name, record, known)
+        if fault:
+            yield name, fault
+
+
+def _expected(numbers: Sequence[int], record: RunRecord) -> Iterator[str]:
+    for kind in record.annotations:
+        if kind not in RECORDS:
+            # Nothing follows the last image.
+            yield from (picture_file(kind, number) for number in (numbers[:-1] if kind == "flow" else numbers))
+    if record.annotations:
+        yield DOCUMENT
+
+
+def _head_faults(document: Document, record: RunRecord) -> Iterator[Fault]:
+    """What all images have in common, against the run."""
+    if sorted(document.kinds) != sorted(record.annotations):
+        yield DOCUMENT, f"is of {', '.join(document.kinds)}, metadata.json names {', '.join(record.annotations)}"
+    if document.encodings != {kind: ENCODINGS[kind] for kind in document.kinds}:
+        yield DOCUMENT, "encodings are not those of its annotations"
+    if [(one.id, one.name) for one in document.categories] != list(enumerate(CATEGORIES)):
+        yield DOCUMENT, f"categories are not {', '.join(CATEGORIES)}, numbered from 0"
+    size = record.image_width_px, record.image_height_px
+    if any((image.width, image.height) != size for image in document.images):
+        yield DOCUMENT, f"images are of another size than {size[0]} x {size[1]} px"
+
+
+def _instance_faults(document: Document) -> Iterator[Fault]:
+    ids = [one.id for one in document.instances]
+    if len(set(ids)) < len(ids) or not all(0 < one <= _LAST_ID for one in ids):
+        yield DOCUMENT, f"ids of instances are not different numbers from 1 to {_LAST_ID}"
+    strange = [one.name for one in document.instances if not 0 < one.category_id < len(CATEGORIES)]
+    if strange:
+        yield DOCUMENT, f"instance {strange[0]} is of a category that is not there"
+
+
+def _camera_faults(document: Document, rows: Rows, spec: RunSpec) -> Iterator[Fault]:
+    if document.camera != intrinsics(spec.robot.camera, spec.render.width_px, spec.render.height_px):
+        yield DOCUMENT, "camera is not that of spec.json"
+    poses = {int(row[0]): row[1:14] for row in camera_table(spec, rows)}
+    for image in document.images:
+        X_WC = np.array(image.X_WC)
+        told = np.concatenate([[1000 * image.t_s], X_WC[:3, :3].ravel(), X_WC[:3, 3]])
+        if image.id in poses and not np.allclose(told, poses[image.id], rtol=0, atol=_POSE_TOLERANCE):
+            yield DOCUMENT, f"t_s or X_WC of image {image.id} is not that of data.csv"
+
+
+def _category_faults(folder: Path, names: set[str], category_of: dict[int, int]) -> Iterator[Fault]:
+    """Each pixel's category is that of its instance; where only the categories were asked for, they are known ones."""
+    for name in sorted(name for name in names if name.startswith("semantic/")):
+        semantic, instance = decoded(folder / name), decoded(folder / name.replace("semantic", "instance"))
+        if semantic is None or semantic.ndim != 2:
+            continue  # which is told elsewhere
+        if instance is not None and instance.shape == semantic.shape and set(np.unique(instance)) <= {0, *category_of}:
+            table = np.zeros(_LAST_ID + 1, np.int64)
+            table[list(category_of)] = list(category_of.values())
+            differ = np.count_nonzero(table[instance] != semantic)
+            if differ:
+                yield name, f"differs in {differ} pixels from the categories of the instances there"
+        elif semantic.max() >= len(CATEGORIES):
+            yield name, f"has the id {semantic.max()}, which {DOCUMENT} does not name"
+
+
+def _document_faults(document: Document, numbers: Sequence[int], known: set[int]) -> Iterator[Fault]:
+    if [image.id for image in document.images] != list(numbers):
+        yield DOCUMENT, "images are not those of data.csv"
+    for image in document.images:
+        if image.file_name.rpartition("/")[2] != frame_name(image.id):
+            yield DOCUMENT, f"file of image {image.id} is not that of data.csv"
+    images, category_of = set(numbers), {one.id: one.category_id for one in document.instances}
+    for one in document.annotations:
+        if one.image_id not in images or one.instance_id not in known:
+            yield DOCUMENT, f"annotation {one.id} is of an image or an instance that is not there"
+        elif one.category_id != category_of.get(one.instance_id):
+            yield DOCUMENT, f"annotation {one.id} is not of its instance's category"
+    points = {point.id for point in document.key_points}
+    strays = [one for one in document.sightings if one.image_id not in images or one.key_point_id not in points]
+    if strays:
+        yield DOCUMENT, f"{len(strays)} sightings are of an image or a key point that is not there"
+
+
+def _picture_fault(path: Path, record: RunRecord, known: set[int]) -> str:
+    pixels = decoded(path)
+    if pixels is None:
+        return "cannot be decoded"
+    dtype, channels = _FORMS[path.parent.name]
+    form = record.image_height_px, record.image_width_px
+    if pixels.dtype != dtype or pixels.shape != (form if channels == 1 else (*form, channels)):
+        return f"is {pixels.dtype} {pixels.shape}, expected {np.dtype(dtype)} of {form} and {channels} channels"
+    strange = set(np.unique(pixels).tolist()) - known if path.parent.name == "instance" else set()
+    return f"has the id {min(strange)}, which {DOCUMENT} does not name" if strange else ""

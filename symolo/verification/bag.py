@@ -1,0 +1,76 @@
+"""What is wrong with a bag by the rules of RFC 8493, section 3: complete, and every checksum true."""
+
+import hashlib
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from symolo.dataset.bag import BAG_INFO, DECLARATION, OXUM
+from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, read_manifest
+from symolo.publishing.bagging import DECLARED, PAYLOAD, tag_files
+from symolo.verification.findings import Finding
+from symolo.verification.inventory import Files
+
+
+def bag_findings(root: Path) -> Iterator[Finding]:
+    """Each fault with its file, by its path in the bag."""
+    files = Files.of(root)
+    yield from (Finding(name, what) for name, what in files.strange.items())
+    if (root / DECLARATION).read_bytes() != DECLARED:
+        yield Finding(DECLARATION, "is not the declaration of a bag of version 1.0 in UTF-8")
+    payload = {name for name in files.digests if name.startswith(f"{PAYLOAD}/")}
+    faults = list(_against(root, MANIFEST, files, payload))
+    yield from faults
+    tags = list(_against(root, TAG_MANIFEST, files, {*files.digests} - payload - {TAG_MANIFEST}))
+    yield from _blamed(root, files, tags)
+    if faults or tags:
+        return
+    told = re.search(rf"^{OXUM}: (\S+)$", _text(root / BAG_INFO), re.MULTILINE)
+    oxum = f"{sum((root / name).stat().st_size for name in payload)}.{len(payload)}"
+    if told is None or told.group(1) != oxum:
+        yield Finding(BAG_INFO, f"{OXUM} is {told.group(1) if told else 'missing'}, the payload comes to {oxum}")
+
+
+def _against(root: Path, name: str, files: Files, held: set[str]) -> Iterator[Finding]:
+    try:
+        listed = read_manifest((root / name).read_bytes())
+    except OSError as error:
+        yield Finding(name, f"cannot be read: {error.strerror}")
+        return
+    except ValueError as error:
+        yield Finding(name, str(error))
+        return
+    for file in sorted({*listed} | held):
+        if file not in listed:
+            yield Finding(file, f"is not named in {name}")
+        elif file not in files.digests:
+            yield Finding(file, f"is missing; {name} names it")
+        elif files.digests[file] != listed[file]:
+            yield Finding(file, f"was changed: its SHA-256 is not that of {name}")
+
+
+def _blamed(root: Path, files: Files, tags: Sequence[Finding]) -> Iterator[Finding]:
+    """With the list in place of a file that is as it was made: only one of the two can be what changed."""
+    whole = _as_made(root, files)
+    for finding in tags:
+        if whole.get(finding.file) and files.digests.get(finding.file) == whole[finding.file]:
+            yield Finding(TAG_MANIFEST, f"was changed: what it says of {finding.file} is not so")
+        else:
+            yield finding
+
+
+def _as_made(root: Path, files: Files) -> dict[str, str]:
+    """SHA-256 of the files beside the payload as they follow from it; nothing where that cannot be told."""
+    start = f"{PAYLOAD}/"
+    payload = {name.removeprefix(start): digest for name, digest in files.digests.items() if name.startswith(start)}
+    try:
+        made = tag_files(root / PAYLOAD, payload)
+    except (OSError, ValidationError):
+        return {}
+    return {name: hashlib.sha256(data).hexdigest() for name, data in made.items()}
+
+
+def _text(path: Path) -> str:
+    return path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""

@@ -1,0 +1,297 @@
+"""Every file of a release against its checksums, and which of the two is to be believed where they disagree."""
+
+import contextlib
+import hashlib
+import os
+import stat
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from pipeline.run_folder.workspace import DONE, STAGES, Done
+from symolo.core.errors import InputError
+from symolo.core.file_hashes import sha256_of
+from symolo.dataset.bag import BAG_INFO
+from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, tag_manifest
+from symolo.verification.findings import Finding
+
+LISTS = (MANIFEST, TAG_MANIFEST)
+
+MOST_LINES = 3000
+"""Of a manifest in which a single wrong line is looked for, which takes time by the square of their number."""
+
+
+@dataclass(frozen=True)
+class Files:
+    """What lies in a folder, but for the hidden stages."""
+
+    digests: Mapping[str, str]
+    """SHA-256 by path."""
+    strange: Mapping[str, str]
+    """What is wrong with an entry that cannot be hashed, by path: no regular file, or the disk does not give it."""
+
+    @classmethod
+    def of(cls, root: Path) -> "Files":
+        digests: dict[str, str] = {}
+        strange: dict[str, str] = {}
+
+        def unreadable(error: OSError) -> None:
+            strange[Path(str(error.filename)).relative_to(root).as_posix()] = f"cannot be read: {error.strerror}"
+
+        for path in sorted(_entries(root, unreadable)):
+            name = path.relative_to(root).as_posix()
+            if problem := _strange(path):
+                strange[name] = problem
+                continue
+            try:
+                digests[name] = sha256_of(path)
+            except OSError as error:
+                strange[name] = f"cannot be read: {error.strerror}"
+        return cls(digests, strange)
+
+
+def _entries(root: Path, unreadable: Callable[[OSError], None]) -> Iterator[Path]:
+    """Everything below that is no folder; a link to a folder is not followed."""
+    for folder, folders, files in os.walk(root, onerror=unreadable):
+        here = Path(folder)
+        if here == root and STAGES in folders:
+            folders.remove(STAGES)
+        yield from (here / name for name in files)
+        yield from (here / name for name in folders if (here / name).is_symlink())
+
+
+def _strange(path: Path) -> str:
+    try:
+        mode = path.lstat().st_mode
+    except OSError as error:
+        return f"cannot be read: {error.strerror}"
+    if stat.S_ISLNK(mode):
+        return "is a symbolic link; a dataset holds files"
+    return "" if stat.S_ISREG(mode) else "is no regular file"
+
+
+@dataclass(frozen=True)
+class Inventory:
+    """What is there, what should be, and how sure the latter is."""
+
+    files: Files
+    expected: Mapping[str, str]
+    """SHA-256 by path of every file but the lists; empty where nothing tells."""
+    trusted: bool
+    """Whether `expected` is what was released: it has the checksum that was noted for it, or every file fits it."""
+    list_findings: tuple[Finding, ...]
+    """What is wrong with the lists themselves."""
+    assembled: Mapping[str, str] = field(default_factory=dict)
+    """SHA-256 by path as the hidden stages noted them when the runs were put together."""
+
+    @classmethod
+    def of(cls, root: Path) -> "Inventory":
+        files = Files.of(root)
+        content = {name: digest for name, digest in files.digests.items() if name not in LISTS}
+        lists = {name: _read(root / name) if name in files.digests else None for name in LISTS}
+        if MANIFEST in _parsed(lists[MANIFEST], None)[0] and MANIFEST not in _parsed(lists[TAG_MANIFEST], None)[0]:
+            # Only the tag manifest names the manifest: the two were swapped, and neither has the bytes that it should.
+            lists = {MANIFEST: lists[TAG_MANIFEST], TAG_MANIFEST: lists[MANIFEST]}
+        noted = _parsed(lists[TAG_MANIFEST], None)[0].get(MANIFEST, "")
+        moved = next((name for name, digest in content.items() if digest == noted), None)
+        # The manifest itself where it lies under another name, as of a file that it was swapped with.
+        elsewhere = _parsed(_read(root / moved), None)[0] if moved else {}
+        return _judged(files, content, lists, elsewhere, _assembled(root))
+
+    @classmethod
+    def of_whole(cls, root: Path) -> "Inventory":
+        """Of a release that is as it was released.
+
+        Raises:
+            InputError: It is not; the first file that is not.
+        """
+        inventory = cls.of(root)
+        if fault := next(inventory.findings(), None):
+            cure = f"see `symolo verify {root}` and `symolo repair {root}`"
+            raise InputError(f"is not as it was released: {fault}", where=str(root), cure=cure)
+        return inventory
+
+    @cached_property
+    def damaged(self) -> frozenset[str]:
+        """Files that are missing, changed or strange."""
+        content = self.files.digests
+        wrong = {name for name, digest in self.expected.items() if content.get(name) != digest}
+        return frozenset(wrong | {finding.file for finding in self.list_findings} & {*LISTS})
+
+    @cached_property
+    def extra(self) -> frozenset[str]:
+        """Files that no list names."""
+        there = {*self.files.digests, *self.files.strange}
+        return frozenset(there - {*self.expected, *LISTS}) if self.expected else frozenset()
+
+    @cached_property
+    def meant(self) -> Mapping[str, tuple[str, ...]]:
+        """Which files should hold a content, by SHA-256."""
+        return _inverted(self.expected)
+
+    @cached_property
+    def places(self) -> Mapping[str, tuple[str, ...]]:
+        """Where contents lie now, by SHA-256."""
+        return _inverted(self.files.digests)
+
+    def findings(self) -> Iterator[Finding]:
+        """One for each file that is not as it was released."""
+        yield from self.list_findings
+        for name in sorted({*self.expected, *self.extra, *self.files.strange}):
+            if name in self.files.strange:
+                yield Finding(name, self.files.strange[name])
+            elif name in self.extra:
+                yield Finding(name, f"is not named in {MANIFEST}{self._meant_as(name)}")
+            elif name in self.damaged:
+                yield Finding(name, self._difference(name))
+        if self.trusted:
+            for name in sorted(self.assembled.keys() & self.expected.keys()):
+                if self.expected[name] != self.assembled[name]:
+                    what = "fits its checksum, but is not what was assembled: both were edited"
+                    yield Finding(name, what if name not in self.damaged else "its checksum is not that of the stages")
+
+    def _difference(self, name: str) -> str:
+        there = self.files.digests.get(name)
+        found = [place for place in self.places.get(self.expected[name], ()) if place != name]
+        if there is None:
+            moved = [place for place in found if place in self.extra]
+            return f"is missing; {MANIFEST} names it" + (f"; its content is now named {moved[0]}" if moved else "")
+        changed = f"was changed: its SHA-256 is not that of {MANIFEST}"
+        holds = [other for other in self.meant.get(there, ()) if other != name]
+        swapped = [other for other in holds if other in found]
+        if swapped:
+            return f"{changed}; it was swapped with {swapped[0]}"
+        if holds:
+            return f"{changed}; it holds what {holds[0]} should hold"
+        if there == _EMPTY:
+            return f"{changed}; it is empty"
+        return changed + (f"; its content lies in {found[0]}" if found else "")
+
+    def _meant_as(self, name: str) -> str:
+        meant = self.meant.get(self.files.digests.get(name, ""), ())
+        missing = [other for other in meant if other in self.damaged]
+        if missing:
+            return f"; it is what {missing[0]} should be"
+        return f"; it is a copy of {meant[0]}" if meant else ""
+
+
+def _inverted(digests: Mapping[str, str]) -> dict[str, tuple[str, ...]]:
+    names: dict[str, list[str]] = {}
+    for name, digest in digests.items():
+        names.setdefault(digest, []).append(name)
+    return {digest: tuple(held) for digest, held in names.items()}
+
+
+_EMPTY = hashlib.sha256(b"").hexdigest()
+
+
+def _judged(
+    files: Files,
+    content: Mapping[str, str],
+    lists: Mapping[str, bytes | None],
+    elsewhere: Mapping[str, str],
+    assembled: Mapping[str, str],
+) -> Inventory:
+    """Which list to believe.
+
+    The tag manifest witnesses for the manifest, the files and the notes of the stages for both: whatever list of
+    checksums has the SHA-256 that the tag manifest gives is the one that was released, wherever it was taken from.
+    """
+    found = {name: files.digests.get(name, "") for name in LISTS}
+    listed, problem = _parsed(lists[MANIFEST], files.strange.get(MANIFEST))
+    tags, tag_problem = _parsed(lists[TAG_MANIFEST], files.strange.get(TAG_MANIFEST))
+    noted = tags.get(MANIFEST, "")
+    if not tag_problem and (not noted or set(tags) - {MANIFEST, BAG_INFO}):
+        tag_problem = f"does not name {MANIFEST} and {BAG_INFO} alone"
+    for candidate in (listed, elsewhere, *_candidates(listed, content, assembled)) if noted else ():
+        if candidate and hashlib.sha256(manifest(candidate)).hexdigest() == noted:
+            problems = {MANIFEST: problem or _edited(listed, candidate), TAG_MANIFEST: tag_problem}
+            return _with_lists(files, candidate, found, assembled, problems)
+    fits = bool(listed) and all(content.get(name) == digest for name, digest in listed.items())
+    if fits:  # the manifest is what it was, so the list that does not name it is the one that changed
+        return _with_lists(files, listed, found, assembled, {MANIFEST: problem, TAG_MANIFEST: tag_problem})
+    findings = [Finding(name, text) for name, text in ((MANIFEST, problem), (TAG_MANIFEST, tag_problem)) if text]
+    if not findings:
+        findings = [Finding(MANIFEST, f"was changed, or {TAG_MANIFEST} was: its SHA-256 is not the one noted there")]
+    return Inventory(files, listed, trusted=False, list_findings=tuple(findings), assembled=assembled)
+
+
+def _candidates(
+    listed: Mapping[str, str], content: Mapping[str, str], assembled: Mapping[str, str]
+) -> Iterator[dict[str, str]]:
+    """Lists that may be the one that was released, where the manifest is not."""
+    yield dict(content)
+    for names in ({*listed}, {*content}, {*listed} | {*assembled}):
+        yield {name: assembled.get(name, content.get(name, listed.get(name, ""))) for name in names}
+        yield {name: content[name] for name in names if name in content}
+    if len({*listed, *content}) <= MOST_LINES:
+        for name, digest in content.items():  # one line edited or removed, while other files are damaged too
+            if listed.get(name) != digest:
+                yield {**listed, name: digest}
+        for whole in (listed, content):  # the latter with one file that was added, such as the manifest renamed
+            for name in whole:
+                yield {other: digest for other, digest in whole.items() if other != name}
+
+
+def _with_lists(
+    files: Files,
+    expected: Mapping[str, str],
+    found: Mapping[str, str],
+    assembled: Mapping[str, str],
+    problems: Mapping[str, str],
+) -> Inventory:
+    """With what is wrong with the lists of these files, whose bytes follow from them."""
+    findings = []
+    texts = {MANIFEST: manifest(expected), TAG_MANIFEST: tag_manifest(expected)}
+    for name, text in texts.items():
+        if not found[name]:
+            findings.append(Finding(name, files.strange.get(name, "is missing")))
+        elif found[name] != hashlib.sha256(text).hexdigest():
+            other = TAG_MANIFEST if name == MANIFEST else MANIFEST
+            findings.append(Finding(name, problems[name] or f"was changed: it does not fit {other} and the files"))
+    return Inventory(files, expected, trusted=True, list_findings=tuple(findings), assembled=assembled)
+
+
+def _edited(listed: Mapping[str, str], released: Mapping[str, str]) -> str:
+    """Which lines of the manifest are not those that were released."""
+    other = sorted(name for name in {*listed, *released} if listed.get(name) != released.get(name))
+    more = f" and {len(other) - 1} more" if len(other) > 1 else ""
+    return f"was changed: not as released is what it says of {other[0]}{more}" if other else ""
+
+
+def _parsed(data: bytes | None, strange: str | None) -> tuple[dict[str, str], str]:
+    """The list, or what can be read of it, and what is wrong with it."""
+    if data is None:
+        return {}, strange or "is missing"
+    try:
+        return read_manifest(data), "" if data else "is empty"
+    except ValueError as error:
+        lines: dict[str, str] = {}
+        for line in data.splitlines():
+            with contextlib.suppress(ValueError):
+                lines |= read_manifest(line)
+        return lines, str(error)
+
+
+def _read(path: Path) -> bytes | None:
+    try:
+        return path.read_bytes()
+    except OSError:
+        return None
+
+
+def _assembled(root: Path) -> dict[str, str]:
+    """What `assemble` noted of each run that it put together; nothing where the stages were deleted."""
+    noted: dict[str, str] = {}
+    stage = root / STAGES / "assemble"
+    for marker in sorted(stage.glob(f"*/*/{DONE}")):
+        run = marker.parent.relative_to(stage).as_posix()
+        try:
+            files = Done.model_validate_json(marker.read_bytes()).files
+        except (OSError, ValidationError):
+            continue
+        noted |= {f"{run}/{name}": digest for name, digest in files.items()}
+    return noted

@@ -1,0 +1,278 @@
+"""What is wrong with one released run: structure, columns, units, ranges, rates, pictures, positions."""
+
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+from pydantic import ValidationError
+
+from blender_scenes.render.frame_files import frame_name
+from configs.schema.arena import ArenaConfig
+from configs.schema.scenario import RunSpec
+from physics.arena.geometry import Arena
+from pipeline.assembly.scene_record import SCENE, read_scene_record
+from symolo.dataset.camera_model import INTRINSICS, CameraModel, camera_table, read_camera_model
+from symolo.dataset.metadata import RunRecord
+from symolo.dataset.obstacles import obstacle_table, off_the_path
+from symolo.dataset.rows import HEADER, Floats, Rows, parse_table, semantic_faults
+from symolo.dataset.side_tables import BOARD, CAMERA, POSITIONS_HEADER, TOF, WHEELS
+from symolo.verification.annotations import ANNOTATIONS, annotation_faults
+from symolo.verification.findings import Finding
+
+MOST_PER_KIND = 5
+"""Faults of one kind that are named one by one; a file in wrong units has as many as rows."""
+
+START_TOLERANCE_M = 0.002
+FASTEST_M_S = 3.0
+FASTEST_RAD_S = 30.0
+
+_JPEG_START, _JPEG_END = b"\xff\xd8\xff", b"\xff\xd9"
+
+
+def check_run(root: Path, record: RunRecord) -> Iterator[Finding]:
+    """Every fault of the run's folder below the dataset `root`, as metadata.json describes the run."""
+    run = root / record.run
+    if not run.is_dir():
+        yield Finding(record.run, "the folder is missing")
+        return
+    data = f"{record.run}/data.csv"
+    table, faults = _table(run / "data.csv", HEADER)
+    yield from _limited(data, faults)
+    if len(table) == 0:
+        return
+    rows = Rows.from_table(table)
+    yield from _limited(data, [str(fault) for fault in semantic_faults(rows)])
+    yield from _rows_checks(data, rows, record)
+    yield from _images(run / "images", f"{record.run}/images", rows, record)
+    yield from _positions(run / "image_positions.txt", f"{record.run}/image_positions.txt", rows)
+    content, spec, faults = _specification(run / "side/spec.json", f"{record.run}/side/spec.json")
+    yield from faults
+    yield from _side(run / "side", f"{record.run}/side", rows, record, spec)
+    if content is not None:
+        yield from _obstacles(run / "side", f"{record.run}/side", content, rows, record)
+    for file, what in annotation_faults(run / ANNOTATIONS, rows, record, spec):
+        yield Finding(f"{record.run}/{ANNOTATIONS}/{file}".rstrip("/"), what)
+
+
+def _rows_checks(name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:
+    if len(rows.t_ms) != record.rows:
+        yield Finding(name, f"{len(rows.t_ms)} rows, metadata.json says {record.rows}")
+    row_hz, camera_hz = record.rates.control_hz, record.rates.camera_hz
+    ticks = np.arange(len(rows.t_ms))
+    expected_ms = np.rint(ticks * 1000 / row_hz)
+    yield from _limited(name, _at(rows.t_ms != expected_ms, rows.t_ms, "column t", f"ms does not keep {row_hz} Hz"))
+    per_image = row_hz // camera_hz
+    expected_image = np.where(ticks % per_image == 0, 1 + ticks // per_image, 0)
+    wrong = rows.image != expected_image
+    yield from _limited(name, _at(wrong, rows.image, "column img", f"does not keep {camera_hz} Hz"))
+    start = np.array([record.start.x_m, record.start.y_m])
+    if np.linalg.norm(rows.pose[0, :2] - start) > START_TOLERANCE_M:
+        x, y = rows.pose[0, :2]
+        yield Finding(name, f"line 2: columns x, y: ({x:g}, {y:g}) m is not the start in metadata.json")
+    yield from _ranges(name, rows, record)
+    yield from _motion(name, rows)
+
+
+def _ranges(name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:
+    low, high, none = record.tof_min_range_m, record.tof_max_range_m, record.tof_no_target_m
+    outside = ((rows.tof_m < low) | (rows.tof_m > high)) & (rows.tof_m != none)
+    for i, column in enumerate(("d_f", "d_l", "d_r")):
+        what = f"m is outside {low:g}..{high:g} and not the no-target value {none:g}"
+        yield from _limited(name, _at(outside[:, i], rows.tof_m[:, i], f"column {column}", what))
+    for i in range(8):
+        channel = rows.line[:, i]
+        yield from _limited(name, _at((channel < 0) | (channel > 1), channel, f"column L{i}", "is outside 0..1"))
+    theta = rows.pose[:, 2]
+    yield from _limited(name, _at(np.abs(theta) > np.pi + 1e-6, theta, "column theta", "rad is outside -pi..pi"))
+    for i, (column, fastest, unit) in enumerate((("v", FASTEST_M_S, "m/s"), ("w", FASTEST_RAD_S, "rad/s"))):
+        value = rows.twist[:, i]
+        what = f"{unit} is beyond what the robot can do ({fastest:g} {unit})"
+        yield from _limited(name, _at(np.abs(value) > fastest, value, f"column {column}", what))
+
+
+def _motion(name: str, rows: Rows) -> Iterator[Finding]:
+    """Position and heading must change as the speeds say; a column in another unit does not."""
+    dt = np.diff(rows.t_ms) / 1000
+    if len(dt) == 0 or np.any(dt <= 0):
+        return
+    steps = np.linalg.norm(np.diff(rows.pose[:, :2], axis=0), axis=1)
+    jumps = np.concatenate(([False], steps > FASTEST_M_S * dt))
+    yield from _limited(name, _at(jumps, np.concatenate(([0.0], steps)), "columns x, y", "m is a jump"))
+    mean = 0.5 * (rows.twist[1:] + rows.twist[:-1])
+    driven, stepped = float(np.sum(np.abs(mean[:, 0]) * dt)), float(steps.sum())
+    if abs(driven - stepped) > 0.02 + 0.1 * max(driven, stepped):
+        yield Finding(name, f"column v adds up to {driven:.3f} m, columns x, y to {stepped:.3f} m")
+    turned = float(np.sum(mean[:, 1] * dt))
+    seen = float(np.unwrap(rows.pose[:, 2])[-1] - rows.pose[0, 2])
+    if abs(turned - seen) > 0.3 + 0.1 * abs(seen):
+        yield Finding(name, f"column w adds up to {turned:.2f} rad, column theta to {seen:.2f} rad")
+
+
+def _images(folder: Path, name: str, rows: Rows, record: RunRecord) -> Iterator[Finding]:
+    numbers = [int(number) for number in rows.image if number > 0]
+    if len(numbers) != record.images:
+        yield Finding(name, f"data.csv names {len(numbers)} images, metadata.json says {record.images}")
+    expected = {frame_name(number) for number in numbers}
+    there = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
+    yield from _limited(name, [f"{file} is missing" for file in sorted(expected - there)])
+    yield from _limited(name, [f"{file} is not named in data.csv" for file in sorted(there - expected)])
+    for file in sorted(expected & there):
+        fault = _picture_fault(folder / file, record.image_width_px, record.image_height_px)
+        if fault:
+            yield Finding(f"{name}/{file}", fault)
+
+
+def _picture_fault(path: Path, width_px: int, height_px: int) -> str:
+    import cv2  # noqa: PLC0415 - half a second that no other command needs
+
+    data = path.read_bytes()
+    if not data.startswith(_JPEG_START) or not data.endswith(_JPEG_END):
+        return "is not a whole JPEG file"
+    try:
+        picture = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_COLOR)
+    except cv2.error:  # its head claims more pixels than OpenCV takes
+        picture = None
+    if picture is None:
+        return "cannot be decoded"
+    if picture.shape[:2] != (height_px, width_px):
+        return f"is {picture.shape[1]} x {picture.shape[0]} px, metadata.json says {width_px} x {height_px}"
+    return ""
+
+
+def _positions(path: Path, name: str, rows: Rows) -> Iterator[Finding]:
+    table, faults = _table(path, POSITIONS_HEADER, separator=" ")
+    yield from _limited(name, faults)
+    taken = rows.image > 0
+    expected = np.column_stack((rows.image[taken], rows.pose[taken]))
+    if len(table) == 0:
+        return
+    if len(table) != len(expected):
+        yield Finding(name, f"{len(table)} positions for {len(expected)} images in data.csv")
+        return
+    differ = np.flatnonzero(np.any(table != expected, axis=1))
+    yield from _limited(
+        name, [f"line {i + 2}: is not the pose of image {expected[i, 0]:.0f} in data.csv" for i in differ]
+    )
+
+
+def _specification(path: Path, name: str) -> tuple[object, RunSpec | None, list[Finding]]:
+    """What JSON a run's specification is, None where it is none, what it says where it is whole, and its fault."""
+    try:
+        content = json.loads(path.read_bytes())
+    except (OSError, ValueError, RecursionError) as error:
+        return None, None, [Finding(name, f"cannot be read: {error}")]
+    try:
+        return content, RunSpec.model_validate_json(json.dumps(content)), []
+    except ValidationError as error:
+        first = error.errors()[0]
+        return content, None, [Finding(name, f"{'.'.join(map(str, first['loc']))}: {first['msg']}")]
+
+
+def _side(folder: Path, name: str, rows: Rows, record: RunRecord, spec: RunSpec | None) -> Iterator[Finding]:
+    by_row = (WHEELS, TOF, BOARD) if record.board else (WHEELS, TOF)
+    for side, times in (*((side, rows.t_ms) for side in by_row), (CAMERA, rows.t_ms[rows.image > 0])):
+        table, faults = _table(folder / side.file, side.header)
+        yield from _limited(f"{name}/{side.file}", faults)
+        if len(table) and not np.array_equal(table[:, side.header.index("t")], times):
+            yield Finding(f"{name}/{side.file}", "column t is not that of data.csv")
+    yield from _camera_model(folder / INTRINSICS, f"{name}/{INTRINSICS}", record, spec)
+    yield from _scene(folder / SCENE, f"{name}/{SCENE}")
+    if spec is not None:
+        yield from _camera_poses(folder / CAMERA.file, f"{name}/{CAMERA.file}", rows, spec)
+
+
+def _camera_model(path: Path, name: str, record: RunRecord, spec: RunSpec | None) -> Iterator[Finding]:
+    try:
+        model = read_camera_model(path)
+    except OSError as error:
+        yield Finding(name, f"cannot be read: {error.strerror}")
+        return
+    except ValueError as error:
+        yield Finding(name, str(error))
+        return
+    size = record.image_width_px, record.image_height_px
+    if (model.width_px, model.height_px) != size:
+        what = f"is of pictures of {model.width_px} x {model.height_px} px, metadata.json says {size[0]} x {size[1]}"
+        yield Finding(name, what)
+    elif spec is not None:
+        expected = CameraModel.of(spec)
+        for field in CameraModel.model_fields:
+            if getattr(model, field) != getattr(expected, field):
+                yield Finding(name, f"{field} is not that of the camera in spec.json")
+
+
+def _scene(path: Path, name: str) -> Iterator[Finding]:
+    """Its form; which furniture is drawn is a matter of the version. A release of an earlier one has no such file."""
+    try:
+        read_scene_record(path)
+    except FileNotFoundError:
+        return
+    except OSError as error:
+        yield Finding(name, f"cannot be read: {error.strerror}")
+    except ValueError as error:
+        yield Finding(name, str(error))
+
+
+def _camera_poses(path: Path, name: str, rows: Rows, spec: RunSpec) -> Iterator[Finding]:
+    """Poses and exposures against data.csv and the camera's mounting."""
+    table, _ = _table(path, CAMERA.header)
+    expected = camera_table(spec, rows)
+    if not len(table):
+        return
+    if table.shape != expected.shape:
+        yield Finding(name, f"{len(table)} poses for {len(expected)} images in data.csv")
+        return
+    wrong = np.abs(table - expected) > [1.1 * 10.0**-column.decimals for column in CAMERA.columns]
+    for i, column in zip(*np.nonzero(wrong), strict=True):
+        header = CAMERA.header[column]
+        yield Finding(name, f"line {i + 2}: column {header}: {table[i, column]:g} is not that of the camera's mounting")
+        return
+
+
+def _obstacles(folder: Path, name: str, spec: object, rows: Rows, record: RunRecord) -> Iterator[Finding]:
+    """The poses of moving obstacles against the paths of spec.json."""
+    section = spec.get("arena") if isinstance(spec, dict) else None
+    try:
+        config = ArenaConfig.model_validate_json(json.dumps(section))
+    except ValidationError as error:
+        first = error.errors()[0]
+        yield Finding(f"{name}/spec.json", f"{'.'.join(map(str, ('arena', *first['loc'])))}: {first['msg']}")
+        return
+    arena = Arena.from_config(config.model_copy(update={"walls": ()}))  # of which a damaged file may make anything
+    side = obstacle_table(arena)
+    if side is None:
+        return
+    file = f"{name}/{side.file}"
+    table, faults = _table(folder / side.file, side.header)
+    yield from _limited(file, faults)
+    if not len(table):
+        return
+    if not np.array_equal(table[:, 0], rows.t_ms):
+        yield Finding(file, "column t is not that of data.csv")
+        return
+    for obstacle, wrong in off_the_path(arena, table, rows, record.rates.control_hz):
+        yield from _limited(file, [f"line {i + 2}: {obstacle} is not where its path in spec.json leads" for i in wrong])
+
+
+def _table(path: Path, header: Sequence[str], separator: str = ",") -> tuple[Floats, list[str]]:
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        return np.empty((0, len(header))), [f"cannot be read: {error.strerror}"]
+    table, faults = parse_table(data, header, separator)
+    found = [str(fault) for fault in faults]
+    if not data.endswith(b"\n"):
+        found.append("does not end with a line end: the file is cut off")
+    return table, found
+
+
+def _at(wrong: np.ndarray, values: np.ndarray, column: str, what: str) -> list[str]:
+    return [f"line {i + 2}: {column}: {values[i]:g} {what}" for i in np.flatnonzero(wrong)]
+
+
+def _limited(name: str, faults: Sequence[str]) -> Iterator[Finding]:
+    for fault in faults[:MOST_PER_KIND]:
+        yield Finding(name, fault)
+    if len(faults) > MOST_PER_KIND:
+        yield Finding(name, f"and {len(faults) - MOST_PER_KIND} more of this kind")

@@ -1,0 +1,80 @@
+"""`symolo verify`: everything that can be found wrong with a dataset from its folder alone."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from pipeline.assembly.description import DESCRIPTION
+from symolo.core.errors import InputError
+from symolo.dataset.bag import DECLARATION
+from symolo.dataset.metadata import METADATA, Metadata
+from symolo.publishing.bagging import PAYLOAD
+from symolo.verification.bag import bag_findings
+from symolo.verification.findings import Finding
+from symolo.verification.inventory import Inventory
+from symolo.verification.run_checks import check_run
+
+
+def verify(root: Path) -> Iterator[Finding]:
+    """Each fault with the file that has it; nothing means that the dataset is whole.
+
+    Args:
+        root: A dataset, or a bag that holds one.
+
+    Raises:
+        InputError: There is no such folder.
+    """
+    if not root.is_dir():
+        raise InputError("no such folder", where=str(root), cure="name the folder that holds metadata.json")
+    if (root / DECLARATION).is_file():
+        within = [Finding(f"{PAYLOAD}/{found.file}", found.what) for found in _dataset_findings(root / PAYLOAD)]
+        yield from within
+        told = {found.file for found in within}
+        yield from (found for found in bag_findings(root) if found.file not in told)
+    else:
+        yield from _dataset_findings(root)
+
+
+def _dataset_findings(root: Path) -> Iterator[Finding]:
+    inventory = Inventory.of(root)
+    faults = list(inventory.findings())
+    yield from faults
+    content = _content_findings(root)
+    if not inventory.trusted or not faults:
+        yield from content
+        return
+    # What is proven to be as it was released is not blamed for not fitting to what was damaged.
+    wrong = {fault.file for fault in faults}
+    known = {*inventory.expected, *inventory.extra}
+    folders = {parent.as_posix() for name in known for parent in Path(name).parents}
+    yield from (found for found in content if found.file in wrong or found.file not in known | folders)
+
+
+def _content_findings(root: Path) -> Iterator[Finding]:
+    """Of the files themselves, whatever their checksums say."""
+    if not (root / DESCRIPTION).is_file():
+        yield Finding(DESCRIPTION, "is missing")
+    try:
+        metadata = Metadata.model_validate_json((root / METADATA).read_bytes())
+    except OSError as error:
+        yield Finding(METADATA, f"cannot be read: {error.strerror}")
+    except ValidationError as error:
+        first = error.errors()[0]
+        path = ".".join(map(str, first["loc"]))
+        yield Finding(METADATA, f"{path}: {first['msg']}" if path else first["msg"])
+    else:
+        for record in metadata.runs:
+            if record.run.startswith("/") or ".." in record.run.split("/"):
+                yield Finding(METADATA, f"run {record.run!r} leads out of the dataset")
+                continue
+            try:
+                yield from check_run(root, record)
+            except OSError as error:  # such as of a sector that the disk has lost; its file is named above
+                where = Path(str(error.filename)) if error.filename else root / record.run
+                name = where.relative_to(root).as_posix() if where.is_relative_to(root) else record.run
+                yield Finding(name, f"cannot be read: {error.strerror}")
+        named = {record.run for record in metadata.runs}
+        for folder in sorted(path.relative_to(root).as_posix() for path in root.glob("*/test_*")):
+            if folder not in named:
+                yield Finding(folder, f"is not named in {METADATA}")
