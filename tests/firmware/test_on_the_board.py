@@ -9,6 +9,8 @@ from physics.hil.frames import SensorFrame
 from physics.hil.framings.framed import Framed
 from physics.hil.links.lockstep import LockstepLink
 
+pytestmark = pytest.mark.board
+
 TICK_CYCLES = 800_000
 """50 ms at 16 MHz."""
 FRAMING = Framed()

@@ -16,7 +16,6 @@ import pytest
 from blender_scenes.camera_response import encode_jpeg
 from blender_scenes.frame_files import FrameFile, Ledger, frame_name, put_in_place
 from configs.schema.scenario import RunSpec
-from physics.hil.tools import has_board
 from pipeline.cli import main
 from pipeline.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest
 from pipeline.files import sha256_of
@@ -24,8 +23,6 @@ from pipeline.stages.simulate import Outcome, simulate
 from pipeline.units import AnyUnit, Finished, RenderUnit
 from pipeline.worker_main import do
 from pipeline.workers import UnitFailure, cores
-
-collect_ignore = [] if has_board() else ["test_hil.py"]
 
 TINY = [
     f"--set={setting}"

@@ -11,6 +11,8 @@ from physics.hil.framings import FRAMINGS
 from physics.hil.links.lockstep import LockstepLink
 from physics.hil.loop import BoardPilot, LoopSettings
 
+pytestmark = pytest.mark.board
+
 
 @pytest.fixture
 def pilot(nominal, programs, board_program):
