@@ -1,29 +1,123 @@
-"""What several packages' tests need of the machine, and a bench of measured data that is made here."""
+"""What tests need of the machine, and fixtures that several packages' tests share."""
 
 import os
 import signal
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from _pytest.mark.expression import Expression
+from xdist.workermanage import WorkerController
 
-from hil.tools import HIL_PACKAGES, has_board
+from hil.tools import (
+    AVR_PACKAGES,
+    HIL_PACKAGES,
+    NATIVE_PACKAGES,
+    has_avr_compiler,
+    has_board,
+    has_compiler,
+)
+
+TOOLS = {
+    "compiler": (has_compiler, NATIVE_PACKAGES),
+    "avr_compiler": (has_avr_compiler, AVR_PACKAGES),
+    "board": (has_board, HIL_PACKAGES),
+}
+"""By marker, the test whether its tools are there and the Debian packages that hold them."""
+RECORDINGS = (
+    "tests marked `recordings` read recordings of real robots, which are not part of the repository: type"
+    " `python -m pytest -m recordings --recordings=DIR`, where DIR is the folder of the sets that"
+    " docs/real_sets.md names"
+)
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--recordings", metavar="DIR", help="folder of the recordings for `-m recordings`")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Refuse a choice of tests that this machine cannot run, before any test is collected.
+
+    Raises:
+        pytest.UsageError: `-m` asks for tests whose tools or recordings are missing; the text names what to type.
+    """
+    folder = config.getoption("--recordings")
+    if folder is not None and not (config.invocation_params.dir / folder).is_dir():
+        raise pytest.UsageError(f"--recordings={folder}: there is no such folder")
+    if folder is None and _asks_for(config, "recordings"):
+        raise pytest.UsageError(RECORDINGS)
+    for marker, packages in _missing_tools().items():
+        if _asks_for(config, marker):
+            raise pytest.UsageError(f"tests marked `{marker}` need missing tools: apt-get install -y {packages}")
+
+
+def _missing_tools() -> dict[str, str]:
+    """Return the packages that are missing, by the marker of the tests that need them."""
+    return {marker: packages for marker, (is_there, packages) in TOOLS.items() if not is_there()}
+
+
+def _asks_for(config: pytest.Config, marker: str) -> bool:
+    """Return whether `-m` selects tests because of this marker, and not merely lets them through."""
+    if not config.option.markexpr:
+        return False
+    try:
+        expression = Expression.compile(config.option.markexpr)
+    except SyntaxError:
+        return False  # pytest itself refuses it, with its own text
+    return expression.evaluate(lambda name, **_: name == marker) and not expression.evaluate(lambda *_, **__: False)
 
 
 def pytest_report_header() -> list[str]:
-    """Says that tests are left out for want of a tool, and the line that installs it."""
-    left_out = f"tests of the firmware and its board are left out: apt-get install -y {HIL_PACKAGES}"
-    return [] if has_board() else [left_out]
+    """Report which tests are deselected because a tool is missing, and the line that installs it."""
+    return [
+        f"tests marked `{marker}` are deselected, because their tools are missing: apt-get install -y {packages}"
+        for marker, packages in _missing_tools().items()
+    ]
 
 
 LONG = ("tests/pipeline/", "tests/diagnosis/", "tests/blender_scenes/")
 """Folders whose files take longest."""
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    items.sort(key=lambda item: not item.nodeid.startswith(LONG))  # stable: else as they were found
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Deselect tests whose tools are missing, and put those first that take longest."""
+    missing = _missing_tools()
+    chosen: list[pytest.Item] = []
+    deselected: list[pytest.Item] = []
+    for item in items:
+        lacks_tools = any(item.get_closest_marker(marker) for marker in missing)
+        (deselected if lacks_tools else chosen).append(item)
+    if deselected:
+        config.hook.pytest_deselected(items=deselected)
+    # The sort is stable: within the long ones and within the others the order of collection stays.
+    items[:] = sorted(chosen, key=lambda item: not item.nodeid.startswith(LONG))
+
+
+def pytest_deselected(items: list[pytest.Item]) -> None:
+    """Note what a worker of pytest-xdist deselects, because only the controller writes to the terminal."""
+    for item in items:
+        if hasattr(item.config, "workeroutput"):
+            item.config.workeroutput.setdefault("deselected", []).append(item.nodeid)
+
+
+def pytest_testnodedown(node: WorkerController) -> None:
+    """Report what the workers have deselected, once, since each of them collects all tests."""
+    reporter = node.config.pluginmanager.get_plugin("terminalreporter")
+    if "deselected" not in reporter.stats:
+        node_ids = getattr(node, "workeroutput", {}).get("deselected", [])
+        reporter.pytest_deselected([SimpleNamespace(nodeid=node_id) for node_id in node_ids])
+
+
+@pytest.fixture(scope="session")
+def recordings(pytestconfig: pytest.Config) -> Path:
+    """Return the folder of the recordings that `--recordings` names."""
+    folder = pytestconfig.getoption("--recordings")
+    if folder is None:
+        raise pytest.UsageError(RECORDINGS)
+    return pytestconfig.invocation_params.dir / folder
 
 
 class _Stillborn(subprocess.Popen):

@@ -13,7 +13,7 @@ from configs.loader import load_scenario, load_section
 from pipeline.cli import command_line, main
 
 ROOT = Path(__file__).parents[2]
-SHARED = ROOT.parent / "shared"
+EXAMPLES = ROOT / "tests/fixtures/gap_examples"
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted((ROOT / "docs/tutorials").glob("*.md"))]
 CODE = re.compile(r"^    (.+)$|^```\w*\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
@@ -30,6 +30,14 @@ ELSEWHERE = {
     "optiodom_diff": "a minute or more; benchmarks/diagnosis/real_sets.py runs them",
 }
 """Words of commands that are not run here, and where they are."""
+SCAN = "x,y,lidar\n" + "".join(
+    f"{x},{y},{100 + ((x - 56) ** 2 + (y - 56) ** 2) ** 0.5:.0f}\n"
+    for x in range(0, 113, 8)
+    for y in range(0, 113, 8)
+    for _ in range(3)
+)
+"""A cone instead of a real thing before the sensor, three readings at each point."""
+STATIC_RECORD = "Fs,50.00\nLogging time,20\nd\n" + "100.0\n101.0\n99.0\n103.0\n" * 250
 STAGES = {"simulate", "render", "assemble", "release"}
 """Commands that continue what the one before has begun in the same folder."""
 SMALL = ("render.width_px=32", "render.height_px=24", "render.samples=1", "stop.lap=false", "stop.time_limit_s=1.0")
@@ -99,14 +107,15 @@ def release(tmp_path_factory):
 
 @pytest.fixture
 def desk(tmp_path, release, monkeypatch):
-    """Where a reader of a page would be: a release, a robot's logs, a run of a real camera, the measured sets."""
+    """Where a reader of a page would be: a release, a robot's logs, a run of a camera, recordings of a range sensor."""
     for name in ("data", "before", "symolo-dataset", "my_release", "A", "B"):
         shutil.copytree(release, tmp_path / name)
     for name, case in (("bench_1", "motor_steady_002"), ("drive_1", "drive_log_001")):
-        shutil.copytree(SHARED / "gap_examples" / case, tmp_path / "my_robot" / name)
+        shutil.copytree(EXAMPLES / case, tmp_path / "my_robot" / name)
     shutil.copytree(release / "CW/test_1", tmp_path / "measured/run_1")
-    for name in ("tof_vl53l0x_scan", "tof_vl53l0x_static"):
-        (tmp_path / "measured" / name).symlink_to(SHARED / "measured" / name)
+    for name, text in (("tof_vl53l0x_scan", SCAN), ("tof_vl53l0x_static", STATIC_RECORD)):
+        (tmp_path / "measured" / name).mkdir()
+        (tmp_path / "measured" / name / "recording.csv").write_text(text)
     (tmp_path / "elsewhere").mkdir()
     shutil.copy(release / "CW/test_1/data.csv", tmp_path / "elsewhere/data.csv")
     about = (ROOT / "docs/publishing.md").read_text().partition("```yaml\n")[2].partition("```")[0]

@@ -14,7 +14,7 @@ from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
 from diagnosis.usual_tolerances import usual_wheels
 
-EXAMPLES = Path(__file__).parents[3] / "shared" / "gap_examples"
+EXAMPLES = Path(__file__).parents[1] / "fixtures" / "gap_examples"
 MOTOR = {"winding_resistance_ohm", "torque_constant_N_m_A", "viscous_friction_N_m_s_rad", "coulomb_friction_N_m"}
 NAMES = {
     "motor_steady_001": MOTOR,

@@ -11,17 +11,10 @@ import pytest
 from configs.loader import RobotAlone, load_section
 from configs.validation import validated
 from hil.build import build_native
-from hil.tools import has_avr_compiler, has_board, has_compiler
 from physics.control.base import Command, ControlInput, State
 from physics.control.controller import RobotController
 from physics.control.curves import CurveFollower
 from sensors.odometry import Odometry
-
-collect_ignore = [
-    *([] if has_compiler() else ["test_controller.py", "test_messages.py", "test_student.py"]),
-    *([] if has_avr_compiler() else ["test_avr_build.py"]),
-    *([] if has_board() else ["test_on_the_board.py"]),
-]
 
 
 @dataclass

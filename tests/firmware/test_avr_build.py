@@ -34,6 +34,7 @@ def build(nominal, folder):
     return build_firmware(nominal, "framed", 500_000, folder)
 
 
+@pytest.mark.avr_compiler
 def test_it_fits_the_board_with_room_to_spare(build):
     """Data sheet of the ATmega2560: 256 KB of flash, 8 KB of RAM; the stack has what is left."""
     size = firmware_size(build)
@@ -41,6 +42,7 @@ def test_it_fits_the_board_with_room_to_spare(build):
     assert 256 < size.ram_bytes < 4096
 
 
+@pytest.mark.avr_compiler
 def test_the_hex_file_holds_the_program(build):
     """Intel HEX: the last record ends the file, and the bytes of every record add up to a multiple of 256."""
     records = build.hex.read_text().split()
@@ -48,6 +50,7 @@ def test_the_hex_file_holds_the_program(build):
     assert {sum(bytes.fromhex(record[1:])) % 256 for record in records} == {0}
 
 
+@pytest.mark.avr_compiler
 def test_what_is_there_is_not_compiled_again(nominal, folder, build, monkeypatch):
     monkeypatch.setenv("PATH", "")
     assert build_firmware(nominal, "framed", 500_000, folder) == build
@@ -103,6 +106,7 @@ def test_a_name_that_the_ide_does_not_take_is_refused(nominal, tmp_path, name):
         write_sketch(nominal, tmp_path / name)
 
 
+@pytest.mark.avr_compiler
 @pytest.mark.firmware
 def test_a_slip_in_the_student_s_part_is_told_with_its_line(nominal, tmp_path):
     text = student_version(["follow"]).replace("sum / (float)active", "sun / (float)active")
@@ -117,6 +121,7 @@ CORE = '#include "Arduino.h"\nint main()\n{\n    setup();\n    for (;;)\n       
 """What of the Arduino core a sketch without Serial, pins and millis() gets: main."""
 
 
+@pytest.mark.avr_compiler
 @pytest.mark.firmware
 @pytest.mark.parametrize("todo", [(), student_tasks()])
 def test_a_sketch_compiles_as_the_ide_does_it(robot_of, tmp_path, todo):

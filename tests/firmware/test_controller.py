@@ -12,6 +12,8 @@ from physics.control.base import State
 from physics.control.paths import straight_path
 from pipeline.stages.simulate import simulate
 
+pytestmark = pytest.mark.compiler
+
 FLOAT = 2e-5
 """What single precision makes of a few operations on numbers up to 10."""
 SPACING_M = 0.4e-3

@@ -13,6 +13,8 @@ from hil.framings.framed import Framed
 from hil.framings.simtwo import SimTwo
 from physics.control.base import State
 
+pytestmark = pytest.mark.compiler
+
 ON_LINE = SensorFrame((100, 100), (0.9, 0.9, 0.9, 0.1, 0.1, 0.9, 0.9, 0.9), 2.0, 2.0, 2.0)
 LEFT = replace(ON_LINE, line=(0.9,) * 6 + (0.1, 0.1))
 WALL = replace(ON_LINE, line=(0.9,) * 8, right_m=0.3)

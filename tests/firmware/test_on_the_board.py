@@ -9,6 +9,8 @@ from hil.frames import SensorFrame
 from hil.framings.framed import Framed
 from hil.links.lockstep import LockstepLink
 
+pytestmark = pytest.mark.board
+
 TICK_CYCLES = 800_000
 """50 ms at 16 MHz."""
 FRAMING = Framed()

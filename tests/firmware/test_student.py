@@ -36,6 +36,7 @@ NEXT_STATE = """\
 """
 
 
+@pytest.mark.compiler
 @pytest.mark.firmware
 def test_a_student_s_own_states_drive_the_robot(robot_of, library, reference, wheel_counts):
     robot = robot_of("nominal")
@@ -51,6 +52,7 @@ def test_a_student_s_own_states_drive_the_robot(robot_of, library, reference, wh
     assert library(robot, student=text).drive(python.drive).state.tolist() == python.drive.state
 
 
+@pytest.mark.compiler
 @pytest.mark.firmware
 def test_a_robot_of_which_nothing_is_written_stands_still(robot_of, library, reference):
     robot = robot_of("nominal")

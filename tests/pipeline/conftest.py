@@ -15,7 +15,6 @@ import pytest
 
 from blender_scenes.render.frame_files import FrameFile, Ledger, frame_name, put_in_place
 from configs.schema.scenario import RunSpec
-from hil.tools import has_board
 from pipeline.cli import main
 from pipeline.stages.simulate import Outcome, simulate
 from pipeline.work.supervisor import UnitFailure, cores
@@ -24,8 +23,6 @@ from pipeline.work.worker_main import do
 from sensors.camera.response import encode_jpeg
 from symolo.core.file_hashes import sha256_of
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest
-
-collect_ignore = [] if has_board() else ["test_hil.py"]
 
 TINY = [
     f"--set={setting}"

@@ -21,6 +21,8 @@ from pipeline.stages.simulate import simulate
 from pipeline.stages.simulate_runs import read_outcome, read_recording, simulate_into
 from symolo.core.errors import RunFailed
 
+pytestmark = pytest.mark.board
+
 BOARD = "board.kind=simulated"
 ONE_RUN = "routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: 90}}]"
 STATES = {"CW": [0, 1, 5, 1, 2, 4, 2, 0, 5, 0], "CCW": [0, 5, 0, 1, 3, 1, 2, 6, 2, 0]}

@@ -1,15 +1,9 @@
-"""Measured cases written by hand, small enough to check by eye; real sets are read where they are there."""
+"""Measured cases written by hand, small enough to check by eye."""
 
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-
-SHARED = Path(__file__).parents[4] / "shared"
-
-IS_THERE = (SHARED / "measured").is_dir() and (SHARED / "gap_examples").is_dir()
-
-collect_ignore = [] if IS_THERE else ["test_real_sets.py"]
 
 MOTOR = """\
 motor:

@@ -11,11 +11,7 @@ from configs.schema.robot import RobotConfig
 from hil.board.build import build_board
 from hil.frames import CommandFrame, SensorFrame
 from hil.plausible import DriveLimits
-from hil.tools import has_board, has_compiler
 from physics.control.base import State
-
-NEEDS = {"test_board.py": has_board, "test_firmware_on_board.py": has_board, "test_firmware_ears.py": has_compiler}
-collect_ignore = [name for name, is_there in NEEDS.items() if not is_there()]
 
 LIMITS = DriveLimits(wheel_rad_s=20.0, wheel_radius_m=0.05, track_m=0.2)
 """At these numbers v m/s and w rad/s are 20 v + 2 w rad/s of the right wheel and 20 v - 2 w of the left."""

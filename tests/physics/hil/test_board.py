@@ -18,6 +18,8 @@ from hil.links.lockstep import LockstepLink
 from hil.links.pty_board import PtyBoard
 from symolo.core.errors import EnvironmentLacking
 
+pytestmark = pytest.mark.board
+
 TICK_S, TICK_CYCLES = 0.05, 800_000
 BYTE = 10 * 16_000_000 // 500_000
 """Cycles of ten bits at 500 kBd and 16 MHz: 320."""

@@ -7,6 +7,8 @@ import pytest
 
 from hil.framings import FRAMINGS
 
+pytestmark = pytest.mark.compiler
+
 
 @pytest.mark.parametrize("count", [20, pytest.param(72_000, marks=pytest.mark.faults)])
 def test_both_hear_the_same_frames_on_a_bad_line(nominal, programs, count):

@@ -11,6 +11,8 @@ from hil.framings import FRAMINGS
 from hil.links.lockstep import LockstepLink
 from hil.loop import BoardPilot, LoopSettings
 
+pytestmark = pytest.mark.board
+
 
 @pytest.fixture
 def pilot(nominal, programs, board_program):
