@@ -21,6 +21,8 @@ from hil.tools import (
     has_compiler,
 )
 
+pytest_plugins = ["tests.release_fixtures"]
+
 TOOLS = {
     "compiler": (has_compiler, NATIVE_PACKAGES),
     "avr_compiler": (has_avr_compiler, AVR_PACKAGES),
@@ -78,7 +80,7 @@ def pytest_report_header() -> list[str]:
     ]
 
 
-LONG = ("tests/pipeline/", "tests/diagnosis/", "tests/blender_scenes/")
+LONG = ("tests/pipeline/", "tests/diagnosis/", "tests/blender_scenes/", "tests/symolo/")
 """Folders whose files take longest."""
 
 

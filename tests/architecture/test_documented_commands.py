@@ -18,14 +18,14 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted((ROO
 CODE = re.compile(r"^    (.+)$|^```\w*\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
 ELSEWHERE = {
-    "--port": "needs a board; tests/physics/hil drives one at a pseudo-terminal",
+    "--port": "needs a board; tests/hil drives one at a pseudo-terminal",
     "--executor ray": "needs a cluster; tests/pipeline/executors/test_ray.py makes one",
     "--device gpu": "needs a card; tests/pipeline/executors/test_cards.py sees to who gets which",
     "file://": "leads out of the desk; tests/pipeline/storage goes there and back",
-    "s3://": "needs a server; tests/pipeline/storage/test_s3.py starts one",
+    "s3://": "needs a server; tests/symolo/storage/test_s3.py starts one",
     "gs://": "needs an account",
     "$SLURM": "the same with numbers stands on the page too",
-    "measured/run_1": "needs pictures that show the line; tests/pipeline/test_pictures.py has some",
+    "measured/run_1": "needs pictures that show the line; tests/pipeline/diagnosing/test_pictures.py has some",
     "pictures/robot.yaml": "likewise; the robot file of that command",
     "optiodom_diff": "a minute or more; benchmarks/diagnosis/real_sets.py runs them",
 }
@@ -128,7 +128,7 @@ def desk(tmp_path, release, monkeypatch):
 @of_pages
 def test_its_commands_run(page, desk):
     if page.name == "round_trip.md":
-        return  # as it stands there, in tests/pipeline/test_round_trip.py
+        return  # as it stands there, in tests/pipeline/diagnosing/test_round_trip.py
     _save_files_of(page, desk)
     begun = set()
     for command in _commands(page):

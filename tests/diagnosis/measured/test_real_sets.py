@@ -8,14 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from diagnosis.inference.evidence.evidence.whole_runs import WholeRuns, fitted_to_whole_runs
-from pipeline.diagnosing.diagnose.case_reading import Reading
 
 from configs.draw import draw_robot
 from configs.loader import load_section
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.importers.optiodom import ENCODER_TICKS_PER_REVOLUTION, TRACK_M, WHEEL_DIAMETER_M
+from diagnosis.inference.evidence.whole_runs import WholeRuns, fitted_to_whole_runs
 from diagnosis.inference.hypothesis import Hypothesis
 from diagnosis.measured.channel import Quality
 from diagnosis.measured.measurement import Kind
@@ -23,6 +22,7 @@ from diagnosis.measured.noise import noise_of_differences
 from diagnosis.measured.screening import usable
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
+from pipeline.diagnosing.case_reading import Reading
 
 pytestmark = pytest.mark.recordings
 

@@ -20,7 +20,7 @@ from physics.drivetrain.motor import MotorModel
 from physics.robot.model import RobotModel
 from symolo.core.errors import InputError
 
-NOMINAL = Path(__file__).parents[2] / "configs" / "robots" / "nominal.yaml"
+NOMINAL = Path(__file__).parents[3] / "configs" / "robots" / "nominal.yaml"
 R, K, B, TQ, J = 4.0, 0.25, 0.003, 0.02, 2e-3
 TAU_S = R * J / (K**2 + R * B)
 BREAKAWAY_V = R * TQ / K

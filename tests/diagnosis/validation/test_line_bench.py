@@ -16,7 +16,7 @@ from diagnosis.validation.line_sensor.rig import Tape
 from diagnosis.validation.line_sensor.threshold import threshold_bench
 from symolo.core.errors import InputError
 
-NOMINAL = Path(__file__).parents[2] / "configs" / "robots" / "nominal.yaml"
+NOMINAL = Path(__file__).parents[3] / "configs" / "robots" / "nominal.yaml"
 PITCH_M = 0.009525
 
 

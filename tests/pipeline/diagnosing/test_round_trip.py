@@ -9,7 +9,7 @@ import pytest
 
 from pipeline.cli import main
 
-PAGE = Path(__file__).parents[2] / "docs/round_trip.md"
+PAGE = Path(__file__).parents[3] / "docs/round_trip.md"
 
 
 @pytest.fixture(scope="module")
