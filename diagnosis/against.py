@@ -13,9 +13,9 @@ from functools import cached_property
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Kind, Measurement
 from diagnosis.predictors import STAGES
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 
 CHANNELS = ("u_left_V", "u_right_V", "tof_front_m", "tof_left_m", "tof_right_m")

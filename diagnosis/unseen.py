@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Kind, Measurement
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.predictors.motor_steady import MotorSteady
@@ -16,6 +15,7 @@ from diagnosis.predictors.ranges import Ranges
 from diagnosis.predictors.rows import given
 from diagnosis.predictors.tof_bench import TofBench
 from diagnosis.predictors.wheels import Wheels
+from symolo.core.arrays import Array
 
 Columns = Mapping[str, Array]
 PLACE = ("x_m", "y_m", "theta_rad")

@@ -20,9 +20,8 @@ from physics.drivetrain.wheel_loop import voltage_limit_V
 from physics.effects.base import Slot
 from physics.robot.body_inertia import BodyOnWheels
 from physics.robot.model import RobotModel, through
+from symolo.core.arrays import Array
 from symolo.core.finite import require_finite
-
-Array = NDArray[np.float64]
 
 FEW = 16
 """Trials of bare motors up to which one after the other in plain numbers is faster than all at once in arrays."""

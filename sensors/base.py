@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 
 class Hits(Protocol):

@@ -8,8 +8,8 @@ import numpy as np
 from configs.schema.effects.table import Terms
 from physics.effects.base import Slot, effects
 from physics.robot.model import through
-from sensors.base import Array
 from sensors.effects import SENSOR_TERMS
+from symolo.core.arrays import Array
 
 
 def read_current_A(terms: Terms, current_A: Array) -> Array:

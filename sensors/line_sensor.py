@@ -7,7 +7,8 @@ from scipy.special import ndtr
 
 from configs.schema.robot import LineSensor
 from physics.arena.geometry import Arena, Line
-from sensors.base import Array, Sampling, Sensor, World
+from sensors.base import Sampling, Sensor, World
+from symolo.core.arrays import Array
 
 
 class LineSensorModel(Sensor):

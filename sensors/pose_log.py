@@ -5,8 +5,9 @@ import numpy as np
 from configs.schema.effects.table import Terms
 from physics.effects.base import Slot, effects
 from physics.robot.model import through
-from sensors.base import Array, Sampling, Sensor, World
+from sensors.base import Sampling, Sensor, World
 from sensors.effects import SENSOR_TERMS
+from symolo.core.arrays import Array
 
 
 class PoseLog(Sensor):

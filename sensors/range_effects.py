@@ -9,9 +9,9 @@ import numpy as np
 from configs.schema.effects.table import Terms
 from physics.effects.base import Slot, effects
 from physics.robot.model import through
-from sensors.base import Array
 from sensors.effects import SENSOR_TERMS
 from sensors.range_view import RangeView
+from symolo.core.arrays import Array
 
 _NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(15)
 NODES, WEIGHTS = _NODES.tolist(), (_WEIGHTS / _WEIGHTS.sum()).tolist()

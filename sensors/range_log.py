@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sensors.base import Array
+from symolo.core.arrays import Array
 
 NEAR_LIMIT_M = 0.18
 """Below it error and noise are constant."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sensors.base import Array
+from symolo.core.arrays import Array
 
 RANGE_SENSORS = np.array(["front", "left", "right"])
 """In the order of every array of ranges."""

@@ -16,11 +16,12 @@ from physics.arena.geometry import Arena
 from physics.arena.surfaces import SURFACES
 from physics.effects.base import Slot, effects
 from physics.robot.model import through
-from sensors.base import Array, Sampling, Sensor, World, quantise
+from sensors.base import Sampling, Sensor, World, quantise
 from sensors.effects import SENSOR_TERMS
 from sensors.range_effects import RangeEffects
 from sensors.range_log import NEAR_LIMIT_M, log_beyond_near
 from sensors.range_view import RangeView
+from symolo.core.arrays import Array
 
 NO_TERMS = Terms()
 

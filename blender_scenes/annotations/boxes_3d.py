@@ -7,7 +7,7 @@ import numpy as np
 from blender_scenes.annotations.job import Solid
 from blender_scenes.annotations.seen import Seen
 from blender_scenes.scene.description import Matrix4, Point3
-from sensors.camera.geometry import Array
+from symolo.core.arrays import Array
 
 _DECIMALS = 9
 

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from blender_scenes.scene.description import FrameView, Scene
 from physics.arena.geometry import Arena
-from sensors.camera.geometry import Array, pose_X_WR
+from sensors.camera.geometry import pose_X_WR
+from symolo.core.arrays import Array
 
 Category = Literal["sky", "floor", "line", "wall", "obstacle", "room", "robot"]
 CATEGORIES: tuple[Category, ...] = get_args(Category)

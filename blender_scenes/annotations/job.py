@@ -15,7 +15,8 @@ from blender_scenes.scene.description import FrameView, Intrinsics, Mesh, Planar
 from blender_scenes.scene.shading import Color, Surface
 from configs.schema.scenario import AnnotationName
 from physics.arena.geometry import Arena, Box
-from sensors.camera.geometry import Array, pose_X_WR
+from sensors.camera.geometry import pose_X_WR
+from symolo.core.arrays import Array
 
 RECORDS: tuple[AnnotationName, ...] = ("boxes_2d", "boxes_3d", "key_points")
 """Annotations that stand in a frame's record; of the others each has a PNG file for each image."""

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from blender_scenes.annotations.job import AnnotationJob
 from blender_scenes.scene.description import FrameView, Intrinsics
-from sensors.camera.geometry import Array
 from sensors.camera.lens_warp import pinhole_picture, sources
+from symolo.core.arrays import Array
 from symolo.core.lens import NO_DISTORTION
 
 _STEEPEST = 1e-3

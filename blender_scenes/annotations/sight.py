@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.scene.description import Mesh
-from sensors.camera.geometry import Array
+from symolo.core.arrays import Array
 
 _MARGIN = 1e-6
 """Share of the way before the point that does not count: there begins the body that the point is a corner of."""

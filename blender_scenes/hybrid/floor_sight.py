@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.scene.description import FrameView, Intrinsics
-from sensors.camera.geometry import Array, pose_X_WR
+from sensors.camera.geometry import pose_X_WR
 from sensors.camera.shutter import MOMENTS
+from symolo.core.arrays import Array
 
 Image = NDArray[np.float32]
 _MOST_BYTES = 128 * 2**20

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.scene.description import FrameView, Intrinsics, Mesh, Moment
-from sensors.camera.geometry import Array, pose_X_WR
+from sensors.camera.geometry import pose_X_WR
+from symolo.core.arrays import Array
 
 _BEYOND_PX = 2.0
 """The picture's borders, by which its filter sees a little."""

@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from blender_scenes.lighting.base import Lights
 from blender_scenes.lighting.ceiling_lamps import hood
@@ -14,8 +13,7 @@ from blender_scenes.scene.solids import joined, lathe, moved, posed, rod
 from configs.schema.lighting import DeskLampsLook
 from configs.schema.look import LookConfig
 from sensors.camera.colour import light_rgb, scaled
-
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 _BULB_M = 0.07
 _NECK_M, _RIM_M, _HOOD_M = 0.052, 0.085, 0.11

@@ -1,13 +1,11 @@
 """Lamps on alternating current: how much of their mean light a frame catches."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from blender_scenes.scene.shading import RGB
 from configs.schema.lighting import FlickerLook
+from symolo.core.arrays import Array
 from symolo.core.random_streams import stream
-
-Array = NDArray[np.float64]
 
 
 def caught(flicker: FlickerLook, t_s: Array, exposure_s: float, phase_rad: float) -> Array:

@@ -5,10 +5,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.preview.triangles import Array
 from blender_scenes.scene.shading import Mix, Picture, Surface, Texture
 from blender_scenes.scene.typical import typical_color
 from configs.assets.pictures import LINEAR
+from symolo.core.arrays import Array
 
 Pixels = Callable[[str], NDArray[np.uint8]]
 """(H, W, 3) sRGB of the picture with that SHA-256."""

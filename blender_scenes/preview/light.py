@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.lighting.panoramas import mean_of_sky
-from blender_scenes.preview.triangles import Array, Triangles
+from blender_scenes.preview.triangles import Triangles
 from blender_scenes.scene.description import Panel, Sky, Sun
 from sensors.camera.colour import LUMINANCE
+from symolo.core.arrays import Array
 
 Floats = NDArray[np.float32]
 """Single precision halves the time."""

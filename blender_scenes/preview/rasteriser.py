@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.preview.triangles import Array, Triangles
+from blender_scenes.preview.triangles import Triangles
 from blender_scenes.scene.description import Intrinsics
+from symolo.core.arrays import Array
 
 NEAR_M = 0.001
 """Nothing closer along the axis is seen, as with Blender's camera."""

@@ -10,7 +10,7 @@ from blender_scenes.preview.albedo import albedo
 from blender_scenes.preview.light import from_all_around, from_panels, from_sun, of_the_sky
 from blender_scenes.preview.rasteriser import Ints, Seen, rasterise
 from blender_scenes.preview.sun_shadow import SunShadow
-from blender_scenes.preview.triangles import Array, Triangles
+from blender_scenes.preview.triangles import Triangles
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.own_files import read_own_file
 from blender_scenes.scene.description import FrameView, Intrinsics
@@ -20,6 +20,7 @@ from sensors.camera.geometry import pose_X_WR
 from sensors.camera.lens_warp import pinhole_picture, through_lens
 from sensors.camera.metering import metered_views, metering_camera
 from sensors.camera.response import Image, develop, median_luminance
+from symolo.core.arrays import Array
 
 
 class FlatRenderer:

@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.preview.rasteriser import rasterise
-from blender_scenes.preview.triangles import Array, Triangles
+from blender_scenes.preview.triangles import Triangles
 from blender_scenes.scene.description import Intrinsics, Sun
 from sensors.camera.geometry import project
+from symolo.core.arrays import Array
 
 _SIDE_PX = 512
 _AWAY = 1000.0

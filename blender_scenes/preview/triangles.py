@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.scene.description import Mesh
-
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from blender_scenes.scene.description import Mesh, Point2
-from blender_scenes.scene.meshes import Array
+from symolo.core.arrays import Array
 
 BEVEL_M = 0.0008
 

@@ -8,13 +8,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from blender_scenes.scene.description import Mesh, Point2
 from physics.arena.geometry import Arc, Line, Straight
+from symolo.core.arrays import Array
 from symolo.core.random_streams import stream
-
-Array = NDArray[np.float64]
 
 _ABOVE_THE_LAST_M = 2e-6
 _LIFTED_BORDER_M = 0.003

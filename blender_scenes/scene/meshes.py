@@ -3,12 +3,10 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from blender_scenes.scene.description import Mesh, Point2, Point3
 from physics.arena.geometry import Box
-
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 SIDES = ("back", "right", "front", "left", "bottom", "top")
 """Faces of a box: -x', -y', +x', +y', -z', +z' in its own axes."""

@@ -7,11 +7,9 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from blender_scenes.scene.description import Mesh, PlanarPose, Point2, Point3
-
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 
 def joined(name: str, parts: Iterable[Mesh]) -> Mesh:

@@ -3,10 +3,10 @@
 import numpy as np
 
 from configs.arena_generation.rejection import BEYOND_THE_FLOOR, Rejected
-from configs.arena_generation.track import Array
 from configs.schema.arena import Wall
 from configs.schema.arena_generator import ArenaGenerator
 from configs.schema.surface import SurfaceName
+from symolo.core.arrays import Array
 
 LEAST_WALL_M = 0.20
 """A shorter side is left to another attempt."""

@@ -5,8 +5,9 @@ import math
 import numpy as np
 
 from configs.arena_generation.rejection import Rejected
-from configs.arena_generation.track import Array, Pose, Segment, Track
+from configs.arena_generation.track import Pose, Segment, Track
 from configs.schema.arena_generator import ArenaGenerator
+from symolo.core.arrays import Array
 
 START_BEHIND_M, START_AHEAD_M = 0.20, 0.45
 """Lengths of straight line behind and ahead of the start; `physics.run.lap` closes a lap on the second one."""

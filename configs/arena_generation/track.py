@@ -6,11 +6,10 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from configs.schema.arena import ArcPiece, LinePiece, StraightPiece
+from symolo.core.arrays import Array
 
-Array = NDArray[np.float64]
 Pose = tuple[float, float, float]
 """x [m], y [m], yaw [rad] in W."""
 

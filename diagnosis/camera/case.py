@@ -11,7 +11,6 @@ from physics.arena.geometry import Arena
 from physics.robot.path import RobotPath
 from sensors.camera.response import CameraResponse
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Ints = NDArray[np.int64]
 Picture = NDArray[np.uint8]

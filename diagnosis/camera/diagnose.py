@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.camera.case import Array, Mask, Picture, PictureCase
+from diagnosis.camera.case import Mask, Picture, PictureCase
 from diagnosis.camera.deviation import found_value
 from diagnosis.camera.features.edge_points import EdgeProfiles, edges, profiles
 from diagnosis.camera.features.levels import LevelModel
@@ -25,6 +25,7 @@ from diagnosis.camera.gain import PictureGain, picture_gain
 from diagnosis.camera.geometry import EdgeModel, measure
 from diagnosis.camera.residual_structure import Remains, remains
 from diagnosis.camera.views import View
+from symolo.core.arrays import Array
 
 MOST_PATCHES = 1500
 MOST_EDGES = 400

@@ -15,11 +15,12 @@ from typing import Protocol
 
 import numpy as np
 
-from diagnosis.camera.case import Array, Ints, Mask
+from diagnosis.camera.case import Ints, Mask
 from diagnosis.camera.parameter import Number
 from diagnosis.inference.likelihood import CORNER, robust_weight
 from diagnosis.inference.rivals import AS_GOOD
 from diagnosis.inference.selection import MOST, THRESHOLD
+from symolo.core.arrays import Array
 
 LOOSE = 30.0
 """Tolerances of the prior of what is freed, so that a direction that nothing measures does not run away."""

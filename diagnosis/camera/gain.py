@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.camera.case import Array, Mask
+from diagnosis.camera.case import Mask
 from diagnosis.camera.fit import Model
+from symolo.core.arrays import Array
 from symolo.core.random_streams import stream
 
 KEPT = 0.97

@@ -10,12 +10,13 @@ from functools import cached_property
 
 import numpy as np
 
-from diagnosis.camera.case import Array, Ints, Mask, PictureCase
+from diagnosis.camera.case import Ints, Mask, PictureCase
 from diagnosis.camera.features.edge_points import edges
 from diagnosis.camera.features.line_points import Sighting, edge_candidates, sighted
 from diagnosis.camera.fit import fitted
 from diagnosis.camera.parameter import Number
 from diagnosis.camera.views import GEOMETRY, EdgePoints, View
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 
 REACHES = (0.1, 0.05, 0.03, 0.02)

@@ -3,10 +3,10 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from diagnosis.camera.case import Array
 from diagnosis.camera.diagnose import PictureDiagnosis
 from diagnosis.camera.features.line_points import edge_candidates
 from diagnosis.camera.views import EdgePoints, View
+from symolo.core.arrays import Array
 from symolo.pages.plotting import BLUE, GREY, VERMILION, finished, png
 
 FRAMES = 3

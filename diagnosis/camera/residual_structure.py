@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import fdtrc
 
-from diagnosis.camera.case import Array
 from diagnosis.camera.fit import Fit, Model, without_own
+from symolo.core.arrays import Array
 
 LEVEL = 0.001
 LEAST_SHARE = 0.08

@@ -10,9 +10,10 @@ import numpy as np
 
 from blender_scenes.scene.description import Intrinsics
 from configs.schema.robot import Camera
-from diagnosis.camera.case import Array, Ints, PictureCase
+from diagnosis.camera.case import Ints, PictureCase
 from diagnosis.camera.parameter import Number
 from sensors.camera.geometry import intrinsics, pixels, pose_X_RC, pose_X_WR
+from symolo.core.arrays import Array
 from symolo.core.lens import distorted
 
 RATE_OVER_S = 0.01

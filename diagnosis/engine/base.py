@@ -11,8 +11,7 @@ from configs.schema.robot import RobotConfig
 from physics.robot.body_inertia import BodyOnWheels
 from physics.robot.model import RobotModel
 from physics.twin import KinematicTwin
-
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 LEAST_SHARE = 0.05
 """Of a motor's inertia and friction, that is left to it when those of a body are taken out."""

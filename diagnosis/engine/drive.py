@@ -14,7 +14,6 @@ import numpy as np
 from configs.schema.robot import RobotConfig
 from diagnosis.engine.base import Driven, Driver, without_body
 from diagnosis.importers.drive_log import ROW_S
-from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.predictors.base import Observed, Predicted
@@ -27,6 +26,7 @@ from physics.effects.base import Slot, effects
 from physics.robot.model import through
 from physics.robot.stack import stacked_terms
 from sensors.effects import SENSOR_TERMS
+from symolo.core.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,11 @@ from diagnosis.engine.drive import Drive, DrivenPath
 from diagnosis.engine.motor import MotorOnBench
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.gain import Gain, gain_of, of_quantity, trimmed_rms
-from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Kind, Measurement
 from diagnosis.predictors import STAGES
 from diagnosis.predictors.base import Stage
 from diagnosis.predictors.drive_log import VOLTAGES
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 
 

@@ -10,7 +10,6 @@ import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.engine.base import less
-from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Kind, Measurement
 from diagnosis.measured.nominal import NominalStep
 from diagnosis.predictors.base import Observed, Predicted
@@ -19,6 +18,7 @@ from diagnosis.predictors.motor_steady import MotorSteady
 from diagnosis.predictors.motor_step import MotorStep
 from diagnosis.predictors.rows import joined
 from sensors.instruments import read_current_A, read_settled_speed_rad_s, read_speed_rad_s
+from symolo.core.arrays import Array
 
 SETTLING = 12.0
 """Time constants in which a motor settles, to 6e-6 of its speed."""

@@ -7,10 +7,10 @@ import numpy as np
 from diagnosis.importers.case import case_importer, scale_note
 from diagnosis.importers.motor_step import check_rate
 from diagnosis.importers.trials import KnownNoise
-from diagnosis.measured.channel import Array
 from diagnosis.measured.csv_table import Table
 from diagnosis.measured.measurement import Kind, Measurement, Trial
 from diagnosis.measured.nominal import Nominal, NominalDrive
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 
 ROW_S = 0.05

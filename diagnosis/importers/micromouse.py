@@ -14,7 +14,7 @@ import numpy as np
 
 from diagnosis.importers.base import Importer, first_line
 from diagnosis.importers.order import check_increasing
-from diagnosis.measured.channel import Array, Channel, Mask, Role
+from diagnosis.measured.channel import Channel, Mask, Role
 from diagnosis.measured.csv_table import Column, Table, check_header, table_of
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.nominal import KnownMotor, Nominal, NominalMotor, PositiveSpread, Spread
@@ -22,6 +22,7 @@ from diagnosis.measured.scale import Reach
 from diagnosis.measured.text_file import read_text
 from diagnosis.usual_tolerances import SHARES
 from physics.run.trajectory import TimeSeries
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 
 FULL_COMMAND = 255.0

@@ -3,9 +3,9 @@
 import numpy as np
 
 from diagnosis.importers.case import scale_note
-from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import KnownWheels, Nominal, NominalTof
+from symolo.core.arrays import Array
 
 CLEAR_OF_STALL = 3.0
 """Voltage in breakaway voltages, from which on friction takes little off the speed."""

@@ -8,11 +8,12 @@ import numpy as np
 
 from configs.schema.arena import SurfaceName
 from diagnosis.importers.base import Importer
-from diagnosis.measured.channel import Array, Channel, Label, Role
+from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.motor_identification import TABLE_1
 from diagnosis.validation.range_sensor.paper import TABLE_3, TABLE_4, Printed
 from physics.run.trajectory import TimeSeries
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 
 BOARD_M = 0.1

@@ -8,10 +8,11 @@ import numpy as np
 
 from diagnosis.importers.order import check_from_rest, check_increasing, check_session
 from diagnosis.measured.case_format import CAMERA_CHANNELS, NO_TARGET_FROM_M, RANGES
-from diagnosis.measured.channel import Array, Channel, Label, Mask
+from diagnosis.measured.channel import Channel, Label, Mask
 from diagnosis.measured.csv_table import Column, Table
 from diagnosis.measured.measurement import Trial
 from physics.run.trajectory import TimeSeries
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 
 

@@ -5,10 +5,11 @@ from pathlib import Path
 import numpy as np
 
 from diagnosis.importers.base import Importer, first_line, only_log
-from diagnosis.measured.channel import Array, Channel, Role
+from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.validation.range_sensor.recordings.scan import COLUMNS, read_scan
 from physics.run.trajectory import TimeSeries
+from symolo.core.arrays import Array
 
 
 def _is_log(path: Path) -> bool:

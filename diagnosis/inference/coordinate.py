@@ -11,7 +11,7 @@ from math import exp, log
 import numpy as np
 
 from configs.schema.effects.parameter import Parameter
-from diagnosis.measured.channel import Array
+from symolo.core.arrays import Array
 
 STEP = 1e-3
 """Of a derivative, in coordinates: small beside what a fit resolves, large beside rounding."""

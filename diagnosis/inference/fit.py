@@ -17,7 +17,7 @@ from diagnosis.inference.coordinate import STEP
 from diagnosis.inference.evidence.evidence import Evidence, Prediction
 from diagnosis.inference.hypothesis import Effect, Hypothesis
 from diagnosis.inference.likelihood import SPREAD, cost, residuals, robust_weight
-from diagnosis.measured.channel import Array
+from symolo.core.arrays import Array
 
 DAMPINGS = ((0.0, 1.0), (0.0, 0.4), (0.0, 0.1), (0.03, 1.0), (1.0, 1.0))
 """Of the diagonal, and the share of the step that is taken: the full step first, parts of it for bent valleys, and

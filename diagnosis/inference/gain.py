@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.measured.channel import Array
+from symolo.core.arrays import Array
 
 KEPT = 0.97
 TRIALS = 5

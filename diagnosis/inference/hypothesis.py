@@ -16,9 +16,9 @@ import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.coordinate import Coordinate
-from diagnosis.measured.channel import Array
 from diagnosis.nuisances import Nuisance
 from physics.effects.base import Term
+from symolo.core.arrays import Array
 
 RELATIVE = 3.0
 """Tolerances from which a value is positive by nature."""

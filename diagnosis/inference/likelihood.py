@@ -14,7 +14,8 @@ import numpy as np
 from scipy.integrate import quad
 
 from diagnosis.inference.evidence.evidence import Evidence, Prediction
-from diagnosis.measured.channel import Array, Mask
+from diagnosis.measured.channel import Mask
+from symolo.core.arrays import Array
 
 CORNER = 3.0
 """Sigmas at which a sample counts half; costs a twentieth of the information of normal noise."""

@@ -17,7 +17,7 @@ from diagnosis.inference.coordinate import Coordinate
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import Fit, fits
 from diagnosis.inference.likelihood import CORNER, mean_over_normal
-from diagnosis.measured.channel import Array
+from symolo.core.arrays import Array
 
 LEVELS = (0.68, 0.95)
 ROUNDS = 4

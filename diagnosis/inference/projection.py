@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from diagnosis.measured.channel import Array
+from symolo.core.arrays import Array
 
 NOTHING = 1e-10
 """Share of a column's square that lies beyond a span, up to which it is rounding's."""

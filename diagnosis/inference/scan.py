@@ -18,7 +18,7 @@ from diagnosis.inference.fit import Fit
 from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
 from diagnosis.inference.likelihood import costs_of_residuals, robust_weight, sample_costs
 from diagnosis.inference.projection import orthonormal
-from diagnosis.measured.channel import Array
+from symolo.core.arrays import Array
 
 SIZES = (1.0, 0.25, -0.25, -1.0)
 """Of the start value's distance from the null value; those beyond a bound are left out."""

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physics.run.trajectory import TimeSeries
+from symolo.core.arrays import Array
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 

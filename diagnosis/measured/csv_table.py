@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.measured.channel import Array, Role
+from diagnosis.measured.channel import Role
 from diagnosis.measured.scale import Reach, beyond_scale, likely_unit
 from diagnosis.measured.text_file import TextFile, number, read_text
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
 
 

@@ -6,8 +6,9 @@ from enum import StrEnum
 
 import numpy as np
 
-from diagnosis.measured.channel import Array, Channel, Label, Mask
+from diagnosis.measured.channel import Channel, Label, Mask
 from diagnosis.measured.nominal import Nominal
+from symolo.core.arrays import Array
 
 
 class Kind(StrEnum):

@@ -27,7 +27,8 @@ from statistics import NormalDist
 
 import numpy as np
 
-from diagnosis.measured.channel import Array, Mask
+from diagnosis.measured.channel import Mask
+from symolo.core.arrays import Array
 
 KEPT = 0.8
 """Share of the squares that a trimmed variance keeps."""

@@ -4,15 +4,13 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from configs.schema.base import FromList, Section
 from configs.validation import validated
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
 from symolo.core.yaml_reader import read_yaml
-
-Array = NDArray[np.float64]
 
 Positive = Annotated[float, Field(gt=0, le=1e6)]
 NotNegative = Annotated[float, Field(ge=0, le=1e6)]

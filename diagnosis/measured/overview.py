@@ -4,10 +4,11 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from diagnosis.measured.channel import Array, Channel, Mask, Quality, Role
+from diagnosis.measured.channel import Channel, Mask, Quality, Role
 from diagnosis.measured.measurement import Kind, Measurement, Trial
 from diagnosis.measured.noise import noise_of_repeats
 from diagnosis.measured.screening import far_out, noise_of, resolution, spikes, timing, usable
+from symolo.core.arrays import Array
 
 SAME_TEMPERATURE_K = 3.0
 NOT_NOTED = -1e9

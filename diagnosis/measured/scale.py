@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.measured.channel import Array
+from symolo.core.arrays import Array
 
 _OTHER_UNITS = {
     "m": (("mm", 1e3), ("cm", 1e2)),

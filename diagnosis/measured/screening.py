@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.measured.channel import Array, Channel, Mask
+from diagnosis.measured.channel import Channel, Mask
 from diagnosis.measured.noise import Noise, noise_of_differences, trimmed_variance
+from symolo.core.arrays import Array
 
 GAP = 1.5
 """Steps of time longer than so many usual ones are gaps."""

@@ -6,10 +6,10 @@ import numpy as np
 import yaml
 
 from diagnosis.measured.case_format import COLUMNS, DATA, HOLDOUT
-from diagnosis.measured.channel import Array
 from diagnosis.measured.csv_table import AnyColumn, Column
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.measured.nominal import NOMINAL, KnownMotor, KnownWheels
+from symolo.core.arrays import Array
 from symolo.core.atomic_files import make_folder, write_file
 
 MOST_DECIMALS = 12

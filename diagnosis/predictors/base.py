@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.channel import Array, Mask
+from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
+from symolo.core.arrays import Array
 
 ROW_TIME = "t_s"
 """Name of the covariate that is the time of a row: rows of a trial follow one another in it."""

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.measured.screening import GAP, usual
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 
 OFF_GRID = 0.25

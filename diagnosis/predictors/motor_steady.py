@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.predictors.base import Covariate, Observed, Predicted, Shape, Stage
 from diagnosis.predictors.rows import joined, observed_channel
@@ -13,6 +12,7 @@ from physics.drivetrain.motor_bench import steady_states
 from physics.robot.model import RobotModel
 from physics.robot.stack import alike, stacked, stacked_terms
 from sensors.instruments import read_current_A, read_settled_speed_rad_s
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 
 NEAR_BREAKAWAY = 2.2

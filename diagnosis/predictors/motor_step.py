@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalStep
 from diagnosis.predictors.base import Covariate, Observed, Predicted, Shape, Stage
@@ -16,6 +15,7 @@ from physics.drivetrain.motor_bench import step_responses
 from physics.robot.model import RobotModel
 from physics.robot.stack import alike, stacked, stacked_terms
 from sensors.instruments import read_current_A, read_speed_rad_s
+from symolo.core.arrays import Array
 
 
 class MotorStep:

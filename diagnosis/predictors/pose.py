@@ -13,7 +13,7 @@ from math import pi
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.channel import Array, Mask
+from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import KnownWheels, NominalDrive
 from diagnosis.measured.screening import noise_of
@@ -26,6 +26,7 @@ from physics.effects.base import Slot, effects
 from physics.robot.model import RobotModel, through
 from physics.robot.stack import alike, stacked, stacked_terms
 from sensors.effects import SENSOR_TERMS
+from symolo.core.arrays import Array
 
 WINDOW, STRIDE = 10, 5
 SHARE_NO_POSE = WINDOW // STRIDE + 1

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.channel import Array, Mask
+from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.predictors.base import Covariate, Observed, Predicted, Shape
@@ -19,6 +19,7 @@ from physics.robot.stack import alike, stacked, stacked_terms
 from sensors.effects import SENSOR_TERMS
 from sensors.range_effects import RangeEffects
 from sensors.range_view import RangeView
+from symolo.core.arrays import Array
 
 SENSORS = ("front", "left", "right")
 PARTS = ("tof",)

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.measured.channel import Array, Mask
+from diagnosis.measured.channel import Mask
 from diagnosis.measured.nominal import Room
+from symolo.core.arrays import Array
 
 WALLS = ("x = 0", "x = room_x_m", "y = 0", "y = room_y_m")
 PARALLEL = 1e-12

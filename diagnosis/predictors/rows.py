@@ -6,10 +6,11 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.measured.channel import Array, Channel, Mask
+from diagnosis.measured.channel import Channel, Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.screening import noise_of
 from diagnosis.predictors.base import Covariate, Observed
+from symolo.core.arrays import Array
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 

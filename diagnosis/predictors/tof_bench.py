@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.measured.nominal import NominalTof
 from diagnosis.predictors.base import Covariate, Observed, Predicted, Shape, Stage
@@ -18,6 +17,7 @@ from physics.robot.stack import alike, stacked, stacked_terms
 from sensors.range_effects import RangeEffects
 from sensors.range_view import RangeView
 from sensors.tof import NOISE_AT_NEAR_MM, noise_sd_m
+from symolo.core.arrays import Array
 
 UNKNOWN_REFLECTANCE = 1.0
 """Of a material that the case has no reflectance of."""

@@ -7,7 +7,6 @@ import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.importers.drive_log import ROW_S
-from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.predictors.base import Covariate, Observed, Predicted, Shape
@@ -18,6 +17,7 @@ from physics.drivetrain.wheel_turns import NO_LOAD, WheelLoad, counted_turns
 from physics.effects.base import Slot
 from physics.robot.model import RobotModel
 from physics.robot.stack import alike, stacked
+from symolo.core.arrays import Array
 
 SIDES = ("left", "right")
 PARTS = ("motor", "power", "encoder")

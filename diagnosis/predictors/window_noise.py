@@ -10,8 +10,9 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.measured.channel import Array, Mask
+from diagnosis.measured.channel import Mask
 from diagnosis.measured.noise import FEWEST, trimmed_variance
+from symolo.core.arrays import Array
 
 
 def window_noise(left: Array, trial: NDArray[np.int64], rows: Mask, apart: int) -> float | None:

@@ -16,11 +16,11 @@ from diagnosis.inference.gain import Gain, gain, of_quantity
 from diagnosis.inference.hypothesis import moved
 from diagnosis.inference.profile import Interval, profiles
 from diagnosis.inference.unexplained.adequacy import LEVEL, Structure, adequacy
-from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Measurement
 from diagnosis.report.bench_rows import on_rows
 from diagnosis.report.run_ends import run_ends
 from diagnosis.report.signatures import Signatures, signatures
+from symolo.core.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from diagnosis.inference.fit import Fit
 from diagnosis.inference.hypothesis import Effect
 from diagnosis.inference.likelihood import SPREAD
 from diagnosis.inference.selection import needed
-from diagnosis.measured.channel import Array
+from symolo.core.arrays import Array
 
 ALIKE = 0.98
 """Cosine from which two changes are one and the same."""

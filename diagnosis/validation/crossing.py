@@ -1,9 +1,8 @@
 """Where a curve first comes to a level, by which rises and edges are measured."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 
 def first_reached(x: Array, y: Array, level: float) -> float:

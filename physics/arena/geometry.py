@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from configs.footprints import Rectangle, obstacle_footprint, wall_footprint
 from configs.schema.arena import ArcPiece, ArenaConfig, Obstacle, StraightPiece, SurfaceName, Wall
 from physics.arena.obstacle_motion import ObstacleMotion
+from symolo.core.arrays import Array
 
-Array = NDArray[np.float64]
 Kind = Literal["wall", "obstacle"]
 
 

@@ -5,12 +5,11 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from configs.footprints import stations as stations_of
 from configs.schema.arena import Obstacle
+from symolo.core.arrays import Array
 
-Array = NDArray[np.float64]
 Pose = tuple[float, float, float]
 
 

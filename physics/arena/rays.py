@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physics.arena.geometry import Arena
-
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 PARALLEL = 1e-30
 """Added to every direction [m], so that a ray along a face divides by something; lost in all others."""

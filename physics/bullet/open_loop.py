@@ -9,9 +9,8 @@ from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates
 from physics.arena.geometry import Arena, Line
 from physics.bullet.simulation import BulletSimulation
+from symolo.core.arrays import Array
 from symolo.core.finite import require_finite
-
-Array = NDArray[np.float64]
 
 PHYSICS_HZ = 1000.0
 """That of the shipped scenarios, at about which rows of any length are cut into steps."""

@@ -6,8 +6,9 @@ import numpy as np
 import pybullet
 
 from physics.arena.geometry import Arena
-from physics.arena.rays import Array, Hits
+from physics.arena.rays import Hits
 from physics.bullet.world import add_arena, connect
+from symolo.core.arrays import Array
 
 BATCH = 10_000
 """Rays at a time; the engine takes 16,384 at most and says nothing of the rest."""

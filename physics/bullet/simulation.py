@@ -18,13 +18,14 @@ import pybullet
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates
 from physics.arena.geometry import Arena
-from physics.arena.rays import Array, Hits, RayScene
+from physics.arena.rays import Hits, RayScene
 from physics.bullet.body import add_robot
 from physics.bullet.moving_boxes import MovingBoxes
 from physics.bullet.wheels_with_effects import WheelsWithTerms, needs_every_step
 from physics.bullet.world import add_arena, connect
 from physics.drivetrain.wheel_loop import WheelSpeedLoop, voltage_limit_V
 from physics.robot.model import RobotModel
+from symolo.core.arrays import Array
 
 LIFT_M = 0.1
 REACTION_PERIOD_S = 0.002

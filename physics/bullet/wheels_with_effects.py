@@ -9,13 +9,11 @@ from math import cos, sin
 
 import numpy as np
 import pybullet
-from numpy.typing import NDArray
 
 from physics.drivetrain.driveline import Driveline
 from physics.effects.base import Slot
 from physics.robot.model import RobotModel, through
-
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 REST_RAD_S = 1e-4
 """Below it a wheel counts as at rest; the solver's own rest is 5e-9 rad/s."""

@@ -3,13 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from configs.schema.robot import Avoidance, CurvePath
 from physics.control.base import Side, sign_of
-
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 FINE = 8
 """How many times finer a spline is evaluated than it is stored."""

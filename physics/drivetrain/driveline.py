@@ -9,15 +9,13 @@ have no effect.
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from physics.drivetrain.bridge import Bridge
 from physics.drivetrain.motion import Motion
 from physics.drivetrain.motor import MotorModel
 from physics.effects.base import Slot
 from physics.robot.model import RobotModel, through
-
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 _GAUSS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
 NODES, WEIGHTS = (0.5 * (1.0 + _GAUSS)).tolist(), (0.5 * _GAUSS_WEIGHTS).tolist()

@@ -1,9 +1,8 @@
 """First-order lag, exact for an input that is held or changes along a straight line."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 NO_TIME_S = 1e-300
 """Stands for a time constant of 0, after which nothing is left in any time."""

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physics.drivetrain.driveline import Driveline
-
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 LAST_S = 5e-4
 """End of a row over which its last voltage is a mean."""

@@ -14,9 +14,8 @@ from physics.drivetrain.held_rows import held_rows
 from physics.drivetrain.shaft import shaft_of
 from physics.drivetrain.two_mass import TwoMass
 from physics.robot.model import RobotModel
+from symolo.core.arrays import Array
 from symolo.core.finite import require_finite
-
-Array = NDArray[np.float64]
 
 SETTLED = 1e-11
 """Of the highest speed, to which a steady speed is found."""

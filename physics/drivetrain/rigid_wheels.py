@@ -8,13 +8,11 @@ differ by more than the tolerance, the stretch is taken in quarters; at null val
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.held_rows import HeldPart
 from physics.drivetrain.motor_arrays import HeldDrive, share_behind
-
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 TOLERANCE_RAD_S = 0.02
 TOLERANCE = 2e-3

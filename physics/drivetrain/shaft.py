@@ -4,7 +4,6 @@ from math import ceil
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.held_rows import HeldPart
@@ -12,8 +11,7 @@ from physics.drivetrain.rigid_wheels import RigidWheels
 from physics.drivetrain.two_mass import Load, TwoMass
 from physics.effects.base import Slot
 from physics.robot.model import RobotModel
-
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 LONGEST_S, SHARE = 5e-3, 0.25
 """Longest step with play, in which the sides meet or part at most once; also in time constants of the motor side.

@@ -3,11 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from physics.drivetrain.motor_arrays import HeldDrive
-
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 LEAST_DAMPING_N_M_S_RAD = 1e-12
 """Stands for none."""

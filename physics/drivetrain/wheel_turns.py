@@ -7,7 +7,6 @@ found with the whole robot. `physics.twin` has wheels that feel each other throu
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.held_rows import held_rows
@@ -15,9 +14,8 @@ from physics.drivetrain.rigid_wheels import RigidWheels
 from physics.effects.base import Slot
 from physics.robot.body_inertia import BodyOnWheels
 from physics.robot.model import RobotModel, through
+from symolo.core.arrays import Array
 from symolo.core.finite import require_finite
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

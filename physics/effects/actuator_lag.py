@@ -2,8 +2,8 @@
 
 from configs.schema.effects.motor import ActuatorLag
 from physics.drivetrain.first_order import relaxed
-from physics.drivetrain.motion import Array
 from physics.effects.base import Slot, Term
+from symolo.core.arrays import Array
 
 
 def lagged(values: ActuatorLag, held_V: Array, wanted_V: Array, duration_s: float) -> Array:

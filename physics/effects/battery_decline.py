@@ -3,8 +3,8 @@
 import numpy as np
 
 from configs.schema.effects.drive import BatteryDecline
-from physics.drivetrain.motion import Array
 from physics.effects.base import Slot, Term
+from symolo.core.arrays import Array
 
 
 def declined(values: BatteryDecline, voltage_V: Array, time_s: float | Array) -> Array:

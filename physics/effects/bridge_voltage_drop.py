@@ -3,8 +3,8 @@
 import numpy as np
 
 from configs.schema.effects.motor import BridgeVoltageDrop
-from physics.drivetrain.motion import Array
 from physics.effects.base import Slot, Term
+from symolo.core.arrays import Array
 
 
 def dropped(values: BridgeVoltageDrop, emf_V: Array) -> Array:

@@ -3,8 +3,8 @@
 import numpy as np
 
 from configs.schema.effects.motor import CurrentLimit
-from physics.drivetrain.motion import Array
 from physics.effects.base import Slot, Term
+from symolo.core.arrays import Array
 
 
 def limited(values: CurrentLimit, current_A: Array) -> Array:

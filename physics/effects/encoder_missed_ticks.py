@@ -3,8 +3,8 @@
 import numpy as np
 
 from configs.schema.effects.drive import EncoderMissedTicks
-from physics.drivetrain.motion import Array
 from physics.effects.base import Slot, Term
+from symolo.core.arrays import Array
 
 SIDES = np.array(["right", "left"])
 EDGE_RAD_S = 0.3

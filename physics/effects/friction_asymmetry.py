@@ -1,8 +1,9 @@
 """Friction that is not the same forward and in reverse."""
 
 from configs.schema.effects.motor import FrictionAsymmetry
-from physics.drivetrain.motion import Array, Motion
+from physics.drivetrain.motion import Motion
 from physics.effects.base import Slot, Term
+from symolo.core.arrays import Array
 
 
 def one_sided(values: FrictionAsymmetry, friction_N_m: Array, motion: Motion) -> Array:

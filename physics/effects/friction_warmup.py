@@ -3,8 +3,9 @@
 import numpy as np
 
 from configs.schema.effects.motor import FrictionWarmup
-from physics.drivetrain.motion import Array, Motion
+from physics.drivetrain.motion import Motion
 from physics.effects.base import Slot, Term
+from symolo.core.arrays import Array
 
 
 def warming(values: FrictionWarmup, friction_N_m: Array, motion: Motion) -> Array:

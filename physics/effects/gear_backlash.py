@@ -3,9 +3,9 @@
 import numpy as np
 
 from configs.schema.effects.motor import GearBacklash
-from physics.drivetrain.motion import Array
 from physics.drivetrain.two_mass import Load, TwoMass
 from physics.effects.base import Slot, Term
+from symolo.core.arrays import Array
 
 
 def played(values: GearBacklash, state: TwoMass, motor: Load, load: Load, duration_s: float | Array) -> TwoMass:

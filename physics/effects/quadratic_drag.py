@@ -1,8 +1,9 @@
 """Drag that grows with the square of the speed."""
 
 from configs.schema.effects.motor import QuadraticDrag
-from physics.drivetrain.motion import Array, Motion
+from physics.drivetrain.motion import Motion
 from physics.effects.base import Slot, Term
+from symolo.core.arrays import Array
 
 
 def raised(values: QuadraticDrag, friction_N_m: Array, motion: Motion) -> Array:

@@ -3,8 +3,9 @@
 import numpy as np
 
 from configs.schema.effects.motor import StribeckFriction
-from physics.drivetrain.motion import Array, Motion
+from physics.drivetrain.motion import Motion
 from physics.effects.base import Slot, Term
+from symolo.core.arrays import Array
 
 
 def raised(values: StribeckFriction, friction_N_m: Array, motion: Motion) -> Array:

@@ -4,8 +4,8 @@ import numpy as np
 
 from configs.schema.effects.motor import SupplySag
 from physics.drivetrain.bridge import Bridge
-from physics.drivetrain.motion import Array
 from physics.effects.base import Slot, Term
+from symolo.core.arrays import Array
 
 NEWTON_STEPS = 5
 """The loss is convex in itself and straight between the kinks where a current begins, ends or turns: two of each of two

@@ -3,8 +3,8 @@
 import numpy as np
 
 from configs.schema.effects.drive import TurnSlip
-from physics.drivetrain.motion import Array
 from physics.effects.base import Slot, Term
+from symolo.core.arrays import Array
 
 
 def slipped(values: TurnSlip, share: Array, speed_m_s: Array, yaw_rate_rad_s: Array) -> Array:

@@ -8,11 +8,9 @@ from functools import cached_property
 from typing import Any, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
 from physics.robot.model import RobotModel
-
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 GRAVITY_M_S2 = 9.81
 CREEP_M_S = 1e-3

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.baselines.given import Given, Pictures
-from symolo.dataset.rows import Floats, Ints
+from symolo.core.arrays import Array
+from symolo.dataset.rows import Ints
 
 
 @dataclass(frozen=True)
@@ -15,9 +16,9 @@ class Estimate:
 
     rows: Ints
     """(M,), the rows of data.csv at which it tells one."""
-    pose: Floats
+    pose: Array
     """(M, 3), x [m], y [m], yaw [rad] in W."""
-    covariance: Floats
+    covariance: Array
     """(M, 3, 3), of the pose, in W."""
 
     def __post_init__(self) -> None:
@@ -30,7 +31,7 @@ class Lesson:
     """Pictures of another run with their true poses, to learn from."""
 
     pictures: Pictures
-    pose: Floats
+    pose: Array
     """(M, 3), x [m], y [m], yaw [rad] in W at each picture."""
 
 

@@ -8,10 +8,10 @@ from pipeline.baselines.base import Estimate, Lesson, Method
 from pipeline.baselines.errors import Errors, errors_of
 from pipeline.baselines.given import Given
 from pipeline.baselines.runs import LoggedRun
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
 from symolo.core.progress import Report
 from symolo.core.random_streams import stream
-from symolo.dataset.rows import Floats
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Compared:
     """By name of run and method."""
     left_out: Mapping[str, str]
     """Methods that could not be used on any run, and why."""
-    start_sd: Floats
+    start_sd: Array
     """(3,), x [m], y [m], yaw [rad]: how well the robot is put down."""
     seed: int
 
@@ -62,7 +62,7 @@ def compare(
     runs: Sequence[LoggedRun],
     everything: Sequence[LoggedRun],
     *,
-    start_sd: Floats,
+    start_sd: Array,
     seed: int,
     report: Report,
 ) -> Compared:

@@ -16,7 +16,7 @@ from pipeline.baselines.given import Given
 from pipeline.baselines.motion import STATES, Motion, begun, slip_sd_m, ways
 from pipeline.baselines.range_model import GAIN_SD, LASTING_SD_M, RangeModel, white_sd_m
 from sensors.tof import log_error_m
-from symolo.dataset.rows import Floats
+from symolo.core.arrays import Array
 
 RAYS = 30
 GAIN, OFFSET = STATES, STATES + 3
@@ -32,9 +32,7 @@ WIDTH = 3.0
 """Squared, in standard deviations: that of a Gaussian's differences (Norgaard and others, as below)."""
 
 
-def updated(
-    state: Floats, covariance: Floats, row: Floats, innovation: float, variance: float
-) -> tuple[Floats, Floats]:
+def updated(state: Array, covariance: Array, row: Array, innovation: float, variance: float) -> tuple[Array, Array]:
     """A Kalman update by one scalar reading.
 
     Args:
@@ -62,7 +60,7 @@ class _Filter:
         self.covariance[:STATES, :STATES] = covariance
         self._speed = np.zeros(3)
 
-    def predict(self, ways_m: Floats, duration_s: float) -> None:
+    def predict(self, ways_m: Array, duration_s: float) -> None:
         kept = exp(-duration_s / LASTING_S)
         by_state, by_ways = np.diag([1.0] * OFFSET + [kept] * 3), np.zeros((ALL, 2))
         by_state[:STATES, :STATES], by_ways[:STATES] = self._motion.jacobians(self.state[:STATES], ways_m)
@@ -75,7 +73,7 @@ class _Filter:
         self.state[:STATES] = moved
         self.state[OFFSET:] *= kept
 
-    def correct(self, ranges_m: Floats) -> None:
+    def correct(self, ranges_m: Array) -> None:
         """By readings (3,), nan where there is none."""
         if np.isnan(ranges_m).all():
             return
@@ -93,7 +91,7 @@ class _Filter:
             if innovation**2 <= GATE * float(row @ self.covariance @ row + variance):
                 self.state, self.covariance = updated(self.state, self.covariance, row, innovation, variance)
 
-    def _expected(self, at: Floats) -> tuple[Floats, Floats, Floats]:
+    def _expected(self, at: Array) -> tuple[Array, Array, Array]:
         """Mean ranges (3,), their slopes (3, 3) by x, y, yaw, and deviations (3,) by which no straight line says them.
 
         By differences as wide as the pose is uncertain (the filter DD2 of Norgaard, Poulsen and Ravn, "New developments

@@ -12,7 +12,8 @@ import numpy as np
 from scipy.stats import chi2
 
 from pipeline.baselines.base import Estimate
-from symolo.dataset.rows import Floats, Ints, wrapped
+from symolo.core.arrays import Array
+from symolo.dataset.rows import Ints, wrapped
 
 OVER_S = 1.0
 OVER_M = 1.0
@@ -45,7 +46,7 @@ class Errors:
     """Share of the poses whose truth lies in the method's own 95 % region."""
 
 
-def errors_of(estimate: Estimate, t_s: Floats, truth: Floats) -> Errors:
+def errors_of(estimate: Estimate, t_s: Array, truth: Array) -> Errors:
     """Of an estimate against the true poses (N, 3) of all rows at the times (N,)."""
     true, told = truth[estimate.rows], estimate.pose
     off_m, off_rad = off(estimate, truth)
@@ -65,20 +66,20 @@ def errors_of(estimate: Estimate, t_s: Floats, truth: Floats) -> Errors:
     )
 
 
-def off(estimate: Estimate, truth: Floats) -> tuple[Floats, Floats]:
+def off(estimate: Estimate, truth: Array) -> tuple[Array, Array]:
     """Distance from the true place [m] and angle from the true heading [rad], (M,) each."""
     difference = estimate.pose - truth[estimate.rows]
     return np.hypot(*difference[:, :2].T), np.abs(wrapped(difference[:, 2]))
 
 
-def nees(estimate: Estimate, truth: Floats) -> Floats:
+def nees(estimate: Estimate, truth: Array) -> Array:
     """Normalised estimation error squared of each pose, (M,): chi-square with 3 degrees of freedom if honest."""
     error = estimate.pose - truth[estimate.rows]
     error[:, 2] = wrapped(error[:, 2])
     return np.einsum("ij,ij->i", error, np.linalg.solve(estimate.covariance, error[..., None])[..., 0])
 
 
-def pairs_by_time(t_s: Floats, apart_s: float) -> Ints:
+def pairs_by_time(t_s: Array, apart_s: float) -> Ints:
     """(K, 2), every pair of indices whose times (M,) are so far apart, to half a millisecond."""
     later = np.searchsorted(t_s, t_s + apart_s - 5e-4)
     first = np.flatnonzero(later < len(t_s))
@@ -87,7 +88,7 @@ def pairs_by_time(t_s: Floats, apart_s: float) -> Ints:
     return np.column_stack((first[exact], later[exact]))
 
 
-def pairs_by_distance(pose: Floats, apart_m: float) -> Ints:
+def pairs_by_distance(pose: Array, apart_m: float) -> Ints:
     """(K, 2), from each pose (M, 3) to the one after it that is next to so far along the path, to a tenth of that."""
     way_m = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(pose[:, :2], axis=0).T))])
     after = np.searchsorted(way_m, way_m + apart_m)
@@ -100,7 +101,7 @@ def pairs_by_distance(pose: Floats, apart_m: float) -> Ints:
     return np.column_stack((first[near], later[near]))
 
 
-def _relative(true: Floats, told: Floats, pairs: Ints) -> tuple[float | None, float | None]:
+def _relative(true: Array, told: Array, pairs: Ints) -> tuple[float | None, float | None]:
     """RPE of place [m] and heading [rad] over the pairs."""
     if not len(pairs):
         return None, None
@@ -110,12 +111,12 @@ def _relative(true: Floats, told: Floats, pairs: Ints) -> tuple[float | None, fl
     return _rms(np.hypot(*(believed - moved)[:, :2].T)), _rms(wrapped((believed - moved)[:, 2]))
 
 
-def _seen_from(here: Floats, there: Floats) -> Floats:
+def _seen_from(here: Array, there: Array) -> Array:
     """(K, 3), the poses `there` in the frames of the poses `here`."""
     x, y, yaw = (there - here).T
     c, s = np.cos(here[:, 2]), np.sin(here[:, 2])
     return np.stack([c * x + s * y, c * y - s * x, yaw], axis=1)
 
 
-def _rms(values: Floats) -> float:
+def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))

@@ -18,7 +18,8 @@ from physics.arena.geometry import Arena
 from sensors.line_sensor import channel_weights
 from sensors.odometry import Odometry
 from sensors.tof import TofStatus
-from symolo.dataset.rows import Floats, Ints, Rows
+from symolo.core.arrays import Array
+from symolo.dataset.rows import Ints, Rows
 from symolo.dataset.side_tables import TOF, WHEELS
 
 Pixels = NDArray[np.uint8]
@@ -34,7 +35,7 @@ class LineRow:
     """Where the channels of the line sensor are, and how wide each of them looks."""
 
     x_m: float
-    y_m: Floats
+    y_m: Array
     """(8,), from the robot's right to its left."""
     spot_sd_m: float
 
@@ -74,13 +75,13 @@ class Drawing:
 class Start:
     """Where the robot believes that it was put down."""
 
-    pose: Floats
+    pose: Array
     """(3,), x [m], y [m], yaw [rad] in W."""
-    sd: Floats
+    sd: Array
     """(3,), by how much each may be wrong."""
 
     @classmethod
-    def drawn(cls, truth: Floats, sd: Floats, rng: np.random.Generator) -> "Start":
+    def drawn(cls, truth: Array, sd: Array, rng: np.random.Generator) -> "Start":
         """The true start (3,), off by a normal deviate of the deviations (3,)."""
         return cls(truth + sd * rng.standard_normal(3), sd)
 
@@ -95,7 +96,7 @@ class Pictures:
     """(H, W, 3), uint8 RGB, of the i-th."""
 
     @cached_property
-    def thumbnails(self) -> Floats:
+    def thumbnails(self) -> Array:
         """(M, 24, 32), grey from 0 to 1: each a mean over the pixels that it stands for."""
         import cv2  # noqa: PLC0415 - half a second, and only what learns looks at pictures
 
@@ -111,11 +112,11 @@ class Pictures:
 class Given:
     """The log of one run as its robot has it; N rows."""
 
-    t_s: Floats
+    t_s: Array
     """(N,)."""
     counts: Ints
     """(N, 2), of the encoders since the start, right and left."""
-    ranges_m: Floats
+    ranges_m: Array
     """(N, 3), front, left, right; nan where there was no target."""
     fresh: NDArray[np.bool_]
     """(N, 3), whether a range is a new reading or the one before, held."""
@@ -129,7 +130,7 @@ class Given:
 
     @classmethod
     def of(
-        cls, spec: RunSpec, rows: Rows, *, wheels: Floats, tof: Floats, start: Start, pictures: Pictures | None
+        cls, spec: RunSpec, rows: Rows, *, wheels: Array, tof: Array, start: Start, pictures: Pictures | None
     ) -> "Given":
         """From the tables data.csv, side/wheels.csv and side/tof.csv, whose true columns are not looked at."""
         status = tof[:, TOF.header.index("status_f") :][:, :3]

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from pipeline.baselines.given import MAP_SD_M, Given
 from sensors.line_sensor import tape_share
-from symolo.dataset.rows import Floats
+from symolo.core.arrays import Array
 
 WRONG = 0.02
 """Of readings that no place explains: a joint of the tape, a stain, a threshold near its limit."""
@@ -17,7 +17,7 @@ class LineModel:
         self._line = given.map.line
         self._blur_m = float(np.hypot(self._row.spot_sd_m, MAP_SD_M))
 
-    def log_likelihood(self, poses: Floats, on_line: NDArray[np.bool_]) -> Floats:
+    def log_likelihood(self, poses: Array, on_line: NDArray[np.bool_]) -> Array:
         """(P,), of readings (8,) at the poses (P, 3)."""
         c, s = np.cos(poses[:, 2:]), np.sin(poses[:, 2:])
         x = poses[:, :1] + c * self._row.x_m - s * self._row.y_m

@@ -13,7 +13,7 @@ import numpy as np
 from diagnosis.usual_tolerances import PAIR_SHARE, TRACK_SHARE, WHEEL_SHARE
 from pipeline.baselines.given import Given, Start
 from sensors.odometry import Odometry
-from symolo.dataset.rows import Floats
+from symolo.core.arrays import Array
 
 STATES = 6
 SHARES_SD = np.array([WHEEL_SHARE, PAIR_SHARE, TRACK_SHARE])
@@ -30,7 +30,7 @@ class Motion:
 
     odometry: Odometry
 
-    def moved(self, state: Floats, ways_m: Floats) -> Floats:
+    def moved(self, state: Array, ways_m: Array) -> Array:
         """The states (..., 6) after the wheels have rolled the ways (..., 2) by the drawing, right and left.
 
         The mid-point rule of `sensors.odometry`, with the wheels and track of each state.
@@ -46,7 +46,7 @@ class Motion:
         moved[..., 2] += turn
         return moved
 
-    def jacobians(self, state: Floats, ways_m: Floats) -> tuple[Floats, Floats]:
+    def jacobians(self, state: Array, ways_m: Array) -> tuple[Array, Array]:
         """Of `moved` by one state, (6, 6), and by the ways, (6, 2), in closed form."""
         radius, pair, track = state[3:]
         wide = self.odometry.track_m * (1.0 + track)
@@ -56,7 +56,7 @@ class Motion:
         middle = state[2] + 0.5 * turn
         ahead, across = np.array([np.cos(middle), np.sin(middle)]), np.array([-np.sin(middle), np.cos(middle)])
 
-        def column(d_right: float, d_left: float, d_turn: float) -> Floats:
+        def column(d_right: float, d_left: float, d_turn: float) -> Array:
             """What a change of the rolled ways and, beside it, of the turn does to the pose."""
             d_forward, d_turn = 0.5 * (d_right + d_left), d_turn + (d_right - d_left) / wide
             return np.array([*(d_forward * ahead + 0.5 * forward * d_turn * across), d_turn])
@@ -71,16 +71,16 @@ class Motion:
         return by_state, by_ways
 
 
-def ways(given: Given) -> Iterator[Floats]:
+def ways(given: Given) -> Iterator[Array]:
     """How far each wheel rolled since the row before, (2,) [m], right and left, by drawing and encoder."""
     yield from given.steps * given.drawing.odometry.metres_per_count
 
 
-def slip_sd_m(ways_m: Floats) -> Floats:
+def slip_sd_m(ways_m: Array) -> Array:
     """Of the ways of the wheels, of the same shape."""
     return SLIP_M_SQRT_M * np.sqrt(np.abs(ways_m))
 
 
-def begun(start: Start) -> tuple[Floats, Floats]:
+def begun(start: Start) -> tuple[Array, Array]:
     """The state (6,) at the start and its covariance (6, 6): as drawn, but for the usual tolerances."""
     return np.concatenate([start.pose, np.zeros(3)]), np.diag(np.concatenate([start.sd, SHARES_SD]) ** 2)

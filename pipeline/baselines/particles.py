@@ -19,7 +19,8 @@ from pipeline.baselines.given import Given
 from pipeline.baselines.line_model import LineModel
 from pipeline.baselines.motion import Motion, begun, slip_sd_m, ways
 from pipeline.baselines.range_model import RangeModel, lasting_sd_m, white_sd_m
-from symolo.dataset.rows import Floats, Ints, wrapped
+from symolo.core.arrays import Array
+from symolo.dataset.rows import Ints, wrapped
 
 PARTICLES = 300
 RAYS = 6
@@ -35,7 +36,7 @@ LEAST_SD = np.array([1e-4, 1e-4, 1e-4])
 """Of the covariance told, x [m], y [m], yaw [rad]: particles at one place do not make a robot that is sure."""
 
 
-def resampled(weight: Floats, offset: float) -> Ints:
+def resampled(weight: Array, offset: float) -> Ints:
     """Which particles go on: each in the mean as often as its weight (N,) says, times N (low variance sampling).
 
     Args:
@@ -46,7 +47,7 @@ def resampled(weight: Floats, offset: float) -> Ints:
     return np.minimum(np.searchsorted(np.cumsum(weight), comb, side="right"), len(weight) - 1)
 
 
-def scattered(particles: Floats, rng: np.random.Generator) -> Floats:
+def scattered(particles: Array, rng: np.random.Generator) -> Array:
     """The particles (N, D) drawn to their mean and scattered, so that mean and covariance stay what they were."""
     mean = particles.mean(axis=0)
     from_mean = particles - mean
@@ -68,14 +69,14 @@ class _Filter:
         self._duration_s = 0.0
         self._seen_from = self.particles[:, :3]
 
-    def predict(self, ways_m: Floats, duration_s: float) -> None:
+    def predict(self, ways_m: Array, duration_s: float) -> None:
         noise = slip_sd_m(ways_m) * self._rng.standard_normal((PARTICLES, 2))
         before, self.particles = self.particles, self._motion.moved(self.particles, ways_m + noise)
         self._duration_s = duration_s
         earlier = self._ranges.age_s / duration_s if duration_s > 0.0 else 0.0
         self._seen_from = (self.particles - earlier * (self.particles - before))[:, :3]
 
-    def weigh(self, ranges_m: Floats, fresh: np.ndarray, on_line: np.ndarray) -> None:
+    def weigh(self, ranges_m: Array, fresh: np.ndarray, on_line: np.ndarray) -> None:
         log = self._line.log_likelihood(self.particles[:, :3], on_line)
         if fresh.any():
             log += (self._range_log_likelihood(ranges_m) * fresh).sum(axis=1)
@@ -86,7 +87,7 @@ class _Filter:
             self.particles = scattered(self.particles[resampled(weight, self._rng.random())], self._rng)
             self.log_weight = np.full(PARTICLES, -np.log(PARTICLES))
 
-    def _range_log_likelihood(self, ranges_m: Floats) -> Floats:
+    def _range_log_likelihood(self, ranges_m: Array) -> Array:
         """(P, 3), of readings (3,)."""
         expected_m = self._ranges.expected(self._seen_from)
         target = ~np.isnan(expected_m)
@@ -100,7 +101,7 @@ class _Filter:
         of_none = np.where(read, STRAY * stray, 1.0 - STRAY)
         return np.log(np.where(target, of_target, of_none))
 
-    def told(self) -> tuple[Floats, Floats]:
+    def told(self) -> tuple[Array, Array]:
         """Mean pose (3,) and covariance (3, 3)."""
         weight = np.exp(self.log_weight - logsumexp(self.log_weight))
         x, y, yaw = self.particles[:, :3].T

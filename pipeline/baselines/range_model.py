@@ -8,7 +8,7 @@ import numpy as np
 from physics.arena.rays import RayScene
 from pipeline.baselines.given import MAP_SD_M, Given
 from sensors.tof import NOISE_AT_NEAR_MM, log_error_m, noise_sd_m, ray_directions, ray_pattern
-from symolo.dataset.rows import Floats
+from symolo.core.arrays import Array
 
 BEAM_SD_SHARE = 0.28
 """Of the field of view: the beam falls to about a fifth at its edge."""
@@ -42,7 +42,7 @@ class RangeModel:
         """Of a reading in the mean: it is taken at some time in the device's period before the row."""
         self.age_sd_s = drawing.range_period_s / np.sqrt(12.0)
 
-    def expected(self, poses: Floats) -> Floats:
+    def expected(self, poses: Array) -> Array:
         """Readings (P, 3) at the poses (P, 3) by the map; nan where no target is expected."""
         reach_m = REACH * self._longest_m
         turned = _turned(self._directions_R, poses)
@@ -60,17 +60,17 @@ class RangeModel:
         return np.where(seen, range_m, np.nan)
 
 
-def white_sd_m(range_m: Floats | float) -> Floats:
+def white_sd_m(range_m: Array | float) -> Array:
     """Of what is new in every reading: Eq. 23."""
     return noise_sd_m(np.array(1e-3 * NOISE_AT_NEAR_MM), np.asarray(range_m))
 
 
-def lasting_sd_m(range_m: Floats) -> Floats:
+def lasting_sd_m(range_m: Array) -> Array:
     """Of what stays while the robot looks at the same wall: its material, and the accuracy of the device."""
     return np.hypot(LASTING_SD_M, GAIN_SD * log_error_m(range_m))
 
 
-def _turned(vectors_R: Floats, poses: Floats) -> Floats:
+def _turned(vectors_R: Array, poses: Array) -> Array:
     """(P, K, 3), vectors of R (K, 3) along the axes of W, for poses (P, 3)."""
     c, s = np.cos(poses[:, 2:]), np.sin(poses[:, 2:])
     x, y, z = vectors_R.T

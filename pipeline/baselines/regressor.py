@@ -18,8 +18,9 @@ from scipy.optimize import root_scalar
 from pipeline.baselines.base import Estimate, Lesson, Method
 from pipeline.baselines.errors import nees, off
 from pipeline.baselines.given import Given
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError
-from symolo.dataset.rows import Floats, Ints, wrapped
+from symolo.dataset.rows import Ints, wrapped
 
 CELL_PX = 4
 DIRECTIONS = 6
@@ -35,7 +36,7 @@ LEAST_SD = np.array([0.01, 0.01, 0.02])
 """Of the covariance told: neighbouring pictures are 3 cm apart."""
 
 
-def edge_directions(grey: Floats) -> Floats:
+def edge_directions(grey: Array) -> Array:
     """Features (M, F) of pictures (M, h, w): root of the share of each direction in each cell."""
     down, right = np.gradient(grey, axis=(1, 2))
     strength = np.hypot(right, down)
@@ -63,7 +64,7 @@ class _Regressor:
         self._all = _weighted(np.zeros((1, len(self._pose))), self._pose, 1.0)[1][0]
         self._width, self._share = self._judged(_folds([len(lesson.pose) for lesson in lessons]))
 
-    def tell(self, grey: Floats) -> tuple[Floats, Floats]:
+    def tell(self, grey: Array) -> tuple[Array, Array]:
         """Poses (M, 3) and covariances (M, 3, 3) of pictures (M, h, w)."""
         asked = (edge_directions(grey) - self._mean) @ self._to_components
         pose, covariance = _weighted(_distances(asked, self._taught), self._pose, self._width)
@@ -97,7 +98,7 @@ class _Regressor:
         return float(root_scalar(too_sure, bracket=(0.0, 1.0), xtol=1e-3).root) if too_sure(0.0) > 0.0 else 0.0
 
 
-def _weighted(distances: Floats, taught: Floats, width: float) -> tuple[Floats, Floats]:
+def _weighted(distances: Array, taught: Array, width: float) -> tuple[Array, Array]:
     """Mean poses (M, 3) and covariances (M, 3, 3) of taught poses (T, 3), by squared distances (M, T)."""
     nearest = distances.min(axis=1, keepdims=True)
     weight = np.exp(-0.5 * (distances / np.maximum(nearest, 1e-12) - 1.0) / width**2)
@@ -110,7 +111,7 @@ def _weighted(distances: Floats, taught: Floats, width: float) -> tuple[Floats, 
     return pose, covariance + np.diag(LEAST_SD**2)
 
 
-def _distances(asked: Floats, taught: Floats) -> Floats:
+def _distances(asked: Array, taught: Array) -> Array:
     """(M, T), squared."""
     squares = (asked**2).sum(axis=1)[:, None] - 2.0 * asked @ taught.T + (taught**2).sum(axis=1)
     return np.maximum(squares, 0.0)

@@ -15,10 +15,11 @@ from pipeline.baselines.base import Lesson
 from pipeline.baselines.given import Given, Pictures, Start
 from pipeline.run_folder.workspace import STAGES
 from pipeline.stages.simulate_runs import TRAJECTORY, read_recording
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.dataset.layout import SPEC
 from symolo.dataset.metadata import METADATA
-from symolo.dataset.rows import HEADER, Floats, Rows, parse_table
+from symolo.dataset.rows import HEADER, Rows, parse_table
 from symolo.dataset.side_tables import TOF, WHEELS, tof_csv, wheels_csv
 from symolo.exporters.export import open_release
 from symolo.reader.run import Run
@@ -29,9 +30,9 @@ class LoggedRun:
     name: str
     spec: RunSpec
     rows: Rows
-    wheels: Floats
+    wheels: Array
     """side/wheels.csv."""
-    tof: Floats
+    tof: Array
     """side/tof.csv."""
     pictures: Pictures | None
     """None of a run that has not been rendered."""
@@ -45,11 +46,11 @@ class LoggedRun:
         return cls(name, spec, Rows.from_table(rows), wheels, tof, None)
 
     @property
-    def truth(self) -> Floats:
+    def truth(self) -> Array:
         """(N, 3), x [m], y [m], yaw [rad] in W."""
         return self.rows.pose
 
-    def given(self, start_sd: Floats, rng: np.random.Generator) -> Given:
+    def given(self, start_sd: Array, rng: np.random.Generator) -> Given:
         """What its robot knows, put down with the deviations (3,) from where it believes to be."""
         start = Start.drawn(self.truth[0], start_sd, rng)
         return Given.of(self.spec, self.rows, wheels=self.wheels, tof=self.tof, start=start, pictures=self.pictures)

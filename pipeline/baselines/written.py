@@ -11,11 +11,12 @@ from pipeline.baselines.compare import Compared
 from pipeline.baselines.errors import OVER_M, OVER_S, SHARE
 from pipeline.baselines.figure import figure
 from pipeline.baselines.runs import LoggedRun
+from symolo.core.arrays import Array
 from symolo.core.atomic_files import make_folder, write_file
 from symolo.core.file_hashes import canonical_json
 from symolo.core.new_folder import new_folder
 from symolo.core.versions import versions
-from symolo.dataset.rows import Floats, csv_bytes, heading
+from symolo.dataset.rows import csv_bytes, heading
 
 TABLE, NUMBERS, FIGURE, ESTIMATES = "baselines.md", "baselines.json", "baselines.png", "estimates"
 
@@ -118,5 +119,5 @@ def estimate_csv(run: LoggedRun, estimate: Estimate) -> bytes:
     """Time [ms], x, y [m], theta [rad], and the covariance's upper triangle."""
     yaw = heading(estimate.pose[:, 2], _ESTIMATE_DECIMALS[3])
     covariance = [estimate.covariance[:, i, j] for i, j in _COVARIANCE]
-    columns: list[Floats] = [run.rows.t_ms[estimate.rows].astype(float), *estimate.pose[:, :2].T, yaw, *covariance]
+    columns: list[Array] = [run.rows.t_ms[estimate.rows].astype(float), *estimate.pose[:, :2].T, yaw, *covariance]
     return csv_bytes(_ESTIMATE_HEADER, _ESTIMATE_DECIMALS, np.column_stack(columns))

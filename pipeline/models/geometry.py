@@ -4,13 +4,12 @@ from dataclasses import dataclass
 from math import atan2, hypot
 
 import numpy as np
-from numpy.typing import NDArray
 
 from blender_scenes.scene.description import Mesh
 from blender_scenes.scene.shading import RGB
 from physics.robot.links import BoxShape, SphereShape, Vector
+from symolo.core.arrays import Array
 
-Array = NDArray[np.float64]
 _POLE = 1e-9
 """Cosine of the pitch below which roll and yaw turn about the same axis."""
 

@@ -8,8 +8,9 @@ import numpy as np
 from blender_scenes.scene.run_scene import floor_bounds
 from configs.schema.look import LookConfig
 from physics.arena.geometry import Arena
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError
-from symolo.dataset.rows import Floats, Rows
+from symolo.dataset.rows import Rows
 
 Where = Callable[[int], str]
 """Names the place of a row."""
@@ -65,7 +66,7 @@ def check_on_the_floor(rows: Rows, arena: Arena, look: LookConfig, at: Where) ->
     )
 
 
-def _chords(place: Floats) -> np.ndarray:
+def _chords(place: Array) -> np.ndarray:
     """Rows (M,), each the first that is a chord away from the one before."""
     found, (last_x, last_y) = [0], place[0].tolist()
     for row, (x, y) in enumerate(place.tolist()):
@@ -75,7 +76,7 @@ def _chords(place: Floats) -> np.ndarray:
     return np.array(found)
 
 
-def _off_the_way(place: Floats, yaw_rad: Floats) -> float:
+def _off_the_way(place: Array, yaw_rad: Array) -> float:
     """Median angle between chord and heading, the mean of those at its ends; the same forwards and backwards."""
     way = np.diff(place, axis=0)
     twice = 2 * (np.arctan2(way[:, 1], way[:, 0])[:, None] - np.stack([yaw_rad[:-1], yaw_rad[1:]], axis=1))

@@ -5,13 +5,11 @@ Frames: W the world, R the robot (middle of the axle, x forward, y left, z up), 
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from blender_scenes.scene.description import Intrinsics
 from configs.schema.robot import Camera
+from symolo.core.arrays import Array
 from symolo.core.lens import NO_DISTORTION, coefficients, distorted, undistorted
-
-Array = NDArray[np.float64]
 
 
 def intrinsics(camera: Camera, width_px: int, height_px: int) -> Intrinsics:

@@ -8,8 +8,9 @@ import numpy as np
 from blender_scenes.scene.description import FrameView, Intrinsics, Matrix4, Moment, PlanarPose, Shutter
 from physics.arena.geometry import Arena
 from physics.robot.path import RobotPath
-from sensors.camera.geometry import Array, pose_X_WR
+from sensors.camera.geometry import pose_X_WR
 from sensors.camera.lens_warp import pinhole_picture
+from symolo.core.arrays import Array
 
 MOMENTS = 5
 """Between two of them everything moves straight and turns evenly: on an arc of 0.2 rad off by 0.1 % of its length."""

@@ -2,8 +2,8 @@
 
 from configs.schema.effects.range_bench import CoverCrosstalk
 from physics.effects.base import Slot, Term
-from sensors.base import Array
 from sensors.range_view import RangeView
+from symolo.core.arrays import Array
 
 
 def pulled(values: CoverCrosstalk, reading_m: Array, view: RangeView) -> Array:

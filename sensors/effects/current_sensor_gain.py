@@ -2,7 +2,7 @@
 
 from configs.schema.effects.motor import CurrentSensorGain
 from physics.effects.base import Slot, Term
-from sensors.base import Array
+from symolo.core.arrays import Array
 
 
 def amplified(values: CurrentSensorGain, current_A: Array) -> Array:

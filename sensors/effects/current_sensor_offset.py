@@ -2,7 +2,7 @@
 
 from configs.schema.effects.motor import CurrentSensorOffset
 from physics.effects.base import Slot, Term
-from sensors.base import Array
+from symolo.core.arrays import Array
 
 
 def shifted(values: CurrentSensorOffset, current_A: Array) -> Array:

@@ -4,8 +4,8 @@ import numpy as np
 
 from configs.schema.effects.range_bench import IncidenceBias
 from physics.effects.base import Slot, Term
-from sensors.base import Array
 from sensors.range_view import RangeView
+from symolo.core.arrays import Array
 
 
 def tilted(values: IncidenceBias, reading_m: Array, view: RangeView) -> Array:

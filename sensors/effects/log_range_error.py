@@ -2,9 +2,9 @@
 
 from configs.schema.effects.range_bench import LogRangeError
 from physics.effects.base import Slot, Term
-from sensors.base import Array
 from sensors.range_log import log_beyond_near
 from sensors.range_view import RangeView
+from symolo.core.arrays import Array
 
 
 def bent(values: LogRangeError, reading_m: Array, view: RangeView) -> Array:

@@ -4,7 +4,7 @@ import numpy as np
 
 from configs.schema.effects.drive import MarkerOffset
 from physics.effects.base import Slot, Term
-from sensors.base import Array
+from symolo.core.arrays import Array
 
 
 def ahead(values: MarkerOffset, pose: Array) -> Array:

@@ -2,8 +2,8 @@
 
 from configs.schema.effects.range_bench import RangeOffset
 from physics.effects.base import Slot, Term
-from sensors.base import Array
 from sensors.range_view import RangeView
+from symolo.core.arrays import Array
 
 
 def shifted(values: RangeOffset, reading_m: Array, _view: RangeView) -> Array:

@@ -4,7 +4,7 @@ import numpy as np
 
 from configs.schema.effects.range_bench import RangeSaturation
 from physics.effects.base import Slot, Term
-from sensors.base import Array
+from symolo.core.arrays import Array
 
 
 def saturated(values: RangeSaturation, reading_m: Array) -> Array:

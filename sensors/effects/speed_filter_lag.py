@@ -3,7 +3,7 @@
 from configs.schema.effects.motor import SpeedFilterLag
 from physics.drivetrain.first_order import followed
 from physics.effects.base import Slot, Term
-from sensors.base import Array
+from symolo.core.arrays import Array
 
 
 def filtered(

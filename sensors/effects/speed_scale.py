@@ -2,7 +2,7 @@
 
 from configs.schema.effects.motor import SpeedScale
 from physics.effects.base import Slot, Term
-from sensors.base import Array
+from symolo.core.arrays import Array
 
 
 def scaled(values: SpeedScale, speed_rad_s: Array) -> Array:

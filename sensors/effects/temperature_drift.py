@@ -2,8 +2,8 @@
 
 from configs.schema.effects.range_bench import TemperatureDrift
 from physics.effects.base import Slot, Term
-from sensors.base import Array
 from sensors.range_view import RangeView
+from symolo.core.arrays import Array
 
 
 def drifted(values: TemperatureDrift, reading_m: Array, view: RangeView) -> Array:

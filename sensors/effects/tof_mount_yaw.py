@@ -4,8 +4,8 @@ import numpy as np
 
 from configs.schema.effects.drive import TofMountYaw
 from physics.effects.base import Slot, Term
-from sensors.base import Array
 from sensors.range_view import RANGE_SENSORS
+from symolo.core.arrays import Array
 
 
 def turned(values: TofMountYaw, yaw_rad: Array) -> Array:

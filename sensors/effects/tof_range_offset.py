@@ -4,8 +4,8 @@ import numpy as np
 
 from configs.schema.effects.drive import TofRangeOffset
 from physics.effects.base import Slot, Term
-from sensors.base import Array
 from sensors.range_view import RANGE_SENSORS, RangeView
+from symolo.core.arrays import Array
 
 
 def shifted(values: TofRangeOffset, reading_m: Array, _view: RangeView) -> Array:

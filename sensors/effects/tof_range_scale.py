@@ -2,8 +2,8 @@
 
 from configs.schema.effects.drive import TofRangeScale
 from physics.effects.base import Slot, Term
-from sensors.base import Array
 from sensors.range_view import RangeView
+from symolo.core.arrays import Array
 
 
 def scaled(values: TofRangeScale, reading_m: Array, _view: RangeView) -> Array:

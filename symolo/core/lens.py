@@ -5,11 +5,9 @@ OpenCV's "Camera Calibration and 3D Reconstruction"; its denominators and thin p
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from configs.schema.robot import Camera
-
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 Coefficients = tuple[float, float, float, float, float]
 """k1, k2, p1, p2, k3: OpenCV's order, which ROS calls `plumb_bob`."""

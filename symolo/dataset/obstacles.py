@@ -6,7 +6,8 @@ import numpy as np
 
 from physics.arena.geometry import Arena
 from physics.run.trajectory import Recording, TimeSeries
-from symolo.dataset.rows import Floats, Rows, heading, wrapped
+from symolo.core.arrays import Array
+from symolo.dataset.rows import Rows, heading, wrapped
 from symolo.dataset.side_tables import SideColumn, SideTable
 
 SERIES = "obstacle_{name}"
@@ -14,7 +15,7 @@ TOLERANCE = 1e-6
 """Of a table's digits against the path, twice the rounding [m, rad]."""
 
 
-def obstacle_series(arena: Arena, t_s: Floats) -> tuple[TimeSeries, ...]:
+def obstacle_series(arena: Arena, t_s: Array) -> tuple[TimeSeries, ...]:
     """One for each obstacle that moves, (N, 3), x [m], y [m], yaw [rad] of its middle in W at the times (N,)."""
     return tuple(TimeSeries(SERIES.format(name=box.name), "m, m, rad", t_s, box.poses_at(t_s)) for box in arena.moving)
 
@@ -38,7 +39,7 @@ def obstacles_csv(table: SideTable, arena: Arena, recording: Recording) -> bytes
     return table.to_csv(np.column_stack((np.rint(recording.trajectory.t_s * 1000), *rounded)))
 
 
-def off_the_path(arena: Arena, table: Floats, rows: Rows, row_hz: int) -> Iterator[tuple[str, list[int]]]:
+def off_the_path(arena: Arena, table: Array, rows: Rows, row_hz: int) -> Iterator[tuple[str, list[int]]]:
     """Name of each obstacle whose poses in the table are not those of its path, and in which rows."""
     t_s = np.arange(len(rows.t_ms)) / row_hz
     for number, box in enumerate(arena.moving):

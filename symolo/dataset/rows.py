@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from physics.control.base import State
 from physics.run.trajectory import Recording
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Numbers = NDArray[np.float64 | np.int64]
 
@@ -55,15 +55,15 @@ class Rows:
 
     t_ms: Ints
     """(N,), [ms], strictly increasing."""
-    pose: Floats
+    pose: Array
     """(N, 3), x [m], y [m], theta [rad] in W."""
     state: Ints
     """(N,)."""
-    twist: Floats
+    twist: Array
     """(N, 2), v [m/s], w [rad/s]."""
-    tof_m: Floats
+    tof_m: Array
     """(N, 3), front, left, right [m]."""
-    line: Floats
+    line: Array
     """(N, 8), reflectance."""
     image: Ints
     """(N,), image number, 0 for none."""
@@ -85,7 +85,7 @@ class Rows:
         return cls.from_table(table)
 
     @classmethod
-    def from_table(cls, table: Floats) -> "Rows":
+    def from_table(cls, table: Array) -> "Rows":
         """From the columns of data.csv, (N, 19)."""
         return cls(
             t_ms=np.rint(table[:, 0]).astype(np.int64),
@@ -97,12 +97,12 @@ class Rows:
             image=table[:, 18].astype(np.int64),
         )
 
-    def table(self) -> Floats:
+    def table(self) -> Array:
         """(N, 19), the columns of data.csv."""
         columns = (self.t_ms, self.pose, self.state, self.twist, self.tof_m, self.line, self.image)
         return np.column_stack([column.astype(np.float64) for column in columns])
 
-    def at(self, row: int) -> Floats:
+    def at(self, row: int) -> Array:
         """(19,), one row of `table`."""
         one = (self.pose, self.twist, self.tof_m, self.line)
         pose, twist, tof_m, line = (series[row] for series in one)
@@ -112,12 +112,12 @@ class Rows:
         return csv_bytes(HEADER, [column.decimals for column in COLUMNS], self.table())
 
 
-def wrapped(yaw_rad: Floats) -> Floats:
+def wrapped(yaw_rad: Array) -> Array:
     """The same directions in (-pi, pi]."""
     return -((-yaw_rad + math.pi) % (2 * math.pi) - math.pi)
 
 
-def heading(yaw_rad: Floats, decimals: int) -> Floats:
+def heading(yaw_rad: Array, decimals: int) -> Array:
     """The same directions to so many decimals; half a turn is positive, also where only rounding makes it one."""
     half_turn = round(math.pi, decimals)
     rounded = np.array([round(yaw, decimals) for yaw in wrapped(yaw_rad).tolist()])
@@ -167,7 +167,7 @@ def read_rows(path: Path) -> Rows:
     return Rows.from_table(table)
 
 
-def parse_table(data: bytes, header: Sequence[str], separator: str = ",") -> tuple[Floats, list[Fault]]:
+def parse_table(data: bytes, header: Sequence[str], separator: str = ",") -> tuple[Array, list[Fault]]:
     """The numbers of a table with exactly this header, (N, columns), and every fault of its form."""
     try:
         text = data.decode("utf-8-sig")
@@ -240,5 +240,5 @@ def _header_fault(got: Sequence[str], header: Sequence[str]) -> str:
     return f"columns in another order or twice; expected {expected}"
 
 
-def _empty(header: Sequence[str]) -> Floats:
+def _empty(header: Sequence[str]) -> Array:
     return np.empty((0, len(header)))

@@ -6,8 +6,9 @@ from typing import TypeVar
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError
-from symolo.dataset.rows import Floats, Rows, parse_table
+from symolo.dataset.rows import Rows, parse_table
 from symolo.dataset.side_tables import CAMERA, SideTable
 
 Record = TypeVar("Record", bound=BaseModel)
@@ -27,7 +28,7 @@ def read_record(path: Path, kind: type[Record]) -> Record:
         raise ValueError(": ".join(filter(None, (".".join(map(str, first["loc"])), first["msg"])))) from None
 
 
-def read_side(path: Path, table: SideTable, rows: Rows) -> Floats:
+def read_side(path: Path, table: SideTable, rows: Rows) -> Array:
     """The numbers of a side table, (rows or images, columns), at the rows of data.csv or, of the camera, its images.
 
     Raises:

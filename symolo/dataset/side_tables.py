@@ -7,7 +7,8 @@ import numpy as np
 from hil.tally import COLUMNS as BOARD_COLUMNS
 from physics.run.trajectory import Recording
 from sensors.tof import TofStatus
-from symolo.dataset.rows import Floats, Numbers, Rows, csv_bytes, heading
+from symolo.core.arrays import Array
+from symolo.dataset.rows import Numbers, Rows, csv_bytes, heading
 
 
 @dataclass(frozen=True)
@@ -107,5 +108,5 @@ def tof_csv(recording: Recording) -> bytes:
     return TOF.to_csv(np.column_stack((_t_ms(recording), recording["tof_status"].values)))
 
 
-def _t_ms(recording: Recording) -> Floats:
+def _t_ms(recording: Recording) -> Array:
     return np.rint(recording.trajectory.t_s * 1000)

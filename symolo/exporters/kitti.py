@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from symolo.dataset.rows import Floats
+from symolo.core.arrays import Array
 from symolo.exporters.base import CopiedFile, ExportedFile, Exporter, ExportSettings, MadeFile
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
@@ -29,7 +29,7 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
             yield CopiedFile(f"{folder}/image_0/{index:06d}{image.path.suffix}", image.path)
 
 
-def _relative(X_WC: Floats) -> Floats:
+def _relative(X_WC: Array) -> Array:
     """(N, 12): X_C0C by rows of poses (N, 4, 4) in W."""
     X_C0C = np.linalg.inv(X_WC[0]) @ X_WC
     return X_C0C[:, :3].reshape(-1, 12)

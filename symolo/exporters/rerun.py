@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physics.arena.geometry import Arena, Box
+from symolo.core.arrays import Array
 from symolo.core.file_hashes import sha256_of
 from symolo.dataset.manifest import MANIFEST
-from symolo.dataset.rows import COLUMNS, Floats
+from symolo.dataset.rows import COLUMNS
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
 from symolo.exporters.optional import PYARROW, optional
 from symolo.exporters.rrd_file import Arrays, Chunk, Component, rrd
@@ -120,7 +121,7 @@ def _plot(column: str) -> str:
     return f"/{'range' if column in _RANGES else 'line' if column.startswith('L') else 'motion'}/{column}"
 
 
-def _turned(yaw_rad: Floats) -> Floats:
+def _turned(yaw_rad: Array) -> Array:
     """(N, 3, 3), rotations about z."""
     made = np.tile(np.eye(3), (len(yaw_rad), 1, 1))
     made[:, 0, 0] = made[:, 1, 1] = np.cos(yaw_rad)
@@ -140,7 +141,7 @@ class _Maker:
             path, "ViewCoordinates", (Component("xyz", "ViewCoordinates", self.one(self.directions(directions))),)
         )
 
-    def transform(self, path: str, places: Floats, rotations: Floats, t_s: Floats | None) -> Chunk:
+    def transform(self, path: str, places: Array, rotations: Array, t_s: Array | None) -> Chunk:
         """The pose of an entity in that which it stands below; (N, 3) and (N, 3, 3)."""
         translation = Component("translation", "Translation3D", self.each(self.vectors(places)))
         return Chunk(
@@ -150,7 +151,7 @@ class _Maker:
             t_s,
         )
 
-    def strips(self, path: str, floor: list[Floats]) -> Chunk:
+    def strips(self, path: str, floor: list[Array]) -> Chunk:
         """Lines on the floor, (N, 2) each."""
         points = [np.column_stack((line, np.zeros(len(line)))) for line in floor]
         ends = np.cumsum([0, *map(len, points)])
@@ -158,11 +159,11 @@ class _Maker:
         found = self._arrow.ListArray.from_arrays(self._offsets(ends), self.vectors(np.concatenate(points)), type=inner)
         return Chunk(path, "LineStrips3D", (Component("strips", "LineStrip3D", self.one(found)),))
 
-    def vectors(self, values: Floats) -> Arrays:
+    def vectors(self, values: Array) -> Arrays:
         """(N, 3)."""
         return self.fixed(values)
 
-    def matrices(self, values: Floats) -> Arrays:
+    def matrices(self, values: Array) -> Arrays:
         """(N, 3, 3), by columns."""
         return self.fixed(values.transpose(0, 2, 1).reshape(-1, 9))
 
@@ -194,7 +195,7 @@ class _Maker:
         """Each value in a row of its own."""
         return self._arrow.ListArray.from_arrays(self._offsets(np.arange(len(values) + 1)), values)
 
-    def some(self, values: Floats, seen: NDArray[np.bool_]) -> Arrays:
+    def some(self, values: Array, seen: NDArray[np.bool_]) -> Arrays:
         """Numbers of 64 bits, each in a row of its own; a row that is not `seen` has none."""
         return self._arrow.ListArray.from_arrays(
             self._offsets(np.concatenate(([0], np.cumsum(seen)))), self._arrow.array(values[seen])

@@ -15,7 +15,7 @@ import pandas as pd
 from scipy.spatial.transform import Rotation
 
 from sensors.tof import TofStatus
-from symolo.dataset.rows import Floats
+from symolo.core.arrays import Array
 from symolo.exporters.base import pictures_bytes
 from symolo.reader.image import Image
 from symolo.reader.run import Run
@@ -73,7 +73,7 @@ class Vocabulary:
         transform = self("geometry_msgs/Transform", self.vector(x_m, y_m, 0), self.upright(yaw_rad))
         return self("geometry_msgs/TransformStamped", self.header(at_ns, frame, number), child, transform)
 
-    def fixed(self, frame: str, child: str, X: Floats) -> Any:  # noqa: ANN401 - as above
+    def fixed(self, frame: str, child: str, X: Array) -> Any:  # noqa: ANN401 - as above
         """A transform (4, 4) that never changes."""
         X = X + 0.0  # no -0
         turned = self.quaternion(*Rotation.from_matrix(X[:3, :3]).as_quat(canonical=True).tolist())
@@ -155,7 +155,7 @@ def _static(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
     yield START_NS, ros("tf2_msgs/TFMessage", [ros.fixed(*one) for one in poses])
 
 
-def _pose(turn: Rotation, place_m: list[float]) -> Floats:
+def _pose(turn: Rotation, place_m: list[float]) -> Array:
     X = np.eye(4)
     X[:3, :3], X[:3, 3] = turn.as_matrix(), place_m
     return X

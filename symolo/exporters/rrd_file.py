@@ -12,7 +12,7 @@ from itertools import count
 from types import ModuleType
 from typing import Any
 
-from symolo.dataset.rows import Floats
+from symolo.core.arrays import Array
 
 Arrays = Any
 """Of pyarrow, which is loaded when something is exported."""
@@ -49,7 +49,7 @@ class Chunk:
     """For example `/world/robot`."""
     archetype: str
     components: tuple[Component, ...]
-    t_s: Floats | None = None
+    t_s: Array | None = None
     """(N,), strictly increasing [s]; None for one row that holds always."""
 
 

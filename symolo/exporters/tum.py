@@ -10,7 +10,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from sensors.camera.geometry import pose_X_WR
-from symolo.dataset.rows import Floats, csv_bytes
+from symolo.core.arrays import Array
+from symolo.dataset.rows import csv_bytes
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
@@ -26,22 +27,22 @@ def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
             yield MadeFile(f"{run.name}/{name}.txt", lambda run=run, poses=poses: _text(*poses(run)))
 
 
-def _robot(run: Run) -> tuple[Floats, Floats]:
+def _robot(run: Run) -> tuple[Array, Array]:
     return run.t_s, np.array([pose_X_WR(*pose) for pose in run.table.pose.tolist()])
 
 
-def _camera(run: Run) -> tuple[Floats, Floats]:
+def _camera(run: Run) -> tuple[Array, Array]:
     return np.array([image.t_s for image in run.images]), run.X_WC
 
 
-def _odometry(run: Run) -> tuple[Floats, Floats]:
+def _odometry(run: Run) -> tuple[Array, Array]:
     """Counted from the true start, for that of the file begins at nothing."""
     X_WS = pose_X_WR(*run.table.pose[0].tolist())
     poses = run.side("wheels")[_ODOMETRY].to_numpy().tolist()
     return run.t_s, np.array([X_WS @ pose_X_WR(*pose) for pose in poses])
 
 
-def _text(t_s: Floats, X: Floats) -> bytes:
+def _text(t_s: Array, X: Array) -> bytes:
     """Poses (N, 4, 4) at times (N,); of the two quaternions of a rotation the one nearer to that of the pose before."""
     quaternions = Rotation.from_matrix(X[:, :3, :3]).as_quat(canonical=True)
     turns = np.where(np.sum(quaternions[1:] * quaternions[:-1], axis=1) < 0, -1.0, 1.0)

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
 from symolo.dataset.pixels import decoded
-from symolo.dataset.rows import Floats
 
 if TYPE_CHECKING:
     from symolo.reader.run import Run
@@ -33,12 +33,12 @@ class Image:
         return float(self.run.table.t_ms[self.row]) / 1000
 
     @property
-    def pose(self) -> Floats:
+    def pose(self) -> Array:
         """(3,), x [m], y [m], theta [rad] of the robot in W."""
         return self.run.table.pose[self.row]
 
     @property
-    def X_WC(self) -> Floats:
+    def X_WC(self) -> Array:
         """(4, 4), pose of the camera in W; C is the optical frame, x right, y down, z forward."""
         return self.run.X_WC[self.index]
 

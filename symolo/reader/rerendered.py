@@ -7,10 +7,10 @@ import numpy as np
 
 from blender_scenes.render.job import RenderJob
 from sensors.camera.geometry import matrix_K, pose_X_WR
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.dataset.camera_model import X_CB, CameraModel
 from symolo.dataset.layout import JOB
-from symolo.dataset.rows import Floats
 
 _DECIMALS = 9
 
@@ -33,7 +33,7 @@ def read_job(folder: Path, numbers: Sequence[int]) -> RenderJob:
     return job
 
 
-def poses_of(job: RenderJob) -> Floats:
+def poses_of(job: RenderJob) -> Array:
     """(images, 4, 4), X_WC at each shutter."""
     return np.array([view.X_WC for view in job.frames]).reshape(-1, 4, 4)
 

@@ -11,10 +11,11 @@ import pandas as pd
 from pydantic import ValidationError
 
 from configs.schema.scenario import RunSpec
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
 from symolo.dataset.layout import DATA, IMAGES, LOOK, SIDE, SPEC
 from symolo.dataset.metadata import side_tables
-from symolo.dataset.rows import Floats, Rows, read_rows
+from symolo.dataset.rows import Rows, read_rows
 from symolo.dataset.side_reading import read_side
 from symolo.dataset.side_tables import CAMERA, SideTable
 from symolo.reader.image import Image
@@ -60,7 +61,7 @@ class Run:
         return rows[rows["img"] > 0].set_index("img", drop=False)
 
     @property
-    def t_s(self) -> Floats:
+    def t_s(self) -> Array:
         """(N,), time of each row [s]."""
         return self.table.t_ms / 1000
 
@@ -144,7 +145,7 @@ class Run:
         return self.folder / IMAGES / frame_name(number)
 
     @cached_property
-    def X_WC(self) -> Floats:
+    def X_WC(self) -> Array:
         """(images, 4, 4), pose of the camera in W at each shutter, of side/camera.csv.
 
         Of pictures of an earlier `rerender`, which have none, as they were rendered.
@@ -246,7 +247,7 @@ class Run:
 
         return read_job(self.folder, self.numbers)
 
-    def _side(self, table: SideTable) -> Floats:
+    def _side(self, table: SideTable) -> Array:
         return read_side(self.folder / SIDE / table.file, table, self.table)
 
     def __iter__(self) -> Iterator[Image]:

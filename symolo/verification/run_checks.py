@@ -12,10 +12,11 @@ from configs.schema.arena import ArenaConfig
 from configs.schema.scenario import RunSpec
 from physics.arena.geometry import Arena
 from pipeline.assembly.scene_record import SCENE, read_scene_record
+from symolo.core.arrays import Array
 from symolo.dataset.camera_model import INTRINSICS, CameraModel, camera_table, read_camera_model
 from symolo.dataset.metadata import RunRecord
 from symolo.dataset.obstacles import obstacle_table, off_the_path
-from symolo.dataset.rows import HEADER, Floats, Rows, parse_table, semantic_faults
+from symolo.dataset.rows import HEADER, Rows, parse_table, semantic_faults
 from symolo.dataset.side_tables import BOARD, CAMERA, POSITIONS_HEADER, TOF, WHEELS
 from symolo.verification.annotations import ANNOTATIONS, annotation_faults
 from symolo.verification.findings import Finding
@@ -255,7 +256,7 @@ def _obstacles(folder: Path, name: str, spec: object, rows: Rows, record: RunRec
         yield from _limited(file, [f"line {i + 2}: {obstacle} is not where its path in spec.json leads" for i in wrong])
 
 
-def _table(path: Path, header: Sequence[str], separator: str = ",") -> tuple[Floats, list[str]]:
+def _table(path: Path, header: Sequence[str], separator: str = ",") -> tuple[Array, list[str]]:
     try:
         data = path.read_bytes()
     except OSError as error:

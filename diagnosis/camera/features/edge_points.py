@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from diagnosis.camera.case import Array, Mask, Picture
+from diagnosis.camera.case import Mask, Picture
 from diagnosis.camera.features.line_points import Sighting
+from symolo.core.arrays import Array
 
 STEP_PX = 0.25
 SMOOTH_PX = 0.8

@@ -14,11 +14,12 @@ from functools import cached_property
 
 import numpy as np
 
-from diagnosis.camera.case import Array, Ints, Mask
+from diagnosis.camera.case import Ints, Mask
 from diagnosis.camera.features.patches import Patches
 from diagnosis.camera.features.response import Response
 from diagnosis.camera.parameter import Number
 from sensors.camera.response import CameraResponse, corner_share
+from symolo.core.arrays import Array
 
 LEVELS = (
     Number(

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.camera.case import Array, Ints, Mask, PictureCase
+from diagnosis.camera.case import Ints, Mask, PictureCase
 from diagnosis.camera.views import EdgePoints, View
 from physics.arena.geometry import Arena, Box
+from symolo.core.arrays import Array
 
 ALONG_M = 0.004
 """Between points that are tried."""

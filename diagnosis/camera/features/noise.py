@@ -11,11 +11,12 @@ from functools import cached_property
 import numpy as np
 from scipy.optimize import nnls
 
-from diagnosis.camera.case import Array, Ints, Mask
+from diagnosis.camera.case import Ints, Mask
 from diagnosis.camera.features.patches import Patches
 from diagnosis.camera.features.response import Response
 from diagnosis.camera.parameter import Number
 from sensors.camera.response import CameraResponse
+from symolo.core.arrays import Array
 
 NOISE = (
     Number(

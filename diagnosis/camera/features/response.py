@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.camera.case import Array, Picture
+from diagnosis.camera.case import Picture
 from sensors.camera.colour import LUMINANCE
 from sensors.camera.response import CameraResponse, tone, untoned
+from symolo.core.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,11 @@ from functools import cached_property
 import numpy as np
 from scipy.special import ndtr
 
-from diagnosis.camera.case import Array, Ints, Mask
+from diagnosis.camera.case import Ints, Mask
 from diagnosis.camera.features.edge_points import STEP_PX, EdgeProfiles
 from diagnosis.camera.parameter import Number
 from sensors.camera.response import CameraResponse, tone
+from symolo.core.arrays import Array
 
 SHARPNESS = (
     Number(

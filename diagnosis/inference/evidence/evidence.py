@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.channel import Array, Mask
+from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import Observed, Stage
+from symolo.core.arrays import Array
 
 LEAST_NOISE = 1e-3
 """Share of the nominal noise that every sample keeps: on a sensor's plateau nothing scatters, yet no reading is so sure

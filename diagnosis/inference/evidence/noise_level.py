@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from diagnosis.inference.evidence.evidence import Evidence, FoundNoise
 from diagnosis.inference.fit import Fit
-from diagnosis.measured.channel import Array
 from diagnosis.measured.noise import noise_of_differences, trimmed_variance
 from diagnosis.predictors.base import Observed
+from symolo.core.arrays import Array
 
 ROWS_FOR_CORRELATION = 60
 LEAST_ROWS = 6

@@ -20,11 +20,11 @@ import numpy as np
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
 from diagnosis.inference.selection import MOST, needed
-from diagnosis.measured.channel import Array
 from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors.drive_log import POSE
 from diagnosis.predictors.pose import Pose, seen_from_body
 from diagnosis.predictors.rows import given
+from symolo.core.arrays import Array
 
 PARTS = 20
 """Points of a run, evenly spaced; its end is the last of them."""

@@ -23,8 +23,8 @@ from diagnosis.inference.hypothesis import Effect, moved
 from diagnosis.inference.likelihood import robust_weight
 from diagnosis.inference.projection import beyond, orthonormal
 from diagnosis.inference.unexplained.bases import RUNS_OF_ROWS, Basis, any_function, bases, standing_out
-from diagnosis.measured.channel import Array
 from diagnosis.predictors.base import ROW_TIME
+from symolo.core.arrays import Array
 
 LEVEL = 0.001
 """Probability, over all tests together, of calling an adequate model inadequate."""

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.measured.channel import Array, Mask
+from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import Covariate, Shape
+from symolo.core.arrays import Array
 
 KNOTS = 8
 FEW_KNOTS = 4

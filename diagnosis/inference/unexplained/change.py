@@ -2,6 +2,7 @@
 
 A screw that comes loose or a sensor that is bumped shifts all that follows. Named effects, two or three of them, can
 mimic that so well that hardly any structure remains along time. So the nominal model with a jump competes with them:
+from symolo.core.arrays import Array
 from one moment on each quantity may be off by a constant, by a constant against its sign, and by a share of itself
 (Chow, Econometrica 28 (1960) 591-605, the moment searched for). So may one of the named effects be there from that
 moment on only. If that explains the same rows better, numbers counted, and leaves nothing, what was named is withdrawn.
@@ -15,8 +16,9 @@ from diagnosis.inference.likelihood import robust_weight
 from diagnosis.inference.projection import beyond, orthonormal
 from diagnosis.inference.selection import TOLL, is_of_noise
 from diagnosis.inference.unexplained.adequacy import Structure, adequacy, change_by
-from diagnosis.measured.channel import Array, Mask
+from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import Covariate, Observed, Shape
+from symolo.core.arrays import Array
 
 TIMES = ("session_time_s", "t_s")
 """Covariates of the time since a measurement began; of those that a stage has, the first."""

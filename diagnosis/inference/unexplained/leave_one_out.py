@@ -12,7 +12,7 @@ import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import Fit, fits
-from diagnosis.measured.channel import Array
+from symolo.core.arrays import Array
 
 MOST_ROWS = 60
 """Up to which it is worth its time; more rows can be held out."""

@@ -5,9 +5,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from diagnosis.against import Against
-from diagnosis.measured.channel import Array
 from diagnosis.report.plots.panels import MEASURED
 from diagnosis.report.quantities import axis
+from symolo.core.arrays import Array
 from symolo.pages.plotting import BLUE, PALE, finished, png
 
 ACROSS = 5

@@ -4,11 +4,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from diagnosis.measured.channel import Array, Mask
+from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import Covariate, Observed
 from diagnosis.report.findings import Findings
 from diagnosis.report.plots.panels import AFTER, BEFORE, CALIBRATED, MEASURED, reach_of, residual_panel, trimmed_rms
 from diagnosis.report.quantities import axis
+from symolo.core.arrays import Array
 from symolo.pages.plotting import finished, png
 
 SIZE_IN = (3.1, 3.1)

@@ -3,9 +3,10 @@
 import numpy as np
 from matplotlib.axes import Axes
 
-from diagnosis.measured.channel import Array, Mask
+from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import Covariate, Shape
 from diagnosis.report.quantities import covariate_axis
+from symolo.core.arrays import Array
 from symolo.pages.plotting import BLACK, BLUE, GREY, ORANGE, PALE, VERMILION
 
 BEFORE, CALIBRATED, AFTER, MEASURED = VERMILION, ORANGE, BLUE, BLACK

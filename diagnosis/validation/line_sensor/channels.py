@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from configs.schema.robot import LineSensor
 from diagnosis.validation.line_sensor.rig import FAR_M, Standing, Tape, sensor, without_faults
-
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 ROBOTS = 500
 DARK, LIGHT = 0.25, 0.65

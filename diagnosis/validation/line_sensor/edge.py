@@ -3,14 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtri
 
 from configs.schema.robot import LineSensor
 from diagnosis.validation.line_sensor.rig import Tape, readings, sensor, spot_diameter_m, without_faults
 from sensors.line_sensor import channel_weights
-
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 HEIGHT_FACTORS = (1.0, 2.0)
 """Of the configured height; the QTR-8A's 3 mm are optimal, 6 mm the most that its maker recommends."""

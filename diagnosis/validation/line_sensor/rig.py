@@ -3,15 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from configs.schema.robot import LineSensor
 from physics.arena.geometry import Arena, Line, Straight
 from sensors.base import Hits
 from sensors.line_sensor import LineSensorModel
+from symolo.core.arrays import Array
 from symolo.core.random_streams import stream
-
-Array = NDArray[np.float64]
 
 PHYSICS_HZ = 1000
 """Matters to when a sensor samples, not to what it reads."""

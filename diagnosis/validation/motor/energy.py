@@ -6,13 +6,11 @@ Measured on the exact step that twin and motor bench share, without those terms 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from diagnosis.validation.motor.steps import ROWS_PER_TIME_CONSTANT, time_constant_s
 from physics.drivetrain.motor import MotorModel
 from physics.drivetrain.motor_arrays import HeldDrive
-
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 PROGRAMME = ((1.0, 8), (0.0, 4), (-0.5, 8), (1.0, 8), (0.0, 4))
 """Share of the highest voltage, and for how many time constants: run, brake, reverse, plug, brake to a stop."""

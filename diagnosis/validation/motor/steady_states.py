@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import astuple, dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from diagnosis.motor_identification import (
     TABLE_1,
@@ -17,8 +16,7 @@ from diagnosis.motor_identification import (
 from physics.drivetrain.motor import MotorModel
 from physics.drivetrain.motor_bench import steady_states
 from physics.robot.model import RobotModel
-
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 CURVE_POINTS = 201
 

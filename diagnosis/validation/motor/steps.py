@@ -4,15 +4,13 @@ from dataclasses import dataclass
 from math import log
 
 import numpy as np
-from numpy.typing import NDArray
 
 from diagnosis.validation.crossing import first_reached
 from physics.drivetrain.motor import MotorModel
 from physics.drivetrain.motor_bench import steady_states, step_responses
 from physics.drivetrain.wheel_loop import voltage_limit_V
 from physics.robot.model import RobotModel
-
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 SHARES = (0.25, 0.5, 0.75, 1.0)
 """Of the highest voltage that the robot's bridge applies."""

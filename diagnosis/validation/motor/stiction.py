@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from diagnosis.validation.motor.steps import time_constant_s
 from physics.drivetrain.motor_bench import step_responses
 from physics.robot.model import RobotModel
-
-Array = NDArray[np.float64]
+from symolo.core.arrays import Array
 
 ROW_S = 5e-4
 LEG_S = 2.0

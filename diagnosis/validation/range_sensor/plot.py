@@ -9,8 +9,8 @@ from diagnosis.validation.range_sensor.paper import footprint_mm
 from diagnosis.validation.range_sensor.step import EDGE_MM
 from diagnosis.validation.range_sensor.surfaces import OverDistance, Surfaces
 from diagnosis.validation.range_sensor.tilt import TiltCurve
-from sensors.base import Array
 from sensors.tof import log_error_m, noise_sd_m
+from symolo.core.arrays import Array
 from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, PURPLE, SKY, VERMILION, finished, png
 
 COLORS = (BLACK, BLUE, VERMILION, GREEN, PURPLE, ORANGE)

@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from diagnosis.validation.range_sensor.stand import Caster
-from sensors.base import Array, Hits
+from sensors.base import Hits
+from symolo.core.arrays import Array
 
 
 @dataclass

@@ -16,8 +16,9 @@ from configs.schema.effects.table import Terms
 from configs.schema.robot import RobotConfig, TofMount, TofMounts, TofSensor
 from physics.arena.geometry import Arena
 from physics.arena.rays import RayScene
-from sensors.base import Array, Hits
+from sensors.base import Hits
 from sensors.tof import TofArray, TofStatus
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.random_streams import stream
 

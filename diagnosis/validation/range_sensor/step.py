@@ -20,7 +20,7 @@ from diagnosis.validation.range_sensor.stand import (
     seen_mm,
 )
 from physics.arena.geometry import Arena
-from sensors.base import Array
+from symolo.core.arrays import Array
 
 EDGE_MM = 150.0
 """Of the box, on the way from 0 to 300 mm."""

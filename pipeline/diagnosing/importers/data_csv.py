@@ -9,7 +9,8 @@ from diagnosis.importers.base import Importer, first_line
 from diagnosis.measured.channel import Channel, Mask, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from physics.run.trajectory import TimeSeries
-from symolo.dataset.rows import COLUMNS, HEADER, Floats, Ints, Rows, read_rows
+from symolo.core.arrays import Array
+from symolo.dataset.rows import COLUMNS, HEADER, Ints, Rows, read_rows
 
 RANGES = {"tof_front_m": 0, "tof_left_m": 1, "tof_right_m": 2}
 OFTEN = 3
@@ -32,7 +33,7 @@ def row_channels(rows: Rows, no_target: Mask, stale: Mask) -> tuple[Channel, ...
     theta = np.unwrap(rows.pose[:, 2])
     units = {column.name: column.unit for column in COLUMNS}
 
-    def series(name: str, unit: str, values: Floats | Ints) -> TimeSeries:
+    def series(name: str, unit: str, values: Array | Ints) -> TimeSeries:
         return TimeSeries(name, unit, t_s, values.astype(np.float64))
 
     channels = [
@@ -58,7 +59,7 @@ def trial_of(name: str, rows: Rows, channels: Sequence[Channel]) -> Trial:
     return Trial(name, 1e-3 * rows.t_ms, np.zeros(len(rows.t_ms), dtype=bool), tuple(channels))
 
 
-def no_target_code_m(tof_m: Floats) -> float | None:
+def no_target_code_m(tof_m: Array) -> float | None:
     """The largest of all ranges, if it comes often, is far off, and no other is near it."""
     largest = float(tof_m.max())
     others = tof_m[tof_m < largest]

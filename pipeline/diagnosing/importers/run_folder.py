@@ -19,9 +19,10 @@ from pipeline.run_folder.workspace import STAGES
 from pipeline.stages.assemble import DATA, SIDE
 from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
 from sensors.tof import TofStatus
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.dataset.metadata import METADATA
-from symolo.dataset.rows import HEADER, Floats, Rows, parse_table, read_rows
+from symolo.dataset.rows import HEADER, Rows, parse_table, read_rows
 from symolo.dataset.side_reading import read_side
 from symolo.dataset.side_tables import TOF, WHEELS, tof_csv, wheels_csv
 
@@ -63,7 +64,7 @@ class _Run:
         names = (TRAJECTORY,) if self.simulated else (DATA, f"{SIDE}/{WHEELS.file}", f"{SIDE}/{TOF.file}")
         return tuple(str(self.folder / name) for name in names)
 
-    def tables(self) -> tuple[Rows, Floats, Floats]:
+    def tables(self) -> tuple[Rows, Array, Array]:
         """Of data.csv, side/wheels.csv and side/tof.csv.
 
         Raises:

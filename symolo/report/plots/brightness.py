@@ -8,7 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sensors.camera.exposure_guard import BLACK_UP_TO, BURNT_FROM
-from symolo.dataset.rows import Floats, Ints
+from symolo.core.arrays import Array
+from symolo.dataset.rows import Ints
 from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, PURPLE, SKY, VERMILION, finished, svg
 from symolo.report.statistics.image_statistics import GREYS, ImageNumbers
 
@@ -74,7 +75,7 @@ def spread_picture(of_runs: Sequence[ImageNumbers]) -> bytes:
     return svg(figure)
 
 
-def _row(axes: Axes, row: int, values: Floats) -> None:
+def _row(axes: Axes, row: int, values: Array) -> None:
     """All, the middle half, the median."""
     low, lower, middle, upper, high = np.percentile(values, (0, 25, 50, 75, 100)).tolist()
     axes.plot((low, high), (row, row), "|-", color=BLACK, linewidth=0.8, markersize=5)

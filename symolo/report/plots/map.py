@@ -11,7 +11,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MultipleLocator
 
 from physics.arena.geometry import Box
-from symolo.dataset.rows import Floats
+from symolo.core.arrays import Array
 from symolo.pages.plotting import BLACK, GREY, svg
 from symolo.report.plots.states import MARKS, named, stretches
 from symolo.report.statistics.maps import Map
@@ -51,7 +51,7 @@ def _window(one: Map) -> tuple[float, float]:
     return float(high[0] - low[0]), float(high[1] - low[1])
 
 
-def _corners(one: Map) -> tuple[Floats, Floats]:
+def _corners(one: Map) -> tuple[Array, Array]:
     arena = one.arena
     points = [edge for pair in arena.line.edges() for edge in pair]
     points += [place for box in arena.boxes for place in footprints(box, _times(one.duration_s))]
@@ -81,7 +81,7 @@ def _panel(axes: Axes, one: Map) -> None:
     axes.set_axisbelow(True)
 
 
-def _box(axes: Axes, box: Box, duration_s: float, middle: Floats) -> None:
+def _box(axes: Axes, box: Box, duration_s: float, middle: Array) -> None:
     face, hatch = (_WALL, None) if box.kind == "wall" else (_OBSTACLE, "////")
     corners = box.footprint()
     if box.motion is not None:
@@ -93,7 +93,7 @@ def _box(axes: Axes, box: Box, duration_s: float, middle: Floats) -> None:
     _name(axes, box, middle)
 
 
-def _name(axes: Axes, box: Box, middle: Floats) -> None:
+def _name(axes: Axes, box: Box, middle: Array) -> None:
     """On the side that looks away from the middle of the arena, where fewer ways lead: of a wall along it."""
     centre, turn = np.array(box.center[:2]), 0.0
     if box.kind == "wall":
@@ -121,7 +121,7 @@ def _name(axes: Axes, box: Box, middle: Floats) -> None:
     )
 
 
-def footprints(box: Box, t_s: Floats) -> Iterable[Floats]:
+def footprints(box: Box, t_s: Array) -> Iterable[Array]:
     """(4, 2) at each of the times."""
     first = np.array([*box.center[:2], box.yaw_rad])
     corners = box.footprint() - first[:2]
@@ -131,7 +131,7 @@ def footprints(box: Box, t_s: Floats) -> Iterable[Floats]:
         yield np.asarray(corners @ rotation.T + (x, y), np.float64)
 
 
-def _times(duration_s: float) -> Floats:
+def _times(duration_s: float) -> Array:
     return np.linspace(0.0, duration_s, _GHOSTS + 1)
 
 

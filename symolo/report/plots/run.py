@@ -6,7 +6,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
 from physics.arena.geometry import Arena
-from symolo.dataset.rows import Floats, Rows
+from symolo.core.arrays import Array
+from symolo.dataset.rows import Rows
 from symolo.pages.plotting import BLACK, BLUE, GREY, PALE, VERMILION, svg
 from symolo.reader.run import Run
 from symolo.report.plots.states import MARKS, Stretch, named, stretches
@@ -49,7 +50,7 @@ def run_picture(run: Run, facts: RunFacts) -> bytes:
     return svg(figure)
 
 
-def _states(axes: Axes, t_s: Floats, parts: tuple[Stretch, ...]) -> None:
+def _states(axes: Axes, t_s: Array, parts: tuple[Stretch, ...]) -> None:
     present = sorted({part.state for part in parts})
     edges = _edges(t_s)
     for part in parts:
@@ -60,7 +61,7 @@ def _states(axes: Axes, t_s: Floats, parts: tuple[Stretch, ...]) -> None:
     axes.set_ylabel("state")
 
 
-def _ranges(axes: Axes, t_s: Floats, rows: Rows, facts: RunFacts) -> None:
+def _ranges(axes: Axes, t_s: Array, rows: Rows, facts: RunFacts) -> None:
     """Gaps where a sensor saw no target."""
     none = facts.record.tof_no_target_m
     for (name, colour, dash), values in zip(_RANGES, rows.tof_m.T, strict=True):
@@ -76,7 +77,7 @@ def _ranges(axes: Axes, t_s: Floats, rows: Rows, facts: RunFacts) -> None:
     axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="small", frameon=False)
 
 
-def _line(axes: Axes, t_s: Floats, line: Floats) -> None:
+def _line(axes: Axes, t_s: Array, line: Array) -> None:
     """As a strip of greys, L7 (left end of the row) on top."""
     channels = np.arange(_CHANNELS + 1) - 0.5
     axes.pcolormesh(_edges(t_s), channels, line.T, cmap="gray", vmin=0.0, vmax=1.0, rasterized=True)
@@ -103,7 +104,7 @@ def _off_line(axes: Axes, rows: Rows, arena: Arena, ahead_m: float) -> None:
     axes.grid(alpha=0.3)
 
 
-def _edges(t_s: Floats) -> Floats:
+def _edges(t_s: Array) -> Array:
     """(N + 1,), where the time of each row begins and ends: half way between rows."""
     if len(t_s) == 1:
         return np.array([t_s[0] - 0.5, t_s[0] + 0.5])

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from sensors.camera.exposure_guard import BLACK_UP_TO, BURNT_FROM
-from symolo.dataset.rows import Floats, Ints
+from symolo.core.arrays import Array
+from symolo.dataset.rows import Ints
 from symolo.reader.run import Run
 from symolo.report.statistics.run_facts import fresh
 
@@ -19,13 +20,13 @@ class ImageNumbers:
 
     run: str
     numbers: tuple[int, ...]
-    brightness: Floats
+    brightness: Array
     """(M,), mean grey value."""
-    black: Floats
+    black: Array
     """(M,), share of the pixels up to `BLACK_UP_TO`, 0 to 1."""
-    burnt: Floats
+    burnt: Array
     """(M,), share of the pixels from `BURNT_FROM` on, 0 to 1."""
-    sharpness: Floats
+    sharpness: Array
     """(M,), standard deviation of the grey picture's Laplacian; the root of Pech-Pacheco's measure (ICPR 2000)."""
     pixels: Ints
     """(256,), how many pixels of all images have each grey value."""

@@ -3,10 +3,10 @@
 import numpy as np
 
 from physics.arena.geometry import Line
-from symolo.dataset.rows import Floats
+from symolo.core.arrays import Array
 
 
-def off_line_m(line: Line, points: Floats) -> Floats:
+def off_line_m(line: Line, points: Array) -> Array:
     """Distance of each floor point from the nearest point of the line's middle [m], (N,).
 
     Args:
@@ -23,7 +23,7 @@ def off_line_m(line: Line, points: Floats) -> Floats:
     return nearest
 
 
-def ahead_of(pose: Floats, x_m: float) -> Floats:
+def ahead_of(pose: Array, x_m: float) -> Array:
     """Floor points (N, 2) in W that lie `x_m` ahead of the axle's middle.
 
     Args:

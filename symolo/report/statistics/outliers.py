@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sensors.camera.exposure_guard import MOST_BLACK, MOST_BURNT
-from symolo.dataset.rows import Floats
+from symolo.core.arrays import Array
 from symolo.report.statistics.image_statistics import ImageNumbers
 
 FAR = 3.5
@@ -43,7 +43,7 @@ def outliers(of_runs: Sequence[ImageNumbers]) -> tuple[Outlier, ...]:
     return tuple(sorted(found, key=lambda one: -round(one.score, 6)))
 
 
-def _of_run(of: ImageNumbers, brightness: Floats, sharpness: Floats) -> list[Outlier]:
+def _of_run(of: ImageNumbers, brightness: Array, sharpness: Array) -> list[Outlier]:
     scores = np.array([np.abs(brightness) / FAR, np.abs(sharpness) / FAR, of.black / MOST_BLACK, of.burnt / MOST_BURNT])
     worst = scores.max(axis=0)
     out = np.flatnonzero(worst > 1.0)
@@ -62,7 +62,7 @@ def _of_run(of: ImageNumbers, brightness: Floats, sharpness: Floats) -> list[Out
     return found
 
 
-def modified_z(values: Floats) -> Floats:
+def modified_z(values: Array) -> Array:
     """Distance from the median in standard deviations, as the median distance tells them, (N,); 0 where that is 0."""
     apart = values - np.median(values)
     spread = float(np.median(np.abs(apart)))

@@ -6,8 +6,9 @@ import numpy as np
 
 from physics.arena.geometry import Arena
 from physics.control.base import State
+from symolo.core.arrays import Array
 from symolo.dataset.metadata import RunRecord
-from symolo.dataset.rows import Floats, Ints
+from symolo.dataset.rows import Ints
 from symolo.reader.run import Run
 from symolo.report.statistics.off_line import ahead_of, off_line_m
 
@@ -16,7 +17,7 @@ from symolo.report.statistics.off_line import ahead_of, off_line_m
 class Track:
     """The way of a run, for the map."""
 
-    pose: Floats
+    pose: Array
     """(N, 3), x [m], y [m], theta [rad] in W."""
     state: Ints
     """(N,)."""

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from diagnosis.validation.range_sensor.recordings.scan import ScanRecord
-from sensors.base import Array, Sampling
+from sensors.base import Sampling
+from symolo.core.arrays import Array
 
 JUMP_MM = 10.0
 """Between neighbouring points; below it old and new place cannot be told apart by their readings."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sensors.base import Array
+from symolo.core.arrays import Array
 
 SHORTEST_SPANS = 6
 """Longest averages are such that at least so many fit into the record; fewer say little."""

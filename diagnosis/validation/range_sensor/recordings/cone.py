@@ -10,8 +10,8 @@ import numpy as np
 
 from configs.schema.robot import TofMount, TofSensor
 from diagnosis.validation.range_sensor.stand import Caster
-from sensors.base import Array
 from sensors.tof import ray_directions, ray_pattern
+from symolo.core.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from diagnosis.validation.range_sensor.recordings.scan import ScanRecord
 from diagnosis.validation.range_sensor.recordings.sphere import BALL, BOARD, BallScene
 from diagnosis.validation.range_sensor.stand import HEIGHT_M, Bench, Stand, bench_arena, board, reading_mm
 from diagnosis.validation.range_sensor.step import where_gone
-from sensors.base import Array
+from symolo.core.arrays import Array
 
 INNER_MM = 30.0
 """Readings within this of the nearest are of the ball alone, or nearly."""

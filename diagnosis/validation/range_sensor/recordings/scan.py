@@ -9,7 +9,7 @@ import numpy as np
 
 from diagnosis.measured.text_file import number, read_text
 from diagnosis.validation.range_sensor.recordings.columns import range_mm
-from sensors.base import Array
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
 
 COLUMNS = ("x", "y", "lidar")

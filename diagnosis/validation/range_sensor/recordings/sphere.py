@@ -6,7 +6,7 @@ import numpy as np
 
 from diagnosis.validation.range_sensor.stand import HEIGHT_M
 from physics.arena.rays import Hits
-from sensors.base import Array
+from symolo.core.arrays import Array
 
 BALL, BOARD = 1, 2
 

@@ -9,7 +9,7 @@ from diagnosis.measured.text_file import number, read_text
 from diagnosis.validation.range_sensor.recordings.allan import allan_deviation, lengths_for
 from diagnosis.validation.range_sensor.recordings.columns import range_mm
 from diagnosis.validation.range_sensor.stand import Bench, Stand, closed_form, target
-from sensors.base import Array
+from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 
 FEWEST = 1000
