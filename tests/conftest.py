@@ -108,7 +108,7 @@ def pytest_deselected(items: list[pytest.Item]) -> None:
 def pytest_testnodedown(node: WorkerController) -> None:
     """Report what the workers have deselected, once, since each of them collects all tests."""
     reporter = node.config.pluginmanager.get_plugin("terminalreporter")
-    if "deselected" not in reporter.stats:
+    if not reporter.stats.get("deselected"):
         node_ids = getattr(node, "workeroutput", {}).get("deselected", [])
         reporter.pytest_deselected([SimpleNamespace(nodeid=node_id) for node_id in node_ids])
 
