@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 _BEYOND_PX = 4
 """Floor counts from so far beyond an edge."""
 _FLOOR_PX = 10
-_LEAST_PX = 6
+_MIN_PX = 6
 """Least half width of a line that has a level of its own."""
 _LAPLACIAN = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float64)
 _MOTTLING_PX = 3.0
@@ -81,7 +81,7 @@ def _steps(grey: Array, row: float, x: float) -> list[_Step]:
         outward = profile[middle::side]
         edge = int(np.argmax(outward > half))
         floor_there = outward[edge + _BEYOND_PX : edge + _FLOOR_PX]
-        if edge < _LEAST_PX or len(floor_there) < _FLOOR_PX - _BEYOND_PX:
+        if edge < _MIN_PX or len(floor_there) < _FLOOR_PX - _BEYOND_PX:
             continue
         floor, inner = float(np.median(floor_there)), float(np.median(outward[max(0, edge - _FLOOR_PX) : edge - 3]))
         near = outward[edge - 4 : edge + _BEYOND_PX]

@@ -27,7 +27,7 @@ from pipeline.stages.simulate import simulate
 
 SCENARIO, ROUTE = "random_arenas", "Lap"
 COLUMNS = 4
-MOST_PLOTTED = 24
+MAX_PLOTTED = 24
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def plot(laps: Sequence[Lap], path: Path) -> None:
     """The laps that failed first, then others; driven path green where the lap was completed, red where not."""
     from matplotlib.figure import Figure  # noqa: PLC0415 - needed for a picture alone
 
-    shown = sorted(laps, key=lambda lap: (not lap.problems, lap.seed))[:MOST_PLOTTED]
+    shown = sorted(laps, key=lambda lap: (not lap.problems, lap.seed))[:MAX_PLOTTED]
     rows = math.ceil(len(shown) / COLUMNS)
     figure = Figure(figsize=(4.5 * COLUMNS, 4.5 * rows), layout="constrained")
     for place, lap in enumerate(shown):

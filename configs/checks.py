@@ -19,7 +19,7 @@ from symolo.core.yaml_tree import FieldPath, Node, dotted
 
 LINTEL_M = 0.1
 """Least height of wall between a window and the ceiling; a window that is too high for it is made lower."""
-LEAST_WINDOW_M = 0.2
+MIN_WINDOW_M = 0.2
 
 
 def check_scenario(scenario: Scenario, root: Node) -> None:
@@ -269,10 +269,10 @@ def _look_faults(look: LookConfig) -> Iterator[Fault]:
     if look.floor.material == "image" and look.floor.image.file is None:
         cure = "name a picture in the folder of look.assets, or choose another look.floor.material"
         yield Fault(("look", "floor", "image", "file"), "missing, for the floor is an image", cure=cure)
-    highest = look.room.height_m - LINTEL_M - LEAST_WINDOW_M
+    highest = look.room.height_m - LINTEL_M - MIN_WINDOW_M
     if look.window.sill_m > highest + 1e-9:
         problem = "there is no room for the window below the ceiling"
-        allowed = f"at most {highest:.6g}, room.height_m less {LEAST_WINDOW_M} of window and {LINTEL_M} of wall"
+        allowed = f"at most {highest:.6g}, room.height_m less {MIN_WINDOW_M} of window and {LINTEL_M} of wall"
         against: FieldPath = ("look", "room", "height_m")
         yield Fault(("look", "window", "sill_m"), problem, look.window.sill_m, allowed, against=against)
     lamps = look.lamps.rows * look.lamps.flux_klm

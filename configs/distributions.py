@@ -16,8 +16,8 @@ from symolo.core.errors import InputError, nearest
 from symolo.core.yaml_tree import DISTRIBUTION_KINDS, FieldPath, Node, Scalar, dotted
 
 _WITHOUT_LIMITS_SD = 4.0
-_LEAST_SHARE = 1e-3
-_MOST_OPTIONS = 256  # each is held against the schema
+_MIN_SHARE = 1e-3
+_MAX_OPTIONS = 256  # each is held against the schema
 _NORMAL_KEYS = ("mean", "sd", "low", "high")
 _EXAMPLES = {
     "uniform": "{uniform: [low, high]}",
@@ -151,8 +151,8 @@ def parse(node: Node, path: FieldPath) -> Distribution:
 
 def _parse_choice(arguments: Node, faulty: Callable[..., InputError]) -> Choice:
     items = arguments.value
-    if not isinstance(items, tuple) or not 1 <= len(items) <= _MOST_OPTIONS:
-        raise faulty(allowed=f"a list of 1 to {_MOST_OPTIONS} values")
+    if not isinstance(items, tuple) or not 1 <= len(items) <= _MAX_OPTIONS:
+        raise faulty(allowed=f"a list of 1 to {_MAX_OPTIONS} values")
     if any(isinstance(item.value, dict | tuple) or item.value is None for item in items):
         raise faulty(allowed="numbers, names, or true and false")
     return Choice(tuple(item.value for item in items))  # type: ignore[misc]
@@ -178,7 +178,7 @@ def _parse_normal(arguments: Node, faulty: Callable[..., InputError]) -> Normal:
         raise faulty(allowed="mean and sd whose ends are numbers that a computer can hold")
     if low > high:
         raise faulty(allowed="low below high")
-    if normal.share_within() < _LEAST_SHARE:
+    if normal.share_within() < _MIN_SHARE:
         raise faulty(allowed="low and high that hold at least a thousandth of the draws")
     return normal
 

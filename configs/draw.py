@@ -22,6 +22,27 @@ from symolo.core.yaml_tree import FieldPath, Node, Scalar, dotted
 GENERATE = "arena.generate"
 """Key of the stream that a generated arena is drawn from."""
 
+STREAM_NAMES = {
+    f"max_{name}": f"most_{name}"
+    for name in (
+        "bend_radius_m",
+        "decoy_distance_m",
+        "decoy_m",
+        "decoys",
+        "obstacle_m",
+        "obstacle_offset_m",
+        "obstacle_yaw_deg",
+        "obstacles",
+        "trim_m",
+        "wall_clearance_m",
+    )
+} | {
+    f"min_{name}": f"least_{name}"
+    for name in ("bend_radius_m", "decoy_m", "obstacle_m", "obstacles", "wall_clearance_m")
+}
+"""Names of fields in the keys of streams, where they are not the fields' own: a seed keeps the numbers that it gave
+before version 0.2.0 renamed the field."""
+
 
 def draw_run(loaded: LoadedScenario, route: str, run: int) -> RunSpec:
     """The specification of one run.
@@ -47,7 +68,7 @@ def draw_run(loaded: LoadedScenario, route: str, run: int) -> RunSpec:
         own = ("start", *path[3:]) if path[:3] == start else path
         values[path] = item.ends()[0]
         if own[0] != "routes":
-            values[path] = drawn[dotted(own)] = item.draw(stream(loaded.seed, route, run, dotted(own)))
+            values[path] = drawn[dotted(own)] = item.draw(_field_stream(own, loaded.seed, route, run))
     scenario = validated(loaded.root, Scenario, values)
     chosen = scenario.routes[names.index(route)]
     if scenario.arena.generate is not None:
@@ -142,7 +163,12 @@ def _generated(arena: ArenaConfig, start: Pose, rng: np.random.Generator, root: 
 
 
 def _draws(placed: Mapping[FieldPath, Placed], seed: int, key: tuple[str | int, ...]) -> dict[FieldPath, Scalar]:
-    return {path: item.draw(stream(seed, *key, dotted(path))) for path, item in placed.items()}
+    return {path: item.draw(_field_stream(path, seed, *key)) for path, item in placed.items()}
+
+
+def _field_stream(path: FieldPath, seed: int, *key: str | int) -> np.random.Generator:
+    """Return the random stream of the field at this path, for one seed and run."""
+    return stream(seed, *key, dotted(tuple(STREAM_NAMES.get(str(part), part) for part in path)))
 
 
 def _by_name(values: Mapping[FieldPath, Scalar]) -> dict[str, Scalar]:

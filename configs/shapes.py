@@ -15,7 +15,7 @@ from symolo.core.yaml_tree import FieldPath, Node, merge, node_of
 
 _BOUNDS = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
 _PLAIN_WORDS = {"boolean": "true or false", "string": "text", "null": "nothing", "array": "a list"}
-_MOST_NAMES = 12
+_MAX_NAMES = 12
 
 
 @dataclass(frozen=True)
@@ -191,5 +191,5 @@ def with_defaults(node: Node, shape: Shape) -> Node:
 
 
 def shown_names(names: Sequence[object]) -> str:
-    text = ", ".join(str(name) for name in names[:_MOST_NAMES])
-    return text + (f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else "")
+    text = ", ".join(str(name) for name in names[:_MAX_NAMES])
+    return text + (f" and {len(names) - _MAX_NAMES} more" if len(names) > _MAX_NAMES else "")

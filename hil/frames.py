@@ -6,7 +6,7 @@ from physics.control.base import State
 
 CHANNELS = 8
 """Of the line sensor."""
-MOST_INCREMENT = 32767
+MAX_INCREMENT = 32767
 """That 16 bits hold either way."""
 
 
@@ -18,7 +18,7 @@ class SensorFrame:
     """
 
     encoder_increments: tuple[int, int]
-    """Counts right and left since the frame before, each at most `MOST_INCREMENT` either way."""
+    """Counts right and left since the frame before, each at most `MAX_INCREMENT` either way."""
     line: tuple[float, ...]
     """Normalised reflectance L0 to L7, right to left, 0 to 1."""
     front_m: float | None

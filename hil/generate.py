@@ -20,9 +20,9 @@ from symolo.core.errors import InputError
 
 WHITE = 255
 """A channel of the line on the wire at full reflectance."""
-MOST_POINTS = 8000
+MAX_POINTS = 8000
 """Of one path: x and y in 16 bits each stay below the 32 KB that avr-gcc allows a table."""
-MOST_SET_POINT_RAD_S = 32.767
+MAX_SET_POINT_RAD_S = 32.767
 """Set points of the wheels travel as 16 bits of mrad/s."""
 _COUNTS_PER_LINE = 16
 
@@ -59,16 +59,16 @@ def generate(robot: RobotConfig) -> dict[str, str]:
 
 def _check_fits(robot: RobotConfig) -> None:
     points = robot.controller.avoidance.points
-    if points > MOST_POINTS:
+    if points > MAX_POINTS:
         what = "robot.controller.avoidance.points"
-        raise InputError(what, got=points, allowed=f"up to {MOST_POINTS} for the firmware, whose flash holds the paths")
+        raise InputError(what, got=points, allowed=f"up to {MAX_POINTS} for the firmware, whose flash holds the paths")
     drive = robot.drive
     for field, gains in (("line", robot.controller.line), ("wall.gains", robot.controller.wall.gains)):
         rim_m_s = gains.k1_m_s + 0.5 * drive.track_m * gains.k2_rad_s * MAX_ERROR
         set_point = rim_m_s / (0.5 * drive.wheel_diameter_m)
-        if set_point > MOST_SET_POINT_RAD_S:
+        if set_point > MAX_SET_POINT_RAD_S:
             what = f"robot.controller.{field}: wheel set points"
-            allowed = f"up to {MOST_SET_POINT_RAD_S} rad/s for the firmware"
+            allowed = f"up to {MAX_SET_POINT_RAD_S} rad/s for the firmware"
             raise InputError(what, got=round(set_point, 3), allowed=allowed, cure="lower k1_m_s or k2_rad_s")
 
 

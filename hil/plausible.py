@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field
 
 from configs.schema.robot import RobotConfig
-from hil.frames import MOST_INCREMENT, CommandFrame
+from hil.frames import MAX_INCREMENT, CommandFrame
 from symolo.core.errors import InputError
 
 TICKS_MOST = 65535
@@ -60,10 +60,10 @@ def check_encoders(robot: RobotConfig, tick_s: float) -> None:
     Raises:
         InputError: They are too fine.
     """
-    most = int(MOST_INCREMENT / (_no_load_rad_s(robot) * tick_s / math.tau))
+    most = int(MAX_INCREMENT / (_no_load_rad_s(robot) * tick_s / math.tau))
     counts = robot.encoder.counts_per_revolution
     if counts > most:
-        allowed = f"at most {most} for a controller on a board, whose frames hold {MOST_INCREMENT} counts a tick"
+        allowed = f"at most {most} for a controller on a board, whose frames hold {MAX_INCREMENT} counts a tick"
         raise InputError("robot.encoder.counts_per_revolution", got=counts, allowed=allowed)
 
 
@@ -122,4 +122,4 @@ class TickCount:
 
 
 def _held(increment: int) -> int:
-    return max(-MOST_INCREMENT, min(MOST_INCREMENT, increment))
+    return max(-MAX_INCREMENT, min(MAX_INCREMENT, increment))

@@ -29,8 +29,8 @@ PACKAGES = (
 LOCK = Path(__file__).resolve().parents[1] / "requirements.lock"
 INSTALL = "run ./setup in the repository"
 APT_LINE = f"run apt-get install -y {SYSTEM_PACKAGES}"
-LEAST_DISK_MB = 1000
-LEAST_MEMORY_MB = 2000
+MIN_DISK_MB = 1000
+MIN_MEMORY_MB = 2000
 CHILD_TIMEOUT_S = 120
 
 ASK_BLENDER = """
@@ -154,12 +154,12 @@ def _machine(folder: Path) -> Iterator[Check]:
     from pipeline.work.supervisor import cores  # noqa: PLC0415 - needs pydantic, which is looked at above
 
     free_mb = shutil.disk_usage(folder).free // 10**6
-    yield Check("disk", free_mb >= LEAST_DISK_MB, f"{free_mb} MB free in {folder}", "free some space or work elsewhere")
+    yield Check("disk", free_mb >= MIN_DISK_MB, f"{free_mb} MB free in {folder}", "free some space or work elsewhere")
     yield Check("cores", ok=True, found=str(cores()))
     memory_mb = _memory_available_mb()
     if memory_mb is not None:
         cure = "close other programs, or give --workers 1"
-        yield Check("memory", memory_mb >= LEAST_MEMORY_MB, f"{memory_mb} MB available", cure)
+        yield Check("memory", memory_mb >= MIN_MEMORY_MB, f"{memory_mb} MB available", cure)
 
 
 def _memory_available_mb() -> int | None:

@@ -65,7 +65,7 @@ def tape_share(line: Line, points: Array, spot_sd_m: float) -> Array:
     # From one corner of all points, and beyond eight standard deviations a double holds nothing of the spot.
     reach = max(xs) - x + max(ys) - y + half + 8.0 * spot_sd_m
     for piece in line.pieces:
-        if piece.at_least_away_m(x, y) > reach:
+        if piece.at_min_away_m(x, y) > reach:
             continue
         s, offset = piece.local(points)
         across = ndtr((offset + half) / spot_sd_m) - ndtr((offset - half) / spot_sd_m)

@@ -27,7 +27,7 @@ import matplotlib as mpl
 import numpy as np
 from image_error import HAS_FLIP, Picture, flip, mean_square, psnr_dB, ssim
 from painters import Cost, Painter
-from reference import LEAST_SAMPLES, Reference, references
+from reference import MIN_SAMPLES, Reference, references
 from views import LOOKS, POSES, Views, views_of
 
 from blender_scenes.render.sampling import PARTS, QUALITIES, PartSamples, Quality, part_samples, sampling
@@ -256,7 +256,7 @@ def asked_for() -> argparse.Namespace:
     parser.add_argument("--looks", nargs="+", choices=LOOKS, default=["classroom", "lab"])
     parser.add_argument("--poses", nargs="+", type=_pose, default=list(POSES), help="x [m],y [m],yaw [deg]")
     parser.add_argument("--size", nargs=2, type=int, default=[320, 240], metavar=("WIDTH", "HEIGHT"))
-    parser.add_argument("--reference-samples", type=int, default=LEAST_SAMPLES)
+    parser.add_argument("--reference-samples", type=int, default=MIN_SAMPLES)
     parser.add_argument("--repetitions", type=int, default=3)
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     words = "qualities, or samples and denoiser such as 8,FAST,BALANCED"
@@ -272,8 +272,8 @@ def asked_for() -> argparse.Namespace:
     parser.add_argument("--cache", type=Path, default=Path("references"))
     parser.add_argument("--out", type=Path, help="folder for JSON, plot and pictures")
     asked = parser.parse_args()
-    if asked.reference_samples < LEAST_SAMPLES:
-        parser.error(f"--reference-samples {asked.reference_samples}: at least {LEAST_SAMPLES}")
+    if asked.reference_samples < MIN_SAMPLES:
+        parser.error(f"--reference-samples {asked.reference_samples}: at least {MIN_SAMPLES}")
     if asked.blenderproc and not asked.blenderproc.exists():
         parser.error(f"--blenderproc {asked.blenderproc}: no such interpreter; see blenderproc_loop.py")
     return asked

@@ -19,7 +19,7 @@ from painters import Painter
 from blender_scenes.hybrid.denoiser import Denoiser
 from blender_scenes.render.job import RenderJob
 
-LEAST_SAMPLES = 256
+MIN_SAMPLES = 256
 SEEDS = (101, 202)
 _METHOD = 1
 """To be raised when what follows makes other pictures from the same job."""
@@ -40,8 +40,8 @@ def references(job: RenderJob, samples: int, folder: Path, threads: int) -> dict
     Raises:
         ValueError: Fewer samples than a reference must have.
     """
-    if samples < LEAST_SAMPLES:
-        raise ValueError(f"a reference of {samples} samples is too noisy; at least {LEAST_SAMPLES}")
+    if samples < MIN_SAMPLES:
+        raise ValueError(f"a reference of {samples} samples is too noisy; at least {MIN_SAMPLES}")
     folder.mkdir(parents=True, exist_ok=True)
     halves = {seed: _of_seed(job, samples, seed, folder, threads) for seed in SEEDS}
     return {view.number: Reference(tuple(halves[seed][view.number] for seed in SEEDS)) for view in job.frames}

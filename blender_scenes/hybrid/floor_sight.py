@@ -11,7 +11,7 @@ from sensors.camera.shutter import MOMENTS
 from symolo.core.arrays import Array
 
 Image = NDArray[np.float32]
-_MOST_BYTES = 128 * 2**20
+_MAX_BYTES = 128 * 2**20
 """Of what is kept from frame to frame."""
 _POINTS = 3
 """Of a pixel's filter from left to right."""
@@ -59,7 +59,7 @@ class FloorSight:
         self._camera, self._row_share = camera, row_share
         self._X_RC = np.linalg.inv(pose_X_WR(*view.robot_pose)) @ np.array(view.X_WC)
         self._kept: dict[tuple[float, float], Image] = {}
-        self._most_kept = _MOST_BYTES // (2 * np.dtype(np.float32).itemsize * camera.width_px * camera.height_px)
+        self._max_kept = _MAX_BYTES // (2 * np.dtype(np.float32).itemsize * camera.width_px * camera.height_px)
 
     def depth_m(self) -> Image:
         """(H, W) of the floor along the optical axis in the middle of each pixel; NaN above the horizon."""
@@ -99,7 +99,7 @@ class FloorSight:
     def _in_robot(self, right_px: float, down_px: float, rows: slice) -> Image:
         """(2, rows, W) x and y, the same in every frame; of large pictures those of the first points alone are kept."""
         at = right_px, down_px
-        if at not in self._kept and len(self._kept) < self._most_kept:
+        if at not in self._kept and len(self._kept) < self._max_kept:
             self._kept[at] = self._seen_in_robot(*at, slice(None))
         return self._kept[at][:, rows] if at in self._kept else self._seen_in_robot(*at, rows)
 

@@ -11,9 +11,9 @@ Image = NDArray[np.float32]
 
 _SPREAD_PX = 1.5
 """Standard deviation of what is around a pixel."""
-_LEAST_VARIANCE = np.float32(1e-4)
+_MIN_VARIANCE = np.float32(1e-4)
 """Of the guide: where it varies less, values are taken not to follow it."""
-_LEAST_WEIGHT = np.float32(1e-3)
+_MIN_WEIGHT = np.float32(1e-3)
 
 
 def local_lines(values: Image, guide: Image, weight: Image) -> Image:
@@ -28,8 +28,8 @@ def local_lines(values: Image, guide: Image, weight: Image) -> Image:
     moments = np.concatenate([weight, guide * weight, guide**2 * weight, values * weight, guide * values * weight], -1)
     around = cv2.GaussianBlur(moments, (0, 0), _SPREAD_PX, borderType=cv2.BORDER_REPLICATE)
     total = around[..., :1]
-    means = around[..., 1:] / np.maximum(total, _LEAST_WEIGHT)
+    means = around[..., 1:] / np.maximum(total, _MIN_WEIGHT)
     mean, square, of_values, product = np.split(means, [1, 2, 2 + channels], axis=-1)
-    slope = (product - mean * of_values) / (np.maximum(square - mean**2, 0) + _LEAST_VARIANCE)
-    told = total > _LEAST_WEIGHT
+    slope = (product - mean * of_values) / (np.maximum(square - mean**2, 0) + _MIN_VARIANCE)
+    told = total > _MIN_WEIGHT
     return np.concatenate([np.where(told, slope, 0), np.where(told, of_values + slope * (guide - mean), values)], -1)

@@ -91,10 +91,10 @@ class Patch:
 
 
 class TiledMap:
-    def __init__(self, tiling: Tiling, make: Make, most_bytes: int, unpack: Unpack = _as_it_is) -> None:
+    def __init__(self, tiling: Tiling, make: Make, max_bytes: int, unpack: Unpack = _as_it_is) -> None:
         """Tiles are kept as 16-bit floats, up to so many bytes; `unpack` makes of them what is looked up."""
         self.tiling = tiling
-        self._make, self._most_bytes, self._unpack = make, most_bytes, unpack
+        self._make, self._max_bytes, self._unpack = make, max_bytes, unpack
         self._tiles: OrderedDict[tuple[int, int, int], NDArray[np.float16]] = OrderedDict()
         self._bytes = 0
         self._last: dict[int, tuple[set[tuple[int, int]], Patch]] = {}
@@ -156,7 +156,7 @@ class TiledMap:
         made = self._make(Tile(low, texel_m, own.side(), key)).astype(np.float16)
         self._tiles[key] = made
         self._bytes += made.nbytes
-        while self._bytes > self._most_bytes and len(self._tiles) > 1:
+        while self._bytes > self._max_bytes and len(self._tiles) > 1:
             _, dropped = self._tiles.popitem(last=False)
             self._bytes -= dropped.nbytes
         return made

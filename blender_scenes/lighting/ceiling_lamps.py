@@ -17,7 +17,7 @@ from sensors.camera.colour import light_rgb, scaled
 
 _LOWEST_M = 1.8
 _BATTEN_M = 0.05
-_LEAST_M = 0.02
+_MIN_M = 0.02
 _APART_M = 0.1
 """More than a housing is longer than its tube."""
 _SHADE_M = 0.2
@@ -54,10 +54,10 @@ def ceiling_lamps(look: LookConfig, room: Room) -> Lights:
 
 def _fitting(own: LampsLook, room: Room) -> tuple[float, float]:
     """Length along x and width [m] that leave a lamp's body clear of the walls and of its neighbours."""
-    share = np.maximum(np.subtract(room.high, room.low) / (own.columns, own.rows) - _APART_M, _LEAST_M)
+    share = np.maximum(np.subtract(room.high, room.low) / (own.columns, own.rows) - _APART_M, _MIN_M)
     if own.housing == "shade":
         # Its rim is wider than the bulb, by which it is told.
-        side = min(own.width_m, max((float(share.min()) - 1.4 * _SHADE_M) / 1.5, _LEAST_M))
+        side = min(own.width_m, max((float(share.min()) - 1.4 * _SHADE_M) / 1.5, _MIN_M))
         return side, side
     return min(own.length_m, float(share[0])), min(own.width_m, float(share[1]))
 

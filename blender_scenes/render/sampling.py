@@ -70,7 +70,7 @@ _AUTO_WIDTH_PX = 320
 """Where parts begin to cost less than whole pictures of the same error; they have not been measured in smaller ones."""
 
 _SIZE_PX = 640 * 480
-_MOST_TIMES = 2.0
+_MAX_TIMES = 2.0
 
 
 def sampling(render: Render, seed: int, device: DeviceKind = "CPU") -> Sampling:
@@ -111,4 +111,4 @@ def part_samples(render: Render) -> PartSamples:
 
 def _of_size(samples: int, render: Render) -> int:
     times = math.sqrt(_SIZE_PX / (render.width_px * render.height_px))
-    return math.ceil(samples * min(max(times, 1.0), _MOST_TIMES))
+    return math.ceil(samples * min(max(times, 1.0), _MAX_TIMES))

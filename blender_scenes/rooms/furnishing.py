@@ -7,7 +7,7 @@ from blender_scenes.rooms.base import Opening
 from blender_scenes.rooms.furniture import STANDING
 from blender_scenes.rooms.furniture.door import drawn_door
 from blender_scenes.rooms.furniture.poster import drawn_poster
-from blender_scenes.rooms.furniture.radiator import LEAST_SILL_M, drawn_radiator
+from blender_scenes.rooms.furniture.radiator import MIN_SILL_M, drawn_radiator
 from blender_scenes.rooms.furniture.wall_socket import drawn_wall_socket
 from blender_scenes.rooms.placement import Ground, Standing, WallFace, find_place, hang, hang_at
 from blender_scenes.rooms.walls import SIDES, Side, Wall, wall
@@ -51,7 +51,7 @@ def _fixtures(
     own = look.room.furniture
     sill = window.center[2] - 0.5 * window.height_m
     found: list[tuple[Standing | None, float]] = []
-    if own.radiator and sill >= LEAST_SILL_M:
+    if own.radiator and sill >= MIN_SILL_M:
         draw = partial(drawn_radiator, window_m=window.width_m, sill_m=sill)
         piece = draw("radiator", stream(seed, "room", "radiator"))
         found.append((hang_at(piece, faces[look.window.side], 0.0), piece.size_m[1]))

@@ -108,8 +108,8 @@ def _along(piece: Straight | Arc, ends: tuple[float, float], lifts: Sequence[_Li
     return np.concatenate([[ends[0]], inside, [ends[1]]])
 
 
-def _wander(along: Array, most_m: float, rng: np.random.Generator) -> Array:
-    """Distance outwards at the arc lengths (N,): mean 0, 0 at both ends, never more than `most_m`."""
+def _wander(along: Array, max_m: float, rng: np.random.Generator) -> Array:
+    """Distance outwards at the arc lengths (N,): mean 0, 0 at both ends, never more than `max_m`."""
     length = along[-1]
     raw = np.zeros(len(along))
     for wavelength, share in _RIPPLES_M:
@@ -118,7 +118,7 @@ def _wander(along: Array, most_m: float, rng: np.random.Generator) -> Array:
     raw = np.where(raw > 0, 1.6 * raw, 0.6 * raw)  # paint creeps out in tongues and stays back in shallow bays
     window = np.clip(np.minimum(along, length - along) / min(_RIPPLES_END_M, 0.5 * length), 0.0, 1.0)
     raw = window * (raw - (window @ raw) / window.sum()) if window.sum() > 0 else window
-    return raw * (most_m / max(np.abs(raw).max(), 1e-12))
+    return raw * (max_m / max(np.abs(raw).max(), 1e-12))
 
 
 def _strip(name: str, piece: Straight | Arc, grid: tuple[Array, Array, Array], origin: Point2, surface: str) -> Mesh:

@@ -11,7 +11,7 @@ from configs.schema.arena_generator import ArenaGenerator
 
 PLACES = 40
 """Tried for one box before it is left out."""
-LEAST_HEIGHT_M, MOST_HEIGHT_M = 0.12, 0.16
+MIN_HEIGHT_M, MAX_HEIGHT_M = 0.12, 0.16
 """Lower ones leave part of the range sensors' beams free and are seen late."""
 
 
@@ -28,9 +28,9 @@ def add_obstacle(site: Site, recipe: ArenaGenerator, rng: np.random.Generator) -
     for _ in range(PLACES):
         at_m = rng.uniform(*straights[int(rng.integers(len(straights)))])
         x, y, yaw = site.track.poses(np.array([at_m]))[0].tolist()
-        aside_m = recipe.most_obstacle_offset_m * rng.uniform(-1, 1)
-        turned_rad = math.radians(recipe.most_obstacle_yaw_deg) * rng.uniform(-1, 1)
-        sizes = (recipe.least_obstacle_m, recipe.most_obstacle_m)
+        aside_m = recipe.max_obstacle_offset_m * rng.uniform(-1, 1)
+        turned_rad = math.radians(recipe.max_obstacle_yaw_deg) * rng.uniform(-1, 1)
+        sizes = (recipe.min_obstacle_m, recipe.max_obstacle_m)
         pose = (x - aside_m * math.sin(yaw), y + aside_m * math.cos(yaw), yaw + turned_rad)
         box = _box(f"Obstacle_{len(site.obstacles) + 1}", pose, sizes, recipe, rng)
         if site.put_obstacle(box, at_m):
@@ -41,9 +41,9 @@ def add_decoy(site: Site, recipe: ArenaGenerator, rng: np.random.Generator) -> N
     """Put one more beside the line, if a place is found for it."""
     for _ in range(PLACES):
         x, y, yaw = site.track.poses(rng.uniform(0, site.track.length_m, 1))[0].tolist()
-        aside_m = rng.choice([-1.0, 1.0]) * rng.uniform(recipe.clearance.beside_m, recipe.most_decoy_distance_m)
+        aside_m = rng.choice([-1.0, 1.0]) * rng.uniform(recipe.clearance.beside_m, recipe.max_decoy_distance_m)
         pose = (x - aside_m * math.sin(yaw), y + aside_m * math.cos(yaw), rng.uniform(-math.pi, math.pi))
-        sizes = (recipe.least_decoy_m, recipe.most_decoy_m)
+        sizes = (recipe.min_decoy_m, recipe.max_decoy_m)
         if site.put_decoy(_box(f"Decoy_{len(site.decoys) + 1}", pose, sizes, recipe, rng)):
             return
 
@@ -55,7 +55,7 @@ def _box(
     return Obstacle(
         name=name,
         center=pose[:2],
-        size=(length_m, width_m, rng.uniform(LEAST_HEIGHT_M, MOST_HEIGHT_M)),
+        size=(length_m, width_m, rng.uniform(MIN_HEIGHT_M, MAX_HEIGHT_M)),
         yaw_deg=math.degrees(math.remainder(pose[2], 2 * math.pi)),
         surface=recipe.surfaces[int(rng.integers(len(recipe.surfaces)))],
     )

@@ -74,15 +74,15 @@ def _polar(poses: Array, sensor: Pose, points: Array) -> tuple[Array, Array]:
     return np.hypot(dx, dy), (bearing + np.pi) % (2 * np.pi) - np.pi
 
 
-def comes_near_itself(points: Array, spacing_m: float, least_m: float) -> bool:
-    """Whether a closed line (N, 2), sampled evenly, comes within `least_m` of itself.
+def comes_near_itself(points: Array, spacing_m: float, min_m: float) -> bool:
+    """Whether a closed line (N, 2), sampled evenly, comes within `min_m` of itself.
 
     Points nearer along the line than a half circle of that width do not count; on bends of at least half of it as
     radius, all further ones are further apart.
     """
-    nearest = math.floor(0.5 * math.pi * least_m / spacing_m + 1) + 1
+    nearest = math.floor(0.5 * math.pi * min_m / spacing_m + 1) + 1
     # One distance along the line after the other: all pairs at once of a long line are more than memory holds.
     return any(
-        np.hypot(*(points - np.roll(points, steps, axis=0)).T).min() < least_m
+        np.hypot(*(points - np.roll(points, steps, axis=0)).T).min() < min_m
         for steps in range(nearest, len(points) // 2 + 1)
     )

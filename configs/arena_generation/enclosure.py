@@ -8,7 +8,7 @@ from configs.schema.arena_generator import ArenaGenerator
 from configs.schema.surface import SurfaceName
 from symolo.core.arrays import Array
 
-LEAST_WALL_M = 0.20
+MIN_WALL_M = 0.20
 """A shorter side is left to another attempt."""
 UNEVEN = 0.25
 """Share of the even angle between two sides by which each may be turned; a rectangle stays one."""
@@ -25,14 +25,14 @@ def draw_walls(recipe: ArenaGenerator, line: Array, half_extent_m: float, rng: n
         return ()
     uneven = UNEVEN * rng.uniform(-1, 1, count) if count != 4 else np.zeros(count)
     angle = rng.uniform(0, 2 * np.pi) + 2 * np.pi * (np.arange(count) + uneven) / count
-    clearance = rng.uniform(recipe.least_wall_clearance_m, recipe.most_wall_clearance_m, count)
+    clearance = rng.uniform(recipe.min_wall_clearance_m, recipe.max_wall_clearance_m, count)
     outwards = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     reach = (line @ outwards.T).max(axis=0) + clearance
     # Each side meets the next one where both normals reach as far as they say.
     corners = np.array([np.linalg.solve(outwards[[i - 1, i]], reach[[i - 1, i]]) for i in range(count)])
     sides = np.roll(corners, -1, axis=0) - corners
     along = np.stack([-outwards[:, 1], outwards[:, 0]], axis=1)
-    if (sides * along).sum(axis=1).min() < LEAST_WALL_M:
+    if (sides * along).sum(axis=1).min() < MIN_WALL_M:
         raise Rejected("a wall comes out too short")
     surfaces: list[SurfaceName] = [recipe.surfaces[int(rng.integers(len(recipe.surfaces)))] for _ in range(count)]
     if np.abs(corners).max() > half_extent_m:

@@ -61,10 +61,10 @@ def _attempt(recipe: ArenaGenerator, half_extent_m: float, start: Pose, rng: np.
     if not walls and np.abs(line).max() + recipe.clearance.beside_m > half_extent_m:
         raise Rejected(BEYOND_THE_FLOOR)
     site = Site(track, walls, half_extent_m, recipe.clearance)
-    for _ in range(recipe.most_obstacles):
+    for _ in range(recipe.max_obstacles):
         add_obstacle(site, recipe, rng)
-    if len(site.obstacles) < recipe.least_obstacles:
+    if len(site.obstacles) < recipe.min_obstacles:
         raise Rejected("there is no room to pass so many obstacles")
-    for _ in range(recipe.most_decoys):
+    for _ in range(recipe.max_decoys):
         add_decoy(site, recipe, rng)
     return site

@@ -11,9 +11,9 @@ from symolo.core.arrays import Array
 
 START_BEHIND_M, START_AHEAD_M = 0.20, 0.45
 """Lengths of straight line behind and ahead of the start; `physics.run.lap` closes a lap on the second one."""
-LEAST_TURN_RAD = math.radians(5.0)
+MIN_TURN_RAD = math.radians(5.0)
 """A flatter corner is hardly one."""
-MOST_OF_AN_EDGE = 0.45
+MAX_OF_AN_EDGE = 0.45
 """Share of an edge that the bend at one of its ends may take, so that a straight remains between two."""
 
 
@@ -56,13 +56,13 @@ def rounded(corners: Array, recipe: ArenaGenerator, rng: np.random.Generator) ->
     edges = np.roll(corners, -1, axis=0) - corners
     length, yaw = np.hypot(edges[:, 0], edges[:, 1]), np.arctan2(edges[:, 1], edges[:, 0])
     turn = (yaw - np.roll(yaw, 1) + np.pi) % (2 * np.pi) - np.pi
-    if np.abs(turn).min() < LEAST_TURN_RAD:
+    if np.abs(turn).min() < MIN_TURN_RAD:
         raise Rejected("a corner is hardly one")
     per_radius = np.tan(0.5 * np.abs(turn))
-    most = MOST_OF_AN_EDGE * np.minimum(length, np.roll(length, 1)) / per_radius
-    if most.min() < recipe.least_bend_radius_m:
+    most = MAX_OF_AN_EDGE * np.minimum(length, np.roll(length, 1)) / per_radius
+    if most.min() < recipe.min_bend_radius_m:
         raise Rejected("the bends do not fit between the corners")
-    radius = rng.uniform(recipe.least_bend_radius_m, np.minimum(most, recipe.most_bend_radius_m))
+    radius = rng.uniform(recipe.min_bend_radius_m, np.minimum(most, recipe.max_bend_radius_m))
     taken = radius * per_radius
     segments: list[Segment] = []
     for here, there in zip(range(len(corners)), np.roll(range(len(corners)), -1), strict=True):

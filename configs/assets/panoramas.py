@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from configs.assets.quiet import decoded
 from symolo.core.exr import is_exr, read_exr
 
-MOST_BYTES = 256 << 20
-MOST_PIXELS = 8192 * 4096
+MAX_BYTES = 256 << 20
+MAX_PIXELS = 8192 * 4096
 WIDEST_PX = 2048
 """A wider panorama is averaged down to it: it is seen in mirrors and behind the window."""
 LARGEST = 1e9
@@ -81,7 +81,7 @@ def _open_exr(data: bytes) -> Light:
 
 
 def _check_size(width: int, height: int) -> None:
-    if width * height > MOST_PIXELS:
+    if width * height > MAX_PIXELS:
         raise ValueError(f"has {width} x {height} pixels; at most 8192 x 4096 can be read")
     if width != 2 * height or not height:
         raise ValueError(f"has {width} x {height} pixels; a panorama of the whole sphere is twice as wide as high")

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from configs.assets.quiet import decoded
 
-MOST_BYTES = 64 << 20
-MOST_PIXELS = 64_000_000
+MAX_BYTES = 64 << 20
+MAX_PIXELS = 64_000_000
 LONGEST_SIDE_PX = 4096
 """A longer picture is averaged down to it: a pixel of the floor is seldom seen finer than a quarter of a millimetre."""
 
@@ -45,8 +45,8 @@ def whole_picture(data: bytes) -> Bytes:
         raise ValueError("is neither a PNG nor a JPEG picture")
     if width * height == 0:
         raise ValueError("holds no pixel")
-    if width * height > MOST_PIXELS:
-        raise ValueError(f"has {width} x {height} pixels; at most {MOST_PIXELS // 1_000_000} million can be read")
+    if width * height > MAX_PIXELS:
+        raise ValueError(f"has {width} x {height} pixels; at most {MAX_PIXELS // 1_000_000} million can be read")
     found = decoded(data, cv2.IMREAD_COLOR, (width, height), is_strict=data.startswith(_JPEG))
     return np.asarray(found[..., ::-1], np.uint8)
 

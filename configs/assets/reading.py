@@ -20,7 +20,7 @@ def read_asset(kind: AssetKind, name: str, place: Path) -> Asset:
         Refusal: It cannot be read, or is not what its kind asks for.
     """
     try:
-        data = _bytes(place, pictures.MOST_BYTES if kind == "picture" else panoramas.MOST_BYTES)
+        data = _bytes(place, pictures.MAX_BYTES if kind == "picture" else panoramas.MAX_BYTES)
         (height_px, width_px, _), mean = _picture(data) if kind == "picture" else _panorama(data)
     except ValueError as error:
         raise Refusal(str(error), cure=_CURES[kind]) from None

@@ -56,28 +56,28 @@ class ArenaGenerator(Section):
     """Length over width."""
     clockwise: bool = False
     """Which way round the robot goes."""
-    least_bend_radius_m: float = Field(default=0.22, ge=0.05, le=5)
-    most_bend_radius_m: float = Field(default=0.60, ge=0.05, le=5)
+    min_bend_radius_m: float = Field(default=0.22, ge=0.05, le=5)
+    max_bend_radius_m: float = Field(default=0.60, ge=0.05, le=5)
     walls: int = Field(default=4, ge=0, le=12)
     """Sides of the enclosure; 4 make a rectangle, 0 leave it out."""
-    least_wall_clearance_m: float = Field(default=0.35, ge=0.02, le=10)
+    min_wall_clearance_m: float = Field(default=0.35, ge=0.02, le=10)
     """From the line to the wall on the side where they are nearest."""
-    most_wall_clearance_m: float = Field(default=0.90, ge=0.02, le=10)
+    max_wall_clearance_m: float = Field(default=0.90, ge=0.02, le=10)
     wall_height_m: float = Field(default=0.15, ge=0.01, le=3)
-    least_obstacles: int = Field(default=0, ge=0, le=12)
-    most_obstacles: int = Field(default=1, ge=0, le=12)
+    min_obstacles: int = Field(default=0, ge=0, le=12)
+    max_obstacles: int = Field(default=1, ge=0, le=12)
     """Boxes on straight stretches of the line, to be passed; fewer where there is no room for more."""
-    least_obstacle_m: float = Field(default=0.08, ge=0.01, le=1)
-    most_obstacle_m: float = Field(default=0.10, ge=0.01, le=1)
-    most_obstacle_offset_m: float = Field(default=0.01, ge=0, le=1)
+    min_obstacle_m: float = Field(default=0.08, ge=0.01, le=1)
+    max_obstacle_m: float = Field(default=0.10, ge=0.01, le=1)
+    max_obstacle_offset_m: float = Field(default=0.01, ge=0, le=1)
     """From the line's middle to the obstacle's."""
-    most_obstacle_yaw_deg: float = Field(default=15, ge=0, le=45)
+    max_obstacle_yaw_deg: float = Field(default=15, ge=0, le=45)
     """Turned against the line."""
-    most_decoys: int = Field(default=3, ge=0, le=40)
+    max_decoys: int = Field(default=3, ge=0, le=40)
     """Boxes beside the line, not to be touched; fewer where there is no room for more."""
-    least_decoy_m: float = Field(default=0.05, ge=0.01, le=1)
-    most_decoy_m: float = Field(default=0.15, ge=0.01, le=1)
-    most_decoy_distance_m: float = Field(default=0.60, ge=0.05, le=10)
+    min_decoy_m: float = Field(default=0.05, ge=0.01, le=1)
+    max_decoy_m: float = Field(default=0.15, ge=0.01, le=1)
+    max_decoy_distance_m: float = Field(default=0.60, ge=0.05, le=10)
     """From the line to a decoy's middle."""
     surfaces: Annotated[tuple[SurfaceName, ...], FromList, Field(min_length=1)] = ("white_board", "cardboard", "wood")
     """Of walls and boxes, each as likely."""
@@ -86,21 +86,21 @@ class ArenaGenerator(Section):
     @model_validator(mode="after")
     def _ranges_and_sides(self) -> "ArenaGenerator":
         for least, most in (
-            ("least_bend_radius_m", "most_bend_radius_m"),
-            ("least_wall_clearance_m", "most_wall_clearance_m"),
-            ("least_obstacles", "most_obstacles"),
-            ("least_obstacle_m", "most_obstacle_m"),
-            ("least_decoy_m", "most_decoy_m"),
+            ("min_bend_radius_m", "max_bend_radius_m"),
+            ("min_wall_clearance_m", "max_wall_clearance_m"),
+            ("min_obstacles", "max_obstacles"),
+            ("min_obstacle_m", "max_obstacle_m"),
+            ("min_decoy_m", "max_decoy_m"),
         ):
             low, high = getattr(self, least), getattr(self, most)
             if low > high:
                 raise disagreement(least, low, f"at most {most}, which is {high}")
         if self.walls in {1, 2}:
             raise disagreement("walls", self.walls, "0 or 3 and more, because fewer enclose nothing")
-        if self.least_bend_radius_m < 0.5 * self.clearance.stretches_m:
+        if self.min_bend_radius_m < 0.5 * self.clearance.stretches_m:
             allowed = f"at least half of clearance.stretches_m, which is {self.clearance.stretches_m}"
-            raise disagreement("least_bend_radius_m", self.least_bend_radius_m, allowed)
-        if self.most_decoy_distance_m < self.clearance.beside_m:
+            raise disagreement("min_bend_radius_m", self.min_bend_radius_m, allowed)
+        if self.max_decoy_distance_m < self.clearance.beside_m:
             allowed = f"at least clearance.beside_m, which is {self.clearance.beside_m}"
-            raise disagreement("most_decoy_distance_m", self.most_decoy_distance_m, allowed)
+            raise disagreement("max_decoy_distance_m", self.max_decoy_distance_m, allowed)
         return self

@@ -222,9 +222,9 @@ class FaceObstacle(Section):
     back_m: float = Field(ge=0, le=0.5)
     seen_below_m: float = Field(gt=0, le=2)
     """The front sensor looks at the obstacle where it reads less than this."""
-    most_out_rad: float = Field(gt=0, le=3.2)
+    max_out_rad: float = Field(gt=0, le=3.2)
     """Most that it turns away from the inside of the bend to find the obstacle's outer edge."""
-    most_in_rad: float = Field(gt=0, le=3.2)
+    max_in_rad: float = Field(gt=0, le=3.2)
     """Most that it turns towards the inside."""
     edge_m: float = Field(gt=0, le=1)
     """Readings within this of the nearest belong to the middle of the obstacle."""
@@ -232,7 +232,7 @@ class FaceObstacle(Section):
     """Yaw rate per angle off the obstacle's middle."""
     tolerance_rad: float = Field(gt=0, le=1)
     tolerance_m: float = Field(gt=0, le=0.1)
-    most_trim_m: float = Field(gt=0, le=0.5)
+    max_trim_m: float = Field(gt=0, le=0.5)
     """Most that it drives to bring the obstacle to the distance that the paths begin at."""
 
 

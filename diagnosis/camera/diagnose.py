@@ -27,12 +27,12 @@ from diagnosis.camera.residual_structure import Remains, remains
 from diagnosis.camera.views import View
 from symolo.core.arrays import Array
 
-MOST_PATCHES = 1500
-MOST_EDGES = 400
+MAX_PATCHES = 1500
+MAX_EDGES = 400
 FEWEST_PATCHES, FEWEST_EDGES = 60, 30
-LEAST_GAIN = 0.1
+MIN_GAIN = 0.1
 """On pictures held out, of a part of which anything is named."""
-MOST_MOVED_S = 0.002
+MAX_MOVED_S = 0.002
 """Over which the speed of the picture is taken."""
 
 
@@ -139,7 +139,7 @@ def diagnose_pictures(case: PictureCase) -> PictureDiagnosis:
 def _part(name: str, unit: str, model: Model, heldout: Mask, covariates: Mapping[str, Array]) -> Part:
     chosen = choose(model)
     gain = picture_gain(model, heldout, chosen.fit.x)
-    if chosen.choices and gain is not None and (gain.value < LEAST_GAIN or gain.low <= 0.0):
+    if chosen.choices and gain is not None and (gain.value < MIN_GAIN or gain.low <= 0.0):
         # What pictures held out contradict, or hardly confirm, is no discovery.
         chosen = Chosen(chosen.nominal, chosen.nominal, ())
         gain = picture_gain(model, heldout, chosen.fit.x)
@@ -152,7 +152,7 @@ def _places(model: EdgeModel) -> dict[str, Array]:
 
 
 def _levels(case: PictureCase, seen: Patches) -> Part:
-    model = LevelModel(seen, case.response, case.heldout, case.size_px).some(MOST_PATCHES)
+    model = LevelModel(seen, case.response, case.heldout, case.size_px).some(MAX_PATCHES)
     t_s = np.array([frame.t_s for frame in case.frames])[model.frame]
     at = np.repeat(model.patches.at, 3, axis=0)
     covariates = {"column": at[:, 0], "row": at[:, 1], "time": t_s, "level": model.patches.simulated.ravel()}
@@ -191,7 +191,7 @@ def _sharpness(case: PictureCase, model: EdgeModel, x: Array) -> Part | None:
 def _wide(sighting: Sighting, good: Mask) -> Sighting:
     """Some of the edges of which enough is seen, spread over all."""
     kept = np.flatnonzero(good & (sighting.width_px > NARROWEST_PX))
-    kept = kept[:: max(1, len(kept) // MOST_EDGES)]
+    kept = kept[:: max(1, len(kept) // MAX_EDGES)]
     points = type(sighting.points)(
         sighting.points.frame[kept], sighting.points.on_line[kept], sighting.points.outwards[kept]
     )
@@ -209,10 +209,10 @@ def _sharpness_model(case: PictureCase, view: View, sighting: Sighting, pictures
     along, values = seen.along_px[::2], seen.light[:, ::2]
     late = view.x.copy()
     place = next(k for k, number in enumerate(EdgeModel.numbers) if number.name == "time_offset")
-    step = MOST_MOVED_S / EdgeModel.numbers[place].tolerance
+    step = MAX_MOVED_S / EdgeModel.numbers[place].tolerance
     late[place] += step
     moved = View(case, late).pixels(sighting.points) - view.pixels(sighting.points)
-    speed = (moved * sighting.outwards).sum(axis=1) / MOST_MOVED_S
+    speed = (moved * sighting.outwards).sum(axis=1) / MAX_MOVED_S
     outside = np.median(values[:, along > 0.6 * REACH_PX])
     # In the middle of where the line is widest, where blur has brought least of the floor.
     widest = np.argsort(sighting.width_px)[-max(5, len(values) // 5) :]

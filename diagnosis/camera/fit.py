@@ -51,12 +51,12 @@ class Model(Protocol):
         ...
 
     @property
-    def least_sd(self) -> float:
+    def min_sd(self) -> float:
         """Standard deviation of a sample's noise, at least: what no model of it tells."""
         ...
 
     @property
-    def most_worth(self) -> float:
+    def max_worth(self) -> float:
         """Independent samples that one picture is worth at most, for pictures of one floor share its stains."""
         ...
 
@@ -139,7 +139,7 @@ def fitted(model: Model, freed: Sequence[int], x: Array, noise: tuple[float, flo
     The noise is that of what the fit leaves; or `noise`, its standard deviation and the worth of a sample.
     """
     weights, own = prior(model.numbers, freed), model.own(x)
-    sd, worth = noise or (max(_spread(model.left(x)[model.fit]), model.least_sd), 1.0)
+    sd, worth = noise or (max(_spread(model.left(x)[model.fit]), model.min_sd), 1.0)
     found = quadratic = None
     for _ in range(ROUNDS):
         quadratic = _quadratic(model, x, own, sd, worth)
@@ -148,7 +148,7 @@ def fitted(model: Model, freed: Sequence[int], x: Array, noise: tuple[float, flo
         x = found
         if noise is None:
             left = without_own(model, model.left(x), own, sd, worth)
-            sd, worth = max(_spread(left[model.fit]), model.least_sd), _worth(model, left / sd)
+            sd, worth = max(_spread(left[model.fit]), model.min_sd), _worth(model, left / sd)
         if step < SETTLED:
             break
     quadratic = _quadratic(model, x, own, sd, worth)
@@ -276,7 +276,7 @@ def _worth(model: Model, z: Array) -> float:
     use = np.isfinite(z) & (np.abs(z) < CORNER) & model.fit
     next_to = use[1:] & use[:-1] & (model.frame[1:] == model.frame[:-1])
     a, b = z[:-1][next_to], z[1:][next_to]
-    most = model.most_worth * len(np.unique(model.frame[use])) / max(1, np.count_nonzero(use))
+    most = model.max_worth * len(np.unique(model.frame[use])) / max(1, np.count_nonzero(use))
     if len(a) < 20:
         return min(1.0, most)
     p = float(np.clip((a @ b) / np.sqrt((a @ a) * (b @ b)), 0.0, 0.95))

@@ -39,8 +39,8 @@ class EdgeModel:
     width_px: Array
     """(N,), of the line there."""
     numbers: tuple[Number, ...] = GEOMETRY
-    least_sd: float = 0.05
-    most_worth: float = float("inf")
+    min_sd: float = 0.05
+    max_worth: float = float("inf")
 
     @property
     def frame(self) -> Ints:

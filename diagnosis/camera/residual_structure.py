@@ -14,7 +14,7 @@ from diagnosis.camera.fit import Fit, Model, without_own
 from symolo.core.arrays import Array
 
 LEVEL = 0.001
-LEAST_SHARE = 0.08
+MIN_SHARE = 0.08
 """Of the variance of what is left."""
 DEGREE = 4
 CLIP = 3.0
@@ -49,4 +49,4 @@ def remains(model: Model, fit: Fit, covariates: Mapping[str, Array]) -> Remains 
         p = min(1.0, float(fdtrc(DEGREE, independent - DEGREE - 1, F)) * len(covariates))
         found.append(Remains(name, p, explained / total))
     strongest = max(found, key=lambda of: of.share, default=None)
-    return strongest if strongest and strongest.p < LEVEL and strongest.share > LEAST_SHARE else None
+    return strongest if strongest and strongest.p < LEVEL and strongest.share > MIN_SHARE else None

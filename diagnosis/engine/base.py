@@ -13,7 +13,7 @@ from physics.robot.model import RobotModel
 from physics.twin import KinematicTwin
 from symolo.core.arrays import Array
 
-LEAST_SHARE = 0.05
+MIN_SHARE = 0.05
 """Of a motor's inertia and friction, that is left to it when those of a body are taken out."""
 TWIN_STEP_S = 0.005
 
@@ -67,4 +67,4 @@ def without_body(robot: RobotConfig) -> RobotConfig:
 
 def less(whole: float, part: float) -> float:
     """What is left of a motor's number, and never nothing."""
-    return max(whole - part, LEAST_SHARE * whole)
+    return max(whole - part, MIN_SHARE * whole)

@@ -12,7 +12,7 @@ from symolo.core.arrays import Array
 
 SAME_TEMPERATURE_K = 3.0
 NOT_NOTED = -1e9
-MOST_TRIALS = 12
+MAX_TRIALS = 12
 """Told one by one; of more, the first ones."""
 _HEAD = ("channel", "unit", "", "rows", "missing", "no target", "stale", "wild", "from", "to", "step", "noise", "known")
 
@@ -45,11 +45,11 @@ def _licence(measurement: Measurement) -> str:
 def _trials(measurement: Measurement) -> Iterator[str]:
     times = f"{'begins, s':>12}{'lasts, s':>11}{'rate, Hz':>10}{'gaps':>6}{'longest, s':>12}"
     yield f"{'trial':28}{'rows':>7}{'held out':>10}{times}"
-    for trial in measurement.trials[:MOST_TRIALS]:
+    for trial in measurement.trials[:MAX_TRIALS]:
         held = int(np.count_nonzero(trial.holdout))
         begins = "-" if trial.begins_s is None else f"{trial.begins_s + trial.t_s[0]:.3f}"
         yield f"{trial.name:28}{len(trial.t_s):>7}{held:>10}{begins:>12}{_times(trial)}"
-    more = len(measurement.trials) - MOST_TRIALS
+    more = len(measurement.trials) - MAX_TRIALS
     if more > 0:
         yield f"and {more} more"
 

@@ -12,7 +12,7 @@ from diagnosis.measured.nominal import NOMINAL, KnownMotor, KnownWheels
 from symolo.core.arrays import Array
 from symolo.core.atomic_files import make_folder, write_file
 
-MOST_DECIMALS = 12
+MAX_DECIMALS = 12
 """Beyond which a number is written as the shortest that reads back equal."""
 SUM_S = 1e-9
 """Error of a session time, the sum of a trial's start and a time in it, which is rounded."""
@@ -71,7 +71,7 @@ def _texts(values: Array, decimals: int, within: float = 0.0) -> list[str]:
 
 def _text(value: float, decimals: int, within: float) -> str:
     """With these decimals, or more where it would not read back as the value within so much."""
-    for digits in range(decimals, MOST_DECIMALS + 1):
+    for digits in range(decimals, MAX_DECIMALS + 1):
         text = f"{round(value, digits) + 0.0:.{digits}f}"
         if abs(float(text) - value) <= within:
             return text

@@ -8,7 +8,7 @@ from diagnosis.against import Against, Compared, Left
 from diagnosis.report.quantities import axis, percent
 from symolo.pages.markup import Html, picture, table, tag
 
-MOST_RUNS = 12
+MAX_RUNS = 12
 """In the table of runs."""
 
 
@@ -83,7 +83,7 @@ def _quantiles(of: Compared) -> list[str]:
 
 def _runs(found: Against) -> Iterator[list[str | Html]]:
     yield ["measured", *(f"{_signed(of.middle)} ± {of.scatter:.2g}" for of in found.left)]
-    shown = list(range(len(found.left[0].runs)))[:MOST_RUNS]
+    shown = list(range(len(found.left[0].runs)))[:MAX_RUNS]
     for k in shown:
         name = found.runs[k] if len(found.runs) == len(found.left[0].runs) else f"run {k + 1}"
         yield [name, *(f"{_signed(of.middles[k])} ± {of.scatters[k]:.2g}" for of in found.left)]

@@ -9,7 +9,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.stuck_rows import StuckRow, stuck_rows
 from diagnosis.inference.fit import Fit
 from diagnosis.inference.plausible import beyond
-from diagnosis.inference.unexplained.leave_one_out import MOST_ROWS, leave_one_out
+from diagnosis.inference.unexplained.leave_one_out import MAX_ROWS, leave_one_out
 from diagnosis.measured.measurement import Kind
 
 
@@ -19,7 +19,7 @@ def on_rows(diagnosis: Diagnosis) -> Iterator[str]:
         yield from (_stuck(row, diagnosis) for row in stuck_rows(diagnosis.measurement, diagnosis.nominal))
     evidence = diagnosis.evidence
     rows = {len(of.values) for of in evidence.observed}
-    if evidence.heldout.any() or len(rows) != 1 or max(rows) > MOST_ROWS:
+    if evidence.heldout.any() or len(rows) != 1 or max(rows) > MAX_ROWS:
         return
     before = _missed(evidence, diagnosis.selection.nominal)
     after = _missed(evidence, diagnosis.fit) if diagnosis.named else {}

@@ -94,7 +94,7 @@ def reasoning(found: Findings) -> list[str]:
     lines += [f"What the selected model leaves, most telling first; structure from p < {LEVEL:g}"]
     lines += [
         f"  {of.observed:20} along {of.covariate:20} {of.what:18} p = {of.p:.2g}"
-        for of in diagnosis.adequacy.structures[:MOST_TESTS]
+        for of in diagnosis.adequacy.structures[:MAX_TESTS]
     ]
     if diagnosis.withdrawn:
         lines += [f"Given up, for they are not needed beside that structure: {', '.join(diagnosis.withdrawn)}"]
@@ -105,4 +105,4 @@ def reasoning(found: Findings) -> list[str]:
     return lines
 
 
-MOST_TESTS = 12
+MAX_TESTS = 12

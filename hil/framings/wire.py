@@ -1,6 +1,6 @@
 """Numbers as they go over the line: rounded, kept within what the bits hold, the same for every framing."""
 
-from hil.frames import CHANNELS, MOST_INCREMENT, SensorFrame
+from hil.frames import CHANNELS, MAX_INCREMENT, SensorFrame
 from physics.control.base import State
 
 MISSING_MM = 65535
@@ -39,7 +39,7 @@ def increments(frame: SensorFrame) -> tuple[int, int]:
         ValueError: They do not fit in 16 bits, as no wheel turns in a tick.
     """
     right, left = frame.encoder_increments
-    if max(abs(right), abs(left)) > MOST_INCREMENT:
+    if max(abs(right), abs(left)) > MAX_INCREMENT:
         raise ValueError(f"encoder increments {right}, {left} do not fit in 16 bits")
     return right, left
 

@@ -38,7 +38,7 @@ class Straight:
         """0; that of an arc is positive to the left."""
         return 0.0
 
-    def at_least_away_m(self, x_m: float, y_m: float) -> float:
+    def at_min_away_m(self, x_m: float, y_m: float) -> float:
         """A lower bound of the distance between a floor point and the piece's centre line."""
         tx, ty = self.tangent
         x, y = x_m - self.start[0], y_m - self.start[1]
@@ -80,7 +80,7 @@ class Arc:
         """Positive to the left."""
         return self.turn / self.radius_m
 
-    def at_least_away_m(self, x_m: float, y_m: float) -> float:
+    def at_min_away_m(self, x_m: float, y_m: float) -> float:
         """A lower bound of the distance between a floor point and the piece's centre line."""
         return abs(hypot(x_m - self.center[0], y_m - self.center[1]) - self.radius_m)
 

@@ -70,17 +70,17 @@ class ObstacleFacing:
         match self._phase:
             case _Phase.BACK if travelled_m >= config.back_m:
                 return _Phase.TURN_OUT
-            case _Phase.TURN_OUT if not visible or turned_rad > config.most_out_rad:
+            case _Phase.TURN_OUT if not visible or turned_rad > config.max_out_rad:
                 return _Phase.SWEEP_IN
             case _Phase.SWEEP_IN:
                 return self._swept(seen, turned_rad)
             case _Phase.FACE if abs(yaw - self._heading) < config.tolerance_rad:
                 return _Phase.TRIM
-            case _Phase.FACE if turned_rad > config.most_in_rad:
+            case _Phase.FACE if turned_rad > config.max_in_rad:
                 return _Phase.TRIM
             case _Phase.TRIM if abs(seen.front_m - self._distance_m) < config.tolerance_m:
                 return _Phase.DONE
-            case _Phase.TRIM if travelled_m > config.most_trim_m:
+            case _Phase.TRIM if travelled_m > config.max_trim_m:
                 return _Phase.DONE
             case _:
                 return self._phase
@@ -90,7 +90,7 @@ class ObstacleFacing:
         if visible:
             self._sweep.append((seen.front_m, seen.odometry[2]))
         over = bool(self._sweep) and not visible
-        if not over and turned_rad < self._config.most_in_rad:
+        if not over and turned_rad < self._config.max_in_rad:
             return _Phase.SWEEP_IN
         if self._sweep:
             # Near its edges the reading mixes with what lies behind; the middle is where it is nearest.

@@ -20,7 +20,7 @@ from symolo.core.arrays import Array
 _GAUSS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
 NODES, WEIGHTS = (0.5 * (1.0 + _GAUSS)).tolist(), (0.5 * _GAUSS_WEIGHTS).tolist()
 """Of Gauss's rule on 0 to 1, for the mean of a voltage that lags."""
-LEAST_INERTIA_KG_M2 = 1e-12
+MIN_INERTIA_KG_M2 = 1e-12
 
 
 class Driveline:
@@ -90,7 +90,7 @@ class Driveline:
         if not self._actuator:
             return command_V, command_V
         (lag,) = self._actuator
-        decay_1_s = self.damping_N_m_s_rad / np.maximum(self.inertia_kg_m2, LEAST_INERTIA_KG_M2)
+        decay_1_s = self.damping_N_m_s_rad / np.maximum(self.inertia_kg_m2, MIN_INERTIA_KG_M2)
         weighed, weights = np.zeros(()), np.zeros(())
         for node, weight in zip(NODES, WEIGHTS, strict=True):
             left = weight * np.exp(-decay_1_s * (NODES[-1] - node) * duration_s)

@@ -19,7 +19,7 @@ from symolo.core.finite import require_finite
 
 SETTLED = 1e-11
 """Of the highest speed, to which a steady speed is found."""
-MOST_STEPS = 200
+MAX_STEPS = 200
 
 
 def steady_states(model: RobotModel, voltage_V: Array, time_s: Array) -> tuple[Array, Array]:
@@ -65,7 +65,7 @@ def _root(function: Callable[[Array], Array], at_0: Array, top: Array, wanted: N
     low: Array = np.zeros_like(at_0)
     high, at_low, at_high = low + top, at_0, function(top)
     root, was_above = low, wanted
-    for step in range(MOST_STEPS):
+    for step in range(MAX_STEPS):
         spread = at_low - at_high
         share = np.clip(at_low / np.where(spread > 0.0, spread, 1.0), 0.0, 1.0)
         halves = step % 3 == 2

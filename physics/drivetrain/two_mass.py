@@ -7,7 +7,7 @@ import numpy as np
 from physics.drivetrain.motor_arrays import HeldDrive
 from symolo.core.arrays import Array
 
-LEAST_DAMPING_N_M_S_RAD = 1e-12
+MIN_DAMPING_N_M_S_RAD = 1e-12
 """Stands for none."""
 
 
@@ -31,7 +31,7 @@ class Load:
 
     def moved(self, speed_rad_s: Array, duration_s: float | Array) -> tuple[Array, Array]:
         """Speed [rad/s] after a while and angle [rad] turned meanwhile; exact, through a stop and a start."""
-        damping = np.maximum(self.damping_N_m_s_rad, LEAST_DAMPING_N_M_S_RAD)
+        damping = np.maximum(self.damping_N_m_s_rad, MIN_DAMPING_N_M_S_RAD)
         held = HeldDrive(self.torque_N_m, damping, self.friction_N_m, self.inertia_kg_m2)
         return held.step(speed_rad_s, duration_s)
 

@@ -10,7 +10,7 @@ from symolo.core.arrays import Array
 NEWTON_STEPS = 5
 """The loss is convex in itself and straight between the kinks where a current begins, ends or turns: two of each of two
 motors. From zero loss Newton's method passes each at most once, and between two it is exact."""
-LEAST_SLOPE = 1e-9
+MIN_SLOPE = 1e-9
 
 
 def sagged_current_A(values: SupplySag, emf_V: Array, bridge: Bridge) -> Array:
@@ -33,7 +33,7 @@ def sagged_current_A(values: SupplySag, emf_V: Array, bridge: Bridge) -> Array:
             return current
         off_V = (draws_V * np.abs(current)).sum(axis=-1, keepdims=True) - lost_V
         slope = 1.0 + (eases * sign).sum(axis=-1, keepdims=True)
-        lost_V = np.minimum(lost_V + off_V / np.maximum(slope, LEAST_SLOPE), bridge.supply_V)
+        lost_V = np.minimum(lost_V + off_V / np.maximum(slope, MIN_SLOPE), bridge.supply_V)
     return bridge.current_A(emf_V - duty * lost_V)
 
 

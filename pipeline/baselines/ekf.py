@@ -26,7 +26,7 @@ LASTING_S = 1.0
 """After which the offset of a sensor is another one, for it looks at another wall or from another side."""
 GATE = 6.635
 """99 % of chi-square with one degree of freedom: what is less likely is of something that is on no map."""
-LEAST_STEP = np.array([0.002, 0.002, 0.01])
+MIN_STEP = np.array([0.002, 0.002, 0.01])
 """Of the differences by x [m], y [m], yaw [rad], which are otherwise as wide as the pose is uncertain."""
 WIDTH = 3.0
 """Squared, in standard deviations: that of a Gaussian's differences (Norgaard and others, as below)."""
@@ -98,7 +98,7 @@ class _Filter:
         in state estimation for nonlinear systems", Automatica 36 (2000) 1627-1638): where an edge of the map may be in
         the beam the deviation is large, and where there may be no target all of it is nan.
         """
-        root = np.linalg.cholesky(self.covariance[:3, :3] + np.diag(LEAST_STEP**2))
+        root = np.linalg.cholesky(self.covariance[:3, :3] + np.diag(MIN_STEP**2))
         moves = np.sqrt(WIDTH) * np.concatenate([np.zeros((3, 1)), root, -root], axis=1).T
         here, *around = self._ranges.expected(at - self._ranges.age_s * self._speed + moves)
         ahead, behind = np.array(around[:3]), np.array(around[3:])

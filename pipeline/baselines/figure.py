@@ -12,7 +12,7 @@ from pipeline.baselines.errors import off
 from pipeline.baselines.runs import LoggedRun
 from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, VERMILION, finished, png
 
-MOST_RUNS = 8
+MAX_RUNS = 8
 """More would be a poster."""
 _STYLES = ((VERMILION, "--"), (BLUE, "-"), (GREEN, "-."), (ORANGE, ""))
 """Colour and line by method, in the order of the table; none is points alone."""
@@ -20,7 +20,7 @@ _STYLES = ((VERMILION, "--"), (BLUE, "-"), (GREEN, "-."), (ORANGE, ""))
 
 def figure(compared: Compared) -> bytes:
     """As PNG: of the first runs."""
-    shown = compared.runs[:MOST_RUNS]
+    shown = compared.runs[:MAX_RUNS]
     drawn = Figure(figsize=(13.5, 4.0 * len(shown) + 0.3), layout="constrained")
     panels = drawn.subplots(len(shown), 3, width_ratios=(1.0, 1.15, 1.15), squeeze=False)
     for row, (run, (floor, place, turn)) in enumerate(zip(shown, panels, strict=True)):

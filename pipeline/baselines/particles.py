@@ -32,7 +32,7 @@ SEEN, SHORT, MISSED = 0.8, 0.15, 0.05
 """Of readings where the map has a target: of it, of something before it that is on no map, of nothing."""
 STRAY = 0.2
 """Of readings where the map has no target, but there is one."""
-LEAST_SD = np.array([1e-4, 1e-4, 1e-4])
+MIN_SD = np.array([1e-4, 1e-4, 1e-4])
 """Of the covariance told, x [m], y [m], yaw [rad]: particles at one place do not make a robot that is sure."""
 
 
@@ -109,7 +109,7 @@ class _Filter:
         mean = np.array([weight @ x, weight @ y, heading])
         from_mean = self.particles[:, :3] - mean
         from_mean[:, 2] = wrapped(from_mean[:, 2])
-        return mean, (weight * from_mean.T) @ from_mean + np.diag(LEAST_SD**2)
+        return mean, (weight * from_mean.T) @ from_mean + np.diag(MIN_SD**2)
 
 
 def _estimate(given: Given, _lessons: Sequence[Lesson], rng: np.random.Generator) -> Estimate:

@@ -12,7 +12,7 @@ from symolo.core.arrays import Array
 
 BEAM_SD_SHARE = 0.28
 """Of the field of view: the beam falls to about a fifth at its edge."""
-LEAST_SIGNAL = 0.15
+MIN_SIGNAL = 0.15
 """Of the light that a wall head-on returns: with less the device tells no target."""
 REACH = 1.25
 """Rays end at so much of the longest range."""
@@ -56,7 +56,7 @@ class RangeModel:
         returned = weight.sum(axis=2)
         range_m = self._head_on * reach_m * (weight * hits.fraction.reshape(shape)).sum(axis=2)
         range_m /= np.maximum(returned, 1e-12)
-        seen = (returned >= LEAST_SIGNAL * self._head_on) & (range_m <= self._longest_m)
+        seen = (returned >= MIN_SIGNAL * self._head_on) & (range_m <= self._longest_m)
         return np.where(seen, range_m, np.nan)
 
 

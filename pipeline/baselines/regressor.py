@@ -32,7 +32,7 @@ WIDTHS = (0.05, 0.1, 0.2, 0.3, 0.5, 0.8)
 """Widths that are tried, of the weights: in shares of the distance to the likest picture."""
 PARTS = 4
 """Of the one run that there is to learn from, each left out in turn."""
-LEAST_SD = np.array([0.01, 0.01, 0.02])
+MIN_SD = np.array([0.01, 0.01, 0.02])
 """Of the covariance told: neighbouring pictures are 3 cm apart."""
 
 
@@ -108,7 +108,7 @@ def _weighted(distances: Array, taught: Array, width: float) -> tuple[Array, Arr
     away = taught[None] - pose[:, None]
     away[..., 2] = wrapped(away[..., 2])
     covariance = np.einsum("mt,mti,mtj->mij", weight, away, away, optimize=True)
-    return pose, covariance + np.diag(LEAST_SD**2)
+    return pose, covariance + np.diag(MIN_SD**2)
 
 
 def _distances(asked: Array, taught: Array) -> Array:

@@ -18,7 +18,7 @@ from pipeline.commands.options import (
 from pipeline.preview import Engine
 
 RUN_FAILED = 3
-_MOST_WIDE_PX = 2048
+_MAX_WIDE_PX = 2048
 
 
 def preview(
@@ -42,7 +42,7 @@ def preview(
         typer.Option("--look", "--looks", metavar="NAME,...", help="Looks to show in turn; else the scenario's own."),
     ] = None,
     settings: Settings = None,
-    width_px: Annotated[int, typer.Option(min=32, max=_MOST_WIDE_PX, help="Width of each picture.")] = 320,
+    width_px: Annotated[int, typer.Option(min=32, max=_MAX_WIDE_PX, help="Width of each picture.")] = 320,
     columns: Annotated[int, typer.Option(min=1, max=100, help="Pictures in a row.")] = 6,
     workers: Workers = None,
     device: OnDevice = None,

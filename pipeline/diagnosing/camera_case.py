@@ -18,7 +18,7 @@ from sensors.camera.response import CameraResponse
 from symolo.core.errors import InputError
 from symolo.dataset.rows import Rows
 
-MOST_FRAMES = 60
+MAX_FRAMES = 60
 """Of a run's pictures, evenly spread: more tell little more."""
 FEWEST_FRAMES = 6
 
@@ -60,7 +60,7 @@ def read_picture_case(run: Path, simulated: Path | None, pose_errors: PoseErrors
             allowed=f"at least {FEWEST_FRAMES}",
             cure="give a longer run",
         )
-    chosen = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), MOST_FRAMES)).round().astype(int)).tolist()
+    chosen = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), MAX_FRAMES)).round().astype(int)).tolist()
     same_place = {} if simulated is None else _same_places(rows, nominal)
     frames = []
     for k, i in enumerate(chosen):

@@ -19,7 +19,7 @@ from symolo.core.errors import InputError
 
 BLOCK_FRAMES = 50
 """Long enough that Blender's start and the first picture's maps are a small part, short enough for many machines."""
-MOST_PARTS = 100_000
+MAX_PARTS = 100_000
 
 
 @dataclass(frozen=True)
@@ -38,8 +38,8 @@ class Part:
         """
         found = re.fullmatch(r"(\d{1,6})/(\d{1,6})", text)
         number, of = map(int, found.groups()) if found else (0, 0)
-        if not 1 <= number <= of <= MOST_PARTS:
-            raise InputError("--part", got=text, allowed=f"k/n with 1 <= k <= n <= {MOST_PARTS}, such as 3/10")
+        if not 1 <= number <= of <= MAX_PARTS:
+            raise InputError("--part", got=text, allowed=f"k/n with 1 <= k <= n <= {MAX_PARTS}, such as 3/10")
         return cls(number, of, local)
 
     @property

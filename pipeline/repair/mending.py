@@ -11,7 +11,7 @@ from symolo.core.atomic_files import make_folder, remove_file, write_file
 from symolo.core.progress import Report
 from symolo.verification.inventory import LISTS, Inventory
 
-MOST_BYTES = 1 << 16
+MAX_BYTES = 1 << 16
 """Of a file in which a single wrong bit is looked for; the time goes by the square of its size, 10 s for this one."""
 
 RUN_PARTS = 2
@@ -116,7 +116,7 @@ class Mending:
 
 def with_one_bit_less_wrong(data: bytes, digest: str) -> bytes | None:
     """The content with that SHA-256 that differs in a single bit, None where there is none or the file is too large."""
-    if len(data) > MOST_BYTES:
+    if len(data) > MAX_BYTES:
         return None
     before = hashlib.sha256()
     for i, byte in enumerate(data):

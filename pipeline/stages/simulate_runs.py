@@ -35,7 +35,7 @@ FORMAT = 3
 filter of the speed that does not hold it."""
 
 TRAJECTORY, OUTCOME = "trajectory.npz", "outcome.json"
-MOST_EVENTS = 1000
+MAX_EVENTS = 1000
 
 
 class RunOutcome(BaseModel):
@@ -54,7 +54,7 @@ class RunOutcome(BaseModel):
     board: BoardRecord | None = None
     """What drove the robot in place of the built-in controller."""
     events: tuple[str, ...] = ()
-    """What happened on the line to the board, when; at most MOST_EVENTS of it."""
+    """What happened on the line to the board, when; at most MAX_EVENTS of it."""
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -223,7 +223,7 @@ def _board_record(board: Board, pilot: PilotFromBoard) -> BoardRecord:
 
 
 def _event_lines(events: Sequence[BoardEvent], control_hz: int) -> tuple[str, ...]:
-    lines = [f"{event.tick / control_hz:.2f} s: {event.kind}: {event.text}" for event in events[:MOST_EVENTS]]
+    lines = [f"{event.tick / control_hz:.2f} s: {event.kind}: {event.text}" for event in events[:MAX_EVENTS]]
     left = len(events) - len(lines)
     return (*lines, *([f"and {left} more"] if left else []))
 

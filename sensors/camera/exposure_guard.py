@@ -8,7 +8,7 @@ import numpy as np
 
 BLACK_UP_TO, BURNT_FROM = 16, 250
 """Grey values of 8 bits between which a picture tells light from dark; 16 is the black of video (ITU-R BT.601)."""
-MOST_BLACK, MOST_BURNT = 0.25, 0.10
+MAX_BLACK, MAX_BURNT = 0.25, 0.10
 """Shares of a picture. A dark tape is above `BLACK_UP_TO`; the exposure itself keeps burnt pixels below a twentieth."""
 ALL = 0.99
 
@@ -44,7 +44,7 @@ def exposure_warnings(pictures: Mapping[str, Extremes]) -> tuple[str, ...]:
     """One line for black and one for burnt pictures of a run, by file name; none where all are well."""
     black = {name: found.black for name, found in pictures.items()}
     burnt = {name: found.burnt for name, found in pictures.items()}
-    return (*_warning("black", black, MOST_BLACK), *_warning("burnt", burnt, MOST_BURNT))
+    return (*_warning("black", black, MAX_BLACK), *_warning("burnt", burnt, MAX_BURNT))
 
 
 def _warning(what: str, shares: Mapping[str, float], most: float) -> Iterator[str]:

@@ -20,7 +20,7 @@ from symolo.core.random_streams import stream
 
 Image = NDArray[np.float32]
 
-_LEAST_SHARE = 0.02
+_MIN_SHARE = 0.02
 """Of blue, in light that is to become white: no gain is beyond some fifty. Light of 1900 K and less has none."""
 _BURNT_SHARE = 0.04
 _LUMA = np.array([0.299, 0.587, 0.114], np.float32)
@@ -73,8 +73,8 @@ class CameraResponse:
 
 def _white_balance(look: CameraLook, light: RGB) -> RGB:
     """Gains between those for `white_balance_K` and those that render `light` neutral, mixed on a log scale."""
-    fixed = np.maximum(light_rgb(look.white_balance_K), _LEAST_SHARE)
-    found = np.maximum(light, _LEAST_SHARE * max(light)) if max(light) > 0 else fixed
+    fixed = np.maximum(light_rgb(look.white_balance_K), _MIN_SHARE)
+    found = np.maximum(light, _MIN_SHARE * max(light)) if max(light) > 0 else fixed
     share = look.white_balance_adaption
     white = (fixed / fixed[1]) ** (1 - share) * (found / found[1]) ** share
     return 1.0 / float(white[0]), 1.0, 1.0 / float(white[2])

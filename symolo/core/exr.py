@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 _MAGIC = 20000630
 _LINES = {0: 1, 2: 1, 3: 16}
 """Scan lines in a block by kind of compression: none, ZIPS, ZIP."""
-_MOST_CHANNELS = 16
+_MAX_CHANNELS = 16
 """Of a compressed file."""
 _TYPES = {0: np.dtype("<u4"), 1: np.dtype("<f2"), 2: np.dtype("<f4")}
 
@@ -105,8 +105,8 @@ def _blocks(data: bytes, at: int, layout: _Layout) -> Channels:
     kind, line, (y0, y1), kept = layout.compression, layout.line, layout.rows, layout.kept
     if kind not in _LINES:
         raise ValueError("an OpenEXR file compressed otherwise than by ZIP; save it with ZIP compression or none")
-    if len(line.names or ()) > _MOST_CHANNELS:  # a small file may unpack to any number of them
-        raise ValueError(f"an OpenEXR file of {len(line.names or ())} channels; at most {_MOST_CHANNELS} are unpacked")
+    if len(line.names or ()) > _MAX_CHANNELS:  # a small file may unpack to any number of them
+        raise ValueError(f"an OpenEXR file of {len(line.names or ())} channels; at most {_MAX_CHANNELS} are unpacked")
     whole = np.empty(y1 - y0 + 1, [(name, line[name]) for name in kept])
     for first in range(y0, y1 + 1, _LINES[kind]):
         (place,) = struct.unpack_from("<Q", data, at)

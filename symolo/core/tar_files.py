@@ -56,12 +56,12 @@ def tar_chunks(members: Iterable[Member]) -> Iterator[bytes]:
     yield b"\0" * (_whole_records(written) - written)
 
 
-def shards(groups: Iterable[Sequence[AnyMember]], most_bytes: int) -> Iterator[tuple[AnyMember, ...]]:
+def shards(groups: Iterable[Sequence[AnyMember]], max_bytes: int) -> Iterator[tuple[AnyMember, ...]]:
     """Members of each tar, groups in their order and never parted.
 
-    A tar is larger than `most_bytes` only where one group alone is.
+    A tar is larger than `max_bytes` only where one group alone is.
     """
-    room = most_bytes // tarfile.RECORDSIZE * tarfile.RECORDSIZE - _END_BYTES
+    room = max_bytes // tarfile.RECORDSIZE * tarfile.RECORDSIZE - _END_BYTES
     members: list[AnyMember] = []
     used = 0
     for group in groups:

@@ -44,13 +44,13 @@ def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
     yield MadeFile("rows/train-00000-of-00001.parquet", lambda: stacked_bytes(data, _wide))
 
 
-def _shards(images: Sequence[Image], most_bytes: int) -> Iterator[tuple[Image, ...]]:
-    """In their order; the pictures of a shard are more than `most_bytes` only where those of one image alone are."""
+def _shards(images: Sequence[Image], max_bytes: int) -> Iterator[tuple[Image, ...]]:
+    """In their order; the pictures of a shard are more than `max_bytes` only where those of one image alone are."""
     shard: list[Image] = []
     used = 0
     for image in images:
         size = _bytes(image)
-        if shard and used + size > most_bytes:
+        if shard and used + size > max_bytes:
             yield tuple(shard)
             shard, used = [], 0
         shard.append(image)

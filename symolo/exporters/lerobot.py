@@ -81,7 +81,7 @@ class _Plan:
     tasks: tuple[str, ...]
     files: tuple[tuple[_Episode, ...], ...]
     """Episodes of each file of frames; none is torn apart."""
-    most_bytes: int
+    max_bytes: int
 
     @property
     def episodes(self) -> tuple[_Episode, ...]:
@@ -103,7 +103,7 @@ def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
         yield MadeFile(name, lambda episodes=episodes: _frames(episodes), lambda size=size: size)
 
 
-def _plan(data: Dataset, most_bytes: int) -> _Plan:
+def _plan(data: Dataset, max_bytes: int) -> _Plan:
     first = data.runs[0].spec
     for run in data.runs:
         if not run.numbers:
@@ -115,12 +115,12 @@ def _plan(data: Dataset, most_bytes: int) -> _Plan:
     used, frames = 0, 0
     for index, run in enumerate(data.runs):
         size = pictures_bytes(run.images)
-        if not files or used + size > most_bytes:
+        if not files or used + size > max_bytes:
             files.append([])
             used = 0
         files[-1].append(_Episode(run, index, frames, names.index(_task(run))))
         used, frames = used + size, frames + len(run.numbers)
-    return _Plan(data, names, tuple(map(tuple, files)), most_bytes)
+    return _Plan(data, names, tuple(map(tuple, files)), max_bytes)
 
 
 def _task(run: Run) -> str:
@@ -147,7 +147,7 @@ def _info(plan: _Plan) -> dict[str, Any]:
         "total_frames": sum(map(len, episodes)),
         "total_tasks": len(plan.tasks),
         "chunks_size": _FILES_PER_CHUNK,
-        "data_files_size_in_mb": max(1, plan.most_bytes // 1_000_000),
+        "data_files_size_in_mb": max(1, plan.max_bytes // 1_000_000),
         "video_files_size_in_mb": 200,
         "fps": first.spec.rates.camera_hz,
         "splits": {"train": f"0:{len(episodes)}"},

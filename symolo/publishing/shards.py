@@ -32,17 +32,17 @@ class PlannedShard:
         return tar_bytes(self.members)
 
 
-def planned_shards(root: Path, digests: Mapping[str, str], folder: str, most_bytes: int) -> list[PlannedShard]:
+def planned_shards(root: Path, digests: Mapping[str, str], folder: str, max_bytes: int) -> list[PlannedShard]:
     """Every file below `folder`, by name; the same shards for the same release and size.
 
     Args:
         root: The release.
         digests: SHA-256 of each of its files.
         folder: To which the shards unpack.
-        most_bytes: Size of a shard, unless one file is larger.
+        max_bytes: Size of a shard, unless one file is larger.
     """
     members = [KnownMember(f"{folder}/{name}", root / name, digests[name]) for name in sorted(digests, key=_place)]
-    parts = shards(_groups(members, most_bytes), most_bytes)
+    parts = shards(_groups(members, max_bytes), max_bytes)
     return [PlannedShard(_name(folder, number, part), part) for number, part in enumerate(parts)]
 
 
@@ -51,10 +51,10 @@ def _place(name: str) -> tuple[bool, str]:
     return "/" in name, name
 
 
-def _groups(members: list[KnownMember], most_bytes: int) -> Iterator[tuple[KnownMember, ...]]:
+def _groups(members: list[KnownMember], max_bytes: int) -> Iterator[tuple[KnownMember, ...]]:
     for _, of_run in groupby(members, key=lambda member: member.name.split("/")[1:-1][:2]):
         group = tuple(of_run)
-        if tar_bytes(group) <= most_bytes:
+        if tar_bytes(group) <= max_bytes:
             yield group
         else:
             yield from ((member,) for member in group)

@@ -4,16 +4,16 @@ from collections.abc import Iterator, Sequence
 
 from symolo.core.progress import Report
 from symolo.reader.dataset import Dataset
-from symolo.report.page import MOST_OUTLIERS, page
+from symolo.report.page import MAX_OUTLIERS, page
 from symolo.report.plots.all_plots import A_FIGURE, Pictures
 from symolo.report.state_sheets import shown_of_states, thumbnail
 from symolo.report.statistics.facts import ReleaseFacts, release_facts
 from symolo.report.statistics.maps import Map, maps_of
 from symolo.report.statistics.spread import spread
 
-MOST_MAPS = 12
+MAX_MAPS = 12
 """Whole figures of them."""
-MOST_ROWS = 40
+MAX_ROWS = 40
 """Runs whose images' numbers have a row of their own."""
 
 
@@ -43,16 +43,16 @@ def _pictures(data: Dataset, facts: ReleaseFacts, report: Report) -> Pictures:
     of_run = {one.record.run: one for one in facts.runs}
     maps = maps_of(facts.runs)
     sheets = shown_of_states(facts.runs)
-    rows = spread(facts.images, MOST_ROWS)
+    rows = spread(facts.images, MAX_ROWS)
     runs = {}
     with report.stage("pictures", len(facts.detailed), "runs") as stage:
         for done, name in enumerate(facts.detailed, start=1):
             runs[name] = run_picture(data[name], of_run[name])
             stage.update("all", done)
     shown = {(one.run, one.number) for of_state in sheets.values() for one in of_state}
-    shown |= {(one.run, one.worst) for one in facts.outliers[:MOST_OUTLIERS]}
+    shown |= {(one.run, one.worst) for one in facts.outliers[:MAX_OUTLIERS]}
     return Pictures(
-        maps=tuple(map_picture(some) for some in _figures(spread(maps, MOST_MAPS))),
+        maps=tuple(map_picture(some) for some in _figures(spread(maps, MAX_MAPS))),
         maps_in_all=len(maps),
         runs=runs,
         sheets=sheets,

@@ -7,7 +7,7 @@ from symolo.report.plots.draw_strip import in_words, strip
 from symolo.report.statistics.draws import Draw, draws_of
 from symolo.report.statistics.facts import ReleaseFacts
 
-_MOST_OPTIONS = 8
+_MAX_OPTIONS = 8
 
 
 def draws_section(facts: ReleaseFacts) -> Iterator[Html]:
@@ -35,8 +35,8 @@ def _rows(draws: tuple[Draw, ...]) -> Iterator[list[str]]:
         field, asked = tag("td", draw.field, class_="field"), in_words(draw.asked)
         numbers = draw.numbers
         if numbers is None:
-            options = [f"{value} {count}" for value, count in draw.counts[:_MOST_OPTIONS]]
-            more = f" and {len(draw.counts) - _MOST_OPTIONS} more" if len(draw.counts) > _MOST_OPTIONS else ""
+            options = [f"{value} {count}" for value, count in draw.counts[:_MAX_OPTIONS]]
+            more = f" and {len(draw.counts) - _MAX_OPTIONS} more" if len(draw.counts) > _MAX_OPTIONS else ""
             yield [field, asked, "", "", "", ", ".join(options) + more]
         else:
             ordered = sorted(numbers)

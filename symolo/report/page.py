@@ -14,9 +14,9 @@ from symolo.report.runs_table import anchor, of_one, runs_table
 from symolo.report.statistics.facts import ReleaseFacts
 from symolo.report.statistics.outliers import Outlier
 
-MOST_OUTLIERS = 12
+MAX_OUTLIERS = 12
 """Places whose farthest image is shown."""
-_MOST_NAMED = 200
+_MAX_NAMED = 200
 SVG = "image/svg+xml"
 
 
@@ -122,14 +122,14 @@ def _images(facts: ReleaseFacts, pictures: Pictures) -> Iterator[Html]:
         )
         return
     count, total = sum(len(one.numbers) for one in found), sum(len(of.numbers) for of in facts.images)
-    shown = found[:MOST_OUTLIERS]
+    shown = found[:MAX_OUTLIERS]
     places = f" in {len(found)} places, the farthest out first" if len(found) > 1 else ""
     more = f"; {len(shown)} of the places are shown" if len(shown) < len(found) else ""
     yield tag(
         "p", f"{count} of {total} images{places}{more}. That alone is no fault: a wall close by has little detail."
     )
     yield _sheet([(one.run, one.worst, f"{one.why}; {_alike(one)}") for one in shown], pictures)
-    rest = found[MOST_OUTLIERS : MOST_OUTLIERS + _MOST_NAMED]
+    rest = found[MAX_OUTLIERS : MAX_OUTLIERS + _MAX_NAMED]
     if rest:
         names = [tag("li", f"{one.run}, image {one.worst}: {one.why}; {_alike(one)}") for one in rest]
         yield tag("details", tag("summary", f"{len(rest)} more"), tag("ul", names))

@@ -7,13 +7,13 @@ from symolo.report.statistics.facts import ReleaseFacts
 from symolo.report.statistics.run_facts import RunFacts
 from symolo.report.statistics.spread import spread
 
-MOST_ROWS = 1000
+MAX_ROWS = 1000
 _HEAD = ("run", "duration [s]", "lap [s]", "distance [m]", "rows", "images", "farthest off the line [mm]", "states")
 
 
 def runs_table(facts: ReleaseFacts) -> Iterator[Html]:
     """A row for each run, linked where it is shown by itself."""
-    shown = spread(facts.runs, MOST_ROWS)
+    shown = spread(facts.runs, MAX_ROWS)
     if len(shown) < len(facts.runs):
         yield tag("p", f"{len(shown)} of {len(facts.runs)} runs, spread evenly over them.", class_="note")
     yield table(_HEAD, [_row(one, linked=one.record.run in facts.detailed) for one in shown], class_="runs")

@@ -25,7 +25,7 @@ from symolo.storage.base import Store
 from symolo.storage.side_by_side import side_by_side
 from symolo.verification.inventory import LISTS
 
-MOST_BYTES = 1 << 28
+MAX_BYTES = 1 << 28
 """Of a list of checksums, which is some hundred bytes for each file."""
 
 
@@ -47,7 +47,7 @@ class Remote:
             EnvironmentLacking: The store cannot be reached.
         """
         sizes = store.sizes()
-        if sum(sizes.get(name, 0) for name in LISTS) > MOST_BYTES:
+        if sum(sizes.get(name, 0) for name in LISTS) > MAX_BYTES:
             raise InputError("holds a list of checksums that no release has", where=store.url)
         listed, tags = (store.get(name) if name in sizes else None for name in LISTS)
         if listed is None or tags is None:

@@ -20,7 +20,7 @@ from symolo.verification.findings import Finding
 
 LISTS = (MANIFEST, TAG_MANIFEST)
 
-MOST_LINES = 3000
+MAX_LINES = 3000
 """Of a manifest in which a single wrong line is looked for, which takes time by the square of their number."""
 
 
@@ -227,7 +227,7 @@ def _candidates(
     for names in ({*listed}, {*content}, {*listed} | {*assembled}):
         yield {name: assembled.get(name, content.get(name, listed.get(name, ""))) for name in names}
         yield {name: content[name] for name in names if name in content}
-    if len({*listed, *content}) <= MOST_LINES:
+    if len({*listed, *content}) <= MAX_LINES:
         for name, digest in content.items():  # one line edited or removed, while other files are damaged too
             if listed.get(name) != digest:
                 yield {**listed, name: digest}

@@ -21,7 +21,7 @@ from symolo.dataset.side_tables import BOARD, CAMERA, POSITIONS_HEADER, TOF, WHE
 from symolo.verification.annotations import ANNOTATIONS, annotation_faults
 from symolo.verification.findings import Finding
 
-MOST_PER_KIND = 5
+MAX_PER_KIND = 5
 """Faults of one kind that are named one by one; a file in wrong units has as many as rows."""
 
 START_TOLERANCE_M = 0.002
@@ -273,7 +273,7 @@ def _at(wrong: np.ndarray, values: np.ndarray, column: str, what: str) -> list[s
 
 
 def _limited(name: str, faults: Sequence[str]) -> Iterator[Finding]:
-    for fault in faults[:MOST_PER_KIND]:
+    for fault in faults[:MAX_PER_KIND]:
         yield Finding(name, fault)
-    if len(faults) > MOST_PER_KIND:
-        yield Finding(name, f"and {len(faults) - MOST_PER_KIND} more of this kind")
+    if len(faults) > MAX_PER_KIND:
+        yield Finding(name, f"and {len(faults) - MAX_PER_KIND} more of this kind")

@@ -200,15 +200,15 @@ def test_the_line_lies_where_the_route_starts_whatever_the_scenario(yaw_deg):
 @pytest.mark.parametrize(
     ("setting", "message"),
     [
-        ("most_bend_radius_m=0.1", r"arena\.generate\.least_bend_radius_m: got 0\.22, allowed: at most most_bend"),
-        ("least_obstacle_m=0.5", r"arena\.generate\.least_obstacle_m: got 0\.5, allowed: at most most_obstacle_m"),
-        ("least_obstacles=4", r"arena\.generate\.least_obstacles: got 4, allowed: at most most_obstacles, which is 1"),
+        ("max_bend_radius_m=0.1", r"arena\.generate\.min_bend_radius_m: got 0\.22, allowed: at most max_bend"),
+        ("min_obstacle_m=0.5", r"arena\.generate\.min_obstacle_m: got 0\.5, allowed: at most max_obstacle_m"),
+        ("min_obstacles=4", r"arena\.generate\.min_obstacles: got 4, allowed: at most max_obstacles, which is 1"),
         ("walls=2", r"arena\.generate\.walls: got 2, allowed: 0 or 3 and more"),
         ("corners=2", r"arena\.generate\.corners: got 2, allowed: whole number >= 3"),
         ("corners={uniform: [5, 3]}", r"arena\.generate\.corners"),
-        ("clearance.stretches_m=1.0", r"least_bend_radius_m: got 0\.22, allowed: at least half of clearance"),
-        ("most_decoy_distance_m=0.1", r"most_decoy_distance_m: got 0\.1, allowed: at least clearance\.beside_m"),
-        ("most_bend_radius_m=5.1", r"arena\.generate\.most_bend_radius_m: got 5\.1, allowed: number .*<= 5"),
+        ("clearance.stretches_m=1.0", r"min_bend_radius_m: got 0\.22, allowed: at least half of clearance"),
+        ("max_decoy_distance_m=0.1", r"max_decoy_distance_m: got 0\.1, allowed: at least clearance\.beside_m"),
+        ("max_bend_radius_m=5.1", r"arena\.generate\.max_bend_radius_m: got 5\.1, allowed: number .*<= 5"),
         ("cornes=4", r"arena\.generate\.cornes: unknown key.*did you mean corners"),
         ("surfaces=[woood]", r"surfaces.*did you mean wood"),
         ("surfaces=[]", r"arena\.generate\.surfaces"),
@@ -237,8 +237,8 @@ def test_a_floor_too_small_is_told():
     ("half_extent_m", "settings"),
     [
         (4.0, ["walls=3"]),  # two sides of a triangle may meet very far away
-        (2.2, ["walls=0", "most_decoys=20"]),
-        (2.4, ["walls=0", "irregularity=0.9", "corners=6", "least_obstacles=0"]),  # bends that lean outwards
+        (2.2, ["walls=0", "max_decoys=20"]),
+        (2.4, ["walls=0", "irregularity=0.9", "corners=6", "min_obstacles=0"]),  # bends that lean outwards
     ],
 )
 def test_all_that_is_drawn_stands_on_the_floor_or_another_attempt_is_made(half_extent_m, settings):
@@ -268,7 +268,7 @@ def test_an_arena_without_a_recipe_is_left_alone():
 def test_an_arc_in_a_right_angle_takes_its_radius_of_either_edge():
     """tan 45 degrees is 1: a square of 2 m with bends of 0.3 m has straights of 1.4 m and quarter circles."""
     square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
-    track = rounded(square, ArenaGenerator(least_bend_radius_m=0.3, most_bend_radius_m=0.3), stream(1, "x"))
+    track = rounded(square, ArenaGenerator(min_bend_radius_m=0.3, max_bend_radius_m=0.3), stream(1, "x"))
     assert track.begin == pytest.approx((0.3, 0.0, 0.0))
     assert [s.length_m for s in track.segments] == pytest.approx([1.4, 0.15 * math.pi] * 4)
     assert track.begins[-1] == pytest.approx((0.3, 0.0, 2 * math.pi))
@@ -304,7 +304,7 @@ def test_the_room_that_is_kept_is_more_than_robot_nominal_takes(nominal):
     assert limits.blocked_side_m < avoidance.free_side_beyond_m < limits.free_side_m
     noticed_m = avoidance.front_below_m + nominal.tof.mounts.front.x_m
     assert min(NOTICED_M) < noticed_m < max(NOTICED_M)
-    before_m = noticed_m + 0.5 * ArenaGenerator().most_obstacle_m
+    before_m = noticed_m + 0.5 * ArenaGenerator().max_obstacle_m
     assert limits.before_m > before_m
     assert limits.regained_side_m > nominal.controller.wall.found_within_m
     assert limits.after_m > avoidance.out_length_m + avoidance.along_length_m + avoidance.back_length_m - before_m
@@ -315,12 +315,12 @@ def test_the_straight_line_about_the_start_holds_the_robot_and_the_window_of_the
     assert Lap((0.0, 0.0, 0.0)).window_m < START_AHEAD_M
 
 
-@pytest.mark.parametrize(("least_m", "near"), [(0.15, False), (0.195, False), (0.205, True), (0.25, True)])
-def test_a_line_comes_as_near_itself_as_two_straights_are_apart(least_m, near):
+@pytest.mark.parametrize(("min_m", "near"), [(0.15, False), (0.195, False), (0.205, True), (0.25, True)])
+def test_a_line_comes_as_near_itself_as_two_straights_are_apart(min_m, near):
     """Half circles of 0.1 m join straights of 1 m; they are 0.2 m apart."""
     narrow = Track((0.0, 0.0, 0.0), (Segment(1.0, 0.0), Segment(0.1 * math.pi, 10.0)) * 2)
     points = narrow.poses(np.linspace(0.0, narrow.length_m, 260, endpoint=False))[:, :2]
-    assert clearance.comes_near_itself(points, narrow.length_m / 260, least_m) is near
+    assert clearance.comes_near_itself(points, narrow.length_m / 260, min_m) is near
 
 
 STADIUM = Track((-1.0, 0.0, 0.0), tuple(Segment(2.0, 0.0) if i % 2 == 0 else Segment(math.pi, 1.0) for i in range(4)))

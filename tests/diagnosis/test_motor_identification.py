@@ -43,7 +43,7 @@ def test_the_literal_recipe_does_not_round_to_the_printed_resistance():
     assert round(identify(TABLE_1).winding_resistance_ohm, 2) != TABLE_2.winding_resistance_ohm
 
 
-def test_both_recipes_agree_with_a_general_least_squares_solver():
+def test_both_recipes_agree_with_a_general_min_squares_solver():
     i, w, u = TABLE_1.current_A, TABLE_1.speed_rad_s, TABLE_1.voltage_V
     one = np.ones_like(u)
     electrical = np.linalg.lstsq(np.stack([i, w], 1), u, rcond=None)[0]

@@ -83,7 +83,7 @@ def blenders(process: int | None = None) -> Iterator[int]:
                 continue
 
 
-def test_blender_killed_200_times_loses_at_most_one_frame_each_time(tmp_path):
+def test_blender_killed_200_times_loses_at_max_one_frame_each_time(tmp_path):
     frames, most = 300, int(os.environ.get("SYMOLO_KILLS", "200"))
     whole, instants, kills, lost = tmp_path / "whole", np.random.Generator(np.random.PCG64(7)), 0, 0
     job = written_job(whole, frames, 64, 8)

@@ -11,7 +11,7 @@ from .drive_wheels import PIECES, ROW_S, Wheels, ground, kept, radii, slope, tur
 
 STEP_S = ROW_S / PIECES
 MARGIN_M = 0.45
-MOST_YAW_RATE = 2.2
+MAX_YAW_RATE = 2.2
 DISTURBANCE_S = 0.03
 PROPORTIONAL_V_S = 0.2
 INTEGRAL_V = 0.6
@@ -39,7 +39,7 @@ class Tour:
             return self.command
         error = np.arctan2(self.goal[1] - y, self.goal[0] - x) - theta
         error = float((error + np.pi) % (2.0 * np.pi) - np.pi)
-        yaw_rate = float(np.clip(2.5 * error, -MOST_YAW_RATE, MOST_YAW_RATE))
+        yaw_rate = float(np.clip(2.5 * error, -MAX_YAW_RATE, MAX_YAW_RATE))
         slow = 0.0 if self.mode == "turn" else 0.3
         return (self.speed if abs(error) < 0.4 else slow * self.speed), yaw_rate
 
@@ -50,7 +50,7 @@ class Tour:
         self.until_s = time_s + float(self.rng.uniform(*last))
         sides = [float(self.rng.uniform(MARGIN_M, side - MARGIN_M)) for side in self.room]
         self.goal = (sides[0], sides[1])
-        yaw_rate = float(self.rng.choice([-1.0, 1.0]) * self.rng.uniform(0.8, MOST_YAW_RATE))
+        yaw_rate = float(self.rng.choice([-1.0, 1.0]) * self.rng.uniform(0.8, MAX_YAW_RATE))
         self.command = (0.0, yaw_rate if self.mode == "spin" else 0.0)
 
 

@@ -14,8 +14,8 @@ from .noise import correlated, share, with_dropouts, with_outliers
 ROW_S = 0.005
 TRIAL_ROWS = 500
 FIRST_STEP_S = 0.1
-MOST_V = 5.0
-LEAST_V = 0.9
+MAX_V = 5.0
+MIN_V = 0.9
 RESOLUTION = {"current_A": 0.002, "omega_rad_s": 0.02}
 
 
@@ -61,7 +61,7 @@ def _sequence(rng: np.random.Generator, time_s: Array) -> Array:
     reverses = rng.random() < 1 / 3
     sign = rng.choice([-1.0, 1.0])
     while at < time_s[-1]:
-        size = np.round(rng.uniform(LEAST_V, MOST_V), 2)
+        size = np.round(rng.uniform(MIN_V, MAX_V), 2)
         sign = -sign if reverses else rng.choice([-1.0, 1.0])
         level = 0.0 if k % 2 and not (reverses and k % 4 == 1) else sign * size
         voltage[time_s > at + 1e-9] = level

@@ -82,7 +82,7 @@ def test_an_obstacle_is_at_the_distance_of_the_paths_for_both_controllers_alike(
 def test_every_number_of_the_controller_is_there(classroom, made):
     numbers = constants(made["settings.h"])
     assert numbers["LINE_K2_RAD_S"] == classroom.controller.line.k2_rad_s
-    assert numbers["AVOIDANCE_CURVES_FACE_MOST_IN_RAD"] == classroom.controller.avoidance.curves.face.most_in_rad
+    assert numbers["AVOIDANCE_CURVES_FACE_MAX_IN_RAD"] == classroom.controller.avoidance.curves.face.max_in_rad
     assert numbers["TRACK_M"] == classroom.drive.track_m
     assert numbers["WHEEL_RADIUS_M"] == 0.0325
 

@@ -64,14 +64,14 @@ def test_friction_and_winding_never_create_energy(step, motor, start, programme)
     for voltage, duration in programme:
         speed, angle = step(motor, voltage, speed, duration)
         charge_C = (voltage * duration - motor.torque_constant_N_m_A * angle) / motor.resistance_ohm
-        least_heat_J = (
+        min_heat_J = (
             motor.resistance_ohm * charge_C**2 / duration
             + motor.coulomb_N_m * abs(angle)
             + motor.viscous_N_m_s_rad * angle**2 / duration
         )
         before_J, kinetic_J = kinetic_J, 0.5 * motor.inertia_kg_m2 * speed**2
-        scale_J = before_J + kinetic_J + least_heat_J + abs(voltage * charge_C)
-        assert kinetic_J - before_J + least_heat_J <= voltage * charge_C + 1e-9 * scale_J + ROUNDING_J
+        scale_J = before_J + kinetic_J + min_heat_J + abs(voltage * charge_C)
+        assert kinetic_J - before_J + min_heat_J <= voltage * charge_C + 1e-9 * scale_J + ROUNDING_J
 
 
 @pytest.mark.parametrize("step", [scalar_step, array_step])

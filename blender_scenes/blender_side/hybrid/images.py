@@ -30,7 +30,7 @@ from symolo.core.random_streams import stream
 
 _LEVELS, _CORE = 6, 128
 """Of the reflectance, whose finest texels are what the nearest floor asks for, within limits."""
-_LEAST_TEXEL_M, _MOST_TEXEL_M = 0.00025, 0.004
+_MIN_TEXEL_M, _MAX_TEXEL_M = 0.00025, 0.004
 _TEXEL_PX = 1.2
 """Across; finer ones cost a run more than they bring its pictures."""
 _SLANT = 4.0
@@ -44,11 +44,11 @@ _IRRADIANCE_SAMPLES = 8
 _RELIEF = Tiling(texel_m=0.032, levels=3, core=56, margin=4)
 """Where light comes from changes over wider ones still."""
 _TILT_RAD = np.radians(15.0)
-_MOST_BYTES = 640 * 2**20
+_MAX_BYTES = 640 * 2**20
 """Of each map in memory; a lap of the dataset's arena in pictures of 640 x 480 stays below it."""
 _NEAR_WIDTH_PX, _FAR_WIDTH_PX = LIGHT_WIDTH_PX, 4 * LIGHT_WIDTH_PX
 """Of the light's pictures at least, where the final one has as many."""
-_LEAST_PX = 4
+_MIN_PX = 4
 """Along a side: Blender renders no fewer."""
 _REACH_PX = 2
 """Of a pixel's filter."""
@@ -68,12 +68,12 @@ _EVERY = 4
 """Of the rows of pixels, from the first: these tell nearly always which tiles all of them look up."""
 _IN_M = 0.05
 """Where a picture's corners are that far inside the floor, so is all of it, unless a rolling shutter turns fast."""
-_MOST_SHARE = 1.5
+_MAX_SHARE = 1.5
 """Of a still scene's light that may be left where something moves, or be thrown back by it."""
-_LEAST_SHARE = np.float32(0.005)
+_MIN_SHARE = np.float32(0.005)
 """Of the picture's light: where there is no more of it, what is left of it is not told."""
-_LEAST_LIGHT = np.float32(1e-6)
-_MOST_LEAN = 50.0
+_MIN_LIGHT = np.float32(1e-6)
+_MAX_LEAN = 50.0
 """Of light that only grazes the floor, from 1 degree above it."""
 _UP = (0.0, 0.0, 1.0)
 _AROUND = ((-1, -1), (1, -1), (1, 1), (-1, 1))
@@ -106,7 +106,7 @@ class PartPictures:
         across_m, along_m = self._sight.pixel_m()
         self._slanted = along_m > _STEEP * across_m
         texel_m = _TEXEL_PX * np.maximum(across_m, along_m / _SLANT)
-        finest_m = max(float(np.nanmin(texel_m, initial=_MOST_TEXEL_M)), _LEAST_TEXEL_M)
+        finest_m = max(float(np.nanmin(texel_m, initial=_MAX_TEXEL_M)), _MIN_TEXEL_M)
         # Rounded, so that no processor's last digit moves all texels.
         reflectance = Tiling(float(f"{finest_m:.3g}"), _LEVELS, _CORE)
         self._reflectance_level = _level(texel_m, reflectance)
@@ -114,9 +114,9 @@ class PartPictures:
         self._irradiance_level = _level(np.maximum(self._floor_depth * _TEXEL_RAD, across_m), _IRRADIANCE)
         self._horizon_rows = _rows_of(~np.isfinite(self._floor_depth))
         self._far_floor_rows = _rows_of(~(self._floor_depth < _FAR_M))
-        self._reflectance = TiledMap(reflectance, self._reflectance_tile, _MOST_BYTES, _with_upward_part)
-        self._irradiance = TiledMap(_IRRADIANCE, self._irradiance_tile, _MOST_BYTES)
-        self._relief = TiledMap(_RELIEF, self._relief_tile, _MOST_BYTES)
+        self._reflectance = TiledMap(reflectance, self._reflectance_tile, _MAX_BYTES, _with_upward_part)
+        self._irradiance = TiledMap(_IRRADIANCE, self._irradiance_tile, _MAX_BYTES)
+        self._relief = TiledMap(_RELIEF, self._relief_tile, _MAX_BYTES)
 
     def light(self, view: FrameView, seed: int) -> Image:
         """(H, W, 3) linear light of the pinhole picture of a view."""
@@ -143,7 +143,7 @@ class PartPictures:
         """
         covered = (_rows_of(near_cover[..., 0] < _WHOLLY) + 1) * self._near
         reached = max(covered, self._edges.lowest_row(view) + 1, self._horizon_rows) + _REACH_PX
-        rows = min(max(reached, _LEAST_PX), self._size[1])
+        rows = min(max(reached, _MIN_PX), self._size[1])
         found = self._scenes.surfaces(self._size, rows, self._samples.surfaces, seed, view)
         floor = self._floor_depth[rows:, :, None]
         none = (0.0, 0.0, 0.0)
@@ -155,15 +155,15 @@ class PartPictures:
         """(H, W, 10): the share of the still scene's light that is there, and what `_traced` has."""
         traced = self._traced(moved, seen, self._near)
         without = self._denoised(still["DiffDir"] + still["DiffInd"], reduced(seen["Normal"], self._near))
-        least = _LEAST_SHARE * np.median(without) + _LEAST_LIGHT
-        share = np.clip((traced[..., :3] + least) / (without + least), 0, _MOST_SHARE)
+        least = _MIN_SHARE * np.median(without) + _MIN_LIGHT
+        share = np.clip((traced[..., :3] + least) / (without + least), 0, _MAX_SHARE)
         return _brought(np.concatenate([share, traced], axis=-1), seen)
 
     def _far_parts(self, view: FrameView, end: float, seed: int, seen: Passes) -> Image:
         """(rows, W, 7) of what `_traced` has of the rows above an end."""
         height = self._size[1] // self._far
         # In steps: the denoiser keeps what it needs for each size that it has met.
-        step = max(height // _HEIGHTS, _LEAST_PX)
+        step = max(height // _HEIGHTS, _MIN_PX)
         rows = min(int(np.ceil(end / self._far / step)) * step, height) * self._far
         size, above = self._shared_by(self._far), {name: image[:rows] for name, image in seen.items()}
         samples = self._samples.far * (_TIMES_LOW if rows <= _LOW * self._size[1] else 1)
@@ -273,10 +273,10 @@ class PartPictures:
         cosine, sine = float(np.cos(_TILT_RAD)), float(np.sin(_TILT_RAD))
         tilts = (sine, 0.0, cosine), (-sine, 0.0, cosine), (0.0, sine, cosine), (0.0, -sine, cosine)
         level, *tilted = (self._light_on(tile, "relief", facing) for facing in (_UP, *tilts))
-        up = np.maximum(self._evened_out(level, level), _LEAST_LIGHT)
+        up = np.maximum(self._evened_out(level, level), _MIN_LIGHT)
         east, west, north, south = (self._evened_out(light, level) / up for light in tilted)
         leans = [(east - west) / (2 * sine), (north - south) / (2 * sine)]
-        return np.clip(np.concatenate(leans, axis=-1), -_MOST_LEAN, _MOST_LEAN)
+        return np.clip(np.concatenate(leans, axis=-1), -_MAX_LEAN, _MAX_LEAN)
 
     def _light_on(self, tile: Tile, what: str, facing: tuple[float, float, float]) -> Image:
         """With noise; by the same random numbers whichever way the floor faces."""
@@ -293,7 +293,7 @@ class PartPictures:
 def _times(size: tuple[int, int], width_px: int) -> int:
     """How many pixels of a picture, each way, share one of its light's, which is no narrower than that."""
     times = 1
-    while size[0] // (2 * times) >= width_px and not any(px % (2 * times) or px < 2 * times * _LEAST_PX for px in size):
+    while size[0] // (2 * times) >= width_px and not any(px % (2 * times) or px < 2 * times * _MIN_PX for px in size):
         times *= 2
     return times
 

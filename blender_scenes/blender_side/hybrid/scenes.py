@@ -33,7 +33,7 @@ GRID_TURN_RAD = 0.35
 a texel all of its way; across them it is off to either side in turns."""
 _IN_THE_MIDDLE = 0.01
 """Of a pixel: the least width that Cycles has for a filter."""
-_LEAST_REFLECTANCE = 0.05
+_MIN_REFLECTANCE = 0.05
 _LINE = re.compile(r"(tape|paint)_\d+")
 """Pieces of the line, as `line_mesh` calls them."""
 _FLOOR_PASSES = ("diffuse_color", "diffuse_direct", "diffuse_indirect")
@@ -234,7 +234,7 @@ def _reflectance_of_the_floor(scene: Scene) -> float:
     (floor,) = (mesh for mesh in scene.meshes if mesh.name == "floor")
     of = {surface.name: surface for surface in scene.surfaces}
     mean = sum(typical_color(of[floor.face_surface[0]])) / 3
-    return min(max(mean, _LEAST_REFLECTANCE), 1.0)
+    return min(max(mean, _MIN_REFLECTANCE), 1.0)
 
 
 def _look_down(scene: bpy.types.Scene) -> None:

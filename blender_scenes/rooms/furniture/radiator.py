@@ -13,7 +13,7 @@ _DEPTH_M = 0.075
 _GAP_M = 0.03
 """To the wall."""
 _RIB_PITCH_M = 0.05
-LEAST_SILL_M = 0.45
+MIN_SILL_M = 0.45
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ def radiator(name: str, own: Radiator) -> Piece:
 
 
 def drawn_radiator(name: str, rng: np.random.Generator, *, window_m: float, sill_m: float) -> Piece:
-    """One that fits below a window of that width, whose sill is `LEAST_SILL_M` high or higher."""
+    """One that fits below a window of that width, whose sill is `MIN_SILL_M` high or higher."""
     lift = between(rng, 0.1, 0.14)
     height = min(between(rng, 0.4, 0.6), sill_m - lift - 0.08)
     return radiator(name, Radiator(window_m * between(rng, 0.6, 0.95), height, lift))

@@ -18,9 +18,9 @@ from symolo.core.arrays import Array
 STEP_PX = 0.25
 SMOOTH_PX = 0.8
 """Standard deviation of the derivative's Gaussian."""
-LEAST_CONTRAST = 0.3
+MIN_CONTRAST = 0.3
 """Of the median edge: a weaker one is something else."""
-BESIDE_PX, LEAST_MICHELSON = 2.5, 0.15
+BESIDE_PX, MIN_MICHELSON = 2.5, 0.15
 """Contrast of floor and line so far from the edge: less is noise."""
 CLEAREST = 0.5
 """An edge that another rise nearby reaches this share of is taken where it is nearer."""
@@ -87,8 +87,8 @@ def edges(sighting: Sighting, pictures: list[Array], reach_px: float, *, dark: b
         contrast = at / np.median(at[np.isfinite(at) & (at > 0)]) if len(at) else at
     beside = round(BESIDE_PX / STEP_PX)
     inner, outer = light[rows, np.maximum(k - beside, 0)], light[rows, np.minimum(k + beside, len(along) - 1)]
-    good = np.isfinite(shift) & (np.abs(shift) <= 1) & (contrast > LEAST_CONTRAST)
-    good &= np.abs(outer - inner) > LEAST_MICHELSON * (np.abs(outer) + np.abs(inner))
+    good = np.isfinite(shift) & (np.abs(shift) <= 1) & (contrast > MIN_CONTRAST)
+    good &= np.abs(outer - inner) > MIN_MICHELSON * (np.abs(outer) + np.abs(inner))
     return along[k] + STEP_PX * np.where(good, shift, 0.0), good
 
 

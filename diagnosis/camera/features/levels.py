@@ -48,8 +48,8 @@ class LevelModel:
     heldout_frames: Mask
     size_px: tuple[int, int]
     numbers: tuple[Number, ...] = LEVELS
-    least_sd: float = 0.002
-    most_worth: float = 8.0
+    min_sd: float = 0.002
+    max_worth: float = 8.0
 
     @property
     def frame(self) -> Ints:

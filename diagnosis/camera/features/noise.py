@@ -26,7 +26,7 @@ NOISE = (
     Number("texture_scale", "1", 0.5, "the floor has a stronger grain", "another floor", can_be_named=False),
 )
 
-LEAST_TEXTURE = 0.2
+MIN_TEXTURE = 0.2
 """Of the nominal noise: there is no floor without any."""
 CUT_OFF = 3.0
 """Standard deviations that a level must be above black."""
@@ -40,8 +40,8 @@ class NoiseModel:
     nominal: CameraResponse
     heldout_frames: Mask
     numbers: tuple[Number, ...] = NOISE
-    least_sd: float = 0.1
-    most_worth: float = 8.0
+    min_sd: float = 0.1
+    max_worth: float = 8.0
 
     @property
     def frame(self) -> Ints:
@@ -81,7 +81,7 @@ class NoiseModel:
         camera = max(float(camera), 0.05)
         usual = float(np.median(level))
         return max(
-            float(texture), LEAST_TEXTURE * camera * float(self._noise(np.array([usual]), 1.0, 1.0)[0]) / usual**2
+            float(texture), MIN_TEXTURE * camera * float(self._noise(np.array([usual]), 1.0, 1.0)[0]) / usual**2
         ), camera
 
     @cached_property

@@ -16,7 +16,7 @@ HALF = 1 / 80
 """Of the picture's width: half of a patch's side."""
 CLEAR = 3.0
 """Halves of a patch, between it and an edge of the line."""
-MOST_UNEVEN = 0.12
+MAX_UNEVEN = 0.12
 """Standard deviation within a patch of floor, of its mean."""
 BURNT, BLACK = 0.97, 0.012
 """Means of a channel beyond which it tells nothing."""
@@ -78,7 +78,7 @@ def _of_frame(case: PictureCase, real: View, nominal: View, k: int) -> tuple[Arr
         return np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 2)), np.empty((0, 2)), np.empty((0, 2)), np.empty(0)
     mean, uneven, rough = _read(frame.picture, at, half)
     its, its_uneven, its_rough = _read(frame.simulated, nominal_at, half)
-    good = on_line | ((uneven < MOST_UNEVEN) & (its_uneven < MOST_UNEVEN))
+    good = on_line | ((uneven < MAX_UNEVEN) & (its_uneven < MAX_UNEVEN))
     for values in (mean, its):
         good &= (values < BURNT).all(axis=1) & (values > BLACK).all(axis=1)
     roughness = np.column_stack([rough, its_rough])

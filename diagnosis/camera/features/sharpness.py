@@ -27,7 +27,7 @@ SHARPNESS = (
 )
 """The tolerances of blur and time are of their squares."""
 REACH_PX = 5.0
-LEAST_PX2 = 0.02
+MIN_PX2 = 0.02
 """No edge is sharper than its pixels."""
 OUTER = 12.0
 """Pixels to each side over which the unsharp mask is worked out."""
@@ -55,8 +55,8 @@ class SharpnessModel:
     base_px2: float = 0.25
     """Variance of pixel and filter, and of the nominal lens."""
     numbers: tuple[Number, ...] = SHARPNESS
-    least_sd: float = 0.03
-    most_worth: float = float("inf")
+    min_sd: float = 0.03
+    max_worth: float = float("inf")
 
     @cached_property
     def _inside(self) -> Mask:
@@ -95,7 +95,7 @@ class SharpnessModel:
     def _expected(self, x: Array) -> Array:
         blur, exposure, sharpening = (x * [n.tolerance for n in self.numbers]).tolist()
         variance = self.base_px2 + blur + (self.exposure_s**2 + exposure) * self.speed_px_s**2 / 12.0
-        return self._template(np.sqrt(np.maximum(variance, LEAST_PX2)), self.response.sharpening + sharpening)
+        return self._template(np.sqrt(np.maximum(variance, MIN_PX2)), self.response.sharpening + sharpening)
 
     def _template(self, sd_px: Array, sharpening: float) -> Array:
         """(N, K) values across edges of these blurs (N,)."""
@@ -116,4 +116,4 @@ class SharpnessModel:
 
     def based_on(self, simulated: "SharpnessModel", x: Array) -> "SharpnessModel":
         """With the blur that was found in simulated pictures, deviations x (P,), as the nominal one."""
-        return replace(self, base_px2=max(simulated.base_px2 + float(x[0]) * self.numbers[0].tolerance, LEAST_PX2))
+        return replace(self, base_px2=max(simulated.base_px2 + float(x[0]) * self.numbers[0].tolerance, MIN_PX2))

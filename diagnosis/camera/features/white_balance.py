@@ -7,7 +7,7 @@ from sensors.camera.colour import light_rgb
 
 LOWEST_K, HIGHEST_K = 1500.0, 15000.0
 """Of look.camera.white_balance_K."""
-LEAST_SD = 0.02
+MIN_SD = 0.02
 """Of a gain's logarithm: cameras of one kind differ by as much, and what is fitted is no surer of a temperature."""
 FURTHEST = 3.0
 """Standard deviations from the gains of a temperature, up to which they are those of one."""
@@ -22,7 +22,7 @@ def temperature_of(red: float, blue: float, red_sd: float = 0.0, blue_sd: float 
         red_sd: Relative standard error.
         blue_sd: Likewise.
     """
-    wanted, sd = np.log([red, blue]), np.maximum([red_sd, blue_sd], LEAST_SD)
+    wanted, sd = np.log([red, blue]), np.maximum([red_sd, blue_sd], MIN_SD)
 
     def apart(log_K: float) -> float:
         light = light_rgb(float(np.exp(log_K)))

@@ -14,7 +14,7 @@ from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import Observed, Stage
 from symolo.core.arrays import Array
 
-LEAST_NOISE = 1e-3
+MIN_NOISE = 1e-3
 """Share of the nominal noise that every sample keeps: on a sensor's plateau nothing scatters, yet no reading is so sure
 that its likelihood could be infinite."""
 
@@ -118,7 +118,7 @@ class Evidence:
                 for of, place, predicted in zip(stage.observed, places, stage.predict(robots[some]), strict=True):
                     mean[some, place] = predicted.mean
                     sd[some, place] = self._factors.get(of.name, 1.0) * predicted.sd
-        return Prediction(mean, np.maximum(sd, LEAST_NOISE * self.sd))
+        return Prediction(mean, np.maximum(sd, MIN_NOISE * self.sd))
 
 
 def _independent(correlation: float) -> float:

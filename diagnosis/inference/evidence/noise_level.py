@@ -20,7 +20,7 @@ from diagnosis.predictors.base import Observed
 from symolo.core.arrays import Array
 
 ROWS_FOR_CORRELATION = 60
-LEAST_ROWS = 6
+MIN_ROWS = 6
 CLIP = 4.0
 """Sigmas."""
 RUNNING_ROWS = 61
@@ -48,7 +48,7 @@ def found_noises(evidence: Evidence, fit: Fit) -> Mapping[str, FoundNoise]:
     found: dict[str, FoundNoise] = {}
     for quantity, place in zip(evidence.observed, evidence.places, strict=True):
         rows = evidence.fit[place]
-        if not is_open(quantity) or np.count_nonzero(rows) < LEAST_ROWS:
+        if not is_open(quantity) or np.count_nonzero(rows) < MIN_ROWS:
             continue
         if quantity.noise_is_stated:
             z = np.where(rows, np.clip(fit.z[place], -CLIP, CLIP), np.nan)

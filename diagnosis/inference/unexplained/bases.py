@@ -25,7 +25,7 @@ RADIANS_PER_ROW = 2.0
 """Of a wave, at most, for the rows to show it: a good third of a cycle."""
 RUNS = (4, 6, 8, 12, 16, 24)
 """Rows that may stand out together."""
-MOST_RUNS = 16
+MAX_RUNS = 16
 RUNS_OF_ROWS = "runs of rows"
 ROWS_FOR_RUNS = 60
 JUMPS = 40
@@ -34,7 +34,7 @@ CATEGORIES = 30
 """Beyond these, categories are as good as rows."""
 CELLS = 4
 """Along each side of a place's grid."""
-LEAST_ROWS = 4
+MIN_ROWS = 4
 """That a column must be about."""
 SCANNED_ROWS = 24
 """From which waves are looked for."""
@@ -57,7 +57,7 @@ def bases(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
     """Of a covariate, over some of its rows."""
     values = covariate.values[rows]
     known = np.isfinite(values)
-    if np.count_nonzero(known) < 2 * LEAST_ROWS:
+    if np.count_nonzero(known) < 2 * MIN_ROWS:
         return
     if covariate.second is not None:
         yield from _kept(_grid(values, covariate.second[rows]), "place")
@@ -93,7 +93,7 @@ def any_function(covariate: Covariate, rows: Mask) -> Array:
 
 
 def _kept(columns: Array, what: str) -> Iterator[Basis]:
-    about = np.count_nonzero(np.abs(columns) > 1e-9, axis=0) >= LEAST_ROWS
+    about = np.count_nonzero(np.abs(columns) > 1e-9, axis=0) >= MIN_ROWS
     if about.any():
         yield Basis(columns[:, about], what)
 
@@ -140,7 +140,7 @@ def standing_out(left: Array, trial: NDArray[np.int64]) -> Iterator[Basis]:
     begin, length, mean = np.concatenate(begins), np.concatenate(lengths), np.concatenate(means)
     square = length * mean**2
     column = np.zeros(len(left))
-    for count in range(1, MOST_RUNS + 1):
+    for count in range(1, MAX_RUNS + 1):
         run = int(np.argmax(square))
         if square[run] <= 0.0:
             return

@@ -26,7 +26,7 @@ MOMENTS = 40
 """Tried, at quantiles of the rows."""
 OF_MOMENT = 2
 """Numbers that the moment counts for, since the best of MOMENTS is taken."""
-LEAST_ROWS = 5
+MIN_ROWS = 5
 """On either side of a moment."""
 
 
@@ -82,7 +82,7 @@ def _moments(given: Array) -> list[float]:
     if not len(given):
         return []
     tried = np.unique(np.quantile(given, np.linspace(0.0, 1.0, MOMENTS + 2)[1:-1])).tolist()
-    return [t for t in tried if LEAST_ROWS <= np.count_nonzero(given >= t) <= len(given) - LEAST_ROWS]
+    return [t for t in tried if MIN_ROWS <= np.count_nonzero(given >= t) <= len(given) - MIN_ROWS]
 
 
 def _along(quantity: Observed, rows: Mask) -> tuple[int, Covariate]:

@@ -14,7 +14,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import Fit, fits
 from symolo.core.arrays import Array
 
-MOST_ROWS = 60
+MAX_ROWS = 60
 """Up to which it is worth its time; more rows can be held out."""
 
 
@@ -29,8 +29,8 @@ def leave_one_out(evidence: Evidence, fit: Fit) -> Mapping[str, Array]:
         ValueError: There are more than 60 rows, or quantities of different rows.
     """
     rows = {len(of.values) for of in evidence.observed}
-    if len(rows) != 1 or max(rows) > MOST_ROWS:
-        raise ValueError(f"quantities of {sorted(rows)} rows, for one number up to {MOST_ROWS}")
+    if len(rows) != 1 or max(rows) > MAX_ROWS:
+        raise ValueError(f"quantities of {sorted(rows)} rows, for one number up to {MAX_ROWS}")
     (count,) = rows
     missed = np.full((len(evidence.observed), count), np.nan)
     for row in range(count):

@@ -16,7 +16,7 @@ from diagnosis.inference.unexplained.adequacy import CLIP, LEVEL, Adequacy, Stru
 
 WIDENED = 1.5
 """Of the mean square: one row in twenty an outlier gives 1.4 with squares clipped at 9, a noise 10 % off 1.2."""
-LEAST_ROWS = 8
+MIN_ROWS = 8
 
 
 def with_scatter(evidence: Evidence, fit: Fit, left: Adequacy) -> Adequacy:
@@ -28,7 +28,7 @@ def with_scatter(evidence: Evidence, fit: Fit, left: Adequacy) -> Adequacy:
     tested = [
         (quantity.name, place)
         for quantity, place in zip(evidence.observed, evidence.places, strict=True)
-        if quantity.noise_is_stated and np.count_nonzero(evidence.fit[place]) >= LEAST_ROWS
+        if quantity.noise_is_stated and np.count_nonzero(evidence.fit[place]) >= MIN_ROWS
     ]
     found: list[Structure] = []
     for name, place in tested:

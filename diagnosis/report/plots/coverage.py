@@ -11,7 +11,7 @@ from symolo.core.arrays import Array
 from symolo.pages.plotting import BLUE, PALE, finished, png
 
 ACROSS = 5
-MOST_CURVES = 40
+MAX_CURVES = 40
 POINTS = 300
 
 
@@ -21,7 +21,7 @@ def against_picture(found: Against) -> bytes:
     figure = Figure(figsize=(2.6 * ACROSS, 2.5 * down), layout="constrained")
     panels = figure.subplots(down, ACROSS, squeeze=False, sharey=True).ravel()
     for axes, of in zip(panels, found.seen, strict=False):
-        for k, run in enumerate(of.runs[:MOST_CURVES]):
+        for k, run in enumerate(of.runs[:MAX_CURVES]):
             _curve(axes, run, color=PALE, linewidth=0.9, label="_" if k else "its runs")
         _curve(axes, of.pooled, color=BLUE, linewidth=1.4, label="dataset")
         _curve(axes, of.measured, color=MEASURED, linewidth=1.4, label="measured")

@@ -10,10 +10,10 @@ from symolo.core.arrays import Array
 from symolo.pages.plotting import BLACK, BLUE, GREY, ORANGE, PALE, VERMILION
 
 BEFORE, CALIBRATED, AFTER, MEASURED = VERMILION, ORANGE, BLUE, BLACK
-MOST_POINTS = 1000
+MAX_POINTS = 1000
 """In a panel; of more, every so-manieth."""
 BINS = 20
-LEAST_IN_BIN = 3
+MIN_IN_BIN = 3
 OF_MEDIAN = 1.2533
 """Standard error of a median over that of a mean, of normal noise: the root of pi/2."""
 KEPT = 97.0
@@ -48,7 +48,7 @@ def residual_panel(  # noqa: PLR0917 - what is shown, in the order of the eye
     faint = 0.85 if np.count_nonzero(shown) < 200 else 0.4
     for rows, face in ((shown & ~heldout & ~beyond, colour), (shown & heldout & ~beyond, "none")):
         some = np.flatnonzero(rows)
-        some = some[:: max(1, len(some) // MOST_POINTS)]
+        some = some[:: max(1, len(some) // MAX_POINTS)]
         dots = {"markersize": 3.3, "markerfacecolor": face, "markeredgecolor": colour, "markeredgewidth": 0.7}
         axes.plot(at[some], z[some], "o", alpha=faint, **dots)
     for rows, marker, edge in ((shown & (z > reach), "^", 0.95), (shown & (z < -reach), "v", -0.95)):
@@ -76,7 +76,7 @@ def binned(covariate: Covariate, x: Array, z: Array) -> tuple[Array, Array, Arra
         edges = np.unique(np.quantile(x, np.linspace(0.0, 1.0, BINS + 1))) if len(x) else np.zeros(0)
         number = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, max(len(edges) - 2, 0))
         groups = [number == k for k in range(max(len(edges) - 1, 0))]
-    groups = [group for group in groups if np.count_nonzero(group) >= LEAST_IN_BIN]
+    groups = [group for group in groups if np.count_nonzero(group) >= MIN_IN_BIN]
     middle = np.array([float(np.mean(x[group])) for group in groups])
     median = np.array([float(np.median(z[group])) for group in groups])
     spread = [1.4826 * float(np.median(np.abs(z[group] - m))) for group, m in zip(groups, median.tolist(), strict=True)]
@@ -114,7 +114,7 @@ def _ticks(axes: Axes, covariate: Covariate) -> None:
 
 def _place(axes: Axes, covariate: Covariate, z: Array, shown: Mask) -> None:
     some = np.flatnonzero(shown)
-    some = some[:: max(1, len(some) // MOST_POINTS)]
+    some = some[:: max(1, len(some) // MAX_POINTS)]
     second = covariate.second if covariate.second is not None else covariate.values
     reach = max(LOWEST_SIGMA, float(np.percentile(np.abs(z[some]), 95.0))) if len(some) else LOWEST_SIGMA
     points = axes.scatter(

@@ -12,7 +12,7 @@ ROBOTS = 500
 DARK, LIGHT = 0.25, 0.65
 """Bare floors between which a gain is measured; with the shipped spreads no channel saturates on them."""
 POINTS_PER_LEVEL = 2
-MOST_BITS_SWEPT = 12
+MAX_BITS_SWEPT = 12
 """Finer converters are swept over their lowest 4096 levels only."""
 
 
@@ -78,7 +78,7 @@ def channels(config: LineSensor, seed: int) -> Channels:
 
 def converter(config: LineSensor, seed: int) -> Converter:
     quiet = without_faults(config, adc_bits=config.adc_bits)
-    bits = min(config.adc_bits, MOST_BITS_SWEPT)
+    bits = min(config.adc_bits, MAX_BITS_SWEPT)
     full, swept = 2**config.adc_bits - 1, 2**bits - 1
     reflectance = np.linspace(0.0, swept / full, POINTS_PER_LEVEL * swept + 1)
     reading = np.array([_on_floor(quiet, level, seed, "converter")[0] for level in reflectance.tolist()])

@@ -87,7 +87,7 @@ def _rest_lines(bench: MotorBench) -> list[str]:
     return [
         f"breaks away at {breaks}; stops at {stops}; known to {_mV(stiction.resolution_V)}",
         f"{held}; voltage to and fro: {stiction.starts} starts, {stiction.reversals} reversals",
-        f"energy: {balance}, least friction heat in a row {energy.least_friction_heat_J:.2g} J",
+        f"energy: {balance}, least friction heat in a row {energy.min_friction_heat_J:.2g} J",
     ]
 
 

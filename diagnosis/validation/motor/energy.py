@@ -35,7 +35,7 @@ class EnergyBench:
     """Electrical work in either direction, which the imbalance is compared with."""
     largest_imbalance_J: float
     """Largest of electrical work less heat and kinetic energy, at any time."""
-    least_friction_heat_J: float
+    min_friction_heat_J: float
     """In any row: never below zero."""
 
 
@@ -65,7 +65,7 @@ def energy_bench(motor: MotorModel, voltage_limit_V: float) -> EnergyBench:
         kinetic_J=tuple(kinetic.tolist()),
         throughput_J=float(np.abs(electrical).sum()),
         largest_imbalance_J=float(np.abs(balance).max()),
-        least_friction_heat_J=float(friction.min()),
+        min_friction_heat_J=float(friction.min()),
     )
 
 

@@ -13,7 +13,7 @@ from symolo.dataset.rows import Ints
 from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, PURPLE, SKY, VERMILION, finished, svg
 from symolo.report.statistics.image_statistics import GREYS, ImageNumbers
 
-MOST_CURVES = 8
+MAX_CURVES = 8
 """Of runs; of more, each route has one curve."""
 _BIN = 4
 _LINES = (
@@ -46,7 +46,7 @@ def brightness_picture(of_runs: Sequence[ImageNumbers]) -> bytes:
 
 
 def _curves(of_runs: Sequence[ImageNumbers]) -> list[tuple[str, Ints]]:
-    if len(of_runs) <= MOST_CURVES:
+    if len(of_runs) <= MAX_CURVES:
         return [(of.run, of.pixels) for of in of_runs]
     routes: dict[str, Ints] = {}
     for of in of_runs:

@@ -9,7 +9,7 @@ from symolo.pages.markup import Html, tag
 _WIDTH, _HEIGHT, _MARGIN = 220.0, 20.0, 5.0
 _FOOT = _HEIGHT - 6
 """Where the marks end and what was asked for begins."""
-MOST_MARKS = 60
+MAX_MARKS = 60
 """Of more values, bars of a histogram."""
 _BINS = 24
 
@@ -54,7 +54,7 @@ def strip(values: Sequence[float], asked: Distribution | None) -> Html:
         parts += [_rect(at(option) - 2, _FOOT, 4, 5, "band") for option in band]
     elif band:
         parts.append(_rect(at(band[0]), _FOOT, max(at(band[-1]) - at(band[0]), 2.0), 5, "band"))
-    if len(values) <= MOST_MARKS:
+    if len(values) <= MAX_MARKS:
         parts += [_rect(at(value) - 1, 2, 2, _FOOT - 3, "mark") for value in sorted(values)]
     else:
         parts += _bars([at(value) for value in values])

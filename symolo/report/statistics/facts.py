@@ -12,7 +12,7 @@ from symolo.report.statistics.outliers import Outlier, outliers
 from symolo.report.statistics.run_facts import RunFacts, run_facts
 from symolo.report.statistics.spread import spread
 
-MOST_TRACKS = 60
+MAX_TRACKS = 60
 """On all maps together."""
 
 
@@ -39,7 +39,7 @@ def release_facts(data: Dataset, metadata: Metadata, most_detailed: int, report:
         InputError: A file is missing or is not what it should be.
     """
     records = {record.run: record for record in metadata.runs}
-    on_map = {run.name for run in spread(data.runs, MOST_TRACKS)}
+    on_map = {run.name for run in spread(data.runs, MAX_TRACKS)}
     facts, images = [], []
     with report.stage("report", sum(records[run.name].images for run in data.runs), "images") as stage:
         for run in data.runs:

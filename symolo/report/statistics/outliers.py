@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sensors.camera.exposure_guard import MOST_BLACK, MOST_BURNT
+from sensors.camera.exposure_guard import MAX_BLACK, MAX_BURNT
 from symolo.core.arrays import Array
 from symolo.report.statistics.image_statistics import ImageNumbers
 
@@ -13,7 +13,7 @@ FAR = 3.5
 """Modified z-score from which a value is an outlier (Iglewicz and Hoaglin, How to Detect and Handle Outliers, 1993)."""
 _OF_NORMAL = 0.6745
 """Median absolute deviation of normal noise, in its standard deviations."""
-_LEAST_SHARPNESS = 1e-3
+_MIN_SHARPNESS = 1e-3
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ def outliers(of_runs: Sequence[ImageNumbers]) -> tuple[Outlier, ...]:
     """The farthest out first. Brightness and sharpness are held against all images, clipping against fixed shares."""
     brightness = modified_z(np.concatenate([of.brightness for of in of_runs]))
     # Ratios: twice as sharp is as far out as half as sharp.
-    sharpness = modified_z(np.log(np.maximum(np.concatenate([of.sharpness for of in of_runs]), _LEAST_SHARPNESS)))
+    sharpness = modified_z(np.log(np.maximum(np.concatenate([of.sharpness for of in of_runs]), _MIN_SHARPNESS)))
     found, first = [], 0
     for of in of_runs:
         end = first + len(of.numbers)
@@ -44,7 +44,7 @@ def outliers(of_runs: Sequence[ImageNumbers]) -> tuple[Outlier, ...]:
 
 
 def _of_run(of: ImageNumbers, brightness: Array, sharpness: Array) -> list[Outlier]:
-    scores = np.array([np.abs(brightness) / FAR, np.abs(sharpness) / FAR, of.black / MOST_BLACK, of.burnt / MOST_BURNT])
+    scores = np.array([np.abs(brightness) / FAR, np.abs(sharpness) / FAR, of.black / MAX_BLACK, of.burnt / MAX_BURNT])
     worst = scores.max(axis=0)
     out = np.flatnonzero(worst > 1.0)
     found = []

@@ -59,7 +59,7 @@ def seen(light_of) -> dict[str, np.ndarray]:
     return {surface.name: picture @ LUMINANCE for surface, picture in zip(surfaces, light, strict=True)}
 
 
-def test_streaks_make_tape_paler_and_darken_at_most_a_speck_of_dust(seen):
+def test_streaks_make_tape_paler_and_darken_at_max_a_speck_of_dust(seen):
     added = seen["streaked"] - seen["bare"]
     assert np.quantile(added, 0.01) > -0.005
     assert np.quantile(added, 0.99) > 0.08
@@ -77,7 +77,7 @@ def test_half_of_the_streaks_add_half_of_the_light(seen):
     assert half == pytest.approx(0.5 * whole, rel=0.1)
 
 
-def test_streaks_lie_in_patches_and_leave_most_of_the_tape_black(seen):
+def test_streaks_lie_in_patches_and_leave_max_of_the_tape_black(seen):
     added = seen["streaked"] - seen["bare"]
     assert 0.02 < np.mean(added > 0.06) < 0.25
     blocks = added.reshape(4, PIXELS // 4, 4, PIXELS // 4).mean(axis=(1, 3))  # of 25 mm

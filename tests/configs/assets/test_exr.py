@@ -116,14 +116,14 @@ def test_a_compressed_file_with_any_byte_damaged_is_read_or_refused(by_opencv):
         for value in (0x00, 0x7F, 0xFF):
             damaged = whole[:place] + bytes([value]) + whole[place + 1 :]
             try:
-                read_exr(damaged, _at_most_a_thousand)
+                read_exr(damaged, _at_max_a_thousand)
             except ValueError as error:
                 refusals.append(str(error))
     assert len(refusals) > 10
     assert all(len(text.splitlines()) == 1 for text in refusals)
 
 
-def _at_most_a_thousand(width: int, height: int) -> None:
+def _at_max_a_thousand(width: int, height: int) -> None:
     if width * height > 1000:
         raise ValueError("too large")
 
@@ -137,7 +137,7 @@ def test_a_size_is_told_before_anything_of_it_is_made(by_opencv):
 def test_a_size_that_is_refused_is_not_read(by_opencv):
     huge = by_opencv["ZIP"].replace(struct.pack("<4i", 0, 0, 34, 19), struct.pack("<4i", 0, 0, 10**9, 10**9))
     with pytest.raises(ValueError, match="too large"):
-        read_exr(huge, _at_most_a_thousand)
+        read_exr(huge, _at_max_a_thousand)
 
 
 def _zipped(size: tuple[int, int], names: list[bytes]) -> bytes:

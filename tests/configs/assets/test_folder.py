@@ -185,7 +185,7 @@ def test_a_link_inside_the_folder_and_a_folder_that_is_a_link_are_followed(photo
 
 
 def test_a_file_that_is_too_large_is_not_read(photos: Path, monkeypatch):
-    monkeypatch.setattr("configs.assets.pictures.MOST_BYTES", 1 << 20)
+    monkeypatch.setattr("configs.assets.pictures.MAX_BYTES", 1 << 20)
     with (photos / "grey.png").open("r+b") as file:
         file.truncate((1 << 20) + 1)
     with pytest.raises(InputError, match=r"looks/mine\.yaml:6: look\.floor\.image\.file: is larger than 1 MiB"):

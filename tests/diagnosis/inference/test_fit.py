@@ -17,7 +17,7 @@ def ridge(readings):
     return np.linalg.solve(information, design.T @ ((readings - X) / SD_A)), np.linalg.inv(information)
 
 
-def test_a_fit_is_the_closed_form_of_least_squares_with_a_prior(evidence_of, hypothesis, effect):
+def test_a_fit_is_the_closed_form_of_min_squares_with_a_prior(evidence_of, hypothesis, effect):
     readings = X * 1.01 + 0.003
     offset = effect("current_sensor_offset")
     model = hypothesis.with_effect(offset)

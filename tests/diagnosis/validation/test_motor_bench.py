@@ -171,7 +171,7 @@ def test_chatter_would_be_counted():
 
 def test_electrical_work_is_heat_and_kinetic_energy(energy):
     assert energy.largest_imbalance_J < 1e-6 * energy.throughput_J
-    assert energy.least_friction_heat_J >= 0.0
+    assert energy.min_friction_heat_J >= 0.0
     assert min(np.diff(energy.winding_J)) >= 0.0
 
 

@@ -18,7 +18,7 @@ FLOAT = 2e-5
 """What single precision makes of a few operations on numbers up to 10."""
 SPACING_M = 0.4e-3
 """No shipped path has its points further apart."""
-MOST_OFF = 2
+MAX_OFF = 2
 """Points by which the nearest one may differ."""
 
 
@@ -37,7 +37,7 @@ def assert_alike(robot, reference, tried):
     assert np.abs(got["line_lost"] - expected["line_lost"]).max() <= np.sum(~same)
     np.testing.assert_allclose(got["odometry"], expected["odometry"], rtol=0, atol=5e-6)
     off = np.where(same, np.abs(got["nearest"] - expected["nearest"]), 0)
-    assert off.max() <= MOST_OFF
+    assert off.max() <= MAX_OFF
     distance_m, bearing = expected["goal"].T
     moved_m = SPACING_M * off + math.sqrt(0.5) * 2.0**-15
     curvature = np.where(expected["nearest"] >= 0, 2.0 * moved_m / (distance_m - moved_m) ** 2, 0.0)
@@ -58,7 +58,7 @@ def assert_early_or_late_by_rounding(same, nearest, avoidance):
     for tick in np.flatnonzero(~same):
         assert same[tick - 1]
         assert same[tick + 1]
-        at_limit = [abs(nearest[tick - 1] - limit) <= MOST_OFF for limit in limits]
+        at_limit = [abs(nearest[tick - 1] - limit) <= MAX_OFF for limit in limits]
         assert any(at_limit), f"tick {tick}"
 
 
@@ -105,7 +105,7 @@ def test_both_decide_alike_at_and_beside_every_limit_of_a_range(robot, library, 
 def test_the_nearest_point_is_found_from_far_off_too(robot, library, reference):
     """Points rounded by q, with a robot D off the path, leave the nearest one open by sqrt(4 D q)."""
     rng = np.random.Generator(np.random.PCG64(5))
-    spacing_m, most_m = straight_path(robot.controller.avoidance, "left").spacing_m, 0.4
+    spacing_m, max_m = straight_path(robot.controller.avoidance, "left").spacing_m, 0.4
     fresh, in_c = reference(robot), library(robot)
     farthest = 0
     for _ in range(10):
@@ -116,7 +116,7 @@ def test_the_nearest_point_is_found_from_far_off_too(robot, library, reference):
             python.step((rng.integers(200, 700) + rng.integers(-60, 60, 2)).tolist(), [230] * 8, [2000] * 3)
         expected = np.array(python.drive.nearest[1:])
         off = np.abs(in_c.drive(python.drive).nearest[1:] - expected)
-        assert np.all(off <= 2 + math.sqrt(4.0 * most_m * math.sqrt(0.5) * 2.0**-15) / spacing_m)
+        assert np.all(off <= 2 + math.sqrt(4.0 * max_m * math.sqrt(0.5) * 2.0**-15) / spacing_m)
         farthest = max(farthest, expected[-1])
     assert farthest > 500
 

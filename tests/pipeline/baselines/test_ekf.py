@@ -19,7 +19,7 @@ BEGIN_X_M = 0.26
 NO_RNG = np.random.Generator(np.random.PCG64(0))
 
 
-def test_updates_one_by_one_are_least_squares_with_the_prior():
+def test_updates_one_by_one_are_min_squares_with_the_prior():
     rng = np.random.Generator(np.random.PCG64(2))
     root = rng.normal(size=(4, 4))
     prior, covariance = rng.normal(size=4), root @ root.T

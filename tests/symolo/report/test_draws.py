@@ -4,7 +4,7 @@ import pytest
 
 from configs.distributions import Choice, LogUniform, Normal, Uniform
 from symolo.reader.dataset import load
-from symolo.report.plots.draw_strip import MOST_MARKS, in_words, strip
+from symolo.report.plots.draw_strip import MAX_MARKS, in_words, strip
 from symolo.report.statistics.draws import Draw, draws_of
 from symolo.report.statistics.run_facts import run_facts
 
@@ -78,7 +78,7 @@ def test_many_values_are_a_histogram_whose_bars_are_as_high_as_their_counts():
     heights = [
         float(part.partition('height="')[2].partition('"')[0]) for part in html.split("<rect ") if "mark" in part
     ]
-    assert len(values) > MOST_MARKS
+    assert len(values) > MAX_MARKS
     assert len(heights) == 2
     assert heights[0] / heights[1] == pytest.approx(3, rel=0.01)
 

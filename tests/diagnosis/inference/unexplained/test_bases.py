@@ -50,7 +50,7 @@ def test_harmonics_that_rows_cannot_show_are_not_looked_for():
 class TestRunsOfRows:
     TRIAL = np.repeat([0, 1, 2, 3], 250)
 
-    def most_taken(self, left):
+    def max_taken(self, left):
         """Greatest fall of the squares less what so many tries bring by chance, 2 ln(tries)."""
         falls = [
             float(basis.columns[:, 0] @ left) ** 2 / float(basis.columns[:, 0] @ basis.columns[:, 0])
@@ -63,14 +63,14 @@ class TestRunsOfRows:
         left = np.random.default_rng(1).standard_normal(1000)
         for begin in (40, 333, 610, 900):
             left[begin : begin + 8] -= 2.5
-        assert self.most_taken(left) > 40.0
+        assert self.max_taken(left) > 40.0
 
     def test_single_rows_do_not(self):
         for seed in range(20):
             rng = np.random.default_rng(seed)
             left = rng.standard_normal(1000)
             left[rng.choice(1000, 20, replace=False)] = 3.0
-            assert self.most_taken(left) < 10.0
+            assert self.max_taken(left) < 10.0
 
     def test_a_run_lies_in_one_trial(self):
         left = np.zeros(1000)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from diagnosis.inference.fit import fits
-from diagnosis.inference.unexplained.leave_one_out import MOST_ROWS, leave_one_out
+from diagnosis.inference.unexplained.leave_one_out import MAX_ROWS, leave_one_out
 
 SD_A, TOLERANCE = 0.01, 0.02
 X = np.linspace(0.5, 2.0, 8)
@@ -36,7 +36,7 @@ def test_rows_that_are_not_usable_are_not_missed(evidence_of, hypothesis):
 
 
 def test_more_rows_than_it_is_for_are_refused(evidence_of, hypothesis):
-    x = np.ones(MOST_ROWS + 1)
+    x = np.ones(MAX_ROWS + 1)
     evidence = evidence_of(x, x)
     (fit,) = fits(evidence, [(hypothesis, hypothesis.null())])
     with pytest.raises(ValueError, match="up to 60"):
