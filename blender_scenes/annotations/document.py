@@ -12,8 +12,8 @@ from blender_scenes.annotations.instances import CATEGORIES
 from blender_scenes.annotations.job import AnnotationJob, KeyPoint
 from blender_scenes.annotations.key_points import Sighting
 from blender_scenes.annotations.record import Record, Thing
-from blender_scenes.scene.description import Intrinsics, Matrix4
 from configs.schema.scenario import AnnotationName
+from sensors.camera.views import Intrinsics, Matrix4
 from symolo.dataset.layout import frame_name
 
 FORMAT = 2
