@@ -20,8 +20,8 @@ from configs.loader import LoadedScenario, load_scenario
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import LensDistortion, RobotConfig
 from physics.arena.geometry import Arena
-from sensors.camera.geometry import intrinsics, pose_X_RC, pose_X_WR, project
-from sensors.camera.views import Intrinsics
+from symolo.core.pinhole import Intrinsics, intrinsics, pose_X_RC, project
+from symolo.core.poses import pose_X_WR
 from symolo.core.random_streams import stream
 from symolo.dataset.layout import frame_name
 

@@ -18,10 +18,10 @@ from configs.schema.scenario import Render
 from physics.arena.geometry import Arena
 from physics.robot.path import RobotPath
 from sensors.camera.colour import RGB
-from sensors.camera.geometry import intrinsics, pose_X_RC
 from sensors.camera.response import CameraResponse
 from sensors.camera.shutter import Window, exposed, moment, window
-from sensors.camera.views import INSTANT, FrameView, Intrinsics, Shutter
+from sensors.camera.views import INSTANT, FrameView
+from symolo.core.pinhole import Intrinsics, Shutter, intrinsics, pose_X_RC
 from symolo.dataset.layout import frame_name
 
 

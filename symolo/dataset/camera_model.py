@@ -11,10 +11,10 @@ from pydantic import BaseModel, ConfigDict, Field
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render
-from sensors.camera.geometry import intrinsics, matrix_K, pose_X_RC, pose_X_WR
 from sensors.camera.shutter import row_opens_s
-from sensors.camera.views import Shutter
 from symolo.core.file_hashes import canonical_json
+from symolo.core.pinhole import Shutter, intrinsics, matrix_K, pose_X_RC
+from symolo.core.poses import pose_X_WR
 from symolo.dataset.layout import SIDE
 from symolo.dataset.rows import Rows
 from symolo.dataset.side_reading import read_record

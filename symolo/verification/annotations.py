@@ -9,7 +9,7 @@ from blender_scenes.annotations.document import DOCUMENT, ENCODINGS, Document
 from blender_scenes.annotations.instances import CATEGORIES
 from blender_scenes.annotations.job import RECORDS, picture_file
 from configs.schema.scenario import RunSpec
-from sensors.camera.geometry import intrinsics
+from symolo.core.pinhole import intrinsics
 from symolo.dataset.camera_model import camera_table
 from symolo.dataset.layout import frame_name
 from symolo.dataset.metadata import RunRecord
