@@ -6,7 +6,8 @@ import numpy as np
 
 from blender_scenes.annotations.job import Solid
 from blender_scenes.annotations.seen import Seen
-from blender_scenes.scene.description import Matrix4, Point3
+from blender_scenes.scene.description import Point3
+from sensors.camera.views import Matrix4
 from symolo.core.arrays import Array
 
 _DECIMALS = 9

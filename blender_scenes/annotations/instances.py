@@ -6,9 +6,10 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.scene.description import FrameView, Scene
+from blender_scenes.scene.description import Scene
 from physics.arena.geometry import Arena
 from sensors.camera.geometry import pose_X_WR
+from sensors.camera.views import FrameView
 from symolo.core.arrays import Array
 
 Category = Literal["sky", "floor", "line", "wall", "obstacle", "room", "robot"]

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.annotations.job import AnnotationJob
-from blender_scenes.scene.description import FrameView, Intrinsics
 from sensors.camera.lens_warp import pinhole_picture, sources
+from sensors.camera.views import FrameView, Intrinsics
 from symolo.core.arrays import Array
 from symolo.core.lens import NO_DISTORTION
 

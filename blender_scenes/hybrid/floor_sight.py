@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.scene.description import FrameView, Intrinsics
 from sensors.camera.geometry import pose_X_WR
 from sensors.camera.shutter import MOMENTS
+from sensors.camera.views import FrameView, Intrinsics
 from symolo.core.arrays import Array
 
 Image = NDArray[np.float32]

@@ -5,8 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.scene.description import FrameView, Intrinsics, Mesh, Moment
+from blender_scenes.scene.description import Mesh
 from sensors.camera.geometry import pose_X_WR
+from sensors.camera.views import FrameView, Intrinsics, Moment
 from symolo.core.arrays import Array
 
 _BEYOND_PX = 2.0

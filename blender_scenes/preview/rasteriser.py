@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.preview.triangles import Triangles
-from blender_scenes.scene.description import Intrinsics
+from sensors.camera.views import Intrinsics
 from symolo.core.arrays import Array
 
 NEAR_M = 0.001

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from blender_scenes.scene.description import Intrinsics
 from configs.schema.robot import Camera
 from diagnosis.camera.case import Ints, PictureCase
 from diagnosis.camera.parameter import Number
 from sensors.camera.geometry import intrinsics, pixels, pose_X_RC, pose_X_WR
+from sensors.camera.views import Intrinsics
 from symolo.core.arrays import Array
 from symolo.core.lens import distorted
 

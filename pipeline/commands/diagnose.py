@@ -102,10 +102,11 @@ def diagnose(
     """
     from pipeline.diagnosing.diagnose import cases_of, diagnose_cases, nominal_json
     from pipeline.run_folder.output import check_out
-    from pipeline.run_folder.workspace import Kind, Workspace
+    from pipeline.run_folder.workspace import Workspace
     from pipeline.work.supervisor import cores
     from pipeline.work.units import DiagnosisSettings
     from symolo.core.progress import report_here
+    from symolo.dataset.folder_kind import Kind
 
     if explain and as_json:
         raise InputError("--explain and --json", cure="ask for one of them; reasoning.txt is written in any case")

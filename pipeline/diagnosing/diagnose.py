@@ -16,12 +16,12 @@ from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NOMINAL
 from pipeline.diagnosing.importers import IMPORTERS
 from pipeline.diagnosing.importers.run_folder import robots_of
-from pipeline.run_folder.workspace import STAGES
 from pipeline.work.supervisor import AnyEvent, AnyUnit, Retried, UnitFailure, run_units
 from pipeline.work.units import DiagnoseUnit, DiagnosisSettings, Failed, Finished
 from symolo.core.atomic_files import make_folder, remove_file, write_file
 from symolo.core.errors import InputError
 from symolo.core.progress import Report
+from symolo.dataset.layout import STAGES
 
 ONE_THREAD = MappingProxyType({"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"})
 """Sums of a linear algebra that shares its work among threads depend on their number, and workers fill the cores."""

@@ -5,7 +5,6 @@ from math import radians
 
 import numpy as np
 
-from blender_scenes.scene.description import Intrinsics
 from blender_scenes.scene.robot_body import robot_body
 from configs.schema.robot import RobotConfig, TofMount, TofMounts
 from configs.schema.scenario import RunSpec
@@ -15,6 +14,7 @@ from physics.robot.model import through
 from pipeline.models.colours import colours, scene_of
 from pipeline.models.geometry import CylinderShape, Placement, Visual, bounding_box
 from sensors.camera.geometry import horizontal_field_of_view_rad, intrinsics, pose_X_RC
+from sensors.camera.views import Intrinsics
 from sensors.effects import SENSOR_TERMS
 from symolo.dataset.camera_model import X_CB
 

@@ -6,8 +6,8 @@ Frames: W the world, R the robot (middle of the axle, x forward, y left, z up), 
 
 import numpy as np
 
-from blender_scenes.scene.description import Intrinsics
 from configs.schema.robot import Camera
+from sensors.camera.views import Intrinsics
 from symolo.core.arrays import Array
 from symolo.core.lens import NO_DISTORTION, coefficients, distorted, undistorted
 

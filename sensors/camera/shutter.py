@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from blender_scenes.scene.description import FrameView, Intrinsics, Matrix4, Moment, PlanarPose, Shutter
 from physics.arena.geometry import Arena
 from physics.robot.path import RobotPath
 from sensors.camera.geometry import pose_X_WR
 from sensors.camera.lens_warp import pinhole_picture
+from sensors.camera.views import FrameView, Intrinsics, Matrix4, Moment, PlanarPose, Shutter
 from symolo.core.arrays import Array
 
 MOMENTS = 5

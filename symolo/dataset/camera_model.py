@@ -8,12 +8,12 @@ from typing import Protocol
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from blender_scenes.scene.description import Shutter
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render
 from sensors.camera.geometry import intrinsics, matrix_K, pose_X_RC, pose_X_WR
 from sensors.camera.shutter import row_opens_s
+from sensors.camera.views import Shutter
 from symolo.core.file_hashes import canonical_json
 from symolo.dataset.layout import SIDE
 from symolo.dataset.rows import Rows

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from blender_scenes.hybrid.floor_sight import MIDDLE, FilterPoint, FloorSight, filter_points
-from blender_scenes.scene.description import FrameView, Shutter
 from physics.robot.path import RobotPath
 from sensors.camera.geometry import floor_points, intrinsics, pose_X_RC, pose_X_WR
 from sensors.camera.shutter import exposed, moment, row_opens_s, window
+from sensors.camera.views import FrameView, Shutter
 
 WIDTH_PX, HEIGHT_PX = 48, 36
 POSE = (0.3, -0.7, 2.0)

@@ -1,0 +1,82 @@
+"""The camera as data: its lens and sensor, its shutter, and where it stands in each image."""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from pydantic import Field
+
+from sensors.camera.colour import RGB
+from symolo.core.lens import NO_DISTORTION, Coefficients
+
+Row4 = tuple[float, float, float, float]
+Matrix4 = tuple[Row4, Row4, Row4, Row4]
+"""(4, 4) homogeneous transform, row by row."""
+PlanarPose = tuple[float, float, float]
+"""x [m], y [m], yaw [rad] in W, of a frame on the floor."""
+
+
+@dataclass(frozen=True)
+class Intrinsics:
+    """Pixel (0, 0) is the middle of the first pixel, as in OpenCV."""
+
+    width_px: int
+    height_px: int
+    fx_px: float
+    fy_px: float
+    cx_px: float
+    cy_px: float
+    distortion: Coefficients = NO_DISTORTION
+
+
+@dataclass(frozen=True)
+class Shutter:
+    """When an image is exposed: the middle of its middle row at the view's time, every row equally long."""
+
+    exposure_s: float = 0.0
+    read_out_s: float = 0.0
+    """Time from the start of the first row to the start of the row that would follow the last one."""
+
+
+INSTANT = Shutter()
+
+
+# A default is left out of the JSON text, so that a job without moving obstacles, flicker or exposure time has the
+# same bytes whether or not the program that wrote it knows of these.
+
+
+def _is_empty(items: tuple[object, ...]) -> bool:
+    return not items
+
+
+def _is_one(gain: RGB) -> bool:
+    return gain == (1.0, 1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Moment:
+    """Where everything is at one time."""
+
+    robot_pose: PlanarPose
+    """Pose of R."""
+    X_WC: Matrix4
+    """Pose of the optical frame (x right, y down, z forward) in W."""
+    moving: Annotated[tuple[PlanarPose, ...], Field(exclude_if=_is_empty)] = ()
+    """Poses of the scene's moving meshes, in their order."""
+
+
+@dataclass(frozen=True)
+class FrameView:
+    """One image to be taken."""
+
+    number: int
+    t_s: float
+    robot_pose: PlanarPose
+    """Pose of R."""
+    X_WC: Matrix4
+    """Pose of the optical frame (x right, y down, z forward) in W."""
+    moving: Annotated[tuple[PlanarPose, ...], Field(exclude_if=_is_empty)] = ()
+    """Poses of the scene's moving meshes, in their order."""
+    light_gain: Annotated[RGB, Field(exclude_if=_is_one)] = (1.0, 1.0, 1.0)
+    """Light of this frame divided by its mean over time, which differs from 1 where lamps flicker."""
+    exposure: Annotated[tuple[Moment, ...], Field(exclude_if=_is_empty)] = ()
+    """Moments at equal distances from the opening of the shutter to its closing; empty for an instant."""
