@@ -7,8 +7,8 @@ import numpy as np
 from blender_scenes.annotations.job import Solid
 from blender_scenes.annotations.seen import Seen
 from blender_scenes.scene.description import Point3
-from sensors.camera.views import Matrix4
 from symolo.core.arrays import Array
+from symolo.core.poses import Matrix4
 
 _DECIMALS = 9
 

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from blender_scenes.scene.description import Scene
 from physics.arena.geometry import Arena
-from sensors.camera.geometry import pose_X_WR
 from sensors.camera.views import FrameView
 from symolo.core.arrays import Array
+from symolo.core.poses import pose_X_WR
 
 Category = Literal["sky", "floor", "line", "wall", "obstacle", "room", "robot"]
 CATEGORIES: tuple[Category, ...] = get_args(Category)

@@ -11,13 +11,14 @@ import cv2
 
 from blender_scenes.annotations.job import AnnotationJob
 from blender_scenes.blender_side.loading import load_bpy
-from blender_scenes.render.frame_files import FrameFile, frame_name, put_in_place
+from blender_scenes.render.frame_files import FrameFile, put_in_place
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.protocol import FrameBegun, FrameDone, Ready, RenderRequest
 from blender_scenes.render.surroundings import SYSTEM_PACKAGES
 from sensors.camera.response import develop, encode_jpeg, median_luminance
 from symolo.core.child_process import SCRATCH, Failed, Finished, Owner
 from symolo.core.os_errors import lacking
+from symolo.dataset.layout import frame_name
 
 
 def main() -> int:

@@ -11,7 +11,7 @@ from blender_scenes.blender_side.own_images import OwnPictures
 from blender_scenes.blender_side.shaders import ShaderGraph, material
 from blender_scenes.scene.description import Mesh, Panel, Scene, Sky, Sun
 from sensors.camera.lens_warp import pinhole_picture
-from sensors.camera.views import Intrinsics
+from symolo.core.pinhole import Intrinsics
 
 ROBOT = "R"
 CAMERA = "C"

@@ -15,12 +15,13 @@ from blender_scenes.render.job import RenderJob
 from blender_scenes.render.own_files import read_own_file
 from blender_scenes.scene.typical import typical_color
 from configs.assets.pictures import read_picture
-from sensors.camera.geometry import pose_X_WR
 from sensors.camera.lens_warp import pinhole_picture, through_lens
 from sensors.camera.metering import metered_views, metering_camera
 from sensors.camera.response import Image, develop, median_luminance
-from sensors.camera.views import FrameView, Intrinsics
+from sensors.camera.views import FrameView
 from symolo.core.arrays import Array
+from symolo.core.pinhole import Intrinsics
+from symolo.core.poses import pose_X_WR
 
 
 class FlatRenderer:

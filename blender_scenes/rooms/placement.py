@@ -11,7 +11,7 @@ from blender_scenes.rooms.furniture.base import Piece
 from blender_scenes.rooms.walls import Side, Wall
 from blender_scenes.scene.description import Point2
 from configs.footprints import Rectangle, overlap
-from sensors.camera.views import PlanarPose
+from symolo.core.poses import PlanarPose
 
 _TRIES = 80
 _APART_M = 0.02

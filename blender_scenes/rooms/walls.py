@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.scene.description import Point2, Point3
-from sensors.camera.views import PlanarPose
+from symolo.core.poses import PlanarPose
 
 Side = Literal["east", "north", "west", "south"]
 SIDES: dict[Side, Point3] = {

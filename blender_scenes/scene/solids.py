@@ -9,8 +9,8 @@ from itertools import pairwise
 import numpy as np
 
 from blender_scenes.scene.description import Mesh, Point2, Point3
-from sensors.camera.views import PlanarPose
 from symolo.core.arrays import Array
+from symolo.core.poses import PlanarPose
 
 
 def joined(name: str, parts: Iterable[Mesh]) -> Mesh:

@@ -11,10 +11,10 @@ import numpy as np
 from configs.schema.robot import Camera
 from diagnosis.camera.case import Ints, PictureCase
 from diagnosis.camera.parameter import Number
-from sensors.camera.geometry import intrinsics, pixels, pose_X_RC, pose_X_WR
-from sensors.camera.views import Intrinsics
 from symolo.core.arrays import Array
 from symolo.core.lens import distorted
+from symolo.core.pinhole import Intrinsics, intrinsics, pixels, pose_X_RC
+from symolo.core.poses import pose_X_WR
 
 RATE_OVER_S = 0.01
 """To either side, over which a picture's robot moves evenly."""

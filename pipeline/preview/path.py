@@ -11,7 +11,7 @@ from configs.schema.arena import Wall
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import RunSpec
 from physics.arena.geometry import Arc, Arena, Box, Line, Straight
-from sensors.camera.views import PlanarPose
+from symolo.core.poses import PlanarPose
 
 _JOINED_M = 0.01
 """Ends of the line's pieces closer than this are one."""

@@ -12,7 +12,7 @@ from pipeline.run_folder.workspace import StageFolder, mark_done
 from pipeline.stages.render import IMAGES, JOB, Appearance, Findings, FrameTask, Order, Rendered, journal
 from symolo.core.atomic_files import make_folder, write_file
 from symolo.core.file_hashes import read_known, sha256_of
-from symolo.verification.annotations import ANNOTATIONS
+from symolo.dataset.layout import ANNOTATIONS
 
 
 class AnnotationTask(FrameTask):

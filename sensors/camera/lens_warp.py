@@ -11,9 +11,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from sensors.camera.geometry import rays_of
-from sensors.camera.views import Intrinsics
 from symolo.core.lens import NO_DISTORTION, border_rays, refined
+from symolo.core.pinhole import Intrinsics, rays_of
 
 Image = NDArray[np.float32]
 

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from sensors.camera.views import FrameView, Intrinsics
+from sensors.camera.views import FrameView
+from symolo.core.pinhole import Intrinsics
 
 _VIEWS = 5
 _WIDTH_PX = 64

@@ -6,36 +6,8 @@ from typing import Annotated
 from pydantic import Field
 
 from sensors.camera.colour import RGB
-from symolo.core.lens import NO_DISTORTION, Coefficients
-
-Row4 = tuple[float, float, float, float]
-Matrix4 = tuple[Row4, Row4, Row4, Row4]
-"""(4, 4) homogeneous transform, row by row."""
-PlanarPose = tuple[float, float, float]
-"""x [m], y [m], yaw [rad] in W, of a frame on the floor."""
-
-
-@dataclass(frozen=True)
-class Intrinsics:
-    """Pixel (0, 0) is the middle of the first pixel, as in OpenCV."""
-
-    width_px: int
-    height_px: int
-    fx_px: float
-    fy_px: float
-    cx_px: float
-    cy_px: float
-    distortion: Coefficients = NO_DISTORTION
-
-
-@dataclass(frozen=True)
-class Shutter:
-    """When an image is exposed: the middle of its middle row at the view's time, every row equally long."""
-
-    exposure_s: float = 0.0
-    read_out_s: float = 0.0
-    """Time from the start of the first row to the start of the row that would follow the last one."""
-
+from symolo.core.pinhole import Shutter
+from symolo.core.poses import Matrix4, PlanarPose
 
 INSTANT = Shutter()
 

@@ -19,8 +19,9 @@ from configs.schema.look import CameraLook
 from configs.schema.robot import RobotConfig
 from physics.arena.geometry import Arena
 from sensors.camera.response import CameraResponse
-from sensors.camera.views import INSTANT, FrameView, Intrinsics, Shutter
+from sensors.camera.views import INSTANT, FrameView
 from symolo.core.lens import NO_DISTORTION, Coefficients
+from symolo.core.pinhole import Intrinsics, Shutter
 
 _SHIPPED = Path(configs.__file__).parent
 

@@ -14,7 +14,8 @@ from physics.arena.rays import RayScene
 from physics.bullet.simulation import BulletSimulation
 from physics.robot.model import RobotModel
 from physics.twin import KinematicTwin, ReplayedWorld
-from sensors.tof import TofArray, TofStatus
+from sensors.tof import TofArray
+from symolo.dataset.codes import TofStatus
 
 SPEED_M_S = 0.08
 FACE_M = 0.28

@@ -17,10 +17,11 @@ from configs.schema.robot import RobotConfig, TofMount, TofMounts, TofSensor
 from physics.arena.geometry import Arena
 from physics.arena.rays import RayScene
 from sensors.base import Hits
-from sensors.tof import TofArray, TofStatus
+from sensors.tof import TofArray
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.random_streams import stream
+from symolo.dataset.codes import TofStatus
 
 HEIGHT_M = 1.0
 TARGET_HEIGHT_M = 2.0

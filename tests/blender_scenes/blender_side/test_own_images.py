@@ -23,8 +23,8 @@ from configs.schema.lighting import SkyLook
 from configs.schema.look import LookConfig
 from configs.schema.scenario import Render
 from physics.arena.geometry import Arena
-from sensors.camera.geometry import project
 from sensors.camera.views import FrameView
+from symolo.core.pinhole import project
 
 TILES = np.zeros((8, 12, 3), np.uint8)
 """Two rows of three tiles, blue first: above red, green, blue, below black, half of white's light, white."""

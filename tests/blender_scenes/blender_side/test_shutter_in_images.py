@@ -13,8 +13,9 @@ from physics.arena.geometry import Box
 from physics.arena.obstacle_motion import ObstacleMotion
 from physics.robot.path import RobotPath
 from sensors.camera.shutter import exposed, moment, window
-from sensors.camera.views import FrameView, Intrinsics, Shutter
+from sensors.camera.views import FrameView
 from symolo.core.lens import NO_DISTORTION, Coefficients
+from symolo.core.pinhole import Intrinsics, Shutter
 
 PIXELS, FOCAL_PX = 81, 100.0
 RATE_RAD_S, SPEED_M_S = 3.0, 1.5

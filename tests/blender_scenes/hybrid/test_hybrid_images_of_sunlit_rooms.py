@@ -10,9 +10,10 @@ from blender_scenes.scene.meshes import block, floor
 from blender_scenes.scene.shading import Color, Surface
 from configs.schema.look import CameraLook
 from configs.schema.robot import Camera
-from sensors.camera.geometry import pose_X_RC, pose_X_WR
 from sensors.camera.response import CameraResponse
-from sensors.camera.views import FrameView, Intrinsics
+from sensors.camera.views import FrameView
+from symolo.core.pinhole import Intrinsics, pose_X_RC
+from symolo.core.poses import pose_X_WR
 
 CAMERA = Intrinsics(64, 48, 45.0, 45.0, 31.5, 23.5)
 ELEVATION = np.radians(25.0)

@@ -12,7 +12,8 @@ from physics.arena.rays import RayScene
 from pipeline.baselines.given import Start
 from pipeline.baselines.line_model import LineModel
 from pipeline.baselines.range_model import RangeModel
-from sensors.tof import TofArray, TofStatus
+from sensors.tof import TofArray
+from symolo.dataset.codes import TofStatus
 
 START = Start(np.zeros(3), np.full(3, 0.01))
 ROWS = 2
