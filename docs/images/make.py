@@ -22,8 +22,8 @@ from PIL import Image
 import symolo
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from physics.arena.geometry import Arena
 from pipeline.cli import main as symolo_command
+from symolo.arena.geometry import Arena
 
 HERE = Path(__file__).parent
 EXAMPLES = HERE.parents[1] / "tests/fixtures/gap_examples"
@@ -182,7 +182,7 @@ def baselines(workspace: Path) -> None:
 def diagnosis(workspace: Path) -> None:
     """Write the plot of the misfit from the diagnosis of a motor on a bench."""
     _remake("diagnose", EXAMPLES / "motor_steady_002", workspace / "diagnosis")
-    _save_smaller("diagnosis.png", next((workspace / "diagnosis/plots").glob("misfit*.png")), 1000)
+    _save_smaller("diagnosis.png", workspace / "diagnosis/plots/current_A.png", 1200)
 
 
 def _remake(command: str, source: Path, out: Path) -> None:
