@@ -3,12 +3,12 @@
 import html
 from collections.abc import Iterable, Sequence
 
-from blender_scenes.annotations.document import DOCUMENT, ENCODINGS
 from configs.schema.arena import Obstacle
 from configs.schema.scenario import RunSpec
 from pipeline.assembly.scene_record import SCENE
 from symolo.core.errors import one_line
 from symolo.core.lens import coefficients
+from symolo.dataset.annotations import DOCUMENT, ENCODINGS
 from symolo.dataset.camera_model import INTRINSICS
 from symolo.dataset.metadata import Metadata, side_tables
 

@@ -4,8 +4,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 
-from blender_scenes.annotations.document import DOCUMENT, document
-from blender_scenes.annotations.job import RECORDS, AnnotationJob, record_file
+from blender_scenes.annotations.document import document
+from blender_scenes.annotations.job import AnnotationJob, record_file
 from blender_scenes.annotations.record import Record
 from configs.schema.scenario import RunSpec
 from pipeline.executors.local import Local
@@ -19,6 +19,7 @@ from pipeline.work.units import Finished, Progress, RenderUnit
 from symolo.core.atomic_files import make_folder, write_file
 from symolo.core.errors import InputError
 from symolo.core.file_hashes import sha256_of
+from symolo.dataset.annotations import DOCUMENT, RECORD_KINDS
 from symolo.dataset.layout import ANNOTATIONS
 from symolo.dataset.rows import read_rows
 
@@ -124,7 +125,7 @@ def _render(tasks: list[FrameTask], means: Means) -> None:
 
 def _document(task: FrameTask) -> bytes | None:
     job = AnnotationJob.from_json((task.folder.path / JOB).read_text())
-    names = [record_file(frame.number) for frame in task.frames] if {*RECORDS} & {*job.kinds} else []
+    names = [record_file(frame.number) for frame in task.frames] if {*RECORD_KINDS} & {*job.kinds} else []
     try:
         records = [Record.from_json((task.files / name).read_bytes()) for name in names]
     except OSError:

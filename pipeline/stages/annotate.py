@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 
-from blender_scenes.annotations.document import DOCUMENT, document
+from blender_scenes.annotations.document import document
 from blender_scenes.annotations.job import RECORDS_DIR, AnnotationJob, build_annotation_job, record_file
 from blender_scenes.annotations.record import Record
 from blender_scenes.render.job import RenderJob
@@ -12,6 +12,7 @@ from pipeline.stages.render import IMAGES, JOB, Appearance, Findings, FrameTask,
 from symolo.arena.geometry import Arena
 from symolo.core.atomic_files import make_folder, write_file
 from symolo.core.file_hashes import read_known, sha256_of
+from symolo.dataset.annotations import DOCUMENT
 from symolo.dataset.layout import ANNOTATIONS
 
 
