@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from configs.distributions import Choice, Distribution, LogUniform, Normal, Uniform
+from symolo.core.distributions import Choice, Distribution, LogUniform, Normal, Uniform
 from symolo.pages.markup import Html, tag
 
 _WIDTH, _HEIGHT, _MARGIN = 220.0, 20.0, 5.0
