@@ -37,7 +37,7 @@ def too_large(named: Named) -> list[str]:
     """Why a named effect is ruled out by its size; empty if it is not."""
     return [
         f"{of.parameter} {of.value:.3g} +- {of.std:.2g} is beyond {of.limit:g}, and no such robot is known: {of.why}"
-        for of in beyond(named.name, named.values, named.std)
+        for of in beyond(named.effect.kind, named.values, named.std)
     ]
 
 

@@ -33,7 +33,7 @@ def matrix(found: Findings) -> Iterator[Html]:
 
 
 def _row(of: Signature, *, named: bool) -> list[str]:
-    name = tag("strong", of.effect.name) if named else tag("span", of.effect.name, title=meaning(of.effect.term))
+    name = tag("strong", of.effect.name) if named else tag("span", of.effect.name, title=meaning(of.effect.kind))
     cells = [_cell(moved, wider) for moved, wider in zip(of.moves, of.spreads, strict=True)]
     return [name, of.start, *cells, _smallest(of)]
 
@@ -57,5 +57,5 @@ def _smallest(of: Signature) -> str:
         return "never"
     if not isfinite(of.smallest):
         return "-"
-    unit = next(iter(of.effect.term.numbers.values())).unit
+    unit = next(iter(of.effect.kind.parameters().values())).unit
     return f"{of.smallest:.2g}{'' if unit == '1' else f' {unit}'}"

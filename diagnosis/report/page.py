@@ -108,8 +108,8 @@ def _effects(found: Findings) -> Iterator[Html]:
 
 def _effect(named: Named, without: Without, intervals: Mapping[str, Sequence[Interval]]) -> Iterator[Html]:
     yield tag("h3", tag("code", named.effect.name))
-    yield tag("p", f"{meaning(named.effect.term)} Such a thing comes of: {cause(named)}.")
-    units = named.effect.term.numbers
+    yield tag("p", f"{meaning(named.effect.kind)} Such a thing comes of: {cause(named)}.")
+    units = named.effect.kind.parameters()
     rows = [
         [
             name,

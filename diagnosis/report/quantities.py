@@ -2,7 +2,7 @@
 
 from math import floor, isfinite, log10
 
-from physics.effects.base import Term
+from configs.effects.base import Effect
 
 UNITS = {
     "rad_s": "rad/s",
@@ -117,7 +117,7 @@ def cost(of: float) -> str:
     return f"{of:.1f}" if abs(of) < 100.0 else f"{of:.0f}"
 
 
-def meaning(term: Term) -> str:
-    """What the term does, as the schema has it: `R_true = scale * R`."""
-    told = (field.description for field in term.parameters.model_fields.values())
+def meaning(effect: type[Effect]) -> str:
+    """What the effect does, as the schema has it: `R_true = scale * R`."""
+    told = (field.description for field in effect.model_fields.values())
     return " ".join((next((text for text in told if text), "")).split())

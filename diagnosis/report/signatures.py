@@ -18,7 +18,7 @@ import numpy as np
 from diagnosis.inference.coordinate import Coordinate
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import Fit
-from diagnosis.inference.hypothesis import Effect
+from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.likelihood import SPREAD
 from diagnosis.inference.selection import needed
 from symolo.core.arrays import Array
@@ -33,7 +33,7 @@ STILL = 1e-3
 class Signature:
     """Of one effect at its start value."""
 
-    effect: Effect
+    effect: CandidateEffect
     start: str
     """`scale = 1.15`, for the table."""
     moves: tuple[float, ...]
@@ -56,7 +56,7 @@ class Signatures:
     """Names and cosine of effects that point the same way."""
 
 
-def signatures(evidence: Evidence, nominal: Fit, effects: Sequence[Effect]) -> Signatures:
+def signatures(evidence: Evidence, nominal: Fit, effects: Sequence[CandidateEffect]) -> Signatures:
     """Of effects, on top of a fit of the nuisances alone.
 
     Args:
@@ -115,11 +115,11 @@ class _Free:
         return padded - self._basis @ (self._basis.T @ padded)
 
 
-def _start(effect: Effect) -> str:
-    return ", ".join(f"{name} = {number.start:g}" for name, number in effect.term.numbers.items())
+def _start(effect: CandidateEffect) -> str:
+    return ", ".join(f"{name} = {number.start:g}" for name, number in effect.kind.parameters().items())
 
 
-def _smallest(effect: Effect, significance: float) -> float:
+def _smallest(effect: CandidateEffect, significance: float) -> float:
     """By a straight line from nothing to the start value."""
     first = effect.coordinates[0]
     if first.null is None or first.is_ceiling:

@@ -63,7 +63,7 @@ def _effect(named: Named, without: Without, intervals: Mapping[str, Sequence[Int
     for name, value in named.values.items():
         far = f"; {reach(intervals[name])}" if name in intervals else ""
         yield from _entry(f"  {name}", with_error(value, named.std[name], "+-") + far)
-    yield from _entry("  means", meaning(named.effect.term))
+    yield from _entry("  means", meaning(named.effect.kind))
     yield from _entry("  comes of", cause(named))
     yield from _entry("  sure to", certainty(named))
     for text in too_large(named):

@@ -50,16 +50,16 @@ def _listed(names: list[str]) -> str:
 
 def cause(named: Named) -> str:
     """What in a robot brings an effect about."""
-    return named.effect.term.cause
+    return named.effect.kind.cause
 
 
 def in_a_sentence(named: Named) -> str:
     """Name, numbers, what that means, and what brings it about."""
     numbers = []
     for name, value in named.values.items():
-        unit = named.effect.term.numbers[name].unit
+        unit = named.effect.kind.parameters()[name].unit
         numbers.append(f"{name} = {with_error(value, named.std[name])}{'' if unit == '1' else f' {unit}'}")
-    return f"{named.effect.name}: {', '.join(numbers)}. {meaning(named.effect.term)} It comes of: {cause(named)}."
+    return f"{named.effect.name}: {', '.join(numbers)}. {meaning(named.effect.kind)} It comes of: {cause(named)}."
 
 
 CHANCE_IS_NEAR = 0.9
@@ -85,7 +85,7 @@ def to_measure(named: Named) -> Iterator[tuple[str, str]]:
     close = [rival.effect for rival in named.standing.rivals if rival.effect.name in named.standing.ambiguous_with]
     if close:
         for effect in (named.effect, *close):
-            yield effect.name, effect.term.excitation
+            yield effect.name, effect.kind.excitation
 
 
 def taken_away(without: Without) -> str:
