@@ -18,12 +18,11 @@ from diagnosis.inference.candidates import candidates
 from diagnosis.inference.hypothesis import Hypothesis
 from diagnosis.measured.measurement import Kind
 from pipeline.stages.simulate import simulate
-from sensors.tof import TofStatus
 from symolo.core.errors import InputError
 
 ROOT = Path(__file__).parents[2]
 TOY = '''
-"""A range sensor behind a loose window."""
+"""A shunt that part of the current goes around."""
 
 from typing import Annotated
 
@@ -31,24 +30,24 @@ from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import Parameter
 
 
-class LooseWindow(Effect):
-    slot = Slot.RANGE
-    cause = "a window that has come off its frame"
-    excitation = "ranges of any length"
-    setups = (Setup.RANGE_BENCH, Setup.DRIVE)
+class LeakyShunt(Effect):
+    slot = Slot.CURRENT_READING
+    cause = "flux that was left on the board beside the shunt"
+    excitation = "large currents"
+    setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
-    path_m: Annotated[float, Parameter("m", null=0.0, start=0.05, low=0.0, high=0.2)]
-    """reading + path."""
+    share: Annotated[float, Parameter("1", null=0.0, start=0.1, low=0.0, high=0.5)]
+    """reading = (1 - share) * current."""
 
-    def apply(self, reading_m, view):
-        return reading_m + self.path_m
+    def apply(self, current_A):
+        return (1.0 - self.share) * current_A
 '''
-SETTING = "robot.effects.loose_window.path_m"
+SETTING = "robot.effects.leaky_shunt.share"
 
 
 @pytest.fixture
 def toy(tmp_path):
-    path = tmp_path / "loose_window.py"
+    path = tmp_path / "leaky_shunt.py"
     path.write_text(TOY)
     yield load_effect_file(path)
     unload_effect_file(path)
@@ -59,59 +58,58 @@ def drawn(*settings):
 
 
 def test_it_is_unknown_before_it_is_loaded_and_after_it_is_unloaded(tmp_path):
-    path = tmp_path / "loose_window.py"
+    path = tmp_path / "leaky_shunt.py"
     path.write_text(TOY)
     for _ in range(2):
-        with pytest.raises(InputError, match=r"robot\.effects\.loose_window: unknown key"):
+        with pytest.raises(InputError, match=r"robot\.effects\.leaky_shunt: unknown key"):
             drawn(f"{SETTING}=0.05")
         load_effect_file(path)
-        assert drawn(f"{SETTING}=0.05").robot.effects.members[0].path_m == 0.05
+        assert drawn(f"{SETTING}=0.05").robot.effects.members[0].share == 0.05
         unload_effect_file(path)
 
 
 def test_it_is_a_key_of_the_schema_with_its_bounds(toy):
     schema = scenario_json_schema()["$defs"]
-    assert schema["RobotEffects"]["properties"]["loose_window"]["anyOf"][0] == {"$ref": "#/$defs/LooseWindow"}
-    number, _ = schema["LooseWindow"]["properties"]["path_m"]["anyOf"]
-    assert number == {"type": "number", "minimum": 0.0, "maximum": 0.2}
-    with pytest.raises(InputError, match=r"path_m: got 0\.3, allowed: number >= 0\.0 and <= 0\.2"):
-        drawn(f"{SETTING}=0.3")
-    with pytest.raises(InputError, match="did you mean loose_window"):
-        drawn("robot.effects.lose_window.path_m=0.1")
-    assert toy.name == "loose_window"
+    assert schema["RobotEffects"]["properties"]["leaky_shunt"]["anyOf"][0] == {"$ref": "#/$defs/LeakyShunt"}
+    number, _ = schema["LeakyShunt"]["properties"]["share"]["anyOf"]
+    assert number == {"type": "number", "minimum": 0.0, "maximum": 0.5}
+    with pytest.raises(InputError, match=r"share: got 0\.6, allowed: number >= 0\.0 and <= 0\.5"):
+        drawn(f"{SETTING}=0.6")
+    with pytest.raises(InputError, match="did you mean leaky_shunt"):
+        drawn("robot.effects.leaky_shnt.share=0.1")
+    assert toy.name == "leaky_shunt"
 
 
 @pytest.mark.usefixtures("toy")
 def test_it_is_an_axis_of_randomisation():
     spec = drawn(f"{SETTING}={{uniform: [0.1, 0.2]}}")
-    assert 0.1 <= spec.drawn[SETTING] == spec.robot.effects.members[0].path_m <= 0.2
+    assert 0.1 <= spec.drawn[SETTING] == spec.robot.effects.members[0].share <= 0.2
 
 
 @pytest.mark.usefixtures("toy")
 def test_it_changes_a_run_and_stands_in_the_specification_that_metadata_come_from():
     spec = drawn(f"{SETTING}=0.05")
     bare, changed = (simulate(run).recording for run in (drawn(), spec))
-    is_target = (bare["tof_status"].values == TofStatus.VALID) & (changed["tof_status"].values == TofStatus.VALID)
-    difference_m = changed["tof_m"].values - bare["tof_m"].values
-    assert np.count_nonzero(is_target) > 10
-    np.testing.assert_allclose(difference_m[is_target], 0.05, atol=1e-3)
-    assert json.loads(spec.model_dump_json())["robot"]["effects"] == {"loose_window": {"path_m": 0.05}}
-    assert load_scenario("smoke", [f"{SETTING}=0.05"]).tree["robot"]["effects"] == {"loose_window": {"path_m": 0.05}}
+    np.testing.assert_array_equal(changed["wheel_speed_rad_s"].values, bare["wheel_speed_rad_s"].values)
+    np.testing.assert_allclose(changed["current_A"].values, 0.95 * bare["current_A"].values)
+    assert np.abs(bare["current_A"].values).max() > 0.01
+    assert json.loads(spec.model_dump_json())["robot"]["effects"] == {"leaky_shunt": {"share": 0.05}}
+    assert load_scenario("smoke", [f"{SETTING}=0.05"]).tree["robot"]["effects"] == {"leaky_shunt": {"share": 0.05}}
     assert type(spec).model_validate_json(spec.model_dump_json()) == spec
 
 
-@pytest.mark.parametrize(("kind", "is_listed"), [(Kind.TOF_BENCH, True), (Kind.MOTOR_STEP, False)])
+@pytest.mark.parametrize(("kind", "is_listed"), [(Kind.MOTOR_STEP, True), (Kind.TOF_BENCH, False)])
 def test_the_diagnosis_tries_it_where_it_can_show(toy, kind, is_listed):
     seen = []
 
     def of(robots):
         seen.extend(robots)
-        mean = np.array([[sum(e.path_m for e in robot.effects if isinstance(e, toy))] for robot in robots])
+        mean = np.array([[sum(e.share for e in robot.effects if isinstance(e, toy))] for robot in robots])
         return SimpleNamespace(mean=mean, sd=np.ones_like(mean))
 
     evidence = SimpleNamespace(of=of, sd=np.array([1.0]), fit=np.array([True]))
     listed = candidates(SimpleNamespace(kind=kind, trials=()), evidence, Hypothesis(drawn().robot, ()))
-    assert ("loose_window" in [effect.name for effect in listed.testable]) is is_listed
+    assert ("leaky_shunt" in [effect.name for effect in listed.testable]) is is_listed
     assert any(robot.effects.get(toy) for robot in seen) is is_listed
 
 
@@ -122,15 +120,15 @@ def test_it_is_a_row_of_the_documentation(toy, monkeypatch):
     spec.loader.exec_module(module)
     sys.modules.pop("markdown", None)
     page = module.effects()
-    assert "## loose_window\n" in page
+    assert "## leaky_shunt\n" in page
     assert f"{toy.cause[1:]}. Seen in: {toy.excitation}." in page
-    assert "| path_m | m | 0 | 0.05 | 0 ... 0.2 |" in page
+    assert "| share | 1 | 0 | 0.1 | 0 ... 0.5 |" in page
 
 
 def test_it_acts_last_in_its_slot_and_has_no_faults_of_its_own(toy):
     assert effect_classes()[-1] is toy
-    robot = drawn("robot.effects.range_offset.offset_m=0.01", f"{SETTING}=0.05").robot
-    assert [effect.name for effect in robot.effects] == ["range_offset", "loose_window"]
+    robot = drawn("robot.effects.current_sensor_offset.offset_A=0.01", f"{SETTING}=0.05").robot
+    assert [effect.name for effect in robot.effects] == ["current_sensor_offset", "leaky_shunt"]
     assert list(robot_faults(robot, in_simulation=True)) == []
 
 
@@ -143,18 +141,24 @@ def test_loading_a_file_twice_changes_nothing(toy):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (("class LooseWindow", "class RangeOffset"), "effect range_offset: the name is taken.*another name"),
-        (("slot = Slot.RANGE", "pass"), r"effect loose_window: slot missing.*Slot\.RANGE"),
-        (("slot = Slot.RANGE", 'slot = "range"'), r"effect loose_window: slot: got 'range', allowed: Slot\.MOTORS"),
-        (("def apply", "def applied"), "effect loose_window: apply missing.*define apply"),
-        (("null=0.0", "null=None"), "effect loose_window: no parameter has a null value.*annotate a field"),
-        (("class LooseWindow(Effect)", "class LooseWindow"), "got 'none', allowed: one class that derives from Effect"),
-        (("def apply(self", "def apply(self:"), r"loose_window\.py:19: effect file: SyntaxError"),
-        (("(Effect)", "(Effekt)"), r"loose_window\.py:10: effect file: NameError: name 'Effekt'"),
+        (
+            ("class LeakyShunt", "class CurrentSensorOffset"),
+            "effect current_sensor_offset: the name is taken.*another name",
+        ),
+        (("slot = Slot.CURRENT_READING", "pass"), r"effect leaky_shunt: slot missing.*slot = Slot"),
+        (
+            ("slot = Slot.CURRENT_READING", 'slot = "range"'),
+            r"effect leaky_shunt: slot: got 'range', allowed: Slot\.MOTORS",
+        ),
+        (("def apply", "def applied"), "effect leaky_shunt: apply missing.*define apply"),
+        (("null=0.0", "null=None"), "effect leaky_shunt: no parameter has a null value.*annotate a field"),
+        (("class LeakyShunt(Effect)", "class LeakyShunt"), "got 'none', allowed: one class that derives from Effect"),
+        (("def apply(self", "def apply(self:"), r"leaky_shunt\.py:19: effect file: SyntaxError"),
+        (("(Effect)", "(Effekt)"), r"leaky_shunt\.py:10: effect file: NameError: name 'Effekt'"),
     ],
 )
 def test_a_file_that_is_not_complete_is_refused_with_its_place_and_a_cure(tmp_path, change, message):
-    path = tmp_path / "loose_window.py"
+    path = tmp_path / "leaky_shunt.py"
     path.write_text(TOY.replace(*change))
     with pytest.raises(InputError, match=message):
         load_effect_file(path)
