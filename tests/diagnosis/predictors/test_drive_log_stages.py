@@ -29,7 +29,6 @@ from physics.effects.wheel_radius_asymmetry import WheelRadiusAsymmetry
 from physics.effects.wheel_radius_scale import WheelRadiusScale
 from physics.effects.wheelbase_scale import WheelbaseScale
 from physics.effects.winding_resistance_scale import WindingResistanceScale
-from physics.run.trajectory import TimeSeries
 from sensors.effects.marker_offset import MarkerOffset
 from sensors.effects.pose_time_offset import PoseTimeOffset
 from sensors.effects.range_offset import RangeOffset
@@ -37,6 +36,7 @@ from sensors.effects.tof_mount_yaw import TofMountYaw
 from sensors.effects.tof_range_offset import TofRangeOffset
 from sensors.effects.tof_range_scale import TofRangeScale
 from sensors.effects.tof_time_offset import TofTimeOffset
+from symolo.core.time_series import TimeSeries
 
 R, K, B, TC, J = 3.0, 0.3, 0.002, 0.02, 0.003
 DAMPING = K * K / R + B

@@ -20,10 +20,10 @@ from physics.effects.gear_backlash import GearBacklash
 from physics.effects.input_delay import InputDelay
 from physics.effects.stribeck_friction import StribeckFriction
 from physics.effects.torque_constant_mismatch import TorqueConstantMismatch
-from physics.run.trajectory import TimeSeries
 from sensors.effects.current_sensor_gain import CurrentSensorGain
 from sensors.effects.speed_time_offset import SpeedTimeOffset
 from symolo.core.errors import InputError
+from symolo.core.time_series import TimeSeries
 
 EFFECTS = effect_classes()
 ROWS_S = 0.005 * np.arange(1, 201)

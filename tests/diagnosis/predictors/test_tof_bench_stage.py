@@ -13,7 +13,6 @@ from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.nominal import NominalTof
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
-from physics.run.trajectory import TimeSeries
 from sensors.effects.ambient_noise import AmbientNoise
 from sensors.effects.cover_crosstalk import CoverCrosstalk
 from sensors.effects.incidence_bias import IncidenceBias
@@ -24,6 +23,7 @@ from sensors.effects.noise_scale import NoiseScale
 from sensors.effects.range_saturation import RangeSaturation
 from sensors.effects.temperature_drift import TemperatureDrift
 from sensors.effects.warmup_drift import WarmupDrift
+from symolo.core.time_series import TimeSeries
 
 REFLECTANCE = {"wood": 0.45, "black_card": 0.05}
 NOMINAL = NominalTof.model_validate(

@@ -11,7 +11,7 @@ from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
 from diagnosis.usual_tolerances import usual_wheels
-from physics.run.trajectory import TimeSeries
+from symolo.core.time_series import TimeSeries
 
 COUNTS = 2000
 NOMINAL = usual_wheels(diameter_m=0.08, track_m=0.2, counts_per_turn=COUNTS)
