@@ -132,7 +132,7 @@ def diagnose(
 
 def _check(case: "Case", reading: "Reading", against: Path | None) -> None:
     """Refuse the only case before anything is written."""
-    from diagnosis.against import check_drive
+    from diagnosis.dataset_comparison import check_drive
     from diagnosis.diagnose import check_kind
 
     measurement = reading.measurement(case.path)
