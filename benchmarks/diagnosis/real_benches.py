@@ -16,8 +16,8 @@ from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.nominal import NominalTof
 from diagnosis.predictors.motor_steady import MotorSteady
 from diagnosis.validation.range_sensor.recordings.static import read_record
-from physics.run.trajectory import TimeSeries
 from sensors.tof import NOISE_AT_NEAR_MM
+from symolo.core.time_series import TimeSeries
 
 Array = NDArray[np.float64]
 

@@ -136,7 +136,8 @@ def _bench(out: Path, robot: str, seed: int, check: "Callable[[RobotConfig], Non
     from configs.draw import draw_robot
     from configs.loader import load_section
     from pipeline.run_folder.output import check_out
-    from pipeline.run_folder.workspace import Kind, Workspace
+    from pipeline.run_folder.workspace import Workspace
+    from symolo.dataset.folder_kind import Kind
 
     config, _ = draw_robot(load_section("robot", robot), seed, "bench")
     check(config)

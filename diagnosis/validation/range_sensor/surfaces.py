@@ -9,8 +9,8 @@ from configs.schema.arena import SurfaceName
 from diagnosis.validation.range_sensor.check import Check
 from diagnosis.validation.range_sensor.paper import MEAN_WITHIN_MM, SD_WITHIN, TABLE_3, TABLE_4, Printed
 from diagnosis.validation.range_sensor.stand import Bench, Stand, closed_form, grid, target, valid_mm
-from sensors.tof import TofStatus
 from symolo.core.arrays import Array
+from symolo.dataset.codes import TofStatus
 
 FEWEST = 10
 """Valid readings below which a distance has no mean."""

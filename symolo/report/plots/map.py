@@ -10,7 +10,7 @@ from matplotlib.patches import Patch, Polygon
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MultipleLocator
 
-from physics.arena.geometry import Box
+from symolo.arena.geometry import Box
 from symolo.core.arrays import Array
 from symolo.pages.plotting import BLACK, GREY, svg
 from symolo.report.plots.states import STATE_STYLES, named, stretches

@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from physics.arena.geometry import Arena
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.dataset.rows import Rows
 from symolo.pages.plotting import BLACK, BLUE, GREY, PALE, VERMILION, svg

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from physics.control.base import State
+from symolo.dataset.codes import State
 from symolo.dataset.rows import Ints
 from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from physics.arena.geometry import Arena
+from symolo.arena.geometry import Arena
 from symolo.report.statistics.run_facts import RunFacts
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from physics.arena.geometry import Line
+from symolo.arena.geometry import Line
 from symolo.core.arrays import Array
 
 

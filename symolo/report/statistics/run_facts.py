@@ -4,9 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from physics.arena.geometry import Arena
-from physics.control.base import State
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
+from symolo.dataset.codes import State
 from symolo.dataset.metadata import RunRecord
 from symolo.dataset.rows import Ints
 from symolo.reader.run import Run

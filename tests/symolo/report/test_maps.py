@@ -7,7 +7,7 @@ import pytest
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from physics.arena.geometry import Arena
+from symolo.arena.geometry import Arena
 from symolo.reader.dataset import load
 from symolo.report.plots.map import footprints
 from symolo.report.statistics.maps import route_maps

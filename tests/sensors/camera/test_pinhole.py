@@ -6,15 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sensors.camera.geometry import (
-    floor_points,
-    horizontal_field_of_view_rad,
-    intrinsics,
-    matrix_K,
-    pose_X_RC,
-    pose_X_WR,
-    project,
-)
+from symolo.core.pinhole import floor_points, horizontal_field_of_view_rad, intrinsics, matrix_K, pose_X_RC, project
+from symolo.core.poses import pose_X_WR
 
 
 def _X_WC(robot, x=0.0, y=0.0, yaw=0.0):

@@ -4,16 +4,42 @@ Frames: W the world, R the robot (middle of the axle, x forward, y left, z up), 
 (x right, y down, z along the axis). X_AB is the pose of B in A, so that p_A = X_AB p_B.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from blender_scenes.scene.description import Intrinsics
-from configs.schema.robot import Camera
 from symolo.core.arrays import Array
-from symolo.core.lens import NO_DISTORTION, coefficients, distorted, undistorted
+from symolo.core.lens import NO_DISTORTION, Coefficients, MountedCamera, coefficients, distorted, undistorted
 
 
-def intrinsics(camera: Camera, width_px: int, height_px: int) -> Intrinsics:
-    """Square pixels."""
+@dataclass(frozen=True)
+class Intrinsics:
+    """Pixel (0, 0) is the middle of the first pixel, as in OpenCV."""
+
+    width_px: int
+    height_px: int
+    fx_px: float
+    fy_px: float
+    cx_px: float
+    cy_px: float
+    distortion: Coefficients = NO_DISTORTION
+
+
+@dataclass(frozen=True)
+class Shutter:
+    """When an image is exposed: the middle of its middle row at the view's time, every row equally long."""
+
+    exposure_s: float = 0.0
+    read_out_s: float = 0.0
+    """Time from the start of the first row to the start of the row that would follow the last one."""
+
+    def row_opens_s(self, row: int, rows: int) -> float:
+        """Return when the exposure of one of the image's rows begins, relative to the view's time."""
+        return ((row + 0.5) / rows - 0.5) * self.read_out_s - 0.5 * self.exposure_s
+
+
+def intrinsics(camera: MountedCamera, width_px: int, height_px: int) -> Intrinsics:
+    """Return the intrinsics of a camera with square pixels for images of a size."""
     pixels_per_mm = width_px / camera.sensor_width_mm
     focal_px = width_px * camera.focal_length_mm / camera.sensor_width_mm
     cx_px = 0.5 * (width_px - 1) + camera.principal_point_right_mm * pixels_per_mm
@@ -22,17 +48,17 @@ def intrinsics(camera: Camera, width_px: int, height_px: int) -> Intrinsics:
 
 
 def matrix_K(camera: Intrinsics) -> Array:
-    """(3, 3) camera matrix."""
+    """Return the camera matrix (3, 3) [px]."""
     return np.array([[camera.fx_px, 0, camera.cx_px], [0, camera.fy_px, camera.cy_px], [0, 0, 1.0]])
 
 
-def horizontal_field_of_view_rad(camera: Camera) -> float:
-    """Without distortion, and with the axis in the sensor's middle."""
+def horizontal_field_of_view_rad(camera: MountedCamera) -> float:
+    """Return the angle that the sensor's width covers, without distortion and with the axis in its middle."""
     return float(2 * np.arctan(0.5 * camera.sensor_width_mm / camera.focal_length_mm))
 
 
-def pose_X_RC(camera: Camera, base_height_m: float) -> Array:
-    """(4, 4) pose of the camera in R: pitched below the horizon, turned to the left, rolled about its axis."""
+def pose_X_RC(camera: MountedCamera, base_height_m: float) -> Array:
+    """Return the pose (4, 4) of the camera in R: pitched down, turned left, then rolled about its axis."""
     pitch, yaw, roll = np.radians([camera.pitch_down_deg, camera.yaw_left_deg, camera.roll_deg])
     left = np.array([-np.sin(yaw), np.cos(yaw), 0.0])
     forward = np.array([np.cos(pitch) * np.cos(yaw), np.cos(pitch) * np.sin(yaw), -np.sin(pitch)])
@@ -44,14 +70,8 @@ def pose_X_RC(camera: Camera, base_height_m: float) -> Array:
     return X_RC
 
 
-def pose_X_WR(x_m: float, y_m: float, yaw_rad: float) -> Array:
-    """(4, 4) pose of the robot standing on the floor."""
-    c, s = np.cos(yaw_rad), np.sin(yaw_rad)
-    return np.array([[c, -s, 0, x_m], [s, c, 0, y_m], [0, 0, 1, 0], [0, 0, 0, 1.0]])
-
-
 def project(camera: Intrinsics, X_WC: Array, p_W: Array) -> tuple[Array, Array]:
-    """Pixels (N, 2) of points (N, 3) in W, and their depths (N,) along the axis [m].
+    """Return the pixels (N, 2) of points (N, 3) in W, and their depths (N,) along the axis [m].
 
     A point with a depth of zero or less is behind the camera and its pixel means nothing. A point so far aside that the
     lens model would fold it back has NaN.
@@ -71,18 +91,18 @@ def project(camera: Intrinsics, X_WC: Array, p_W: Array) -> tuple[Array, Array]:
 
 
 def pixels(camera: Intrinsics, on_sensor: Array) -> Array:
-    """Pixels (N, 2) of points (N, 2) on the sensor in units of the focal length."""
+    """Return the pixels (N, 2) of points (N, 2) on the sensor in units of the focal length."""
     return on_sensor * (camera.fx_px, camera.fy_px) + (camera.cx_px, camera.cy_px)
 
 
 def rays_of(camera: Intrinsics, pixels: Array) -> Array:
-    """Rays (N, 2), x / z and y / z in C, that pixels (N, 2) see; NaN where the lens brings none."""
+    """Return the rays (N, 2), x / z and y / z in C, that pixels (N, 2) see; NaN where the lens brings none."""
     on_sensor = (pixels - (camera.cx_px, camera.cy_px)) / (camera.fx_px, camera.fy_px)
     return on_sensor if camera.distortion == NO_DISTORTION else undistorted(camera.distortion, on_sensor)
 
 
 def floor_points(camera: Intrinsics, X_WC: Array, pixels: Array) -> Array:
-    """Floor points (N, 3) seen in pixels (N, 2); NaN where the ray never comes down."""
+    """Return the floor points (N, 3) seen in pixels (N, 2); NaN where the ray never comes down."""
     rays_C = np.column_stack([rays_of(camera, pixels), np.ones(len(pixels))])
     rays_W = rays_C @ X_WC[:3, :3].T
     down = np.where(rays_W[:, 2] < 0, -rays_W[:, 2], np.nan)
