@@ -42,7 +42,7 @@ STREAM_NAMES = (
         f"min_{name}": f"least_{name}"
         for name in ("bend_radius_m", "decoy_m", "obstacle_m", "obstacles", "wall_clearance_m")
     }
-    | {"effects": "terms"}
+    | {"effects": "effects"}
 )
 """Names of fields in the keys of streams, where they are not the fields' own: a seed keeps the numbers that it gave
 before version 0.2.0 renamed the field."""
