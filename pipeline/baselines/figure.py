@@ -5,11 +5,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from physics.arena.geometry import Arena
 from pipeline.baselines.base import Method
 from pipeline.baselines.compare import BaselineComparison
 from pipeline.baselines.errors import off
 from pipeline.baselines.runs import LoggedRun
+from symolo.arena.geometry import Arena
 from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, VERMILION, finished, png
 
 MAX_RUNS = 8
