@@ -8,12 +8,8 @@ from blender_scenes.annotations.job import RECORDS_DIR, AnnotationJob, build_ann
 from blender_scenes.annotations.record import Record
 from blender_scenes.render.job import RenderJob
 from pipeline.run_folder.workspace import StageFolder, mark_done
-<<<<<<< HEAD
 from pipeline.stages.render import IMAGES, JOB, Appearance, FrameTask, ImageFindings, Order, Rendered, journal
-=======
-from pipeline.stages.render import IMAGES, JOB, Appearance, Findings, FrameTask, Order, Rendered, journal
 from symolo.arena.geometry import Arena
->>>>>>> main
 from symolo.core.atomic_files import make_folder, write_file
 from symolo.core.file_hashes import read_known, sha256_of
 from symolo.dataset.layout import ANNOTATIONS

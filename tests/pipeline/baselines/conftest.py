@@ -9,12 +9,7 @@ import pytest
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from configs.schema.robot import TofMount
-<<<<<<< HEAD
-from physics.arena.geometry import Arena, Box, Line, Straight
 from pipeline.baselines.robot_knowledge import Drawing, LineRow, RobotKnowledge, Start
-=======
-from pipeline.baselines.given import Drawing, Given, LineRow, Start
->>>>>>> main
 from pipeline.baselines.runs import LoggedRun
 from pipeline.stages.simulate import simulate
 from sensors.odometry import Odometry
