@@ -6,11 +6,11 @@ import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement, Trial
-from diagnosis.predictors.base import Covariate, Observed, Predicted, Shape, Stage
+from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted, Stage
 from diagnosis.predictors.rows import joined, observed_channel
 from physics.drivetrain.motor_bench import steady_states
 from physics.robot.model import RobotModel
-from physics.robot.stack import alike, stacked, stacked_terms
+from physics.robot.stack import alike, stacked, stacked_effects
 from sensors.instruments import read_current_A, read_settled_speed_rad_s
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
@@ -41,7 +41,9 @@ class MotorSteady:
             Covariate("current_A", current),
             Covariate("u_cmd_V", self._voltage_V),
             Covariate("t_s", self._since_on_s),
-            Covariate("sweep", joined(np.full(len(t.t_s), float(k)) for k, t in enumerate(trials)), Shape.CATEGORY),
+            Covariate(
+                "sweep", joined(np.full(len(t.t_s), float(k)) for k, t in enumerate(trials)), CovariateShape.CATEGORY
+            ),
         )
         self.observed: tuple[Observed, ...] = tuple(
             observed_channel(measurement, name, clear, covariates) for name in ("current_A", "omega_rad_s")
@@ -55,11 +57,11 @@ class MotorSteady:
         for group in alike(robots):
             several = [robots[k] for k in group]
             model = RobotModel.from_config(stacked(several, axes=2))
-            terms = stacked_terms(several, axes=1)
+            effects = stacked_effects(several, axes=1)
             amperes, rad_s = steady_states(model, self._voltage_V[self._given], self._since_on_s[self._given])
             given = np.ix_(np.array(group), np.flatnonzero(self._given))
-            current[given] = read_current_A(terms, amperes)
-            speed[given] = read_settled_speed_rad_s(terms, rad_s)
+            current[given] = read_current_A(effects, amperes)
+            speed[given] = read_settled_speed_rad_s(effects, rad_s)
         return current, speed
 
 

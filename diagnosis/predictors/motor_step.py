@@ -8,12 +8,12 @@ import numpy as np
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalStep
-from diagnosis.predictors.base import Covariate, Observed, Predicted, Shape, Stage
+from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted, Stage
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.rows import given, joined, observed_channel
 from physics.drivetrain.motor_bench import step_responses
 from physics.robot.model import RobotModel
-from physics.robot.stack import alike, stacked, stacked_terms
+from physics.robot.stack import alike, stacked, stacked_effects
 from sensors.instruments import read_current_A, read_speed_rad_s
 from symolo.core.arrays import Array
 
@@ -44,13 +44,13 @@ class MotorStep:
         trial_of = joined(np.full(len(trial.t_s), float(k)) for k, trial in enumerate(trials))
         covariates = (
             Covariate("t_s", since_start_s),
-            Covariate("time_since_step_s", since_s, Shape.SINCE, size=step_V),
+            Covariate("time_since_step_s", since_s, CovariateShape.SINCE, size=step_V),
             Covariate("omega_rad_s", speed),
             Covariate("current_A", current),
             Covariate("u_cmd_V", voltage_V),
-            Covariate("angle_rad", angle_rad, Shape.PERIODIC),
+            Covariate("angle_rad", angle_rad, CovariateShape.PERIODIC),
             Covariate("session_time_s", since_start_s + self._grid.begins_s[trial_of.astype(int)]),
-            Covariate("trial", trial_of, Shape.CATEGORY, labels=tuple(trial.name for trial in trials)),
+            Covariate("trial", trial_of, CovariateShape.CATEGORY, labels=tuple(trial.name for trial in trials)),
         )
         everywhere = np.ones(len(voltage_V), dtype=bool)
         # A gear that is cut badly changes the speed by a share, but the torque by an amount.
@@ -71,13 +71,13 @@ class MotorStep:
         for group in alike(robots):
             several = [robots[k] for k in group]
             model = RobotModel.from_config(stacked(several, axes=2, times=trials))
-            terms = stacked_terms(several, axes=1)
+            effects = stacked_effects(several, axes=1)
             moving = step_responses(model, self._voltage_V[1:], self._grid.period_s, self._grid.begins_s)
             # Robots that differ in what their instruments say alone share one motion.
             each = (of if of.ndim > self._voltage_V.ndim else of[:, None] for of in moving)
             amperes, rad_s = (np.concatenate([np.zeros_like(of[:1]), of]) for of in each)
-            current[group] = self._grid.of_rows(read_current_A(terms, amperes))
-            speed[group] = self._grid.of_rows(read_speed_rad_s(terms, t_s, rad_s))
+            current[group] = self._grid.of_rows(read_current_A(effects, amperes))
+            speed[group] = self._grid.of_rows(read_speed_rad_s(effects, t_s, rad_s))
         return current, speed
 
     def _since_step(self) -> tuple[Array, Array]:

@@ -12,20 +12,19 @@ from math import pi
 
 import numpy as np
 
+from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import KnownWheels, NominalDrive
 from diagnosis.measured.screening import noise_of
-from diagnosis.predictors.base import Covariate, Observed, Predicted, Shape
+from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.distinct import distinct
 from diagnosis.predictors.rows import bridged, given, joined, rows_after, session_time_s, trial_of_rows
 from diagnosis.predictors.window_noise import window_noise
 from physics.drivetrain.wheel_turns import uncounted
-from physics.effects.base import Slot, effects
 from physics.robot.model import RobotModel, through
-from physics.robot.stack import alike, stacked, stacked_terms
-from sensors.effects import SENSOR_TERMS
+from physics.robot.stack import alike, stacked, stacked_effects
 from symolo.core.arrays import Array
 
 WINDOW, STRIDE = 10, 5
@@ -59,7 +58,7 @@ class PoseNoise:
 
 
 class Pose:
-    """The format's windows: mid-point rule, slip in turns, tracked point and age of the pose by the robot's terms."""
+    """The format's windows: mid-point rule, slip in turns, tracked point and age of the pose by the robot's effects."""
 
     name = "pose"
     at_once = 48
@@ -113,10 +112,10 @@ class Pose:
             pose[..., of, 0] = np.cumsum(forward * np.cos(middle), axis=-1)
             pose[..., of, 1] = np.cumsum(forward * np.sin(middle), axis=-1)
             pose[..., of, 2] = yaw
-        terms = stacked_terms(robots, axes=1)
-        delay_s = through(effects(SENSOR_TERMS, terms, Slot.POSE_DELAY), 0.0)
+        effects = stacked_effects(robots, axes=1)
+        delay_s = through(effects.functions(Slot.POSE_DELAY), 0.0)
         pose = earlier(pose, self._t_s, self._trials, delay_s)
-        point = effects(SENSOR_TERMS, stacked_terms(robots, axes=2), Slot.POSE_POINT)
+        point = stacked_effects(robots, axes=2).functions(Slot.POSE_POINT)
         return pose, through(point, pose)
 
     def _steps(self, robots: Sequence[RobotConfig]) -> Array:
@@ -129,7 +128,7 @@ class Pose:
         right_m, left_m = geometry.right_radius_m * turned[..., :1], geometry.left_radius_m * turned[..., 1:]
         forward_m, turn_rad = 0.5 * (right_m + left_m), (right_m - left_m) / geometry.track_m
         step_s = self._steps_s[:, None]
-        share = through(model.effects(Slot.GROUND), np.ones_like(turn_rad), forward_m / step_s, turn_rad / step_s)
+        share = through(model.functions(Slot.GROUND), np.ones_like(turn_rad), forward_m / step_s, turn_rad / step_s)
         return np.concatenate(np.broadcast_arrays(forward_m, turn_rad * share), axis=-1)
 
     def _observed(self, measurement: Measurement, nominal: RobotConfig) -> tuple[Observed, ...]:
@@ -144,13 +143,15 @@ class Pose:
         covariates = (
             Covariate("ds", np.copysign(np.hypot(predicted[:, 0], predicted[:, 1]), predicted[:, 0])),
             Covariate("dtheta", predicted[:, 2]),
-            Covariate("theta_rad", log[first, 2], Shape.PERIODIC),
+            Covariate("theta_rad", log[first, 2], CovariateShape.PERIODIC),
             Covariate("position", log[first, 0], second=log[first, 1]),
             Covariate("t_s", self._t_s[middle]),
             Covariate("session_time_s", session_time_s(measurement)[middle]),
-            Covariate("trial", trial.astype(float), Shape.CATEGORY, labels=tuple(t.name for t in measurement.trials)),
-            Covariate("wheel_angle_rad[left]", angle_rad[:, 1], Shape.PERIODIC),
-            Covariate("wheel_angle_rad[right]", angle_rad[:, 0], Shape.PERIODIC),
+            Covariate(
+                "trial", trial.astype(float), CovariateShape.CATEGORY, labels=tuple(t.name for t in measurement.trials)
+            ),
+            Covariate("wheel_angle_rad[left]", angle_rad[:, 1], CovariateShape.PERIODIC),
+            Covariate("wheel_angle_rad[right]", angle_rad[:, 0], CovariateShape.PERIODIC),
         )
         sds, correlations = self._noise(measurement, nominal)
         holdout = joined(t.holdout for t in measurement.trials)

@@ -11,9 +11,9 @@ import numpy as np
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.measured.nominal import NominalTof
-from diagnosis.predictors.base import Covariate, Observed, Predicted, Shape, Stage
+from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted, Stage
 from diagnosis.predictors.rows import given, joined, observed_channel
-from physics.robot.stack import alike, stacked, stacked_terms
+from physics.robot.stack import alike, stacked, stacked_effects
 from sensors.range_effects import RangeEffects
 from sensors.range_view import RangeView
 from sensors.tof import NOISE_AT_NEAR_MM, noise_sd_m
@@ -53,7 +53,9 @@ class TofBench:
         names = tuple(dict.fromkeys((*known, *sorted(set(materials)))))
         covariates = (
             Covariate("distance_m", self._distance_m),
-            Covariate("material", np.array([float(names.index(m)) for m in materials]), Shape.CATEGORY, labels=names),
+            Covariate(
+                "material", np.array([float(names.index(m)) for m in materials]), CovariateShape.CATEGORY, labels=names
+            ),
             Covariate("incidence_rad", incidence_rad),
             Covariate("temperature_C", temperature_C),
             Covariate("ambient_lux", ambient_lux),
@@ -90,7 +92,7 @@ class TofBench:
                 time_s=self._since_on_s,
             )
             # The sensor on the bench is none of the three on the robot.
-            effects = RangeEffects.of(stacked_terms(several, axes=1).model_copy(update={"tof_range_offset": None}))
+            effects = RangeEffects.of(stacked_effects(several, axes=1).without("tof_range_offset"))
             mean[group], sd[group] = effects.expected(
                 self._distance_m, self._bare_sd_m * tof.noise_scale, view, tof.quantisation_m
             )

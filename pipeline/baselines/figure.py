@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from pipeline.baselines.base import Method
-from pipeline.baselines.compare import Compared
+from pipeline.baselines.compare import BaselineComparison
 from pipeline.baselines.errors import off
 from pipeline.baselines.runs import LoggedRun
 from symolo.arena.geometry import Arena
@@ -18,7 +18,7 @@ _STYLES = ((VERMILION, "--"), (BLUE, "-"), (GREEN, "-."), (ORANGE, ""))
 """Colour and line by method, in the order of the table; none is points alone."""
 
 
-def figure(compared: Compared) -> bytes:
+def figure(compared: BaselineComparison) -> bytes:
     """As PNG: of the first runs."""
     shown = compared.runs[:MAX_RUNS]
     drawn = Figure(figsize=(13.5, 4.0 * len(shown) + 0.3), layout="constrained")
@@ -45,7 +45,11 @@ def figure(compared: Compared) -> bytes:
 
 
 def _method(
-    compared: Compared, run: LoggedRun, method: Method, style: tuple[str, str], panels: tuple[Axes, Axes, Axes]
+    compared: BaselineComparison,
+    run: LoggedRun,
+    method: Method,
+    style: tuple[str, str],
+    panels: tuple[Axes, Axes, Axes],
 ) -> None:
     floor, place, turn = panels
     colour, line = style

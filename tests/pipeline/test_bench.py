@@ -59,9 +59,9 @@ def test_the_motor_bench_tells_table_1_and_table_2(benches):
     }
 
 
-def test_the_terms_of_the_robot_are_told(benches):
+def test_the_effects_of_the_robot_are_told(benches):
     told = json.loads((benches[0] / "line.json").read_text())
-    assert told["robot"]["terms"]["winding_resistance_scale"] == {"scale": 1.08}
+    assert told["robot"]["effects"]["winding_resistance_scale"] == {"scale": 1.08}
 
 
 def test_the_range_bench_with_few_readings_leaves_the_tables_open(symolo, tmp_path, monkeypatch):

@@ -31,7 +31,7 @@ def check_motor(robot: RobotConfig) -> None:
 
 
 def motor_bench(robot: RobotConfig) -> MotorBench:
-    """Everything that the bench measures; all but the energy with the robot's terms."""
+    """Everything that the bench measures; all but the energy with the robot's effects."""
     model = RobotModel.from_config(robot)
     return MotorBench(
         steady=steady_bench(model),

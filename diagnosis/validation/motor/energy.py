@@ -1,6 +1,6 @@
 """Where the electrical work goes: heat of winding and friction, and the rotor's kinetic energy.
 
-Measured on the exact step that twin and motor bench share, without those terms whose losses lie elsewhere.
+Measured on the exact step that twin and motor bench share, without those effects whose losses lie elsewhere.
 """
 
 from dataclasses import dataclass

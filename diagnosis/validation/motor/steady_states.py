@@ -55,7 +55,7 @@ class Candidate:
 
     name: str
     parameters: MotorParameters
-    """Of the robot: with its terms that scale them; others may act beside them."""
+    """Of the robot: with its effects that scale them; others may act beside them."""
     current_A: tuple[float, ...]
     speed_rad_s: tuple[float, ...]
     current_residual_A: Residuals

@@ -36,7 +36,7 @@ class StepResponse:
 @dataclass(frozen=True)
 class StepBench:
     time_constant_s: float
-    """R J / (K^2 + R B), of the motor without terms of friction, bridge and supply."""
+    """R J / (K^2 + R B), of the motor without effects of friction, bridge and supply."""
     input_delay_s: float
     """By which the time to 63 % is longer than the time constant."""
     rise_10_90_percent_s: float
@@ -51,7 +51,7 @@ def time_constant_s(motor: MotorModel) -> float:
 
 
 def step_bench(model: RobotModel) -> StepBench:
-    """Responses of the robot's right motor, off load, with all of the robot's terms."""
+    """Responses of the robot's right motor, off load, with all of the robot's effects."""
     constant_s = time_constant_s(model.motors.right)
     row_s = constant_s / ROWS_PER_TIME_CONSTANT
     rows = TIME_CONSTANTS * ROWS_PER_TIME_CONSTANT + round(model.input_delay_s / row_s)

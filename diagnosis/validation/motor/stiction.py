@@ -25,12 +25,12 @@ KEPT_ROWS = 801
 
 @dataclass(frozen=True)
 class StictionBench:
-    """A slow ramp 0, +top, -top, 0 from rest; without terms, static friction is the friction of a moving wheel."""
+    """A slow ramp 0, +top, -top, 0 from rest; without effects, static friction is the friction of a moving wheel."""
 
     breakaway_V: float | None
     """Where the wheel first moves; None where it never does."""
     breakaway_closed_form_V: float
-    """R Tq / K, of the motor without terms of friction, bridge and supply."""
+    """R Tq / K, of the motor without effects of friction, bridge and supply."""
     stops_V: float | None
     """Where it comes to rest as the voltage falls; below 0 V where it is still turning there."""
     stops_closed_form_V: float
@@ -52,7 +52,7 @@ class StictionBench:
 
 
 def stiction_bench(model: RobotModel) -> StictionBench:
-    """Ramp and held voltages on the robot's right motor, off load, with all of the robot's terms."""
+    """Ramp and held voltages on the robot's right motor, off load, with all of the robot's effects."""
     motor = model.motors.right
     breakaway_V = motor.resistance_ohm * motor.coulomb_N_m / motor.torque_constant_N_m_A
     held_V = breakaway_V * np.array(HELD_SHARES)

@@ -55,7 +55,7 @@ def _see(bench: Bench, distance_mm: float, surface: SurfaceName, yaw_deg: float)
 
 
 def tof_bench(robot: RobotConfig, seed: int, readings: int) -> TofBench:
-    """Run experiments 1 to 5 with the robot's sensor and all terms that act on it.
+    """Run experiments 1 to 5 with the robot's sensor and all effects that act on it.
 
     Args:
         robot: One that `check_tof` lets pass.

@@ -11,8 +11,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from configs.effects.robot_effects import RobotEffects
 from configs.schema.arena import ArenaConfig, Line, SurfaceName, Wall
-from configs.schema.effects.table import Terms
 from configs.schema.robot import RobotConfig, TofMount, TofMounts, TofSensor
 from physics.arena.rays import RayScene
 from sensors.base import Hits
@@ -80,26 +80,26 @@ def bench_arena(*boards: Wall) -> Arena:
 
 @dataclass(frozen=True)
 class Bench:
-    """The sensor of one robot with its terms, on the stand."""
+    """The sensor of one robot with its effects, on the stand."""
 
     tof: TofSensor
-    terms: Terms
+    effects: RobotEffects
     seed: int
 
     @classmethod
     def of(cls, robot: RobotConfig, seed: int) -> "Bench":
-        return cls(robot.tof, robot.terms, seed)
+        return cls(robot.tof, robot.effects, seed)
 
     def sensor(self, arena: Arena, *path: str | float, pitch_up_deg: float = 0.0) -> TofArray:
         """As shipped, on the random stream of this path; `arena` says which surfaces there are."""
         mount = TofMount(x_m=0.0, y_m=0.0, z_m=HEIGHT_M, yaw_deg=0.0, pitch_up_deg=pitch_up_deg)
         tof = self.tof.model_copy(update={"mounts": TofMounts(front=mount, left=mount, right=mount)})
-        return TofArray(tof, arena, PHYSICS_HZ, stream(self.seed, "bench", "tof", *map(str, path)), self.terms)
+        return TofArray(tof, arena, PHYSICS_HZ, stream(self.seed, "bench", "tof", *map(str, path)), self.effects)
 
     def without_noise(self) -> "Bench":
         """The same with neither noise, rounding nor lost updates, for the shape of a curve."""
         still = {"noise_scale": 0.0, "quantisation_m": 0.0, "dropout_probability": 0.0}
-        return Bench(self.tof.model_copy(update=still), self.terms, self.seed)
+        return Bench(self.tof.model_copy(update=still), self.effects, self.seed)
 
     def readings_mm(self, sensor: TofArray, stand: Stand, count: int) -> Array:
         """The valid ones of at least so many readings of a scene [mm].
@@ -115,7 +115,8 @@ class Bench:
 
     def samples(self, sensor: TofArray, stand: Stand, count: int) -> Array:
         """Range [m] and `TofStatus` of at least so many readings of a scene, (N, 2)."""
-        at_once = 1 if self.terms.tof_range_offset or self.terms.tof_mount_yaw else 3  # terms of one sensor of three
+        # The three sensors are alike unless an effect acts on one of them.
+        at_once = 1 if any("sensor" in effect.options() for effect in self.effects) else 3
         return np.concatenate([sensor.sample(stand)[:at_once] for _ in range(-(-count // at_once))])
 
 

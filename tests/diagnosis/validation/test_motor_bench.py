@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import yaml
 
-from configs.schema.effects.motor import InputDelay, StribeckFriction
 from configs.schema.robot import RobotConfig
 from diagnosis.motor_identification import TABLE_2
 from diagnosis.validation.motor.bench import check_motor
@@ -17,6 +16,8 @@ from diagnosis.validation.motor.steady_states import Residuals, steady_bench
 from diagnosis.validation.motor.steps import step_bench
 from diagnosis.validation.motor.stiction import starts_and_reversals, stiction_bench
 from physics.drivetrain.motor import MotorModel
+from physics.effects.input_delay import InputDelay
+from physics.effects.stribeck_friction import StribeckFriction
 from physics.robot.model import RobotModel
 from symolo.core.errors import InputError
 
@@ -117,7 +118,7 @@ def test_a_step_rises_with_the_time_constant_of_eq_20(planted):
 
 
 def test_an_input_delay_shifts_the_step_and_leaves_its_rise(planted):
-    delayed = planted.with_term(InputDelay(delay_s=0.02))
+    delayed = planted.with_effect(InputDelay(delay_s=0.02))
     response = step_bench(RobotModel.from_config(delayed)).responses[-1]
     assert response.time_to_63_percent_s == pytest.approx(TAU_S + 0.02, abs=0.0005)
     assert response.rise_10_90_percent_s == pytest.approx(math.log(9.0) * TAU_S, rel=1e-3)
@@ -151,8 +152,8 @@ def test_a_wheel_below_breakaway_is_exactly_at_rest_and_does_not_chatter(stictio
 
 
 def test_more_friction_at_rest_delays_the_breakaway_but_not_as_much_the_stop(planted):
-    term = StribeckFriction(extra_torque_N_m=0.004, stribeck_speed_rad_s=1.0)
-    sticky = stiction_bench(RobotModel.from_config(planted.with_term(term)))
+    effect = StribeckFriction(extra_torque_N_m=0.004, stribeck_speed_rad_s=1.0)
+    sticky = stiction_bench(RobotModel.from_config(planted.with_effect(effect)))
     assert sticky.breakaway_V == pytest.approx(R * (TQ + 0.004) / K, abs=2 * sticky.resolution_V)
     assert sticky.stops_V < sticky.breakaway_V
 

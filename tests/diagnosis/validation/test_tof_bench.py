@@ -125,7 +125,7 @@ def test_a_sensor_without_noise_has_figures_all_the_same():
 
 def test_the_step_is_as_wide_as_even_light_makes_it(bench):
     """Of a disc of even light the half-plane behind t R takes 1/2 - (t sqrt(1 - t^2) + asin t) / pi: 10 % at 0.687."""
-    even = Bench(bench.tof.model_copy(update={"beam_sigma_deg": 90.0, "rays": 300}), bench.terms, 1)
+    even = Bench(bench.tof.model_copy(update={"beam_sigma_deg": 90.0, "rays": 300}), bench.effects, 1)
     scan = step._scan(even, 300.0)
     footprint_mm = 2.0 * 300.0 * math.tan(math.radians(12.5))
     assert scan.footprint_mm == pytest.approx(footprint_mm)

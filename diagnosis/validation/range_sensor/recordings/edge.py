@@ -149,7 +149,7 @@ def _with_sensor(bench: Bench, half: _Half, fit: BallFit) -> Array:
     boards = {BALL: board("ball", 0.1, 1.0), BOARD: board("board", 1.0, 1.0)}
     # The scan has unknown offsets; what is compared is the mean over the cone.
     exact = bench.tof.model_copy(update={"error_scale": 0.0})
-    sensor = Bench(exact, bench.terms, bench.seed).without_noise().sensor(bench_arena(*boards.values()), "edge")
+    sensor = Bench(exact, bench.effects, bench.seed).without_noise().sensor(bench_arena(*boards.values()), "edge")
     scene = _scene(fit, half.board_mm)
     found = []
     for x_mm, y_mm in half.places_mm.tolist():
