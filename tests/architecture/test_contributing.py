@@ -9,12 +9,16 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from configs.effects.registry import load_effect_file, unload_effect_file
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "CONTRIBUTING.md").read_text()
 PACKAGES = ("configs", "physics", "sensors", "hil", "diagnosis", "blender_scenes", "pipeline", "symolo")
 BLOCK = re.compile(r"^```(\w+)\n# (\S+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+NEW_FILES = {name: text for kind, name, text in BLOCK.findall(PAGE) if kind == "python"}
 
 
 @dataclass(frozen=True)
@@ -79,6 +83,26 @@ def walk(tmp_path):
     return follow
 
 
+def test_an_effect_acts_and_is_looked_for(walk):
+    effect = walk("An effect")
+    effect.type_commands()
+    effect.symolo("simulate", "smoke", "--set", "stop.time_limit_s=5", "--out", "bare")
+    ripple, bare = (
+        np.load(effect.folder / out / ".stages/simulate/CCW/test_1/trajectory.npz")["series/tof_m/m/values"]
+        for out in ("ripple", "bare")
+    )
+    assert 0.001 < np.nanmax(np.abs(ripple[0] - bare[0])) < 0.022  # the first row: the robot has not moved yet
+    assert "tof_ripple" in (effect.folder / "ripple-diagnosis/report.html").read_text()
+
+
+def test_the_class_of_the_page_is_loaded_from_any_file(tmp_path):
+    path = tmp_path / "tof_ripple.py"
+    path.write_text(NEW_FILES["sensors/effects/tof_ripple.py"])
+    effect = load_effect_file(path)
+    assert effect.name == "tof_ripple"
+    unload_effect_file(path)
+
+
 def test_a_material_is_described_previewed_and_rendered(walk):
     material = walk("A material")
     material.type_commands("--width-px", "32")
@@ -121,9 +145,6 @@ def test_a_robot_is_read_and_drives(walk):
     printed = robot.type_commands()
     assert "2 of 2 runs" in printed
     assert '"track_m": 0.12' in (robot.folder / "small/.stages/simulate/CW/test_1/spec.json").read_text()
-
-
-NEW_FILES = {name: text for kind, name, text in BLOCK.findall(PAGE) if kind == "python"}
 
 
 @pytest.mark.parametrize("name", NEW_FILES)
