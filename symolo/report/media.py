@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from symolo.report.state_sheets import StateImage
 
@@ -29,4 +30,8 @@ class Media:
     """SVG; empty if there is no image."""
     spread_runs: int
     """Number of runs in the plot `spread`."""
+    sensors: Mapping[str, bytes] = MappingProxyType({})
+    """SVG plot of each sensor of `robot.sensors` in the run `sensor_run`, by the name of the sensor."""
+    sensor_run: str = ""
+    """Name of the run that the plots of the sensors show."""
     maps_per_figure: int = MAPS_PER_FIGURE
