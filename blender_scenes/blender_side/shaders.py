@@ -21,13 +21,7 @@ from blender_scenes.scene.shading import (
 )
 from blender_scenes.scene.typical import typical_color
 
-_OPERATIONS = {
-    "add": "ADD",
-    "subtract": "SUBTRACT",
-    "multiply": "MULTIPLY",
-    "maximum": "MAXIMUM",
-    "sine": "SINE",
-}
+_OPERATIONS = {"add": "ADD", "subtract": "SUBTRACT", "multiply": "MULTIPLY", "maximum": "MAXIMUM", "sine": "SINE"}
 _CELLS = {"distance": ("F1", "Distance"), "edge": ("DISTANCE_TO_EDGE", "Distance"), "random": ("F1", "Color")}
 
 

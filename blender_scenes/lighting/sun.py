@@ -23,8 +23,4 @@ def towards_sun(look: LookConfig, room: Room) -> Point3:
     own = look.sun
     outward = math.atan2(-room.window.inward[1], -room.window.inward[0])
     azimuth, elevation = outward + math.radians(own.azimuth_from_window_deg), math.radians(own.elevation_deg)
-    return (
-        math.cos(elevation) * math.cos(azimuth),
-        math.cos(elevation) * math.sin(azimuth),
-        math.sin(elevation),
-    )
+    return (math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth), math.sin(elevation))

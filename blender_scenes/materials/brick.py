@@ -20,8 +20,5 @@ def brick(look: LookConfig, patch: Patch) -> Surface:
     clay = Mix(0.6 * specks(patch, "pits", size_m=0.002, share=0.5), clay, paint_color(own.paint, times=0.35))
     mortar = Mix(grain, paint_color(own.joint, times=0.75), paint_color(own.joint, times=1.25))
     return Surface(
-        patch.name,
-        Mix(joint, clay, mortar),
-        roughness=0.9,
-        height_m=0.0006 * grain + 0.0005 * scorch - 0.004 * joint,
+        patch.name, Mix(joint, clay, mortar), roughness=0.9, height_m=0.0006 * grain + 0.0005 * scorch - 0.004 * joint
     )

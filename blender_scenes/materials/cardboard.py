@@ -32,10 +32,7 @@ def cardboard(look: LookConfig, patch: Patch) -> Surface:
     tape = _strip(u, width, 0.045) * Step(v, height - own.tape_drop_m, height - own.tape_drop_m + 0.0003)
     base = Mix(0.85 * tape, base, paint_color(own.tape))
     return Surface(
-        patch.name,
-        base,
-        roughness=0.88 - 0.65 * tape,
-        height_m=0.00005 * rib + 0.00003 * fibres + 0.00006 * tape,
+        patch.name, base, roughness=0.88 - 0.65 * tape, height_m=0.00005 * rib + 0.00003 * fibres + 0.00006 * tape
     )
 
 

@@ -20,8 +20,4 @@ def concrete(look: FloorLook, patch: Patch) -> Surface:
     crack = threads(patch, "cracks", size_m=1.5, width_m=0.0008)
     base = Mix(0.6 * pores, base, paint_color(own.paint, times=0.45))
     base = Mix(0.8 * crack * Step(clouds, 0.5, 0.58), base, paint_color(own.paint, times=0.3))
-    return Surface(
-        patch.name,
-        base,
-        roughness=worn_gloss(own.roughness, clouds, 0.3),
-    )
+    return Surface(patch.name, base, roughness=worn_gloss(own.roughness, clouds, 0.3))
