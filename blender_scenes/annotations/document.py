@@ -11,7 +11,7 @@ from blender_scenes.annotations.boxes_3d import Box3D
 from blender_scenes.annotations.instances import CATEGORIES
 from blender_scenes.annotations.job import AnnotationJob, KeyPoint
 from blender_scenes.annotations.key_points import Sighting
-from blender_scenes.annotations.record import Record, Thing
+from blender_scenes.annotations.record import FrameRecord, Thing
 from configs.schema.scenario import AnnotationName
 from symolo.core.pinhole import Intrinsics
 from symolo.core.poses import Matrix4
@@ -114,7 +114,7 @@ class Document:
 _DOCUMENT = TypeAdapter(Document)
 
 
-def document(job: AnnotationJob, images: str, records: Iterable[Record]) -> Document:
+def document(job: AnnotationJob, images: str, records: Iterable[FrameRecord]) -> Document:
     """The document of a job, with the records of its frames in their order; `images` is the folder of the images."""
     kept = tuple(records)
     category_ids = job.instances.category_ids

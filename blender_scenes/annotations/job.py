@@ -10,7 +10,7 @@ import numpy as np
 from blender_scenes.annotations.instances import Instances, instances
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.job_text import JobText
-from blender_scenes.render.sampling import Sampling
+from blender_scenes.render.sampling import TracingSettings
 from blender_scenes.scene.description import Mesh, Point3, Scene, Sky
 from blender_scenes.scene.shading import Color, Surface
 from configs.schema.scenario import AnnotationName
@@ -25,7 +25,7 @@ RECORDS: tuple[AnnotationName, ...] = ("boxes_2d", "boxes_3d", "key_points")
 RECORDS_DIR = "records"
 
 _LINE_SPACING_M = 0.05
-_ONE_RAY = Sampling(
+_ONE_RAY = TracingSettings(
     seed=0,
     samples=1,
     denoise=False,
@@ -84,7 +84,7 @@ class AnnotationJob(JobText):
     """Its geometry alone: unlit, and all of one opaque surface, so that a pane of glass is met like any other."""
     camera: Intrinsics
     frames: tuple[FrameView, ...]
-    sampling: Sampling
+    sampling: TracingSettings
     shutter: Shutter
     """That of an instant: each frame is told as it is at its time."""
     instances: Instances
