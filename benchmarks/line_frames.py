@@ -19,7 +19,7 @@ from configs.draw import draw_run
 from configs.loader import LoadedScenario, load_scenario
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import LensDistortion, RobotConfig
-from physics.arena.geometry import Arena
+from symolo.arena.geometry import Arena
 from symolo.core.pinhole import Intrinsics, intrinsics, pose_X_RC, project
 from symolo.core.poses import pose_X_WR
 from symolo.core.random_streams import stream

@@ -13,7 +13,7 @@ from configs.loader import load_section
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.surface import SurfaceName
-from physics.arena.geometry import Arena
+from symolo.arena.geometry import Arena
 from symolo.dataset.layout import frame_name
 from symolo.pages.sheet import Cell, row, save, stacked
 

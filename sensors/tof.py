@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from configs.schema.effects.table import Terms
 from configs.schema.robot import TofMount, TofSensor
-from physics.arena.geometry import Arena
 from physics.arena.surfaces import SURFACES
 from physics.effects.base import Slot, effects
 from physics.robot.model import through
@@ -20,6 +19,7 @@ from sensors.effects import SENSOR_TERMS
 from sensors.range_effects import RangeEffects
 from sensors.range_log import NEAR_LIMIT_M, log_beyond_near
 from sensors.range_view import RangeView
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.dataset.codes import TofStatus
 

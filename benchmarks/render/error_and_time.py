@@ -99,7 +99,7 @@ def contenders(asked: argparse.Namespace) -> list[Contender]:
 
 
 def _ours(asked: argparse.Namespace) -> dict[str, dict[str, Any]]:
-    """Fields of `Sampling` by what they are called; those of a quality as a run of that size has them."""
+    """Fields of `TracingSettings` by what they are called; those of a quality as a run of that size has them."""
     found = {}
     for own in asked.ours:
         if isinstance(own, QualitySettings):

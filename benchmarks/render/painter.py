@@ -2,7 +2,7 @@
 
     python painter.py JOB SETTINGS FOLDER THREADS
 
-Settings: {"kind": "ours", "sampling": fields of `Sampling`, "hybrid": fields of `HybridSamples` or null},
+Settings: {"kind": "ours", "sampling": fields of `TracingSettings`, "hybrid": fields of `HybridSamples` or null},
 {"kind": "plain", "cycles": properties of Cycles}, or {"kind": "passes", "samples": N, "seed": N}.
 """
 

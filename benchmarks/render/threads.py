@@ -39,7 +39,7 @@ def hashes(job: RenderJob, threads: int, parts: tuple[tuple[int, ...], ...]) -> 
 
 
 def _settings(name: str, asked: argparse.Namespace) -> dict[str, Any]:
-    """Fields of `Sampling`."""
+    """Fields of `TracingSettings`."""
     if name == "hybrid":
         width_px, height_px = asked.size
         return {"hybrid": hybrid_samples(Render(width_px=width_px, height_px=height_px))}

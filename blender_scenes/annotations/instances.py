@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.scene.description import Scene
-from physics.arena.geometry import Arena
 from sensors.camera.views import FrameView
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.poses import pose_X_WR
 

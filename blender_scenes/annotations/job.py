@@ -14,8 +14,8 @@ from blender_scenes.render.sampling import TracingSettings
 from blender_scenes.scene.description import Mesh, Point3, Scene, Sky
 from blender_scenes.scene.shading import Color, Surface
 from configs.schema.scenario import AnnotationName
-from physics.arena.geometry import Arena, Box
 from sensors.camera.views import FrameView
+from symolo.arena.geometry import Arena, Box
 from symolo.core.arrays import Array
 from symolo.core.pinhole import Intrinsics, Shutter
 from symolo.core.poses import PlanarPose, pose_X_WR

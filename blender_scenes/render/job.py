@@ -15,12 +15,12 @@ from blender_scenes.scene.run_scene import arena_bounds, describe
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render
-from physics.arena.geometry import Arena
 from physics.robot.path import RobotPath
 from sensors.camera.colour import RGB
 from sensors.camera.response import CameraResponse
 from sensors.camera.shutter import Window, exposed, moment, window
 from sensors.camera.views import INSTANT, FrameView
+from symolo.arena.geometry import Arena
 from symolo.core.pinhole import Intrinsics, Shutter, intrinsics, pose_X_RC
 from symolo.dataset.layout import frame_name
 

@@ -10,7 +10,7 @@ from blender_scenes.rooms.furniture import FurnitureKind
 from blender_scenes.rooms.furniture.base import Piece
 from blender_scenes.rooms.walls import RoomWall, WallSide
 from blender_scenes.scene.description import Point2
-from configs.footprints import Rectangle, overlap
+from symolo.arena.footprints import Rectangle, overlap
 from symolo.core.poses import PlanarPose
 
 _TRIES = 80

@@ -138,7 +138,7 @@ def diagnose(
 
 def _check(case: "NamedCase", settings: "DiagnosisSettings") -> None:
     """Refuse the only case before anything is written."""
-    from diagnosis.against import check_drive
+    from diagnosis.dataset_comparison import check_drive
     from diagnosis.diagnose import check_kind
     from pipeline.diagnosing.diagnose import read_case
 

@@ -6,10 +6,10 @@ from blender_scenes.scene.description import Scene
 from blender_scenes.scene.run_scene import describe
 from blender_scenes.scene.typical import typical_color
 from configs.schema.scenario import RunSpec
-from physics.arena.geometry import Arena
 from pipeline.models.geometry import srgb
 from pipeline.stages.render import picture_seed
 from sensors.camera.colour import RGB
+from symolo.arena.geometry import Arena
 
 
 def scene_of(spec: RunSpec) -> Scene:

@@ -17,7 +17,6 @@ from configs.overrides import replaced_section
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec
-from physics.arena.geometry import Arena
 from pipeline.assembly.scene_record import scene_file
 from pipeline.executors.base import Executor
 from pipeline.planning.plan import BYTES_PER_JOB, pictures_bytes
@@ -38,6 +37,7 @@ from pipeline.stages.render import (
     render_runs,
 )
 from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
+from symolo.arena.geometry import Arena
 from symolo.core.atomic_files import make_folder, move, remove_file, remove_folder, replace_folder, write_file
 from symolo.core.disk_space import check_disk
 from symolo.core.errors import InputError

@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from configs.schema.scenario import RunSpec
-from physics.arena.geometry import Arena
 from pipeline.assembly.description import markdown
 from pipeline.assembly.scene_record import scene_file
 from pipeline.run_folder.workspace import Workspace, input_key, mark_done
 from pipeline.stages.annotate import copy_released, processors
 from pipeline.stages.render import Rendered, picture_seed
 from pipeline.stages.simulate_runs import read_outcome, read_recording, spec_text
+from symolo.arena.geometry import Arena
 from symolo.core.atomic_files import make_folder, remove_file, remove_folder, replace_folder, write_file
 from symolo.core.errors import EnvironmentLacking
 from symolo.core.file_hashes import hashes_of, holds, read_known

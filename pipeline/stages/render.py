@@ -18,7 +18,6 @@ from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec
-from physics.arena.geometry import Arena
 from physics.robot.path import RobotPath
 from pipeline.executors.base import Executor
 from pipeline.run_folder.workspace import FAILED, StageFolder, input_key, mark_done
@@ -27,6 +26,7 @@ from pipeline.work.cpu import cpu_class
 from pipeline.work.supervisor import AnyEvent, AnyUnit, Retried, SetAside
 from pipeline.work.units import Failed, Finished, Progress, RenderUnit
 from sensors.camera.exposure_guard import Extremes, all_black, exposure_warnings
+from symolo.arena.geometry import Arena
 from symolo.core.atomic_files import make_folder, remove_file, remove_folder, write_file
 from symolo.core.file_hashes import canonical_json, sha256_of
 from symolo.core.file_locks import held

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from physics.arena.geometry import Arena
 from physics.robot.path import RobotPath
 from sensors.camera.lens_warp import pinhole_image
 from sensors.camera.views import FrameView, Moment
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.pinhole import Intrinsics, Shutter
 from symolo.core.poses import Matrix4, PlanarPose, pose_X_WR

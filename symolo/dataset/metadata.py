@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from configs.schema.board import BoardKind, FramingName
 from configs.schema.scenario import AnnotationName, Rates, RunSpec, StartPose
-from physics.arena.geometry import Arena
+from symolo.arena.geometry import Arena
 from symolo.core.file_hashes import canonical_json
 from symolo.core.os_errors import NOT_THERE
 from symolo.core.versions import versions

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from physics.arena.geometry import Arena
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.time_series import Recording, TimeSeries
 from symolo.dataset.rows import Rows, heading, wrapped

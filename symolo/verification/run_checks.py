@@ -9,8 +9,8 @@ from pydantic import ValidationError
 
 from configs.schema.arena import ArenaConfig
 from configs.schema.scenario import RunSpec
-from physics.arena.geometry import Arena
 from pipeline.assembly.scene_record import SCENE, read_scene_record
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.dataset.camera_model import INTRINSICS, CameraModel, camera_table, read_camera_model
 from symolo.dataset.layout import ANNOTATIONS, frame_name

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from configs.schema.arena import ArenaConfig
-from physics.arena.geometry import Arena
+from symolo.arena.geometry import Arena
 from symolo.core.pinhole import Intrinsics
 
 HEIGHT_M, FOCAL_PX = 0.2, 100.0

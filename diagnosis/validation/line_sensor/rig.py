@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from configs.schema.robot import LineSensor
-from physics.arena.geometry import Arena, Line, Straight
 from sensors.base import Hits
 from sensors.line_sensor import LineSensorModel
+from symolo.arena.geometry import Arena, Line, Straight
 from symolo.core.arrays import Array
 from symolo.core.random_streams import stream
 

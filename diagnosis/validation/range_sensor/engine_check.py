@@ -9,8 +9,8 @@ from diagnosis.validation.range_sensor.paper import DISTANCES_MM
 from diagnosis.validation.range_sensor.recorder import Recorder
 from diagnosis.validation.range_sensor.stand import Bench, Stand, closed_form, grid, reading_mm, target
 from diagnosis.validation.range_sensor.step import step_arena
-from physics.arena.geometry import Arena
 from physics.bullet.ray_oracle import EngineRays
+from symolo.arena.geometry import Arena
 
 PLANE_WITHIN_MM = 0.1
 EDGE_WITHIN_MM = 5.0

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from configs.schema.arena import ArenaConfig, Line, SurfaceName, Wall
 from configs.schema.effects.table import Terms
 from configs.schema.robot import RobotConfig, TofMount, TofMounts, TofSensor
-from physics.arena.geometry import Arena
 from physics.arena.rays import RayScene
 from sensors.base import Hits
 from sensors.tof import TofArray
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.random_streams import stream

@@ -19,7 +19,7 @@ from diagnosis.validation.range_sensor.stand import (
     reading_mm,
     seen_mm,
 )
-from physics.arena.geometry import Arena
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 
 EDGE_MM = 150.0

@@ -9,11 +9,11 @@ import pytest
 from blender_scenes.scene.description import Scene, Sky, Sun
 from blender_scenes.scene.meshes import block
 from blender_scenes.scene.shading import Color, Surface
-from physics.arena.geometry import Box
-from physics.arena.obstacle_motion import ObstacleMotion
 from physics.robot.path import RobotPath
 from sensors.camera.shutter import exposed, moment, window
 from sensors.camera.views import FrameView
+from symolo.arena.geometry import Box
+from symolo.arena.obstacle_motion import ObstacleMotion
 from symolo.core.lens import NO_DISTORTION, Coefficients
 from symolo.core.pinhole import Intrinsics, Shutter
 

@@ -22,8 +22,8 @@ from configs.schema.floors import FloorLook
 from configs.schema.lighting import SkyLook
 from configs.schema.look import LookConfig
 from configs.schema.scenario import Render
-from physics.arena.geometry import Arena
 from sensors.camera.views import FrameView
+from symolo.arena.geometry import Arena
 from symolo.core.pinhole import project
 
 TILES = np.zeros((8, 12, 3), np.uint8)

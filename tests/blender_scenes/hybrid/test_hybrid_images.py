@@ -157,7 +157,7 @@ def images(lights_of) -> dict[str, np.ndarray]:
 
 @pytest.fixture(scope="module")
 def shared(lights_of) -> dict[str, np.ndarray]:
-    """(N, H, W, 3) from hybrid rendering, where most of the light has half as many pixels each way, the upper rows' as many."""
+    """(N, H, W, 3) hybrid images, most of whose light has half as many pixels each way, the upper rows' as many."""
     still = _job(_scene(BOX), [*STILL, _at(4, (0.35, 0.1, 0.5))], HYBRID)
     rolling = _job(_scene(BOX), [_turning(1, ROLLING.exposure_s + ROLLING.read_out_s)], HYBRID, ROLLING)
     orders = {

@@ -74,7 +74,7 @@ def _job(hybrid: HybridSamples | None, seed: int, samples: int = FULL_SAMPLES) -
 
 @pytest.fixture(scope="module")
 def images(lights_of) -> SimpleNamespace:
-    """(2, H, W, 3) from hybrid rendering, and of a full one, with the obstacle and without; (1, H, W, 3) full once more."""
+    """(2, H, W, 3) hybrid and full images, with the obstacle and without; (1, H, W, 3) another full image."""
     orders = [(_job(HYBRID_QUALITIES["standard"], 1), 1, [1, 2]), (_job(None, 1), 1, [1, 2]), (_job(None, 2), 1, [1])]
     hybrid, full, again = lights_of(*orders, near_width_px=NEAR_WIDTH_PX)
     return SimpleNamespace(hybrid=hybrid, full=full, again=again)

@@ -11,9 +11,9 @@ from blender_scenes.scene import meshes as geometry
 from blender_scenes.scene.description import Mesh, Panel
 from blender_scenes.scene.run_scene import describe
 from blender_scenes.scene.shading import Color, Surface
-from configs.footprints import convex_outline
 from configs.schema.look import LookConfig
 from sensors.camera.views import FrameView
+from symolo.arena.footprints import convex_outline
 from symolo.core.pinhole import Intrinsics, floor_points, intrinsics, pose_X_RC, project
 from symolo.core.poses import pose_X_WR
 

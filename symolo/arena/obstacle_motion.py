@@ -6,8 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from configs.footprints import stations as stations_of
-from configs.schema.arena import Obstacle
+from symolo.arena.footprints import stations as stations_of
+from symolo.arena.forms import ObstacleForm
 from symolo.core.arrays import Array
 
 Pose = tuple[float, float, float]
@@ -25,7 +25,7 @@ class ObstacleMotion:
     """Whether it begins anew after the last station, where it then is as at the first; else it stays there."""
 
     @classmethod
-    def from_config(cls, obstacle: Obstacle) -> "ObstacleMotion | None":
+    def from_config(cls, obstacle: ObstacleForm) -> "ObstacleMotion | None":
         """None for an obstacle that stands still."""
         if obstacle.motion is None:
             return None

@@ -11,9 +11,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from configs.footprints import Rectangle, obstacle_footprint, wall_footprint
-from configs.schema.arena import ArcPiece, ArenaConfig, Obstacle, StraightPiece, SurfaceName, Wall
-from physics.arena.obstacle_motion import ObstacleMotion
+from symolo.arena.footprints import Rectangle, obstacle_footprint, wall_footprint
+from symolo.arena.forms import ArcForm, ArenaForm, ObstacleForm, StraightForm, WallForm
+from symolo.arena.obstacle_motion import ObstacleMotion
 from symolo.core.arrays import Array
 
 Kind = Literal["wall", "obstacle"]
@@ -139,7 +139,7 @@ class Box:
     size: tuple[float, float, float]
     """Along its own x, y, z [m]."""
     yaw_rad: float
-    surface: SurfaceName
+    surface: str
     motion: ObstacleMotion | None = None
     """None where it stands still; else `center` and `yaw_rad` are those at t = 0."""
 
@@ -163,7 +163,7 @@ class Arena:
     boxes: tuple[Box, ...]
 
     @classmethod
-    def from_config(cls, config: ArenaConfig) -> "Arena":
+    def from_config(cls, config: ArenaForm) -> "Arena":
         return cls(
             name=config.name,
             floor_half_extent_m=config.floor.half_extent_m,
@@ -178,21 +178,21 @@ class Arena:
         return tuple(box for box in self.boxes if box.motion is not None)
 
 
-def _piece(config: StraightPiece | ArcPiece) -> Straight | Arc:
-    if isinstance(config, StraightPiece):
+def _piece(config: StraightForm | ArcForm) -> Straight | Arc:
+    if config.kind == "straight":
         return Straight(config.start, config.end)
     return Arc(config.center, config.radius_m, float(np.radians(config.start_deg)), float(np.radians(config.end_deg)))
 
 
-def _wall(wall: Wall) -> Box:
+def _wall(wall: WallForm) -> Box:
     return _box(wall.name, "wall", wall_footprint(wall), wall.height_m, wall.surface)
 
 
-def _obstacle(obstacle: Obstacle) -> Box:
+def _obstacle(obstacle: ObstacleForm) -> Box:
     box = _box(obstacle.name, "obstacle", obstacle_footprint(obstacle), obstacle.size[2], obstacle.surface)
     return replace(box, motion=ObstacleMotion.from_config(obstacle))
 
 
-def _box(name: str, kind: Kind, footprint: Rectangle, height_m: float, surface: SurfaceName) -> Box:
+def _box(name: str, kind: Kind, footprint: Rectangle, height_m: float, surface: str) -> Box:
     center, size = (*footprint.center, 0.5 * height_m), (*footprint.size, height_m)
     return Box(name, kind, center, size, footprint.yaw_rad, surface)

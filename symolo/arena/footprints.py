@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from configs.schema.arena import Obstacle, Wall
+from symolo.arena.forms import ObstacleForm, WallForm
 
 Point = tuple[float, float]
 
@@ -31,7 +31,7 @@ class Rectangle:
         return corner(-half_x, -half_y), corner(half_x, -half_y), corner(half_x, half_y), corner(-half_x, half_y)
 
 
-def wall_footprint(wall: Wall) -> Rectangle:
+def wall_footprint(wall: WallForm) -> Rectangle:
     """The body of a wall, which lies to the right of start -> end."""
     along_x, along_y = wall.end[0] - wall.start[0], wall.end[1] - wall.start[1]
     length = math.hypot(along_x, along_y)
@@ -44,11 +44,11 @@ def wall_footprint(wall: Wall) -> Rectangle:
     return Rectangle(center, (length, wall.thickness_m), math.atan2(along_y, along_x))
 
 
-def obstacle_footprint(obstacle: Obstacle) -> Rectangle:
+def obstacle_footprint(obstacle: ObstacleForm) -> Rectangle:
     return Rectangle(obstacle.center, obstacle.size[:2], math.radians(obstacle.yaw_deg))
 
 
-def stations(obstacle: Obstacle) -> tuple[tuple[float, Rectangle], ...]:
+def stations(obstacle: ObstacleForm) -> tuple[tuple[float, Rectangle], ...]:
     """Times [s] and places between which an obstacle moves at constant speed; the first is where it is at t = 0."""
     start = obstacle_footprint(obstacle)
     later = obstacle.motion.waypoints if obstacle.motion else ()

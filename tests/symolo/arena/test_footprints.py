@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from configs.footprints import Rectangle, outlines_overlap, overlap, swept, wall_footprint
 from configs.schema.arena import Wall
+from symolo.arena.footprints import Rectangle, outlines_overlap, overlap, swept, wall_footprint
 
 
 def rectangle(center, size, yaw_deg):
