@@ -59,7 +59,7 @@ for job, threads, numbers in orders:
     build.build(job.scene, job.camera, Path(user_files) if user_files else None)
     with tempfile.TemporaryDirectory() as scratch:
         engine.configure(job, threads, Path(scratch))
-        pictures = engine.Pictures(job, threads, Path(scratch))
+        pictures = engine.FrameTracer(job, threads, Path(scratch))
         for view in views:
             out.write(pictures.light(view).astype(np.float32).tobytes())
 """
