@@ -12,10 +12,10 @@ import numpy as np
 from sample_page import POSE, nominal_robot, pictures, sample_arena, save_page
 
 from blender_scenes.render.job import RenderJob, build_job
-from blender_scenes.scene.description import FrameView
 from configs.schema.lighting import PanoramaName
 from configs.schema.look import LookConfig
 from configs.schema.scenario import Render
+from sensors.camera.views import FrameView
 
 COLUMNS = 6
 ROOM = {"furniture": {"tables": 2, "chairs": 3, "shelves": 1, "cartons": 1, "posters": 2, "door": True}}

@@ -13,17 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.preview.renderer import FlatRenderer
-from blender_scenes.render.frame_files import frame_name
 from blender_scenes.render.job import FramePose, RenderJob, build_job
 from blender_scenes.render.renderer import render_job
-from blender_scenes.scene.description import Intrinsics
 from configs.draw import draw_run
 from configs.loader import LoadedScenario, load_scenario
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import LensDistortion, RobotConfig
-from physics.arena.geometry import Arena
-from sensors.camera.geometry import intrinsics, pose_X_RC, pose_X_WR, project
+from symolo.arena.geometry import Arena
+from symolo.core.pinhole import Intrinsics, intrinsics, pose_X_RC, project
+from symolo.core.poses import pose_X_WR
 from symolo.core.random_streams import stream
+from symolo.dataset.layout import frame_name
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from blender_scenes.preview.renderer import FlatRenderer
 from blender_scenes.render.job import FramePose, build_job
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from physics.arena.geometry import Arena
+from symolo.arena.geometry import Arena
 
 POSES = [(0.55, -0.60, 90), (0.545, -0.15, 92), (0.49, 0.68, 133), (-0.55, -0.90, -70), (0.30, -1.04, 15)]
 """x [m], y [m], yaw [deg] in the dataset arena."""

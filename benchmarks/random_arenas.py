@@ -19,11 +19,11 @@ from pathlib import Path
 import numpy as np
 
 from configs.draw import draw_run
-from configs.footprints import Rectangle
 from configs.loader import load_scenario
 from configs.schema.scenario import RunSpec
-from physics.arena.geometry import Arena
 from pipeline.stages.simulate import simulate
+from symolo.arena.footprints import Rectangle
+from symolo.arena.geometry import Arena
 
 SCENARIO, ROUTE = "random_arenas", "Lap"
 COLUMNS = 4

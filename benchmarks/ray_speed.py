@@ -16,9 +16,9 @@ import pybullet
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from physics.arena.geometry import Arena
 from physics.arena.rays import RayScene
 from physics.bullet.world import add_arena, connect
+from symolo.arena.geometry import Arena
 
 UPDATES = 100
 RAYS = 270

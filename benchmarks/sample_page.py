@@ -7,14 +7,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.render.frame_files import frame_name
 from blender_scenes.render.job import FramePose, RenderJob
 from blender_scenes.render.renderer import render_job
 from configs.loader import load_section
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.surface import SurfaceName
-from physics.arena.geometry import Arena
+from symolo.arena.geometry import Arena
+from symolo.dataset.layout import frame_name
 from symolo.pages.sheet import Cell, row, save, stacked
 
 Picture = NDArray[np.uint8]

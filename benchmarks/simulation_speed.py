@@ -22,7 +22,6 @@ from configs.draw import draw_run
 from configs.loader import load_scenario
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import RunSpec
-from physics.arena.geometry import Arena
 from physics.bullet.body import add_robot
 from physics.bullet.world import add_arena, connect
 from physics.drivetrain.motor import MotorModel
@@ -30,6 +29,7 @@ from pipeline.stages.simulate import simulate
 from sensors.base import Sensor, World
 from sensors.fit_out import fit_out
 from sensors.suite import Reading
+from symolo.arena.geometry import Arena
 
 WHEEL_SPEED_RAD_S = 4.0
 

@@ -19,9 +19,9 @@ from configs.draw import draw_run
 from configs.loader import load_scenario, load_section
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, RunSpec
-from physics.arena.geometry import Arena, Line
 from physics.bullet.simulation import BulletSimulation
 from pipeline.stages.simulate import simulate
+from symolo.arena.geometry import Arena, Line
 
 
 @dataclass(frozen=True)

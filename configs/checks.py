@@ -6,13 +6,13 @@ from typing import get_args
 
 from configs.distributions import Choice
 from configs.faults import Fault
-from configs.footprints import Point, Rectangle, obstacle_footprint, overlap, wall_footprint
 from configs.motion_checks import motion_faults
 from configs.schema.arena import ArcPiece, ArenaConfig, StraightPiece, SurfaceName
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Route, Scenario
 from configs.validation import Placed
+from symolo.arena.footprints import Point, Rectangle, obstacle_footprint, overlap, wall_footprint
 from symolo.core.errors import InputError, nearest
 from symolo.core.lens import lens_problem
 from symolo.core.yaml_tree import FieldPath, Node, dotted

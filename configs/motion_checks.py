@@ -5,15 +5,8 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from configs.faults import Fault
-from configs.footprints import (
-    Rectangle,
-    obstacle_footprint,
-    outlines_overlap,
-    stations,
-    swept,
-    wall_footprint,
-)
 from configs.schema.arena import ArenaConfig, Obstacle
+from symolo.arena.footprints import Rectangle, obstacle_footprint, outlines_overlap, stations, swept, wall_footprint
 from symolo.core.yaml_tree import FieldPath
 
 FASTEST_M_S = 2.0

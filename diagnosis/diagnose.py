@@ -17,7 +17,7 @@ from diagnosis.inference.evidence.whole_runs import fitted_to_whole_runs
 from diagnosis.inference.fit import Fit, at, fits
 from diagnosis.inference.gain import Gain, gain
 from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
-from diagnosis.inference.rivals import Standing, standing
+from diagnosis.inference.rivals import RivalComparison, compare_rivals
 from diagnosis.inference.selection import Selection, is_of_noise, rescued, select
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy, survivors
 from diagnosis.inference.unexplained.change import change_in_time
@@ -41,13 +41,13 @@ NOISE_ROUNDS = 2
 
 
 @dataclass(frozen=True)
-class Named:
+class NamedEffect:
     """One effect that the real robot has."""
 
     effect: Effect
     values: dict[str, float]
     std: dict[str, float]
-    standing: Standing
+    comparison: RivalComparison
 
     @property
     def name(self) -> str:
@@ -68,7 +68,7 @@ class Diagnosis:
     selection: Selection
     fit: Fit
     """With the effects that are named."""
-    named: tuple[Named, ...]
+    named: tuple[NamedEffect, ...]
     withdrawn: tuple[str, ...]
     """Names that were chosen and then given up, since structure remains that they do not account for."""
     adequacy: Adequacy
@@ -96,8 +96,8 @@ class Diagnosis:
                     "name": named.name,
                     "parameters": named.parameters,
                     "std": {name: std for name, std in named.std.items() if isfinite(std)},
-                    "confidence": round(named.standing.confidence, 4),
-                    "ambiguous_with": list(named.standing.ambiguous_with),
+                    "confidence": round(named.comparison.confidence, 4),
+                    "ambiguous_with": list(named.comparison.ambiguous_with),
                 }
                 for named in self.named
             ],
@@ -148,7 +148,7 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
         left = adequacy(evidence, better)
     left = _left(evidence, selection, left)
     fit = selection.fit if left.is_adequate else _without_stand_ins(evidence, selection, left)
-    standings = [standing(evidence, fit, effect, library.testable) for effect in fit.hypothesis.effects]
+    standings = [compare_rivals(evidence, fit, effect, library.testable) for effect in fit.hypothesis.effects]
     if left.is_adequate:
         fit, standings = _best_named(evidence, fit, standings, library.testable)
     fit = with_shared_rounding(evidence, _over_whole_runs(measurement, evidence, fit))
@@ -165,7 +165,8 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
         selection=selection,
         fit=fit,
         named=tuple(
-            Named(of.effect, dict(fit.hypothesis.values(of.effect, fit.x)), fit.std(of.effect), of) for of in standings
+            NamedEffect(of.effect, dict(fit.hypothesis.values(of.effect, fit.x)), fit.std(of.effect), of)
+            for of in standings
         ),
         withdrawn=() if left.is_adequate else tuple(n for n in selection.names if n not in kept),
         adequacy=left,
@@ -259,12 +260,12 @@ def _over_whole_runs(measurement: Measurement, evidence: Evidence, fit: Fit) -> 
 
 
 def _best_named(
-    evidence: Evidence, fit: Fit, standings: Sequence[Standing], effects: Sequence[Effect]
-) -> tuple[Fit, Sequence[Standing]]:
+    evidence: Evidence, fit: Fit, standings: Sequence[RivalComparison], effects: Sequence[Effect]
+) -> tuple[Fit, Sequence[RivalComparison]]:
     """Where a rival turned out to explain more than a named effect, the rival is named."""
     closest = [next((rival for rival in of.rivals if not rival.refused), None) for of in standings]
     better = [rival for rival in closest if rival is not None and rival.worse < -CLEARLY]
     if not better:
         return fit, standings
     best = min(better, key=lambda rival: rival.worse).fit
-    return best, [standing(evidence, best, effect, effects) for effect in best.hypothesis.effects]
+    return best, [compare_rivals(evidence, best, effect, effects) for effect in best.hypothesis.effects]

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from physics.control.base import State
+from symolo.dataset.codes import State
 
 CHANNELS = 8
 """Of the line sensor."""

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from pydantic import BaseModel
 
 from configs.schema.robot import Controller, RobotConfig
-from physics.control.base import State
 from physics.control.curves import FULL_SEARCH_RAD, IN_THE_MIDDLE
 from physics.control.following import MAX_ERROR
 from physics.control.paths import AvoidancePath, curve_path, straight_path
 from physics.control.transitions import Transition, load_transitions
 from symolo.core.errors import InputError
+from symolo.dataset.codes import State
 
 WHITE = 255
 """A channel of the line on the wire at full reflectance."""

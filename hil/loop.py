@@ -11,7 +11,7 @@ from hil.frames import CommandFrame, HelloFrame, SensorFrame
 from hil.framings.base import Answer, Damaged, Framing
 from hil.links.base import Link
 from hil.plausible import DriveLimits, TickCount, check_encoders
-from physics.control.base import State
+from symolo.dataset.codes import State
 
 PROTOCOL = 1
 """Version of the wire format that is spoken here."""

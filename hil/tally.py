@@ -4,26 +4,15 @@ from collections import Counter
 from collections.abc import Iterable
 
 from hil.loop import BoardEvent
-
-COUNTED = {
-    "damaged": "damaged",
-    "damaged at the board": "damaged_at_board",
-    "refused": "refused",
-    "stale": "stale",
-    "repeated": "repeated",
-    "re-boot": "rebooted",
-    "late": "late",
-}
-"""Column of each kind of event that is counted."""
-COLUMNS = ("answered", "stopped", *COUNTED.values())
+from symolo.dataset.codes import BOARD_EVENT_COLUMNS
 
 
 def tally(events: Iterable[BoardEvent], *, stopped: bool) -> tuple[int, ...]:
-    """The numbers of one tick, in the order of `COLUMNS`.
+    """The numbers of one tick, in the order of `BOARD_COLUMNS`.
 
     Args:
         events: Of that tick.
         stopped: Whether the wheels stand still because no command has come.
     """
     kinds = Counter(event.kind for event in events)
-    return (int(not kinds["no answer"]), int(stopped), *(kinds[kind] for kind in COUNTED))
+    return (int(not kinds["no answer"]), int(stopped), *(kinds[kind] for kind in BOARD_EVENT_COLUMNS))

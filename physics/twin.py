@@ -11,7 +11,6 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from physics.arena.geometry import Arena
 from physics.arena.rays import Hits, RayScene
 from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.motor import HeldWheel
@@ -20,6 +19,7 @@ from physics.drivetrain.wheel_loop import voltage_limit_V
 from physics.effects.base import Slot
 from physics.robot.body_inertia import BodyOnWheels
 from physics.robot.model import RobotModel, through
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.finite import require_finite
 

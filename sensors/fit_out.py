@@ -5,12 +5,12 @@ from collections.abc import Callable
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from physics.arena.geometry import Arena
 from sensors.base import Sensor
 from sensors.encoders import WheelEncoders
 from sensors.line_sensor import LineSensorModel
 from sensors.pose_log import PoseLog, logs_pose
 from sensors.tof import TofArray
+from symolo.arena.geometry import Arena
 
 SENSORS: dict[str, Callable[[RobotConfig, Arena, int, np.random.Generator], Sensor]] = {
     "line": lambda robot, arena, physics_hz, rng: LineSensorModel(robot.line_sensor, arena, physics_hz, rng),

@@ -6,8 +6,8 @@ import numpy as np
 from scipy.special import ndtr
 
 from configs.schema.robot import LineSensor
-from physics.arena.geometry import Arena, Line
 from sensors.base import Sampling, Sensor, World
+from symolo.arena.geometry import Arena, Line
 from symolo.core.arrays import Array
 
 

@@ -4,7 +4,6 @@ One update of the three sensors is one batch of rays. A ray counts by the beam's
 of its incidence (Lambert); rays that meet nothing return nothing. Where too little light returns there is no target.
 """
 
-from enum import IntEnum
 from math import cos, sin
 
 import numpy as np
@@ -12,7 +11,6 @@ from numpy.typing import NDArray
 
 from configs.schema.effects.table import Terms
 from configs.schema.robot import TofMount, TofSensor
-from physics.arena.geometry import Arena
 from physics.arena.surfaces import SURFACES
 from physics.effects.base import Slot, effects
 from physics.robot.model import through
@@ -21,21 +19,14 @@ from sensors.effects import SENSOR_TERMS
 from sensors.range_effects import RangeEffects
 from sensors.range_log import NEAR_LIMIT_M, log_beyond_near
 from sensors.range_view import RangeView
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
+from symolo.dataset.codes import TofStatus
 
 NO_TERMS = Terms()
 
 NOISE_AT_NEAR_MM = 1.41
 """Eq. 23 up to 0.18 m."""
-
-
-class TofStatus(IntEnum):
-    """What a reading is, in the side files."""
-
-    VALID = 0
-    NO_TARGET = 1
-    HELD = 2
-    """This update was lost; the value is the one before."""
 
 
 VALID, NO_TARGET, HELD = map(float, TofStatus)

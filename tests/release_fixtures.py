@@ -13,7 +13,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from blender_scenes.render.frame_files import FrameFile, Ledger, frame_name, put_in_place
+from blender_scenes.render.frame_files import FrameFile, Ledger, put_in_place
 from configs.schema.scenario import RunSpec
 from pipeline.cli import main
 from pipeline.stages.simulate import Outcome, simulate
@@ -22,6 +22,7 @@ from pipeline.work.units import AnyUnit, Finished, RenderUnit
 from pipeline.work.worker_main import do
 from sensors.camera.response import encode_jpeg
 from symolo.core.file_hashes import sha256_of
+from symolo.dataset.layout import frame_name
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest
 
 TINY = [

@@ -16,8 +16,8 @@ from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.nominal import NominalTof
 from diagnosis.predictors.motor_steady import MotorSteady
 from diagnosis.validation.range_sensor.recordings.static import read_rest_recording
-from physics.run.trajectory import TimeSeries
 from sensors.tof import NOISE_AT_NEAR_MM
+from symolo.core.time_series import TimeSeries
 
 Array = NDArray[np.float64]
 
@@ -127,7 +127,7 @@ def _told(of: Diagnosis) -> tuple[tuple[str, ...], tuple[str, ...], tuple[str, .
     for n in of.named:
         numbers = ", ".join(f"{k} {v:.3g} +- {n.std[k]:.2g}" for k, v in n.values.items())
         too_large = [f"; impossible: {b.why}" for b in beyond(n.effect.term.name, n.values, n.std)]
-        named.append(f"{n.effect.name} ({numbers}; confidence {n.standing.confidence:.2f}{''.join(too_large)})")
+        named.append(f"{n.effect.name} ({numbers}; confidence {n.comparison.confidence:.2f}{''.join(too_large)})")
     left = of.adequacy.structures[:1] if of.unexplained else ()
     return tuple(named), of.withdrawn, tuple(f"{s.observed} along {s.covariate} (p {s.p:.0e})" for s in left)
 

@@ -204,7 +204,7 @@ def _named(of: Diagnosis | None, whole: WholeRunFit | None) -> tuple[str, ...]:
     told = []
     for named in of.named if of else ():
         numbers = ", ".join(f"{n} {v:.4g} +- {named.std[n]:.1g}" for n, v in named.values.items())
-        told.append(f"{named.effect.name} ({numbers}; confidence {named.standing.confidence:.2f})")
+        told.append(f"{named.effect.name} ({numbers}; confidence {named.comparison.confidence:.2f})")
     known = {named.effect.name for named in of.named} if of else set()
     for effect in whole.hypothesis.effects if whole else ():
         if effect.name not in known and whole:

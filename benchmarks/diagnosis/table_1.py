@@ -182,7 +182,7 @@ def diagnosed(of: Diagnosis) -> list[str]:
     for name, fit in (("before", of.selection.nominal), ("after", of.fit)):
         rms[name] = {k: float(np.sqrt(np.nanmean(v[1:] ** 2))) for k, v in leave_one_out(of.evidence, fit).items()}
     lines = [
-        "The diagnosis names " + "; ".join(_told(n.name, n.values, n.std, n.standing.confidence) for n in of.named)
+        "The diagnosis names " + "; ".join(_told(n.name, n.values, n.std, n.comparison.confidence) for n in of.named)
     ]
     lines += [
         f"{quantity}: a row left out is missed by {rms['before'][quantity]:.3g}, then by {rms['after'][quantity]:.3g}"

@@ -19,7 +19,7 @@ from hil.frames import CommandFrame, SensorFrame
 from hil.framings import FRAMINGS
 from hil.framings.base import Answer, Asked, Framing, HelloAsked
 from hil.plausible import DriveLimits, TickCount
-from physics.control.base import State
+from symolo.dataset.codes import State
 
 STATES = tuple(State)
 KINDS = (

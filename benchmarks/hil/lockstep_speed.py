@@ -23,8 +23,8 @@ from hil.frames import SensorFrame
 from hil.framings import FRAMINGS
 from hil.links.lockstep import LockstepLink
 from hil.loop import BoardPilot, LoopSettings, Orders
-from physics.run.trajectory import Recording
 from pipeline.stages.simulate import simulate
+from symolo.core.time_series import Recording
 
 
 def main() -> None:

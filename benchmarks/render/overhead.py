@@ -17,10 +17,11 @@ from types import ModuleType
 from views import LOOKS, job_along_the_line
 
 from blender_scenes.blender_side.loading import load_bpy
-from blender_scenes.render.frame_files import frame_name, put_in_place
+from blender_scenes.render.frame_files import put_in_place
 from blender_scenes.render.sampling import sampling
 from configs.schema.scenario import Render
 from sensors.camera.response import develop, encode_jpeg
+from symolo.dataset.layout import frame_name
 
 _METERED = 1.0
 """Any luminance will do to time what follows the light."""

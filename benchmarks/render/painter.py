@@ -17,8 +17,8 @@ from painter_side import Asked, Paint, own_replies, serve
 
 from blender_scenes.blender_side.loading import load_bpy
 from blender_scenes.render.sampling import PartSamples
-from blender_scenes.scene.description import FrameView
 from sensors.camera.response import develop, encode_jpeg
+from sensors.camera.views import FrameView
 from symolo.core.exr import read_exr
 
 PASSES = ("Combined", "DiffCol", "DiffDir", "DiffInd", "Normal")

@@ -8,7 +8,7 @@ from blender_scenes.render.job import FramePose, RenderJob, build_job
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from configs.schema.scenario import RunSpec
-from physics.arena.geometry import Arena
+from symolo.arena.geometry import Arena
 
 LOOKS = ("classroom", "lab", "atelier", "garage", "night", "extreme")
 POSES = ((0.55, -0.20, 90.0), (0.50, 0.62, 130.0), (-0.10, 0.75, 180.0), (-0.62, 0.0, 265.0), (0.30, -1.0, 20.0))

@@ -6,8 +6,9 @@ import numpy as np
 
 from blender_scenes.annotations.job import Solid
 from blender_scenes.annotations.seen import Seen
-from blender_scenes.scene.description import Matrix4, Point3
+from blender_scenes.scene.description import Point3
 from symolo.core.arrays import Array
+from symolo.core.poses import Matrix4
 
 _DECIMALS = 9
 

@@ -12,9 +12,10 @@ from blender_scenes.annotations.instances import CATEGORIES
 from blender_scenes.annotations.job import AnnotationJob, KeyPoint
 from blender_scenes.annotations.key_points import Sighting
 from blender_scenes.annotations.record import Record, Thing
-from blender_scenes.render.frame_files import frame_name
-from blender_scenes.scene.description import Intrinsics, Matrix4
 from configs.schema.scenario import AnnotationName
+from symolo.core.pinhole import Intrinsics
+from symolo.core.poses import Matrix4
+from symolo.dataset.layout import frame_name
 
 FORMAT = 2
 DOCUMENT = "annotations.json"

@@ -4,9 +4,9 @@ import numpy as np
 
 from blender_scenes.annotations.png import Picture
 from blender_scenes.annotations.seen import Seen
-from blender_scenes.scene.description import FrameView
-from sensors.camera.geometry import project
+from sensors.camera.views import FrameView
 from symolo.core.arrays import Array
+from symolo.core.pinhole import project
 
 ZERO = 2**15
 PER_PX = 64

@@ -6,10 +6,11 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.scene.description import FrameView, Scene
-from physics.arena.geometry import Arena
-from sensors.camera.geometry import pose_X_WR
+from blender_scenes.scene.description import Scene
+from sensors.camera.views import FrameView
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
+from symolo.core.poses import pose_X_WR
 
 Category = Literal["sky", "floor", "line", "wall", "obstacle", "room", "robot"]
 CATEGORIES: tuple[Category, ...] = get_args(Category)

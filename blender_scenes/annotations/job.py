@@ -11,12 +11,14 @@ from blender_scenes.annotations.instances import Instances, instances
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.job_text import JobText
 from blender_scenes.render.sampling import Sampling
-from blender_scenes.scene.description import FrameView, Intrinsics, Mesh, PlanarPose, Point3, Scene, Shutter, Sky
+from blender_scenes.scene.description import Mesh, Point3, Scene, Sky
 from blender_scenes.scene.shading import Color, Surface
 from configs.schema.scenario import AnnotationName
-from physics.arena.geometry import Arena, Box
-from sensors.camera.geometry import pose_X_WR
+from sensors.camera.views import FrameView
+from symolo.arena.geometry import Arena, Box
 from symolo.core.arrays import Array
+from symolo.core.pinhole import Intrinsics, Shutter
+from symolo.core.poses import PlanarPose, pose_X_WR
 
 RECORDS: tuple[AnnotationName, ...] = ("boxes_2d", "boxes_3d", "key_points")
 """Annotations that stand in a frame's record; of the others each has a PNG file for each image."""

@@ -8,8 +8,9 @@ from blender_scenes.annotations.instances import ON_THE_FLOOR
 from blender_scenes.annotations.seen import Seen
 from blender_scenes.annotations.sight import hidden, triangles
 from blender_scenes.scene.description import Point2, Point3
-from sensors.camera.geometry import pose_X_WR, project
 from symolo.core.arrays import Array
+from symolo.core.pinhole import project
+from symolo.core.poses import pose_X_WR
 
 _PIXEL_DECIMALS, _METRE_DECIMALS = 4, 9
 

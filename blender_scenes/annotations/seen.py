@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.annotations.job import AnnotationJob
-from blender_scenes.scene.description import FrameView, Intrinsics
 from sensors.camera.lens_warp import pinhole_picture, sources
+from sensors.camera.views import FrameView
 from symolo.core.arrays import Array
 from symolo.core.lens import NO_DISTORTION
+from symolo.core.pinhole import Intrinsics
 
 _STEEPEST = 1e-3
 """Cosine between ray and normal below which the plane's equation is too ill to move a point by it."""

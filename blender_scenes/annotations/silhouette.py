@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 
 from blender_scenes.annotations.job import Solid
 from blender_scenes.annotations.seen import Seen
-from sensors.camera.geometry import project
 from symolo.core.lens import NO_DISTORTION
+from symolo.core.pinhole import project
 
 
 def silhouette(seen: Seen, solid: Solid) -> NDArray[np.bool_]:

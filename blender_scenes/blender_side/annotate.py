@@ -14,8 +14,8 @@ from blender_scenes.annotations.seen import Passes, Seen
 from blender_scenes.blender_side import build, engine
 from blender_scenes.blender_side.shaders import ShaderGraph
 from blender_scenes.render.frame_files import FrameFile, put_data_in_place, put_in_place
-from blender_scenes.scene.description import FrameView
 from sensors.camera.lens_warp import pinhole_picture
+from sensors.camera.views import FrameView
 
 _EXR_PIXEL_BYTES = 44
 """Colour with its cover, index, position and normal, four bytes each."""

@@ -9,8 +9,9 @@ from mathutils import Matrix
 
 from blender_scenes.blender_side.own_images import OwnPictures
 from blender_scenes.blender_side.shaders import ShaderGraph, material
-from blender_scenes.scene.description import Intrinsics, Mesh, Panel, Scene, Sky, Sun
+from blender_scenes.scene.description import Mesh, Panel, Scene, Sky, Sun
 from sensors.camera.lens_warp import pinhole_picture
+from symolo.core.pinhole import Intrinsics
 
 ROBOT = "R"
 CAMERA = "C"

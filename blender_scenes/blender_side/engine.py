@@ -11,11 +11,11 @@ from blender_scenes.blender_side.placing import open_shutter, place
 from blender_scenes.blender_side.rendering import rendered
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.sampling import Sampling
-from blender_scenes.scene.description import FrameView
 from sensors.camera.lens_warp import pinhole_picture, through_lens
 from sensors.camera.metering import metered_views, metering_camera
 from sensors.camera.rolling_shutter import lateness
 from sensors.camera.shutter import window
+from sensors.camera.views import FrameView
 from symolo.core.random_streams import stream
 
 _SCRATCH = "light.exr"
@@ -125,7 +125,7 @@ def metered_light(job: RenderJob) -> np.ndarray:
     small = metering_camera(pinhole_picture(job.camera).camera)
     size = small.width_px, small.height_px
     seen = []
-    for view in metered_views(job):
+    for view in metered_views(job.frames):
         seed = _noise_seed(job.sampling.seed, "metering", view.number)
         seen.append(_light(view, size, seed=seed, samples=_METERING_SAMPLES, denoise=False))
     return np.concatenate(seen)

@@ -5,9 +5,9 @@ import numpy as np
 from mathutils import Matrix
 
 from blender_scenes.blender_side.build import CAMERA, ROBOT, moving_name
-from blender_scenes.scene.description import FrameView, Moment
-from sensors.camera.geometry import pose_X_WR
 from sensors.camera.shutter import MOMENTS, Window
+from sensors.camera.views import FrameView, Moment
+from symolo.core.poses import pose_X_WR
 
 _FRAME = 1
 """Of Blender's time line; the window is one frame long and centred on it."""

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.scene.description import FrameView, Intrinsics
-from sensors.camera.geometry import pose_X_WR
 from sensors.camera.shutter import MOMENTS
+from sensors.camera.views import FrameView
 from symolo.core.arrays import Array
+from symolo.core.pinhole import Intrinsics
+from symolo.core.poses import pose_X_WR
 
 Image = NDArray[np.float32]
 _MAX_BYTES = 128 * 2**20

@@ -5,9 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.scene.description import FrameView, Intrinsics, Mesh, Moment
-from sensors.camera.geometry import pose_X_WR
+from blender_scenes.scene.description import Mesh
+from sensors.camera.views import FrameView, Moment
 from symolo.core.arrays import Array
+from symolo.core.pinhole import Intrinsics
+from symolo.core.poses import pose_X_WR
 
 _BEYOND_PX = 2.0
 """The picture's borders, by which its filter sees a little."""

@@ -9,11 +9,10 @@ from blender_scenes.materials.fittings import moulded
 from blender_scenes.rooms.base import Room
 from blender_scenes.scene.description import Mesh, Panel, Point3
 from blender_scenes.scene.meshes import block
-from blender_scenes.scene.shading import RGB
 from blender_scenes.scene.solids import joined, lathe, moved, rod
 from configs.schema.lighting import LampsLook
 from configs.schema.look import LookConfig
-from sensors.camera.colour import light_rgb, scaled
+from sensors.camera.colour import RGB, light_rgb, scaled
 
 _LOWEST_M = 1.8
 _BATTEN_M = 0.05

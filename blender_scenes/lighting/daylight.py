@@ -10,10 +10,9 @@ from blender_scenes.lighting.sun import towards_sun
 from blender_scenes.lighting.window_covering import CURTAIN_M, curtain
 from blender_scenes.rooms.base import Room
 from blender_scenes.scene.description import Panel, Sky
-from blender_scenes.scene.shading import RGB
 from configs.schema.asset import Asset
 from configs.schema.look import LookConfig
-from sensors.camera.colour import LUMINANCE, light_rgb
+from sensors.camera.colour import LUMINANCE, RGB, light_rgb
 
 _BRIGHTEST = 2.0
 """Most of its mean that a piece of sky shines with; the overcast sky of CIE S 011 has 9/7 at its zenith.

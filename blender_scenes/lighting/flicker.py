@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from blender_scenes.scene.shading import RGB
 from configs.schema.lighting import FlickerLook
+from sensors.camera.colour import RGB
 from symolo.core.arrays import Array
 from symolo.core.random_streams import stream
 

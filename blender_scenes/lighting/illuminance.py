@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from blender_scenes.scene.description import Panel, Point3
-from blender_scenes.scene.shading import RGB
+from sensors.camera.colour import RGB
 
 
 def on_the_floor(panels: Sequence[Panel], at: Point3) -> RGB:

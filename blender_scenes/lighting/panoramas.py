@@ -1,9 +1,9 @@
 """What panoramas hold: the shipped ones were measured once, the user's own are when the look is read."""
 
 from blender_scenes.scene.description import Sky
-from blender_scenes.scene.shading import RGB
 from configs.schema.asset import Asset
 from configs.schema.lighting import PanoramaName
+from sensors.camera.colour import RGB
 
 CEILING = 10.0
 """Components above this belong to a sun or a lamp in the picture, not to the sky."""

@@ -24,7 +24,6 @@ from blender_scenes.scene.shading import Surface
 from configs.schema.asset import ImageLook
 from configs.schema.floors import FloorLook, FloorName
 from configs.schema.look import LookConfig
-from configs.schema.surface import SurfaceName
 
 FLOORS: dict[FloorName, Callable[[FloorLook, Patch], Surface]] = {
     "linoleum": linoleum,
@@ -38,7 +37,7 @@ FLOORS: dict[FloorName, Callable[[FloorLook, Patch], Surface]] = {
     "image": image_floor,
 }
 
-SURFACES: dict[SurfaceName, Callable[[LookConfig, Patch], Surface]] = {
+SURFACES: dict[str, Callable[[LookConfig, Patch], Surface]] = {
     "white_board": board(0.78),
     "light_grey_board": board(0.5),
     "dark_grey_board": board(0.16),
@@ -55,7 +54,7 @@ SURFACES: dict[SurfaceName, Callable[[LookConfig, Patch], Surface]] = {
 """What walls and obstacles are made of; the names are those of `physics.arena.surfaces`."""
 
 
-def body_material(look: LookConfig, surface: SurfaceName, patch: Patch) -> Surface:
+def body_material(look: LookConfig, surface: str, patch: Patch) -> Surface:
     """A face of a wall or obstacle: the user's own picture where the look has one for that surface."""
     own = getattr(look.images, surface, None)
     if isinstance(own, ImageLook) and own.file is not None:

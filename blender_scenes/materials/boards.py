@@ -4,9 +4,8 @@ from collections.abc import Callable
 
 from blender_scenes.materials.base import Patch
 from blender_scenes.materials.patterns import streaks, worn_gloss
-from blender_scenes.scene.shading import Color, Coordinate, Mix, Noise, Step, Surface, Tiles
+from blender_scenes.scene.shading import Color, Coordinate, Mix, Noise, Step, Surface, Tiles, paint_color
 from configs.schema.look import LookConfig, Paint
-from sensors.camera.colour import paint_color
 
 
 def board(reflectance: float) -> Callable[[LookConfig, Patch], Surface]:

@@ -2,9 +2,8 @@
 
 from blender_scenes.materials.base import Patch
 from blender_scenes.materials.patterns import specks
-from blender_scenes.scene.shading import Mix, Noise, Surface, Tiles
+from blender_scenes.scene.shading import Mix, Noise, Surface, Tiles, paint_color
 from configs.schema.look import LookConfig
-from sensors.camera.colour import paint_color
 
 
 def brick(look: LookConfig, patch: Patch) -> Surface:

@@ -4,9 +4,8 @@ import math
 
 from blender_scenes.materials.base import Patch
 from blender_scenes.materials.patterns import either, specks, streaks
-from blender_scenes.scene.shading import Arithmetic, Coordinate, Mix, Noise, Step, Surface
+from blender_scenes.scene.shading import Arithmetic, Coordinate, Mix, Noise, Step, Surface, paint_color
 from configs.schema.look import LookConfig
-from sensors.camera.colour import paint_color
 
 _FLUTE_PITCH_M = 0.0065
 

@@ -1,9 +1,8 @@
 """Loop-pile carpet tiles."""
 
 from blender_scenes.materials.base import Patch
-from blender_scenes.scene.shading import Cells, Mix, Noise, Surface, Tiles
+from blender_scenes.scene.shading import Cells, Mix, Noise, Surface, Tiles, paint_color
 from configs.schema.floors import FloorLook
-from sensors.camera.colour import paint_color
 
 
 def carpet(look: FloorLook, patch: Patch) -> Surface:

@@ -2,9 +2,8 @@
 
 from blender_scenes.materials.base import Patch
 from blender_scenes.materials.patterns import specks, threads, worn_gloss
-from blender_scenes.scene.shading import Mix, Noise, Step, Surface
+from blender_scenes.scene.shading import Mix, Noise, Step, Surface, paint_color
 from configs.schema.floors import FloorLook
-from sensors.camera.colour import paint_color
 
 
 def concrete(look: FloorLook, patch: Patch) -> Surface:

@@ -1,8 +1,8 @@
 """Plain surfaces of the room and of the robot, which are seen from afar, in mirrors and as shadows."""
 
-from blender_scenes.scene.shading import RGB, Color, Surface
+from blender_scenes.scene.shading import Color, Surface, paint_color
 from configs.schema.look import Paint
-from sensors.camera.colour import paint_color
+from sensors.camera.colour import RGB
 
 
 def painted(name: str, paint: Paint, roughness: float) -> Surface:

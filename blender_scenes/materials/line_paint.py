@@ -2,9 +2,8 @@
 
 from blender_scenes.materials.base import Patch
 from blender_scenes.materials.patterns import either, specks, streaks, worn_gloss
-from blender_scenes.scene.shading import Color, Coordinate, Mix, Noise, Step, Surface
+from blender_scenes.scene.shading import Color, Coordinate, Mix, Noise, Step, Surface, paint_color
 from configs.schema.look import LinePaintLook
-from sensors.camera.colour import paint_color
 
 
 def line_paint(look: LinePaintLook, patch: Patch) -> Surface:

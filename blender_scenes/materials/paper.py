@@ -1,9 +1,8 @@
 """White drawing paper on a body."""
 
 from blender_scenes.materials.base import Patch
-from blender_scenes.scene.shading import Mix, Noise, Surface
+from blender_scenes.scene.shading import Mix, Noise, Surface, paint_color
 from configs.schema.look import LookConfig
-from sensors.camera.colour import paint_color
 
 
 def paper(look: LookConfig, patch: Patch) -> Surface:

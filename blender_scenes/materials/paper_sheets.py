@@ -2,9 +2,8 @@
 
 from blender_scenes.materials.base import Patch
 from blender_scenes.materials.patterns import threads
-from blender_scenes.scene.shading import Mix, Noise, Step, Surface, Tiles
+from blender_scenes.scene.shading import Mix, Noise, Step, Surface, Tiles, paint_color
 from configs.schema.floors import FloorLook
-from sensors.camera.colour import paint_color
 
 _OVERLAP_M = 0.012
 

@@ -2,9 +2,8 @@
 
 from blender_scenes.materials.base import Patch
 from blender_scenes.materials.patterns import worn_gloss
-from blender_scenes.scene.shading import Mix, Noise, Step, Surface, Tiles
+from blender_scenes.scene.shading import Mix, Noise, Step, Surface, Tiles, paint_color
 from configs.schema.floors import FloorLook
-from sensors.camera.colour import paint_color
 
 
 def parquet(look: FloorLook, patch: Patch) -> Surface:

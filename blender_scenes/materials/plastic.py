@@ -2,9 +2,8 @@
 
 from blender_scenes.materials.base import Patch
 from blender_scenes.materials.patterns import streaks
-from blender_scenes.scene.shading import Mix, Noise, Surface
+from blender_scenes.scene.shading import Mix, Noise, Surface, paint_color
 from configs.schema.look import LookConfig
-from sensors.camera.colour import paint_color
 
 
 def plastic(look: LookConfig, patch: Patch) -> Surface:

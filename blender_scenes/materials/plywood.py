@@ -4,11 +4,21 @@ import math
 
 from blender_scenes.materials.base import Patch
 from blender_scenes.materials.patterns import either, specks
-from blender_scenes.scene.shading import Arithmetic, Coordinate, Mix, Noise, Number, Step, Surface, Texture, Tiles
+from blender_scenes.scene.shading import (
+    Arithmetic,
+    Coordinate,
+    Mix,
+    Noise,
+    Number,
+    Step,
+    Surface,
+    Texture,
+    Tiles,
+    paint_color,
+)
 from configs.schema.floors import FloorLook
 from configs.schema.look import LookConfig
 from configs.schema.paint import Paint
-from sensors.camera.colour import paint_color
 
 _PLY_M = 0.0015
 _THICKEST_EDGE_M = 0.03

@@ -2,9 +2,8 @@
 
 from blender_scenes.materials.base import Patch
 from blender_scenes.materials.patterns import either, specks, streaks, worn_gloss
-from blender_scenes.scene.shading import Color, Coordinate, Mix, Noise, Step, Surface, Texture
+from blender_scenes.scene.shading import Color, Coordinate, Mix, Noise, Step, Surface, Texture, paint_color
 from configs.schema.look import TapeLook
-from sensors.camera.colour import paint_color
 
 _SHARPEST_BEND_PER_M = 5.0
 """From this curvature on a tape folds all along its inner edge."""

@@ -2,9 +2,8 @@
 
 from blender_scenes.materials.base import Patch
 from blender_scenes.materials.patterns import worn_gloss
-from blender_scenes.scene.shading import Cells, Mix, Noise, Step, Surface, Texture, Tiles
+from blender_scenes.scene.shading import Cells, Mix, Noise, Step, Surface, Texture, Tiles, paint_color
 from configs.schema.floors import FloorLook, Vinyl
-from sensors.camera.colour import paint_color
 
 
 def vinyl(look: FloorLook, patch: Patch) -> Surface:

@@ -3,9 +3,8 @@
 import math
 
 from blender_scenes.materials.base import Patch
-from blender_scenes.scene.shading import Arithmetic, Mix, Noise, Step, Surface
+from blender_scenes.scene.shading import Arithmetic, Mix, Noise, Step, Surface, paint_color
 from configs.schema.look import LookConfig
-from sensors.camera.colour import paint_color
 
 
 def wood(look: LookConfig, patch: Patch) -> Surface:

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.preview.triangles import Triangles
-from blender_scenes.scene.description import Intrinsics
 from symolo.core.arrays import Array
+from symolo.core.pinhole import Intrinsics
 
 NEAR_M = 0.001
 """Nothing closer along the axis is seen, as with Blender's camera."""

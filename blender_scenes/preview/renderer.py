@@ -13,14 +13,15 @@ from blender_scenes.preview.sun_shadow import SunShadow
 from blender_scenes.preview.triangles import Triangles
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.own_files import read_own_file
-from blender_scenes.scene.description import FrameView, Intrinsics
 from blender_scenes.scene.typical import typical_color
 from configs.assets.pictures import read_picture
-from sensors.camera.geometry import pose_X_WR
 from sensors.camera.lens_warp import pinhole_picture, through_lens
 from sensors.camera.metering import metered_views, metering_camera
 from sensors.camera.response import Image, develop, median_luminance
+from sensors.camera.views import FrameView
 from symolo.core.arrays import Array
+from symolo.core.pinhole import Intrinsics
+from symolo.core.poses import pose_X_WR
 
 
 class FlatRenderer:
@@ -48,7 +49,9 @@ class FlatRenderer:
         self._shadow = SunShadow.of(scene.sun, self._still) if scene.sun else None
         self._pinhole = pinhole_picture(job.camera).camera
         small = metering_camera(self._pinhole)
-        self._metered = median_luminance(np.concatenate([self.light(view, small) for view in metered_views(job)]))
+        self._metered = median_luminance(
+            np.concatenate([self.light(view, small) for view in metered_views(job.frames)])
+        )
 
     def picture(self, view: FrameView) -> NDArray[np.uint8]:
         """(H, W, 3) 8-bit RGB of one of the job's frames, exposed and developed as Blender's pictures are."""

@@ -39,10 +39,6 @@ class _Entry:
 _ENTRY = TypeAdapter(_Entry)
 
 
-def frame_name(number: int) -> str:
-    return f"{number:06d}.jpg"
-
-
 def put_in_place(data: bytes, path: Path, width_px: int, height_px: int) -> str:
     """Decodes an encoded picture, puts it in place and returns its SHA-256.
 

@@ -8,20 +8,21 @@ import numpy as np
 from blender_scenes.lighting.flicker import frame_gains
 from blender_scenes.lighting.illuminance import on_the_floor
 from blender_scenes.render.devices import DeviceKind
-from blender_scenes.render.frame_files import frame_name
 from blender_scenes.render.job_text import JobText
 from blender_scenes.render.sampling import Sampling, sampling
-from blender_scenes.scene.description import INSTANT, FrameView, Intrinsics, Scene, Shutter
+from blender_scenes.scene.description import Scene
 from blender_scenes.scene.run_scene import arena_bounds, describe
-from blender_scenes.scene.shading import RGB
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render
-from physics.arena.geometry import Arena
 from physics.robot.path import RobotPath
-from sensors.camera.geometry import intrinsics, pose_X_RC
+from sensors.camera.colour import RGB
 from sensors.camera.response import CameraResponse
 from sensors.camera.shutter import Window, exposed, moment, window
+from sensors.camera.views import INSTANT, FrameView
+from symolo.arena.geometry import Arena
+from symolo.core.pinhole import Intrinsics, Shutter, intrinsics, pose_X_RC
+from symolo.dataset.layout import frame_name
 
 
 @dataclass(frozen=True)

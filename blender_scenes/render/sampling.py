@@ -64,8 +64,6 @@ QUALITIES: dict[RenderQuality, Quality] = {
 
 PARTS: dict[RenderQuality, PartSamples] = {"draft": PartSamples(1, 1, 2), "standard": PartSamples(4, 2, 4)}
 """Of `render.method: parts` at 640 x 480; the maps are not true enough for the others."""
-LIGHT_WIDTH_PX = 80
-"""Of their light's picture at least, where halving the final one leads there."""
 _AUTO_WIDTH_PX = 320
 """Where parts begin to cost less than whole pictures of the same error; they have not been measured in smaller ones."""
 

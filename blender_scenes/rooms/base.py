@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass
 
-from blender_scenes.scene.description import Mesh, PlanarPose, Point2, Point3
+from blender_scenes.scene.description import Mesh, Point2, Point3
 from blender_scenes.scene.shading import Surface
+from symolo.core.poses import PlanarPose
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ from blender_scenes.rooms.furniture.wall_socket import drawn_wall_socket
 from blender_scenes.rooms.placement import Ground, Standing, WallFace, find_place, hang, hang_at
 from blender_scenes.rooms.walls import SIDES, Side, Wall, wall
 from blender_scenes.scene.description import Point2
-from configs.footprints import Rectangle
 from configs.schema.look import LookConfig
+from symolo.arena.footprints import Rectangle
 from symolo.core.random_streams import stream
 
 _DOORWAY_M = 0.7

@@ -9,8 +9,9 @@ from blender_scenes.rooms.base import Furnishing, Top
 from blender_scenes.rooms.furniture import Kind
 from blender_scenes.rooms.furniture.base import Piece
 from blender_scenes.rooms.walls import Side, Wall
-from blender_scenes.scene.description import PlanarPose, Point2
-from configs.footprints import Rectangle, overlap
+from blender_scenes.scene.description import Point2
+from symolo.arena.footprints import Rectangle, overlap
+from symolo.core.poses import PlanarPose
 
 _TRIES = 80
 _APART_M = 0.02

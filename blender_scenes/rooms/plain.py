@@ -12,10 +12,10 @@ from blender_scenes.scene.description import Mesh, Point2
 from blender_scenes.scene.meshes import box, rectangle
 from blender_scenes.scene.solids import stood
 from configs.checks import LINTEL_M
-from configs.footprints import Rectangle
 from configs.schema.look import LookConfig
 from configs.schema.paint import Paint
 from configs.schema.room import RoomLook
+from symolo.arena.footprints import Rectangle
 
 WALL_DEPTH_M = 0.25
 

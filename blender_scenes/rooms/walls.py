@@ -6,7 +6,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.scene.description import PlanarPose, Point2, Point3
+from blender_scenes.scene.description import Point2, Point3
+from symolo.core.poses import PlanarPose
 
 Side = Literal["east", "north", "west", "south"]
 SIDES: dict[Side, Point3] = {

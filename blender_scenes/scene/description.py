@@ -1,4 +1,4 @@
-"""The scene as data: meshes, surfaces, lights, sky and camera, free of any renderer.
+"""The scene as data: meshes, surfaces, lights and sky, free of any renderer.
 
 Units are metres and radians. Light is photometric in thousands (kilolux, kilocandela per square metre), so that a
 radiance of 1 is 1000 cd/m2; exposure makes pixels of it. Everything stands in W but the robot's parts, which do in R,
@@ -10,28 +10,22 @@ from typing import Annotated
 
 from pydantic import Field
 
-from blender_scenes.scene.shading import RGB, Surface
-from symolo.core.lens import NO_DISTORTION, Coefficients
+from blender_scenes.scene.shading import Surface
+from sensors.camera.colour import RGB
 
 Point3 = tuple[float, float, float]
 Point2 = tuple[float, float]
-Row4 = tuple[float, float, float, float]
-Matrix4 = tuple[Row4, Row4, Row4, Row4]
-"""(4, 4) homogeneous transform, row by row."""
-PlanarPose = tuple[float, float, float]
-"""x [m], y [m], yaw [rad] in W, of a frame on the floor."""
 
 
-def _there_is_none(items: tuple[object, ...]) -> bool:
-    """Such a job is the same bytes, and so the same pictures, as one that knows nothing of them."""
+# A default is left out of the JSON text, so that a job without moving meshes, a visible robot or a user's panorama has
+# the same bytes whether or not the program that wrote it knows of these.
+
+
+def _is_empty(items: tuple[object, ...]) -> bool:
     return not items
 
 
-def _as_it_is(gain: RGB) -> bool:
-    return gain == (1.0, 1.0, 1.0)
-
-
-def _is_shipped(mean: RGB | None) -> bool:
+def _is_none(mean: RGB | None) -> bool:
     return mean is None
 
 
@@ -93,7 +87,7 @@ class Sky:
     """Components of the panorama are cut off here, before the gain: its sun is no part of the sky."""
     saturation: float
     """1 as it was taken, 0 grey."""
-    mean: Annotated[RGB | None, Field(exclude_if=_is_shipped)] = None
+    mean: Annotated[RGB | None, Field(exclude_if=_is_none)] = None
     """Colour above the horizon of a file of the user's own; None for the shipped ones, which are known."""
 
 
@@ -107,72 +101,12 @@ class Scene:
     panels: tuple[Panel, ...]
     sun: Sun | None
     sky: Sky
-    moving: Annotated[tuple[Mesh, ...], Field(exclude_if=_there_is_none)] = ()
+    moving: Annotated[tuple[Mesh, ...], Field(exclude_if=_is_empty)] = ()
     """Each in its own frame; a view says where that is."""
-    robot_in_sight: Annotated[tuple[Mesh, ...], Field(exclude_if=_there_is_none)] = ()
+    robot_in_sight: Annotated[tuple[Mesh, ...], Field(exclude_if=_is_empty)] = ()
     """The robot's parts that it sees, in R."""
 
     @property
     def robot_parts(self) -> tuple[Mesh, ...]:
         """All of them."""
         return (*self.robot, *self.robot_in_sight)
-
-
-@dataclass(frozen=True)
-class Intrinsics:
-    """Pixel (0, 0) is the middle of the first pixel, as OpenCV counts."""
-
-    width_px: int
-    height_px: int
-    fx_px: float
-    fy_px: float
-    cx_px: float
-    cy_px: float
-    distortion: Coefficients = NO_DISTORTION
-
-
-@dataclass(frozen=True)
-class Shutter:
-    """When a picture is exposed: the middle of its middle row at the view's time, each row as long as any other."""
-
-    exposure_s: float = 0.0
-    read_out_s: float = 0.0
-    """From the first row to the last and on to where a next one would be."""
-
-
-INSTANT = Shutter()
-
-
-@dataclass(frozen=True)
-class Moment:
-    """Where everything is at one time."""
-
-    robot_pose: PlanarPose
-    """Of R."""
-    X_WC: Matrix4
-    """Pose of the optical frame (x right, y down, z forward) in W."""
-    moving: Annotated[tuple[PlanarPose, ...], Field(exclude_if=_there_is_none)] = ()
-    """Of the scene's moving meshes, in their order."""
-
-
-def _is_instant(moments: tuple[Moment, ...]) -> bool:
-    """Likewise, as one that knows of no exposure time."""
-    return not moments
-
-
-@dataclass(frozen=True)
-class FrameView:
-    """One picture to be taken."""
-
-    number: int
-    t_s: float
-    robot_pose: PlanarPose
-    """Of R."""
-    X_WC: Matrix4
-    """Pose of the optical frame (x right, y down, z forward) in W."""
-    moving: Annotated[tuple[PlanarPose, ...], Field(exclude_if=_there_is_none)] = ()
-    """Of the scene's moving meshes, in their order."""
-    light_gain: Annotated[RGB, Field(exclude_if=_as_it_is)] = (1.0, 1.0, 1.0)
-    """All light of this frame to its mean over time, where lamps flicker."""
-    exposure: Annotated[tuple[Moment, ...], Field(exclude_if=_is_instant)] = ()
-    """Evenly spaced from the moment that the shutter opens to that it closes; empty for an instant."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from blender_scenes.scene.description import Mesh, Point2
-from physics.arena.geometry import Arc, Line, Straight
+from symolo.arena.geometry import Arc, Line, Straight
 from symolo.core.arrays import Array
 from symolo.core.random_streams import stream
 

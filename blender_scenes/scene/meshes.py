@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from blender_scenes.scene.description import Mesh, Point2, Point3
-from physics.arena.geometry import Box
+from symolo.arena.geometry import Box
 from symolo.core.arrays import Array
 
 SIDES = ("back", "right", "front", "left", "bottom", "top")

@@ -23,8 +23,8 @@ from blender_scenes.scene.robot_body import CAMERA_BODY, robot_body, robot_surfa
 from blender_scenes.scene.shading import Surface
 from configs.schema.look import LinePaintLook, LookConfig, TapeLook
 from configs.schema.robot import RobotConfig
-from physics.arena.geometry import Arena, Box, Line
-from physics.arena.obstacle_motion import ObstacleMotion
+from symolo.arena.geometry import Arena, Box, Line
+from symolo.arena.obstacle_motion import ObstacleMotion
 
 _GLASS_BEVEL_M = 0.0001
 """Of polished edges; through a wider one the path tracer would see black, where light goes to and fro inside."""

@@ -9,8 +9,8 @@ from typing import Annotated, Literal, Union
 
 from pydantic import Field
 
-RGB = tuple[float, float, float]
-"""Linear Rec. 709 components; reflectances within 0-1."""
+from configs.schema.look import Paint
+from sensors.camera.colour import RGB, paint_rgb
 
 
 @dataclass(frozen=True)
@@ -43,6 +43,11 @@ class Number(Expression):
 class Color(Expression):
     rgb: RGB
     kind: Literal["color"] = "color"
+
+
+def paint_color(paint: Paint, *, times: float = 1.0) -> Color:
+    """Return the paint's colour at `times` its reflectance."""
+    return Color(paint_rgb(paint, times=times))
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from blender_scenes.scene.description import Mesh, PlanarPose, Point2, Point3
+from blender_scenes.scene.description import Mesh, Point2, Point3
 from symolo.core.arrays import Array
+from symolo.core.poses import PlanarPose
 
 
 def joined(name: str, parts: Iterable[Mesh]) -> Mesh:

@@ -3,7 +3,6 @@
 import math
 
 from blender_scenes.scene.shading import (
-    RGB,
     Arithmetic,
     Cells,
     Color,
@@ -17,6 +16,7 @@ from blender_scenes.scene.shading import (
     Texture,
     Tiles,
 )
+from sensors.camera.colour import RGB
 
 _CELL_MEANS = {"distance": 0.4, "edge": 0.2, "random": 0.5}
 

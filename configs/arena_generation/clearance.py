@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from configs.arena_generation.track import Pose
-from configs.footprints import Rectangle
+from symolo.arena.footprints import Rectangle
 from symolo.core.arrays import Array
 
 FRONT_SENSOR: Pose = (0.085, 0.0, 0.0)

@@ -10,9 +10,9 @@ from configs.arena_generation import clearance as room
 from configs.arena_generation.outline import START_AHEAD_M, START_BEHIND_M
 from configs.arena_generation.rejection import Rejected
 from configs.arena_generation.track import Pose, Track
-from configs.footprints import Rectangle, obstacle_footprint, overlap, wall_footprint
 from configs.schema.arena import Obstacle, Wall
 from configs.schema.arena_generator import Clearance
+from symolo.arena.footprints import Rectangle, obstacle_footprint, overlap, wall_footprint
 from symolo.core.arrays import Array
 
 SPACING_M = 0.02

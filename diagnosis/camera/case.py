@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from configs.schema.look import LookConfig
 from configs.schema.robot import Camera, RobotConfig
-from physics.arena.geometry import Arena
 from physics.robot.path import RobotPath
 from sensors.camera.response import CameraResponse
+from symolo.arena.geometry import Arena
 
 Mask = NDArray[np.bool_]
 Ints = NDArray[np.int64]

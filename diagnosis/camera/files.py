@@ -3,13 +3,12 @@
 import json
 from collections.abc import Iterator, Mapping
 
-from diagnosis.camera.diagnose import PictureDiagnosis
+from diagnosis.camera.diagnose import Part, PictureDiagnosis
 from diagnosis.camera.extended_camera import LOOK, ROBOT, look_file, robot_file
 from diagnosis.camera.overlay import edge_misfit, level_misfit, overlay
 from diagnosis.camera.sentences import ambiguity, gained, headline, size, summary, use
 from diagnosis.report.files import ANSWER, PAGE, PLOTS, SUMMARY
-from symolo.pages.markup import Html, picture, table, tag
-from symolo.pages.style import STYLE
+from symolo.pages.html import render_page
 
 CAPTIONS = {
     "edges": "Edges of the line in pictures held out: measured, by the nominal camera, and by the extended one.",
@@ -35,86 +34,26 @@ def files(diagnosis: PictureDiagnosis) -> Mapping[str, bytes]:
 
 
 def page(diagnosis: PictureDiagnosis, plots: Mapping[str, bytes]) -> str:
-    """One page that stands alone."""
-    case = diagnosis.case
-    seen = (
-        f"{len(case.frames)} pictures of {case.size_px[0]} x {case.size_px[1]} px, {int(case.heldout.sum())} held out"
+    """Return one page that needs no file beside itself."""
+    return render_page(
+        "diagnosis.camera",
+        title=f"{diagnosis.case.name}: images",
+        case=diagnosis.case,
+        headline=headline(diagnosis),
+        gains=[text for part in diagnosis.parts if (text := gained(part))],
+        named=[(choice, size(part, choice, diagnosis), ambiguity(choice)) for part, choice in diagnosis.named],
+        plots=[(CAPTIONS[name], png) for name, png in plots.items()],
+        numbers=[(part.name, _numbers(part, diagnosis)) for part in diagnosis.parts],
+        remains=[(part.name, part.remains) for part in diagnosis.parts if part.remains],
+        left_out=diagnosis.left_out,
+        commands=use(diagnosis),
     )
-    body = [
-        tag("h1", f"symolo pictures: {case.name}, {seen}"),
-        tag("p", headline(diagnosis), class_="verdict"),
-        *(tag("p", told, class_="glance") for part in diagnosis.parts if (told := gained(part))),
-        tag("h2", "What differs"),
-        *_named(diagnosis),
-        tag("h2", "The misfit"),
-        *(
-            tag("figure", picture(png, CAPTIONS[name]), tag("figcaption", CAPTIONS[name]))
-            for name, png in plots.items()
-        ),
-        tag("h2", "All numbers"),
-        tag("p", "Fitted together, each with a prior of its tolerance but those that are named.", class_="note"),
-        *_numbers(diagnosis),
-        tag("h2", "What stays open"),
-        *_open(diagnosis),
-    ]
-    if told := use(diagnosis):
-        body += [tag("h2", "The extended camera"), tag("pre", "\n".join(told))]
-    head = tag(
-        "head",
-        tag("meta", charset="utf-8"),
-        tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
-        tag("title", f"{case.name}: pictures"),
-        tag("style", Html(STYLE)),
-    )
-    return f"<!DOCTYPE html>\n{tag('html', head, tag('body', body), lang='en')}\n"
 
 
-def _named(diagnosis: PictureDiagnosis) -> Iterator[Html]:
-    if not diagnosis.named:
-        yield tag("p", "No number is named: none has to leave its tolerance to explain these pictures.")
-    for part, choice in diagnosis.named:
-        number, sure = choice.number, min(100 * choice.confidence, 99.9)
-        told = [
-            tag("h3", tag("code", number.name), f" {size(part, choice, diagnosis)}"),
-            tag("p", f"{number.means[0].upper()}{number.means[1:]}. Such a thing comes of: {number.comes_of}."),
-            tag("p", f"Confidence {sure:.1f} %; without it the cost rises by {choice.rise:.0f}."),
-        ]
-        if open_ := ambiguity(choice):
-            told.append(tag("p", f"It {open_}.", class_="warn"))
-        rivals = [[rival.name, f"{worse:+.1f}"] for rival, worse in choice.rivals[:4]]
-        if rivals:
-            told.append(table(["in its place", "cost more"], rivals))
-        yield tag("div", told, class_="card")
-
-
-def _numbers(diagnosis: PictureDiagnosis) -> Iterator[Html]:
-    for part in diagnosis.parts:
-        rows = []
-        named = {choice.place for choice in part.chosen.choices}
-        for place, number in enumerate(part.model.numbers):
-            value, sd = part.found(place, diagnosis.case)
-            unit = "" if number.unit == "1" else number.unit
-            rows.append(
-                [
-                    number.name,
-                    f"{value:.4g} +- {sd:.2g}",
-                    unit,
-                    f"{part.fit.x[place]:+.1f}",
-                    "yes" if place in named else "",
-                ]
-            )
-        yield tag("h3", part.name)
-        yield table(["number", "value", "unit", "tolerances off", "named"], rows)
-
-
-def _open(diagnosis: PictureDiagnosis) -> Iterator[Html]:
-    found = [part for part in diagnosis.parts if part.remains]
-    for part in found:
-        if part.remains:
-            share = 100 * part.remains.share
-            text = f"What is left of {part.name} depends on {part.remains.covariate}: {share:.0f} % of its variance."
-            yield tag("p", text, class_="warn")
-    for what in diagnosis.left_out:
-        yield tag("p", f"Not looked at: {what}.")
-    if not found and not diagnosis.left_out:
-        yield tag("p", "Nothing that a coarse look at columns, rows, levels and time shows.")
+def _numbers(part: Part, diagnosis: PictureDiagnosis) -> Iterator[tuple[str, ...]]:
+    named = {choice.place for choice in part.chosen.choices}
+    for place, number in enumerate(part.model.numbers):
+        value, sd = part.found(place, diagnosis.case)
+        unit = "" if number.unit == "1" else number.unit
+        deviation = f"{part.fit.x[place]:+.1f}"
+        yield number.name, f"{value:.4g} +- {sd:.2g}", unit, deviation, "yes" if place in named else ""

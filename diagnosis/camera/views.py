@@ -8,13 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from blender_scenes.scene.description import Intrinsics
 from configs.schema.robot import Camera
 from diagnosis.camera.case import Ints, PictureCase
 from diagnosis.camera.parameter import Number
-from sensors.camera.geometry import intrinsics, pixels, pose_X_RC, pose_X_WR
 from symolo.core.arrays import Array
 from symolo.core.lens import distorted
+from symolo.core.pinhole import Intrinsics, intrinsics, pixels, pose_X_RC
+from symolo.core.poses import pose_X_WR
 
 RATE_OVER_S = 0.01
 """To either side, over which a picture's robot moves evenly."""

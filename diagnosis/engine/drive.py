@@ -47,7 +47,7 @@ class DrivenPath:
         return np.hypot(*(path - self.measured)[:, :2].T)
 
 
-class Drive:
+class EngineDrive:
     """Trials with held-out rows, by one driver; the others are not driven."""
 
     name = "drive"

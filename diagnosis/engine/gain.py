@@ -7,7 +7,7 @@ import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.engine.base import DRIVERS, PYBULLET, TWIN
-from diagnosis.engine.drive import Drive, DrivenPath
+from diagnosis.engine.drive import DrivenPath, EngineDrive
 from diagnosis.engine.motor import MotorOnBench
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.gain import Gain, gain_of, of_quantity, trimmed_rms
@@ -42,7 +42,7 @@ class EngineGain:
 
 
 @dataclass(frozen=True)
-class ByEngines:
+class EngineComparison:
     """What PyBullet says of the extended robot."""
 
     engines: tuple[EngineGain, ...]
@@ -55,25 +55,25 @@ class ByEngines:
     """Why there is nothing; empty where there is."""
 
 
-def by_engines(measurement: Measurement, nominal: RobotConfig, extended: RobotConfig) -> ByEngines:
+def compare_engines(measurement: Measurement, nominal: RobotConfig, extended: RobotConfig) -> EngineComparison:
     """Held-out rows of a measurement, from its voltages on, by both robots and both engines."""
     if why_not := _why_not(measurement):
-        return ByEngines((), (), why_not=why_not)
+        return EngineComparison((), (), why_not=why_not)
     found, of_extended, path = [], [], None
     for engine, stage in _engines(measurement, nominal):
         evidence = Evidence([stage])
         try:
             mean = evidence.of([nominal, extended]).mean
         except InputError as error:
-            return ByEngines((), (), why_not=str(error))
+            return EngineComparison((), (), why_not=str(error))
         whole = gain_of(evidence, mean)
         if whole is None:
-            return ByEngines((), (), why_not="no row that is held out can be predicted")
+            return EngineComparison((), (), why_not="no row that is held out can be predicted")
         found.append(EngineGain(engine, whole, tuple(_errors(evidence, mean))))
         of_extended.append((evidence, mean[1]))
-        if engine == PYBULLET and isinstance(stage, Drive):
+        if engine == PYBULLET and isinstance(stage, EngineDrive):
             path = stage.path(nominal, extended)
-    return ByEngines(tuple(found), tuple(_apart(*of_extended)), path)
+    return EngineComparison(tuple(found), tuple(_apart(*of_extended)), path)
 
 
 def _why_not(measurement: Measurement) -> str:
@@ -86,7 +86,7 @@ def _why_not(measurement: Measurement) -> str:
 
 def _engines(measurement: Measurement, nominal: RobotConfig) -> Iterator[tuple[str, Stage]]:
     if measurement.kind is Kind.DRIVE_LOG:
-        yield from ((name, Drive(measurement, nominal, driver)) for name, driver in DRIVERS.items())
+        yield from ((name, EngineDrive(measurement, nominal, driver)) for name, driver in DRIVERS.items())
         return
     yield PYBULLET, MotorOnBench(measurement, nominal)
     (stage,) = STAGES[measurement.kind](measurement, nominal)

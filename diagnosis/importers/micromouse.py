@@ -21,9 +21,9 @@ from diagnosis.measured.nominal import KnownMotor, Nominal, NominalMotor, Positi
 from diagnosis.measured.scale import Reach
 from diagnosis.measured.text_file import read_text
 from diagnosis.usual_tolerances import SHARES
-from physics.run.trajectory import TimeSeries
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.time_series import TimeSeries
 
 FULL_COMMAND = 255.0
 RAD_S_PER_RPM = np.pi / 30.0

@@ -22,8 +22,8 @@ from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.scale import Reach
 from diagnosis.measured.text_file import number, read_text
 from diagnosis.usual_tolerances import usual_wheels
-from physics.run.trajectory import TimeSeries
 from symolo.core.errors import InputError
+from symolo.core.time_series import TimeSeries
 
 _RUN = re.compile(r"(\d+)_run-(\d+)\.csv")
 _METADATA = "*_metadata.csv"

@@ -18,8 +18,8 @@ from diagnosis.measured.csv_table import Column, check_header, table_of
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.scale import Reach
 from diagnosis.measured.text_file import TextFile, read_text
-from physics.run.trajectory import TimeSeries
 from symolo.core.errors import InputError
+from symolo.core.time_series import TimeSeries
 
 HEADER_ROWS = 3
 _SEPARATOR = ";"

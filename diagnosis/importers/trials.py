@@ -11,9 +11,9 @@ from diagnosis.measured.case_format import CAMERA_CHANNELS, NO_TARGET_FROM_M, RA
 from diagnosis.measured.channel import Channel, Label, Mask
 from diagnosis.measured.csv_table import Column, Table
 from diagnosis.measured.measurement import Trial
-from physics.run.trajectory import TimeSeries
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.time_series import TimeSeries
 
 
 @dataclass(frozen=True)

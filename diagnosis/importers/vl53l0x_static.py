@@ -8,7 +8,7 @@ from diagnosis.importers.base import Importer, first_line, only_log
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.validation.range_sensor.recordings.static import read_rest_recording
-from physics.run.trajectory import TimeSeries
+from symolo.core.time_series import TimeSeries
 
 
 def _is_log(path: Path) -> bool:

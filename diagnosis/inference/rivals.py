@@ -30,7 +30,7 @@ class Rival:
 
 
 @dataclass(frozen=True)
-class Standing:
+class RivalComparison:
     """A named effect among its rivals."""
 
     effect: Effect
@@ -43,7 +43,7 @@ class Standing:
         return tuple(rival.effect.name for rival in self.rivals if rival.worse < AS_GOOD)
 
 
-def standing(evidence: Evidence, fit: Fit, effect: Effect, effects: Sequence[Effect]) -> Standing:
+def compare_rivals(evidence: Evidence, fit: Fit, effect: Effect, effects: Sequence[Effect]) -> RivalComparison:
     """Of one effect of a fit, among all candidates."""
     tried = []
     base = without(evidence, fit, effect)
@@ -56,4 +56,6 @@ def standing(evidence: Evidence, fit: Fit, effect: Effect, effects: Sequence[Eff
         tried.append(Rival(other, worse, found, refusal(evidence, base, found, other) if worse < 0.0 else ""))
     weights = [exp(-0.5 * max(rival.worse, -50.0)) for rival in tried]
     nothing = exp(-0.5 * max(base.cost - fit.cost - needed(effect), 0.0))
-    return Standing(effect, 1.0 / (1.0 + sum(weights) + nothing), tuple(sorted(tried, key=lambda rival: rival.worse)))
+    return RivalComparison(
+        effect, 1.0 / (1.0 + sum(weights) + nothing), tuple(sorted(tried, key=lambda rival: rival.worse))
+    )

@@ -9,8 +9,8 @@ from enum import IntEnum, StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from physics.run.trajectory import TimeSeries
 from symolo.core.arrays import Array
+from symolo.core.time_series import TimeSeries
 
 Mask = NDArray[np.bool_]
 

@@ -25,7 +25,7 @@ ROW_TIME = "t_s"
 """Name of the covariate that is the time of a row: rows of a trial follow one another in it."""
 
 
-class Shape(StrEnum):
+class CovariateShape(StrEnum):
     """How a residual may depend on a covariate."""
 
     SMOOTH = "smooth"
@@ -44,7 +44,7 @@ class Covariate:
     name: str
     values: Array
     """(n,), NaN where it is not known."""
-    shape: Shape = Shape.SMOOTH
+    shape: CovariateShape = CovariateShape.SMOOTH
     second: Array | None = None
     """(n,), the other coordinate where the covariate is a place in a plane."""
     labels: tuple[str, ...] = ()

@@ -6,7 +6,7 @@ import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement, Trial
-from diagnosis.predictors.base import Covariate, Observed, Predicted, Shape, Stage
+from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted, Stage
 from diagnosis.predictors.rows import joined, observed_channel
 from physics.drivetrain.motor_bench import steady_states
 from physics.robot.model import RobotModel
@@ -41,7 +41,9 @@ class MotorSteady:
             Covariate("current_A", current),
             Covariate("u_cmd_V", self._voltage_V),
             Covariate("t_s", self._since_on_s),
-            Covariate("sweep", joined(np.full(len(t.t_s), float(k)) for k, t in enumerate(trials)), Shape.CATEGORY),
+            Covariate(
+                "sweep", joined(np.full(len(t.t_s), float(k)) for k, t in enumerate(trials)), CovariateShape.CATEGORY
+            ),
         )
         self.observed: tuple[Observed, ...] = tuple(
             observed_channel(measurement, name, clear, covariates) for name in ("current_A", "omega_rad_s")

@@ -8,7 +8,7 @@ import numpy as np
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalStep
-from diagnosis.predictors.base import Covariate, Observed, Predicted, Shape, Stage
+from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted, Stage
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.rows import given, joined, observed_channel
 from physics.drivetrain.motor_bench import step_responses
@@ -44,13 +44,13 @@ class MotorStep:
         trial_of = joined(np.full(len(trial.t_s), float(k)) for k, trial in enumerate(trials))
         covariates = (
             Covariate("t_s", since_start_s),
-            Covariate("time_since_step_s", since_s, Shape.SINCE, size=step_V),
+            Covariate("time_since_step_s", since_s, CovariateShape.SINCE, size=step_V),
             Covariate("omega_rad_s", speed),
             Covariate("current_A", current),
             Covariate("u_cmd_V", voltage_V),
-            Covariate("angle_rad", angle_rad, Shape.PERIODIC),
+            Covariate("angle_rad", angle_rad, CovariateShape.PERIODIC),
             Covariate("session_time_s", since_start_s + self._grid.begins_s[trial_of.astype(int)]),
-            Covariate("trial", trial_of, Shape.CATEGORY, labels=tuple(trial.name for trial in trials)),
+            Covariate("trial", trial_of, CovariateShape.CATEGORY, labels=tuple(trial.name for trial in trials)),
         )
         everywhere = np.ones(len(voltage_V), dtype=bool)
         # A gear that is cut badly changes the speed by a share, but the torque by an amount.

@@ -17,7 +17,7 @@ from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import KnownWheels, NominalDrive
 from diagnosis.measured.screening import noise_of
-from diagnosis.predictors.base import Covariate, Observed, Predicted, Shape
+from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.distinct import distinct
 from diagnosis.predictors.rows import bridged, given, joined, rows_after, session_time_s, trial_of_rows
 from diagnosis.predictors.window_noise import window_noise
@@ -144,13 +144,15 @@ class Pose:
         covariates = (
             Covariate("ds", np.copysign(np.hypot(predicted[:, 0], predicted[:, 1]), predicted[:, 0])),
             Covariate("dtheta", predicted[:, 2]),
-            Covariate("theta_rad", log[first, 2], Shape.PERIODIC),
+            Covariate("theta_rad", log[first, 2], CovariateShape.PERIODIC),
             Covariate("position", log[first, 0], second=log[first, 1]),
             Covariate("t_s", self._t_s[middle]),
             Covariate("session_time_s", session_time_s(measurement)[middle]),
-            Covariate("trial", trial.astype(float), Shape.CATEGORY, labels=tuple(t.name for t in measurement.trials)),
-            Covariate("wheel_angle_rad[left]", angle_rad[:, 1], Shape.PERIODIC),
-            Covariate("wheel_angle_rad[right]", angle_rad[:, 0], Shape.PERIODIC),
+            Covariate(
+                "trial", trial.astype(float), CovariateShape.CATEGORY, labels=tuple(t.name for t in measurement.trials)
+            ),
+            Covariate("wheel_angle_rad[left]", angle_rad[:, 1], CovariateShape.PERIODIC),
+            Covariate("wheel_angle_rad[right]", angle_rad[:, 0], CovariateShape.PERIODIC),
         )
         sds, correlations = self._noise(measurement, nominal)
         holdout = joined(t.holdout for t in measurement.trials)

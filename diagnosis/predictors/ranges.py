@@ -8,7 +8,7 @@ from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
-from diagnosis.predictors.base import Covariate, Observed, Predicted, Shape
+from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.distinct import distinct
 from diagnosis.predictors.pose import earlier
 from diagnosis.predictors.room_ranges import WALLS, RoomRanges, near_corner, room_ranges
@@ -81,12 +81,14 @@ class Ranges:
         covariates = (
             Covariate("distance_m", nominal.mean),
             Covariate("incidence_rad", seen.incidence_rad[:, k]),
-            Covariate("wall", seen.wall[:, k].astype(float), Shape.CATEGORY, labels=WALLS),
+            Covariate("wall", seen.wall[:, k].astype(float), CovariateShape.CATEGORY, labels=WALLS),
             Covariate("position", self._log[:, 0], second=self._log[:, 1]),
-            Covariate("theta_rad", self._log[:, 2], Shape.PERIODIC),
+            Covariate("theta_rad", self._log[:, 2], CovariateShape.PERIODIC),
             Covariate("t_s", self._t_s),
             Covariate("session_time_s", self._since_on_s),
-            Covariate("trial", trial.astype(float), Shape.CATEGORY, labels=tuple(t.name for t in measurement.trials)),
+            Covariate(
+                "trial", trial.astype(float), CovariateShape.CATEGORY, labels=tuple(t.name for t in measurement.trials)
+            ),
         )
         return Observed(
             name=name,

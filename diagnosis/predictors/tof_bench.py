@@ -11,7 +11,7 @@ import numpy as np
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.measured.nominal import NominalTof
-from diagnosis.predictors.base import Covariate, Observed, Predicted, Shape, Stage
+from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted, Stage
 from diagnosis.predictors.rows import given, joined, observed_channel
 from physics.robot.stack import alike, stacked, stacked_terms
 from sensors.range_effects import RangeEffects
@@ -53,7 +53,9 @@ class TofBench:
         names = tuple(dict.fromkeys((*known, *sorted(set(materials)))))
         covariates = (
             Covariate("distance_m", self._distance_m),
-            Covariate("material", np.array([float(names.index(m)) for m in materials]), Shape.CATEGORY, labels=names),
+            Covariate(
+                "material", np.array([float(names.index(m)) for m in materials]), CovariateShape.CATEGORY, labels=names
+            ),
             Covariate("incidence_rad", incidence_rad),
             Covariate("temperature_C", temperature_C),
             Covariate("ambient_lux", ambient_lux),

@@ -9,7 +9,7 @@ from configs.schema.robot import RobotConfig
 from diagnosis.importers.drive_log import ROW_S
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
-from diagnosis.predictors.base import Covariate, Observed, Predicted, Shape
+from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.distinct import distinct
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.rows import given, joined, rows_after, session_time_s, trial_of_rows
@@ -79,11 +79,13 @@ class Wheels:
         covariates = (
             Covariate("omega_rad_s", predicted),
             Covariate("u_V", voltage_V),
-            Covariate("wheel_angle_rad", angle_rad, Shape.PERIODIC),
+            Covariate("wheel_angle_rad", angle_rad, CovariateShape.PERIODIC),
             Covariate("t_s", joined(of.t_s for of in measurement.trials)),
             Covariate("session_time_s", session_time_s(measurement)),
-            Covariate("trial", trial.astype(float), Shape.CATEGORY, labels=tuple(t.name for t in measurement.trials)),
-            Covariate("theta_rad", given(measurement, "theta_rad"), Shape.PERIODIC),
+            Covariate(
+                "trial", trial.astype(float), CovariateShape.CATEGORY, labels=tuple(t.name for t in measurement.trials)
+            ),
+            Covariate("theta_rad", given(measurement, "theta_rad"), CovariateShape.PERIODIC),
         )
         return Observed(
             name=f"wheel_{side}_rad_s",

@@ -1,40 +1,45 @@
-"""The answer for programs: that of the format, and beside it what is known of each effect by taking it away."""
+"""The answer for programs: that of the format, and the results of removing each effect."""
 
-from diagnosis.engine.gain import EngineGain
 from diagnosis.inference.gain import Gain
-from diagnosis.report.against import in_json
-from diagnosis.report.findings import Findings
+from diagnosis.report.dataset_comparison import in_json
+from diagnosis.report.report_data import ReportData
 
 
-def answer(found: Findings) -> dict[str, object]:
-    """As GAP_FORMAT has it, with `intervals` and `without` where effects are named; ready for JSON."""
-    told = found.diagnosis.answer()
-    if found.intervals:
-        told["intervals"] = {
+def answer(data: ReportData) -> dict[str, object]:
+    """Return the answer in GAP_FORMAT, with `intervals` and `without` if effects are named, ready for JSON."""
+    result = data.diagnosis.answer()
+    if data.intervals:
+        result["intervals"] = {
             effect: {
-                name: {f"{of.level:g}": [of.low, of.high] for of in intervals} for name, intervals in numbers.items()
+                name: {f"{interval.level:g}": [interval.low, interval.high] for interval in intervals}
+                for name, intervals in parameters.items()
             }
-            for effect, numbers in found.intervals.items()
+            for effect, parameters in data.intervals.items()
         }
-    if found.without:
-        told["without"] = {
-            of.name: {"cost_rise": of.rise, **_gain("heldout_gain", of.gain), **_gain("adds", of.adds)}
-            for of in found.without
+    if data.ablations:
+        result["without"] = {
+            ablation.name: {
+                "cost_rise": ablation.cost_rise,
+                **_gain("heldout_gain", ablation.gain),
+                **_gain("adds", ablation.effect_gain),
+            }
+            for ablation in data.ablations
         }
-    if found.engines is not None and found.engines.engines:
-        told["engines"] = {of.engine: _by_engine(of) for of in found.engines.engines}
-    if found.against is not None:
-        told["against"] = in_json(found.against)
-    return told
-
-
-def _by_engine(of: EngineGain) -> dict[str, object]:
-    return _gain("heldout_gain", of.whole) | {
-        "errors": {
-            each.quantity: {"unit": each.unit, "nominal": each.before, "extended": each.after} for each in of.errors
+    if data.engines is not None and data.engines.engines:
+        result["engines"] = {
+            engine.engine: _gain("heldout_gain", engine.whole)
+            | {
+                "errors": {
+                    error.quantity: {"unit": error.unit, "nominal": error.before, "extended": error.after}
+                    for error in engine.errors
+                }
+            }
+            for engine in data.engines.engines
         }
-    }
+    if data.dataset is not None:
+        result["against"] = in_json(data.dataset)
+    return result
 
 
-def _gain(name: str, of: Gain | None) -> dict[str, object]:
-    return {} if of is None else {name: of.value, f"{name}_ci": [of.low, of.high]}
+def _gain(name: str, gain: Gain | None) -> dict[str, object]:
+    return {} if gain is None else {name: gain.value, f"{name}_ci": [gain.low, gain.high]}

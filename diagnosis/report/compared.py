@@ -1,60 +1,47 @@
-"""What was compared: source, rows, rates, and each observed quantity with its noise."""
+"""The measured data of a diagnosis in words: source, rates, and each observed quantity with its noise."""
 
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
-from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.screening import timing
-from symolo.pages.markup import Html, table, tag
 
-NAMED_FILES = 4
+_MAX_FILES = 4
 
 
-def compared(diagnosis: Diagnosis) -> Iterator[Html]:
-    """Paragraphs and a table."""
-    measurement, evidence = diagnosis.measurement, diagnosis.evidence
+def source_text(measurement: Measurement) -> str:
+    """Return origin, licence, files and rate of a measurement."""
     source = measurement.source
     licence = f" ({source.licence})" if source.licence else ""
-    yield tag("p", f"Measured: {source.origin}{licence}{_files(source.files)}. {_rates(measurement)}")
-    stages = ", ".join(stage.name for stage in evidence.stages)
-    driven = "each driven by what was measured at its input"
-    yield tag("p", f"Predicted by the simulator's own models, stage by stage ({stages}), {driven}.")
-    head = ["quantity", "unit", "stage", "rows fitted", "rows held out", "not usable", "noise, standard deviation"]
-    yield table([*head, "its correlation"], _rows(evidence))
-    if measurement.notes:
-        yield tag("ul", [tag("li", note) for note in measurement.notes], class_="note")
+    names = [Path(file).name for file in source.files[:_MAX_FILES]]
+    more = f" and {len(source.files) - _MAX_FILES} more" if len(source.files) > _MAX_FILES else ""
+    files = f", from {', '.join(names)}{more}" if names else ""
+    return f"Measured: {source.origin}{licence}{files}. {_rate(measurement)}"
 
 
-def _files(files: tuple[str, ...]) -> str:
-    if not files:
-        return ""
-    names = [Path(file).name for file in files[:NAMED_FILES]]
-    more = f" and {len(files) - NAMED_FILES} more" if len(files) > NAMED_FILES else ""
-    return f", from {', '.join(names)}{more}"
-
-
-def _rates(measurement: Measurement) -> str:
-    found = [timing(trial.t_s) for trial in measurement.trials if trial.is_timed]
-    rates = [of.rate_hz for of in found if of is not None]
+def _rate(measurement: Measurement) -> str:
+    timings = [timing(trial.t_s) for trial in measurement.trials if trial.is_timed]
+    rates = [known.rate_hz for known in timings if known is not None]
     if not rates:
-        return "Nobody noted the times of its rows."
+        return "The times of the rows are not known."
     rate = float(np.median(rates))
-    return f"{rate:.3g} rows a second." if rate >= 1.0 else f"A row every {1.0 / rate:.3g} s."
+    return f"{rate:.3g} rows per second." if rate >= 1.0 else f"One row every {1.0 / rate:.3g} s."
 
 
-def _rows(evidence: Evidence) -> Iterator[list[str]]:
+def quantity_rows(evidence: Evidence) -> Iterator[tuple[str, ...]]:
+    """Yield the table of observed quantities with their numbers of rows and their noise."""
     stages = [stage.name for stage in evidence.stages for _ in stage.observed]
-    each = zip(evidence.observed, evidence.places, stages, evidence.correlations, strict=True)
-    for of, place, stage, correlation in each:
-        fitted, held = np.count_nonzero(evidence.fit[place]), np.count_nonzero(evidence.heldout[place])
-        left_out = len(of.values) - fitted - held
-        sd = evidence.sd[place][of.usable]
+    columns = zip(evidence.observed, evidence.places, stages, evidence.correlations, strict=True)
+    for observed, place, stage, correlation in columns:
+        fitted, heldout = np.count_nonzero(evidence.fit[place]), np.count_nonzero(evidence.heldout[place])
+        unusable = len(observed.values) - fitted - heldout
+        sd = evidence.sd[place][observed.usable]
         noise = "-"
         if len(sd):
             low, high = float(sd.min()), float(sd.max())
             noise = f"{low:.3g}" if high - low < 1e-3 * high else f"{low:.3g} to {high:.3g}"
-        yield [of.name, of.unit, stage, f"{fitted}", f"{held}", f"{left_out}", noise, f"{correlation:.2g}"]
+        counts = (f"{fitted}", f"{heldout}", f"{unusable}")
+        yield observed.name, observed.unit, stage, *counts, noise, f"{correlation:.2g}"

@@ -1,4 +1,4 @@
-"""What PyBullet says of the extended robot, on a terminal and on the page."""
+"""Errors of the nominal and the extended robot in PyBullet, for a terminal and for the page."""
 
 from collections.abc import Iterator
 
@@ -6,69 +6,42 @@ import numpy as np
 
 from diagnosis.engine.base import PYBULLET
 from diagnosis.engine.drive import DrivenPath
-from diagnosis.engine.gain import ByEngines, EngineError
-from diagnosis.inference.gain import Gain
-from diagnosis.report.quantities import interval, percent
-from symolo.pages.markup import Html, picture, table, tag
+from diagnosis.engine.gain import EngineComparison
+from diagnosis.report.quantities import gain_text
 
 
-def in_lines(found: ByEngines) -> Iterator[str]:
-    """A heading, then a line for each quantity."""
-    if not found.engines:
-        yield f"By PyBullet nothing can be said: {found.why_not}."
+def in_lines(comparison: EngineComparison) -> Iterator[str]:
+    """Yield a heading for each engine, and a line for each quantity."""
+    if not comparison.engines:
+        yield no_result(comparison)
         return
-    for engine in found.engines:
-        yield f"{_told(engine.engine)}: a gain of {_gain(engine.whole)}"
-        for of in engine.errors:
-            yield f"  {of.quantity:20} {_change(of):32} {_gain(of.gain)}"
-    apart = ", ".join(f"{size:.2g} {unit} in {quantity}" for quantity, unit, size in found.apart)
-    yield f"The two differ by {apart}."
-    if found.path is not None:
-        yield path_told(found.path)
+    for engine in comparison.engines:
+        yield f"{engine_name(engine.engine)}: a gain of {gain_text(engine.whole)}"
+        for error in engine.errors:
+            change = f"{error.before:.3g} to {error.after:.3g} {error.unit}"
+            yield f"  {error.quantity:20} {change:32} {gain_text(error.gain)}"
+    yield f"The two engines differ by {differences(comparison)}."
+    if comparison.path is not None:
+        yield path_sentence(comparison.path)
 
 
-def path_told(path: DrivenPath) -> str:
-    """How far the driven paths are from the measured one, in a sentence."""
-    before, after = (float(np.nanmean(path.off_m(of))) for of in (path.nominal, path.extended))
-    lasts = f"{path.t_s[-1] - path.t_s[0]:.0f} s"
+def no_result(comparison: EngineComparison) -> str:
+    return f"PyBullet gives no result: {comparison.why_not}."
+
+
+def engine_name(engine: str) -> str:
+    return "PyBullet" if engine == PYBULLET else "The fast twin with the same voltages"
+
+
+def differences(comparison: EngineComparison) -> str:
+    """Return how far the two engines are apart, such as `0.1 m in pose_dx_m`."""
+    return ", ".join(f"{size:.2g} {unit} in {quantity}" for quantity, unit, size in comparison.apart)
+
+
+def path_sentence(path: DrivenPath) -> str:
+    """Return the mean distances of the simulated paths from the measured path, in a sentence."""
+    before, after = (float(np.nanmean(path.off_m(poses))) for poses in (path.nominal, path.extended))
     return (
-        f"Driven for {lasts} by the voltages alone, the nominal robot is {1e3 * before:.3g} mm off the measured path "
-        f"on average, the extended one {1e3 * after:.3g} mm."
+        f"Simulated for {path.t_s[-1] - path.t_s[0]:.0f} s from the voltages alone, the nominal robot is on average "
+        f"{1e3 * before:.3g} mm away from the measured path, the extended robot {1e3 * after:.3g} mm."
     )
-
-
-def on_page(found: ByEngines, picture_of_path: bytes | None) -> Iterator[Html]:
-    """A paragraph, a table, and the paths of a drive as PNG."""
-    if not found.engines:
-        yield tag("p", f"By PyBullet nothing can be said: {found.why_not}.")
-        return
-    whole = "; ".join(f"{_told(of.engine)}: a gain of {_gain(of.whole)}" for of in found.engines)
-    yield tag("p", f"Driven from rest by the voltages that were measured, over the rows held out. {whole}.")
-    rows = [
-        [of.quantity, engine.engine, f"{of.before:.3g} {of.unit}", f"{of.after:.3g} {of.unit}", _gain(of.gain)]
-        for pair in zip(*(engine.errors for engine in found.engines), strict=True)
-        for engine, of in zip(found.engines, pair, strict=True)
-    ]
-    yield table(["quantity", "by", "nominal", "extended", "gain"], rows)
-    apart = ", ".join(f"{size:.2g} {unit} in {quantity}" for quantity, unit, size in found.apart)
-    told = (
-        f"PyBullet and the twin differ by {apart} for the extended robot: contacts and the weight on wheels and "
-        "caster, which the twin has not, and steps of another length. Errors are root mean squares without "
-        "the largest 3 %. Unlike in the stage that was fitted, a pose follows from the voltages here, motors and all."
-    )
-    yield tag("p", told, class_="note")
-    if found.path is not None and picture_of_path is not None:
-        caption = path_told(found.path)
-        yield tag("figure", picture(picture_of_path, caption), tag("figcaption", caption))
-
-
-def _told(engine: str) -> str:
-    return "By PyBullet" if engine == PYBULLET else "by the twin, from the same voltages"
-
-
-def _gain(of: Gain) -> str:
-    return f"{percent(of.value)} ({interval(of.low, of.high)})"
-
-
-def _change(of: EngineError) -> str:
-    return f"{of.before:.3g} to {of.after:.3g} {of.unit}"

@@ -1,4 +1,4 @@
-"""The files of a diagnosis, by name: answer, robots, page, pictures, and texts for a terminal."""
+"""The files of a diagnosis, by name: answer, robots, page, plots, and texts for a terminal."""
 
 import json
 from collections.abc import Mapping
@@ -8,13 +8,13 @@ from diagnosis.diagnose import Diagnosis
 from diagnosis.extended_robot import FILE, VARIED_FILE
 from diagnosis.measured.measurement import Measurement
 from diagnosis.report.answer import answer
-from diagnosis.report.findings import Findings, findings
 from diagnosis.report.page import page
-from diagnosis.report.plots.coverage import against_picture
-from diagnosis.report.plots.gain import gain_picture
-from diagnosis.report.plots.misfit import misfit_picture
-from diagnosis.report.plots.path import path_picture
-from diagnosis.report.plots.unexplained import unexplained_picture
+from diagnosis.report.plots.coverage import coverage_plot
+from diagnosis.report.plots.gain import gain_plot
+from diagnosis.report.plots.misfit import misfit_plot
+from diagnosis.report.plots.path import path_plot
+from diagnosis.report.plots.unexplained import unexplained_plot
+from diagnosis.report.report_data import ReportData, report_data
 from diagnosis.report.summary import reasoning, summary
 from diagnosis.unseen import csv_text, unseen_runs
 
@@ -29,36 +29,40 @@ def files(
     release: Measurement | None = None,
     unseen: Mapping[str, Measurement] = MappingProxyType({}),
 ) -> Mapping[str, bytes]:
-    """Contents by path inside the output folder; the same bytes for the same diagnosis. See `findings`.
+    """Return the contents by path inside the output folder; the same diagnosis gives the same bytes.
 
-    Inputs of unseen runs, by file name, are answered with what the extended robot would do.
+    Args:
+        diagnosis: The diagnosis of a measurement.
+        pybullet: Whether to simulate the robots with PyBullet as well, which takes up to minutes.
+        release: A dataset to compare with the measurement.
+        unseen: Inputs of runs without readings, by file name; files with the extended robot's readings are added.
     """
-    found = findings(diagnosis, pybullet=pybullet, release=release)
-    pictures = _pictures(found)
-    made = {
-        ANSWER: json.dumps(answer(found), indent=2, ensure_ascii=False) + "\n",
-        FILE: found.robot.text,
-        VARIED_FILE: found.robot.varied_text,
-        PAGE: page(found, pictures),
-        SUMMARY: "\n".join(summary(found)) + "\n",
-        REASONING: "\n".join(reasoning(found)) + "\n",
+    data = report_data(diagnosis, pybullet=pybullet, release=release)
+    plots = _plots(data)
+    texts = {
+        ANSWER: json.dumps(answer(data), indent=2, ensure_ascii=False) + "\n",
+        FILE: data.robot.text,
+        VARIED_FILE: data.robot.varied_text,
+        PAGE: page(data, plots),
+        SUMMARY: "\n".join(summary(data)) + "\n",
+        REASONING: "\n".join(reasoning(data)) + "\n",
     }
     for name, columns in unseen_runs(diagnosis.measurement, diagnosis.extended, unseen).items():
-        made[name] = csv_text(columns)
-    return {name: text.encode() for name, text in made.items() if text} | {
-        f"{PLOTS}/{name}.png": png for name, png in pictures.items()
+        texts[name] = csv_text(columns)
+    return {name: text.encode() for name, text in texts.items() if text} | {
+        f"{PLOTS}/{name}.png": png for name, png in plots.items()
     }
 
 
-def _pictures(found: Findings) -> dict[str, bytes]:
-    diagnosis = found.diagnosis
-    made = {of.name: misfit_picture(found, k) for k, of in enumerate(diagnosis.evidence.observed)}
-    if found.by_quantity:
-        made["gain"] = gain_picture(found)
-    if found.engines is not None and found.engines.path is not None:
-        made["path"] = path_picture(found.engines.path)
-    if found.against is not None:
-        made["against"] = against_picture(found.against)
+def _plots(data: ReportData) -> dict[str, bytes]:
+    diagnosis = data.diagnosis
+    plots = {observed.name: misfit_plot(data, k) for k, observed in enumerate(diagnosis.evidence.observed)}
+    if data.by_quantity:
+        plots["gain"] = gain_plot(data)
+    if data.engines is not None and data.engines.path is not None:
+        plots["path"] = path_plot(data.engines.path)
+    if data.dataset is not None:
+        plots["against"] = coverage_plot(data.dataset)
     if diagnosis.unexplained is not None:
-        made["unexplained"] = unexplained_picture(found, diagnosis.unexplained)
-    return made
+        plots["unexplained"] = unexplained_plot(data, diagnosis.unexplained)
+    return plots

@@ -1,61 +1,60 @@
-"""The signature matrix as a table: how far each effect moves each quantity, and from which size it would be named."""
+"""The signature matrix: how far each effect moves each quantity, and from which size it would be named."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from math import isfinite, isinf, log10
 
 from diagnosis.inference.likelihood import SPREAD
-from diagnosis.report.findings import Findings
 from diagnosis.report.quantities import meaning
+from diagnosis.report.report_data import ReportData
 from diagnosis.report.signatures import STILL, Signature
-from symolo.pages.markup import Html, table, tag
 
-DEEPEST_SIGMA = 30.0
-"""From which a cell has its full colour."""
-
-
-def matrix(found: Findings) -> Iterator[Html]:
-    """Paragraphs and the table."""
-    signatures = found.signatures
-    told = (
-        "Each effect switched on at the size in the second column: how far it moves each quantity on average, in "
-        "sigmas of the noise (× is a factor on the noise itself). The last column is the distance from nothing, of the "
-        "first number, from which rows like these would name it, were it alone; what the tolerances of the nominal "
-        "parameters can take up does not count."
-    )
-    yield tag("p", told, class_="note")
-    names = {of.effect.name for of in found.diagnosis.named}
-    head = ["effect", "switched on at", *signatures.quantities, "named from"]
-    rows = [_row(of, named=of.effect.name in names) for of in signatures.rows]
-    yield table(head, rows, class_="matrix")
-    if signatures.alike:
-        yield tag("p", "Look alike in these data, whatever is found (cosine of their changes):")
-        yield tag("ul", [tag("li", f"{a} and {b} ({cosine:.3f})") for a, b, cosine in signatures.alike])
+_MAX_SHADE_SIGMA = 30.0
+"""Change at which a cell has its full colour."""
 
 
-def _row(of: Signature, *, named: bool) -> list[str]:
-    name = tag("strong", of.effect.name) if named else tag("span", of.effect.name, title=meaning(of.effect.term))
-    cells = [_cell(moved, wider) for moved, wider in zip(of.moves, of.spreads, strict=True)]
-    return [name, of.start, *cells, _smallest(of)]
+@dataclass(frozen=True)
+class MatrixRow:
+    """One effect of the matrix."""
+
+    name: str
+    meaning: str
+    is_named: bool
+    start: str
+    """Size at which the effect is switched on, such as `scale = 1.15`."""
+    cells: tuple[tuple[str, float], ...]
+    """Change of each quantity as text, and the opacity of its colour, 0 to 1."""
+    smallest: str
+    """Smallest size that would be named."""
 
 
-def _cell(moved: float, wider: float) -> Html:
-    if moved < STILL and abs(wider - 1.0) > STILL:
-        return tag("td", f"× {wider:.2f}", style=_shade(SPREAD * abs(wider - 1.0)))
-    if moved < STILL:
-        return tag("td", "·")
-    return tag("td", f"{moved:.2g}" if moved < 10.0 else f"{moved:.0f}", style=_shade(moved))
+def matrix_rows(data: ReportData) -> Iterator[MatrixRow]:
+    """Yield a row for each effect that the data can show, the most visible first."""
+    named = {effect.effect.name for effect in data.diagnosis.named}
+    for row in data.signatures.rows:
+        effect = row.effect
+        cells = tuple(_cell(moved, spread) for moved, spread in zip(row.moves, row.spreads, strict=True))
+        yield MatrixRow(effect.name, meaning(effect.term), effect.name in named, row.start, cells, _smallest(row))
 
 
-def _shade(sigma: float) -> str:
-    """Deeper for more, by its logarithm from 0.01 sigma on; see-through, so that it fits light and dark."""
-    depth = min(max((log10(max(sigma, 1e-9)) + 2.0) / (log10(DEEPEST_SIGMA) + 2.0), 0.0), 1.0)
-    return f"background: rgba(0, 114, 178, {0.6 * depth:.2f})"
+def _cell(moved: float, spread: float) -> tuple[str, float]:
+    if moved >= STILL:
+        return f"{moved:.2g}" if moved < 10.0 else f"{moved:.0f}", _opacity(moved)
+    if abs(spread - 1.0) > STILL:
+        return f"× {spread:.2f}", _opacity(SPREAD * abs(spread - 1.0))
+    return "·", 0.0
 
 
-def _smallest(of: Signature) -> str:
-    if isinf(of.smallest):
+def _opacity(sigma: float) -> float:
+    """Return the opacity of a change: linear in its logarithm from 0.01 sigma on, and readable on light and dark."""
+    depth = (log10(max(sigma, 1e-9)) + 2.0) / (log10(_MAX_SHADE_SIGMA) + 2.0)
+    return 0.6 * min(max(depth, 0.0), 1.0)
+
+
+def _smallest(row: Signature) -> str:
+    if isinf(row.smallest):
         return "never"
-    if not isfinite(of.smallest):
+    if not isfinite(row.smallest):
         return "-"
-    unit = next(iter(of.effect.term.numbers.values())).unit
-    return f"{of.smallest:.2g}{'' if unit == '1' else f' {unit}'}"
+    unit = next(iter(row.effect.term.numbers.values())).unit
+    return f"{row.smallest:.2g}{'' if unit == '1' else f' {unit}'}"

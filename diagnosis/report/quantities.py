@@ -1,7 +1,8 @@
-"""Numbers and names as people read them: a value with its error, a column with its unit, an effect in words."""
+"""Numbers and names in words: a value with its error, a column with its unit, the meaning of an effect."""
 
 from math import floor, isfinite, log10
 
+from diagnosis.inference.gain import Gain
 from physics.effects.base import Term
 
 UNITS = {
@@ -16,10 +17,10 @@ UNITS = {
     "V": "V",
     "C": "°C",
 }
-"""By the end of a column's name, the longer ones first."""
+"""Unit by the end of a column's name, the longer ends first."""
 NAMES = {
     "omega": "speed of the wheel",
-    "u_cmd": "voltage commanded",
+    "u_cmd": "commanded voltage",
     "u": "voltage",
     "u_left": "voltage of the left motor",
     "u_right": "voltage of the right motor",
@@ -29,7 +30,7 @@ NAMES = {
     "session_time": "time in the session",
     "time_since_step": "time since the last step",
     "distance": "distance",
-    "previous_distance": "distance of the row before",
+    "previous_distance": "distance in the previous row",
     "incidence": "angle of incidence",
     "temperature": "temperature",
     "ambient": "ambient light",
@@ -38,56 +39,58 @@ NAMES = {
     "wheel_angle": "angle of the wheel",
     "wheel_left": "speed of the left wheel",
     "wheel_right": "speed of the right wheel",
-    "pose_dx": "way ahead",
-    "pose_dy": "way to the left",
+    "pose_dx": "distance forward",
+    "pose_dy": "distance to the left",
     "pose_dtheta": "turn",
     "tof_front": "range ahead",
     "tof_left": "range to the left",
     "tof_right": "range to the right",
 }
-"""What a column's name means, without its unit."""
+"""Meaning of a column's name without its unit."""
 PREDICTED = frozenset({"omega_rad_s", "current_A"})
-"""Covariates that have the name of a reading: a reading tells nothing of its own error, so they are its prediction."""
+"""Covariates with the name of a reading. A reading contains its own error, so the covariate is its prediction."""
+UNITLESS_NAMES = {
+    "ds": ("distance by the wheels", "m"),
+    "dtheta": ("turn by the wheels", "rad"),
+    "wall": ("wall that is hit", ""),
+}
+"""Words and unit of columns whose names have no unit."""
 
 
-WHOLE = {"ds": ("way by the wheels", "m"), "dtheta": ("turn by the wheels", "rad"), "wall": ("wall that is met", "")}
-"""Names that carry no unit."""
+def quantity_words(column: str) -> tuple[str, str]:
+    """Return a column in words, and its unit; the name itself and an empty unit if they are not known.
 
-
-def named(column: str) -> tuple[str, str]:
-    """What a column is, in words, and its unit; the name itself and nothing where neither is known.
-
-    One of several, such as `wheel_angle_rad[left]`, keeps that in words.
+    The index of a column such as `wheel_angle_rad[left]` is part of the words.
     """
-    if column in WHOLE:
-        return WHOLE[column]
+    if column in UNITLESS_NAMES:
+        return UNITLESS_NAMES[column]
     column, _, which = column.removesuffix("]").partition("[")
-    of = f", {which}" if which else ""
+    index = f", {which}" if which else ""
     for end, unit in UNITS.items():
         stem = column.removesuffix(f"_{end}")
         if stem != column:
-            return NAMES.get(stem, stem.replace("_", " ")) + of, unit
-    return column.replace("_", " ") + of, ""
+            return NAMES.get(stem, stem.replace("_", " ")) + index, unit
+    return column.replace("_", " ") + index, ""
 
 
 def axis(column: str) -> str:
-    """Of a plot: what is shown, with its unit."""
-    words, unit = named(column)
+    """Return the label of an axis: the quantity with its unit."""
+    words, unit = quantity_words(column)
     return f"{words} [{unit}]" if unit else words
 
 
 def along(covariate: str) -> str:
-    """A covariate by name, said to be predicted where a reading has the same name."""
+    """Return the name of a covariate, with `predicted` if a reading has the same name."""
     return f"predicted {covariate}" if covariate in PREDICTED else covariate
 
 
 def covariate_axis(covariate: str) -> str:
-    """Of a plot over a covariate."""
+    """Return the label of an axis for a covariate."""
     return f"{'predicted ' if covariate in PREDICTED else ''}{axis(covariate)}"
 
 
 def with_error(value: float, error: float, between: str = "±") -> str:
-    """To two digits of the error: `0.930 ± 0.0067`; the value alone where there is no error."""
+    """Return a value with two digits of its error, `0.9300 ± 0.0067`; the value alone if there is no error."""
     if not isfinite(error) or error <= 0.0:
         return f"{value:.4g}"
     decimals = 1 - floor(log10(error))
@@ -97,27 +100,28 @@ def with_error(value: float, error: float, between: str = "±") -> str:
 
 
 def confidence(probability: float) -> str:
-    """In percent, and never certainty."""
+    """Return a probability in percent, never as certainty."""
     return "over 99.9 %" if probability >= 0.999 else percent(probability)
 
 
-def interval(low: float, high: float) -> str:
-    """Of a gain; where it has no width, there was but one block to draw from."""
-    return f"95 % interval {percent(low)} to {percent(high)}" if high > low else "too few rows for an interval"
+def gain_text(gain: Gain) -> str:
+    """Return a gain with its interval; an interval without width comes from a single block of rows."""
+    interval = f"95 % interval {percent(gain.low)} to {percent(gain.high)}"
+    return f"{percent(gain.value)} ({interval if gain.high > gain.low else 'too few rows for an interval'})"
 
 
 def percent(share: float) -> str:
-    """Of a gain or a probability."""
+    """Return a gain or a probability in percent."""
     shown = 100.0 * share
     return f"{shown:.3g} %" if abs(shown) >= 1.0 or shown == 0.0 else f"{shown:.1f} %"
 
 
-def cost(of: float) -> str:
-    """With tenths where they mean something."""
-    return f"{of:.1f}" if abs(of) < 100.0 else f"{of:.0f}"
+def cost(value: float) -> str:
+    """Return a cost, with tenths if it is small."""
+    return f"{value:.1f}" if abs(value) < 100.0 else f"{value:.0f}"
 
 
 def meaning(term: Term) -> str:
-    """What the term does, as the schema has it: `R_true = scale * R`."""
-    told = (field.description for field in term.parameters.model_fields.values())
-    return " ".join((next((text for text in told if text), "")).split())
+    """Return what the effect does, as the schema describes it: `R_true = scale * R`."""
+    descriptions = (field.description for field in term.parameters.model_fields.values())
+    return " ".join(next((text for text in descriptions if text), "").split())

@@ -1,4 +1,4 @@
-"""How far from the truth a drive's runs end by the counts alone: before, after, and with what whole runs ask for."""
+"""Sentences about the error at the end of whole runs of a drive, predicted from the counts alone."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -14,7 +14,7 @@ from diagnosis.report.quantities import with_error
 
 
 def run_ends(diagnosis: Diagnosis) -> Iterator[str]:
-    """Sentences about a drive whose wheels are known and whose runs say more than their windows; else none."""
+    """Yield sentences for a drive with known wheels whose whole runs show more than their short windows."""
     measurement, fit = diagnosis.measurement, diagnosis.fit
     if not isinstance(measurement.nominal, KnownWheels):
         return
@@ -24,20 +24,21 @@ def run_ends(diagnosis: Diagnosis) -> Iterator[str]:
         return
     runs = replace(measurement, trials=held)
     yield (
-        f"Predicted from its first pose and the counts alone, a run held out ends {_off(runs, diagnosis.nominal)} off "
-        f"by the nominal robot, {_off(runs, diagnosis.extended)} by the extended one (rms of {len(held)} runs)."
+        "Predicted from the first pose and the counts alone, the end of a held-out run is wrong by "
+        f"{_error(runs, diagnosis.nominal)} with the nominal robot and by {_error(runs, diagnosis.extended)} with the "
+        f"extended one (rms of {len(held)} runs)."
     )
     more = [effect for effect in whole.hypothesis.effects if effect not in fit.hypothesis.effects]
     for effect in more:
         values, std = whole.hypothesis.values(effect, whole.x), whole.std(effect)
-        told = ", ".join(f"{name} {with_error(value, std[name], '+-')}" for name, value in values.items())
-        yield f"Whole runs ask for {effect.name} besides: {told}."
+        parameters = ", ".join(f"{name} {with_error(value, std[name], '+-')}" for name, value in values.items())
+        yield f"Whole runs need {effect.name} in addition: {parameters}."
     if more:
-        yield f"With it a run held out would end {_off(runs, whole.robot)} off."
+        yield f"With it the end of a held-out run would be wrong by {_error(runs, whole.robot)}."
 
 
-def _off(runs: Measurement, robot: RobotConfig) -> str:
-    """Root mean square of place and heading at the end."""
+def _error(runs: Measurement, robot: RobotConfig) -> str:
+    """Return the root mean square error of place and heading at the end."""
     end = WholeRuns(runs, robot).errors(robot)[:, -1]
     place_m, heading_rad = np.sqrt(np.mean(np.sum(end[:, :2] ** 2, axis=1))), np.sqrt(np.mean(end[:, 2] ** 2))
     return f"{1e3 * place_m:.3g} mm and {1e3 * heading_rad:.3g} mrad"

@@ -1,11 +1,11 @@
-"""How each effect would show in these data: how far it moves each quantity, and which effects look alike.
+"""How each effect would show in the data: how far it moves each quantity, and which effects look alike.
 
-Every testable effect is switched on at its start value, on top of the nominal robot, and the change of each prediction
-is taken in sigmas. What the tolerances of the nominal parameters could take up is projected out, as in the score test;
-the root of what is left, squared and summed, is how many standard errors stand between the effect and nothing, and from
-it follows, as on a straight line, the smallest size that these data would show. Two effects whose changes then point
-the same way cannot be told apart by these data, whatever is found (isolability: Gertler, Fault Detection and Diagnosis
-in Engineering Systems, 1998, ch. 4).
+Every testable effect is switched on at its start value in the nominal robot, and the change of each prediction is
+expressed in standard deviations of the noise. The part that the tolerances of the nominal parameters could explain is
+projected out, as in the score test. The norm of the rest is the number of standard errors between the effect and no
+effect; from it follows, by linear scaling, the smallest size that the data would show. Two effects whose changes then
+point in the same direction cannot be distinguished by the data (isolability: Gertler, Fault Detection and Diagnosis in
+Engineering Systems, 1998, ch. 4).
 """
 
 from collections.abc import Sequence
@@ -24,59 +24,59 @@ from diagnosis.inference.selection import needed
 from symolo.core.arrays import Array
 
 ALIKE = 0.98
-"""Cosine from which two changes are one and the same."""
+"""Cosine from which two changes count as the same."""
 STILL = 1e-3
-"""Sigmas below which a quantity does not move."""
+"""Change in sigmas below which a quantity counts as unchanged."""
 
 
 @dataclass(frozen=True)
 class Signature:
-    """Of one effect at its start value."""
+    """Changes that one effect makes at its start value."""
 
     effect: Effect
     start: str
-    """`scale = 1.15`, for the table."""
+    """Parameters at their start values, such as `scale = 1.15`."""
     moves: tuple[float, ...]
-    """Of each observed quantity: root mean square change of the mean [sigma]."""
+    """Root mean square change of the mean of each observed quantity [sigma]."""
     spreads: tuple[float, ...]
-    """Of each observed quantity: factor on the standard deviation, 1 where it stays."""
+    """Factor on the standard deviation of each observed quantity; 1 if it does not change."""
     significance: float
-    """Standard errors between the start value and nothing, the nuisances fitted anew."""
+    """Standard errors between the start value and no effect, with the nuisances fitted again."""
     smallest: float
-    """Distance from nothing, in the unit of the first number, from which these data would name it; inf if never.
-    NaN where no straight line leads there, as for a limit that does not act."""
+    """Change of the first parameter from which the data would name the effect; inf if they never would, NaN if it
+    cannot be scaled linearly, as for a limit that does not act."""
 
 
 @dataclass(frozen=True)
 class Signatures:
     quantities: tuple[str, ...]
     rows: tuple[Signature, ...]
-    """The most visible first."""
+    """Signatures, the most visible first."""
     alike: tuple[tuple[str, str, float], ...]
-    """Names and cosine of effects that point the same way."""
+    """Names of two effects whose changes point in the same direction, and their cosine."""
 
 
 def signatures(evidence: Evidence, nominal: Fit, effects: Sequence[Effect]) -> Signatures:
-    """Of effects, on top of a fit of the nuisances alone.
+    """Return the signatures of effects, in addition to a fit of the nuisances alone.
 
     Args:
-        evidence: What was observed.
+        evidence: The observations.
         nominal: The fit without effects.
-        effects: Those that the data can show.
+        effects: The effects that the data can show.
     """
     base = nominal.hypothesis
-    (here,), robots = [base.robot(base.null())], []
-    for effect in effects:
-        having = base.with_effect(effect)
-        robots.append(having.robot(np.array([*base.null(), *(c.start for c in effect.coordinates)])))
-    prediction = evidence.of([here, *robots])
-    free = _Free(evidence, nominal)
+    started = (np.array([*base.null(), *(c.start for c in effect.coordinates)]) for effect in effects)
+    robots = [base.with_effect(effect).robot(x) for effect, x in zip(effects, started, strict=True)]
+    prediction = evidence.of([base.robot(base.null()), *robots])
+    projection = _NuisanceProjection(evidence, nominal)
     rows, directions = [], []
     for k, effect in enumerate(effects, 1):
         mean = (prediction.mean[k] - prediction.mean[0]) / prediction.sd[0]
-        wider = np.log(prediction.sd[k] / prediction.sd[0])
-        mean, wider = (np.where(evidence.fit & np.isfinite(of), of, 0.0) for of in (mean, wider))
-        direction = np.concatenate([free.of(mean), sqrt(2.0 * SPREAD) * np.sqrt(evidence.weight) * wider])
+        log_spread = np.log(prediction.sd[k] / prediction.sd[0])
+        mean, log_spread = (np.where(evidence.fit & np.isfinite(x), x, 0.0) for x in (mean, log_spread))
+        direction = np.concatenate(
+            [projection.project(mean), sqrt(2.0 * SPREAD) * np.sqrt(evidence.weight) * log_spread]
+        )
         significance = float(np.linalg.norm(direction))
         counts = [max(1, np.count_nonzero(evidence.fit[place])) for place in evidence.places]
         moves = tuple(
@@ -84,7 +84,7 @@ def signatures(evidence: Evidence, nominal: Fit, effects: Sequence[Effect]) -> S
             for place, count in zip(evidence.places, counts, strict=True)
         )
         spreads = tuple(
-            float(np.exp(wider[place].sum() / count)) for place, count in zip(evidence.places, counts, strict=True)
+            float(np.exp(log_spread[place].sum() / count)) for place, count in zip(evidence.places, counts, strict=True)
         )
         smallest = _smallest(effect, significance)
         rows.append(Signature(effect, _start(effect), moves, spreads, significance, smallest))
@@ -96,12 +96,12 @@ def signatures(evidence: Evidence, nominal: Fit, effects: Sequence[Effect]) -> S
         if cosine >= ALIKE
     ]
     order = sorted(rows, key=lambda row: -row.significance)
-    names = tuple(of.name for of in evidence.observed)
+    names = tuple(observed.name for observed in evidence.observed)
     return Signatures(names, tuple(order), tuple(sorted(alike, key=lambda pair: -pair[2])))
 
 
-class _Free:
-    """The part of a change that the nuisances cannot take up."""
+class _NuisanceProjection:
+    """Projection of a change onto the part that the nuisances cannot explain."""
 
     def __init__(self, evidence: Evidence, nominal: Fit) -> None:
         self._root = np.sqrt(evidence.weight) * evidence.fit
@@ -109,8 +109,8 @@ class _Free:
         self._basis, _ = np.linalg.qr(tangents)
         self._padding = np.zeros(nominal.hypothesis.size)
 
-    def of(self, change: Array) -> Array:
-        """Of changes in sigmas (N,), weighted, (N + P,)."""
+    def project(self, change: Array) -> Array:
+        """Return the weighted rest (N + P,) of changes (N,) in sigmas."""
         padded = np.concatenate([change * self._root, self._padding])
         return padded - self._basis @ (self._basis.T @ padded)
 
@@ -120,14 +120,14 @@ def _start(effect: Effect) -> str:
 
 
 def _smallest(effect: Effect, significance: float) -> float:
-    """By a straight line from nothing to the start value."""
+    """Return the smallest visible change by linear scaling of the change at the start value."""
     first = effect.coordinates[0]
     if first.null is None or first.is_ceiling:
         return float("nan")
     if significance < STILL:
         return inf
-    away = abs(_value(first, first.start) - _value(first, first.null))
-    return away * sqrt(needed(effect)) / significance
+    distance = abs(_value(first, first.start) - _value(first, first.null))
+    return distance * sqrt(needed(effect)) / significance
 
 
 def _value(coordinate: Coordinate, x: float) -> float:

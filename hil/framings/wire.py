@@ -1,7 +1,7 @@
 """Numbers as they go over the line: rounded, kept within what the bits hold, the same for every framing."""
 
 from hil.frames import CHANNELS, MAX_INCREMENT, SensorFrame
-from physics.control.base import State
+from symolo.dataset.codes import State
 
 MISSING_MM = 65535
 """Stands for a range sensor that is not there."""

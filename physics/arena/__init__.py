@@ -1,1 +1,1 @@
-"""The geometry of the arena: line, walls, obstacles and their motion, rays and surfaces."""
+"""Rays through the arena, and what each surface does to a range reading."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from physics.arena.geometry import Arena
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 
 PARALLEL = 1e-30

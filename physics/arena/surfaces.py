@@ -5,8 +5,6 @@ One name serves the range sensor and the picture: `blender_scenes.materials` has
 
 from dataclasses import dataclass
 
-from configs.schema.arena import SurfaceName
-
 
 @dataclass(frozen=True)
 class RangeSurface:
@@ -22,7 +20,7 @@ class RangeSurface:
 
 # The paper measured neither cardboard nor plywood nor brick. Brown paper board is read as paper, raw plywood as wood.
 # Brick is matt and grainy as paper is, so it is read as paper too: an assumption that no measurement backs.
-SURFACES: dict[SurfaceName, RangeSurface] = {
+SURFACES: dict[str, RangeSurface] = {
     "white_board": RangeSurface(100.25, 0.84, 0.85),
     "light_grey_board": RangeSurface(100.21, 0.82, 0.5),
     "dark_grey_board": RangeSurface(101.24, 0.79, 0.18),

@@ -11,8 +11,8 @@ from math import cos, sin
 import numpy as np
 import pybullet
 
-from physics.arena.geometry import Arena
-from physics.arena.obstacle_motion import ObstacleMotion
+from symolo.arena.geometry import Arena
+from symolo.arena.obstacle_motion import ObstacleMotion
 
 _BLOCK_STEPS = 500
 """Poses are worked out for so many steps at once."""

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates
-from physics.arena.geometry import Arena, Line
 from physics.bullet.simulation import BulletSimulation
+from symolo.arena.geometry import Arena, Line
 from symolo.core.arrays import Array
 from symolo.core.finite import require_finite
 

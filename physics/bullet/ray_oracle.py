@@ -5,9 +5,9 @@ from typing import Self
 import numpy as np
 import pybullet
 
-from physics.arena.geometry import Arena
 from physics.arena.rays import Hits
 from physics.bullet.world import add_arena, connect
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 
 BATCH = 10_000

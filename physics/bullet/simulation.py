@@ -17,7 +17,6 @@ import pybullet
 
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates
-from physics.arena.geometry import Arena
 from physics.arena.rays import Hits, RayScene
 from physics.bullet.body import add_robot
 from physics.bullet.moving_boxes import MovingBoxes
@@ -25,6 +24,7 @@ from physics.bullet.wheels_with_effects import WheelsWithTerms, needs_every_step
 from physics.bullet.world import add_arena, connect
 from physics.drivetrain.wheel_loop import WheelSpeedLoop, voltage_limit_V
 from physics.robot.model import RobotModel
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 
 LIFT_M = 0.1

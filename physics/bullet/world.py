@@ -4,7 +4,7 @@ from math import cos, sin
 
 import pybullet
 
-from physics.arena.geometry import Arena, Box
+from symolo.arena.geometry import Arena, Box
 
 RAYS, BOXES, CHASSIS, TREADS, FLOOR = 1, 2, 4, 8, 16
 """Collision groups: treads (wheels and caster) meet the floor only, the chassis meets walls and obstacles only.

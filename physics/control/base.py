@@ -1,23 +1,9 @@
-"""What the controller is told, what it answers, and the states it can be in."""
+"""What the controller reads and what it commands."""
 
 from dataclasses import dataclass
-from enum import IntEnum
 from typing import Literal
 
-
-class State(IntEnum):
-    """Operational modes with the numbers of data.csv (paper section 8.2)."""
-
-    LINE = 0
-    RIGHT_WALL = 1
-    LEFT_WALL = 2
-    TURN_LEFT = 3
-    TURN_RIGHT = 4
-    AVOID_LEFT = 5
-    AVOID_RIGHT = 6
-    LOST_LEFT_WALL = 33
-    LOST_RIGHT_WALL = 44
-
+from symolo.dataset.codes import State
 
 Side = Literal["left", "right"]
 Pose = tuple[float, float, float]

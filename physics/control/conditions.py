@@ -6,9 +6,10 @@ from types import MappingProxyType
 
 from configs.schema.robot import Controller
 from physics.control.avoidance import PathFollower
-from physics.control.base import ControlInput, Side, State, other
+from physics.control.base import ControlInput, Side, other
 from physics.control.bends import CurvePass
 from physics.control.curves import CurveFollower
+from symolo.dataset.codes import State
 
 
 @dataclass(frozen=True)

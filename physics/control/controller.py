@@ -7,13 +7,14 @@ import math
 
 from configs.schema.robot import Controller
 from physics.control.avoidance import PathFollower
-from physics.control.base import Command, ControlInput, Pose, Side, State
+from physics.control.base import Command, ControlInput, Pose, Side
 from physics.control.bends import BendMemory, CurveBook, CurvePass, curve_pass
 from physics.control.conditions import View
 from physics.control.curves import CurveFollower
 from physics.control.following import MAX_ERROR, follow, line_error, wall_error
 from physics.control.paths import AvoidancePath, straight_path
 from physics.control.transitions import load_transitions
+from symolo.dataset.codes import State
 
 
 class RobotController:

@@ -11,11 +11,11 @@ from typing import Annotated, NamedTuple
 import configs
 from configs.schema.base import FromList, Section
 from configs.validation import validated
-from physics.control.base import State
 from physics.control.conditions import CONDITIONS, STATES, View
 from symolo.core.errors import InputError, nearest
 from symolo.core.yaml_reader import read_yaml
 from symolo.core.yaml_tree import Node
+from symolo.dataset.codes import State
 
 TABLE = Path(configs.__file__).parent / "state_machine.yaml"
 

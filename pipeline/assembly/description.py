@@ -12,8 +12,6 @@ from symolo.core.lens import coefficients
 from symolo.dataset.camera_model import INTRINSICS
 from symolo.dataset.metadata import Metadata, side_tables
 
-DESCRIPTION = "README.md"
-
 
 def markdown(metadata: Metadata, example: RunSpec) -> bytes:
     """The description; dimensions of robot and arena are those of the run `example`."""

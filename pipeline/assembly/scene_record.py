@@ -11,7 +11,7 @@ from blender_scenes.rooms.base import Furnishing
 from blender_scenes.scene.run_scene import room_around
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
-from physics.arena.geometry import Arena
+from symolo.arena.geometry import Arena
 from symolo.dataset.layout import SIDE
 from symolo.dataset.metadata import Record
 from symolo.dataset.side_reading import read_record

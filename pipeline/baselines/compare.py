@@ -23,7 +23,7 @@ class Told:
 
 
 @dataclass(frozen=True)
-class Compared:
+class BaselineComparison:
     methods: tuple[Method, ...]
     runs: tuple[LoggedRun, ...]
     told: Mapping[tuple[str, str], Told]
@@ -65,7 +65,7 @@ def compare(
     start_sd: Array,
     seed: int,
     report: Report,
-) -> Compared:
+) -> BaselineComparison:
     """Localise in `runs`; `everything` is what there is to learn from, each run left out for itself."""
     left_out = {method.name: why for method in methods if (why := why_not(method, everything))}
     usable = tuple(method for method in methods if method.name not in left_out)
@@ -78,7 +78,7 @@ def compare(
             for method in usable:
                 told[run.name, method.name] = _told(method, run, given, others, seed)
                 stage.update("all", len(told))
-    return Compared(usable, tuple(runs), told, left_out, start_sd, seed)
+    return BaselineComparison(usable, tuple(runs), told, left_out, start_sd, seed)
 
 
 def _told(method: Method, run: LoggedRun, given: Given, others: Sequence[Lesson], seed: int) -> Told:

@@ -5,11 +5,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from physics.arena.geometry import Arena
 from pipeline.baselines.base import Method
-from pipeline.baselines.compare import Compared
+from pipeline.baselines.compare import BaselineComparison
 from pipeline.baselines.errors import off
 from pipeline.baselines.runs import LoggedRun
+from symolo.arena.geometry import Arena
 from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, VERMILION, finished, png
 
 MAX_RUNS = 8
@@ -18,7 +18,7 @@ _STYLES = ((VERMILION, "--"), (BLUE, "-"), (GREEN, "-."), (ORANGE, ""))
 """Colour and line by method, in the order of the table; none is points alone."""
 
 
-def figure(compared: Compared) -> bytes:
+def figure(compared: BaselineComparison) -> bytes:
     """As PNG: of the first runs."""
     shown = compared.runs[:MAX_RUNS]
     drawn = Figure(figsize=(13.5, 4.0 * len(shown) + 0.3), layout="constrained")
@@ -45,7 +45,11 @@ def figure(compared: Compared) -> bytes:
 
 
 def _method(
-    compared: Compared, run: LoggedRun, method: Method, style: tuple[str, str], panels: tuple[Axes, Axes, Axes]
+    compared: BaselineComparison,
+    run: LoggedRun,
+    method: Method,
+    style: tuple[str, str],
+    panels: tuple[Axes, Axes, Axes],
 ) -> None:
     floor, place, turn = panels
     colour, line = style

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from configs.schema.robot import LineSensor, RobotConfig, TofMount
 from configs.schema.scenario import RunSpec
-from physics.arena.geometry import Arena
 from sensors.line_sensor import channel_weights
 from sensors.odometry import Odometry
-from sensors.tof import TofStatus
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
+from symolo.dataset.codes import TofStatus
 from symolo.dataset.rows import Ints, Rows
 from symolo.dataset.side_tables import TOF, WHEELS
 

@@ -10,14 +10,13 @@ import numpy as np
 from pydantic import ValidationError
 
 from configs.schema.scenario import RunSpec
-from physics.run.trajectory import Recording
 from pipeline.baselines.base import Lesson
 from pipeline.baselines.given import Given, Pictures, Start
-from pipeline.run_folder.workspace import STAGES
 from pipeline.stages.simulate_runs import TRAJECTORY, read_recording
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
-from symolo.dataset.layout import SPEC
+from symolo.core.time_series import Recording
+from symolo.dataset.layout import SPEC, STAGES
 from symolo.dataset.metadata import METADATA
 from symolo.dataset.rows import HEADER, Rows, parse_table
 from symolo.dataset.side_tables import TOF, WHEELS, tof_csv, wheels_csv

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.baselines.base import Estimate
-from pipeline.baselines.compare import Compared
+from pipeline.baselines.compare import BaselineComparison
 from pipeline.baselines.errors import OVER_M, OVER_S, SHARE
 from pipeline.baselines.figure import figure
 from pipeline.baselines.runs import LoggedRun
@@ -43,7 +43,7 @@ the share of poses whose truth lies in the method's own 95 % region.
 """
 
 
-def write(compared: Compared, out: Path) -> None:
+def write(compared: BaselineComparison, out: Path) -> None:
     """At once, whole, or not at all; `out` is new or empty."""
     with new_folder(out) as folder:
         for name, data in _files(compared):
@@ -51,7 +51,7 @@ def write(compared: Compared, out: Path) -> None:
             write_file(folder / name, data)
 
 
-def _files(compared: Compared) -> Iterator[tuple[str, bytes]]:
+def _files(compared: BaselineComparison) -> Iterator[tuple[str, bytes]]:
     yield TABLE, table(compared).encode()
     yield NUMBERS, numbers(compared)
     yield FIGURE, figure(compared)
@@ -61,7 +61,7 @@ def _files(compared: Compared) -> Iterator[tuple[str, bytes]]:
             yield f"{ESTIMATES}/{run.name}/{method.name}.csv", estimate_csv(run, estimate)
 
 
-def table(compared: Compared) -> str:
+def table(compared: BaselineComparison) -> str:
     """In Markdown: a row for each run and method, and one for the middle of the runs."""
     sd = compared.start_sd
     lines = ["# Localisation baselines", "", _ABOUT]
@@ -91,7 +91,7 @@ def _row(run: str, method: str, told: Sequence) -> str:
     return f"| {run} | {method} | " + " | ".join(cells) + " |"
 
 
-def numbers(compared: Compared) -> bytes:
+def numbers(compared: BaselineComparison) -> bytes:
     """All errors by run and method, in SI."""
     return canonical_json(
         {

@@ -11,8 +11,8 @@ from symolo.core.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
-    from pipeline.diagnosing.case_reading import Reading
-    from pipeline.diagnosing.diagnose import Case
+    from pipeline.diagnosing.diagnose import NamedCase
+    from pipeline.work.units import DiagnosisSettings
 
 CASE_FAILED = 3
 
@@ -100,12 +100,13 @@ def diagnose(
 
     Judged on the circles of a set: symolo diagnose my_set --hold-out 'circular/*' --out diagnosis
     """
-    from pipeline.diagnosing.case_reading import Reading
-    from pipeline.diagnosing.diagnose import Asked, cases_of, diagnose_cases, nominal_json
+    from pipeline.diagnosing.diagnose import cases_of, diagnose_cases, nominal_json
     from pipeline.run_folder.output import check_out
-    from pipeline.run_folder.workspace import Kind, Workspace
+    from pipeline.run_folder.workspace import Workspace
     from pipeline.work.supervisor import cores
+    from pipeline.work.units import DiagnosisSettings
     from symolo.core.progress import report_here
+    from symolo.dataset.folder_kind import Kind
 
     if explain and as_json:
         raise InputError("--explain and --json", cure="ask for one of them; reasoning.txt is written in any case")
@@ -113,15 +114,20 @@ def diagnose(
     if any(case.path.absolute() == out.absolute() for case in found):
         # `table-1` would be looked for in the folder `table-1` as soon as that is there.
         raise InputError("is the name of a case", where=f"--out {out}", cure="name another folder")
-    reading = Reading(importer=as_, part=part, held_out=tuple(hold_out or ()))
-    robot = nominal_json(nominal, against)
+    settings = DiagnosisSettings(
+        importer=as_,
+        part=part,
+        held_out=tuple(hold_out or ()),
+        nominal=nominal_json(nominal, against),
+        pybullet=pybullet,
+        against=against,
+    )
     check_out(out, Kind.DIAGNOSIS)
     if len(found) == 1:
-        _check(found[0], reading, against)
+        _check(found[0], settings)
     with Workspace(out.absolute(), Kind.DIAGNOSIS).locked():
         report = report_here()
-        asked = Asked(reading, robot, pybullet, against)
-        failures = diagnose_cases(found, asked, out=out.absolute(), workers=workers or cores(), report=report)
+        failures = diagnose_cases(found, settings, out=out.absolute(), workers=workers or cores(), report=report)
     failed = {failure.unit.name: failure.text for failure in failures}
     if as_json:
         _print_json(found, out, failed)
@@ -130,18 +136,19 @@ def diagnose(
     return CASE_FAILED if failed else 0
 
 
-def _check(case: "Case", reading: "Reading", against: Path | None) -> None:
+def _check(case: "NamedCase", settings: "DiagnosisSettings") -> None:
     """Refuse the only case before anything is written."""
-    from diagnosis.against import check_drive
+    from diagnosis.dataset_comparison import check_drive
     from diagnosis.diagnose import check_kind
+    from pipeline.diagnosing.diagnose import read_case
 
-    measurement = reading.measurement(case.path)
+    measurement = read_case(case.path, settings)
     check_kind(measurement)
-    if against is not None:
+    if settings.against is not None:
         check_drive(measurement, "CASE")
 
 
-def _print(cases: "Sequence[Case]", out: Path, failed: "Collection[str]", *, explain: bool) -> None:
+def _print(cases: "Sequence[NamedCase]", out: Path, failed: "Collection[str]", *, explain: bool) -> None:
     from pipeline.diagnosing.diagnose import folder_of
     from pipeline.diagnosing.table import diagnosis_table
 
@@ -160,7 +167,7 @@ def _print(cases: "Sequence[Case]", out: Path, failed: "Collection[str]", *, exp
         typer.echo(f"{out / 'report.html'}, {out / 'answer.json'}, {out / 'extended.yaml'}")
 
 
-def _print_json(cases: "Sequence[Case]", out: Path, failed: "Collection[str]") -> None:
+def _print_json(cases: "Sequence[NamedCase]", out: Path, failed: "Collection[str]") -> None:
     import json
 
     from pipeline.diagnosing.diagnose import folder_of

@@ -19,7 +19,7 @@ def checked_input(path: Path) -> Path:
 
 def checked_new_picture(path: Path) -> Path:
     """A picture file to write."""
-    from pipeline.run_folder.output import check_outside
+    from symolo.dataset.folder_kind import check_outside
 
     check_new_path(path, "--out")
     if path.suffix not in {".jpg", ".png"} or path.is_dir() or not path.absolute().parent.is_dir():
@@ -31,7 +31,7 @@ def checked_new_picture(path: Path) -> Path:
 
 def checked_new_folder(path: Path) -> Path:
     """A folder to write."""
-    from pipeline.run_folder.output import check_outside
+    from symolo.dataset.folder_kind import check_outside
 
     check_new_path(path, "--out", BELOW_CHARS)
     check_outside(path)

@@ -56,8 +56,9 @@ def pictures(
     from diagnosis.report.files import PAGE, SUMMARY
     from pipeline.diagnosing.camera_case import read_picture_case
     from pipeline.run_folder.output import check_out
-    from pipeline.run_folder.workspace import Kind, Workspace
+    from pipeline.run_folder.workspace import Workspace
     from symolo.core.atomic_files import make_folder, remove_file, write_file
+    from symolo.dataset.folder_kind import Kind
 
     case = read_picture_case(run, simulated, PoseErrors(0.001 * pose_sd_mm, pose_sd_deg))
     check_out(out, Kind.PICTURE_DIAGNOSIS)

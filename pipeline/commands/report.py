@@ -11,7 +11,7 @@ from symolo.core.paths import check_new_path
 
 
 def _checked_new_page(path: Path) -> Path:
-    from pipeline.run_folder.output import check_outside
+    from symolo.dataset.folder_kind import check_outside
 
     check_new_path(path, "--out")
     if path.suffix != ".html" or path.is_dir() or not path.absolute().parent.is_dir():

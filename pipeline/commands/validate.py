@@ -91,8 +91,9 @@ def _validate(parts: "tuple[ValidatedPart, ...]", out: Path, robot: str, seed: i
     from diagnosis.validation.experiment import result_json
     from diagnosis.validation.panels import figure
     from pipeline.run_folder.output import check_out
-    from pipeline.run_folder.workspace import Kind, Workspace
+    from pipeline.run_folder.workspace import Workspace
     from symolo.core.atomic_files import write_file
+    from symolo.dataset.folder_kind import Kind
 
     config, _ = draw_robot(load_section("robot", robot), seed, "bench")
     for part in parts:

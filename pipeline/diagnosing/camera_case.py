@@ -6,16 +6,16 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from blender_scenes.render.frame_files import frame_name
 from configs.schema.scenario import RunSpec
 from diagnosis.camera.case import HELD_OUT_EACH, Frame, Picture, PictureCase, PoseErrors
-from physics.arena.geometry import Arena
 from physics.robot.path import RobotPath
 from pipeline.rerendering.rerender import Source, read_source
 from pipeline.stages.assemble import DATA
 from pipeline.stages.render import IMAGES, Appearance, frame_poses
 from sensors.camera.response import CameraResponse
+from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
+from symolo.dataset.layout import frame_name
 from symolo.dataset.rows import Rows
 
 MAX_FRAMES = 60

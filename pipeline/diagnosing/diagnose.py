@@ -11,50 +11,44 @@ from configs.schema.robot import RobotConfig
 from diagnosis.importers.blind import read_blind
 from diagnosis.importers.choose import read_measurement
 from diagnosis.measured.case_format import BLIND, DATA
+from diagnosis.measured.holdout import hold_out, of_part
+from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NOMINAL
-from pipeline.diagnosing.case_reading import Reading
 from pipeline.diagnosing.importers import IMPORTERS
 from pipeline.diagnosing.importers.run_folder import robots_of
-from pipeline.run_folder.workspace import STAGES
 from pipeline.work.supervisor import AnyEvent, AnyUnit, Retried, UnitFailure, run_units
-from pipeline.work.units import TRACEBACK, DiagnoseUnit, Failed, Finished
+from pipeline.work.units import DiagnoseUnit, DiagnosisSettings, Failed, Finished
 from symolo.core.atomic_files import make_folder, remove_file, write_file
 from symolo.core.errors import InputError
 from symolo.core.progress import Report
+from symolo.dataset.layout import STAGES
 
 ONE_THREAD = MappingProxyType({"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"})
 """Sums of a linear algebra that shares its work among threads depend on their number, and workers fill the cores."""
 
 
+TRACEBACK = "traceback.txt"
+"""Name of the file in the folder of a case whose diagnosis met a bug."""
+
+
 @dataclass(frozen=True)
-class Case:
+class NamedCase:
+    """A case to diagnose."""
+
     path: Path
     name: str
-    """Of its folder in the output."""
+    """Name of its folder in the output."""
 
 
-@dataclass(frozen=True)
-class Asked:
-    """Of all cases."""
-
-    reading: Reading
-    nominal: str
-    """A robot as JSON text; empty for none."""
-    pybullet: bool
-    """Whether before and after are also measured by PyBullet."""
-    against: Path | None
-    """A dataset that is held against each case."""
-
-
-def cases_of(paths: Sequence[Path]) -> list[Case]:
+def cases_of(paths: Sequence[Path]) -> list[NamedCase]:
     """The cases with their names.
 
     Raises:
         InputError: Two of them would go into one folder.
     """
-    found: dict[str, Case] = {}
+    found: dict[str, NamedCase] = {}
     for path in paths:
-        case = Case(path, _name(path))
+        case = NamedCase(path, _name(path))
         other = found.setdefault(case.name.lower(), case)
         if other is not case:
             cure = "diagnose them into two folders"
@@ -89,8 +83,20 @@ def nominal_json(name: str | None, against: Path | None = None) -> str:
     return robot.model_dump_json()
 
 
+def read_case(path: Path, settings: DiagnosisSettings) -> Measurement:
+    """Return the measured data of a case, with the part and the held-out trials that the settings name.
+
+    Raises:
+        InputError: The case cannot be read, or has no such part or trials.
+    """
+    measurement = read_measurement(path, IMPORTERS, settings.importer)
+    if settings.part is not None:
+        measurement = of_part(measurement, settings.part)
+    return hold_out(measurement, settings.held_out) if settings.held_out else measurement
+
+
 def diagnose_cases(
-    cases: Sequence[Case], asked: Asked, *, out: Path, workers: int, report: Report
+    cases: Sequence[NamedCase], settings: DiagnosisSettings, *, out: Path, workers: int, report: Report
 ) -> list[UnitFailure]:
     """Diagnose all cases and return those that failed, in their order.
 
@@ -102,16 +108,13 @@ def diagnose_cases(
         DiagnoseUnit(
             name=case.name,
             case=case.path,
-            reading=asked.reading,
-            nominal=asked.nominal,
-            pybullet=asked.pybullet,
-            against=asked.against,
+            settings=settings,
             folder=folder_of(case, out, alone=alone),
             alone=alone,
         )
         for case in cases
     ]
-    with report.stage("diagnose", len(units), "cases" if len(units) > 1 else "case") as stage:
+    with report.stage("diagnose", len(units), "case" if alone else "cases") as stage:
 
         def on_event(unit: AnyUnit, event: AnyEvent) -> None:
             if isinstance(event, Finished | Failed):
@@ -126,36 +129,29 @@ def diagnose_cases(
     return sorted(failures, key=lambda failure: order.index(failure.unit.name))
 
 
-def folder_of(case: Case, out: Path, *, alone: bool) -> Path:
-    """Where a case's files lie: in `out` itself if it is the only one."""
+def folder_of(case: NamedCase, out: Path, *, alone: bool) -> Path:
+    """Return the folder for a case's files: `out` itself if it is the only case."""
     return out if alone else out / case.name
 
 
-def diagnose_into(
-    path: Path,
-    reading: Reading,
-    nominal: str,
-    folder: Path,
-    *,
-    pybullet: bool,
-    against: Path | None,
-) -> None:
-    """Diagnose one case and put its files in place; those of an earlier diagnosis that it has not are removed.
+def diagnose_into(path: Path, settings: DiagnosisSettings, folder: Path) -> None:
+    """Diagnose one case, write its files into `folder` and remove those of an earlier diagnosis.
 
     Raises:
         InputError: The case cannot be read, or holds nothing that can be diagnosed.
     """
-    from diagnosis.diagnose import diagnose  # noqa: PLC0415 - scipy and matplotlib, in the worker alone
+    from diagnosis.diagnose import diagnose  # noqa: PLC0415 - loads SciPy and Matplotlib, which the command need not
     from diagnosis.report.files import PLOTS, VARIED_FILE, files  # noqa: PLC0415 - as above
 
-    robot = RobotConfig.model_validate_json(nominal) if nominal else None
-    release = None if against is None else read_measurement(against, IMPORTERS)
-    measured = reading.measurement(path)
-    unseen = read_blind(path if path.is_dir() else path.parent, measured.kind) if measured.kind in BLIND else {}
-    made = files(diagnose(measured, robot), pybullet=pybullet, release=release, unseen=unseen)
+    robot = RobotConfig.model_validate_json(settings.nominal) if settings.nominal else None
+    release = None if settings.against is None else read_measurement(settings.against, IMPORTERS)
+    measurement = read_case(path, settings)
+    is_blind = measurement.kind in BLIND
+    unseen = read_blind(path if path.is_dir() else path.parent, measurement.kind) if is_blind else {}
+    contents = files(diagnose(measurement, robot), pybullet=settings.pybullet, release=release, unseen=unseen)
     make_folder(folder / PLOTS)
     for old in (folder / VARIED_FILE, folder / TRACEBACK, *(folder / PLOTS).iterdir()):
-        if old.relative_to(folder).as_posix() not in made:
+        if old.relative_to(folder).as_posix() not in contents:
             remove_file(old)
-    for name, data in made.items():
+    for name, data in contents.items():
         write_file(folder / name, data)

@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from diagnosis.report.quantities import percent
-from pipeline.diagnosing.diagnose import Case, folder_of
+from pipeline.diagnosing.diagnose import NamedCase, folder_of
 
 LONGEST_NAME = 40
 
 
-def diagnosis_table(cases: Sequence[Case], out: Path, failed: Collection[str]) -> Iterator[str]:
+def diagnosis_table(cases: Sequence[NamedCase], out: Path, failed: Collection[str]) -> Iterator[str]:
     """A heading and a line for each case, then a count.
 
     Args:

@@ -4,12 +4,12 @@ from collections import Counter
 
 from blender_scenes.scene.description import Scene
 from blender_scenes.scene.run_scene import describe
-from blender_scenes.scene.shading import RGB
 from blender_scenes.scene.typical import typical_color
 from configs.schema.scenario import RunSpec
-from physics.arena.geometry import Arena
 from pipeline.models.geometry import srgb
 from pipeline.stages.render import picture_seed
+from sensors.camera.colour import RGB
+from symolo.arena.geometry import Arena
 
 
 def scene_of(spec: RunSpec) -> Scene:

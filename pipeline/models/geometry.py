@@ -6,8 +6,8 @@ from math import atan2, hypot
 import numpy as np
 
 from blender_scenes.scene.description import Mesh
-from blender_scenes.scene.shading import RGB
 from physics.robot.links import BoxShape, SphereShape, Vector
+from sensors.camera.colour import RGB
 from symolo.core.arrays import Array
 
 _POLE = 1e-9

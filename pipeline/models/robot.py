@@ -5,7 +5,6 @@ from math import radians
 
 import numpy as np
 
-from blender_scenes.scene.description import Intrinsics
 from blender_scenes.scene.robot_body import robot_body
 from configs.schema.robot import RobotConfig, TofMount, TofMounts
 from configs.schema.scenario import RunSpec
@@ -14,8 +13,8 @@ from physics.robot.links import BASE, CASTER, LEFT_WHEEL, RIGHT_WHEEL, BoxShape,
 from physics.robot.model import through
 from pipeline.models.colours import colours, scene_of
 from pipeline.models.geometry import CylinderShape, Placement, Visual, bounding_box
-from sensors.camera.geometry import horizontal_field_of_view_rad, intrinsics, pose_X_RC
 from sensors.effects import SENSOR_TERMS
+from symolo.core.pinhole import Intrinsics, horizontal_field_of_view_rad, intrinsics, pose_X_RC
 from symolo.dataset.camera_model import X_CB
 
 CAMERA, CAMERA_OPTICAL, LINE_SENSOR = "camera", "camera_optical", "line_sensor"

@@ -8,7 +8,6 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from configs.schema.scenario import RunSpec
-from physics.arena.geometry import Arc, Arena, Box, Straight
 from physics.robot.body_inertia import GRAVITY_M_S2
 from physics.robot.links import BoxShape
 from pipeline.models.colours import colours, scene_of
@@ -25,6 +24,7 @@ from pipeline.models.sdf import (
     document,
     robot_model,
 )
+from symolo.arena.geometry import Arc, Arena, Box, Straight
 
 LINE_HEIGHT_M = 0.0005
 """Of what is drawn on the floor: so low that nothing notices, so high that no viewer flickers."""

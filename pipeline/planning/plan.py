@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from blender_scenes.render.sampling import Sampling, sampling
 from configs.schema.scenario import RunSpec
-from sensors.camera.geometry import intrinsics
 from sensors.camera.lens_warp import pinhole_picture
+from symolo.core.pinhole import intrinsics
 from symolo.core.progress import seconds
 
 LAP_S = 40.0

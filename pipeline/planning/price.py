@@ -16,12 +16,12 @@ from configs.schema.scenario import AnnotationName, RunSpec
 from pipeline.executors.local import Local
 from pipeline.executors.part import BLOCK_FRAMES
 from pipeline.planning.plan import BYTES_PER_ROW, Plan
-from pipeline.run_folder.output import check_scratch
 from pipeline.run_folder.workspace import StageFolder, Workspace
 from pipeline.stages.render import journal
 from pipeline.stages.simulate_runs import simulate_runs
 from pipeline.work.batch import Batch
 from pipeline.work.supervisor import cores
+from symolo.core.disk_space import check_scratch
 from symolo.core.errors import RunFailed
 from symolo.core.progress import Report, seconds
 from symolo.dataset.metadata import FailedRun

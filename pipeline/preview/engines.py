@@ -9,16 +9,16 @@ import cv2
 import numpy as np
 
 from blender_scenes.preview.renderer import FlatRenderer
-from blender_scenes.render.frame_files import frame_name
 from pipeline.executors.local import Local
 from pipeline.planning.plan import pictures_bytes
 from pipeline.preview import Engine
 from pipeline.preview.views import View, on_device
-from pipeline.run_folder.output import check_scratch
 from pipeline.run_folder.own_files import keep_own_files
 from pipeline.run_folder.workspace import StageFolder
 from pipeline.stages.render import IMAGES, RenderTask, render_runs
+from symolo.core.disk_space import check_scratch
 from symolo.core.progress import Report
+from symolo.dataset.layout import frame_name
 from symolo.dataset.metadata import FailedRun
 from symolo.pages.sheet import LINE_PX, Cell, Pixels, check_side, row, stacked
 

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from blender_scenes.scene.description import PlanarPose
-from configs.footprints import Rectangle, overlap
 from configs.schema.arena import Wall
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import RunSpec
-from physics.arena.geometry import Arc, Arena, Box, Line, Straight
+from symolo.arena.footprints import Rectangle, overlap
+from symolo.arena.geometry import Arc, Arena, Box, Line, Straight
+from symolo.core.poses import PlanarPose
 
 _JOINED_M = 0.01
 """Ends of the line's pieces closer than this are one."""

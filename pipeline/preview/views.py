@@ -14,10 +14,10 @@ from configs.overrides import replaced_section
 from configs.references import locate
 from configs.schema.look import LookConfig
 from configs.schema.scenario import RunSpec
-from physics.arena.geometry import Arena
 from physics.robot.path import RobotPath
 from pipeline.preview.path import Way
 from pipeline.stages.render import Appearance
+from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 from symolo.core.random_streams import stream
 

@@ -6,7 +6,6 @@ from pathlib import Path
 from zipfile import BadZipFile
 
 from configs.schema.scenario import RunSpec
-from physics.run.trajectory import Recording
 from pipeline.executors.local import Local
 from pipeline.repair.mending import Means, Mending
 from pipeline.run_folder.workspace import StageFolder
@@ -15,7 +14,8 @@ from pipeline.stages.render import IMAGES
 from pipeline.stages.simulate_runs import read_recording, simulation_key
 from pipeline.work.supervisor import AnyEvent, AnyUnit
 from pipeline.work.units import Finished, Progress, SimulateUnit
-from symolo.verification.annotations import ANNOTATIONS
+from symolo.core.time_series import Recording
+from symolo.dataset.layout import ANNOTATIONS
 
 BY_FRAME = (f"{IMAGES}/", f"{ANNOTATIONS}/")
 

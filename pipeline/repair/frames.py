@@ -19,8 +19,8 @@ from pipeline.work.units import Finished, Progress, RenderUnit
 from symolo.core.atomic_files import make_folder, write_file
 from symolo.core.errors import InputError
 from symolo.core.file_hashes import sha256_of
+from symolo.dataset.layout import ANNOTATIONS
 from symolo.dataset.rows import read_rows
-from symolo.verification.annotations import ANNOTATIONS
 
 
 @dataclass(frozen=True)

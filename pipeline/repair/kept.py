@@ -10,8 +10,8 @@ from pipeline.stages.render import IMAGES
 from pipeline.stages.simulate_runs import SPEC
 from symolo.core.atomic_files import make_folder, write_file
 from symolo.core.file_hashes import sha256_of
+from symolo.dataset.layout import ANNOTATIONS
 from symolo.dataset.metadata import METADATA
-from symolo.verification.annotations import ANNOTATIONS
 
 
 def put_back(mending: Mending, scratch: Path) -> set[str]:

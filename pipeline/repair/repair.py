@@ -8,11 +8,12 @@ from pathlib import Path
 from blender_scenes.render.devices import GPU_KINDS, DeviceKind
 from pipeline.repair import drives, frames, kept, texts
 from pipeline.repair.mending import Means, Mending, with_one_bit_less_wrong
-from pipeline.run_folder.workspace import STAGES, Workspace
+from pipeline.run_folder.workspace import Workspace
 from symolo.core.atomic_files import remove_file, remove_folder, write_file
 from symolo.core.errors import InputError
 from symolo.core.progress import Report
 from symolo.dataset.bag import DECLARATION
+from symolo.dataset.layout import STAGES
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, tag_manifest
 from symolo.dataset.metadata import METADATA, Metadata, made_with
 from symolo.verification.findings import Finding

@@ -7,7 +7,7 @@ from pydantic import ValidationError
 from configs.draw import draw_run
 from configs.loader import LoadedScenario, load_resolved
 from configs.schema.scenario import RunSpec
-from pipeline.assembly.description import DESCRIPTION, markdown
+from pipeline.assembly.description import markdown
 from pipeline.repair.mending import Mending, with_one_bit_less_wrong
 from pipeline.stages.annotate import processors
 from pipeline.stages.assemble import SIDE
@@ -15,6 +15,7 @@ from pipeline.stages.simulate_runs import SPEC, read_outcome, spec_text
 from pipeline.work.cpu import cpu_class
 from symolo.core.errors import InputError
 from symolo.dataset.bag import BAG_INFO, bag_info, read_cpu_classes
+from symolo.dataset.layout import DESCRIPTION
 from symolo.dataset.metadata import METADATA, Metadata
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from blender_scenes.scene.run_scene import floor_bounds
 from configs.schema.look import LookConfig
-from physics.arena.geometry import Arena
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.dataset.rows import Rows

@@ -17,14 +17,13 @@ from configs.overrides import replaced_section
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec
-from physics.arena.geometry import Arena
 from pipeline.assembly.scene_record import scene_file
 from pipeline.executors.base import Executor
 from pipeline.planning.plan import BYTES_PER_JOB, pictures_bytes
 from pipeline.rerendering.foreign_units import check_on_the_floor, check_radians
-from pipeline.run_folder.output import check_disk, check_out
+from pipeline.run_folder.output import check_out
 from pipeline.run_folder.own_files import keep_own_files
-from pipeline.run_folder.workspace import Kind, Workspace, input_key, mark_done
+from pipeline.run_folder.workspace import Workspace, input_key, mark_done
 from pipeline.stages.annotate import AnnotationTask, copy_released
 from pipeline.stages.assemble import DATA, POSITIONS, SIDE
 from pipeline.stages.render import (
@@ -38,7 +37,9 @@ from pipeline.stages.render import (
     render_runs,
 )
 from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
+from symolo.arena.geometry import Arena
 from symolo.core.atomic_files import make_folder, move, remove_file, remove_folder, replace_folder, write_file
+from symolo.core.disk_space import check_disk
 from symolo.core.errors import InputError
 from symolo.core.file_hashes import canonical_json, hashes_of, holds, read_known
 from symolo.core.lens import lens_problem
@@ -46,11 +47,11 @@ from symolo.core.progress import Report
 from symolo.core.random_streams import stream
 from symolo.core.yaml_tree import dotted
 from symolo.dataset.camera_model import camera_files
-from symolo.dataset.layout import JOB, LOOK
+from symolo.dataset.folder_kind import Kind
+from symolo.dataset.layout import ANNOTATIONS, JOB, LOOK
 from symolo.dataset.metadata import FailedRun
 from symolo.dataset.rows import Ints, Rows, read_rows
 from symolo.dataset.side_tables import image_positions
-from symolo.verification.annotations import ANNOTATIONS
 
 CARRIER = "symolo"
 """The scenario whose reader checks `--set render...`, and whose picture settings a foreign trajectory gets."""

@@ -1,17 +1,12 @@
 """Whether an output folder may be used; asked before any work starts."""
 
-import shutil
 import tempfile
 from pathlib import Path
 
-from pipeline.run_folder.workspace import KIND, STAGES, Kind
-from pipeline.stages.assemble import read_metadata
-from symolo.core.errors import EnvironmentLacking, InputError
-from symolo.core.file_hashes import sizes_below
-from symolo.core.os_errors import NOT_THERE
+from symolo.core.errors import InputError
 from symolo.core.paths import nearest_existing
-from symolo.dataset.bag import DECLARATION
-from symolo.dataset.manifest import MANIFEST
+from symolo.dataset.folder_kind import Kind, kind_of
+from symolo.dataset.layout import STAGES
 
 NEW_OR_EMPTY = "name a folder that is new or empty"
 
@@ -51,25 +46,6 @@ def check_out(out: Path, kind: Kind, *, within_looks: bool = False) -> None:
         raise InputError(what, where=where, cure="name another folder") from None
 
 
-def check_outside(out: Path, where: str = "") -> None:
-    """Refuse a place within a dataset or a bag, which would no longer be what its checksums say.
-
-    `where` is what names it in the refusal, if not --out.
-
-    Raises:
-        InputError: It lies there.
-    """
-    for folder in out.resolve().parents:
-        if kind_of(folder) is Kind.DATASET:
-            what = "release"
-        elif (folder / DECLARATION).is_file() and (folder / MANIFEST).is_file():
-            what = "bag"
-        else:
-            continue
-        told = f"lies within the {what} {folder}"
-        raise InputError(told, where=where or f"--out {out}", cure="name a place outside of it")
-
-
 def _check_kind(out: Path, kind: Kind, where: str) -> None:
     if (out / STAGES).is_symlink():
         what = f"{STAGES} in it is a link, and what lies behind it is not this folder's"
@@ -79,41 +55,3 @@ def _check_kind(out: Path, kind: Kind, where: str) -> None:
         raise InputError("holds files that symolo did not make", where=where, cure=NEW_OR_EMPTY)
     if there is not None and there != kind:
         raise InputError(f"holds what symolo {MADE_BY[there]} made", where=where, cure=NEW_OR_EMPTY)
-
-
-def kind_of(out: Path) -> Kind | None:
-    """What a folder of ours holds; None where nothing tells.
-
-    Without `.stages` a dataset is known by its metadata and manifest, so that `.stages` may be deleted.
-    """
-    try:
-        return Kind((out / STAGES / KIND).read_text(encoding="ascii").strip())
-    except (*NOT_THERE, ValueError):
-        released = (out / MANIFEST).is_file() and read_metadata(out) is not None
-        return Kind.DATASET if released or (out / STAGES / "simulate").is_dir() else None
-
-
-def check_disk(out: Path, needed_bytes: int, or_else: str = "lower render.width_px and render.height_px") -> None:
-    """Raise EnvironmentLacking when there is no room for `needed_bytes` where `out` is or will be."""
-    there = sum(size for _, size in sizes_below(out))
-    cure = f"name a folder on another disk, or {or_else}"
-    _check_room(nearest_existing(out), needed_bytes - there, f"--out {out}", needed_bytes, cure)
-
-
-def check_room(out: Path, lacking_bytes: int) -> None:
-    """Raise EnvironmentLacking when there is no room for so many more where `out` will be."""
-    cure = "or name a folder on another disk"
-    _check_room(nearest_existing(out), lacking_bytes, f"--out {out}", lacking_bytes, cure)
-
-
-def check_scratch(needed_bytes: int, cure: str) -> None:
-    """The same of the folder for temporary files."""
-    scratch = Path(tempfile.gettempdir())
-    _check_room(scratch, needed_bytes, f"temporary files in {scratch}", needed_bytes, f"set TMPDIR, or {cure}")
-
-
-def _check_room(folder: Path, lacking_bytes: int, where: str, needed_bytes: int, cure: str) -> None:
-    free = shutil.disk_usage(folder).free
-    if free < lacking_bytes:
-        needed = f"about {needed_bytes / 1e6:.0f} MB are needed and {free / 1e6:.0f} MB are free"
-        raise EnvironmentLacking(f"{where}: {needed}; free some space, {cure}")

@@ -14,17 +14,18 @@ from configs.schema.scenario import RunSpec
 from pipeline.assembly.scene_record import SCENE
 from pipeline.planning.plan import Plan
 from pipeline.run_folder.changes import changes, told
-from pipeline.run_folder.output import kind_of
-from pipeline.run_folder.workspace import FAILED, STAGES, Kind, StageFolder, Workspace
-from pipeline.stages.assemble import of_several_classes, read_metadata
+from pipeline.run_folder.workspace import FAILED, StageFolder, Workspace
+from pipeline.stages.assemble import of_several_classes
 from pipeline.stages.render import IMAGES, JOB, journal
 from pipeline.stages.simulate_runs import SPEC, RunOutcome, read_outcome, simulation_key
-from symolo.core.atomic_files import LOCK, place_of
+from symolo.core.atomic_files import place_of
 from symolo.core.errors import InputError, one_line
 from symolo.core.file_hashes import holds
-from symolo.dataset.layout import SIDE
+from symolo.core.file_locks import LOCK
+from symolo.dataset.folder_kind import Kind, kind_of
+from symolo.dataset.layout import ANNOTATIONS, SIDE, STAGES
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST
-from symolo.verification.annotations import ANNOTATIONS
+from symolo.dataset.metadata import read_metadata
 from symolo.verification.inventory import Inventory
 
 OF_RUNS = ("simulate", "render", "annotate", "assemble")

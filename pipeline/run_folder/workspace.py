@@ -1,8 +1,6 @@
 """The output folder: whether it may be used, where each stage of each run lies in it, and what is done."""
 
 import contextlib
-import enum
-import fcntl
 import hashlib
 import os
 from collections.abc import Iterator
@@ -14,52 +12,25 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from symolo.core.atomic_files import (
     make_folder,
     new_folder_beside,
-    opened_lock,
     place_of,
     remove_folder,
     remove_leftovers,
     replace_folder,
     write_file,
 )
-from symolo.core.errors import EnvironmentLacking, InputError
+from symolo.core.errors import EnvironmentLacking
 from symolo.core.file_hashes import canonical_json, hashes_of, holds
+from symolo.core.file_locks import held, lock_or_refuse, opened_lock
 from symolo.core.os_errors import NOT_THERE
+from symolo.dataset.folder_kind import KIND, Done, Kind
+from symolo.dataset.layout import DONE, STAGES
 
-DONE, FAILED = "done.json", "failed.json"
-STAGES = ".stages"
-KIND = "kind"
-"""File in `.stages` with the kind of folder this is."""
+FAILED = "failed.json"
 
 
 def input_key(stage: str, **inputs: object) -> str:
     """SHA-256 over everything that a stage's result depends on; an equal key means nothing to redo."""
     return hashlib.sha256(canonical_json({"stage": stage, **inputs})).hexdigest()
-
-
-class Kind(enum.StrEnum):
-    """What an output folder holds; a command for one kind does not write into the other."""
-
-    DATASET = "dataset"
-    PICTURES = "pictures"
-    """Output of `symolo rerender --look`."""
-    LOOKS = "looks"
-    """Output of `symolo rerender --looks`: a folder of pictures for each draw."""
-    VALIDATION = "validation"
-    """Output of `symolo validate`."""
-    DIAGNOSIS = "diagnosis"
-    """Output of `symolo diagnose`: of one case, or a folder for each of several."""
-    PICTURE_DIAGNOSIS = "picture_diagnosis"
-    """Output of `symolo pictures`."""
-
-
-class Done(BaseModel):
-    """What `done.json` says."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    key: str
-    files: dict[str, str]
-    """SHA-256 by path inside the folder."""
 
 
 class _Failed(BaseModel):
@@ -139,40 +110,6 @@ def mark_done(folder: Path, key: str, files: dict[str, str] | None = None) -> No
     write_file(folder / DONE, canonical_json(Done(key=key, files=files).model_dump()))
 
 
-@contextlib.contextmanager
-def held(folder: Path) -> Iterator[None]:
-    """Wait until no other process holds a folder, and hold it; for what takes moments."""
-    descriptor = opened_lock(folder)
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(descriptor)
-
-
-@contextlib.contextmanager
-def held_or_refused(folder: Path, where: str) -> Iterator[None]:
-    """Hold a folder for this process, however it ends.
-
-    Raises:
-        InputError: Another process holds it.
-    """
-    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        _lock(descriptor, fcntl.LOCK_EX, where)
-        yield
-    finally:
-        os.close(descriptor)
-
-
-def _lock(descriptor: int, kind: int, where: str) -> None:
-    try:
-        fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
-    except BlockingIOError:
-        what, cure = "another symolo command is working in this folder", "wait for it, or name another folder"
-        raise InputError(what, where=where, cure=cure) from None
-
-
 @dataclass(frozen=True)
 class Workspace:
     """`out` with its released runs, and the hidden `.stages` that a rerun continues from."""
@@ -206,7 +143,7 @@ class Workspace:
         make_folder(self.out / STAGES)
         descriptor = opened_lock(self.out / STAGES)
         try:
-            _lock(descriptor, fcntl.LOCK_EX if alone else fcntl.LOCK_SH, f"--out {self.out}")
+            lock_or_refuse(descriptor, f"--out {self.out}", shared=not alone)
             if not (self.out / STAGES / KIND).exists():
                 write_file(self.out / STAGES / KIND, f"{self.kind}\n".encode())
             if alone:

@@ -7,12 +7,12 @@ from blender_scenes.annotations.document import DOCUMENT, document
 from blender_scenes.annotations.job import RECORDS_DIR, AnnotationJob, build_annotation_job, record_file
 from blender_scenes.annotations.record import Record
 from blender_scenes.render.job import RenderJob
-from physics.arena.geometry import Arena
 from pipeline.run_folder.workspace import StageFolder, mark_done
 from pipeline.stages.render import IMAGES, JOB, Appearance, Findings, FrameTask, Order, Rendered, journal
+from symolo.arena.geometry import Arena
 from symolo.core.atomic_files import make_folder, write_file
 from symolo.core.file_hashes import read_known, sha256_of
-from symolo.verification.annotations import ANNOTATIONS
+from symolo.dataset.layout import ANNOTATIONS
 
 
 class AnnotationTask(FrameTask):

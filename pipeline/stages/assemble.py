@@ -5,28 +5,25 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
 from configs.schema.scenario import RunSpec
-from physics.arena.geometry import Arena
-from physics.run.trajectory import Recording
-from pipeline.assembly.description import DESCRIPTION, markdown
+from pipeline.assembly.description import markdown
 from pipeline.assembly.scene_record import scene_file
-from pipeline.run_folder.workspace import DONE, STAGES, Workspace, input_key, mark_done
+from pipeline.run_folder.workspace import Workspace, input_key, mark_done
 from pipeline.stages.annotate import copy_released, processors
 from pipeline.stages.render import Rendered, picture_seed
 from pipeline.stages.simulate_runs import read_outcome, read_recording, spec_text
+from symolo.arena.geometry import Arena
 from symolo.core.atomic_files import make_folder, remove_file, remove_folder, replace_folder, write_file
 from symolo.core.errors import EnvironmentLacking
 from symolo.core.file_hashes import hashes_of, holds, read_known
-from symolo.core.os_errors import NOT_THERE
 from symolo.core.progress import Report, StageReport
+from symolo.core.time_series import Recording
 from symolo.core.versions import versions
 from symolo.dataset.bag import BAG_INFO, bag_info
 from symolo.dataset.camera_model import camera_files
-from symolo.dataset.layout import DATA, IMAGES, POSITIONS, SIDE, SPEC
+from symolo.dataset.layout import DATA, DESCRIPTION, DONE, IMAGES, POSITIONS, SIDE, SPEC, STAGES
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, tag_manifest
-from symolo.dataset.metadata import METADATA, FailedRun, Metadata, RunRecord, describe
+from symolo.dataset.metadata import METADATA, FailedRun, Metadata, RunRecord, describe, read_metadata
 from symolo.dataset.obstacles import obstacle_table, obstacles_csv
 from symolo.dataset.rows import Rows
 from symolo.dataset.side_tables import BOARD, TOF, WHEELS, board_csv, image_positions, tof_csv, wheels_csv
@@ -198,14 +195,6 @@ def _runs_in(folder: Path) -> set[str]:
     routes = [path for path in folder.iterdir() if path.is_dir() and not path.name.startswith(".")]
     runs = [run for route in routes for run in route.iterdir() if run.is_dir() and run.name.startswith("test_")]
     return {f"{run.parent.name}/{run.name}" for run in runs}
-
-
-def read_metadata(out: Path) -> Metadata | None:
-    """What metadata.json says; None where there is none or none of ours."""
-    try:
-        return Metadata.model_validate_json((out / METADATA).read_bytes())
-    except (*NOT_THERE, ValidationError):
-        return None
 
 
 def _remove_files(folder: Path, names: Sequence[str]) -> None:

@@ -11,28 +11,29 @@ from typing import ClassVar
 
 from blender_scenes.annotations.job import AnnotationJob
 from blender_scenes.render.devices import DeviceKind
-from blender_scenes.render.frame_files import Ledger, frame_name
+from blender_scenes.render.frame_files import Ledger
 from blender_scenes.render.job import FramePose, RenderJob, build_job
 from blender_scenes.render.protocol import Work
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec
-from physics.arena.geometry import Arena
 from physics.robot.path import RobotPath
 from pipeline.executors.base import Executor
-from pipeline.run_folder.workspace import DONE, FAILED, StageFolder, held, input_key, mark_done
+from pipeline.run_folder.workspace import FAILED, StageFolder, input_key, mark_done
 from pipeline.stages.simulate_runs import failed_runs
 from pipeline.work.cpu import cpu_class
 from pipeline.work.supervisor import AnyEvent, AnyUnit, Retried, SetAside
 from pipeline.work.units import Failed, Finished, Progress, RenderUnit
 from sensors.camera.exposure_guard import Extremes, all_black, exposure_warnings
+from symolo.arena.geometry import Arena
 from symolo.core.atomic_files import make_folder, remove_file, remove_folder, write_file
 from symolo.core.file_hashes import canonical_json, sha256_of
+from symolo.core.file_locks import held
 from symolo.core.progress import Report
 from symolo.core.random_streams import stream
 from symolo.core.versions import versions
-from symolo.dataset.layout import IMAGES, JOB
+from symolo.dataset.layout import DONE, IMAGES, JOB, frame_name
 from symolo.dataset.metadata import FailedRun
 from symolo.dataset.rows import Rows
 

@@ -7,18 +7,19 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from configs.schema.scenario import RunSpec
-from physics.arena.geometry import Arena
 from physics.bullet.simulation import BulletSimulation
-from physics.control.base import ControlInput, State
+from physics.control.base import ControlInput
 from physics.run.lap import Lap
 from physics.run.pilot import BuiltInPilot, Decision, Pilot
-from physics.run.trajectory import Recording, TimeSeries, Trajectory
 from sensors.fit_out import fit_out
 from sensors.instruments import read_current_A, read_speed_rad_s
 from sensors.odometry import Odometry
 from sensors.suite import Reading, SensorSuite
+from symolo.arena.geometry import Arena
 from symolo.core.errors import RunFailed
 from symolo.core.random_streams import stream
+from symolo.core.time_series import Recording, TimeSeries, Trajectory
+from symolo.dataset.codes import State
 from symolo.dataset.obstacles import obstacle_series
 from symolo.dataset.side_tables import BOARD_SERIES
 

@@ -12,8 +12,6 @@ from configs.schema.board import Board
 from configs.schema.scenario import RunSpec
 from hil.loop import BoardEvent
 from hil.pilot import PilotFromBoard, build_for, firmware_id_of, pilot_from_board
-from hil.tally import COUNTED
-from physics.run.trajectory import Recording
 from pipeline.executors.base import Executor
 from pipeline.run_folder.workspace import StageFolder, Workspace, input_key, mark_done
 from pipeline.work.cpu import cpu_class
@@ -23,7 +21,9 @@ from symolo.core.atomic_files import write_file
 from symolo.core.errors import InputError, RunFailed
 from symolo.core.file_hashes import canonical_json
 from symolo.core.progress import Report
+from symolo.core.time_series import Recording
 from symolo.core.versions import versions
+from symolo.dataset.codes import BOARD_EVENT_COLUMNS
 from symolo.dataset.layout import SPEC
 from symolo.dataset.metadata import BoardRecord, FailedRun
 
@@ -218,7 +218,7 @@ def _board_record(board: Board, pilot: PilotFromBoard) -> BoardRecord:
         actuation_delay_ticks=board.actuation_delay_ticks,
         firmware_id=pilot.firmware_id,
         rows_unanswered=kinds["no answer"],
-        events={column: kinds[kind] for kind, column in COUNTED.items() if kinds[kind]},
+        events={column: kinds[kind] for kind, column in BOARD_EVENT_COLUMNS.items() if kinds[kind]},
     )
 
 

@@ -16,7 +16,6 @@ from typing import Any
 from pydantic import ValidationError
 
 from configs.schema.scenario import RunSpec
-from pipeline.assembly.description import DESCRIPTION
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.assemble import release_run
 from pipeline.stages.simulate_runs import spec_text
@@ -25,7 +24,7 @@ from symolo.core.file_hashes import canonical_json
 from symolo.core.os_errors import lacking
 from symolo.core.progress import Report
 from symolo.dataset.bag import BAG_INFO
-from symolo.dataset.layout import SIDE, SPEC
+from symolo.dataset.layout import DESCRIPTION, SIDE, SPEC
 from symolo.dataset.metadata import METADATA, Metadata, made_with
 from symolo.storage.base import LocalFile, Store
 from symolo.storage.comparison import compare_listed, digest_of, released_files

@@ -10,9 +10,9 @@ from configs.schema.scenario import RunSpec
 from pipeline.executors.base import Executor
 from pipeline.planning.drawing import draw_reported
 from pipeline.planning.plan import Plan
-from pipeline.run_folder.output import check_disk, check_out
+from pipeline.run_folder.output import check_out
 from pipeline.run_folder.own_files import keep_own_files
-from pipeline.run_folder.workspace import Kind, Workspace
+from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.annotate import AnnotationTask
 from pipeline.stages.assemble import assemble
 from pipeline.stages.render import Appearance, FrameTask, Order, RenderTask, render_runs
@@ -24,8 +24,10 @@ from pipeline.stages.simulate_runs import (
     simulation_key,
 )
 from pipeline.work.supervisor import cores
+from symolo.core.disk_space import check_disk
 from symolo.core.errors import InputError
 from symolo.core.progress import Report
+from symolo.dataset.folder_kind import Kind
 from symolo.dataset.metadata import FailedRun
 from symolo.dataset.rows import Rows
 

@@ -10,9 +10,9 @@ from rich.table import Table
 from rich.text import Text
 
 from configs.schema.scenario import RunSpec
-from hil.tally import COLUMNS
 from physics.control.base import ControlInput
 from physics.run.pilot import Decision
+from symolo.dataset.codes import BOARD_COLUMNS
 from symolo.dataset.metadata import STATES
 
 BETWEEN_S = 0.1
@@ -27,11 +27,11 @@ class LiveView:
     def __init__(self, spec: RunSpec, live: Live) -> None:
         self._spec, self._live = spec, live
         self._began_s = self._shown_s = time.monotonic()
-        self._counts = dict.fromkeys(COLUMNS, 0)
+        self._counts = dict.fromkeys(BOARD_COLUMNS, 0)
 
     def show(self, t_s: float, seen: ControlInput, decision: Decision) -> None:
         """Take one control tick; draws ten times a second."""
-        for name, count in zip(COLUMNS, decision.board, strict=bool(decision.board)):
+        for name, count in zip(BOARD_COLUMNS, decision.board, strict=bool(decision.board)):
             self._counts[name] += count
         now_s = time.monotonic()
         if now_s - self._shown_s >= BETWEEN_S:

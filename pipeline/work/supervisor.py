@@ -254,7 +254,7 @@ class _Slots:
         at = tried.at
         tried.failed[at] += 1
         count, most = tried.failed[at], self.limits.tries
-        what = tried.unit.name if at is None else f"{tried.unit.name}, {tried.left.part(at)}"
+        what = tried.unit.name if at is None else f"{tried.unit.name}, image {at}"
         if count < most:
             self.events.put((tried.unit, Retried(f"{what}: {failed.text}; trying again ({count + 1} of {most})")))
             return None
@@ -262,7 +262,7 @@ class _Slots:
             return Failed(
                 error=failed.error, text=f"given up after {most} tries; the same command tries it again: {failed.text}"
             )
-        self.events.put((tried.unit, SetAside(tried.left.set_aside(at, most, failed.text))))
+        self.events.put((tried.unit, SetAside(tried.left.given_up(at, most, failed.text))))
         rest = tried.left.without(at)
         if rest is None:
             return Finished()

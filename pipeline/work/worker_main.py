@@ -1,7 +1,7 @@
-"""The worker process: `python -m pipeline.work.worker_main` reads a unit a line, does it and says how it goes.
+"""The worker process: `python -m pipeline.work.worker_main` reads one unit a line, does it and reports its progress.
 
-Its input stays open as long as the supervisor lives and wants it; when it closes, the worker ends itself and its
-children.
+Its input stays open as long as the supervisor lives and needs it. When the input closes, the worker kills itself and
+its children.
 """
 
 import os
@@ -12,50 +12,144 @@ import sys
 import threading
 import time
 import traceback
-from typing import TextIO
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Any, Protocol, TextIO
 
-from pipeline.work.units import UNITS, Alive, AnyUnit, EngineFailed, Failed, Finished, Message, Progress, Tell
+from pipeline.work.cpu import cpu_class
+from pipeline.work.units import (
+    UNITS,
+    Alive,
+    AnyUnit,
+    DiagnoseUnit,
+    Failed,
+    Finished,
+    Message,
+    Progress,
+    RenderUnit,
+    SimulateUnit,
+)
 from pipeline.work.worker_process import SCRATCH
+from symolo.core.atomic_files import make_folder, write_file
 from symolo.core.errors import EnvironmentLacking, InputError, RunFailed
 from symolo.core.os_errors import lacking
 
 SECONDS_BETWEEN_BEATS = 5.0
 
 
-class Channel:
-    """What the supervisor hears, one message a line; several threads speak."""
+class EngineFailed(Exception):  # noqa: N818 - an outcome with a name, as `RunFailed` is
+    """An engine died, hung or gave up; another try may succeed."""
+
+
+class OnProgress(Protocol):
+    """Called while a unit is done."""
+
+    def __call__(self, share: float, at: int | None = None) -> None:
+        """Take the share of the unit that is done, 0 to 1, and the number of the frame that is begun."""
+        ...
+
+
+def simulate_run(unit: SimulateUnit, on_progress: OnProgress) -> None:
+    from pipeline.stages.simulate_runs import simulate_into  # noqa: PLC0415 - loads PyBullet
+
+    simulate_into(unit.spec, unit.folder, unit.key, on_progress)
+
+
+def render_frames(unit: RenderUnit, on_progress: OnProgress) -> None:
+    """Render a block of frames.
+
+    Raises:
+        EngineFailed: Blender failed.
+    """
+    from blender_scenes.render.renderer import RenderError, render_job  # noqa: PLC0415 - loads OpenCV
+
+    done: list[int] = []
+
+    def on_frame(number: int) -> None:
+        done.append(number)
+        on_progress(len(done) / len(unit.numbers))
+
+    try:
+        render_job(
+            unit.job,
+            unit.folder,
+            work=unit.work,
+            threads=unit.threads,
+            numbers=unit.numbers,
+            on_frame=on_frame,
+            on_begin=lambda number: on_progress(len(done) / len(unit.numbers), number),
+            own_files=unit.own_files,
+            cpu=cpu_class(),
+        )
+    except RenderError as error:
+        raise EngineFailed(str(error)) from error
+
+
+def diagnose_case(unit: DiagnoseUnit, _on_progress: OnProgress) -> None:
+    """Diagnose a case; of several cases a bad one fails alone.
+
+    Raises:
+        InputError: The only case is bad.
+        RunFailed: One of several cases is bad or brings out a bug.
+    """
+    from pipeline.diagnosing.diagnose import TRACEBACK, diagnose_into  # noqa: PLC0415 - loads SciPy and Matplotlib
+
+    try:
+        diagnose_into(unit.case, unit.settings, unit.folder)
+    except (EnvironmentLacking, OSError):
+        raise
+    except Exception as error:
+        if unit.alone:
+            raise
+        if isinstance(error, InputError):
+            raise RunFailed(str(error)) from error
+        # A bug that one case brings out is no reason to lose the others; its traceback is kept.
+        make_folder(unit.folder)
+        note = unit.folder / TRACEBACK
+        write_file(note, traceback.format_exc().encode())
+        cause = f"a bug of symolo: {type(error).__name__}: {error}".splitlines()[0]
+        raise RunFailed(f"{cause}; please report it with {note}") from error
+
+
+WORK: Mapping[type[AnyUnit], Callable[[Any, OnProgress], None]] = MappingProxyType(
+    {SimulateUnit: simulate_run, RenderUnit: render_frames, DiagnoseUnit: diagnose_case}
+)
+
+
+class Answers:
+    """The stream of messages to the supervisor, one a line; several threads write to it."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
-        self._speaking = threading.Lock()
+        self._writing = threading.Lock()
 
-    def say(self, message: Message) -> None:
-        with self._speaking:
+    def send(self, message: Message) -> None:
+        with self._writing:
             self._stream.write(message.model_dump_json() + "\n")
             self._stream.flush()
 
-    def keep_saying_so(self) -> None:
+    def send_signs_of_life(self) -> None:
         while True:
             time.sleep(SECONDS_BETWEEN_BEATS)
-            self.say(Alive())
+            self.send(Alive())
 
 
 def main() -> None:
-    # Engines print to file descriptor 1 whatever Python's sys.stdout is, so that the channel gets one of its own.
-    channel = Channel(os.fdopen(os.dup(1), "w", encoding="utf-8"))
+    # Engines print to file descriptor 1 whatever Python's sys.stdout is, so the messages get a descriptor of their own.
+    answers = Answers(os.fdopen(os.dup(1), "w", encoding="utf-8"))
     os.dup2(2, 1)
     lines: queue.SimpleQueue[str] = queue.SimpleQueue()
-    threading.Thread(target=_listen, args=(lines,), daemon=True).start()
-    threading.Thread(target=channel.keep_saying_so, daemon=True).start()
+    threading.Thread(target=_receive, args=(lines,), daemon=True).start()
+    threading.Thread(target=answers.send_signs_of_life, daemon=True).start()
     while True:
         unit = UNITS.validate_json(lines.get())
-        channel.say(do(unit, lambda share, at=None: channel.say(Progress(share=share, at=at))))
+        answers.send(do(unit, lambda share, at=None: answers.send(Progress(share=share, at=at))))
 
 
-def do(unit: AnyUnit, progress: Tell) -> Finished | Failed:
-    """Do a unit, and say what came of it in the words of the protocol."""
+def do(unit: AnyUnit, on_progress: OnProgress) -> Finished | Failed:
+    """Do a unit and return the message about its end."""
     try:
-        unit.run(progress)
+        WORK[type(unit)](unit, on_progress)
     except InputError as error:
         return Failed(error="input", text=str(error))
     except EnvironmentLacking as error:
@@ -65,14 +159,14 @@ def do(unit: AnyUnit, progress: Tell) -> Finished | Failed:
     except EngineFailed as error:
         return Failed(error="engine", text=str(error))
     except Exception as error:  # noqa: BLE001 - reported with its traceback by the supervisor, which decides
-        if told := lacking(error):
-            return Failed(error="environment", text=told)
+        if cause := lacking(error):
+            return Failed(error="environment", text=cause)
         return Failed(error="bug", text=traceback.format_exc())
     return Finished()
 
 
-def _listen(lines: "queue.SimpleQueue[str]") -> None:
-    """Passes units on, and ends all when the supervisor is gone, even killed: its end of the pipe closes with it."""
+def _receive(lines: "queue.SimpleQueue[str]") -> None:
+    """Pass units on, and kill all when the supervisor is gone: its end of the pipe closes even when it is killed."""
     for line in sys.stdin:
         lines.put(line)
     if scratch := os.environ.get(SCRATCH):

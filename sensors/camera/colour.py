@@ -5,8 +5,10 @@ import colorsys
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.scene.shading import RGB, Color
 from configs.schema.look import Paint
+
+RGB = tuple[float, float, float]
+"""Linear Rec. 709 components; reflectances lie within 0 to 1."""
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 """Weights of linear Rec. 709 components (ITU-R BT.709)."""
@@ -25,10 +27,6 @@ def paint_rgb(paint: Paint, *, times: float = 1.0) -> RGB:
     tint = np.array(colorsys.hsv_to_rgb((paint.hue_deg / 360.0) % 1.0, paint.saturation, 1.0))
     rgb = tint * (paint.reflectance * times / float(tint @ LUMINANCE))
     return _triple(np.clip(rgb, 0.0, 0.95))
-
-
-def paint_color(paint: Paint, *, times: float = 1.0) -> Color:
-    return Color(paint_rgb(paint, times=times))
 
 
 def light_rgb(temperature_K: float) -> RGB:

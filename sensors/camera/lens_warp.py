@@ -11,12 +11,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.render.sampling import LIGHT_WIDTH_PX
-from blender_scenes.scene.description import Intrinsics
-from sensors.camera.geometry import rays_of
 from symolo.core.lens import NO_DISTORTION, border_rays, refined
+from symolo.core.pinhole import Intrinsics, rays_of
 
 Image = NDArray[np.float32]
+
+LIGHT_WIDTH_PX = 80
+"""Minimum width of the light image of hybrid rendering, which is the final one halved as often as this allows."""
 
 _SPARE_PX = 2
 """Beyond the outermost ray, for the interpolation."""
@@ -50,7 +51,7 @@ def pinhole_picture(camera: Intrinsics) -> PinholePicture:
     left, top = np.maximum(0, np.ceil(-reached.min(axis=0)) + _SPARE_PX).astype(int).tolist()
     right, bottom = np.maximum(0, np.ceil(reached.max(axis=0) - last) + _SPARE_PX).astype(int).tolist()
     width_px, height_px = camera.width_px + left + right, camera.height_px + top + bottom
-    # So that pixels of a picture from parts can share their light, a square of them each.
+    # Hybrid rendering lets each square of so many pixels share one pixel of light.
     side_px = 2 ** int(np.log2(max(width_px / LIGHT_WIDTH_PX, 1)))
     pinhole = Intrinsics(
         -(-width_px // side_px) * side_px,

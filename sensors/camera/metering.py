@@ -1,24 +1,25 @@
-"""What a run's exposure is metered on: a few of its views, small."""
+"""Which views a run's exposure is metered on: a few of its frames, made small."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from blender_scenes.render.job import RenderJob
-from blender_scenes.scene.description import FrameView, Intrinsics
+from sensors.camera.views import FrameView
+from symolo.core.pinhole import Intrinsics
 
 _VIEWS = 5
 _WIDTH_PX = 64
 
 
-def metered_views(job: RenderJob) -> tuple[FrameView, ...]:
-    """Spread over the run, whichever frames are asked for, each of an instant."""
-    chosen = np.unique(np.linspace(0, len(job.frames) - 1, _VIEWS).round().astype(int))
-    return tuple(replace(job.frames[i], exposure=()) for i in chosen)
+def metered_views(frames: Sequence[FrameView]) -> tuple[FrameView, ...]:
+    """Return views spread over all frames of a run, each of them without an exposure time."""
+    chosen = np.unique(np.linspace(0, len(frames) - 1, _VIEWS).round().astype(int))
+    return tuple(replace(frames[i], exposure=()) for i in chosen)
 
 
 def metering_camera(camera: Intrinsics) -> Intrinsics:
-    """The same field of view in few pixels."""
+    """Return a camera with the same field of view and few pixels."""
     height_px = max(1, round(_WIDTH_PX * camera.height_px / camera.width_px))
     x, y = _WIDTH_PX / camera.width_px, height_px / camera.height_px
     return replace(

@@ -13,9 +13,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.scene.shading import RGB
 from configs.schema.look import CameraLook
-from sensors.camera.colour import LUMINANCE, light_rgb
+from sensors.camera.colour import LUMINANCE, RGB, light_rgb
 from symolo.core.random_streams import stream
 
 Image = NDArray[np.float32]

@@ -7,10 +7,11 @@ up for to first order: exactly where the camera turns, and for points on the flo
 
 import numpy as np
 
-from blender_scenes.scene.description import FrameView, Intrinsics, Shutter
 from sensors.camera.lens_warp import Image, pinhole_picture, sources
 from sensors.camera.shutter import window
+from sensors.camera.views import FrameView
 from symolo.core.lens import NO_DISTORTION
+from symolo.core.pinhole import Intrinsics, Shutter
 
 
 def lateness(view: FrameView, camera: Intrinsics, shutter: Shutter) -> Image | None:

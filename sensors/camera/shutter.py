@@ -5,12 +5,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from blender_scenes.scene.description import FrameView, Intrinsics, Matrix4, Moment, PlanarPose, Shutter
-from physics.arena.geometry import Arena
 from physics.robot.path import RobotPath
-from sensors.camera.geometry import pose_X_WR
 from sensors.camera.lens_warp import pinhole_picture
+from sensors.camera.views import FrameView, Moment
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
+from symolo.core.pinhole import Intrinsics, Shutter
+from symolo.core.poses import Matrix4, PlanarPose, pose_X_WR
 
 MOMENTS = 5
 """Between two of them everything moves straight and turns evenly: on an arc of 0.2 rad off by 0.1 % of its length."""
@@ -27,16 +28,11 @@ class Window:
     """Exposure of one row as a share of the window."""
 
 
-def row_opens_s(shutter: Shutter, row: int, rows: int) -> float:
-    """When the exposure of a picture's row begins, after the view's time."""
-    return ((row + 0.5) / rows - 0.5) * shutter.read_out_s - 0.5 * shutter.exposure_s
-
-
 def window(shutter: Shutter, camera: Intrinsics) -> Window:
     """Of length 0 for an instant.
 
     Cycles exposes the middle of row r of H ((r + 1) / H - 0.5) of its read-out after the middle of the window
-    (kernel/camera/camera.h), which is half a row later than `row_opens_s` has it.
+    (kernel/camera/camera.h), which is half a row later than `Shutter.row_opens_s` has it.
     """
     pinhole = pinhole_picture(camera)
     row_s = shutter.read_out_s / camera.height_px

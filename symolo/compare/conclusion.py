@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from pipeline.stages.assemble import read_metadata
 from symolo.compare.folders import FileResult, Verdict
 from symolo.compare.likeness import shown_db
 from symolo.dataset.bag import read_cpu_classes
+from symolo.dataset.metadata import read_metadata
 
 Found = TypeVar("Found")
 

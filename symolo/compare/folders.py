@@ -5,12 +5,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
-from pipeline.assembly.description import DESCRIPTION
-from pipeline.run_folder.workspace import STAGES
 from symolo.compare import documents, pictures, tables
 from symolo.compare.likeness import EQUAL, Likeness, shown_db
 from symolo.core.errors import InputError, one_line
 from symolo.dataset.bag import BAG_INFO, DECLARATION
+from symolo.dataset.layout import DESCRIPTION, STAGES
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST
 
 KINDS: dict[str, Callable[[bytes, bytes, str], Likeness]] = {

@@ -6,7 +6,6 @@ dot and ends in `.tmp` or `.dropped` is unfinished, and belongs to nobody once i
 
 import contextlib
 import errno
-import fcntl
 import hashlib
 import os
 import re
@@ -15,12 +14,12 @@ import shutil
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from symolo.core.file_locks import lock
+
 UNFINISHED = re.compile(r"\.(.+)\.([0-9a-f]{1,16})\.tmp")
 WRITER = "SYMOLO_WRITER"
 """Variable with the first half of the chance in all such names of a process and its children, once they are given it:
 whoever ends them can then tell what they left from what others are writing beside them."""
-LOCK = ".lock"
-"""In a folder that is locked; it stays, for who removes it could remove that of somebody who has just come."""
 DROPPED = re.compile(r"\..+\.dropped")
 
 
@@ -124,7 +123,7 @@ def append_line(path: Path, line: bytes) -> None:
     new = not path.exists()
     descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o666)
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        lock(descriptor)
         end = os.fstat(descriptor).st_size
         cut = end > 0 and os.pread(descriptor, 1, end - 1) != b"\n"
         try:
@@ -138,15 +137,6 @@ def append_line(path: Path, line: bytes) -> None:
         os.close(descriptor)
     if new:
         sync_folder(path.parent)
-
-
-def opened_lock(folder: Path) -> int:
-    """Descriptor of the file whose `flock` stands for that of a folder, wherever the folder is mounted.
-
-    A lock on the folder itself is seen on one machine alone: clients of network file systems pass on locks of files,
-    and exclusive ones only of files that are open for writing (flock(2), on NFS).
-    """
-    return os.open(folder / LOCK, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o666)
 
 
 def sync_folder(path: Path) -> None:

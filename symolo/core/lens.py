@@ -4,9 +4,10 @@ Coordinates are those of rays, x / z and y / z in the optical frame (x right, y 
 OpenCV's "Camera Calibration and 3D Reconstruction"; its denominators and thin prism are left out.
 """
 
+from typing import Protocol
+
 import numpy as np
 
-from configs.schema.robot import Camera
 from symolo.core.arrays import Array
 
 Coefficients = tuple[float, float, float, float, float]
@@ -21,7 +22,35 @@ _BORDER_POINTS = 65
 """On each side."""
 
 
-def coefficients(camera: Camera) -> Coefficients:
+class Distortion(Protocol):
+    """Radial (k) and tangential (p) coefficients, as the configuration of a robot has them."""
+
+    k1: float
+    k2: float
+    p1: float
+    p2: float
+    k3: float
+
+
+class MountedCamera(Protocol):
+    """A camera on a robot, as the configuration of a robot has it; the camera's x and y are those of R."""
+
+    x_m: float
+    y_m: float
+    height_above_base_m: float
+    pitch_down_deg: float
+    yaw_left_deg: float
+    roll_deg: float
+    focal_length_mm: float
+    sensor_width_mm: float
+    principal_point_right_mm: float
+    principal_point_down_mm: float
+
+    @property
+    def distortion(self) -> Distortion: ...
+
+
+def coefficients(camera: MountedCamera) -> Coefficients:
     lens = camera.distortion
     return lens.k1, lens.k2, lens.p1, lens.p2, lens.k3
 
@@ -88,7 +117,7 @@ def border_rays(lens: Coefficients, low: tuple[float, float], high: tuple[float,
     return undistorted(lens, np.concatenate(sides))
 
 
-def lens_problem(camera: Camera, width_px: int, height_px: int) -> str:
+def lens_problem(camera: MountedCamera, width_px: int, height_px: int) -> str:
     """Why no picture of this size can be made through the camera's lens; empty where one can.
 
     A lens that does not fold takes little more than twice the picture's width and height of pinhole picture.

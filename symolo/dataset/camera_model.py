@@ -8,13 +8,12 @@ from typing import Protocol
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from blender_scenes.scene.description import Shutter
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render
-from sensors.camera.geometry import intrinsics, matrix_K, pose_X_RC, pose_X_WR
-from sensors.camera.shutter import row_opens_s
 from symolo.core.file_hashes import canonical_json
+from symolo.core.pinhole import Shutter, intrinsics, matrix_K, pose_X_RC
+from symolo.core.poses import pose_X_WR
 from symolo.dataset.layout import SIDE
 from symolo.dataset.rows import Rows
 from symolo.dataset.side_reading import read_record
@@ -96,7 +95,7 @@ def camera_table(spec: Taken, rows: Rows) -> np.ndarray:
     """The columns of side/camera.csv, (images, 16)."""
     X_RC = pose_X_RC(spec.robot.camera, spec.robot.chassis.base_height_m)
     shutter = Shutter(spec.look.camera.exposure_time_s, spec.robot.camera.read_out_s)
-    opens_ms = 1000 * row_opens_s(shutter, 0, spec.render.height_px)
+    opens_ms = 1000 * shutter.row_opens_s(0, spec.render.height_px)
     table = []
     for i in np.flatnonzero(rows.image):
         X_WC = pose_X_WR(*rows.pose[i]) @ X_RC

@@ -1,7 +1,15 @@
-"""Where things lie in the folder of a run."""
+"""Where things lie in the folder of a dataset and of a run."""
 
-DATA, POSITIONS, SIDE, IMAGES = "data.csv", "image_positions.txt", "side", "images"
+DESCRIPTION = "README.md"
+DATA, POSITIONS, SIDE, IMAGES, ANNOTATIONS = "data.csv", "image_positions.txt", "side", "images", "annotations"
 SPEC = "spec.json"
 """Below `side/`, and beside what the first stage made."""
 JOB, LOOK = "job.json", "look.json"
-"""Beside the pictures of `rerender`: what they were rendered from, and what was drawn for them."""
+"""Beside the images of `rerender`: what they were rendered from, and what was drawn for them."""
+STAGES, DONE = ".stages", "done.json"
+"""Hidden folder of an output folder with the results of each stage, and the last file that a finished stage writes."""
+
+
+def frame_name(number: int) -> str:
+    """Return the file name of the image with this number."""
+    return f"{number:06d}.jpg"

@@ -4,9 +4,9 @@ import hashlib
 from collections.abc import Mapping
 from pathlib import Path
 
-from pipeline.run_folder.workspace import STAGES
 from symolo.core.file_hashes import hashes_of
 from symolo.dataset.bag import BAG_INFO
+from symolo.dataset.layout import STAGES
 
 MANIFEST = "manifest-sha256.txt"
 TAG_MANIFEST = "tagmanifest-sha256.txt"

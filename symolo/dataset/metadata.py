@@ -3,17 +3,19 @@
 import platform
 import re
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from configs.schema.board import BoardKind, FramingName
 from configs.schema.scenario import AnnotationName, Rates, RunSpec, StartPose
-from physics.arena.geometry import Arena
-from physics.control.base import State
+from symolo.arena.geometry import Arena
 from symolo.core.file_hashes import canonical_json
+from symolo.core.os_errors import NOT_THERE
 from symolo.core.versions import versions
+from symolo.dataset.codes import State
 from symolo.dataset.obstacles import obstacle_table
 from symolo.dataset.rows import COLUMNS, HEADER, Rows
 from symolo.dataset.side_tables import BOARD, CAMERA, TOF, WHEELS, SideTable
@@ -212,3 +214,11 @@ def describe(
         runs=list(runs),
         failed_runs=list(failed),
     )
+
+
+def read_metadata(root: Path) -> Metadata | None:
+    """Return what metadata.json of a folder holds; None where there is none, or none of this format."""
+    try:
+        return Metadata.model_validate_json((root / METADATA).read_bytes())
+    except (*NOT_THERE, ValidationError):
+        return None

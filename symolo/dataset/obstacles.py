@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from physics.arena.geometry import Arena
-from physics.run.trajectory import Recording, TimeSeries
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
+from symolo.core.time_series import Recording, TimeSeries
 from symolo.dataset.rows import Rows, heading, wrapped
 from symolo.dataset.side_tables import SideColumn, SideTable
 

@@ -9,10 +9,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from physics.control.base import State
-from physics.run.trajectory import Recording
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
+from symolo.core.time_series import Recording
+from symolo.dataset.codes import State
 
 Ints = NDArray[np.int64]
 Numbers = NDArray[np.float64 | np.int64]

@@ -4,10 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hil.tally import COLUMNS as BOARD_COLUMNS
-from physics.run.trajectory import Recording
-from sensors.tof import TofStatus
 from symolo.core.arrays import Array
+from symolo.core.time_series import Recording
+from symolo.dataset.codes import BOARD_COLUMNS, TofStatus
 from symolo.dataset.rows import Numbers, Rows, csv_bytes, heading
 
 

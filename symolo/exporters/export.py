@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from pipeline.run_folder.output import check_disk
 from symolo.core.atomic_files import make_folder, write_file
+from symolo.core.disk_space import check_disk
 from symolo.core.errors import InputError, nearest
 from symolo.core.file_hashes import canonical_json, sha256_of
 from symolo.core.new_folder import check_new, new_folder

@@ -7,7 +7,7 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
-from physics.arena.geometry import Arena, Box
+from symolo.arena.geometry import Arena, Box
 from symolo.core.arrays import Array
 from symolo.core.file_hashes import sha256_of
 from symolo.dataset.manifest import MANIFEST

@@ -14,8 +14,8 @@ import numpy as np
 import pandas as pd
 from scipy.spatial.transform import Rotation
 
-from sensors.tof import TofStatus
 from symolo.core.arrays import Array
+from symolo.dataset.codes import TofStatus
 from symolo.exporters.base import pictures_bytes
 from symolo.reader.image import Image
 from symolo.reader.run import Run

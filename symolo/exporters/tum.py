@@ -9,8 +9,8 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from sensors.camera.geometry import pose_X_WR
 from symolo.core.arrays import Array
+from symolo.core.poses import pose_X_WR
 from symolo.dataset.rows import csv_bytes
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
 from symolo.reader.dataset import Dataset

@@ -7,9 +7,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from blender_scenes.render.frame_files import frame_name
-from pipeline.run_folder.workspace import STAGES
 from symolo.core.errors import InputError
+from symolo.dataset.layout import STAGES, frame_name
 from symolo.dataset.rows import Rows, read_rows
 from symolo.pages.sheet import Cell, Pixels, check_side, row, stacked
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from pydantic import TypeAdapter, ValidationError
 
 from configs.schema.base import Slug
-from pipeline.run_folder.output import check_disk
 from symolo.core.atomic_files import write_chunks, write_file
+from symolo.core.disk_space import check_disk
 from symolo.core.errors import InputError
 from symolo.core.file_hashes import canonical_json, sha256_of
 from symolo.core.new_folder import check_new, new_folder

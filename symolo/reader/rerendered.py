@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from blender_scenes.render.job import RenderJob
-from sensors.camera.geometry import matrix_K, pose_X_WR
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.pinhole import matrix_K
+from symolo.core.poses import pose_X_WR
 from symolo.dataset.camera_model import X_CB, CameraModel
 from symolo.dataset.layout import JOB
 

@@ -140,7 +140,7 @@ class Run:
         return self.images[self.index_of(number)]
 
     def image_path(self, number: int) -> Path:
-        from blender_scenes.render.frame_files import frame_name
+        from symolo.dataset.layout import frame_name
 
         return self.folder / IMAGES / frame_name(number)
 
@@ -227,7 +227,7 @@ class Run:
 
     @property
     def _annotation_folder(self) -> Path:
-        from symolo.verification.annotations import ANNOTATIONS
+        from symolo.dataset.layout import ANNOTATIONS
 
         return self.folder / ANNOTATIONS
 

@@ -5,8 +5,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
-from pipeline.run_folder.output import check_room
-from pipeline.run_folder.workspace import STAGES, held_or_refused
 from symolo.core.atomic_files import (
     make_folder,
     remove_file,
@@ -15,11 +13,14 @@ from symolo.core.atomic_files import (
     replace_folder,
     write_file,
 )
+from symolo.core.disk_space import check_room
 from symolo.core.errors import InputError
 from symolo.core.file_hashes import hashes_of
+from symolo.core.file_locks import held_or_refused
 from symolo.core.new_folder import check_new
 from symolo.core.paths import BELOW_CHARS
 from symolo.core.progress import Report
+from symolo.dataset.layout import STAGES
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, tag_manifest
 from symolo.storage.base import Store
 from symolo.storage.side_by_side import side_by_side

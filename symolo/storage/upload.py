@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 
-from pipeline.run_folder.output import check_outside
 from symolo.core.errors import InputError
 from symolo.core.progress import Report
+from symolo.dataset.folder_kind import check_outside
 from symolo.storage.base import LocalFile, Store
 from symolo.storage.comparison import Comparison, compare, released_files
 from symolo.storage.folder import Folder

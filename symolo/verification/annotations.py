@@ -8,16 +8,13 @@ import numpy as np
 from blender_scenes.annotations.document import DOCUMENT, ENCODINGS, Document
 from blender_scenes.annotations.instances import CATEGORIES
 from blender_scenes.annotations.job import RECORDS, picture_file
-from blender_scenes.render.frame_files import frame_name
 from configs.schema.scenario import RunSpec
-from sensors.camera.geometry import intrinsics
+from symolo.core.pinhole import intrinsics
 from symolo.dataset.camera_model import camera_table
+from symolo.dataset.layout import frame_name
 from symolo.dataset.metadata import RunRecord
 from symolo.dataset.pixels import decoded
 from symolo.dataset.rows import Rows
-
-ANNOTATIONS = "annotations"
-"""Their folder within a run's."""
 
 _FORMS = {
     "depth": (np.uint16, 1),

@@ -11,10 +11,11 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from pipeline.run_folder.workspace import DONE, STAGES, Done
 from symolo.core.errors import InputError
 from symolo.core.file_hashes import sha256_of
 from symolo.dataset.bag import BAG_INFO
+from symolo.dataset.folder_kind import Done
+from symolo.dataset.layout import DONE, STAGES
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, tag_manifest
 from symolo.verification.findings import Finding
 

@@ -7,18 +7,18 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
-from blender_scenes.render.frame_files import frame_name
 from configs.schema.arena import ArenaConfig
 from configs.schema.scenario import RunSpec
-from physics.arena.geometry import Arena
 from pipeline.assembly.scene_record import SCENE, read_scene_record
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.dataset.camera_model import INTRINSICS, CameraModel, camera_table, read_camera_model
+from symolo.dataset.layout import ANNOTATIONS, frame_name
 from symolo.dataset.metadata import RunRecord
 from symolo.dataset.obstacles import obstacle_table, off_the_path
 from symolo.dataset.rows import HEADER, Rows, parse_table, semantic_faults
 from symolo.dataset.side_tables import BOARD, CAMERA, POSITIONS_HEADER, TOF, WHEELS
-from symolo.verification.annotations import ANNOTATIONS, annotation_faults
+from symolo.verification.annotations import annotation_faults
 from symolo.verification.findings import Finding
 
 MAX_PER_KIND = 5

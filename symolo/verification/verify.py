@@ -5,9 +5,9 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from pipeline.assembly.description import DESCRIPTION
 from symolo.core.errors import InputError
 from symolo.dataset.bag import DECLARATION
+from symolo.dataset.layout import DESCRIPTION
 from symolo.dataset.metadata import METADATA, Metadata
 from symolo.publishing.bagging import PAYLOAD
 from symolo.verification.bag import bag_findings

@@ -5,9 +5,9 @@ import importlib
 import numpy as np
 import pytest
 
-from blender_scenes.scene.description import Intrinsics
 from configs.schema.arena import ArenaConfig
-from physics.arena.geometry import Arena
+from symolo.arena.geometry import Arena
+from symolo.core.pinhole import Intrinsics
 
 HEIGHT_M, FOCAL_PX = 0.2, 100.0
 CAMERA = Intrinsics(160, 120, FOCAL_PX, FOCAL_PX, 79.5, 59.5, (0.0, 0.0, 0.0, 0.0, 0.0))

@@ -13,13 +13,15 @@ import yaml
 import configs
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.sampling import Sampling
-from blender_scenes.scene.description import INSTANT, FrameView, Intrinsics, Scene, Shutter
+from blender_scenes.scene.description import Scene
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import CameraLook
 from configs.schema.robot import RobotConfig
-from physics.arena.geometry import Arena
 from sensors.camera.response import CameraResponse
+from sensors.camera.views import INSTANT, FrameView
+from symolo.arena.geometry import Arena
 from symolo.core.lens import NO_DISTORTION, Coefficients
+from symolo.core.pinhole import Intrinsics, Shutter
 
 _SHIPPED = Path(configs.__file__).parent
 

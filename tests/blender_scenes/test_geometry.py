@@ -8,7 +8,7 @@ from blender_scenes.scene.bevel import BEVEL_M
 from blender_scenes.scene.description import Mesh
 from blender_scenes.scene.run_scene import arena_bounds, describe
 from configs.schema.look import LookConfig
-from physics.arena.geometry import Box, Line
+from symolo.arena.geometry import Box, Line
 
 
 def _normals_and_middles(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:

@@ -17,7 +17,7 @@ from blender_scenes.materials.dirt import dirtied
 from blender_scenes.materials.line_paint import line_paint
 from blender_scenes.materials.stains import stained
 from blender_scenes.materials.tape import tape
-from blender_scenes.scene.description import FrameView, Scene, Sky, Sun
+from blender_scenes.scene.description import Scene, Sky, Sun
 from blender_scenes.scene.meshes import rectangle
 from blender_scenes.scene.run_scene import describe
 from blender_scenes.scene.shading import (
@@ -42,8 +42,9 @@ from configs.schema.floors import FloorLook, FloorName, Vinyl
 from configs.schema.lighting import PanoramaName
 from configs.schema.look import LookConfig, TapeLook
 from physics.arena import surfaces
-from physics.arena.geometry import Arena
 from sensors.camera.colour import LUMINANCE
+from sensors.camera.views import FrameView
+from symolo.arena.geometry import Arena
 
 IMAGE = Asset(name="a.png", sha256="0" * 64, width_px=3, height_px=2, mean_rgb=(0.5, 0.4, 0.3))
 LOOK = LookConfig(name="plain", floor=FloorLook(image=ImageLook(file=IMAGE, width_m=0.6)))

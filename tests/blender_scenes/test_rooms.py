@@ -9,9 +9,9 @@ from scipy.spatial import ConvexHull
 
 from blender_scenes.rooms import ROOMS
 from blender_scenes.rooms.furniture import STANDING
-from configs.footprints import Rectangle, outlines_overlap
 from configs.schema.look import LookConfig
 from configs.schema.room import FurnitureLook, RoomLook, WindowLook
+from symolo.arena.footprints import Rectangle, outlines_overlap
 
 LOW, HIGH = (-0.8, -1.1), (0.6, 0.9)
 CROWDED = FurnitureLook(

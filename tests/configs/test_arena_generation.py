@@ -16,12 +16,12 @@ from configs.arena_generation.rejection import Rejected
 from configs.arena_generation.site import NOTICED_M, Site
 from configs.arena_generation.track import Segment, Track
 from configs.draw import draw_arena, draw_robot, draw_run
-from configs.footprints import obstacle_footprint, wall_footprint
 from configs.loader import load_scenario, load_section
 from configs.schema.arena import ArenaConfig, Line, Obstacle, StraightPiece, Wall
 from configs.schema.arena_generator import ArenaGenerator, Clearance
-from physics.arena.geometry import Arena
 from physics.run.lap import Lap
+from symolo.arena.footprints import obstacle_footprint, wall_footprint
+from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 from symolo.core.random_streams import stream
 

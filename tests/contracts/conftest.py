@@ -8,7 +8,6 @@ import pytest
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates
-from physics.arena.geometry import Arena, Box, Line, Straight
 from physics.bullet.simulation import BulletSimulation
 from physics.drivetrain.motor_bench import steady_states, step_responses
 from physics.robot.model import RobotModel
@@ -16,6 +15,7 @@ from physics.twin import KinematicTwin, ReplayedWorld
 from sensors.fit_out import fit_out
 from sensors.instruments import read_current_A, read_speed_rad_s
 from sensors.suite import SensorSuite
+from symolo.arena.geometry import Arena, Box, Line, Straight
 
 TICK_STEPS, TICKS = 50, 12
 PHYSICS_HZ = 1000

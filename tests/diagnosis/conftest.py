@@ -6,7 +6,7 @@ import pytest
 from diagnosis.engine.base import by_twin
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
-from physics.run.trajectory import TimeSeries
+from symolo.core.time_series import TimeSeries
 
 ROWS = 60
 ROW_S = 0.05

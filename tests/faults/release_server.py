@@ -23,7 +23,7 @@ from file_operations import FileOperations
 import pipeline.stages.simulate  # noqa: F401 - so that a fork finds both loaded
 import symolo.exporters.export  # noqa: F401 - likewise
 from blender_scenes.render import renderer
-from blender_scenes.render.frame_files import FrameFile, frame_name, put_in_place
+from blender_scenes.render.frame_files import FrameFile, put_in_place
 from blender_scenes.render.job import RenderJob
 from configs.draw import draw_all
 from configs.loader import load_scenario
@@ -36,6 +36,7 @@ from pipeline.work.units import Failed, Progress
 from pipeline.work.worker_main import do
 from sensors.camera.response import encode_jpeg
 from symolo.core.errors import EnvironmentLacking, InputError
+from symolo.dataset.layout import frame_name
 
 MARK = "\n--- operations ---\n"
 

@@ -28,10 +28,10 @@ from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render
-from physics.arena.geometry import Arena
 from pipeline.work.supervisor import Retried, run_units
 from pipeline.work.units import Progress, RenderUnit
 from pipeline.work.worker_process import memory_of
+from symolo.arena.geometry import Arena
 
 pytestmark = pytest.mark.faults
 

@@ -11,7 +11,7 @@ from configs.schema.robot import RobotConfig
 from hil.board.build import build_board
 from hil.frames import CommandFrame, SensorFrame
 from hil.plausible import DriveLimits
-from physics.control.base import State
+from symolo.dataset.codes import State
 
 LIMITS = DriveLimits(wheel_rad_s=20.0, wheel_radius_m=0.05, track_m=0.2)
 """At these numbers v m/s and w rad/s are 20 v + 2 w rad/s of the right wheel and 20 v - 2 w of the left."""

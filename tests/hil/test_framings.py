@@ -13,7 +13,7 @@ from hil.framings.base import Answer, Asked, Damaged, HelloAsked
 from hil.framings.cobs import stuffed, unstuffed
 from hil.framings.framed import Framed, crc16
 from hil.framings.simtwo import SimTwo
-from physics.control.base import State
+from symolo.dataset.codes import State
 
 MILLI = st.integers(-32768, 32767).map(lambda number: number / 1000.0)
 RANGE = st.none() | st.integers(0, 65534).map(lambda mm: mm / 1000.0)

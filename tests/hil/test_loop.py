@@ -10,8 +10,8 @@ from hil.framings import FRAMINGS
 from hil.framings.framed import Framed
 from hil.links.stand_in import StandInBoard
 from hil.loop import BoardPilot, LoopSettings
-from physics.control.base import State
 from symolo.core.errors import InputError
+from symolo.dataset.codes import State
 
 
 class BadLine(StandInBoard):

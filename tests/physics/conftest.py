@@ -9,8 +9,8 @@ import yaml
 from configs.schema.arena import ArenaConfig, Obstacle
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates
-from physics.arena.geometry import Arena
 from physics.bullet.simulation import BulletSimulation
+from symolo.arena.geometry import Arena
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 

@@ -5,9 +5,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from configs.schema.arena import Obstacle, Wall
-from physics.arena.geometry import Arc, Arena, Line, Straight
 from physics.arena.surfaces import SURFACES
 from physics.bullet.world import add_arena, connect
+from symolo.arena.geometry import Arc, Arena, Line, Straight
 
 SLANTED = Straight((1.0, 2.0), (4.0, 6.0))
 LEFT_TURN = Arc((0.0, 0.0), 0.5, 0.0, np.pi / 2)

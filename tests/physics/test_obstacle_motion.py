@@ -8,13 +8,14 @@ import pytest
 
 from configs.schema.arena import Motion, Obstacle, Waypoint
 from configs.schema.scenario import Rates
-from physics.arena.geometry import Arena
-from physics.arena.obstacle_motion import ObstacleMotion
 from physics.arena.rays import RayScene
 from physics.bullet.simulation import BulletSimulation
 from physics.robot.model import RobotModel
 from physics.twin import KinematicTwin, ReplayedWorld
-from sensors.tof import TofArray, TofStatus
+from sensors.tof import TofArray
+from symolo.arena.geometry import Arena
+from symolo.arena.obstacle_motion import ObstacleMotion
+from symolo.dataset.codes import TofStatus
 
 SPEED_M_S = 0.08
 FACE_M = 0.28

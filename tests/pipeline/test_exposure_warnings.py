@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from blender_scenes.render.devices import DeviceKind
-from blender_scenes.render.frame_files import FrameFile, Ledger, frame_name, put_in_place
+from blender_scenes.render.frame_files import FrameFile, Ledger, put_in_place
 from blender_scenes.render.job import FramePose
 from configs.draw import draw_run
 from configs.loader import load_scenario
@@ -22,6 +22,7 @@ from pipeline.work.units import RenderUnit
 from sensors.camera.response import encode_jpeg
 from symolo.core.errors import RunFailed
 from symolo.core.progress import LineReport
+from symolo.dataset.layout import frame_name
 from symolo.dataset.metadata import FailedRun, RunRecord, describe
 from symolo.dataset.rows import Rows
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from blender_scenes.render.frame_files import FrameFile, Ledger, frame_name, put_in_place
+from blender_scenes.render.frame_files import FrameFile, Ledger, put_in_place
 from blender_scenes.render.job import FramePose
 from pipeline.run_folder.workspace import StageFolder
 from pipeline.stages.render import Order, RenderTask, render_runs
@@ -11,6 +11,7 @@ from pipeline.work.supervisor import SetAside, UnitFailure
 from pipeline.work.units import Finished
 from sensors.camera.response import encode_jpeg
 from symolo.core.progress import LineReport
+from symolo.dataset.layout import frame_name
 
 GREY = encode_jpeg(np.full((24, 32, 3), 128, np.uint8), 92)
 

@@ -9,9 +9,9 @@ import pytest
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from physics.arena.geometry import Arena
 from pipeline.preview.path import Way
 from pipeline.preview.views import views
+from symolo.arena.geometry import Arena
 
 SHARES = np.linspace(0.0, 1.0, 60)
 

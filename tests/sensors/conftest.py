@@ -7,7 +7,7 @@ import pytest
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from physics.arena.geometry import Arena, Box, Line, Straight
+from symolo.arena.geometry import Arena, Box, Line, Straight
 
 
 @dataclass

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from physics.arena.geometry import Arc, Line, Straight
 from physics.control.following import line_error
 from sensors.line_sensor import LineSensorModel, channel_weights, tape_share
+from symolo.arena.geometry import Arc, Line, Straight
 
 PITCH_M = 0.009525
 

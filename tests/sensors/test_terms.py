@@ -11,7 +11,8 @@ from sensors.effects import SENSOR_TERMS
 from sensors.instruments import read_current_A, read_speed_rad_s
 from sensors.pose_log import PoseLog
 from sensors.range_view import RangeView
-from sensors.tof import TofArray, TofStatus
+from sensors.tof import TofArray
+from symolo.dataset.codes import TofStatus
 
 DISTANCE_M = np.array([0.05, 0.18, 0.6])
 VIEW = RangeView(

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from sensors.tof import TofArray, TofStatus, log_error_m, noise_sd_m, ray_directions, ray_pattern
+from sensors.tof import TofArray, log_error_m, noise_sd_m, ray_directions, ray_pattern
+from symolo.dataset.codes import TofStatus
 
 FRONT = 0
 NO_TARGET_M = 2.0

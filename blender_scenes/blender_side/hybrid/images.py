@@ -21,11 +21,11 @@ from blender_scenes.hybrid.lowest_row import EdgesInSight
 from blender_scenes.hybrid.tiled_map import Image, Tile, TiledMap, Tiling, normals, without_holes
 from blender_scenes.hybrid.upsampling import reduced, upsampled
 from blender_scenes.render.job import RenderJob
-from blender_scenes.render.sampling import LIGHT_WIDTH_PX
-from blender_scenes.scene.description import FrameView, Mesh, Panel
+from blender_scenes.scene.description import Mesh, Panel
 from blender_scenes.scene.meshes import rectangle
-from sensors.camera.lens_warp import pinhole_picture
+from sensors.camera.lens_warp import LIGHT_WIDTH_PX, pinhole_picture
 from sensors.camera.shutter import window
+from sensors.camera.views import FrameView
 from symolo.core.random_streams import stream
 
 _LEVELS, _CORE = 6, 128

@@ -19,8 +19,9 @@ from blender_scenes.blender_side.hybrid.materials import COVER, TOLD, as_color, 
 from blender_scenes.blender_side.placing import place
 from blender_scenes.blender_side.rendering import rendered
 from blender_scenes.hybrid.tiled_map import Image, Tile
-from blender_scenes.scene.description import FrameView, Scene
+from blender_scenes.scene.description import Scene
 from blender_scenes.scene.typical import typical_color
+from sensors.camera.views import FrameView
 
 Passes = dict[str, Image]
 """Name of a pass -> (H, W, 3), or (H, W, 1) of a single channel, float32, the first row at the top."""

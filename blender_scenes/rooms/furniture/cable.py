@@ -7,8 +7,8 @@ import numpy as np
 from blender_scenes.materials.fittings import moulded
 from blender_scenes.rooms.furniture.base import Piece, between
 from blender_scenes.scene.meshes import block
-from blender_scenes.scene.shading import RGB
 from blender_scenes.scene.solids import joined, moved, pipe
+from sensors.camera.colour import RGB
 
 _STRIP_M = (0.055, 0.28, 0.04)
 _SOCKETS = 3

@@ -6,7 +6,7 @@ import numpy as np
 
 from diagnosis.camera.case import Ints, Mask, PictureCase
 from diagnosis.camera.views import EdgePoints, View
-from physics.arena.geometry import Arena, Box
+from symolo.arena.geometry import Arena, Box
 from symolo.core.arrays import Array
 
 ALONG_M = 0.004

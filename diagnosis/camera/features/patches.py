@@ -7,8 +7,8 @@ import numpy as np
 
 from diagnosis.camera.case import Ints, Mask, Picture, PictureCase
 from diagnosis.camera.views import EdgePoints, View, deviating
-from sensors.camera.geometry import floor_points, intrinsics
 from symolo.core.arrays import Array
+from symolo.core.pinhole import floor_points, intrinsics
 
 COLUMNS, ROWS = 16, 12
 """Of the grid on which floor is looked for."""

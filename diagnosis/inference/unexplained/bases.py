@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.measured.channel import Mask
-from diagnosis.predictors.base import Covariate, Shape
+from diagnosis.predictors.base import Covariate, CovariateShape
 from symolo.core.arrays import Array
 
 KNOTS = 8
@@ -61,17 +61,17 @@ def bases(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
         return
     if covariate.second is not None:
         yield from _kept(_grid(values, covariate.second[rows]), "place")
-    elif covariate.shape is Shape.CATEGORY:
+    elif covariate.shape is CovariateShape.CATEGORY:
         names = np.unique(values[known])
         if 2 <= len(names) <= CATEGORIES:
             yield from _kept(np.where(known[:, None], values[:, None] == names, 0.0).astype(float), "category")
-    elif covariate.shape is Shape.PERIODIC:
+    elif covariate.shape is CovariateShape.PERIODIC:
         yield from _turns(covariate, rows)
     else:
         yield from _kept(_hats(values, known, _quantiles(values[known])), "trend")
         if min(np.mean(values[known] < 0.0), np.mean(values[known] > 0.0)) >= SHARE_OF_SIGN:
             yield from _kept(_odd(values, known), "trend, either way")
-        if covariate.shape is Shape.SINCE:
+        if covariate.shape is CovariateShape.SINCE:
             yield from _kept(_settling(covariate, rows), "settling")
         yield from _waves(values, known)
 
@@ -82,7 +82,7 @@ def any_function(covariate: Covariate, rows: Mask) -> Array:
     Over all samples, 0 where the covariate is not known and at rows that are not asked for.
     """
     found = [basis.columns for basis in bases(covariate, rows) if basis.tries == 1]
-    if covariate.shape in {Shape.SMOOTH, Shape.SINCE} and covariate.second is None:
+    if covariate.shape in {CovariateShape.SMOOTH, CovariateShape.SINCE} and covariate.second is None:
         values = covariate.values[rows]
         known = np.isfinite(values)
         edges = np.unique(np.quantile(values[known], np.linspace(0.0, 1.0, JUMPS + 1)[1:-1])) if known.any() else []

@@ -17,7 +17,7 @@ from diagnosis.inference.projection import beyond, orthonormal
 from diagnosis.inference.selection import TOLL, is_of_noise
 from diagnosis.inference.unexplained.adequacy import Structure, adequacy, change_by
 from diagnosis.measured.channel import Mask
-from diagnosis.predictors.base import Covariate, Observed, Shape
+from diagnosis.predictors.base import Covariate, CovariateShape, Observed
 from symolo.core.arrays import Array
 
 TIMES = ("session_time_s", "t_s")
@@ -92,7 +92,9 @@ def _along(quantity: Observed, rows: Mask) -> tuple[int, Covariate]:
     order = np.argsort(time.values[rows], kind="stable")
     for rank, covariate in enumerate(quantity.covariates):
         steps = np.diff(covariate.values[rows][order])
-        if covariate is time or (covariate.shape is Shape.SMOOTH and (np.all(steps > 0.0) or np.all(steps < 0.0))):
+        if covariate is time or (
+            covariate.shape is CovariateShape.SMOOTH and (np.all(steps > 0.0) or np.all(steps < 0.0))
+        ):
             return rank, covariate
     raise AssertionError("time is a covariate")
 

@@ -4,33 +4,33 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from diagnosis.against import Against
+from diagnosis.dataset_comparison import DatasetComparison
 from diagnosis.report.plots.panels import MEASURED
 from diagnosis.report.quantities import axis
 from symolo.core.arrays import Array
 from symolo.pages.plotting import BLUE, PALE, finished, png
 
-ACROSS = 5
+COLUMNS = 5
 MAX_CURVES = 40
 POINTS = 300
 
 
-def against_picture(found: Against) -> bytes:
-    """As PNG."""
-    down = -(-len(found.seen) // ACROSS)
-    figure = Figure(figsize=(2.6 * ACROSS, 2.5 * down), layout="constrained")
-    panels = figure.subplots(down, ACROSS, squeeze=False, sharey=True).ravel()
-    for axes, of in zip(panels, found.seen, strict=False):
-        for k, run in enumerate(of.runs[:MAX_CURVES]):
+def coverage_plot(comparison: DatasetComparison) -> bytes:
+    """Return the plot as PNG."""
+    rows = -(-len(comparison.signals) // COLUMNS)
+    figure = Figure(figsize=(2.6 * COLUMNS, 2.5 * rows), layout="constrained")
+    panels = figure.subplots(rows, COLUMNS, squeeze=False, sharey=True).ravel()
+    for axes, signal in zip(panels, comparison.signals, strict=False):
+        for k, run in enumerate(signal.runs[:MAX_CURVES]):
             _curve(axes, run, color=PALE, linewidth=0.9, label="_" if k else "its runs")
-        _curve(axes, of.pooled, color=BLUE, linewidth=1.4, label="dataset")
-        _curve(axes, of.measured, color=MEASURED, linewidth=1.4, label="measured")
-        words, _, unit = axis(of.name).partition(" [")
+        _curve(axes, signal.pooled, color=BLUE, linewidth=1.4, label="dataset")
+        _curve(axes, signal.measured, color=MEASURED, linewidth=1.4, label="measured")
+        words, _, unit = axis(signal.name).partition(" [")
         finished(axes, words, f"[{unit}" if unit else "", "", legend=axes is panels[0])
-    for axes in panels[len(found.seen) :]:
+    for axes in panels[len(comparison.signals) :]:
         axes.set_axis_off()
-    for row in panels[::ACROSS]:
-        row.set_ylabel("share below")
+    for axes in panels[::COLUMNS]:
+        axes.set_ylabel("share below")
     return png(figure)
 
 

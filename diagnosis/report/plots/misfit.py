@@ -1,4 +1,4 @@
-"""Of one observed quantity: what was measured and predicted, and what each model leaves."""
+"""Plot of one observed quantity: measured and predicted values, and the residuals of each model."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -6,25 +6,25 @@ from matplotlib.figure import Figure
 
 from diagnosis.measured.channel import Mask
 from diagnosis.predictors.base import Covariate, Observed
-from diagnosis.report.findings import Findings
 from diagnosis.report.plots.panels import AFTER, BEFORE, CALIBRATED, MEASURED, reach_of, residual_panel, trimmed_rms
 from diagnosis.report.quantities import axis
+from diagnosis.report.report_data import ReportData
 from symolo.core.arrays import Array
 from symolo.pages.plotting import finished, png
 
 SIZE_IN = (3.1, 3.1)
-"""Of a panel."""
+"""Size of a panel."""
 INPUTS = ("distance_m", "u_cmd_V")
-"""Along which a bench is swept."""
+"""Quantities that are swept on a bench."""
 
 
-def misfit_picture(found: Findings, k: int) -> bytes:
-    """Of the k-th observed quantity, as PNG."""
-    evidence = found.diagnosis.evidence
-    of, place = evidence.observed[k], evidence.places[k]
-    covariate = _telling(found, of)
+def misfit_plot(data: ReportData, k: int) -> bytes:
+    """Return the plot of the k-th observed quantity as PNG."""
+    evidence = data.diagnosis.evidence
+    observed, place = evidence.observed[k], evidence.places[k]
+    covariate = _covariate(data, observed)
     models = [("nominal", BEFORE, 0), ("nominal, fitted", CALIBRATED, 1)]
-    if found.diagnosis.named:
+    if data.diagnosis.named:
         models.append(("extended", AFTER, 2))
     panels = 1 + len(models)
     is_map = covariate is not None and covariate.second is not None
@@ -34,35 +34,37 @@ def misfit_picture(found: Findings, k: int) -> bytes:
         figure.subplots_adjust(left=0.92 / width, right=1.0 - 0.1 / width, bottom=0.16, top=0.84, wspace=0.31)
     axes = figure.subplots(1, panels, squeeze=False)[0]
     last = models[-1]
-    _values(axes[0], of, [found.means[0][place], found.means[last[2]][place]], last, found.z[1][place])
+    _values(axes[0], observed, [data.means[0][place], data.means[last[2]][place]], last, data.z[1][place])
     for panel, (name, colour, model) in zip(axes[1:], models, strict=True):
-        z = found.z[model][place]
+        z = data.z[model][place]
         if covariate is not None:
-            # The two that are fitted are to be compared by eye; the nominal one may be far above both.
-            shared = None if model == 0 else reach_of(np.concatenate([found.z[m][place] for *_, m in models[1:]]))
-            residual_panel(panel, covariate, z, of.holdout, colour, shared)
+            # The fitted models share a scale, to be compared by eye; the nominal one may have far larger residuals.
+            shared = None if model == 0 else reach_of(np.concatenate([data.z[m][place] for *_, m in models[1:]]))
+            residual_panel(panel, covariate, z, observed.holdout, colour, shared)
         panel.set_title(f"{name}: {trimmed_rms(z):.3g} σ", fontsize="medium")
     if covariate is None or covariate.second is None:
         axes[1].set_ylabel("measured - predicted [σ]")
     return png(figure)
 
 
-def _telling(found: Findings, of: Observed) -> Covariate | None:
-    """The covariate along which the fitted nominal robot's residual shows most."""
-    for structure in found.before:
-        if structure.observed == of.name:
-            return next(c for c in of.covariates if c.name == structure.covariate)
-    return of.covariates[0] if of.covariates else None
+def _covariate(data: ReportData, observed: Observed) -> Covariate | None:
+    """Return the covariate along which the residuals of the fitted nominal robot show most structure."""
+    for structure in data.structures:
+        if structure.observed == observed.name:
+            return next(c for c in observed.covariates if c.name == structure.covariate)
+    return observed.covariates[0] if observed.covariates else None
 
 
-def _values(axes: Axes, of: Observed, means: list[Array], last: tuple[str, str, int], z: Array) -> None:
-    """Measured and predicted: along what a bench sweeps, or against time in the trial that shows most."""
-    swept = next((c for name in INPUTS for c in of.covariates if c.name == name), None)
-    is_bench = swept is not None and not _is_log(of)
-    x = swept.values if is_bench and swept is not None else of.t_s
-    rows = np.isfinite(x) if is_bench else of.trial == _worst(of, z)
-    shown = rows & of.usable
-    axes.plot(x[shown], of.values[shown], ".", color=MEASURED, markersize=4 if is_bench else 2.5, label="measured")
+def _values(axes: Axes, observed: Observed, means: list[Array], last: tuple[str, str, int], z: Array) -> None:
+    """Draw measured and predicted values: along what a bench sweeps, or against time in the worst trial."""
+    swept = next((c for name in INPUTS for c in observed.covariates if c.name == name), None)
+    is_bench = swept is not None and not _is_log(observed)
+    x = swept.values if is_bench and swept is not None else observed.t_s
+    rows = np.isfinite(x) if is_bench else observed.trial == _worst(observed, z)
+    shown = rows & observed.usable
+    axes.plot(
+        x[shown], observed.values[shown], ".", color=MEASURED, markersize=4 if is_bench else 2.5, label="measured"
+    )
     line = "none" if is_bench else "-"
     for mean, name, colour, marker in zip(means, ("nominal", last[0]), (BEFORE, last[1]), ("x", "+"), strict=True):
         good = shown & np.isfinite(mean)
@@ -76,21 +78,21 @@ def _values(axes: Axes, of: Observed, means: list[Array], last: tuple[str, str, 
             markersize=5,
             label=name,
         )
-    title = of.name if is_bench else f"{of.name}, trial {_worst(of, z) + 1}"
+    title = observed.name if is_bench else f"{observed.name}, trial {_worst(observed, z) + 1}"
     along = axis(swept.name) if is_bench and swept is not None else "time [s]"
-    finished(axes, title, along, axis(of.name), beside=True)
+    finished(axes, title, along, axis(observed.name), beside=True)
 
 
-def _is_log(of: Observed) -> bool:
-    """Whether rows are close in time: voltages of steps are no sweep."""
-    steps = np.diff(of.t_s)
+def _is_log(observed: Observed) -> bool:
+    """Return whether the rows are close in time, so that a voltage in them is a step and not a sweep."""
+    steps = np.diff(observed.t_s)
     return bool(len(steps)) and float(np.median(steps)) < 0.2
 
 
-def _worst(of: Observed, z: Array) -> int:
-    """The trial whose residuals are largest."""
-    trials = np.unique(of.trial)
-    errors = [_mean_square(z[of.trial == trial]) for trial in trials]
+def _worst(observed: Observed, z: Array) -> int:
+    """Return the trial with the largest residuals."""
+    trials = np.unique(observed.trial)
+    errors = [_mean_square(z[observed.trial == trial]) for trial in trials]
     return int(trials[int(np.argmax(errors))])
 
 

@@ -1,39 +1,39 @@
-"""One panel of residuals along a covariate, and what all pictures of the report share."""
+"""One panel of residuals along a covariate, and what all plots of the report share."""
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from diagnosis.measured.channel import Mask
-from diagnosis.predictors.base import Covariate, Shape
+from diagnosis.predictors.base import Covariate, CovariateShape
 from diagnosis.report.quantities import covariate_axis
 from symolo.core.arrays import Array
 from symolo.pages.plotting import BLACK, BLUE, GREY, ORANGE, PALE, VERMILION
 
 BEFORE, CALIBRATED, AFTER, MEASURED = VERMILION, ORANGE, BLUE, BLACK
 MAX_POINTS = 1000
-"""In a panel; of more, every so-manieth."""
+"""Points in a panel; of more, every nth is drawn."""
 BINS = 20
 MIN_IN_BIN = 3
-OF_MEDIAN = 1.2533
-"""Standard error of a median over that of a mean, of normal noise: the root of pi/2."""
-KEPT = 97.0
-"""Percent of the residuals that a panel's height is made for; those beyond it stand at its edge as triangles."""
-LOWEST_SIGMA = 3.5
-"""A panel is at least as high, so that noise looks like noise."""
+MEDIAN_ERROR = 1.2533
+"""Standard error of a median relative to that of a mean, for normal noise: the root of pi/2."""
+SHOWN_PERCENT = 97.0
+"""Percentage of the residuals that determine the height of a panel; those beyond it are triangles at its edge."""
+MIN_REACH_SIGMA = 3.5
+"""Least height of a panel, so that noise looks like noise."""
 
 
-def residual_panel(  # noqa: PLR0917 - what is shown, in the order of the eye
+def residual_panel(  # noqa: PLR0917 - an order that reads well: where, what, how
     axes: Axes, covariate: Covariate, z: Array, heldout: Mask, colour: str, reach: float | None = None
 ) -> None:
-    """Residuals in sigmas, rows held out as rings, and their median in bins with two standard errors.
+    """Draw residuals in sigmas, held-out rows as rings, and their median in bins with two standard errors.
 
     Args:
         axes: To draw in.
-        covariate: (n,) values; of one that is a place, the residual is the colour.
-        z: (n,), NaN where there is none.
-        heldout: (n,).
-        colour: Of the points.
-        reach: Sigmas up to which the panel goes; by its own residuals if not given.
+        covariate: (n,) values; if it is a place, the residual is shown as a colour.
+        z: (n,), NaN where there is no residual.
+        heldout: (n,), which rows are held out.
+        colour: Colour of the points.
+        reach: Height of the panel in sigmas; determined from `z` if None.
     """
     shown = np.isfinite(z) & np.isfinite(covariate.values)
     if covariate.second is not None:
@@ -63,14 +63,14 @@ def residual_panel(  # noqa: PLR0917 - what is shown, in the order of the eye
 
 
 def reach_of(z: Array) -> float:
-    """Sigmas up to which a panel of residuals goes."""
+    """Return the height in sigmas of a panel of residuals."""
     z = z[np.isfinite(z)]
-    return max(LOWEST_SIGMA, 1.4 * float(np.percentile(np.abs(z), KEPT))) if len(z) else LOWEST_SIGMA
+    return max(MIN_REACH_SIGMA, 1.4 * float(np.percentile(np.abs(z), SHOWN_PERCENT))) if len(z) else MIN_REACH_SIGMA
 
 
 def binned(covariate: Covariate, x: Array, z: Array) -> tuple[Array, Array, Array]:
-    """Middle, median and its standard error, of bins of as many rows each or of categories; (k,) each."""
-    if covariate.shape is Shape.CATEGORY:
+    """Return middle, median and the median's standard error, (k,) each, of categories or of bins of equal counts."""
+    if covariate.shape is CovariateShape.CATEGORY:
         groups = [x == value for value in np.unique(x)]
     else:
         edges = np.unique(np.quantile(x, np.linspace(0.0, 1.0, BINS + 1))) if len(x) else np.zeros(0)
@@ -80,30 +80,30 @@ def binned(covariate: Covariate, x: Array, z: Array) -> tuple[Array, Array, Arra
     middle = np.array([float(np.mean(x[group])) for group in groups])
     median = np.array([float(np.median(z[group])) for group in groups])
     spread = [1.4826 * float(np.median(np.abs(z[group] - m))) for group, m in zip(groups, median.tolist(), strict=True)]
-    error = np.array([OF_MEDIAN * s / np.sqrt(np.count_nonzero(g)) for s, g in zip(spread, groups, strict=True)])
+    error = np.array([MEDIAN_ERROR * s / np.sqrt(np.count_nonzero(g)) for s, g in zip(spread, groups, strict=True)])
     return middle, median, error
 
 
 def trimmed_rms(z: Array) -> float:
-    """As the error of a gain: without the largest 3 %."""
+    """Return the root mean square without the largest 3 %, as for the error of a gain."""
     size = np.sort(np.abs(z[np.isfinite(z)]))
-    kept = size[: max(1, int(0.97 * len(size)))]
-    return float(np.sqrt(np.mean(kept**2))) if len(kept) else float("nan")
+    smallest = size[: max(1, int(0.97 * len(size)))]
+    return float(np.sqrt(np.mean(smallest**2))) if len(smallest) else float("nan")
 
 
 def _folded(covariate: Covariate) -> Array:
-    return np.mod(covariate.values, 2.0 * np.pi) if covariate.shape is Shape.PERIODIC else covariate.values
+    return np.mod(covariate.values, 2.0 * np.pi) if covariate.shape is CovariateShape.PERIODIC else covariate.values
 
 
 def _jitter(covariate: Covariate, rows: int) -> Array:
-    """Beside its category, so that points do not hide each other; by row, not by chance."""
-    if covariate.shape is not Shape.CATEGORY:
+    """Return offsets from the category, so that points do not hide each other; by row, so that they are not random."""
+    if covariate.shape is not CovariateShape.CATEGORY:
         return np.zeros(rows)
     return 0.5 * (np.mod(np.arange(rows) * 0.618034, 1.0) - 0.5)
 
 
 def _ticks(axes: Axes, covariate: Covariate) -> None:
-    if covariate.shape is not Shape.CATEGORY:
+    if covariate.shape is not CovariateShape.CATEGORY:
         return
     values = np.unique(covariate.values[np.isfinite(covariate.values)])
     if len(values) > BINS:
@@ -116,7 +116,7 @@ def _place(axes: Axes, covariate: Covariate, z: Array, shown: Mask) -> None:
     some = np.flatnonzero(shown)
     some = some[:: max(1, len(some) // MAX_POINTS)]
     second = covariate.second if covariate.second is not None else covariate.values
-    reach = max(LOWEST_SIGMA, float(np.percentile(np.abs(z[some]), 95.0))) if len(some) else LOWEST_SIGMA
+    reach = max(MIN_REACH_SIGMA, float(np.percentile(np.abs(z[some]), 95.0))) if len(some) else MIN_REACH_SIGMA
     points = axes.scatter(
         covariate.values[some], second[some], c=z[some], s=9, cmap="RdBu_r", vmin=-reach, vmax=reach, linewidths=0.0
     )

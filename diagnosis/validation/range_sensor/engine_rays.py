@@ -9,8 +9,8 @@ from diagnosis.validation.range_sensor.recorder import RayRecorder
 from diagnosis.validation.range_sensor.stand import SensorOnStand, closed_form, grid, reading_mm, target
 from diagnosis.validation.range_sensor.step import step_arena
 from diagnosis.validation.still_world import StillWorld
-from physics.arena.geometry import Arena
 from physics.bullet.ray_oracle import EngineRays
+from symolo.arena.geometry import Arena
 
 PLANE_TOLERANCE_MM = 0.1
 EDGE_TOLERANCE_MM = 5.0

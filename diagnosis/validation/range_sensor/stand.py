@@ -13,12 +13,13 @@ from configs.schema.arena import ArenaConfig, Line, SurfaceName, Wall
 from configs.schema.effects.table import Terms
 from configs.schema.robot import RobotConfig, TofMount, TofMounts, TofSensor
 from diagnosis.validation.still_world import StillWorld
-from physics.arena.geometry import Arena
 from physics.arena.rays import RayScene
-from sensors.tof import TofArray, TofStatus
+from sensors.tof import TofArray
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.random_streams import stream
+from symolo.dataset.codes import TofStatus
 
 HEIGHT_M = 1.0
 TARGET_HEIGHT_M = 2.0

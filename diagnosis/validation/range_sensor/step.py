@@ -18,8 +18,8 @@ from diagnosis.validation.range_sensor.stand import (
     seen_mm,
 )
 from diagnosis.validation.still_world import StillWorld
-from physics.arena.geometry import Arena
 from sensors.tof import log_error_m
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.pages.plotting import BLACK, BLUE, SKY, VERMILION
 

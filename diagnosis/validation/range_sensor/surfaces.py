@@ -11,8 +11,9 @@ from diagnosis.validation.panels import COLORS, DASHES, MARKERS, Curve, Panel
 from diagnosis.validation.range_sensor.paper import MEAN_WITHIN_MM, SD_WITHIN, TABLE_3, TABLE_4, PrintedReadings
 from diagnosis.validation.range_sensor.stand import SensorOnStand, closed_form, grid, target, valid_mm
 from diagnosis.validation.still_world import StillWorld
-from sensors.tof import TofStatus, log_error_m, noise_sd_m
+from sensors.tof import log_error_m, noise_sd_m
 from symolo.core.arrays import Array
+from symolo.dataset.codes import TofStatus
 from symolo.pages.plotting import BLACK, GREY, PALE, VERMILION
 
 MIN_READINGS = 10

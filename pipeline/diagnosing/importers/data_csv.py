@@ -8,8 +8,8 @@ import numpy as np
 from diagnosis.importers.base import Importer, first_line
 from diagnosis.measured.channel import Channel, Mask, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
-from physics.run.trajectory import TimeSeries
 from symolo.core.arrays import Array
+from symolo.core.time_series import TimeSeries
 from symolo.dataset.rows import COLUMNS, HEADER, Ints, Rows, read_rows
 
 RANGES = {"tof_front_m": 0, "tof_left_m": 1, "tof_right_m": 2}

@@ -13,14 +13,14 @@ from configs.schema.scenario import RunSpec
 from diagnosis.importers.base import Importer, is_file
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
-from physics.run.trajectory import TimeSeries
 from pipeline.diagnosing.importers.data_csv import row_channels, trial_of
-from pipeline.run_folder.workspace import STAGES
 from pipeline.stages.assemble import DATA, SIDE
 from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
-from sensors.tof import TofStatus
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.time_series import TimeSeries
+from symolo.dataset.codes import TofStatus
+from symolo.dataset.layout import STAGES
 from symolo.dataset.metadata import METADATA
 from symolo.dataset.rows import HEADER, Rows, parse_table, read_rows
 from symolo.dataset.side_reading import read_side

@@ -1,4 +1,4 @@
-"""How often each grey value occurs, and how the images of each run spread in brightness, clipping and sharpness."""
+"""Plots of the grey values, and of the spread of brightness, clipping and sharpness over the images of each run."""
 
 from collections.abc import Sequence
 from itertools import cycle
@@ -14,7 +14,7 @@ from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, PURPLE
 from symolo.report.statistics.image_statistics import GREYS, ImageNumbers
 
 MAX_CURVES = 8
-"""Of runs; of more, each route has one curve."""
+"""With more runs, each route has one curve instead of each run."""
 _BIN = 4
 _LINES = (
     (BLACK, "-"),
@@ -28,11 +28,11 @@ _LINES = (
 )
 
 
-def brightness_picture(of_runs: Sequence[ImageNumbers]) -> bytes:
-    """Histograms of the grey values of all pixels, as SVG; at least one run with an image."""
+def brightness_plot(runs: Sequence[ImageNumbers]) -> bytes:
+    """Return histograms of the grey values of all pixels as SVG; `runs` has at least one run, and each has an image."""
     figure = Figure(figsize=(11.0, 3.0), layout="constrained")
     axes = figure.subplots()
-    for (name, pixels), (colour, dash) in zip(_curves(of_runs), cycle(_LINES), strict=False):
+    for (name, pixels), (colour, dash) in zip(_curves(runs), cycle(_LINES), strict=False):
         share = 100 * pixels.reshape(-1, _BIN).sum(axis=1) / max(int(pixels.sum()), 1)
         edges = np.arange(0, GREYS + 1, _BIN)
         axes.stairs(share, edges, color=colour, linestyle=dash, linewidth=1.2, label=name)
@@ -45,38 +45,38 @@ def brightness_picture(of_runs: Sequence[ImageNumbers]) -> bytes:
     return svg(figure)
 
 
-def _curves(of_runs: Sequence[ImageNumbers]) -> list[tuple[str, Ints]]:
-    if len(of_runs) <= MAX_CURVES:
-        return [(of.run, of.pixels) for of in of_runs]
+def _curves(runs: Sequence[ImageNumbers]) -> list[tuple[str, Ints]]:
+    if len(runs) <= MAX_CURVES:
+        return [(run.run, run.pixels) for run in runs]
     routes: dict[str, Ints] = {}
-    for of in of_runs:
-        route = of.run.partition("/")[0]
-        routes[route] = routes.get(route, np.zeros(GREYS, np.int64)) + of.pixels
+    for run in runs:
+        route = run.run.partition("/")[0]
+        routes[route] = routes.get(route, np.zeros(GREYS, np.int64)) + run.pixels
     return list(routes.items())
 
 
-def spread_picture(of_runs: Sequence[ImageNumbers]) -> bytes:
-    """A row for each run, as SVG; each has an image."""
+def spread_plot(runs: Sequence[ImageNumbers]) -> bytes:
+    """Return a plot with a row for each run as SVG; each run has an image."""
     columns = (
-        ("brightness [mean grey value]", [of.brightness for of in of_runs]),
-        ("black or burnt [% of pixels]", [100 * (of.black + of.burnt) for of in of_runs]),
-        ("sharpness [sd of the Laplacian]", [of.sharpness for of in of_runs]),
+        ("brightness [mean grey value]", [run.brightness for run in runs]),
+        ("black or overexposed [% of pixels]", [100 * (run.black + run.burnt) for run in runs]),
+        ("sharpness [sd of the Laplacian]", [run.sharpness for run in runs]),
     )
-    figure = Figure(figsize=(11.0, 0.9 + 0.27 * len(of_runs)), layout="constrained")
+    figure = Figure(figsize=(11.0, 0.9 + 0.27 * len(runs)), layout="constrained")
     panels = figure.subplots(1, len(columns), sharey=True)
     for axes, (label, values) in zip(panels, columns, strict=True):
-        for row, of_run in enumerate(values):
-            _row(axes, row, of_run)
+        for row, run_values in enumerate(values):
+            _row(axes, row, run_values)
         axes.set_xlabel(label)
         axes.grid(alpha=0.3, axis="x")
-    panels[0].set_yticks(range(len(of_runs)), [of.run for of in of_runs], fontsize="small")
-    panels[0].set_ylim(len(of_runs) - 0.5, -0.5)
+    panels[0].set_yticks(range(len(runs)), [run.run for run in runs], fontsize="small")
+    panels[0].set_ylim(len(runs) - 0.5, -0.5)
     panels[1].set_xlim(left=min(0.0, panels[1].get_xlim()[0]))
     return svg(figure)
 
 
 def _row(axes: Axes, row: int, values: Array) -> None:
-    """All, the middle half, the median."""
+    """Draw the whole range, the middle half and the median."""
     low, lower, middle, upper, high = np.percentile(values, (0, 25, 50, 75, 100)).tolist()
     axes.plot((low, high), (row, row), "|-", color=BLACK, linewidth=0.8, markersize=5)
     axes.barh(row, max(upper - lower, 0.0), 0.5, left=lower, color=PALE, edgecolor=BLACK, linewidth=0.8, zorder=3)

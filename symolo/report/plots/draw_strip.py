@@ -1,47 +1,68 @@
-"""Drawn numbers as marks on a line, above the range that was asked for: a picture of a table's cell."""
+"""Drawn numbers as marks on a line, above the range of their distribution: a plot in the cell of a table."""
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from configs.distributions import Choice, Distribution, LogUniform, Normal, Uniform
-from symolo.pages.markup import Html, tag
 
-_WIDTH, _HEIGHT, _MARGIN = 220.0, 20.0, 5.0
-_FOOT = _HEIGHT - 6
-"""Where the marks end and what was asked for begins."""
+_WIDTH, _HEIGHT, _MARGIN = 220, 20, 5.0
+_FOOT = _HEIGHT - 6.0
+"""y [px] where the marks end and the band of the distribution begins."""
 MAX_MARKS = 60
-"""Of more values, bars of a histogram."""
+"""More values are shown as the bars of a histogram."""
 _BINS = 24
 
 
-def in_words(asked: Distribution | None) -> str:
-    """As a scenario says it."""
-    match asked:
+@dataclass(frozen=True)
+class Rectangle:
+    """One rectangle of an SVG plot, in pixels; `kind` is `axis`, `band` or `mark`."""
+
+    x: float
+    y: float
+    width: float
+    height: float
+    kind: str
+
+
+@dataclass(frozen=True)
+class Strip:
+    """The plot of one field."""
+
+    title: str
+    rectangles: tuple[Rectangle, ...]
+    width_px: int = _WIDTH
+    height_px: int = _HEIGHT
+
+
+def in_words(distribution: Distribution | None) -> str:
+    """Return a distribution in the words of a scenario; empty for None."""
+    match distribution:
         case Uniform(low, high):
             return f"uniform {low:g} to {high:g}"
         case LogUniform(low, high):
             return f"log-uniform {low:g} to {high:g}"
         case Normal(mean, sd, low, high):
-            least, most = asked.extremes()
-            cut = "" if low is None and high is None else f", cut at {least:g} and {most:g}"
+            minimum, maximum = distribution.extremes()
+            cut = "" if low is None and high is None else f", cut at {minimum:g} and {maximum:g}"
             return f"normal {mean:g}, sd {sd:g}{cut}"
         case Choice(options):
-            told = ", ".join(str(option) for option in options[:8])
-            return f"choice of {told}" + (f" and {len(options) - 8} more" if len(options) > 8 else "")
+            names = ", ".join(str(option) for option in options[:8])
+            return f"choice of {names}" + (f" and {len(options) - 8} more" if len(options) > 8 else "")
         case None:
             return ""
 
 
-def strip(values: Sequence[float], asked: Distribution | None) -> Html:
-    """As inline SVG.
+def strip(values: Sequence[float], distribution: Distribution | None) -> Strip:
+    """Return the plot of the values of a field.
 
     Args:
         values: At least one.
-        asked: Its ends are those of the grey band, 2 sd to each side of a normal one; the axis of a log-uniform one
-            is logarithmic.
+        distribution: Its range is the grey band, 2 sd to each side of the mean for a normal one; the axis of a
+            log-uniform one is logarithmic.
     """
-    band = _band(asked)
-    scaled = math.log if isinstance(asked, LogUniform) else float
+    band = _band(distribution)
+    scaled = math.log if isinstance(distribution, LogUniform) else float
     ends = [scaled(value) for value in (*values, *band)]
     low, high = min(ends), max(ends)
 
@@ -49,47 +70,40 @@ def strip(values: Sequence[float], asked: Distribution | None) -> Html:
         share = (scaled(value) - low) / (high - low) if high > low else 0.5
         return _MARGIN + (_WIDTH - 2 * _MARGIN) * share
 
-    parts = [_rect(_MARGIN, _FOOT + 2, _WIDTH - 2 * _MARGIN, 1, "axis")]
-    if isinstance(asked, Choice):
-        parts += [_rect(at(option) - 2, _FOOT, 4, 5, "band") for option in band]
+    parts = [Rectangle(_MARGIN, _FOOT + 2, _WIDTH - 2 * _MARGIN, 1, "axis")]
+    if isinstance(distribution, Choice):
+        parts += [Rectangle(at(option) - 2, _FOOT, 4, 5, "band") for option in band]
     elif band:
-        parts.append(_rect(at(band[0]), _FOOT, max(at(band[-1]) - at(band[0]), 2.0), 5, "band"))
+        parts.append(Rectangle(at(band[0]), _FOOT, max(at(band[-1]) - at(band[0]), 2.0), 5, "band"))
     if len(values) <= MAX_MARKS:
-        parts += [_rect(at(value) - 1, 2, 2, _FOOT - 3, "mark") for value in sorted(values)]
+        parts += [Rectangle(at(value) - 1, 2, 2, _FOOT - 3, "mark") for value in sorted(values)]
     else:
         parts += _bars([at(value) for value in values])
-    about = f"{len(values)} values from {min(values):.4g} to {max(values):.4g}"
-    size = {"viewBox": f"0 0 {_WIDTH:g} {_HEIGHT:g}", "width": f"{_WIDTH:g}", "height": f"{_HEIGHT:g}"}
-    return tag("svg", tag("title", about), parts, class_="strip", role="img", **size)
+    return Strip(f"{len(values)} values from {min(values):.4g} to {max(values):.4g}", tuple(parts))
 
 
-def _band(asked: Distribution | None) -> tuple[float, ...]:
-    """Ends of a range, or the options of a choice."""
-    match asked:
+def _band(distribution: Distribution | None) -> tuple[float, ...]:
+    """Return the ends of a range, or the options of a choice that are numbers."""
+    match distribution:
         case Uniform(low, high) | LogUniform(low, high):
             return (low, high)
         case Normal(mean, sd):
-            ends = [float(end) for end in asked.extremes()]
-            return (max(mean - 2 * sd, ends[0]), min(mean + 2 * sd, ends[1]))
+            minimum, maximum = (float(end) for end in distribution.extremes())
+            return (max(mean - 2 * sd, minimum), min(mean + 2 * sd, maximum))
         case Choice(options):
-            numbers = sorted(float(o) for o in options if isinstance(o, int | float) and not isinstance(o, bool))
-            return tuple(numbers)
+            return tuple(sorted(float(o) for o in options if isinstance(o, int | float) and not isinstance(o, bool)))
         case None:
             return ()
 
 
-def _bars(places: Sequence[float]) -> list[Html]:
+def _bars(places: Sequence[float]) -> list[Rectangle]:
     width = (_WIDTH - 2 * _MARGIN) / _BINS
     counts = [0] * _BINS
     for place in places:
         counts[min(int((place - _MARGIN) / width), _BINS - 1)] += 1
     heights = [(_FOOT - 2) * count / max(counts) for count in counts]
     return [
-        _rect(_MARGIN + i * width, _FOOT - 1 - height, 0.9 * width, height, "mark")
+        Rectangle(_MARGIN + i * width, _FOOT - 1 - height, 0.9 * width, height, "mark")
         for i, height in enumerate(heights)
         if height
     ]
-
-
-def _rect(x: float, y: float, width: float, height: float, kind: str) -> Html:
-    return tag("rect", x=f"{x:.1f}", y=f"{y:.1f}", width=f"{width:.1f}", height=f"{height:.1f}", class_=kind)

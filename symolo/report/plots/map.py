@@ -1,4 +1,4 @@
-"""The floor from above: line, walls, obstacles, and the ways of all runs in the colours of their states."""
+"""Plot of the floor from above: line, walls, obstacles, and the paths of all runs in the colours of their states."""
 
 from collections.abc import Iterable
 
@@ -10,30 +10,30 @@ from matplotlib.patches import Patch, Polygon
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MultipleLocator
 
-from physics.arena.geometry import Box
+from symolo.arena.geometry import Box
 from symolo.core.arrays import Array
 from symolo.pages.plotting import BLACK, GREY, svg
-from symolo.report.plots.states import MARKS, named, stretches
-from symolo.report.statistics.maps import Map
-from symolo.report.statistics.run_facts import Track
+from symolo.report.plots.states import STATE_STYLES, named, stretches
+from symolo.report.statistics.maps import RouteMap
+from symolo.report.statistics.run_facts import RunPath
 
 _WALL, _OBSTACLE, _TAPE = "#8A8A8A", "#F4F4F4", "#C9C9C9"
 _MARGIN = 0.06
-"""Of the longer side of what is shown, left free around it."""
+"""Free margin around the arena, as a share of its longer side."""
 _WIDTH_IN, _HIGHEST_IN = 11.0, 6.5
 _LABELS_IN, _LEGEND_IN = 0.75, 1.5
-"""What a panel's labels take beside it, and what title, labels and legend take above and below all."""
+"""Space for the labels beside a panel, and for title, labels and legend above and below all panels."""
 _ARROW_PT, _NAME_PT = 26.0, 8.0
 _MARKED_M = 0.05
-"""Around the start, where no number would be read."""
+"""Radius around the start in which no number would be readable."""
 _SHORT_NAME = 3
 _GHOSTS = 4
-"""Other places at which an obstacle that moves is drawn."""
+"""Number of later places at which a moving obstacle is drawn."""
 _HALO = [withStroke(linewidth=2.5, foreground="white")]
 
 
-def map_picture(maps: tuple[Map, ...]) -> bytes:
-    """As SVG, side by side; at least one."""
+def map_plot(maps: tuple[RouteMap, ...]) -> bytes:
+    """Return the maps side by side as SVG; `maps` has at least one."""
     windows = [_window(one) for one in maps]
     widths = [width for width, _ in windows]
     floor_in = (_WIDTH_IN - _LABELS_IN * len(maps)) / sum(widths) * max(height for _, height in windows)
@@ -45,32 +45,32 @@ def map_picture(maps: tuple[Map, ...]) -> bytes:
     return svg(figure)
 
 
-def _window(one: Map) -> tuple[float, float]:
-    """Width and height of what the panel shows [m]."""
+def _window(one: RouteMap) -> tuple[float, float]:
+    """Return width and height of what the panel shows [m]."""
     low, high = _corners(one)
     return float(high[0] - low[0]), float(high[1] - low[1])
 
 
-def _corners(one: Map) -> tuple[Array, Array]:
+def _corners(one: RouteMap) -> tuple[Array, Array]:
     arena = one.arena
     points = [edge for pair in arena.line.edges() for edge in pair]
     points += [place for box in arena.boxes for place in footprints(box, _times(one.duration_s))]
-    points += [facts.track.pose[:, :2] for facts in one.runs if facts.track is not None]
+    points += [facts.path.pose[:, :2] for facts in one.runs if facts.path is not None]
     everything = np.concatenate(points)
     low, high = everything.min(axis=0), everything.max(axis=0)
     free_m = _MARGIN * max(float((high - low).max()), 0.1)
     return low - free_m, high + free_m
 
 
-def _panel(axes: Axes, one: Map) -> None:
+def _panel(axes: Axes, one: RouteMap) -> None:
     low, high = _corners(one)
     for left, right in one.arena.line.edges():
         axes.add_patch(Polygon(np.concatenate((left, right[::-1])), facecolor=_TAPE, edgecolor="none", zorder=1))
     for box in one.arena.boxes:
         _box(axes, box, one.duration_s, 0.5 * (low + high))
     for number, facts in enumerate(one.runs):
-        if facts.track is not None:
-            _track(axes, facts.track, numbered=number == 0)
+        if facts.path is not None:
+            _path(axes, facts.path, numbered=number == 0)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x [m]", ylabel="y [m]")
     step_m = next(step for step in (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 1e9) if float((high - low).max()) <= 10 * step)
     axes.xaxis.set_major_locator(MultipleLocator(step_m))
@@ -85,8 +85,8 @@ def _box(axes: Axes, box: Box, duration_s: float, middle: Array) -> None:
     face, hatch = (_WALL, None) if box.kind == "wall" else (_OBSTACLE, "////")
     corners = box.footprint()
     if box.motion is not None:
-        way = box.poses_at(np.linspace(0.0, duration_s, 200))[:, :2]
-        axes.plot(way[:, 0], way[:, 1], color=GREY, linewidth=1.0, linestyle=(0, (2.0, 2.0)), zorder=2)
+        route = box.poses_at(np.linspace(0.0, duration_s, 200))[:, :2]
+        axes.plot(route[:, 0], route[:, 1], color=GREY, linewidth=1.0, linestyle=(0, (2.0, 2.0)), zorder=2)
         for ghost in footprints(box, _times(duration_s)[1:]):
             axes.add_patch(Polygon(ghost, facecolor="none", edgecolor=GREY, linewidth=0.6, zorder=2))
     axes.add_patch(Polygon(corners, facecolor=face, edgecolor=BLACK, linewidth=0.8, hatch=hatch, zorder=3))
@@ -94,7 +94,7 @@ def _box(axes: Axes, box: Box, duration_s: float, middle: Array) -> None:
 
 
 def _name(axes: Axes, box: Box, middle: Array) -> None:
-    """On the side that looks away from the middle of the arena, where fewer ways lead: of a wall along it."""
+    """Draw the name on the side that faces away from the middle of the arena, where fewer paths lead; along a wall."""
     centre, turn = np.array(box.center[:2]), 0.0
     if box.kind == "wall":
         across = np.array([-np.sin(box.yaw_rad), np.cos(box.yaw_rad)])
@@ -122,7 +122,7 @@ def _name(axes: Axes, box: Box, middle: Array) -> None:
 
 
 def footprints(box: Box, t_s: Array) -> Iterable[Array]:
-    """(4, 2) at each of the times."""
+    """Yield the corners (4, 2) of a box at each of the times; only the first if it does not move."""
     first = np.array([*box.center[:2], box.yaw_rad])
     corners = box.footprint() - first[:2]
     for x, y, yaw in box.poses_at(t_s if box.motion is not None else t_s[:1]):
@@ -135,14 +135,14 @@ def _times(duration_s: float) -> Array:
     return np.linspace(0.0, duration_s, _GHOSTS + 1)
 
 
-def _track(axes: Axes, track: Track, *, numbered: bool) -> None:
-    pose = track.pose
-    for part in stretches(track.state):
-        mark, rows = MARKS[part.state], slice(part.first, part.end + 1)
-        axes.plot(pose[rows, 0], pose[rows, 1], color=mark.colour, linestyle=mark.dash, linewidth=1.4, zorder=4)
+def _path(axes: Axes, path: RunPath, *, numbered: bool) -> None:
+    pose = path.pose
+    for part in stretches(path.state):
+        style, rows = STATE_STYLES[part.state], slice(part.first, part.end + 1)
+        axes.plot(pose[rows, 0], pose[rows, 1], color=style.colour, linestyle=style.dash, linewidth=1.4, zorder=4)
         x, y = pose[(part.first + part.end - 1) // 2, :2].tolist()
         if numbered and np.hypot(x - pose[0, 0], y - pose[0, 1]) > _MARKED_M:
-            ring = {"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": mark.colour, "linewidth": 0.9}
+            ring = {"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": style.colour, "linewidth": 0.9}
             axes.text(x, y, str(part.state), fontsize=6.5, ha="center", va="center", zorder=6, bbox=ring)
     x, y, theta = pose[0].tolist()
     axes.plot(x, y, "o", color=BLACK, markeredgecolor="white", markersize=8, zorder=5)
@@ -153,12 +153,12 @@ def _track(axes: Axes, track: Track, *, numbered: bool) -> None:
         axes.annotate("", (x, y), tip, textcoords="offset points", arrowprops=look, zorder=5)
 
 
-def _legend(maps: tuple[Map, ...]) -> list[Line2D | Patch]:
-    seen = {int(s) for one in maps for f in one.runs if f.track is not None for s in np.unique(f.track.state)}
+def _legend(maps: tuple[RouteMap, ...]) -> list[Line2D | Patch]:
+    seen = {int(s) for one in maps for f in one.runs if f.path is not None for s in np.unique(f.path.state)}
     handles: list[Line2D | Patch] = []
     for state in sorted(seen):
-        mark = MARKS[state]
-        handles.append(Line2D([], [], color=mark.colour, linestyle=mark.dash, label=named(state)))
+        style = STATE_STYLES[state]
+        handles.append(Line2D([], [], color=style.colour, linestyle=style.dash, label=named(state)))
     handles.append(Line2D([], [], color=BLACK, marker="o", linestyle="none", label="start, and where it faces"))
     handles.append(Patch(facecolor=_TAPE, label="line"))
     kinds = {box.kind for one in maps for box in one.arena.boxes}
@@ -167,5 +167,5 @@ def _legend(maps: tuple[Map, ...]) -> list[Line2D | Patch]:
     if "obstacle" in kinds:
         handles.append(Patch(facecolor=_OBSTACLE, edgecolor=BLACK, hatch="////", label="obstacle, at the start"))
     if any(one.arena.moving for one in maps):
-        handles.append(Line2D([], [], color=GREY, linestyle=(0, (2.0, 2.0)), label="way of one that moves"))
+        handles.append(Line2D([], [], color=GREY, linestyle=(0, (2.0, 2.0)), label="path of a moving obstacle"))
     return handles

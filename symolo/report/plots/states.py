@@ -1,4 +1,4 @@
-"""How each state of the controller looks on every picture of the page, and when it was in which."""
+"""How each state of the controller looks in the plots, and the stretches of a run in one state."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from physics.control.base import State
+from symolo.dataset.codes import State
 from symolo.dataset.rows import Ints
 from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 
@@ -15,48 +15,50 @@ Dash = Literal["-"] | tuple[float, tuple[float, ...]]
 
 
 @dataclass(frozen=True)
-class Mark:
+class StateStyle:
+    """Name, colour and dashes of a state in the plots."""
+
     name: str
-    """Shorter than the meaning in metadata.json."""
+    """Name of the state, shorter than the meaning in metadata.json."""
     colour: str
     dash: Dash
-    """Of Matplotlib; pictures carry the number of the state as well, for lines that lie on each other."""
+    """Dash pattern of Matplotlib. Plots show the number of the state as well, since lines may cover each other."""
 
 
 _DOTTED: Dash = (0, (1.0, 1.2))
 _DASHED: Dash = (0, (4.0, 1.5))
 _MIXED: Dash = (0, (5.0, 1.2, 1.0, 1.2))
 
-MARKS: Mapping[int, Mark] = {
-    State.LINE.value: Mark("line", BLACK, "-"),
-    State.RIGHT_WALL.value: Mark("right wall", GREEN, "-"),
-    State.LEFT_WALL.value: Mark("left wall", BLUE, _DASHED),
-    State.TURN_LEFT.value: Mark("turn left", SKY, _DOTTED),
-    State.TURN_RIGHT.value: Mark("turn right", PURPLE, _DOTTED),
-    State.AVOID_LEFT.value: Mark("avoid by the left", ORANGE, "-"),
-    State.AVOID_RIGHT.value: Mark("avoid by the right", VERMILION, _DASHED),
-    State.LOST_LEFT_WALL.value: Mark("lost, left wall", GREY, _MIXED),
-    State.LOST_RIGHT_WALL.value: Mark("lost, right wall", GREY, _DOTTED),
+STATE_STYLES: Mapping[int, StateStyle] = {
+    State.LINE.value: StateStyle("line", BLACK, "-"),
+    State.RIGHT_WALL.value: StateStyle("right wall", GREEN, "-"),
+    State.LEFT_WALL.value: StateStyle("left wall", BLUE, _DASHED),
+    State.TURN_LEFT.value: StateStyle("turn left", SKY, _DOTTED),
+    State.TURN_RIGHT.value: StateStyle("turn right", PURPLE, _DOTTED),
+    State.AVOID_LEFT.value: StateStyle("avoid by the left", ORANGE, "-"),
+    State.AVOID_RIGHT.value: StateStyle("avoid by the right", VERMILION, _DASHED),
+    State.LOST_LEFT_WALL.value: StateStyle("lost, left wall", GREY, _MIXED),
+    State.LOST_RIGHT_WALL.value: StateStyle("lost, right wall", GREY, _DOTTED),
 }
 
 
 def named(state: int) -> str:
-    """For a legend: `5 avoid by the left`."""
-    return f"{state} {MARKS[state].name}"
+    """Return the name for a legend, such as `5 avoid by the left`."""
+    return f"{state} {STATE_STYLES[state].name}"
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """Rows one after the other in the same state."""
+    """Successive rows in the same state."""
 
     state: int
     first: int
     end: int
-    """The row after the last."""
+    """Index of the row after the last one."""
 
 
 def stretches(state: Ints) -> tuple[Stretch, ...]:
-    """All of a run in their order, each row in one of them.
+    """Return the stretches of a run in their order; each row is in one of them.
 
     Args:
         state: (N,), at least one row.

@@ -1,4 +1,4 @@
-"""What differs from run to run because it was drawn: the values, beside the distribution that was asked for."""
+"""The fields that were drawn for each run: their values and their distribution in the scenario."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -13,53 +13,54 @@ from symolo.report.statistics.run_facts import RunFacts
 Value = float | int | str | bool
 
 START = "start."
-"""Path of what belongs to a route, of which each may ask for another distribution."""
+"""Beginning of the paths of fields that each route may draw from a distribution of its own."""
 
 
 @dataclass(frozen=True)
-class Draw:
+class DrawnField:
+    """A field of spec.json that has a distribution in the scenario."""
+
     field: str
-    """Path within spec.json; with the route behind it where the distribution is the route's."""
+    """Path within spec.json, followed by the route if the distribution belongs to a route."""
     values: tuple[Value, ...]
-    """Of the runs that have it, in their order."""
-    asked: Distribution | None
-    """None where the scenario tells nothing, as of what a generator of arenas drew."""
+    """Values of the runs that have the field, in the order of the runs."""
+    distribution: Distribution | None
+    """None if the scenario has none, as for what an arena generator drew."""
 
     @property
     def numbers(self) -> tuple[float, ...] | None:
-        """None where some are names, or true and false."""
+        """The values as numbers; None if some are texts, true or false."""
         if any(isinstance(value, bool | str) for value in self.values):
             return None
         return tuple(float(value) for value in self.values)
 
     @property
     def counts(self) -> list[tuple[str, int]]:
-        """How often each value came, the most frequent first."""
-        counted = Counter(str(value) for value in self.values)
-        return sorted(counted.items(), key=lambda item: (-item[1], item[0]))
+        """Each value with the number of runs that have it, the most frequent first."""
+        return sorted(Counter(map(str, self.values)).items(), key=lambda item: (-item[1], item[0]))
 
 
-def draws_of(facts: Sequence[RunFacts], scenario: Mapping[str, Any]) -> tuple[Draw, ...]:
-    """Everything that was drawn for any of the runs, by path.
+def drawn_fields(facts: Sequence[RunFacts], scenario: Mapping[str, Any]) -> tuple[DrawnField, ...]:
+    """Return every field that was drawn for any of the runs, by path.
 
     Args:
-        facts: Of the runs.
-        scenario: As metadata.json has it, with its distributions.
+        facts: The runs.
+        scenario: The scenario of metadata.json, with its distributions.
     """
-    asked = dict(_asked(scenario))
+    distributions = dict(_by_field(scenario))
     values: dict[tuple[str, str], list[Value]] = {}
-    for one in facts:
-        for field, value in one.drawn.items():
-            route = one.route if field.startswith(START) else ""
+    for run in facts:
+        for field, value in run.drawn.items():
+            route = run.route if field.startswith(START) else ""
             values.setdefault((field, route), []).append(value)
     return tuple(
-        Draw(f"{field} ({route})" if route else field, tuple(of_runs), asked.get((field, route)))
-        for (field, route), of_runs in sorted(values.items())
+        DrawnField(f"{field} ({route})" if route else field, tuple(run_values), distributions.get((field, route)))
+        for (field, route), run_values in sorted(values.items())
     )
 
 
-def _asked(scenario: Mapping[str, Any]) -> Iterator[tuple[tuple[str, str], Distribution]]:
-    """By field of spec.json, and the route where it is the route's."""
+def _by_field(scenario: Mapping[str, Any]) -> Iterator[tuple[tuple[str, str], Distribution]]:
+    """Yield each distribution with the field of spec.json, and with the route if it belongs to one."""
     root = node_of(dict(scenario), "metadata.json")
     for path, distribution in _distributions(root, ()):
         if path[0] == "routes" and len(path) > 2:
@@ -73,7 +74,7 @@ def _distributions(node: Node, path: FieldPath) -> Iterator[tuple[FieldPath, Dis
     if node.is_distribution:
         try:
             yield path, parse(node, path)
-        except InputError:  # of another version: what was drawn is shown without it
+        except InputError:  # written by another version: its draws are shown without the distribution
             return
     else:
         for key, child in node.children():

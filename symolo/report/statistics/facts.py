@@ -1,4 +1,4 @@
-"""Everything that the page says and shows, gathered from the release before a word of it is written."""
+"""Everything that the page shows of a release, gathered before the page is written."""
 
 import hashlib
 from dataclasses import dataclass
@@ -8,42 +8,43 @@ from symolo.dataset.manifest import MANIFEST, read_manifest
 from symolo.dataset.metadata import Metadata
 from symolo.reader.dataset import Dataset
 from symolo.report.statistics.image_statistics import ImageNumbers, image_numbers
-from symolo.report.statistics.outliers import Outlier, outliers
+from symolo.report.statistics.outliers import OutlierGroup, outliers
 from symolo.report.statistics.run_facts import RunFacts, run_facts
 from symolo.report.statistics.spread import spread
 
-MAX_TRACKS = 60
-"""On all maps together."""
+MAX_PATHS = 60
+"""Paths on all maps together."""
 
 
 @dataclass(frozen=True)
 class ReleaseFacts:
     metadata: Metadata
     runs: tuple[RunFacts, ...]
-    """Those that were asked for, in the order of the release."""
+    """The selected runs, in the order of the release."""
     images: tuple[ImageNumbers, ...]
-    """Of each run with images."""
-    outliers: tuple[Outlier, ...]
+    """Statistics of the images of each run that has images."""
+    outliers: tuple[OutlierGroup, ...]
     detailed: tuple[str, ...]
-    """Names of the runs that are shown one by one."""
+    """Names of the runs that are shown in detail."""
     files: int
+    """Number of files of the whole release."""
     size_bytes: int
-    """Of the whole release."""
+    """Size of the whole release."""
     manifest_sha256: str
 
 
-def release_facts(data: Dataset, metadata: Metadata, most_detailed: int, report: Report) -> ReleaseFacts:
-    """Reads every table and looks at every image, one run and one image at a time.
+def release_facts(data: Dataset, metadata: Metadata, max_detailed: int, report: Report) -> ReleaseFacts:
+    """Read every table and every image, one run and one image at a time.
 
     Raises:
         InputError: A file is missing or is not what it should be.
     """
     records = {record.run: record for record in metadata.runs}
-    on_map = {run.name for run in spread(data.runs, MAX_TRACKS)}
+    on_map = {run.name for run in spread(data.runs, MAX_PATHS)}
     facts, images = [], []
     with report.stage("report", sum(records[run.name].images for run in data.runs), "images") as stage:
         for run in data.runs:
-            one = run_facts(run, records[run.name], with_track=run.name in on_map)
+            one = run_facts(run, records[run.name], with_path=run.name in on_map)
             facts.append(one)
             if one.images:
                 images.append(image_numbers(run, lambda done, name=run.name: stage.update(name, done)))
@@ -54,7 +55,7 @@ def release_facts(data: Dataset, metadata: Metadata, most_detailed: int, report:
         runs=tuple(facts),
         images=tuple(images),
         outliers=outliers(images) if images else (),
-        detailed=tuple(run.name for run in spread(data.runs, most_detailed)),
+        detailed=tuple(run.name for run in spread(data.runs, max_detailed)),
         files=len(sizes),
         size_bytes=sum(sizes),
         manifest_sha256=hashlib.sha256(manifest).hexdigest(),

@@ -1,4 +1,4 @@
-"""Numbers of each image: how bright, how much of it clipped, how sharp."""
+"""Numbers about each image: its brightness, its share of clipped pixels, its sharpness."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ GREYS = 256
 
 @dataclass(frozen=True)
 class ImageNumbers:
-    """Of the images of one run, in the order of their numbers; grey values are those of ITU-R BT.601, 0 to 255."""
+    """Statistics of the images of one run, in the order of their numbers; grey values are ITU-R BT.601, 0 to 255."""
 
     run: str
     numbers: tuple[int, ...]
@@ -27,37 +27,33 @@ class ImageNumbers:
     burnt: Array
     """(M,), share of the pixels from `BURNT_FROM` on, 0 to 1."""
     sharpness: Array
-    """(M,), standard deviation of the grey picture's Laplacian; the root of Pech-Pacheco's measure (ICPR 2000)."""
+    """(M,), standard deviation of the grey image's Laplacian; the root of Pech-Pacheco's measure (ICPR 2000)."""
     pixels: Ints
-    """(256,), how many pixels of all images have each grey value."""
+    """(256,), number of pixels of all images with each grey value."""
 
 
-def image_numbers(run: Run, looked_at: Callable[[int], None]) -> ImageNumbers:
-    """Of one run; no more than one picture is held at a time.
+def image_numbers(run: Run, on_image: Callable[[int], None]) -> ImageNumbers:
+    """Return the statistics of the images of one run; only one image is in memory at a time.
 
     Args:
-        run: Whose images are looked at.
-        looked_at: Told the number of images done, after each.
+        run: The run with the images.
+        on_image: Called after each image with the number of images done.
 
     Raises:
-        InputError: An image is missing or no picture.
+        InputError: An image is missing or cannot be decoded.
     """
-    import cv2  # noqa: PLC0415 - half a second that whoever reads tables does not need
+    import cv2  # noqa: PLC0415 - takes half a second, which readers of tables need not wait for
 
-    told, numbers, pixels = [], [], np.zeros(GREYS, np.int64)
+    statistics, numbers, pixels = [], [], np.zeros(GREYS, np.int64)
     for done, image in enumerate(fresh(run).images, start=1):
         grey = cv2.cvtColor(image.pixels(), cv2.COLOR_RGB2GRAY)
         count = np.bincount(grey.ravel(), minlength=GREYS)
-        told.append((*_levels(count), float(cv2.Laplacian(grey, cv2.CV_16S).std())))
+        total = count.sum()
+        black, burnt = count[: BLACK_UP_TO + 1].sum() / total, count[BURNT_FROM:].sum() / total
+        sharpness = float(cv2.Laplacian(grey, cv2.CV_16S).std())
+        statistics.append((float(count @ np.arange(GREYS) / total), float(black), float(burnt), sharpness))
         numbers.append(image.number)
         pixels += count
-        looked_at(done)
-    brightness, black, burnt, sharpness = np.array(told, np.float64).reshape(-1, 4).T
+        on_image(done)
+    brightness, black, burnt, sharpness = np.array(statistics, np.float64).reshape(-1, 4).T
     return ImageNumbers(run.name, tuple(numbers), brightness, black, burnt, sharpness, pixels)
-
-
-def _levels(count: Ints) -> tuple[float, float, float]:
-    """Mean, share that is black and share that is burnt, of how often each grey value occurs."""
-    total = count.sum()
-    mean = float(count @ np.arange(GREYS) / total)
-    return mean, float(count[: BLACK_UP_TO + 1].sum() / total), float(count[BURNT_FROM:].sum() / total)

@@ -1,40 +1,39 @@
-"""Which runs share a map: those of one route among the same line, walls and obstacles."""
+"""Which runs share a map: those of one route with the same line, walls and obstacles."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from physics.arena.geometry import Arena
+from symolo.arena.geometry import Arena
 from symolo.report.statistics.run_facts import RunFacts
 
 
 @dataclass(frozen=True)
-class Map:
+class RouteMap:
+    """One arena from above with the paths of some runs."""
+
     route: str
     arena: Arena
     runs: tuple[RunFacts, ...]
-    """Those whose track is drawn, in their order."""
+    """Runs whose path is drawn, in their order."""
     duration_s: float
-    """Of the longest of them: how long obstacles move."""
+    """Duration of the longest run, during which obstacles move."""
 
     @property
     def title(self) -> str:
         names = [facts.record.run.partition("/")[2] for facts in self.runs]
-        told = ", ".join(names) if len(names) <= 3 else f"{names[0]} to {names[-1]}, {len(names)} runs"
-        return f"{self.route}: {told}"
+        listed = ", ".join(names) if len(names) <= 3 else f"{names[0]} to {names[-1]}, {len(names)} runs"
+        return f"{self.route}: {listed}"
 
 
-def maps_of(facts: Sequence[RunFacts]) -> tuple[Map, ...]:
-    """In the order of their first runs; runs without a track are left out."""
+def route_maps(facts: Sequence[RunFacts]) -> tuple[RouteMap, ...]:
+    """Return the maps in the order of their first runs; runs without a path are left out."""
     groups: dict[tuple[object, ...], list[RunFacts]] = {}
-    for one in facts:
-        if one.track is not None:
-            groups.setdefault((one.route, _layout(one.arena)), []).append(one)
+    for run in facts:
+        if run.path is not None:
+            # How light the floor and the line are does not show on a map.
+            layout = replace(run.arena, floor_reflectance=0.0, line=replace(run.arena.line, reflectance=0.0))
+            groups.setdefault((run.route, layout), []).append(run)
     return tuple(
-        Map(runs[0].route, runs[0].arena, tuple(runs), max(one.record.duration_s for one in runs))
+        RouteMap(runs[0].route, runs[0].arena, tuple(runs), max(run.record.duration_s for run in runs))
         for runs in groups.values()
     )
-
-
-def _layout(arena: Arena) -> Arena:
-    """What of an arena is on a map; how light floor and line are is not."""
-    return replace(arena, floor_reflectance=0.0, line=replace(arena.line, reflectance=0.0))

@@ -1,13 +1,13 @@
-"""How far points of the floor are from the middle of the line."""
+"""Distances of points on the floor from the middle of the line."""
 
 import numpy as np
 
-from physics.arena.geometry import Line
+from symolo.arena.geometry import Line
 from symolo.core.arrays import Array
 
 
 def off_line_m(line: Line, points: Array) -> Array:
-    """Distance of each floor point from the nearest point of the line's middle [m], (N,).
+    """Return the distance of each floor point from the nearest point of the line's middle [m], (N,).
 
     Args:
         line: At least one piece.
@@ -24,10 +24,10 @@ def off_line_m(line: Line, points: Array) -> Array:
 
 
 def ahead_of(pose: Array, x_m: float) -> Array:
-    """Floor points (N, 2) in W that lie `x_m` ahead of the axle's middle.
+    """Return the floor points (N, 2) in W that lie `x_m` ahead of the axle's middle.
 
     Args:
         pose: (N, 3), x [m], y [m], theta [rad] of the robot in W.
-        x_m: Along x of the robot.
+        x_m: Distance along x of the robot.
     """
     return pose[:, :2] + x_m * np.column_stack((np.cos(pose[:, 2]), np.sin(pose[:, 2])))

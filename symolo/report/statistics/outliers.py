@@ -1,4 +1,4 @@
-"""Images unlike the others of their release, by name; those that follow each other are told as one."""
+"""Images that differ from the others of their release; successive ones form a group."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,61 +9,72 @@ from sensors.camera.exposure_guard import MAX_BLACK, MAX_BURNT
 from symolo.core.arrays import Array
 from symolo.report.statistics.image_statistics import ImageNumbers
 
-FAR = 3.5
-"""Modified z-score from which a value is an outlier (Iglewicz and Hoaglin, How to Detect and Handle Outliers, 1993)."""
-_OF_NORMAL = 0.6745
-"""Median absolute deviation of normal noise, in its standard deviations."""
+MAX_Z = 3.5
+"""Modified z-score of an outlier, at least (Iglewicz and Hoaglin, How to Detect and Handle Outliers, 1993)."""
+_NORMAL_MAD = 0.6745
+"""Median absolute deviation of normal noise, in standard deviations."""
 _MIN_SHARPNESS = 1e-3
 
 
 @dataclass(frozen=True)
-class Outlier:
-    """Images of a run, each next to the one before."""
+class OutlierGroup:
+    """Successive images of a run that are outliers."""
 
     run: str
     numbers: tuple[int, ...]
     worst: int
-    """Number of the one that is farthest out."""
+    """Number of the image that differs most."""
     why: str
-    """Of that one."""
+    """In what the image `worst` differs."""
     score: float
-    """How far out that one is; from 1 on it is an outlier."""
+    """How much the image `worst` differs; an image is an outlier above 1."""
+
+    @property
+    def extent(self) -> str:
+        """Which images the group has, in words."""
+        return "this image only" if len(self.numbers) == 1 else f"also images {self.numbers[0]} to {self.numbers[-1]}"
 
 
-def outliers(of_runs: Sequence[ImageNumbers]) -> tuple[Outlier, ...]:
-    """The farthest out first. Brightness and sharpness are held against all images, clipping against fixed shares."""
-    brightness = modified_z(np.concatenate([of.brightness for of in of_runs]))
-    # Ratios: twice as sharp is as far out as half as sharp.
-    sharpness = modified_z(np.log(np.maximum(np.concatenate([of.sharpness for of in of_runs]), _MIN_SHARPNESS)))
-    found, first = [], 0
-    for of in of_runs:
-        end = first + len(of.numbers)
-        found += _of_run(of, brightness[first:end], sharpness[first:end])
+def outliers(runs: Sequence[ImageNumbers]) -> tuple[OutlierGroup, ...]:
+    """Return the groups of outliers, the most different first.
+
+    Brightness and sharpness are compared with all images, clipping with fixed shares.
+    """
+    brightness = modified_z(np.concatenate([run.brightness for run in runs]))
+    # Logarithms, so that an image that is twice as sharp differs as much as one that is half as sharp.
+    sharpness = modified_z(np.log(np.maximum(np.concatenate([run.sharpness for run in runs]), _MIN_SHARPNESS)))
+    groups, first = [], 0
+    for run in runs:
+        end = first + len(run.numbers)
+        groups += _groups(run, brightness[first:end], sharpness[first:end])
         first = end
-    return tuple(sorted(found, key=lambda one: -round(one.score, 6)))
+    # Rounded, so that equal scores keep the order of the runs on every machine.
+    return tuple(sorted(groups, key=lambda group: -round(group.score, 6)))
 
 
-def _of_run(of: ImageNumbers, brightness: Array, sharpness: Array) -> list[Outlier]:
-    scores = np.array([np.abs(brightness) / FAR, np.abs(sharpness) / FAR, of.black / MAX_BLACK, of.burnt / MAX_BURNT])
+def _groups(run: ImageNumbers, brightness: Array, sharpness: Array) -> list[OutlierGroup]:
+    scores = np.array(
+        [np.abs(brightness) / MAX_Z, np.abs(sharpness) / MAX_Z, run.black / MAX_BLACK, run.burnt / MAX_BURNT]
+    )
     worst = scores.max(axis=0)
     out = np.flatnonzero(worst > 1.0)
-    found = []
-    for group in np.split(out, np.flatnonzero(np.diff(out) > 1) + 1) if len(out) else []:
-        at = int(group[np.argmax(worst[group])])
+    groups = []
+    for members in np.split(out, np.flatnonzero(np.diff(out) > 1) + 1) if len(out) else []:
+        at = int(members[np.argmax(worst[members])])
         words = (
-            f"mean grey {of.brightness[at]:.0f}, {'dark' if brightness[at] < 0 else 'bright'}",
-            f"sharpness {of.sharpness[at]:.1f}, {'little' if sharpness[at] < 0 else 'much'} detail",
-            f"{of.black[at]:.0%} black",
-            f"{of.burnt[at]:.0%} burnt",
+            f"mean grey {run.brightness[at]:.0f}, {'dark' if brightness[at] < 0 else 'bright'}",
+            f"sharpness {run.sharpness[at]:.1f}, {'little' if sharpness[at] < 0 else 'much'} detail",
+            f"{run.black[at]:.0%} black",
+            f"{run.burnt[at]:.0%} overexposed",
         )
         why = ", ".join(text for text, score in zip(words, scores[:, at], strict=True) if score > 1.0)
-        numbers = tuple(of.numbers[i] for i in group.tolist())
-        found.append(Outlier(of.run, numbers, of.numbers[at], why, float(worst[at])))
-    return found
+        numbers = tuple(run.numbers[i] for i in members.tolist())
+        groups.append(OutlierGroup(run.run, numbers, run.numbers[at], why, float(worst[at])))
+    return groups
 
 
 def modified_z(values: Array) -> Array:
-    """Distance from the median in standard deviations, as the median distance tells them, (N,); 0 where that is 0."""
-    apart = values - np.median(values)
-    spread = float(np.median(np.abs(apart)))
-    return _OF_NORMAL * apart / spread if spread > 0 else np.zeros_like(values)
+    """Return the distance from the median in robust standard deviations, (N,); 0 where the median deviation is 0."""
+    deviations = values - np.median(values)
+    mad = float(np.median(np.abs(deviations)))
+    return _NORMAL_MAD * deviations / mad if mad > 0 else np.zeros_like(values)

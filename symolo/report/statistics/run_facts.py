@@ -1,12 +1,12 @@
-"""What the page says of each run, small enough to be kept for all of them."""
+"""What the page shows of each run, small enough to be in memory for all runs."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from physics.arena.geometry import Arena
-from physics.control.base import State
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
+from symolo.dataset.codes import State
 from symolo.dataset.metadata import RunRecord
 from symolo.dataset.rows import Ints
 from symolo.reader.run import Run
@@ -14,8 +14,8 @@ from symolo.report.statistics.off_line import ahead_of, off_line_m
 
 
 @dataclass(frozen=True)
-class Track:
-    """The way of a run, for the map."""
+class RunPath:
+    """The path of a run, for the map."""
 
     pose: Array
     """(N, 3), x [m], y [m], theta [rad] in W."""
@@ -29,19 +29,20 @@ class RunFacts:
     arena: Arena
     drawn: dict[str, float | int | str | bool]
     farthest_following_m: float | None
-    """Of the line sensor's middle from the line's, while the robot follows the line; None where it never does."""
+    """Largest distance [m] of the line sensor's middle from the line's middle while the robot follows the line; None if
+    the robot never follows it."""
     images: tuple[tuple[int, int, float], ...]
-    """Number, state and time [s] of each."""
-    track: Track | None
-    """None where this run is not on the map."""
+    """Number, state and time [s] of each image."""
+    path: RunPath | None
+    """None if this run is not on a map."""
 
     @property
     def route(self) -> str:
         return self.record.run.partition("/")[0]
 
 
-def run_facts(run: Run, record: RunRecord, *, with_track: bool) -> RunFacts:
-    """Of one run; its tables are read and let go again.
+def run_facts(run: Run, record: RunRecord, *, with_path: bool) -> RunFacts:
+    """Return the facts of one run; its tables do not stay in memory.
 
     Raises:
         InputError: A file of the run is missing or damaged.
@@ -65,10 +66,10 @@ def run_facts(run: Run, record: RunRecord, *, with_track: bool) -> RunFacts:
                 strict=True,
             )
         ),
-        track=Track(rows.pose, rows.state) if with_track else None,
+        path=RunPath(rows.pose, rows.state) if with_path else None,
     )
 
 
 def fresh(run: Run) -> Run:
-    """The same run without what it has read so far, so that its tables go when it goes."""
+    """Return the same run without the tables that it has read, so that they are freed together with the result."""
     return replace(run)

@@ -1,4 +1,4 @@
-"""Which few of many are shown: spread evenly over their order, the first and the last among them."""
+"""A choice of a few items out of many, evenly spread over their order."""
 
 from collections.abc import Sequence
 from typing import TypeVar
@@ -8,10 +8,10 @@ import numpy as np
 T = TypeVar("T")
 
 
-def spread(items: Sequence[T], most: int) -> list[T]:
-    """At most so many of the items, in their order; of one, that in the middle."""
-    if len(items) <= most:
+def spread(items: Sequence[T], max_items: int) -> list[T]:
+    """Return up to `max_items` items in their order: the first, the last and some between, or only the middle one."""
+    if len(items) <= max_items:
         return list(items)
-    if most == 1:
+    if max_items == 1:
         return [items[len(items) // 2]]
-    return [items[i] for i in np.linspace(0, len(items) - 1, most).round().astype(int).tolist()]
+    return [items[i] for i in np.linspace(0, len(items) - 1, max_items).round().astype(int).tolist()]

@@ -16,7 +16,7 @@ from blender_scenes.render.renderer import render_job
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
 from configs.schema.scenario import AnnotationName, Render
-from physics.arena.geometry import Arena
+from symolo.arena.geometry import Arena
 
 ARENA = {
     "name": "small",

@@ -19,10 +19,11 @@ from blender_scenes.annotations.record import Record, record
 from blender_scenes.annotations.seen import Passes, Seen
 from blender_scenes.annotations.sight import hidden, triangles
 from blender_scenes.annotations.silhouette import reaches_beyond, silhouette
-from blender_scenes.scene.description import FrameView, Intrinsics
 from blender_scenes.scene.meshes import block
 from configs.schema.scenario import AnnotationName
-from sensors.camera.geometry import matrix_K, pose_X_WR
+from sensors.camera.views import FrameView
+from symolo.core.pinhole import Intrinsics, matrix_K
+from symolo.core.poses import pose_X_WR
 
 WIDTH, HEIGHT, FOCAL = 80, 60, 50.0
 CAMERA = Intrinsics(WIDTH, HEIGHT, FOCAL, FOCAL, 39.5, 29.5)

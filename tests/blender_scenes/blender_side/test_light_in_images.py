@@ -10,13 +10,14 @@ import pytest
 
 from blender_scenes.render.job import FramePose, build_job
 from blender_scenes.render.renderer import render_job
-from blender_scenes.scene.description import FrameView, Panel, Scene, Sky, Sun
+from blender_scenes.scene.description import Panel, Scene, Sky, Sun
 from blender_scenes.scene.meshes import block, floor
 from blender_scenes.scene.shading import Color, Surface
 from configs.draw import draw_look
 from configs.loader import load_section
 from configs.references import shipped_names
 from configs.schema.scenario import Render
+from sensors.camera.views import FrameView
 
 GREY = Surface("floor", Color((0.5, 0.5, 0.5)), roughness=1.0, refractive_index=1.0)
 NO_SKY = Sky("studio", 0.0, 0.0, 10.0, 1.0)

@@ -10,13 +10,14 @@ import pytest
 from blender_scenes.materials.base import Patch
 from blender_scenes.materials.stains import stained
 from blender_scenes.materials.tape import tape
-from blender_scenes.scene.description import FrameView, Scene, Sky, Sun
+from blender_scenes.scene.description import Scene, Sky, Sun
 from blender_scenes.scene.meshes import rectangle
 from blender_scenes.scene.run_scene import describe
 from blender_scenes.scene.shading import Color, Expression, Noise, Surface
 from configs.schema.floors import FloorLook
 from configs.schema.look import LookConfig, TapeLook
 from sensors.camera.colour import LUMINANCE
+from sensors.camera.views import FrameView
 
 PIXELS = 96
 TAPES = {"bare": TapeLook(wear=0), "half": TapeLook(wear=0, streaks=0.5), "streaked": TapeLook(wear=0, streaks=1)}

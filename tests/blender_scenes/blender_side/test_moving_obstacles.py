@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 from blender_scenes.render.job import FramePose, RenderJob, build_job
-from blender_scenes.scene.description import FrameView, Scene, Sky, Sun
+from blender_scenes.scene.description import Scene, Sky, Sun
 from blender_scenes.scene.meshes import block, box_corners, floor
 from blender_scenes.scene.run_scene import arena_bounds
 from blender_scenes.scene.shading import Color, Surface
 from configs.schema.look import LookConfig
 from configs.schema.scenario import Render
-from physics.arena.obstacle_motion import ObstacleMotion
+from sensors.camera.views import FrameView
+from symolo.arena.obstacle_motion import ObstacleMotion
 
 FRAMES = [FramePose(number=i, t_s=0.2 * i, x_m=0.55, y_m=-0.6, yaw_rad=1.57) for i in (1, 2, 3)]
 SIZE_M, HEIGHT_M = 0.1, 2.0

@@ -13,7 +13,7 @@ from blender_scenes.materials import FLOORS
 from blender_scenes.materials.base import Patch
 from blender_scenes.preview.renderer import FlatRenderer
 from blender_scenes.render.job import FramePose, RenderJob, build_job
-from blender_scenes.scene.description import FrameView, Scene, Sky, Sun
+from blender_scenes.scene.description import Scene, Sky, Sun
 from blender_scenes.scene.meshes import floor
 from blender_scenes.scene.run_scene import describe
 from configs.schema.arena import ArenaConfig, Line, Wall
@@ -22,8 +22,9 @@ from configs.schema.floors import FloorLook
 from configs.schema.lighting import SkyLook
 from configs.schema.look import LookConfig
 from configs.schema.scenario import Render
-from physics.arena.geometry import Arena
-from sensors.camera.geometry import project
+from sensors.camera.views import FrameView
+from symolo.arena.geometry import Arena
+from symolo.core.pinhole import project
 
 TILES = np.zeros((8, 12, 3), np.uint8)
 """Two rows of three tiles, blue first: above red, green, blue, below black, half of white's light, white."""

@@ -15,8 +15,8 @@ from configs.loader import load_section
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
 from configs.schema.scenario import Render
-from physics.arena.geometry import Arena
-from sensors.camera.geometry import matrix_K
+from symolo.arena.geometry import Arena
+from symolo.core.pinhole import matrix_K
 
 ARENA = {"name": "line", "line": {"pieces": [{"kind": "straight", "start": [0.0, 0.0], "end": [1.2, 0.0]}]}}
 POSES = [FramePose(1, 0.0, 0.1, 0.0, 0.0), FramePose(2, 0.2, 0.13, 0.01, 0.1)]

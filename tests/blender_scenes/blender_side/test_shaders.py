@@ -6,10 +6,11 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from blender_scenes.scene.description import FrameView, Mesh, Scene, Sky, Sun
+from blender_scenes.scene.description import Mesh, Scene, Sky, Sun
 from blender_scenes.scene.meshes import rectangle
 from blender_scenes.scene.shading import Arithmetic, Cells, Color, Coordinate, Mix, Noise, Number, Step, Surface, Tiles
 from blender_scenes.scene.typical import typical_color
+from sensors.camera.views import FrameView
 
 A, B = Color((0.8, 0.1, 0.4)), Color((0.2, 0.5, 0.3))
 CONSTANT = {

@@ -6,14 +6,16 @@ import cv2
 import numpy as np
 import pytest
 
-from blender_scenes.scene.description import FrameView, Intrinsics, Scene, Shutter, Sky, Sun
+from blender_scenes.scene.description import Scene, Sky, Sun
 from blender_scenes.scene.meshes import block
 from blender_scenes.scene.shading import Color, Surface
-from physics.arena.geometry import Box
-from physics.arena.obstacle_motion import ObstacleMotion
 from physics.robot.path import RobotPath
 from sensors.camera.shutter import exposed, moment, window
+from sensors.camera.views import FrameView
+from symolo.arena.geometry import Box
+from symolo.arena.obstacle_motion import ObstacleMotion
 from symolo.core.lens import NO_DISTORTION, Coefficients
+from symolo.core.pinhole import Intrinsics, Shutter
 
 PIXELS, FOCAL_PX = 81, 100.0
 RATE_RAD_S, SPEED_M_S = 3.0, 1.5

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from blender_scenes.hybrid.floor_sight import MIDDLE, FilterPoint, FloorSight, filter_points
-from blender_scenes.scene.description import FrameView, Shutter
 from physics.robot.path import RobotPath
-from sensors.camera.geometry import floor_points, intrinsics, pose_X_RC, pose_X_WR
-from sensors.camera.shutter import exposed, moment, row_opens_s, window
+from sensors.camera.shutter import exposed, moment, window
+from sensors.camera.views import FrameView
+from symolo.core.pinhole import Shutter, floor_points, intrinsics, pose_X_RC
+from symolo.core.poses import pose_X_WR
 
 WIDTH_PX, HEIGHT_PX = 48, 36
 POSE = (0.3, -0.7, 2.0)
@@ -202,7 +203,7 @@ def test_with_a_rolling_shutter_each_row_is_seen_when_it_is_exposed(camera, aren
     for time in (0.0, 0.3, 1.0):
         found = sight.points(open_, FilterPoint(0.0, 0.0, time))
         for row in (15, 24, HEIGHT_PX - 1):
-            at_s = T_S + row_opens_s(SHUTTER, row, HEIGHT_PX) + time * SHUTTER.exposure_s
+            at_s = T_S + SHUTTER.row_opens_s(row, HEIGHT_PX) + time * SHUTTER.exposure_s
             x, y, yaw = path.poses_at(np.array([at_s]))[0]
             expected = _seen(camera, pose_X_WR(x, y, yaw) @ X_RC, rows=[row])[0]
             away = np.linalg.norm(expected - (x, y), axis=-1, keepdims=True)

@@ -7,19 +7,7 @@ import pytest
 
 from blender_scenes.render.job import FramePose, RenderJob, build_job
 from blender_scenes.render.sampling import PartSamples, Sampling
-from blender_scenes.scene.description import (
-    INSTANT,
-    FrameView,
-    Intrinsics,
-    Mesh,
-    Moment,
-    Panel,
-    PlanarPose,
-    Point3,
-    Scene,
-    Shutter,
-    Sky,
-)
+from blender_scenes.scene.description import Mesh, Panel, Point3, Scene, Sky
 from blender_scenes.scene.meshes import block, floor, rectangle
 from blender_scenes.scene.shading import Color, Coordinate, Mix, Noise, Step, Surface
 from configs.draw import draw_look
@@ -28,8 +16,10 @@ from configs.references import shipped_names
 from configs.schema.look import CameraLook
 from configs.schema.scenario import Render
 from physics.robot.path import RobotPath
-from sensors.camera.geometry import floor_points, pose_X_WR, project
 from sensors.camera.response import CameraResponse
+from sensors.camera.views import INSTANT, FrameView, Moment
+from symolo.core.pinhole import Intrinsics, Shutter, floor_points, project
+from symolo.core.poses import PlanarPose, pose_X_WR
 
 WIDTH_PX, HEIGHT_PX = 64, 48
 CAMERA = Intrinsics(WIDTH_PX, HEIGHT_PX, 45.0, 45.0, 31.5, 23.5)

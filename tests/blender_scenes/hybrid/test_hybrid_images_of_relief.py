@@ -13,13 +13,15 @@ import pytest
 
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.sampling import PARTS, PartSamples, Sampling
-from blender_scenes.scene.description import FrameView, Intrinsics, Panel, PlanarPose, Scene, Sky
+from blender_scenes.scene.description import Panel, Scene, Sky
 from blender_scenes.scene.meshes import block, floor, rectangle
 from blender_scenes.scene.shading import Color, Coordinate, Mix, Noise, Number, Step, Surface, Tiles
 from configs.schema.look import CameraLook
 from configs.schema.robot import Camera
-from sensors.camera.geometry import floor_points, pose_X_RC, pose_X_WR, project
 from sensors.camera.response import CameraResponse, develop, encode_jpeg, median_luminance
+from sensors.camera.views import FrameView
+from symolo.core.pinhole import Intrinsics, floor_points, pose_X_RC, project
+from symolo.core.poses import PlanarPose, pose_X_WR
 
 WIDTH_PX, HEIGHT_PX = 128, 96
 CAMERA = Intrinsics(WIDTH_PX, HEIGHT_PX, 90.0, 90.0, 63.5, 47.5)

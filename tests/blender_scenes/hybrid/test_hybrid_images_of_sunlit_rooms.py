@@ -5,13 +5,15 @@ import pytest
 
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.sampling import PARTS, Sampling
-from blender_scenes.scene.description import FrameView, Intrinsics, Scene, Sky, Sun
+from blender_scenes.scene.description import Scene, Sky, Sun
 from blender_scenes.scene.meshes import block, floor
 from blender_scenes.scene.shading import Color, Surface
 from configs.schema.look import CameraLook
 from configs.schema.robot import Camera
-from sensors.camera.geometry import pose_X_RC, pose_X_WR
 from sensors.camera.response import CameraResponse
+from sensors.camera.views import FrameView
+from symolo.core.pinhole import Intrinsics, pose_X_RC
+from symolo.core.poses import pose_X_WR
 
 CAMERA = Intrinsics(64, 48, 45.0, 45.0, 31.5, 23.5)
 ELEVATION = np.radians(25.0)

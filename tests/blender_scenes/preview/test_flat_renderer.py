@@ -10,8 +10,8 @@ from blender_scenes.render.job import FramePose, build_job
 from blender_scenes.scene.meshes import block
 from configs.schema.look import CameraLook, LampsLook, LookConfig, SkyLook, SunLook
 from configs.schema.scenario import Render
-from physics.arena.obstacle_motion import ObstacleMotion
-from sensors.camera.geometry import project
+from symolo.arena.obstacle_motion import ObstacleMotion
+from symolo.core.pinhole import project
 
 FRAMES = [FramePose(number=i, t_s=0.5 * i, x_m=0.55, y_m=-0.6, yaw_rad=np.pi / 2) for i in (1, 2)]
 SMALL = Render(width_px=64, height_px=48)

@@ -6,8 +6,9 @@ import cv2
 import numpy as np
 import pytest
 
-from blender_scenes.render.frame_files import FrameFile, Ledger, frame_name, put_in_place
+from blender_scenes.render.frame_files import FrameFile, Ledger, put_in_place
 from sensors.camera.response import encode_jpeg
+from symolo.dataset.layout import frame_name
 
 JPEG = encode_jpeg(np.full((12, 16, 3), 90, np.uint8), 92)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from diagnosis.inference.fit import fits
-from diagnosis.inference.rivals import standing
+from diagnosis.inference.rivals import compare_rivals
 from diagnosis.inference.scan import scan
 from diagnosis.inference.selection import select
 
@@ -84,7 +84,7 @@ def test_a_rival_that_does_the_same_is_told(evidence_of, hypothesis, effect):
     gain, other = effect("current_sensor_gain"), effect("torque_constant_scale")
     evidence = evidence_of(X, 1.3 * X + noise(6), heldout=30)
     fit = select(evidence, hypothesis, [gain]).fit
-    found = standing(evidence, fit, gain, [gain, other])
+    found = compare_rivals(evidence, fit, gain, [gain, other])
     assert found.ambiguous_with == ("torque_constant_scale",)
     assert found.confidence == pytest.approx(0.5, abs=0.05)
 

@@ -6,8 +6,8 @@ import pytest
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.holdout import hold_out, of_part
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
-from physics.run.trajectory import TimeSeries
 from symolo.core.errors import InputError
+from symolo.core.time_series import TimeSeries
 
 T_S = np.arange(3.0)
 

@@ -22,7 +22,8 @@ from diagnosis.measured.noise import noise_of_differences
 from diagnosis.measured.screening import usable
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
-from pipeline.diagnosing.case_reading import Reading
+from pipeline.diagnosing.diagnose import read_case
+from pipeline.work.units import DiagnosisSettings
 
 pytestmark = pytest.mark.recordings
 
@@ -92,10 +93,12 @@ def test_held_out_runs_end_no_further_off_than_by_a_calibration_of_the_trade(rec
 
 
 def test_a_set_is_read_with_the_runs_held_out_that_are_asked_for(recordings):
-    found = Reading(held_out=("circular/*", "ivanjko/*")).measurement(recordings / "optiodom_diff")
+    found = read_case(recordings / "optiodom_diff", DiagnosisSettings(held_out=("circular/*", "ivanjko/*")))
     held = {trial.name.split("/")[0]: bool(trial.holdout.all()) for trial in found.trials}
     assert held == {"circular": True, "ivanjko": True, "square": False}
-    one = Reading(part="left wheel").measurement(recordings / "opatiny_micromouse" / "wheelSpeedCalibration3.csv")
+    one = read_case(
+        recordings / "opatiny_micromouse" / "wheelSpeedCalibration3.csv", DiagnosisSettings(part="left wheel")
+    )
     assert {trial.part for trial in one.trials} == {"left wheel"}
 
 

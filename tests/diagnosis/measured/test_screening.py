@@ -5,7 +5,7 @@ import pytest
 
 from diagnosis.measured.channel import Channel, Quality, Role
 from diagnosis.measured.screening import far_out, noise_of, resolution, spikes, timing
-from physics.run.trajectory import TimeSeries
+from symolo.core.time_series import TimeSeries
 
 
 def rng(seed):

@@ -14,8 +14,8 @@ from diagnosis.measured.nominal import NominalDrive
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
 from physics.effects import PHYSICS_TERMS
-from physics.run.trajectory import TimeSeries
 from sensors.effects import SENSOR_TERMS
+from symolo.core.time_series import TimeSeries
 
 R, K, B, TC, J = 3.0, 0.3, 0.002, 0.02, 0.003
 DAMPING = K * K / R + B

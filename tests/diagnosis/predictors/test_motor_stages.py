@@ -23,9 +23,9 @@ from diagnosis.measured.nominal import NominalSteady, NominalStep
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
 from physics.effects import PHYSICS_TERMS
-from physics.run.trajectory import TimeSeries
 from sensors.effects import SENSOR_TERMS
 from symolo.core.errors import InputError
+from symolo.core.time_series import TimeSeries
 
 TERMS = (*PHYSICS_TERMS, *SENSOR_TERMS)
 ROWS_S = 0.005 * np.arange(1, 201)

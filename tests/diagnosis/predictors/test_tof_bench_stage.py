@@ -13,8 +13,8 @@ from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.nominal import NominalTof
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
-from physics.run.trajectory import TimeSeries
 from sensors.effects import SENSOR_TERMS
+from symolo.core.time_series import TimeSeries
 
 REFLECTANCE = {"wood": 0.45, "black_card": 0.05}
 NOMINAL = NominalTof.model_validate(

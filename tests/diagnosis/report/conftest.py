@@ -6,7 +6,7 @@ from diagnosis.diagnose import diagnose
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.report.files import files
-from diagnosis.report.findings import findings
+from diagnosis.report.report_data import report_data
 
 BENCHES = {"weak": {"strength": 0.9}, "plain": {}, "bumped": {"bump_A": 0.02, "sweeps": 4}}
 
@@ -30,7 +30,7 @@ def findings_of(diagnosis_of):
 
     def of(name):
         if name not in made:
-            made[name] = findings(diagnosis_of(name))
+            made[name] = report_data(diagnosis_of(name))
         return made[name]
 
     return of

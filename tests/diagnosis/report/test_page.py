@@ -32,7 +32,7 @@ def test_the_page_is_well_formed_and_asks_nobody_for_anything(files_of, name):
 
 
 @pytest.mark.parametrize("name", BENCHES)
-def test_every_picture_says_in_words_what_it_shows(files_of, name):
+def test_every_plot_has_an_alternative_text(files_of, name):
     pictures = list(ET.fromstring(files_of(name)[PAGE].decode()).iter("img"))  # noqa: S314 - our own page
     plots = {path for path in files_of(name) if path.startswith("plots/")}
     assert len(pictures) == len(plots) >= 3
@@ -46,16 +46,16 @@ def test_an_effect_is_told_with_value_cause_and_gain(files_of, diagnosis_of):
     assert named.name == "torque_constant_scale"
     assert "The real robot differs from the nominal one by torque_constant_scale." in told
     assert f"scale = {named.values['scale']:.4f} ± " in told
-    assert "It comes of: another or an aged magnet, another gear ratio." in told
-    assert "On rows that nothing was fitted to, the error falls from " in told
-    assert "but moves parameters further than their tolerances allow" in told
+    assert "Possible causes: another or an aged magnet, another gear ratio." in told
+    assert "On the held-out rows the error falls from " in told
+    assert "but parameters leave their tolerances" in told
 
 
 def test_what_has_no_name_is_told_with_channel_covariate_and_picture(files_of, diagnosis_of):
     told = text_of(files_of("bumped")[PAGE].decode())
     left = diagnosis_of("bumped").unexplained
     assert left.channel == "current_A"
-    assert f"What is left in current_A has structure along predicted {left.covariate}" in told
+    assert f"The residuals of current_A have structure along predicted {left.covariate}" in told
     assert "plots/unexplained.png" in files_of("bumped")
 
 
@@ -67,7 +67,7 @@ def test_a_bench_without_effects_says_so(files_of):
 
 def test_effects_that_cannot_show_in_steady_states_are_listed(files_of):
     told = text_of(files_of("plain")[PAGE].decode())
-    assert re.search(r"nothing is said of: [^.]*rotor_inertia_scale, [^.]*gear_backlash", told)
+    assert re.search(r"nothing is known about them: [^.]*rotor_inertia_scale, [^.]*gear_backlash", told)
 
 
 HOSTILE = "<b>\"&'</td><script>alert(1)</script>"
@@ -108,13 +108,13 @@ def test_each_effect_is_taken_away_in_turn(files_of, findings_of):
     told = json.loads(files_of("weak")[ANSWER])["without"]["torque_constant_scale"]
     assert told["cost_rise"] > 100.0
     assert told["heldout_gain_ci"][0] <= told["heldout_gain"] <= told["heldout_gain_ci"][1]
-    (without,) = findings_of("weak").without
+    (without,) = findings_of("weak").ablations
     alone = findings_of("weak").diagnosis.gain
-    assert 1.0 - alone.value == pytest.approx((1.0 - without.gain.value) * (1.0 - without.adds.value))
+    assert 1.0 - alone.value == pytest.approx((1.0 - without.gain.value) * (1.0 - without.effect_gain.value))
     assert told["adds_ci"][0] <= told["adds"] <= told["adds_ci"][1]
     low, high = json.loads(files_of("weak")[ANSWER])["intervals"]["torque_constant_scale"]["scale"]["0.95"]
     assert low < 0.9 < high
     page_told = text_of(files_of("weak")[PAGE].decode())
-    assert "Without it, everything else fitted anew, the cost rises by" in page_told
-    assert "off than their tolerances allow (torque_constant_N_m_A by 1" in page_told
+    assert "Without this effect and with everything else fitted again, the cost rises by" in page_told
+    assert "parameters leave their tolerances (torque_constant_N_m_A by 1" in page_told
     assert "95 % profile interval 0.8" in files_of("weak")[SUMMARY].decode()

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from scipy.integrate import quad
 from scipy.stats import norm
 
-from diagnosis.predictors.base import Covariate, Shape
+from diagnosis.predictors.base import Covariate, CovariateShape
 from diagnosis.report.plots.gain import noise_alone
 from diagnosis.report.plots.panels import residual_panel
 from diagnosis.report.quantities import axis, confidence, covariate_axis, percent, with_error
@@ -38,7 +38,7 @@ def test_nothing_is_certain():
 
 
 def test_axes_have_words_and_units():
-    assert axis("u_cmd_V") == "voltage commanded [V]"
+    assert axis("u_cmd_V") == "commanded voltage [V]"
     assert axis("ambient_lux") == "ambient light [lx]"
     assert axis("wheel_angle_rad") == "angle of the wheel [rad]"
     assert axis("wheel_angle_rad[left]") == "angle of the wheel, left [rad]"
@@ -69,12 +69,12 @@ def test_a_wild_residual_stands_at_the_edge_of_its_panel():
 
 
 def test_categories_have_their_names_on_the_axis():
-    kinds = Covariate("material", np.arange(90) % 3.0, Shape.CATEGORY, labels=("wood", "plastic", "metal"))
+    kinds = Covariate("material", np.arange(90) % 3.0, CovariateShape.CATEGORY, labels=("wood", "plastic", "metal"))
     assert [label.get_text() for label in panel(kinds, np.zeros(90)).get_xticklabels()] == ["wood", "plastic", "metal"]
 
 
 def test_an_angle_is_folded_into_one_turn():
-    axes = panel(Covariate("theta_rad", np.linspace(0.0, 60.0, 300), Shape.PERIODIC), np.zeros(300))
+    axes = panel(Covariate("theta_rad", np.linspace(0.0, 60.0, 300), CovariateShape.PERIODIC), np.zeros(300))
     assert axes.get_xlim()[1] < 2.0 * math.pi + 0.5
 
 

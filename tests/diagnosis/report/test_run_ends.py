@@ -27,8 +27,8 @@ def test_the_extended_robot_of_known_wheels_ends_nearer_than_the_nominal_one(mad
     found = diagnose(replace(measurement, trials=tuple(held)))
     drive = found.extended.drive
     assert drive.track_m == pytest.approx(0.2024, abs=4e-4)
-    (told, *more) = run_ends(found)
+    (sentence, *more) = run_ends(found)
     assert not more
-    before, after = (float(told.split(" mm and ")[k].split()[-1]) for k in (0, 1))
-    assert "rms of 2 runs" in told
+    before, after = (float(sentence.split(" mm and ")[k].split()[-1]) for k in (0, 1))
+    assert "rms of 2 runs" in sentence
     assert after < 0.5 * before

@@ -11,10 +11,11 @@ import pytest
 from configs.loader import RobotAlone, load_section
 from configs.validation import validated
 from hil.build import build_native
-from physics.control.base import Command, ControlInput, State
+from physics.control.base import Command, ControlInput
 from physics.control.controller import RobotController
 from physics.control.curves import CurveFollower
 from sensors.odometry import Odometry
+from symolo.dataset.codes import State
 
 
 @dataclass

@@ -8,9 +8,9 @@ import pytest
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from physics.control.base import State
 from physics.control.paths import straight_path
 from pipeline.stages.simulate import simulate
+from symolo.dataset.codes import State
 
 pytestmark = pytest.mark.compiler
 

@@ -11,7 +11,7 @@ from hil.frames import SensorFrame
 from hil.framings.base import Answer
 from hil.framings.framed import Framed
 from hil.framings.simtwo import SimTwo
-from physics.control.base import State
+from symolo.dataset.codes import State
 
 pytestmark = pytest.mark.compiler
 

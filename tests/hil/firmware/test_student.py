@@ -3,8 +3,8 @@
 import pytest
 
 from hil.build import student_tasks, student_version
-from physics.control.base import State
 from symolo.core.errors import InputError
+from symolo.dataset.codes import State
 
 
 def test_the_functions_to_be_written_are_those_of_the_paper():

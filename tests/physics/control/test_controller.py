@@ -4,8 +4,9 @@ import math
 
 import pytest
 
-from physics.control.base import ControlInput, State
+from physics.control.base import ControlInput
 from physics.control.controller import RobotController
+from symolo.dataset.codes import State
 
 WHITE = (0.9,) * 8
 ON_LINE = (0.9, 0.9, 0.9, 0.1, 0.1, 0.9, 0.9, 0.9)

@@ -2,10 +2,10 @@
 
 import pytest
 
-from physics.control.base import State
 from physics.control.conditions import CONDITIONS
 from physics.control.transitions import load_transitions
 from symolo.core.errors import InputError
+from symolo.dataset.codes import State
 
 GOOD = "{states: [LINE], when: wall_lost(left), to: LEFT_WALL}"
 

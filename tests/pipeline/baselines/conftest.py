@@ -9,11 +9,11 @@ import pytest
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from configs.schema.robot import TofMount
-from physics.arena.geometry import Arena, Box, Line, Straight
 from pipeline.baselines.given import Drawing, Given, LineRow, Start
 from pipeline.baselines.runs import LoggedRun
 from pipeline.stages.simulate import simulate
 from sensors.odometry import Odometry
+from symolo.arena.geometry import Arena, Box, Line, Straight
 
 WALL_X_M = 0.5
 SENSOR_X_M = 0.085

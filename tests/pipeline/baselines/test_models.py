@@ -7,12 +7,13 @@ import pytest
 
 from configs.draw import draw_all
 from configs.loader import load_scenario
-from physics.arena.geometry import Arena
 from physics.arena.rays import RayScene
 from pipeline.baselines.given import Start
 from pipeline.baselines.line_model import LineModel
 from pipeline.baselines.range_model import RangeModel
-from sensors.tof import TofArray, TofStatus
+from sensors.tof import TofArray
+from symolo.arena.geometry import Arena
+from symolo.dataset.codes import TofStatus
 
 START = Start(np.zeros(3), np.full(3, 0.01))
 ROWS = 2

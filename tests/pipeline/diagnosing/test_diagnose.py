@@ -5,8 +5,8 @@ import json
 import pytest
 
 from configs.loader import load_scenario
-from pipeline.diagnosing.case_reading import Reading
-from pipeline.work.units import DiagnoseUnit
+from pipeline.work.units import DiagnoseUnit, DiagnosisSettings
+from pipeline.work.worker_main import diagnose_case
 from symolo.core.errors import RunFailed
 
 
@@ -97,10 +97,7 @@ def unit(tmp_path, *, alone):
     return DiagnoseUnit(
         name="one",
         case=tmp_path / "case",
-        reading=Reading(),
-        nominal="",
-        pybullet=False,
-        against=None,
+        settings=DiagnosisSettings(),
         folder=tmp_path / "out" / "one",
         alone=alone,
     )
@@ -122,7 +119,7 @@ def test_an_output_folder_of_the_cases_own_name_is_refused(symolo, tmp_path, mon
 def test_a_bug_that_one_of_several_cases_brings_out_fails_that_case_alone(tmp_path, monkeypatch):
     monkeypatch.setattr("pipeline.diagnosing.diagnose.diagnose_into", divides_by_zero)
     with pytest.raises(RunFailed, match=r"a bug of symolo: ZeroDivisionError: by nought; please report it with .*"):
-        unit(tmp_path, alone=False).run(print)
+        diagnose_case(unit(tmp_path, alone=False), print)
     assert "ZeroDivisionError" in (tmp_path / "out" / "one" / "traceback.txt").read_text()
     with pytest.raises(ZeroDivisionError):
-        unit(tmp_path, alone=True).run(print)
+        diagnose_case(unit(tmp_path, alone=True), print)

@@ -7,12 +7,12 @@ import numpy as np
 import pybullet
 import pytest
 
-from physics.arena.geometry import Arena, Box
 from physics.arena.rays import RayScene
 from physics.bullet.ray_oracle import BATCH, EngineRays
 from physics.bullet.world import add_arena, connect
 from pipeline.models.files import model_files
 from sensors.tof import ray_directions, ray_pattern
+from symolo.arena.geometry import Arena, Box
 
 
 @pytest.fixture(scope="module")

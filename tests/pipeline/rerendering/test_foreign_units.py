@@ -8,8 +8,8 @@ import pytest
 from blender_scenes.scene.run_scene import arena_bounds
 from configs.loader import load_section
 from configs.schema.arena import ArenaConfig
-from physics.arena.geometry import Arena
 from pipeline.rerendering.rerender import Request, prepare
+from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 from symolo.dataset.rows import Rows
 

@@ -12,7 +12,8 @@ import pytest
 import symolo as symolo_reader
 from pipeline.cli import main
 from pipeline.rerendering.rerender import Request, prepare
-from pipeline.run_folder.workspace import Kind, Workspace
+from pipeline.run_folder.workspace import Workspace
+from symolo.dataset.folder_kind import Kind
 
 RUN = "CW/test_1"
 OUTPUT = {"data.csv", "image_positions.txt", "images", "side", "job.json", "look.json", "frames.json"}

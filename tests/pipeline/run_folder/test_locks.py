@@ -6,8 +6,9 @@ import stat
 
 import pytest
 
-from pipeline.run_folder.workspace import Workspace, held
+from pipeline.run_folder.workspace import Workspace
 from symolo.core.errors import InputError
+from symolo.core.file_locks import held
 
 
 @pytest.fixture

@@ -14,11 +14,12 @@ from configs.loader import load_section
 from pipeline.executors.local import Local
 from pipeline.rerendering.rerender import Request, prepare, render_source
 from pipeline.run_folder.own_files import keep_own_files
-from pipeline.run_folder.workspace import Kind, StageFolder, Workspace
+from pipeline.run_folder.workspace import StageFolder, Workspace
 from pipeline.stages.render import RenderTask
 from pipeline.work import batch
 from symolo.core.errors import InputError
 from symolo.core.progress import LineReport
+from symolo.dataset.folder_kind import Kind
 
 RED = cv2.imencode(".png", np.full((4, 6, 3), (30, 30, 220), np.uint8))[1].tobytes()
 BLUE = cv2.imencode(".png", np.full((4, 6, 3), (220, 30, 30), np.uint8))[1].tobytes()

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from configs.draw import draw_run
-from configs.footprints import Rectangle, overlap
 from configs.loader import load_scenario
-from physics.arena.geometry import Arena
-from physics.control.base import State
 from pipeline.stages.simulate import simulate
+from symolo.arena.footprints import Rectangle, overlap
+from symolo.arena.geometry import Arena
+from symolo.dataset.codes import State
 
 STRAIGHT_M, RADIUS_M = 0.50, 0.15
 HALF_LAP_M = STRAIGHT_M + math.pi * RADIUS_M

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from configs.draw import draw_run
-from configs.footprints import Rectangle, overlap
 from configs.loader import load_scenario
-from physics.arena.geometry import Arena
 from pipeline.cli import main
 from pipeline.stages.simulate import simulate
+from symolo.arena.footprints import Rectangle, overlap
+from symolo.arena.geometry import Arena
 from symolo.verification.verify import verify
 
 ONE_RUN = "--set=routes=[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}}]"

@@ -3,11 +3,11 @@
 import pytest
 
 from configs.draw import draw_run
-from configs.footprints import Rectangle, overlap
 from configs.loader import load_scenario
-from physics.arena.geometry import Arena
-from physics.control.base import State
 from pipeline.stages.simulate import simulate
+from symolo.arena.footprints import Rectangle, overlap
+from symolo.arena.geometry import Arena
+from symolo.dataset.codes import State
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])

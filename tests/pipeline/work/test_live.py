@@ -7,10 +7,10 @@ from rich.console import Console
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from hil.tally import COLUMNS
-from physics.control.base import Command, ControlInput, State
+from physics.control.base import Command, ControlInput
 from physics.run.pilot import Decision
 from pipeline.work import live
+from symolo.dataset.codes import BOARD_COLUMNS, State
 
 
 class Screen:
@@ -34,7 +34,7 @@ def shown(monkeypatch):
         seen = ControlInput((1.0,) * 7 + (0.0,), 2.0, 0.6, 0.3, (0.0, 0.0, 0.0))
         command = Command(0.18, -0.3, State.RIGHT_WALL)
         for t_s, told in ((0.0, {"answered": 1}), (0.05, {"answered": 1, **counts})):
-            row = tuple(told.get(name, 0) for name in COLUMNS)
+            row = tuple(told.get(name, 0) for name in BOARD_COLUMNS)
             view.show(t_s, seen, Decision(command, (5.5, 6.5), 0, row))
         return screen.text
 

@@ -37,13 +37,13 @@ for line in sys.stdin:
         if what == "die" or (what == "die_once" and first):
             os.kill(os.getpid(), 9)
         if what == "die_writing" and first:
-            from configs import whole_files
+            from symolo.core import atomic_files
             os.replace = lambda *_: os.kill(os.getpid(), 9)
-            whole_files.write_file(made, b"half")
+            atomic_files.write_file(made, b"half")
         if what == "hang_writing":
-            from configs import whole_files
+            from symolo.core import atomic_files
             os.replace = lambda *_: (say("progress", share=0.5, at=99), time.sleep(60))
-            whole_files.write_file(made, b"half")
+            atomic_files.write_file(made, b"half")
         if what == "hang_once" and first:
             time.sleep(60)
         if what == "eat_once" and first:
@@ -121,7 +121,9 @@ def test_a_frame_that_fails_always_is_set_aside_with_its_seed_and_the_rest_goes_
     failures = run_units([unit(tmp_path, f"bad 2={what}"), unit(tmp_path, "good")], 1, lambda *_: None, command=COMMAND)
     (failure,) = failures
     assert failure.unit.name.startswith("bad")
-    assert failure.text.startswith("image 2 (seed 5) was given up after 3 tries; the same command tries it alone")
+    assert failure.text.startswith(
+        "image 2 (seed 5) was given up after 3 tries; the same command tries this image again"
+    )
     assert (tmp_path / "bad_2.tries").read_text() == "xxx"
     assert (tmp_path / "bad_3").exists()
     assert (tmp_path / "good_3").exists()

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physics.control.base import State
 from pipeline.rerendering.rerender import image_numbers
 from symolo.core.errors import InputError
 from symolo.dataset import metadata
+from symolo.dataset.codes import State
 from symolo.dataset.manifest import manifest, read_manifest
 from symolo.dataset.rows import HEADER, STATES, Rows, csv_bytes, heading, parse_table, read_rows, wrapped
 

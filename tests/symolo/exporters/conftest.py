@@ -15,7 +15,7 @@ from blender_scenes.annotations.document import ENCODINGS
 from configs.draw import draw_all
 from configs.loader import load_scenario
 from pipeline.stages.simulate_runs import spec_text
-from sensors.camera.geometry import intrinsics
+from symolo.core.pinhole import intrinsics
 from symolo.core.progress import LineReport
 from symolo.dataset.camera_model import CameraModel
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest

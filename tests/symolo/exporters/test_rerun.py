@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from physics.arena.geometry import Arena
+from symolo.arena.geometry import Arena
 from symolo.dataset.rows import COLUMNS
 from symolo.exporters.rerun import _box, _Maker
 

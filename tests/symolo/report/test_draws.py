@@ -5,7 +5,7 @@ import pytest
 from configs.distributions import Choice, LogUniform, Normal, Uniform
 from symolo.reader.dataset import load
 from symolo.report.plots.draw_strip import MAX_MARKS, in_words, strip
-from symolo.report.statistics.draws import Draw, draws_of
+from symolo.report.statistics.draws import DrawnField, drawn_fields
 from symolo.report.statistics.run_facts import run_facts
 
 ASKED = (
@@ -18,26 +18,26 @@ ASKED = (
 def draws(root):
     data = load(root)
     records = {record.run: record for record in data.metadata.runs}
-    facts = [run_facts(run, records[run.name], with_track=False) for run in data]
-    return {draw.field: draw for draw in draws_of(facts, data.metadata.scenario)}, data
+    facts = [run_facts(run, records[run.name], with_path=False) for run in data]
+    return {draw.field: draw for draw in drawn_fields(facts, data.metadata.scenario)}, data
 
 
 def test_each_draw_has_the_values_of_the_runs_and_the_distribution_of_the_scenario(painted):
     found, data = draws(painted(settings=ASKED))
     specs = [run.spec for run in data]
-    assert found["look.sun.elevation_deg"].asked == Uniform(20, 40)
+    assert found["look.sun.elevation_deg"].distribution == Uniform(20, 40)
     assert found["look.sun.elevation_deg"].values == tuple(spec.look.sun.elevation_deg for spec in specs)
-    assert found["robot.chassis.mass_kg"].asked == LogUniform(0.9, 1.1)
+    assert found["robot.chassis.mass_kg"].distribution == LogUniform(0.9, 1.1)
     assert found["robot.chassis.mass_kg"].numbers == tuple(spec.robot.chassis.mass_kg for spec in specs)
     materials = found["look.floor.material"]
-    assert (materials.asked, materials.numbers) == (Choice(("parquet", "linoleum")), None)
+    assert (materials.distribution, materials.numbers) == (Choice(("parquet", "linoleum")), None)
     assert sum(count for _, count in materials.counts) == len(specs)
     assert set(found) >= set(specs[0].drawn) - {"start.x_m", "start.y_m", "start.yaw_deg"}
 
 
 def test_what_a_route_asks_for_is_its_own(painted):
     found, data = draws(painted(settings=["routes.0.start.x_m={normal: [0.55, 0.003]}"]))
-    assert found["start.x_m (CW)"].asked == Normal(0.55, 0.003)
+    assert found["start.x_m (CW)"].distribution == Normal(0.55, 0.003)
     assert found["start.x_m (CW)"].values == tuple(run.spec.start.x_m for run in data if run.name.startswith("CW/"))
     assert "start.x_m (CCW)" not in found  # a number there, so that nothing is drawn
 
@@ -45,16 +45,14 @@ def test_what_a_route_asks_for_is_its_own(painted):
 def test_what_another_version_asked_for_is_left_out_and_its_draws_are_not(painted):
     data = load(painted(settings=ASKED))
     record = data.metadata.runs[0]
-    facts = run_facts(data.runs[0], record, with_track=False)
+    facts = run_facts(data.runs[0], record, with_path=False)
     scenario = {"look": {"sun": {"elevation_deg": {"uniform": [1, 2, 3]}}}}
-    (draw,) = [one for one in draws_of([facts], scenario) if one.field == "look.sun.elevation_deg"]
-    assert (draw.asked, draw.values) == (None, (record.drawn["look.sun.elevation_deg"],))
+    (draw,) = [one for one in drawn_fields([facts], scenario) if one.field == "look.sun.elevation_deg"]
+    assert (draw.distribution, draw.values) == (None, (record.drawn["look.sun.elevation_deg"],))
 
 
-def marks(html, kind="mark"):
-    """Left edges and widths of the rectangles of a kind."""
-    parts = [part for part in html.split("<rect ")[1:] if f'class="{kind}"' in part]
-    return [tuple(float(part.partition(f'{key}="')[2].partition('"')[0]) for key in ("x", "width")) for part in parts]
+def marks(plot):
+    return [rectangle for rectangle in plot.rectangles if rectangle.kind == "mark"]
 
 
 @pytest.mark.parametrize(
@@ -68,16 +66,13 @@ def marks(html, kind="mark"):
     ],
 )
 def test_marks_stand_where_their_values_are_between_the_ends_of_what_was_asked_for(asked, values, middles):
-    found = sorted(x + 0.5 * width for x, width in marks(strip(values, asked)))
+    found = sorted(mark.x + 0.5 * mark.width for mark in marks(strip(values, asked)))
     assert found == pytest.approx(sorted(middles), abs=0.06)
 
 
 def test_many_values_are_a_histogram_whose_bars_are_as_high_as_their_counts():
     values = [0.01] * 90 + [0.99] * 30
-    html = strip(values, Uniform(0, 1))
-    heights = [
-        float(part.partition('height="')[2].partition('"')[0]) for part in html.split("<rect ") if "mark" in part
-    ]
+    heights = [mark.height for mark in marks(strip(values, Uniform(0, 1)))]
     assert len(values) > MAX_MARKS
     assert len(heights) == 2
     assert heights[0] / heights[1] == pytest.approx(3, rel=0.01)
@@ -100,5 +95,5 @@ def test_a_distribution_in_words(asked, words):
 
 
 def test_true_and_false_are_no_numbers():
-    assert Draw("x", (True, False, True), None).numbers is None
-    assert Draw("x", (True, False, True), None).counts == [("True", 2), ("False", 1)]
+    assert DrawnField("x", (True, False, True), None).numbers is None
+    assert DrawnField("x", (True, False, True), None).counts == [("True", 2), ("False", 1)]

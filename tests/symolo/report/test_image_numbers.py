@@ -43,7 +43,7 @@ def test_sharpness_is_the_spread_of_the_laplacian(painted):
     assert found.brightness[0] == pytest.approx(grey.mean(), abs=0.1)
 
 
-def test_it_tells_how_many_images_are_done(painted):
+def test_it_reports_how_many_images_are_done(painted):
     told = []
     image_numbers(load(painted()).runs[0], told.append)
     assert told == list(range(1, 12))
@@ -71,7 +71,7 @@ def test_planted_outliers_are_named_the_farthest_first_and_neighbours_as_one():
         ("CCW/test_1", (10, 11, 12), 11),
         ("CCW/test_1", (51,), 51),
     ]
-    assert [one.why for one in planted] == ["mean grey 80, dark", "20% burnt"]
+    assert [one.why for one in planted] == ["mean grey 80, dark", "20% overexposed"]
 
 
 def test_of_normal_noise_about_one_in_two_thousand_is_beyond_the_limit():

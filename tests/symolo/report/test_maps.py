@@ -7,17 +7,17 @@ import pytest
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from physics.arena.geometry import Arena
+from symolo.arena.geometry import Arena
 from symolo.reader.dataset import load
 from symolo.report.plots.map import footprints
-from symolo.report.statistics.maps import maps_of
+from symolo.report.statistics.maps import route_maps
 from symolo.report.statistics.run_facts import run_facts
 
 
 @pytest.fixture(scope="module")
 def facts(painted):
     data = load(painted(settings=["arena.floor.reflectance={uniform: [0.7, 0.9]}"]))
-    return [run_facts(run, record, with_track=True) for run, record in zip(data, data.metadata.runs, strict=True)]
+    return [run_facts(run, record, with_path=True) for run, record in zip(data, data.metadata.runs, strict=True)]
 
 
 def names(maps):
@@ -26,18 +26,18 @@ def names(maps):
 
 def test_runs_of_a_route_share_a_map_though_the_floor_is_lighter(facts):
     assert facts[0].arena.floor_reflectance != facts[1].arena.floor_reflectance
-    found = maps_of(facts)
+    found = route_maps(facts)
     assert names(found) == [["CW/test_1", "CW/test_2"], ["CCW/test_1"]]
     assert [one.title for one in found] == ["CW: test_1, test_2", "CCW: test_1"]
 
 
 def test_a_run_among_other_obstacles_has_a_map_of_its_own(facts):
     other = replace(facts[1], arena=replace(facts[1].arena, boxes=facts[1].arena.boxes[:-1]))
-    assert names(maps_of([facts[0], other, facts[2]])) == [["CW/test_1"], ["CW/test_2"], ["CCW/test_1"]]
+    assert names(route_maps([facts[0], other, facts[2]])) == [["CW/test_1"], ["CW/test_2"], ["CCW/test_1"]]
 
 
-def test_a_run_without_a_track_is_on_no_map(facts):
-    assert names(maps_of([replace(facts[0], track=None), *facts[1:]])) == [["CW/test_2"], ["CCW/test_1"]]
+def test_a_run_without_a_path_is_on_no_map(facts):
+    assert names(route_maps([replace(facts[0], path=None), *facts[1:]])) == [["CW/test_2"], ["CCW/test_1"]]
 
 
 def test_the_farthest_place_off_the_line_is_told_of_line_following_alone(facts):

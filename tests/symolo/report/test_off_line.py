@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from physics.arena.geometry import Arc, Line, Straight
+from symolo.arena.geometry import Arc, Line, Straight
 from symolo.report.statistics.off_line import ahead_of, off_line_m
 
 STRAIGHT = Line((Straight((0.0, 0.0), (2.0, 0.0)),), 0.015, 0.05)

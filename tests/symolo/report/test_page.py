@@ -10,22 +10,22 @@ import pytest
 from symolo.core.progress import LineReport
 from symolo.dataset.metadata import FailedRun
 from symolo.reader.dataset import load
+from symolo.report.media import Media
 from symolo.report.page import page
-from symolo.report.plots.all_plots import Pictures
-from symolo.report.state_sheets import shown_of_states
+from symolo.report.state_sheets import images_of_states
 from symolo.report.statistics.facts import release_facts
 
 HOSTILE = '<script src="https://example.org/x.js"></script>"\'&'
 
 
-def text_page(root, most_detailed=12, maps=1):
-    """The page without its pictures, which take a second each."""
+def text_page(root, max_detailed=12, maps=1):
+    """The page without its plots, which take a second each."""
     data = load(root)
-    facts = release_facts(data, data.metadata, most_detailed, LineReport())
-    sheets = shown_of_states(facts.runs)
+    facts = release_facts(data, data.metadata, max_detailed, LineReport())
+    sheets = images_of_states(facts.runs)
     images = {(run.name, number): b"jpeg" for run in data for number in run.numbers}
     runs = dict.fromkeys(facts.detailed, b"svg")
-    return page(facts, Pictures((b"svg",), maps, runs, sheets, images, b"svg", b"svg", min(3, len(facts.images))))
+    return page(facts, Media((b"svg",), maps, runs, sheets, images, b"svg", b"svg", min(3, len(facts.images))))
 
 
 def words(html):
@@ -107,7 +107,7 @@ def test_the_head_says_what_is_in_it(painted):
     files = [path for path in root.rglob("*") if path.is_file() and "manifest" not in path.name]
     size = sum(path.stat().st_size for path in files) / 1e6
     assert f"Size {size:.1f} MB in {len(files)} files" in told
-    assert "33, 5 in a second, 48 x 32 px" in told
+    assert "33, 5 per second, 48 x 32 px" in told
 
 
 def test_each_run_has_a_row_with_its_farthest_place_off_the_line(painted):
@@ -119,17 +119,17 @@ def test_each_run_has_a_row_with_its_farthest_place_off_the_line(painted):
 def test_an_arena_without_a_line_has_no_distance_from_it(painted):
     told = words(text_page(painted(settings=["arena.line.pieces=[]"])))
     assert "CW/test_1 2.0 - 0.42 41 11 - 0 5 0" in told
-    assert "It never follows the line." in told
+    assert "The robot never follows the line." in told
 
 
 def test_of_many_runs_some_are_shown_and_the_page_says_so(painted):
     root = painted(settings=["routes.0.runs=4"])
-    html = text_page(root, most_detailed=2)
-    assert "2 of 5 runs are shown, spread evenly over them." in words(html)
-    assert "median of each run. 3 of 5 runs are shown." in words(html)
+    html = text_page(root, max_detailed=2)
+    assert "2 of 5 runs are shown in detail, spread evenly over all of them." in words(html)
+    assert "middle half and median. 3 of 5 runs are shown." in words(html)
     assert re.findall(r'<h3 id="run-([^"]*)">', html) == ["CW/test_1", "CCW/test_1"]
     assert re.findall(r'href="#run-([^"]*)"', html) == ["CW/test_1", "CCW/test_1"]
-    assert "are shown, spread" not in words(text_page(root, most_detailed=5))
+    assert "are shown in detail" not in words(text_page(root, max_detailed=5))
     assert "2 of 30 maps are shown." in words(text_page(root, maps=30))
     assert "maps are shown" not in words(text_page(root, maps=2))
 
@@ -138,7 +138,7 @@ def test_warnings_and_runs_set_aside_are_named_and_linked_from_the_top(painted):
     failed = [FailedRun(run="CW/test_9", stage="simulate", problem="hit the wall A2 at 12.3 s")]
     html = text_page(painted(warnings=["3 of 10 images are black"], failed=failed))
     told = words(html)
-    assert "1 warning, 1 run set aside" in told
+    assert "1 warning, 1 run excluded" in told
     assert html.index('href="#warnings" class="warn"') < html.index("What is in it")
     assert "CW/test_1 3 of 10 images are black" in told
     assert "CW/test_9 simulate hit the wall A2 at 12.3 s" in told
@@ -146,20 +146,20 @@ def test_warnings_and_runs_set_aside_are_named_and_linked_from_the_top(painted):
 
 def test_without_any_it_says_so(painted):
     told = words(text_page(painted()))
-    assert "set aside" not in told.partition("What is in it")[0]
-    assert "Warnings None: no run was set aside" in told
+    assert "excluded" not in told.partition("What is in it")[0]
+    assert "Warnings There are none: no run failed" in told
 
 
 def test_one_run_has_one_draw_of_each_value(painted):
     (route,) = ["[{name: CW, start: {x_m: 0.55, y_m: -0.2, yaw_deg: -90}, runs: 1}]"]
     html = text_page(painted(settings=["routes.0.runs=1", f"routes={route}"]))
-    assert "This is one run, so that there is one draw of each." in words(html)
+    assert "There is one run, so each field has one value." in words(html)
     assert 'class="strip"' not in html
 
 
 def test_images_that_stand_out_are_named(painted):
     told = words(text_page(painted(grey=lambda run, image: 230 if (run, image) == (1, 7) else 100 + image)))
-    assert "CW/test_2 image 7, mean grey 230, bright; alone" in told
+    assert "CW/test_2 image 7, mean grey 230, bright; this image only" in told
 
 
 def test_markup_in_a_release_is_text_on_its_page(painted):

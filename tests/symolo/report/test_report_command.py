@@ -30,7 +30,7 @@ def test_only_the_runs_that_were_asked_for(painted, tmp_path, symolo):
     out = tmp_path / "report.html"
     assert symolo("report", painted(), "--out", out, "--runs", "CCW/*", "--detail", "0").code == 0
     html = out.read_text()
-    assert "Of 3 runs in the release these were asked for." in html
+    assert "This page shows only these runs, out of 3 in the release." in html
     assert "CW/test_2" not in html.partition('id="provenance"')[0].replace("CCW/", "")
 
 

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from symolo.dataset.rows import STATES
-from symolo.report.plots.states import MARKS, stretches
+from symolo.report.plots.states import STATE_STYLES, stretches
 
 # Okabe and Ito, Color Universal Design (2008), without the yellow that a white page swallows; and a grey.
 SAFE = {"#000000", "#E69F00", "#56B4E9", "#009E73", "#0072B2", "#D55E00", "#CC79A7", "#777777"}
@@ -21,8 +21,8 @@ def test_stretches_join_up_and_each_row_is_of_its_state(states):
 
 
 def test_every_state_has_a_safe_colour_and_a_mark_unlike_all_others():
-    assert set(MARKS) == set(STATES)
-    assert {mark.colour for mark in MARKS.values()} <= SAFE
-    for one, other in combinations(MARKS.values(), 2):
+    assert set(STATE_STYLES) == set(STATES)
+    assert {mark.colour for mark in STATE_STYLES.values()} <= SAFE
+    for one, other in combinations(STATE_STYLES.values(), 2):
         assert (one.colour, one.dash) != (other.colour, other.dash)
         assert one.name != other.name

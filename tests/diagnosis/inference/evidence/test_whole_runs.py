@@ -11,8 +11,8 @@ from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
 from diagnosis.usual_tolerances import usual_wheels
 from physics.effects import PHYSICS_TERMS
-from physics.run.trajectory import TimeSeries
 from sensors.effects import SENSOR_TERMS
+from symolo.core.time_series import TimeSeries
 
 COUNTS = 2000
 NOMINAL = usual_wheels(diameter_m=0.08, track_m=0.2, counts_per_turn=COUNTS)

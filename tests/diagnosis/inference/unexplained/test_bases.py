@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from diagnosis.inference.unexplained.bases import bases, standing_out
-from diagnosis.predictors.base import Covariate, Shape
+from diagnosis.predictors.base import Covariate, CovariateShape
 
 STEPS = (3.0, -5.0, 2.0, -4.0, 6.0, -2.0)
 
@@ -22,7 +22,7 @@ def test_ringing_after_steps_either_way_is_found_by_the_time_since_and_the_size_
     since_s = np.tile(0.002 * np.arange(1, 301), len(STEPS))
     size = np.repeat(STEPS, 300)
     ringing = size * np.exp(-since_s / 0.06) * np.sin(2.0 * np.pi * 20.0 * since_s)
-    assert explained(Covariate("time_since_step_s", since_s, Shape.SINCE, size=size), ringing) > 0.7
+    assert explained(Covariate("time_since_step_s", since_s, CovariateShape.SINCE, size=size), ringing) > 0.7
     assert explained(Covariate("time_since_step_s", since_s), ringing) < 0.2
 
 
@@ -36,14 +36,14 @@ def test_a_gear_with_so_many_faults_in_a_turn_changes_the_speed_by_a_share(teeth
     speed = np.abs(np.sin(np.linspace(0.0, 9.0, 1500))) * 10.0
     angle = np.cumsum(speed) * 0.005
     ripple = 0.03 * speed * np.sin(teeth * angle + 0.4)
-    assert explained(Covariate("angle_rad", angle, Shape.PERIODIC, size=speed), ripple) > 0.99
+    assert explained(Covariate("angle_rad", angle, CovariateShape.PERIODIC, size=speed), ripple) > 0.99
 
 
 def test_harmonics_that_rows_cannot_show_are_not_looked_for():
     """At 0.5 rad a row the fifth is seen 2.5 times a cycle; from then on they are told from slower ones no more."""
     angle = 0.5 * np.arange(200.0)
     rows = np.ones(200, dtype=bool)
-    names = [basis.what for basis in bases(Covariate("angle_rad", angle, Shape.PERIODIC), rows)]
+    names = [basis.what for basis in bases(Covariate("angle_rad", angle, CovariateShape.PERIODIC), rows)]
     assert names == ["turn", "harmonic 4 of a turn"]
 
 

@@ -1,0 +1,143 @@
+"""What the report shows beyond the diagnosis itself: the model without each effect, gains by quantity, signatures."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from configs.schema.robot import RobotConfig
+from diagnosis.dataset_comparison import DatasetComparison, compare_with_dataset
+from diagnosis.diagnose import Diagnosis
+from diagnosis.engine.gain import EngineComparison, compare_engines
+from diagnosis.extended_robot import ExtendedRobot, extended_robot
+from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.fit import Fit, fits
+from diagnosis.inference.gain import Gain, gain, of_quantity
+from diagnosis.inference.hypothesis import moved
+from diagnosis.inference.profile import Interval, profiles
+from diagnosis.inference.unexplained.adequacy import LEVEL, Structure, adequacy
+from diagnosis.measured.measurement import Measurement
+from diagnosis.report.row_sentences import row_sentences
+from diagnosis.report.run_ends import run_ends
+from diagnosis.report.signatures import Signatures, signatures
+from symolo.core.arrays import Array
+
+
+@dataclass(frozen=True)
+class Ablation:
+    """The extended model without one of its effects; all other parameters are fitted again."""
+
+    name: str
+    fit: Fit
+    cost_rise: float
+    gain: Gain | None
+    """Gain over the nominal robot without the effect."""
+    effect_gain: Gain | None
+    """Gain of the extended model over the model without the effect."""
+
+
+@dataclass(frozen=True)
+class QuantityGain:
+    """Gains of one observed quantity."""
+
+    name: str
+    calibrated: Gain
+    extended: Gain
+
+
+@dataclass(frozen=True)
+class ReportData:
+    """Everything that the files of a diagnosis show."""
+
+    diagnosis: Diagnosis
+    robot: ExtendedRobot
+    structures: tuple[Structure, ...]
+    """Strongest structure in the residuals of each observed quantity, for the nominal robot with fitted nuisances."""
+    ablations: tuple[Ablation, ...]
+    """The model without each named effect, in the order of the effects."""
+    intervals: Mapping[str, Mapping[str, tuple[Interval, ...]]]
+    """Profile intervals by effect and parameter, for the parameters that the data determine."""
+    by_quantity: tuple[QuantityGain, ...]
+    signatures: Signatures
+    means: tuple[Array, Array, Array]
+    """Predictions (N,) of the nominal robot, of the same with its nuisances fitted, and of the extended robot."""
+    z: tuple[Array, Array, Array]
+    """Residuals (N,) of the three robots in standard deviations of the nominal noise; NaN where not usable."""
+    row_sentences: tuple[str, ...] = ()
+    """Sentences about single rows of a bench, or whole runs of a drive."""
+    engines: EngineComparison | None = None
+    """Errors with PyBullet; None if not requested."""
+    dataset: DatasetComparison | None = None
+    """Comparison with a dataset; None if none was named."""
+
+
+def report_data(diagnosis: Diagnosis, *, pybullet: bool = False, release: Measurement | None = None) -> ReportData:
+    """Return everything that is shown of a diagnosis.
+
+    Args:
+        diagnosis: The diagnosis of a measurement.
+        pybullet: Whether to simulate the robots with PyBullet as well, which takes up to minutes.
+        release: A dataset to compare with the measurement.
+
+    Raises:
+        InputError: The dataset or the measurement is no drive.
+    """
+    evidence, nominal = diagnosis.evidence, diagnosis.selection.nominal
+    robots = (diagnosis.nominal, calibrated(diagnosis), diagnosis.extended)
+    prediction = evidence.of(robots)
+    usable = evidence.fit | evidence.heldout
+    z = np.where(usable, (evidence.values - prediction.mean) / evidence.sd, np.nan)
+    return ReportData(
+        diagnosis=diagnosis,
+        robot=extended_robot(diagnosis),
+        structures=tuple(_strongest(evidence, nominal)),
+        ablations=tuple(_ablations(diagnosis)),
+        intervals=profiles(evidence, diagnosis.fit),
+        by_quantity=tuple(_by_quantity(evidence, robots)),
+        signatures=signatures(evidence, nominal, diagnosis.candidates.testable),
+        row_sentences=(*row_sentences(diagnosis), *run_ends(diagnosis)),
+        means=(prediction.mean[0], prediction.mean[1], prediction.mean[2]),
+        z=(z[0], z[1], z[2]),
+        engines=compare_engines(diagnosis.measurement, diagnosis.nominal, diagnosis.extended) if pybullet else None,
+        dataset=None if release is None else compare_with_dataset(diagnosis.measurement, release, diagnosis.nominal),
+    )
+
+
+def calibrated(diagnosis: Diagnosis) -> RobotConfig:
+    """Return the nominal robot with its nuisances fitted and without effects."""
+    nominal = diagnosis.selection.nominal
+    return nominal.hypothesis.robot(nominal.x)
+
+
+def _strongest(evidence: Evidence, fit: Fit) -> Iterator[Structure]:
+    """Yield one structure for each observed quantity: of the significant ones that which explains most."""
+    structures = adequacy(evidence, fit).structures
+    for observed in evidence.observed:
+        own = [structure for structure in structures if structure.observed == observed.name]
+        significant = [structure for structure in own if structure.p < LEVEL]
+        if own:
+            yield max(significant, key=lambda structure: structure.explainable) if significant else own[0]
+
+
+def _ablations(diagnosis: Diagnosis) -> Iterator[Ablation]:
+    fit, evidence = diagnosis.fit, diagnosis.evidence
+    fewer = [fit.hypothesis.without(named.effect) for named in diagnosis.named]
+    refits = fits(evidence, [(hypothesis, moved(fit.x, fit.hypothesis, hypothesis)) for hypothesis in fewer])
+    for named, refit in zip(diagnosis.named, refits, strict=True):
+        robot = refit.hypothesis.robot(refit.x)
+        yield Ablation(
+            name=named.effect.name,
+            fit=refit,
+            cost_rise=refit.cost - fit.cost,
+            gain=gain(evidence, diagnosis.nominal, robot),
+            effect_gain=gain(evidence, robot, diagnosis.extended),
+        )
+
+
+def _by_quantity(evidence: Evidence, robots: tuple[RobotConfig, RobotConfig, RobotConfig]) -> Iterator[QuantityGain]:
+    nominal, adjusted, extended = robots
+    for observed, place in zip(evidence.observed, evidence.places, strict=True):
+        alone = of_quantity(evidence, place)
+        calibration, extension = gain(alone, nominal, adjusted), gain(alone, nominal, extended)
+        if calibration is not None and extension is not None:
+            yield QuantityGain(observed.name, calibration, extension)

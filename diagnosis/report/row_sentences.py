@@ -1,0 +1,61 @@
+"""Sentences about single rows of a bench, and about effects that are too large for any robot."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from diagnosis.diagnose import Diagnosis, NamedEffect
+from diagnosis.inference.evidence.evidence import Evidence
+from diagnosis.inference.evidence.stuck_rows import StuckRow, stuck_rows
+from diagnosis.inference.fit import Fit
+from diagnosis.inference.plausible import beyond
+from diagnosis.inference.unexplained.leave_one_out import MAX_ROWS, leave_one_out
+from diagnosis.measured.measurement import Kind
+
+
+def row_sentences(diagnosis: Diagnosis) -> Iterator[str]:
+    """Yield sentences about rows in which the motor does not turn, and about errors of rows left out of the fit."""
+    if diagnosis.measurement.kind is Kind.MOTOR_STEADY:
+        yield from (_stuck(row, diagnosis) for row in stuck_rows(diagnosis.measurement, diagnosis.nominal))
+    evidence = diagnosis.evidence
+    rows = {len(observed.values) for observed in evidence.observed}
+    # With held-out rows there is no need to leave out one row at a time, and long logs would take too long.
+    if evidence.heldout.any() or len(rows) != 1 or max(rows) > MAX_ROWS:
+        return
+    before = _rms(evidence, diagnosis.selection.nominal)
+    after = _rms(evidence, diagnosis.fit) if diagnosis.named else {}
+    for observed in evidence.observed:
+        name, unit = observed.name, observed.unit
+        if name in before:
+            extended = f", by {after[name]:.3g} {unit} with the effects" if name in after else ""
+            yield (
+                f"If each row in turn is left out of the fit, {name} is wrong by {before[name]:.3g} {unit} (root mean "
+                f"square) with the nominal robot and its fitted parameters{extended}."
+            )
+
+
+def too_large(named: NamedEffect) -> list[str]:
+    """Return why a named effect is too large to be real; empty if it is not."""
+    return [
+        f"{excess.parameter} {excess.value:.3g} +- {excess.std:.2g} is beyond {excess.limit:g}, and no such robot is "
+        f"known: {excess.why}"
+        for excess in beyond(named.name, named.values, named.std)
+    ]
+
+
+def _stuck(row: StuckRow, diagnosis: Diagnosis) -> str:
+    coulomb = diagnosis.nominal.motor.coulomb_friction_N_m
+    text = (
+        f"In row {row.row} the motor stands still at {row.voltage_V:g} V, where the nominal motor turns at "
+        f"{row.nominal_speed_rad_s:.3g} rad/s: the friction at rest is at least {1e3 * row.holds_N_m:.3g} mN m, "
+        f"{row.holds_N_m / coulomb:.2f} times the nominal dry friction"
+    )
+    if row.moves_N_m is not None:
+        text += f", and less than {1e3 * row.moves_N_m:.3g} mN m, since the wheel moves at {row.moves_at_V:g} V"
+    return text + "."
+
+
+def _rms(evidence: Evidence, fit: Fit) -> dict[str, float]:
+    """Return the root mean square error of rows left out, by quantity, for quantities with usable rows."""
+    errors = {name: e[np.isfinite(e)] for name, e in leave_one_out(evidence, fit).items()}
+    return {name: float(np.sqrt(np.mean(e**2))) for name, e in errors.items() if len(e)}

@@ -1,0 +1,1 @@
+"""The geometry of an arena: line, walls, obstacles and their motion."""

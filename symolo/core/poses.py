@@ -1,0 +1,52 @@
+"""Poses in the plane and in space. X_AB is the pose of frame B in frame A, so that p_A = X_AB p_B."""
+
+import numpy as np
+
+from symolo.core.arrays import Array
+
+Row4 = tuple[float, float, float, float]
+Matrix4 = tuple[Row4, Row4, Row4, Row4]
+"""(4, 4) homogeneous transform, row by row."""
+PlanarPose = tuple[float, float, float]
+"""x [m], y [m], yaw [rad] in W, of a frame on the floor."""
+
+
+def pose_X_WR(x_m: float, y_m: float, yaw_rad: float) -> Array:
+    """Return the (4, 4) pose in W of a frame R that stands on the floor."""
+    c, s = np.cos(yaw_rad), np.sin(yaw_rad)
+    return np.array([[c, -s, 0, x_m], [s, c, 0, y_m], [0, 0, 1, 0], [0, 0, 0, 1.0]])
+
+
+def rotations_about_z(yaw_rad: Array) -> Array:
+    """Return the rotation matrices (N, 3, 3) of angles (N,) about the z axis."""
+    rotations = np.tile(np.eye(3), (len(yaw_rad), 1, 1))
+    rotations[:, 0, 0] = rotations[:, 1, 1] = np.cos(yaw_rad)
+    rotations[:, 1, 0] = np.sin(yaw_rad)
+    rotations[:, 0, 1] = -rotations[:, 1, 0]
+    return rotations
+
+
+def quaternions(rotations: Array) -> Array:
+    """Return the unit quaternions (N, 4), x, y, z, w with w >= 0, of rotation matrices (N, 3, 3).
+
+    The largest of the four components is computed first, so that no division loses digits (F. L. Markley, Unit
+    Quaternion from Rotation Matrix, Journal of Guidance, Control, and Dynamics 31, 2008). Of the two quaternions of
+    half a turn, the one whose first component that is not zero is positive.
+    """
+    trace = np.trace(rotations, axis1=1, axis2=2)
+    diagonal = np.diagonal(rotations, axis1=1, axis2=2)
+    largest = np.argmax(np.column_stack((diagonal, trace)), axis=1)
+    result = np.empty((len(rotations), 4))
+    for n, (R, i) in enumerate(zip(rotations, largest.tolist(), strict=True)):
+        if i == 3:
+            result[n] = R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1], 1 + trace[n]
+        else:
+            j, k = (i + 1) % 3, (i + 2) % 3
+            result[n, i] = 1 - trace[n] + 2 * R[i, i]
+            result[n, j] = R[j, i] + R[i, j]
+            result[n, k] = R[k, i] + R[i, k]
+            result[n, 3] = R[k, j] - R[j, k]
+    result /= np.linalg.norm(result, axis=1)[:, None]
+    signs = np.sign(result[:, [3, 0, 1, 2]])
+    first = signs[np.arange(len(signs)), np.argmax(signs != 0, axis=1)]
+    return result * first[:, None]

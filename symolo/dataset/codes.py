@@ -1,0 +1,40 @@
+"""The numbers that columns hold in place of names: states of the controller, statuses of a range sensor, events."""
+
+from enum import IntEnum
+
+
+class State(IntEnum):
+    """State of the controller, with the numbers of data.csv (paper section 8.2)."""
+
+    LINE = 0
+    RIGHT_WALL = 1
+    LEFT_WALL = 2
+    TURN_LEFT = 3
+    TURN_RIGHT = 4
+    AVOID_LEFT = 5
+    AVOID_RIGHT = 6
+    LOST_LEFT_WALL = 33
+    LOST_RIGHT_WALL = 44
+
+
+class TofStatus(IntEnum):
+    """Status of a reading of a range sensor, with the numbers of side/tof.csv."""
+
+    VALID = 0
+    NO_TARGET = 1
+    HELD = 2
+    """This update was lost; the value is the one before."""
+
+
+BOARD_EVENT_COLUMNS = {
+    "damaged": "damaged",
+    "damaged at the board": "damaged_at_board",
+    "refused": "refused",
+    "stale": "stale",
+    "repeated": "repeated",
+    "re-boot": "rebooted",
+    "late": "late",
+}
+"""Column of side/board.csv that counts each kind of event on the line to the board."""
+BOARD_COLUMNS = ("answered", "stopped", *BOARD_EVENT_COLUMNS.values())
+"""Columns of side/board.csv after the time."""

@@ -1,0 +1,76 @@
+"""What an output folder of symolo holds, and whether a place lies within a release."""
+
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict
+
+from symolo.core.errors import InputError
+from symolo.core.os_errors import NOT_THERE
+from symolo.core.text_enum import TextEnum
+from symolo.dataset.bag import DECLARATION
+from symolo.dataset.layout import STAGES
+from symolo.dataset.manifest import MANIFEST
+from symolo.dataset.metadata import read_metadata
+
+KIND = "kind"
+"""File in `.stages` that names the kind of the folder."""
+
+
+class Kind(TextEnum):
+    """What an output folder holds; a command for one kind does not write into the other."""
+
+    DATASET = "dataset"
+    PICTURES = "pictures"
+    """Output of `symolo rerender --look`."""
+    LOOKS = "looks"
+    """Output of `symolo rerender --looks`: a folder of images for each draw."""
+    VALIDATION = "validation"
+    """Output of `symolo validate`."""
+    DIAGNOSIS = "diagnosis"
+    """Output of `symolo diagnose`: of one case, or a folder for each of several."""
+    PICTURE_DIAGNOSIS = "picture_diagnosis"
+    """Output of `symolo pictures`."""
+
+
+class Done(BaseModel):
+    """Content of `done.json`, the last file of a finished stage."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    key: str
+    """SHA-256 over everything that the stage's result depends on."""
+    files: dict[str, str]
+    """SHA-256 of each file by its path inside the stage's folder."""
+
+
+def kind_of(out: Path) -> Kind | None:
+    """Return what a folder of symolo holds; None for any other folder.
+
+    Without `.stages` a dataset is recognised by its metadata and manifest, so that `.stages` may be deleted.
+    """
+    try:
+        return Kind((out / STAGES / KIND).read_text(encoding="ascii").strip())
+    except (*NOT_THERE, ValueError):
+        released = (out / MANIFEST).is_file() and read_metadata(out) is not None
+        return Kind.DATASET if released or (out / STAGES / "simulate").is_dir() else None
+
+
+def check_outside(out: Path, where: str = "") -> None:
+    """Refuse a place within a dataset or a bag, whose checksums would no longer hold.
+
+    Args:
+        out: The place.
+        where: How a message names the place; `--out` with its path by default.
+
+    Raises:
+        InputError: The place lies within a dataset or a bag.
+    """
+    for folder in out.resolve().parents:
+        if kind_of(folder) is Kind.DATASET:
+            what = "release"
+        elif (folder / DECLARATION).is_file() and (folder / MANIFEST).is_file():
+            what = "bag"
+        else:
+            continue
+        problem = f"lies within the {what} {folder}"
+        raise InputError(problem, where=where or f"--out {out}", cure="name a place outside of it")

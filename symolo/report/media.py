@@ -1,0 +1,32 @@
+"""The plots and images that the page shows."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from symolo.report.state_sheets import StateImage
+
+MAPS_PER_FIGURE = 2
+"""Maps side by side; the last figure may have fewer."""
+
+
+@dataclass(frozen=True)
+class Media:
+    """All plots and images of the page, encoded."""
+
+    maps: tuple[bytes, ...]
+    """SVG figures with up to `MAPS_PER_FIGURE` maps each."""
+    map_count: int
+    """Number of maps of the release; a release with many arenas shows only some of them."""
+    runs: Mapping[str, bytes]
+    """SVG plot of each run that is shown in detail, by the name of the run."""
+    state_sheets: Mapping[int, tuple[StateImage, ...]]
+    """Images that are shown for each state."""
+    images: Mapping[tuple[str, int], bytes]
+    """JPEG of every image that is shown, by run and number."""
+    brightness: bytes
+    """SVG; empty if there is no image."""
+    spread: bytes
+    """SVG; empty if there is no image."""
+    spread_runs: int
+    """Number of runs in the plot `spread`."""
+    maps_per_figure: int = MAPS_PER_FIGURE
