@@ -2,16 +2,19 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from configs.schema.robot import RobotConfig
 from diagnosis.validation.panels import Panel
 from symolo.core.file_hashes import canonical_json
 
-Table = Mapping[str, ArrayLike]
-"""Columns and single figures by name, with the unit at the end of the name; NaN where there is no value."""
+Table = Mapping[str, Any]
+"""Columns and single figures by name, with the unit at the end of the name; NaN where there is no value.
+
+A column is an array (N,), a figure a number or a text.
+"""
 
 
 @dataclass(frozen=True)

@@ -104,10 +104,10 @@ def test_few_readings_of_the_range_sensor_leave_the_tables_open(symolo, tmp_path
 
 
 BAD = {
-    "no part of that name": (["validate", "moter", "--out", "OUT"], "'motor'"),
-    "no folder": (["validate", "motor"], "--out"),
-    "misspelt robot": (["validate", "motor", "--out", "OUT", "--robot", "nominel"], "did you mean nominal"),
-    "no such robot file": (["validate", "line-sensor", "--out", "OUT", "--robot", "nowhere.yaml"], "nowhere.yaml"),
+    "no part of that name": (["moter", "--out", "OUT"], "'motor'"),
+    "no folder": (["motor"], "--out"),
+    "misspelt robot": (["motor", "--out", "OUT", "--robot", "nominel"], "did you mean nominal"),
+    "no such robot file": (["line-sensor", "--out", "OUT", "--robot", "nowhere.yaml"], "nowhere.yaml"),
     "robot without inertia": (
         ["validate", "motor", "--out", "OUT", "--robot", "HERE/rotor.yaml"],
         "rotor_inertia_kg_m2",
@@ -120,7 +120,7 @@ BAD = {
         ["validate", "range-sensor", "--out", "OUT", "--robot", "HERE/near.yaml"],
         "no board at 100 mm",
     ),
-    "too few readings": (["validate", "range-sensor", "--out", "OUT", "--readings", "9"], "--readings"),
+    "too few readings": (["range-sensor", "--out", "OUT", "--readings", "9"], "--readings"),
     "no folder of scans": (
         ["validate", "range-sensor", "--out", "OUT", "--scan", "nowhere"],
         "--scan nowhere: no such folder",
@@ -141,9 +141,9 @@ BAD = {
         ["validate", "range-sensor", "--out", "OUT", "--static", "HERE/cut"],
         "row 1003: column d: got ''",
     ),
-    "seed below zero": (["validate", "line-sensor", "--out", "OUT", "--seed", "-1"], "--seed"),
-    "folder of somebody else": (["validate", "motor", "--out", "HERE"], "did not make"),
-    "folder is a file": (["validate", "motor", "--out", "HERE/blind.yaml"], "is a file"),
+    "seed below zero": (["line-sensor", "--out", "OUT", "--seed", "-1"], "--seed"),
+    "folder of somebody else": (["motor", "--out", "HERE"], "did not make"),
+    "folder is a file": (["motor", "--out", "HERE/blind.yaml"], "is a file"),
 }
 
 
@@ -160,7 +160,7 @@ def test_bad_input_is_one_line_and_nothing_written(kind, symolo, tmp_path, monke
     (here / "cut" / "record.csv").write_text("Fs,50.00\nLogging time,20\nd\n" + "100.0\n" * 999 + "\n" + "100.0\n")
     before = sorted(tmp_path.rglob("*"))
     arguments, message = BAD[kind]
-    ended = symolo(*arguments)
+    ended = symolo("validate", *arguments)
     assert (ended.code, ended.out) == (2, "")
     assert ended.err.startswith("symolo: ")
     assert ended.err.count("\n") == 1

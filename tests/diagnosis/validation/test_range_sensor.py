@@ -218,6 +218,7 @@ def scan_of_a_ball(mounted, power, radius_m=0.03):
 
 def test_the_planted_law_of_light_and_roughly_the_ball_are_recovered(mounted):
     result = ball_edge(mounted, scan_of_a_ball(mounted, 2.0))
+    assert result is not None
     assert any("NOT IN THE MODEL: near things outshine far ones" in note for note in result.notes)
     fit = result.tables["ball by falling light"]
     # Rays fall off the rim one by one: the sum of squares has steps, and its minimum is located to some millimetres.
@@ -229,6 +230,7 @@ def test_the_planted_law_of_light_and_roughly_the_ball_are_recovered(mounted):
 def test_a_scan_by_the_sensors_own_law_accuses_the_model_of_nothing(mounted):
     # By this law a small ball hardly shows before the board: only a large one is recognised as a ball.
     result = ball_edge(mounted, scan_of_a_ball(mounted, 0.0, radius_m=0.07))
+    assert result is not None
     assert result.tables["ball by the sensor's light"]["radius_mm"] == pytest.approx(70.0, abs=2.0)
     assert not any("near things outshine far ones" in note for note in result.notes)
 
@@ -247,7 +249,9 @@ def test_a_scan_without_an_edge_has_none(mounted):
 
 
 def test_a_first_reading_of_the_place_before_is_seen_as_such(mounted):
-    moved = after_move(scan_of_a_ball(mounted, 2.0), mounted).tables["after_move"]
+    result = after_move(scan_of_a_ball(mounted, 2.0), mounted)
+    assert result is not None
+    moved = result.tables["after_move"]
     assert moved["share_of_change"] == pytest.approx((0.0, 1.0, 1.0, 1.0, 1.0))
     assert moved["at_old_place"][0] == 1.0
     assert moved["at_new_place"][1] == 1.0

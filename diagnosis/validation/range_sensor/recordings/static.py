@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from diagnosis.measured.text_file import number, read_text
-from diagnosis.validation.experiment import ExperimentResult
+from diagnosis.validation.experiment import ExperimentResult, Table
 from diagnosis.validation.panels import Curve, Panel
 from diagnosis.validation.range_sensor.recordings.allan import allan_deviation, group_lengths
 from diagnosis.validation.range_sensor.recordings.columns import range_mm
@@ -120,7 +120,7 @@ def correlation(readings: Array) -> float:
     return float(np.mean(off[1:] * off[:-1]) / np.mean(off**2)) if off.any() else 0.0
 
 
-def notes(measured: dict, model_sd_mm: float) -> list[str]:
+def notes(measured: Table, model_sd_mm: float) -> list[str]:
     """Return what the recording shows and the model lacks, in sentences."""
     drifts = not np.isnan(measured["drifts_from_s"])
     late = f"from {measured['drifts_from_s']:.2g} s on" if drifts else "never"
