@@ -126,7 +126,7 @@ def _told(of: Diagnosis) -> tuple[tuple[str, ...], tuple[str, ...], tuple[str, .
     named = []
     for n in of.named:
         numbers = ", ".join(f"{k} {v:.3g} +- {n.std[k]:.2g}" for k, v in n.values.items())
-        too_large = [f"; impossible: {b.why}" for b in beyond(n.effect.term.name, n.values, n.std)]
+        too_large = [f"; impossible: {b.why}" for b in beyond(n.effect.kind.name, n.values, n.std)]
         named.append(f"{n.effect.name} ({numbers}; confidence {n.comparison.confidence:.2f}{''.join(too_large)})")
     left = of.adequacy.structures[:1] if of.unexplained else ()
     return tuple(named), of.withdrawn, tuple(f"{s.observed} along {s.covariate} (p {s.p:.0e})" for s in left)

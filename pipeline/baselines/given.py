@@ -1,6 +1,6 @@
 """What a robot knows of a run, and no more: its readings, its own drawing, the map, and where it was put down.
 
-This is the one place where a method could be told too much. The truth and what is hidden in the robot (its terms, the
+This is the one place where a method could be told too much. The truth and what is hidden in the robot (its effects, the
 errors of its sensors) stay on the other side of `Given.of`.
 """
 

@@ -6,14 +6,13 @@ from math import radians
 import numpy as np
 
 from blender_scenes.scene.robot_body import robot_body
+from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig, TofMount, TofMounts
 from configs.schema.scenario import RunSpec
-from physics.effects.base import Slot, effects
 from physics.robot.links import BASE, CASTER, LEFT_WHEEL, RIGHT_WHEEL, BoxShape, Link, robot_links
 from physics.robot.model import through
 from pipeline.models.colours import colours, scene_of
 from pipeline.models.geometry import CylinderShape, Placement, Visual, bounding_box
-from sensors.effects import SENSOR_TERMS
 from symolo.core.pinhole import Intrinsics, horizontal_field_of_view_rad, intrinsics, pose_X_RC
 from symolo.dataset.camera_model import X_CB
 
@@ -80,8 +79,8 @@ def frames(robot: RobotConfig) -> tuple[Frame, ...]:
 
 
 def tof_frames(robot: RobotConfig) -> tuple[Frame, ...]:
-    """Front, left and right, as the terms of the robot have turned them."""
-    askew = through(effects(SENSOR_TERMS, robot.terms, Slot.RANGE_MOUNT), np.zeros(3))
+    """Front, left and right, as the effects of the robot have turned them."""
+    askew = through(robot.effects.functions(Slot.RANGE_MOUNT), np.zeros(3))
     names = tuple(TofMounts.model_fields)
     mounts: list[TofMount] = [getattr(robot.tof.mounts, name) for name in names]
     return tuple(
@@ -104,7 +103,7 @@ def _visuals(spec: RunSpec, links: tuple[Link, ...]) -> dict[str, tuple[Visual, 
         center, size = bounding_box(mesh)
         if link == BASE:
             visual = Visual(mesh.name, BoxShape(size), center, colour[mesh.name])
-        else:  # about its own axle, wherever the terms of the robot have put that
+        else:  # about its own axle, wherever the effects of the robot have put that
             visual = Visual(mesh.name, CylinderShape(0.5 * size[2], size[1]), (0.0, 0.0, 0.0), colour[mesh.name])
         found[link].append(visual)
     return {link: tuple(visuals) for link, visuals in found.items()}

@@ -171,12 +171,12 @@ class _Run:
         rows.add("image", "1", image)
 
     def _recording(self) -> Recording:
-        rows, terms = self._rows, self._spec.robot.terms
+        rows, effects = self._rows, self._spec.robot.effects
         stacked = rows.stacked()
         t_s = np.arange(len(stacked["state"])) / self._spec.rates.control_hz
         trajectory = Trajectory(t_s, stacked["pose"], stacked["twist"], stacked["state"])
-        stacked["wheel_speed_rad_s"] = read_speed_rad_s(terms, t_s, stacked["wheel_speed_rad_s"])
-        stacked["current_A"] = read_current_A(terms, stacked["current_A"])
+        stacked["wheel_speed_rad_s"] = read_speed_rad_s(effects, t_s, stacked["wheel_speed_rad_s"])
+        stacked["current_A"] = read_current_A(effects, stacked["current_A"])
         in_trajectory = {"pose", "twist", "state"}
         series = [
             TimeSeries(name, rows.units[name], t_s, values)

@@ -67,7 +67,7 @@ def test_the_motor_is_written_beside_table_1_and_table_2(validated):
 
 def test_the_effects_of_the_robot_are_written(validated):
     content = json.loads((validated[0] / "line-sensor.json").read_text())
-    assert content["robot"]["terms"]["winding_resistance_scale"] == {"scale": 1.08}
+    assert content["robot"]["effects"]["winding_resistance_scale"] == {"scale": 1.08}
 
 
 def test_a_figure_that_does_not_exist_is_null_in_the_json(validated):

@@ -30,7 +30,7 @@ def time_constant_s(motor: MotorModel) -> float:
 
 def is_ideal(robot: RobotConfig) -> bool:
     """Return whether the robot has no effects, so that the closed forms of Eq. 15-21 hold for its motor."""
-    return not robot.terms.model_dump(exclude_none=True)
+    return not list(robot.effects)
 
 
 def steps(robot: RobotConfig, _seed: int) -> ExperimentResult:

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from configs.effects.robot_effects import RobotEffects
 from configs.schema.arena import ArenaConfig, Line, SurfaceName, Wall
-from configs.schema.effects.table import Terms
 from configs.schema.robot import RobotConfig, TofMount, TofMounts, TofSensor
 from diagnosis.validation.still_world import StillWorld
 from physics.arena.rays import RayScene
@@ -53,23 +53,23 @@ class SensorOnStand:
     """The range sensor of one robot with its effects, on the stand."""
 
     tof: TofSensor
-    terms: Terms
+    effects: RobotEffects
     seed: int
 
     @classmethod
     def of_robot(cls, robot: RobotConfig, seed: int) -> "SensorOnStand":
-        return cls(robot.tof, robot.terms, seed)
+        return cls(robot.tof, robot.effects, seed)
 
     def sensor(self, arena: Arena, *path: str | float, pitch_up_deg: float = 0.0) -> TofArray:
         """Return the sensor as configured, on the random stream of this path; `arena` has the surfaces."""
         mount = TofMount(x_m=0.0, y_m=0.0, z_m=HEIGHT_M, yaw_deg=0.0, pitch_up_deg=pitch_up_deg)
         tof = self.tof.model_copy(update={"mounts": TofMounts(front=mount, left=mount, right=mount)})
-        return TofArray(tof, arena, PHYSICS_HZ, stream(self.seed, "bench", "tof", *map(str, path)), self.terms)
+        return TofArray(tof, arena, PHYSICS_HZ, stream(self.seed, "bench", "tof", *map(str, path)), self.effects)
 
     def without_noise(self) -> "SensorOnStand":
         """Return the same with neither noise, rounding nor lost updates, for the shape of a curve."""
         still = {"noise_scale": 0.0, "quantisation_m": 0.0, "dropout_probability": 0.0}
-        return SensorOnStand(self.tof.model_copy(update=still), self.terms, self.seed)
+        return SensorOnStand(self.tof.model_copy(update=still), self.effects, self.seed)
 
     def readings_mm(self, sensor: TofArray, world: StillWorld, count: int) -> Array:
         """Return the valid ones of at least `count` readings of a scene [mm].
@@ -85,8 +85,8 @@ class SensorOnStand:
 
     def samples(self, sensor: TofArray, world: StillWorld, count: int) -> Array:
         """Return range [m] and `TofStatus` of at least `count` readings of a scene, (N, 2)."""
-        # These effects act on one sensor of the three, so that the other two cannot stand in for it.
-        at_once = 1 if self.terms.tof_range_offset or self.terms.tof_mount_yaw else 3
+        # The three sensors are alike unless an effect acts on one of them.
+        at_once = 1 if any("sensor" in effect.options() for effect in self.effects) else 3
         return np.concatenate([sensor.sample(world)[:at_once] for _ in range(-(-count // at_once))])
 
 

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import yaml
 
-from configs.schema.effects.motor import InputDelay, StribeckFriction
 from configs.schema.robot import RobotConfig
 from diagnosis.motor_identification import TABLE_2
 from diagnosis.validation.motor.energy import energy
@@ -15,6 +14,8 @@ from diagnosis.validation.motor.experiments import require_inertia
 from diagnosis.validation.motor.steady_states import largest, rms, steady_states
 from diagnosis.validation.motor.steps import steps
 from diagnosis.validation.motor.stiction import starts_and_reversals, stiction
+from physics.effects.input_delay import InputDelay
+from physics.effects.stribeck_friction import StribeckFriction
 from symolo.core.errors import InputError
 
 NOMINAL = Path(__file__).parents[3] / "configs" / "robots" / "nominal.yaml"
@@ -117,7 +118,7 @@ def test_a_step_rises_with_the_time_constant_of_eq_20(planted):
 
 
 def test_an_input_delay_shifts_the_step_and_leaves_its_rise(planted):
-    delayed = planted.with_term(InputDelay(delay_s=0.02))
+    delayed = planted.with_effect(InputDelay(delay_s=0.02))
     result = steps(delayed, 1)
     response = list(result.tables.values())[-1]
     assert response["time_to_63_percent_s"] == pytest.approx(TAU_S + 0.02, abs=0.0005)
@@ -155,8 +156,8 @@ def test_a_wheel_below_breakaway_is_exactly_at_rest_and_does_not_chatter(stuck):
 
 
 def test_more_friction_at_rest_delays_the_breakaway_but_not_as_much_the_stop(planted):
-    term = StribeckFriction(extra_torque_N_m=0.004, stribeck_speed_rad_s=1.0)
-    sticky = stiction(planted.with_term(term), 1)
+    effect = StribeckFriction(extra_torque_N_m=0.004, stribeck_speed_rad_s=1.0)
+    sticky = stiction(planted.with_effect(effect), 1)
     breaks_V, stops_V = (sticky.check(name).value for name in ("breaks away at", "comes to rest at"))
     assert breaks_V == pytest.approx(R * (TQ + 0.004) / K, abs=2 * sticky.tables["ramp"]["resolution_V"])
     assert stops_V < breaks_V

@@ -1,4 +1,4 @@
-"""Terms through the simulate stage: what they change in a recording, and what stays the truth."""
+"""Effects through the simulate stage: what they change in a recording, and what stays the truth."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,9 @@ from pipeline.stages.simulate import simulate
 @pytest.fixture(scope="module")
 def recorded():
     def run(*settings):
-        loaded = load_scenario("smoke", ["stop.time_limit_s=1.5", *(f"robot.terms.{setting}" for setting in settings)])
+        loaded = load_scenario(
+            "smoke", ["stop.time_limit_s=1.5", *(f"robot.effects.{setting}" for setting in settings)]
+        )
         return simulate(draw_run(loaded, "CW", 1)).recording
 
     return run
@@ -22,7 +24,7 @@ def bare(recorded):
     return recorded()
 
 
-def test_a_pose_log_is_there_with_a_term_of_it_alone(recorded, bare):
+def test_a_pose_log_is_there_with_a_effect_of_it_alone(recorded, bare):
     assert "pose_log" not in [series.name for series in bare.series]
     logged = recorded("marker_offset.offset_m=0.03", "pose_time_offset.delay_s=0.1")
     np.testing.assert_array_equal(logged.trajectory.pose, bare.trajectory.pose)
