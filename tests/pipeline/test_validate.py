@@ -108,39 +108,15 @@ BAD = {
     "no folder": (["motor"], "--out"),
     "misspelt robot": (["motor", "--out", "OUT", "--robot", "nominel"], "did you mean nominal"),
     "no such robot file": (["line-sensor", "--out", "OUT", "--robot", "nowhere.yaml"], "nowhere.yaml"),
-    "robot without inertia": (
-        ["validate", "motor", "--out", "OUT", "--robot", "HERE/rotor.yaml"],
-        "rotor_inertia_kg_m2",
-    ),
-    "robot with a blind sensor": (
-        ["validate", "line-sensor", "--out", "OUT", "--robot", "HERE/blind.yaml"],
-        "threshold",
-    ),
-    "robot that sees nothing": (
-        ["validate", "range-sensor", "--out", "OUT", "--robot", "HERE/near.yaml"],
-        "no board at 100 mm",
-    ),
+    "robot without inertia": (["motor", "--out", "OUT", "--robot", "HERE/rotor.yaml"], "rotor_inertia_kg_m2"),
+    "robot with a blind sensor": (["line-sensor", "--out", "OUT", "--robot", "HERE/blind.yaml"], "threshold"),
+    "robot that sees nothing": (["range-sensor", "--out", "OUT", "--robot", "HERE/near.yaml"], "no board at 100 mm"),
     "too few readings": (["range-sensor", "--out", "OUT", "--readings", "9"], "--readings"),
-    "no folder of scans": (
-        ["validate", "range-sensor", "--out", "OUT", "--scan", "nowhere"],
-        "--scan nowhere: no such folder",
-    ),
-    "empty folder of scans": (
-        ["validate", "range-sensor", "--out", "OUT", "--scan", "HERE/empty"],
-        "holds no .csv file",
-    ),
-    "folder of scans is a file": (
-        ["validate", "range-sensor", "--out", "OUT", "--scan", "HERE/near.yaml"],
-        "no such folder",
-    ),
-    "no folder of recordings": (
-        ["validate", "range-sensor", "--out", "OUT", "--static", "nowhere"],
-        "--static nowhere",
-    ),
-    "recording cut off": (
-        ["validate", "range-sensor", "--out", "OUT", "--static", "HERE/cut"],
-        "row 1003: column d: got ''",
-    ),
+    "no folder of scans": (["range-sensor", "--out", "OUT", "--scan", "nowhere"], "--scan nowhere: no such folder"),
+    "empty folder of scans": (["range-sensor", "--out", "OUT", "--scan", "HERE/empty"], "holds no .csv file"),
+    "folder of scans is a file": (["range-sensor", "--out", "OUT", "--scan", "HERE/near.yaml"], "no such folder"),
+    "no folder of recordings": (["range-sensor", "--out", "OUT", "--static", "nowhere"], "--static nowhere"),
+    "recording cut off": (["range-sensor", "--out", "OUT", "--static", "HERE/cut"], "row 1003: column d: got ''"),
     "seed below zero": (["line-sensor", "--out", "OUT", "--seed", "-1"], "--seed"),
     "folder of somebody else": (["motor", "--out", "HERE"], "did not make"),
     "folder is a file": (["motor", "--out", "HERE/blind.yaml"], "is a file"),
