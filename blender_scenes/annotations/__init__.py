@@ -10,7 +10,7 @@ from blender_scenes.annotations.normals import normals
 from blender_scenes.annotations.png import Picture
 from blender_scenes.annotations.seen import Seen
 from blender_scenes.annotations.semantic import semantic
-from configs.schema.scenario import AnnotationName
+from symolo.dataset.annotations import AnnotationName
 
 PICTURES: dict[AnnotationName, Callable[[Seen], Picture | None]] = {
     "depth": depth,

@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from blender_scenes.annotations.instances import CATEGORIES, ON_THE_FLOOR
+from blender_scenes.annotations.instances import ON_THE_FLOOR
 from blender_scenes.annotations.png import Picture
 from blender_scenes.annotations.seen import Seen
+from symolo.dataset.annotations import CATEGORIES
 
 
 def free_floor(seen: Seen) -> Picture:

@@ -1,7 +1,7 @@
 """What a robot knows of a run, and no more: its readings, its own drawing, the map, and where it was put down.
 
 This is the one place where a method could be told too much. The truth and what is hidden in the robot (its effects, the
-errors of its sensors) stay on the other side of `Given.of`.
+errors of its sensors) stay on the other side of `RobotKnowledge.of`.
 """
 
 from collections.abc import Callable
@@ -87,7 +87,7 @@ class Start:
 
 
 @dataclass(frozen=True)
-class Pictures:
+class RunImages:
     """Of a run, without their poses."""
 
     rows: Ints
@@ -109,7 +109,7 @@ class Pictures:
 
 
 @dataclass(frozen=True)
-class Given:
+class RobotKnowledge:
     """The log of one run as its robot has it; N rows."""
 
     t_s: Array
@@ -126,12 +126,12 @@ class Given:
     drawing: Drawing
     map: Arena
     """Line, walls and obstacles that stand still, all of one material. What moves is on no map."""
-    pictures: Pictures | None
+    pictures: RunImages | None
 
     @classmethod
     def of(
-        cls, spec: RunSpec, rows: Rows, *, wheels: Array, tof: Array, start: Start, pictures: Pictures | None
-    ) -> "Given":
+        cls, spec: RunSpec, rows: Rows, *, wheels: Array, tof: Array, start: Start, pictures: RunImages | None
+    ) -> "RobotKnowledge":
         """From the tables data.csv, side/wheels.csv and side/tof.csv, whose true columns are not looked at."""
         status = tof[:, TOF.header.index("status_f") :][:, :3]
         counts = wheels[:, WHEELS.header.index("counts_r") :][:, :2]

@@ -19,7 +19,7 @@ RUN_PARTS = 2
 
 
 @dataclass(frozen=True)
-class Means:
+class RepairTools:
     """What files are made again with."""
 
     scratch: Path
@@ -40,7 +40,7 @@ class Means:
 
 
 @dataclass
-class Mending:
+class RepairState:
     """A repair under way."""
 
     workspace: Workspace
@@ -53,16 +53,16 @@ class Mending:
     """Why the last attempt at a file came to nothing."""
 
     @classmethod
-    def of(cls, workspace: Workspace, inventory: Inventory, tell: Callable[[str], None]) -> "Mending":
+    def of(cls, workspace: Workspace, inventory: Inventory, tell: Callable[[str], None]) -> "RepairState":
         expected = inventory.expected
-        mending = cls(workspace, inventory, tell)
+        state = cls(workspace, inventory, tell)
         for name in sorted(inventory.damaged - {*LISTS}):
             parts = PurePosixPath(name).parts
             if name.startswith("/") or ".." in parts or parts[0].startswith("."):
-                mending.tried[name] = "its name leads out of the release"
+                state.tried[name] = "its name leads out of the release"
             else:
-                mending.wanted[name] = expected[name]
-        return mending
+                state.wanted[name] = expected[name]
+        return state
 
     @property
     def out(self) -> Path:

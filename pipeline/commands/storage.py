@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
-from pipeline.commands.examine import FAULTS
-from pipeline.commands.keep import Released
+from pipeline.commands.checks import FAULTS
+from pipeline.commands.maintenance import Released
 from pipeline.commands.options import AllowHttp, Endpoint, checked_new_folder
 
 _MEGABYTE = 1_000_000

@@ -60,7 +60,7 @@ def plan(
     """
     from configs.loader import load_scenario
     from pipeline.planning.drawing import draw_reported
-    from pipeline.planning.plan import Plan
+    from pipeline.planning.plan import ScenarioPlan
     from pipeline.work.supervisor import cores
     from symolo.core.progress import report_here
 
@@ -72,7 +72,7 @@ def plan(
         typer.echo(price.text(frames, about))
         return
     specs = draw_reported(load_scenario(scenario, overrides), report_here())
-    typer.echo(Plan.of(specs, cores()).text())
+    typer.echo(ScenarioPlan.of(specs, cores()).text())
 
 
 def simulate(
@@ -303,12 +303,19 @@ def rerender(
     tells.
     """
     from pipeline.executors.local import Local
-    from pipeline.rerendering.rerender import Request, check_same, folder_name, open_folders, prepare, render_source
+    from pipeline.rerendering.rerender import (
+        RerenderRequest,
+        check_same,
+        folder_name,
+        open_folders,
+        prepare,
+        render_source,
+    )
     from symolo.core.progress import report_here
 
     chosen = _chosen_looks(look, looks, draws)
     option = "--look" if looks is None else "--looks"
-    request = Request(chosen, draws or 1, arena, robot, camera_hz, seed, with_device(settings, device), option)
+    request = RerenderRequest(chosen, draws or 1, arena, robot, camera_hz, seed, with_device(settings, device), option)
     found, drawn = prepare(source, request)
     apart = looks is not None
     where = out or checked_new_folder(Path(folder_name(found, drawn)))

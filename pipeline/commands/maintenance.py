@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from pipeline.commands.examine import FAULTS
+from pipeline.commands.checks import FAULTS
 from pipeline.commands.options import Out, Settings, Workers, checked_input
 
 Released = Annotated[
