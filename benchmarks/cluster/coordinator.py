@@ -21,7 +21,7 @@ FRAMES = tuple(range(1, 26))
 
 def nothing(unit_json: str, *_limits: float) -> str:
     assert unit_json  # noqa: S101 - it came through
-    return on_ray.Record().model_dump_json()
+    return on_ray.UnitRecord().model_dump_json()
 
 
 def main() -> None:

@@ -10,7 +10,7 @@ from blender_scenes.annotations.normals import normals
 from blender_scenes.annotations.png import PngImage
 from blender_scenes.annotations.seen import VisibleScene
 from blender_scenes.annotations.semantic import semantic
-from configs.schema.scenario import AnnotationName
+from symolo.dataset.annotations import AnnotationName
 
 IMAGE_ANNOTATIONS: dict[AnnotationName, Callable[[VisibleScene], PngImage | None]] = {
     "depth": depth,

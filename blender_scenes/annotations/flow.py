@@ -7,10 +7,8 @@ from blender_scenes.annotations.seen import VisibleScene
 from sensors.camera.views import FrameView
 from symolo.core.arrays import Array
 from symolo.core.pinhole import project
+from symolo.dataset.annotations import FLOW_PER_PX, FLOW_ZERO
 
-ZERO = 2**15
-PER_PX = 64
-"""As the KITTI flow benchmark encodes it (Menze and Geiger 2015, development kit)."""
 _NEAREST_M = 1e-3
 
 
@@ -28,8 +26,8 @@ def flow(seen: VisibleScene) -> PngImage | None:
     pixels, depth = project(seen.job.camera, X_WC, _sky_moved(seen, points, X_WC).reshape(-1, 3))
     u, v = np.meshgrid(np.arange(width), np.arange(height))
     change = pixels.reshape(height, width, 2) - np.stack([u, v], axis=-1)
-    coded = ZERO + np.rint(PER_PX * np.nan_to_num(change, nan=np.inf))
-    valid = np.all((coded >= 0) & (coded < 2 * ZERO), axis=-1) & (depth.reshape(height, width) > _NEAREST_M)
+    coded = FLOW_ZERO + np.rint(FLOW_PER_PX * np.nan_to_num(change, nan=np.inf))
+    valid = np.all((coded >= 0) & (coded < 2 * FLOW_ZERO), axis=-1) & (depth.reshape(height, width) > _NEAREST_M)
     return np.where(valid[..., None], np.concatenate([coded, valid[..., None]], axis=-1), 0).astype(np.uint16)
 
 

@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from blender_scenes.annotations.instances import CATEGORIES, ON_THE_FLOOR
+from blender_scenes.annotations.instances import ON_THE_FLOOR
 from blender_scenes.annotations.png import PngImage
 from blender_scenes.annotations.seen import VisibleScene
+from symolo.dataset.annotations import CATEGORIES
 
 
 def free_floor(seen: VisibleScene) -> PngImage:

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from pydantic import TypeAdapter
 
 from blender_scenes.annotations.boxes_2d import Box2D, box_2d
-from blender_scenes.annotations.boxes_3d import Box3D, box_3d
-from blender_scenes.annotations.key_points import Sighting, key_points
+from blender_scenes.annotations.boxes_3d import box_3d
+from blender_scenes.annotations.key_points import key_points
 from blender_scenes.annotations.seen import VisibleScene
 from blender_scenes.annotations.silhouette import silhouette
+from symolo.dataset.annotations import Box3D, KeyPointSighting
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,7 @@ class Thing:
 @dataclass(frozen=True)
 class FrameRecord:
     things: tuple[Thing, ...]
-    key_points: tuple[Sighting, ...]
+    key_points: tuple[KeyPointSighting, ...]
 
     def to_json(self) -> bytes:
         return _RECORD.dump_json(self) + b"\n"

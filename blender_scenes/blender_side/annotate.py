@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 
 from blender_scenes.annotations import IMAGE_ANNOTATIONS
-from blender_scenes.annotations.job import AnnotationJob, picture_file, record_file
+from blender_scenes.annotations.job import AnnotationJob, record_file
 from blender_scenes.annotations.png import encode_png
 from blender_scenes.annotations.record import record
 from blender_scenes.annotations.seen import Passes, VisibleScene
@@ -16,6 +16,7 @@ from blender_scenes.blender_side.shaders import ShaderGraph
 from blender_scenes.render.frame_files import FrameFile, put_data_in_place, put_in_place
 from sensors.camera.lens_warp import pinhole_image
 from sensors.camera.views import FrameView
+from symolo.dataset.annotations import annotation_file
 
 _EXR_PIXEL_BYTES = 44
 """Colour with its cover, index, position and normal, four bytes each."""
@@ -58,7 +59,7 @@ def annotate(job: AnnotationJob, view: FrameView, folder: Path) -> Iterator[Fram
     seen = VisibleScene(job, view, job.following(view.number), passes)
     wanted = job.files(view.number)
     for kind, picture_of in IMAGE_ANNOTATIONS.items():
-        name = picture_file(kind, view.number)
+        name = annotation_file(kind, view.number)
         picture = picture_of(seen) if name in wanted else None
         if picture is not None:
             data = encode_png(picture)

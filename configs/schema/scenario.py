@@ -10,6 +10,7 @@ from configs.schema.base import PLANNED, Fixed, FromList, Section, Slug, absent,
 from configs.schema.board import Board
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
+from symolo.dataset.annotations import AnnotationName
 
 
 class StartPose(Section):
@@ -55,12 +56,6 @@ def _each_once(names: tuple[str, ...]) -> tuple[str, ...]:
     if twice:
         raise disagreement("", ", ".join(twice) + " twice", "each annotation once")
     return names
-
-
-AnnotationName = Literal[
-    "depth", "instance", "semantic", "normals", "flow", "free_floor", "boxes_2d", "boxes_3d", "key_points"
-]
-"""`blender_scenes.annotations` has a member for every one."""
 
 
 RenderQuality = Literal["draft", "standard", "high", "reference"]

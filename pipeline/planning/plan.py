@@ -68,12 +68,12 @@ def pictures_bytes(images: int, pixels: int, *, annotated: bool) -> int:
 
 
 @dataclass(frozen=True)
-class Plan:
+class ScenarioPlan:
     runs: tuple[PlannedRun, ...]
     cores: int
 
     @classmethod
-    def of(cls, specs: Sequence[RunSpec], cores: int) -> "Plan":
+    def of(cls, specs: Sequence[RunSpec], cores: int) -> "ScenarioPlan":
         return cls(tuple(_planned(spec) for spec in specs), cores)
 
     @property

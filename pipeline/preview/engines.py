@@ -12,7 +12,7 @@ from blender_scenes.preview.renderer import FlatRenderer
 from pipeline.executors.local import Local
 from pipeline.planning.plan import pictures_bytes
 from pipeline.preview import Engine
-from pipeline.preview.views import View, on_device
+from pipeline.preview.views import PreviewImage, on_device
 from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import StageFolder
 from pipeline.stages.render import IMAGES, RenderTask, render_runs
@@ -26,14 +26,14 @@ Made = tuple[dict[int, Pixels], list[FailedRun]]
 """Pictures (H, W, 3) BGR by number, and what went wrong with the others."""
 
 
-def check_size(view: View, count: int, columns: int) -> None:
+def check_size(view: PreviewImage, count: int, columns: int) -> None:
     """Refuse a sheet of so many views like this one that no picture file could hold, before any work is done for it."""
     picture, rows = view.look.render, math.ceil(count / columns)
     check_side("wide", min(columns, count) * picture.width_px, "--columns or --width-px")
     check_side("high", rows * (picture.height_px + len(view.lines) * LINE_PX), "-n or --width-px, or more --columns")
 
 
-def pictures(engine: Engine, views: Sequence[View], workers: int, report: Report) -> Made:
+def pictures(engine: Engine, views: Sequence[PreviewImage], workers: int, report: Report) -> Made:
     """Of all views that can be seen."""
     with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as folder:
         user_files = Path(folder) / "assets"
@@ -44,14 +44,14 @@ def pictures(engine: Engine, views: Sequence[View], workers: int, report: Report
         return _cycles(views, Path(folder), user_files, workers, report)
 
 
-def sheet(views: Sequence[View], made: dict[int, Pixels], columns: int) -> Pixels:
+def sheet(views: Sequence[PreviewImage], made: dict[int, Pixels], columns: int) -> Pixels:
     """What was made in rows of so many, (H, W, 3) BGR."""
     cells = [Cell(made[view.number], view.lines) for view in views if view.number in made]
     width_px = cells[0].picture.shape[1]
     return stacked([row(cells[i : i + columns], width_px) for i in range(0, len(cells), columns)])
 
 
-def _flat(views: Sequence[View], user_files: Path, report: Report) -> Made:
+def _flat(views: Sequence[PreviewImage], user_files: Path, report: Report) -> Made:
     """Without Blender, some tenths of a second each."""
     made, failures = {}, []
     with report.stage("preview", len(views), "images") as stage:
@@ -67,7 +67,7 @@ def _flat(views: Sequence[View], user_files: Path, report: Report) -> Made:
     return made, failures
 
 
-def _cycles(views: Sequence[View], folder: Path, user_files: Path, workers: int, report: Report) -> Made:
+def _cycles(views: Sequence[PreviewImage], folder: Path, user_files: Path, workers: int, report: Report) -> Made:
     """As the render stage makes them."""
     render = views[0].look.render
     each = pictures_bytes(1, render.width_px * render.height_px, annotated=False)

@@ -22,7 +22,7 @@ from physics.robot.path import RobotPath
 from pipeline.executors.base import Executor
 from pipeline.run_folder.workspace import FAILED, StageFolder, input_key, mark_done
 from pipeline.stages.simulate_runs import failed_runs
-from pipeline.work.cpu import cpu_class
+from pipeline.work.processors import cpu_class
 from pipeline.work.supervisor import AnyEvent, AnyUnit, Retried, SetAside
 from pipeline.work.units import Failed, Finished, Progress, RenderUnit
 from sensors.camera.exposure_guard import Extremes, all_black, exposure_warnings
@@ -71,7 +71,7 @@ def picture_seed(seed: int, route: str, run: int) -> int:
 
 
 @dataclass(frozen=True)
-class Findings:
+class ImageFindings:
     """What a look at the files of a run shows."""
 
     warnings: tuple[str, ...] = ()
@@ -132,7 +132,7 @@ class FrameTask(ABC):
         """Paths in `files` of all files that are to be made."""
 
     @abstractmethod
-    def finish(self, hashes: Mapping[str, str]) -> Findings:
+    def finish(self, hashes: Mapping[str, str]) -> ImageFindings:
         """Write what lists the files, and mark the folder done unless a problem is found.
 
         Args:
@@ -166,11 +166,11 @@ class RenderTask(FrameTask):
     def names(self) -> list[str]:
         return [frame_name(frame.number) for frame in self.frames]
 
-    def finish(self, hashes: Mapping[str, str]) -> Findings:
+    def finish(self, hashes: Mapping[str, str]) -> ImageFindings:
         names = {frame.number: frame_name(frame.number) for frame in self.frames}
         seen = {name: Extremes.of((self.files / name).read_bytes()) for name in names.values()}
         if problem := all_black(list(seen.values())):
-            return Findings(problem=problem)
+            return ImageFindings(problem=problem)
         records = [
             {
                 "number": frame.number,
@@ -193,7 +193,7 @@ class RenderTask(FrameTask):
         pictures = {record["file"]: record["sha256"] for record in records}
         texts = {name: sha256_of(self.folder.path / name) for name in (JOB, FRAMES)}
         mark_done(self.folder.path, self.key, {**texts, **pictures})
-        return Findings(warnings)
+        return ImageFindings(warnings)
 
 
 def frame_poses(rows: Rows) -> tuple[FramePose, ...]:

@@ -9,7 +9,7 @@ from configs.loader import LoadedScenario, load_scenario
 from configs.schema.scenario import RunSpec
 from pipeline.executors.base import Executor
 from pipeline.planning.drawing import draw_reported
-from pipeline.planning.plan import Plan
+from pipeline.planning.plan import ScenarioPlan
 from pipeline.run_folder.output import check_out
 from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import Workspace
@@ -63,7 +63,7 @@ class Batch:
         executor.check()
         specs = draw_reported(loaded, report)
         check_out(out, Kind.DATASET)
-        check_disk(out, Plan.of(specs, cores()).bytes_needed)
+        check_disk(out, ScenarioPlan.of(specs, cores()).bytes_needed)
         device = device_for(specs[0].render.device) if pictured else "CPU"
         return cls(loaded, specs, Workspace(out.absolute()), executor.on(device), device)
 

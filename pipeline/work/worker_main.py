@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any, Protocol, TextIO
 
-from pipeline.work.cpu import cpu_class
+from pipeline.work.processors import cpu_class
 from pipeline.work.units import (
     UNITS,
     Alive,

@@ -4,7 +4,6 @@ import cv2
 import numpy as np
 import pytest
 
-from blender_scenes.annotations.instances import CATEGORIES
 from blender_scenes.annotations.job import build_annotation_job
 from blender_scenes.annotations.record import FrameRecord
 from blender_scenes.preview.renderer import FlatRenderer
@@ -17,6 +16,7 @@ from configs.schema.look import LookConfig
 from configs.schema.scenario import Render
 from symolo.arena.geometry import Arena
 from symolo.core.pinhole import matrix_K
+from symolo.dataset.annotations import CATEGORIES
 
 ARENA = {"name": "line", "line": {"pieces": [{"kind": "straight", "start": [0.0, 0.0], "end": [1.2, 0.0]}]}}
 POSES = [FramePose(1, 0.0, 0.1, 0.0, 0.0), FramePose(2, 0.2, 0.13, 0.01, 0.1)]

@@ -12,7 +12,7 @@ import pytest
 from configs.draw import draw_look
 from configs.loader import load_section
 from pipeline.executors.local import Local
-from pipeline.rerendering.rerender import Request, prepare, render_source
+from pipeline.rerendering.rerender import RerenderRequest, prepare, render_source
 from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import StageFolder, Workspace
 from pipeline.stages.render import RenderTask
@@ -49,8 +49,8 @@ def own(tmp_path: Path) -> Path:
 
 def test_what_was_begun_is_rendered_although_the_folder_is_gone(dataset, own, tmp_path):
     """As after an interruption: from the copies alone."""
-    source, draws = prepare(dataset / "CW/test_1", Request((str(own),), camera_hz=0.5))
-    workspace = Workspace(tmp_path / "out", Kind.PICTURES)
+    source, draws = prepare(dataset / "CW/test_1", RerenderRequest((str(own),), camera_hz=0.5))
+    workspace = Workspace(tmp_path / "out", Kind.IMAGE_ANNOTATIONS)
     kept, look = workspace.user_files, draws[0].appearance.look
     keep_user_files((look,), draws[0].assets, kept)
     assert {path.name: path.read_bytes() for path in kept.iterdir()} == {sha256(RED): RED, sha256(HALL): HALL}
@@ -68,7 +68,7 @@ def test_what_was_begun_is_rendered_although_the_folder_is_gone(dataset, own, tm
 
 def test_a_changed_picture_is_another_job_and_a_renamed_one_is_not(dataset, own, tmp_path):
     def key() -> str:
-        source, draws = prepare(dataset / "CW/test_1", Request((str(own),)))
+        source, draws = prepare(dataset / "CW/test_1", RerenderRequest((str(own),)))
         folder = StageFolder(tmp_path / "out")
         return RenderTask.of("run", draws[0].appearance, source.rows, folder).task.key
 
@@ -131,7 +131,7 @@ def test_a_damaged_copy_is_made_again_and_a_file_that_changes_meanwhile_is_refus
 def test_draws_of_a_choice_take_different_pictures(dataset, own, tmp_path):
     (tmp_path / "photos/blue.png").write_bytes(BLUE)
     choice = "look.floor.image.file={choice: [floor.png, blue.png]}"
-    _, draws = prepare(dataset / "CW/test_1", Request((str(own),), 12, overrides=(choice,)))
+    _, draws = prepare(dataset / "CW/test_1", RerenderRequest((str(own),), 12, overrides=(choice,)))
     assert {draw.appearance.look.floor.image.file.sha256 for draw in draws} == {sha256(RED), sha256(BLUE)}
     assert all({file.sha256 for file in draw.appearance.look.files} <= set(draw.assets) for draw in draws)
 
