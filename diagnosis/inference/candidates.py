@@ -1,7 +1,7 @@
-"""Which effects can be the cause: every registered term that changes what is measured here, with each of its choices.
+"""Which effects can be the cause: every registered effect that changes what is measured, with each of its choices.
 
-The list lives in the registries alone. What acts is found by trying: a term whose start values change no prediction of
-these data can neither be found nor excluded by them, and is said to be untestable.
+The registry is the only list. Which effects act is found by trying: an effect whose start values change no prediction
+of these data can neither be found nor excluded by them, and is reported as untestable.
 """
 
 from collections.abc import Iterator
@@ -10,29 +10,27 @@ from itertools import product
 
 import numpy as np
 
-from configs.schema.effects import drive, motor, range_bench
+from configs.effects.base import Effect, Setup
+from configs.effects.registry import effect_classes
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.hypothesis import Effect, Hypothesis
+from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.measured.measurement import Kind, Measurement
-from physics.effects import PHYSICS_TERMS
-from physics.effects.base import Slot, Term
-from sensors.effects import SENSOR_TERMS
 
-FAMILIES = {
-    Kind.MOTOR_STEADY: (motor.__name__,),
-    Kind.MOTOR_STEP: (motor.__name__,),
-    Kind.TOF_BENCH: (range_bench.__name__,),
-    Kind.DRIVE_LOG: (motor.__name__, drive.__name__),
+SETUPS = {
+    Kind.MOTOR_STEADY: Setup.MOTOR_BENCH,
+    Kind.MOTOR_STEP: Setup.MOTOR_BENCH,
+    Kind.TOF_BENCH: Setup.RANGE_BENCH,
+    Kind.DRIVE_LOG: Setup.DRIVE,
 }
-"""Which parts of the schema of terms are about a kind of measurement. A drive's ranges have effects of their own, by
-sensor; those of the bench would be the same under another name. Play in the gears acts on the bench alone."""
+"""What is measured, by kind of measurement. An effect names the setups in which it is looked for: a drive has range
+effects of its own, by sensor, since those of the bench would be the same under another name."""
 VISIBLE = 1e-3
 """Sigmas by which a prediction must move, at the start values, for an effect to be testable."""
 
 
 @dataclass(frozen=True)
 class Candidates:
-    testable: tuple[Effect, ...]
+    testable: tuple[CandidateEffect, ...]
     untestable: tuple[str, ...]
     """Names of effects that these data cannot show."""
 
@@ -40,11 +38,10 @@ class Candidates:
 def candidates(measurement: Measurement, evidence: Evidence, hypothesis: Hypothesis) -> Candidates:
     """Of the measurement, beside the nuisances of a hypothesis without effects."""
     effects = tuple(
-        Effect(term, choices)
-        for term in (*PHYSICS_TERMS, *SENSOR_TERMS)
-        if term.parameters.__module__ in FAMILIES[measurement.kind]
-        if not (measurement.kind is Kind.DRIVE_LOG and term.slot is Slot.GEARBOX)
-        for choices in _choices(term, measurement)
+        CandidateEffect(effect, choices)
+        for effect in effect_classes()
+        if SETUPS[measurement.kind] in effect.setups
+        for choices in _choices(effect, measurement)
     )
     nominal = evidence.of(hypothesis.robots(hypothesis.null()[None]))
     robots = []
@@ -53,7 +50,6 @@ def candidates(measurement: Measurement, evidence: Evidence, hypothesis: Hypothe
         x = np.array([c.start for c in having.coordinates])
         robots += having.robots(x[None])
     found = evidence.of(robots)
-    moves = np.abs(found.mean - nominal.mean).max(axis=1, initial=0.0, where=evidence.fit) if effects else []
     moves = np.abs((found.mean - nominal.mean) / evidence.sd)[:, evidence.fit].max(axis=1, initial=0.0)
     spreads = np.abs(np.log(found.sd / nominal.sd))[:, evidence.fit].max(axis=1, initial=0.0)
     seen = (moves > VISIBLE) | (spreads > VISIBLE)
@@ -64,12 +60,12 @@ def candidates(measurement: Measurement, evidence: Evidence, hypothesis: Hypothe
     )
 
 
-def _choices(term: Term, measurement: Measurement) -> Iterator[tuple[tuple[str, str], ...]]:
+def _choices(effect: type[Effect], measurement: Measurement) -> Iterator[tuple[tuple[str, str], ...]]:
     """Every combination of discrete parameters; where any name goes, those that the rows name."""
-    names = list(term.options)
-    values = [term.options[name] or _named(name, measurement) for name in names]
+    options = effect.options()
+    values = [options[name] or _named(name, measurement) for name in options]
     for chosen in product(*values):
-        yield tuple(zip(names, chosen, strict=True))
+        yield tuple(zip(options, chosen, strict=True))
 
 
 def _named(label: str, measurement: Measurement) -> tuple[str, ...]:

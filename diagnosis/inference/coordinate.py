@@ -10,7 +10,7 @@ from math import exp, log
 
 import numpy as np
 
-from configs.schema.effects.parameter import Parameter
+from configs.effects.parameter import Parameter
 from symolo.core.arrays import Array
 
 STEP = 1e-3
@@ -35,7 +35,7 @@ class Coordinate:
 
     @classmethod
     def of_parameter(cls, name: str, parameter: Parameter) -> "Coordinate":
-        """Of a term's number."""
+        """Of an effect's number."""
         shape = parameter.null is None
         far = parameter.null is not None and parameter.null == parameter.high
         if shape or far or parameter.low > 0.0:

@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
+from configs.effects.base import Effect
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.coordinate import Coordinate
 from diagnosis.nuisances import Nuisance
-from physics.effects.base import Term
 from symolo.core.arrays import Array
 
 RELATIVE = 3.0
@@ -25,43 +25,42 @@ RELATIVE = 3.0
 
 
 @dataclass(frozen=True)
-class Effect:
-    """A term with its discrete choices, its numbers open."""
+class CandidateEffect:
+    """An effect that may be the cause: its class and its choices, with open numbers."""
 
-    term: Term
+    kind: type[Effect]
     choices: tuple[tuple[str, str], ...] = ()
 
     @property
     def name(self) -> str:
         """Canonical, `tof_mount_yaw[left]` where it has a choice."""
         choice = ",".join(value for _, value in self.choices)
-        return f"{self.term.name}[{choice}]" if choice else self.term.name
+        return f"{self.kind.name}[{choice}]" if choice else self.kind.name
 
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
-        return tuple(Coordinate.of_parameter(name, number) for name, number in self.term.numbers.items())
+        return tuple(Coordinate.of_parameter(name, number) for name, number in self.kind.parameters().items())
 
     def on(self, robot: RobotConfig, values: Mapping[str, float]) -> RobotConfig:
         """The robot with this effect. Bounds are those of the coordinates, so that nothing is checked again."""
         numbers: dict[str, Any] = {**dict(self.choices), **values}
-        present = getattr(robot.terms, self.term.name)
+        present = robot.effects.get(self.kind)
         if present is not None:
             # The nominal robot has an offset or scale of that name already; the effect comes on top of it.
             numbers |= {
                 name: getattr(present, name) * value
-                if self.term.numbers[name].null == 1.0
+                if self.kind.parameters()[name].null == 1.0
                 else getattr(present, name) + value
                 for name, value in values.items()
             }
-        section = self.term.parameters.model_construct(**numbers)
-        return robot.with_term(section)
+        return robot.with_effect(self.kind.model_construct(**numbers))
 
 
 @dataclass(frozen=True)
 class Hypothesis:
     nominal: RobotConfig
     nuisances: tuple[Nuisance, ...]
-    effects: tuple[Effect, ...] = ()
+    effects: tuple[CandidateEffect, ...] = ()
     held: tuple[int, float] | None = None
     """Place of a coordinate that no fit may move, and where it stays."""
 
@@ -108,7 +107,7 @@ class Hypothesis:
         """Of vectors (M, P)."""
         return [self.robot(row) for row in x]
 
-    def parameters(self, effect: Effect) -> slice:
+    def parameters(self, effect: CandidateEffect) -> slice:
         """Where an effect's numbers stand in the vector."""
         k = len(self.nuisances)
         for other in self.effects:
@@ -117,19 +116,19 @@ class Hypothesis:
             k += len(other.coordinates)
         raise KeyError(effect.name)
 
-    def values(self, effect: Effect, x: Array) -> Mapping[str, float]:
+    def values(self, effect: CandidateEffect, x: Array) -> Mapping[str, float]:
         """An effect's numbers in their units."""
         found = x[self.parameters(effect)]
         return MappingProxyType({c.name: float(c.value(v)) for c, v in zip(effect.coordinates, found, strict=True)})
 
-    def with_effect(self, effect: Effect) -> "Hypothesis":
+    def with_effect(self, effect: CandidateEffect) -> "Hypothesis":
         return Hypothesis(self.nominal, self.nuisances, (*self.effects, effect))
 
     def with_held(self, place: int, x: float) -> "Hypothesis":
         """With one coordinate held."""
         return replace(self, held=(place, x))
 
-    def without(self, effect: Effect) -> "Hypothesis":
+    def without(self, effect: CandidateEffect) -> "Hypothesis":
         return Hypothesis(self.nominal, self.nuisances, tuple(e for e in self.effects if e != effect))
 
 

@@ -12,7 +12,7 @@ from math import exp
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import Fit
-from diagnosis.inference.hypothesis import Effect
+from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.selection import TOLL, is_negligible, needed, refusal, replaced, without
 
 AS_GOOD = 6.0
@@ -21,7 +21,7 @@ AS_GOOD = 6.0
 
 @dataclass(frozen=True)
 class Rival:
-    effect: Effect
+    effect: CandidateEffect
     worse: float
     """Cost more than with the named effect, numbers counted."""
     fit: Fit
@@ -33,7 +33,7 @@ class Rival:
 class RivalComparison:
     """A named effect among its rivals."""
 
-    effect: Effect
+    effect: CandidateEffect
     confidence: float
     rivals: tuple[Rival, ...]
     """All that were tried, the closest first."""
@@ -43,7 +43,9 @@ class RivalComparison:
         return tuple(rival.effect.name for rival in self.rivals if rival.worse < AS_GOOD)
 
 
-def compare_rivals(evidence: Evidence, fit: Fit, effect: Effect, effects: Sequence[Effect]) -> RivalComparison:
+def compare_rivals(
+    evidence: Evidence, fit: Fit, effect: CandidateEffect, effects: Sequence[CandidateEffect]
+) -> RivalComparison:
     """Of one effect of a fit, among all candidates."""
     tried = []
     base = without(evidence, fit, effect)

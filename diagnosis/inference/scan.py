@@ -15,7 +15,7 @@ import numpy as np
 from diagnosis.inference.coordinate import Coordinate
 from diagnosis.inference.evidence.evidence import Evidence, Prediction
 from diagnosis.inference.fit import Fit
-from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
+from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.likelihood import costs_of_residuals, robust_weight, sample_costs
 from diagnosis.inference.projection import orthonormal
 from symolo.core.arrays import Array
@@ -38,14 +38,14 @@ NOTHING = 1e-12
 class Prospect:
     """One effect on top of a fit."""
 
-    effect: Effect
+    effect: CandidateEffect
     start: Array
     """Coordinates of the fit's hypothesis with the effect, (P,)."""
     drop: float
     """Of the cost, expected from the start's prediction."""
 
 
-def scan(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> list[Prospect]:
+def scan(evidence: Evidence, fit: Fit, effects: Sequence[CandidateEffect]) -> list[Prospect]:
     """The best prospect of each effect, the most promising first."""
     if not effects:
         return []
@@ -56,7 +56,7 @@ def scan(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> list[Prospe
     here = costs_of_residuals(evidence, fit.z, fit.sd)
     there = evidence.of(robots)
     drops, sizes = _along_lines(evidence, fit, there.mean)
-    best: dict[Effect, Prospect] = {}
+    best: dict[CandidateEffect, Prospect] = {}
     for k, ((effect, _), x) in enumerate(zip(tries, starts, strict=True)):
         only = Prediction(there.mean[k : k + 1], there.sd[k : k + 1])
         at_once = float((here - sample_costs(evidence, only)[0])[evidence.fit].sum())
@@ -93,7 +93,7 @@ def _along_lines(evidence: Evidence, fit: Fit, means: Array) -> tuple[Array, Arr
     return np.where(given, 2.0 * sizes * along - sizes**2 * squares, 0.0), sizes
 
 
-def _tries(effect: Effect) -> Iterator[tuple[float, ...]]:
+def _tries(effect: CandidateEffect) -> Iterator[tuple[float, ...]]:
     """Coordinates of an effect's numbers to look at."""
     yield from product(*(_values(coordinate) for coordinate in effect.coordinates))
 
@@ -110,13 +110,13 @@ def _values(coordinate: Coordinate) -> list[float]:
     return [x for x in found if coordinate.low <= x <= coordinate.high]
 
 
-def _placed(hypothesis: Hypothesis, fit: Fit, effect: Effect, numbers: Sequence[float]) -> Array:
+def _placed(hypothesis: Hypothesis, fit: Fit, effect: CandidateEffect, numbers: Sequence[float]) -> Array:
     x = moved(fit.x, fit.hypothesis, hypothesis)
     x[hypothesis.parameters(effect)] = numbers
     return x
 
 
-def _scaled(hypothesis: Hypothesis, effect: Effect, x: Array, size: float) -> Array:
+def _scaled(hypothesis: Hypothesis, effect: CandidateEffect, x: Array, size: float) -> Array:
     """With the amplitudes of the effect that many times as far from nothing."""
     found = x.copy()
     places = hypothesis.parameters(effect)

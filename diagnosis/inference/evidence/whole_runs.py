@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
+from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.selection import MOST, needed
 from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors.drive_log import POSE
@@ -95,7 +95,7 @@ class WholeRunFit:
     def robot(self) -> RobotConfig:
         return self.hypothesis.robot(self.x)
 
-    def std(self, effect: Effect) -> dict[str, float]:
+    def std(self, effect: CandidateEffect) -> dict[str, float]:
         """Standard errors of an effect's numbers, in their units."""
         places = self.hypothesis.parameters(effect)
         errors = np.sqrt(np.diag(self.covariance)[places]).tolist()
@@ -104,7 +104,7 @@ class WholeRunFit:
 
 
 def fitted_to_whole_runs(
-    measurement: Measurement, hypothesis: Hypothesis, x: Array, effects: Sequence[Effect]
+    measurement: Measurement, hypothesis: Hypothesis, x: Array, effects: Sequence[CandidateEffect]
 ) -> WholeRunFit | None:
     """A hypothesis with its numbers fitted to the runs that are not held out, and the effects that those ask for.
 
@@ -123,9 +123,9 @@ def fitted_to_whole_runs(
     runs = WholeRuns(replace(measurement, trials=trials), hypothesis.nominal)
     fit = _fit(runs, hypothesis, x)
     while len(fit.hypothesis.effects) < MOST:
-        names = {effect.term.name for effect in fit.hypothesis.effects}
+        names = {effect.kind.name for effect in fit.hypothesis.effects}
         tried = []
-        for effect in (e for e in effects if e.term.name not in names):
+        for effect in (e for e in effects if e.kind.name not in names):
             having = fit.hypothesis.with_effect(effect)
             tried.append((effect, _fit(runs, having, moved(fit.x, fit.hypothesis, having))))
         believed = [(e, of) for e, of in tried if fit.cost - of.cost > needed(e)]

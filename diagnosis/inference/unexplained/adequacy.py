@@ -19,7 +19,7 @@ from scipy.special import fdtrc
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import Fit
-from diagnosis.inference.hypothesis import Effect, moved
+from diagnosis.inference.hypothesis import CandidateEffect, moved
 from diagnosis.inference.likelihood import robust_weight
 from diagnosis.inference.projection import beyond, orthonormal
 from diagnosis.inference.unexplained.bases import RUNS_OF_ROWS, Basis, any_function, bases, standing_out
@@ -163,7 +163,7 @@ def _moved_beside(evidence: Evidence, fit: Fit, columns: Array) -> tuple[Array, 
     return z, x
 
 
-def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) -> list[Effect]:
+def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) -> list[CandidateEffect]:
     """The effects of a fit that are needed beside a structure that they do not explain, the most needed first.
 
     What the nominal model leaves is explained anew, linearly and with the weights of the fit: first by the flexible
@@ -185,7 +185,7 @@ def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) 
     flexible = np.concatenate([functions * root[:, None], np.zeros((size, functions.shape[1]))])
     taken = [nominal.tangents(root), flexible]
     residual = nominal.left(nominal.z, root)
-    kept: list[Effect] = []
+    kept: list[CandidateEffect] = []
     priors = np.zeros(size)
     left = {
         effect: np.concatenate([root * change_by(evidence, nominal, fit, effect), priors])
@@ -218,7 +218,7 @@ def _functions(evidence: Evidence, structure: Structure) -> Array:
     return np.concatenate(found, axis=1)
 
 
-def change_by(evidence: Evidence, nominal: Fit, fit: Fit, effect: Effect) -> Array:
+def change_by(evidence: Evidence, nominal: Fit, fit: Fit, effect: CandidateEffect) -> Array:
     """Of the nominal prediction by one effect at its fitted size, in nominal sigmas (N,); 0 where nothing is fitted."""
     alone = nominal.hypothesis.with_effect(effect)
     x = moved(nominal.x, nominal.hypothesis, alone)
