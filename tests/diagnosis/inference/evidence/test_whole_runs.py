@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from diagnosis.inference.evidence.whole_runs import FEWEST_RUNS, WholeRuns, fitted_to_whole_runs
+from diagnosis.inference.evidence.whole_runs import MIN_RUNS, WholeRuns, fitted_to_whole_runs
 from diagnosis.inference.hypothesis import Effect, Hypothesis, deviated
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
@@ -96,4 +96,4 @@ def test_wheels_within_tolerance_are_none(bare):
 
 
 def test_few_runs_tell_nothing_of_their_scatter(bare):
-    assert fitted_to_whole_runs(measured(FEWEST_RUNS - 1), bare, bare.null(), ()) is None
+    assert fitted_to_whole_runs(measured(MIN_RUNS - 1), bare, bare.null(), ()) is None
