@@ -2,7 +2,7 @@
 
     python benchmarks/stage_speed.py CASE... [--robots 20]
 
-Of each stage, with the nominal robot's numbers varied by a per cent, bare and with one term each that acts on it.
+Of each stage, with the nominal robot's numbers varied by a per cent, bare and with one effect each that acts on it.
 """
 
 import argparse
@@ -13,6 +13,8 @@ from time import process_time
 import numpy as np
 
 from configs.draw import draw_robot
+from configs.effects.base import Slot
+from configs.effects.registry import effect_classes
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from diagnosis.importers import IMPORTERS
@@ -21,11 +23,8 @@ from diagnosis.measured.nominal import NominalTof
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
 from diagnosis.predictors.base import Stage
-from physics.effects import PHYSICS_TERMS
-from physics.effects.base import Slot
-from sensors.effects import SENSOR_TERMS
 
-TERMS = {term.name: term for term in (*PHYSICS_TERMS, *SENSOR_TERMS)}
+EFFECTS = {effect.name: effect for effect in effect_classes()}
 REPEATS = 5
 
 
@@ -55,9 +54,9 @@ def milliseconds(stage: Stage, robots: Sequence[RobotConfig]) -> float:
     return 1e3 * min(times)
 
 
-def effect(stage: Stage, robots: Sequence[RobotConfig], with_term: Sequence[RobotConfig]) -> bool:
-    """Whether a term changes what the stage predicts."""
-    both = (stage.predict(several[:1]) for several in (robots, with_term))
+def effect(stage: Stage, robots: Sequence[RobotConfig], with_effect: Sequence[RobotConfig]) -> bool:
+    """Whether an effect changes what the stage predicts."""
+    both = (stage.predict(several[:1]) for several in (robots, with_effect))
     return any(
         not np.array_equal(a.mean, b.mean, equal_nan=True) or not np.array_equal(a.sd, b.sd)
         for a, b in zip(*both, strict=True)
@@ -74,13 +73,15 @@ def report(path: Path, robots: int) -> None:
     for stage in stages:
         bare = varied(nominal, robots)
         print(f"  {stage.name}, {robots} robots: bare {milliseconds(stage, bare):.1f} ms")
-        for term in TERMS.values():
-            if term.slot is Slot.GEARBOX and stage.name == "wheels":
+        for effect in EFFECTS.values():
+            if effect.slot is Slot.GEARBOX and stage.name == "wheels":
                 continue
-            choices = {name: (any_of or (_material(measurement.nominal),))[0] for name, any_of in term.options.items()}
-            several = [robot.with_term(term.start(choices)) for robot in bare]
+            choices = {
+                name: (any_of or (_material(measurement.nominal),))[0] for name, any_of in effect.options().items()
+            }
+            several = [robot.with_effect(effect.start(choices)) for robot in bare]
             if effect(stage, bare, several):
-                print(f"    {term.name} {milliseconds(stage, several):.1f} ms")
+                print(f"    {effect.name} {milliseconds(stage, several):.1f} ms")
 
 
 def _material(nominal: object) -> str:

@@ -2,18 +2,18 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from typing import get_args
+from dataclasses import replace
 
-from configs.distributions import Choice
 from configs.faults import Fault
 from configs.motion_checks import motion_faults
-from configs.schema.arena import ArcPiece, ArenaConfig, StraightPiece, SurfaceName
+from configs.schema.arena import ArcPiece, ArenaConfig, StraightPiece
 from configs.schema.look import LookConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Route, Scenario
 from configs.validation import Placed
 from symolo.arena.footprints import Point, Rectangle, obstacle_footprint, overlap, wall_footprint
-from symolo.core.errors import InputError, nearest
+from symolo.core.distributions import Choice
+from symolo.core.errors import InputError
 from symolo.core.lens import lens_problem
 from symolo.core.yaml_tree import FieldPath, Node, dotted
 
@@ -51,13 +51,7 @@ def check_arena(arena: ArenaConfig, root: Node) -> None:
 
 
 def check_robot(robot: RobotConfig, root: Node) -> None:
-    _refuse(_robot_faults(robot), root)
-
-
-def robot_faults(robot: RobotConfig) -> Iterator[Fault]:
-    """What keeps a robot from being driven by the engine in any arena."""
-    yield from _robot_faults(robot)
-    yield from _engine_faults(robot)
+    _refuse(robot_faults(robot, in_simulation=False), root)
 
 
 def check_look(look: LookConfig, root: Node) -> None:
@@ -72,7 +66,7 @@ def _refuse(faults: Iterable[Fault], root: Node, note: str = "") -> None:
 def _scenario_faults(scenario: Scenario, routes: Iterable[int]) -> Iterator[Fault]:
     yield from _route_name_faults(scenario.routes)
     yield from _arena_faults(scenario.arena)
-    yield from robot_faults(scenario.robot)
+    yield from robot_faults(scenario.robot, in_simulation=True)
     yield from _lens_faults(scenario)
     yield from _look_faults(scenario.look)
     yield from _period_faults(scenario.rates, scenario.robot)
@@ -177,11 +171,17 @@ def _outermost(arc: ArcPiece) -> list[Point]:
     return [(x + r * math.cos(direction), y + r * math.sin(direction)) for direction in directions]
 
 
-def _robot_faults(robot: RobotConfig) -> Iterator[Fault]:
+def robot_faults(robot: RobotConfig, *, in_simulation: bool) -> Iterator[Fault]:
+    """Yield what is wrong with a robot in any arena.
+
+    Args:
+        robot: The robot.
+        in_simulation: Whether PyBullet drives it, which cannot do all that a bench can measure.
+    """
     yield from _body_faults(robot)
     yield from _range_faults(robot)
     yield from _stall_faults(robot)
-    yield from _material_faults(robot)
+    yield from _effect_faults(robot, in_simulation=in_simulation)
     corner = robot.controller.corner
     if corner.front_below_m >= corner.front_clear_m:
         path: FieldPath = ("robot", "controller", "corner")
@@ -190,13 +190,10 @@ def _robot_faults(robot: RobotConfig) -> Iterator[Fault]:
         yield Fault((*path, "front_below_m"), got=corner.front_below_m, allowed=allowed, against=against)
 
 
-def _engine_faults(robot: RobotConfig) -> Iterator[Fault]:
-    backlash = robot.terms.gear_backlash
-    if backlash is not None and backlash.gap_rad > 0:
-        path: FieldPath = ("robot", "terms", "gear_backlash", "gap_rad")
-        problem = "PyBullet's wheel is one mass, without play"
-        cure = "leave the term out; it acts on the motor bench alone"
-        yield Fault(path, problem, got=backlash.gap_rad, allowed="0", cure=cure)
+def _effect_faults(robot: RobotConfig, *, in_simulation: bool) -> Iterator[Fault]:
+    for effect in robot.effects:
+        for fault in effect.faults(in_simulation=in_simulation):
+            yield replace(fault, path=("robot", "effects", effect.name, *fault.path))
 
 
 def _lens_faults(scenario: Scenario) -> Iterator[Fault]:
@@ -205,15 +202,6 @@ def _lens_faults(scenario: Scenario) -> Iterator[Fault]:
         got = ", ".join(f"{name} {value:g}" for name, value in camera.distortion if value)
         cure = "take smaller coefficients, a longer focal_length_mm or a smaller sensor_width_mm"
         yield Fault(("robot", "camera", "distortion"), problem, got=got, cure=cure)
-
-
-def _material_faults(robot: RobotConfig) -> Iterator[Fault]:
-    bias = robot.terms.material_bias
-    names = get_args(SurfaceName)
-    if bias is not None and bias.material not in names:
-        path: FieldPath = ("robot", "terms", "material_bias", "material")
-        allowed, close = f"one of {', '.join(names)}", nearest(bias.material, names)
-        yield Fault(path, "no such surface", got=bias.material, allowed=allowed, nearest=close)
 
 
 def _range_faults(robot: RobotConfig) -> Iterator[Fault]:

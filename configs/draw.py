@@ -22,24 +22,28 @@ from symolo.core.yaml_tree import FieldPath, Node, Scalar, dotted
 GENERATE = "arena.generate"
 """Key of the stream that a generated arena is drawn from."""
 
-STREAM_NAMES = {
-    f"max_{name}": f"most_{name}"
-    for name in (
-        "bend_radius_m",
-        "decoy_distance_m",
-        "decoy_m",
-        "decoys",
-        "obstacle_m",
-        "obstacle_offset_m",
-        "obstacle_yaw_deg",
-        "obstacles",
-        "trim_m",
-        "wall_clearance_m",
-    )
-} | {
-    f"min_{name}": f"least_{name}"
-    for name in ("bend_radius_m", "decoy_m", "obstacle_m", "obstacles", "wall_clearance_m")
-}
+STREAM_NAMES = (
+    {
+        f"max_{name}": f"most_{name}"
+        for name in (
+            "bend_radius_m",
+            "decoy_distance_m",
+            "decoy_m",
+            "decoys",
+            "obstacle_m",
+            "obstacle_offset_m",
+            "obstacle_yaw_deg",
+            "obstacles",
+            "trim_m",
+            "wall_clearance_m",
+        )
+    }
+    | {
+        f"min_{name}": f"least_{name}"
+        for name in ("bend_radius_m", "decoy_m", "obstacle_m", "obstacles", "wall_clearance_m")
+    }
+    | {"effects": "effects"}
+)
 """Names of fields in the keys of streams, where they are not the fields' own: a seed keeps the numbers that it gave
 before version 0.2.0 renamed the field."""
 

@@ -10,6 +10,8 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from configs.effects.base import Effect
+from configs.effects.registry import effect_classes
 from configs.schema.base import FILE_KEY, FIXED_KEY
 from symolo.core.yaml_tree import FieldPath, Node, merge, node_of
 
@@ -25,10 +27,9 @@ class Shape:
     definitions: Mapping[str, Any]
 
     @classmethod
-    @cache
     def of(cls, model: type[BaseModel]) -> "Shape":
-        schema = model.model_json_schema()
-        return cls(schema, schema.get("$defs", {}))
+        """Return the shape of a model, with the effects that there are now."""
+        return _shape(model, effect_classes())
 
     @property
     def fields(self) -> dict[str, Any]:
@@ -160,6 +161,13 @@ class Shape:
             schema = {**self.definitions[schema["$ref"].rsplit("/", 1)[1]], **schema}
             schema = {key: value for key, value in schema.items() if key != "$ref"}
         return Shape(schema, self.definitions)
+
+
+@cache
+def _shape(model: type[BaseModel], effects: tuple[type[Effect], ...]) -> Shape:
+    del effects  # the schema contains them, so that one more makes another schema
+    schema = model.model_json_schema()
+    return Shape(schema, schema.get("$defs", {}))
 
 
 def with_defaults(node: Node, shape: Shape) -> Node:

@@ -16,7 +16,7 @@ from diagnosis.inference.evidence.rounding import with_shared_rounding
 from diagnosis.inference.evidence.whole_runs import fitted_to_whole_runs
 from diagnosis.inference.fit import Fit, at, fits
 from diagnosis.inference.gain import Gain, gain
-from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
+from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.rivals import RivalComparison, compare_rivals
 from diagnosis.inference.selection import Selection, is_of_noise, rescued, select
 from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequacy, survivors
@@ -44,14 +44,14 @@ NOISE_ROUNDS = 2
 class NamedEffect:
     """One effect that the real robot has."""
 
-    effect: Effect
+    effect: CandidateEffect
     values: dict[str, float]
     std: dict[str, float]
     comparison: RivalComparison
 
     @property
     def name(self) -> str:
-        return self.effect.term.name
+        return self.effect.kind.name
 
     @property
     def parameters(self) -> dict[str, str | float]:
@@ -237,7 +237,7 @@ def _without_stand_ins(evidence: Evidence, selection: Selection, left: Adequacy)
     return _with_only(evidence, selection, fit, survivors(evidence, selection.nominal, fit, left.worst))
 
 
-def _with_only(evidence: Evidence, selection: Selection, fit: Fit, keep: Collection[Effect]) -> Fit:
+def _with_only(evidence: Evidence, selection: Selection, fit: Fit, keep: Collection[CandidateEffect]) -> Fit:
     """The fit with some of its effects."""
     kept = tuple(effect for effect in fit.hypothesis.effects if effect in keep)
     if len(kept) == len(fit.hypothesis.effects):
@@ -260,7 +260,7 @@ def _over_whole_runs(measurement: Measurement, evidence: Evidence, fit: Fit) -> 
 
 
 def _best_named(
-    evidence: Evidence, fit: Fit, standings: Sequence[RivalComparison], effects: Sequence[Effect]
+    evidence: Evidence, fit: Fit, standings: Sequence[RivalComparison], effects: Sequence[CandidateEffect]
 ) -> tuple[Fit, Sequence[RivalComparison]]:
     """Where a rival turned out to explain more than a named effect, the rival is named."""
     closest = [next((rival for rival in of.rivals if not rival.refused), None) for of in standings]

@@ -1,13 +1,14 @@
 """The extended model as a robot file: what a diagnosis found, as keys that every simulation takes.
 
-The file builds on the shipped robot `nominal` and says only what differs: the case's own parameters, the nuisances as
-fitted, and the terms that are named, each number with its source and standard error in a comment. It reads back equal.
+The file builds on the shipped robot `nominal` and contains only what differs: the case's parameters, the nuisances as
+fitted, and the named effects, each number with its source and standard error in a comment. It reads back equal.
 
-A second file draws the terms anew in each run, as far as the fit leaves them open. A scenario draws every number by
-itself, while fitted numbers lean on each other: a torque constant that is a little too high and a scale that is a
-little too low predict the same. Hence the nuisances stay as fitted, and the spread of a term's number is that which is
-left once they are held, from the inverse of the terms' own part of the information matrix (Bishop, Pattern Recognition
-and Machine Learning, 2006, eq. 2.73): narrower than the standard error of the number alone, and as true to the data.
+A second file draws the effects again in each run, within what the fit leaves open. A scenario draws every number
+independently, while fitted numbers are correlated: a torque constant that is a little too high and a scale that is a
+little too low predict the same. Hence the nuisances stay as fitted, and the spread of an effect's number is its
+conditional spread for fixed nuisances, from the inverse of the effects' part of the information matrix (Bishop, Pattern
+Recognition and Machine Learning, 2006, eq. 2.73): narrower than the standard error of the number alone, and as true to
+the data.
 """
 
 import json
@@ -25,7 +26,7 @@ from configs.draw import draw_robot
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis
-from diagnosis.inference.hypothesis import Effect
+from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.nuisances import Nuisance
 from symolo.core.yaml_tree import FieldPath
 
@@ -41,7 +42,7 @@ REACH_SD = 3.0
 
 @dataclass(frozen=True)
 class LeftOut:
-    """A term that the engine cannot simulate, and why."""
+    """An effect that the engine cannot simulate, and why."""
 
     name: str
     why: str
@@ -50,7 +51,7 @@ class LeftOut:
 @dataclass(frozen=True)
 class ExtendedRobot:
     config: RobotConfig
-    """What the file says, the terms that are left out missing."""
+    """What the file says, the effects that are left out missing."""
     text: str
     """Of extended.yaml."""
     varied_text: str
@@ -65,14 +66,14 @@ def extended_robot(diagnosis: Diagnosis) -> ExtendedRobot:
     config = _enclosing(_within_bounds(diagnosis))
     left_out: list[LeftOut] = []
     problem = ""
-    for fault in robot_faults(config):
+    for fault in robot_faults(config, in_simulation=True):
         why = ", ".join(part for part in (fault.problem, f"allowed: {fault.allowed}" if fault.allowed else "") if part)
-        if fault.path[:2] == ("robot", "terms"):
+        if fault.path[:2] == ("robot", "effects"):
             left_out.append(LeftOut(str(fault.path[2]), why))
         elif not problem:
             problem = ".".join(map(str, fault.path)) + f": {why}"
     for gone in left_out:
-        config = config.model_copy(update={"terms": config.terms.model_copy(update={gone.name: None})})
+        config = config.model_copy(update={"effects": config.effects.without(gone.name)})
     measured = diagnosis.measurement
     told = f"{measured.name} ({measured.kind})"
     named = ", ".join(f.name for f in diagnosis.named) or "no effect"
@@ -97,9 +98,10 @@ def _within_bounds(diagnosis: Diagnosis) -> RobotConfig:
     """The fitted robot; a logarithm and back may leave a bound by a rounding."""
     config = diagnosis.extended
     for named in diagnosis.named:
-        section, term = getattr(config.terms, named.effect.term.name), named.effect.term
-        numbers = {name: min(max(float(getattr(section, name)), of.low), of.high) for name, of in term.numbers.items()}
-        config = config.with_term(term.values(numbers, dict(named.effect.choices)))
+        kind = named.effect.kind
+        fitted = config.effects.get(kind)
+        numbers = {name: min(max(float(getattr(fitted, name)), p.low), p.high) for name, p in kind.parameters().items()}
+        config = config.with_effect(kind.model_validate({**numbers, **dict(named.effect.choices)}))
     return config
 
 
@@ -192,12 +194,12 @@ def _comments(diagnosis: Diagnosis) -> dict[FieldPath, str]:
         told = _nuisance_told(nuisance, float(fit.x[k]), errors[k])
         found |= {path: told if path[-1] == nuisance.name else f"{nuisance.name}: {told}" for path in _paths(moved)}
     for named in diagnosis.named:
-        for name in named.effect.term.numbers:
+        for name in named.effect.kind.parameters():
             error = named.std[name]
             known = f"standard error {error:.2g}" if isfinite(error) and error > 0.0 else "not held by these data"
-            found["terms", named.effect.term.name, name] = f"named by the diagnosis; {known}"
+            found["effects", named.effect.kind.name, name] = f"named by the diagnosis; {known}"
         for name, _ in named.effect.choices:
-            found["terms", named.effect.term.name, name] = "named by the diagnosis"
+            found["effects", named.effect.kind.name, name] = "named by the diagnosis"
     found["chassis", "width_m"] = "widened to cover the wheels"
     return found
 
@@ -232,33 +234,33 @@ def _lines(tree: Mapping[str, Any], comments: Mapping[FieldPath, str], above: Fi
 
 
 def _varied(diagnosis: Diagnosis, config: RobotConfig) -> str:
-    """Of each number of a term that is left, a Gaussian about its value."""
-    terms: dict[str, Any] = {}
+    """Of each number of an effect that is left, a Gaussian about its value."""
+    effects: dict[str, Any] = {}
     for effect, spreads in _spreads(diagnosis):
-        section = getattr(config.terms, effect.term.name)
+        section = config.effects.get(effect.kind)
         if section is None:
             continue
         numbers: dict[str, Any] = {}
-        for (name, bounds), sd in zip(effect.term.numbers.items(), spreads, strict=True):
+        for (name, bounds), sd in zip(effect.kind.parameters().items(), spreads, strict=True):
             mean = float(getattr(section, name))
             if isfinite(sd) and sd > 0.0:
                 low, high = max(mean - REACH_SD * sd, bounds.low), min(mean + REACH_SD * sd, bounds.high)
                 normal = {"mean": mean, "sd": sd, "low": low, "high": high}
                 numbers[name] = {"normal": {key: float(f"{value:.{DIGITS}g}") for key, value in normal.items()}}
         if numbers:
-            terms[effect.term.name] = numbers
-    if not terms:
+            effects[effect.kind.name] = numbers
+    if not effects:
         return ""
     head = [
-        f"# {FILE} beside this file, its terms drawn anew in each run as far as the fit leaves them open, with all",
-        f"# nominal parameters held as fitted. Limits lie at {REACH_SD:g} standard deviations, or at a term's bounds.",
+        f"# {FILE} beside this file, its effects drawn again in each run as far as the fit leaves them open, with all",
+        f"# nominal parameters held as fitted. Limits lie at {REACH_SD:g} standard deviations, or at the bounds.",
         f"extends: {FILE}",
         f"name: {json.dumps(_slug(config.name[:57] + '_varied'))}",
     ]
-    return "\n".join([*head, *_lines({"terms": terms}, {})]) + "\n"
+    return "\n".join([*head, *_lines({"effects": effects}, {})]) + "\n"
 
 
-def _spreads(diagnosis: Diagnosis) -> Iterator[tuple[Effect, Sequence[float]]]:
+def _spreads(diagnosis: Diagnosis) -> Iterator[tuple[CandidateEffect, Sequence[float]]]:
     """Standard deviation of each number of each effect, the nuisances held."""
     fit, hypothesis = diagnosis.fit, diagnosis.fit.hypothesis
     first = len(hypothesis.nuisances)

@@ -4,9 +4,8 @@ from collections.abc import Mapping
 from math import degrees
 from types import MappingProxyType
 
+from configs.effects.robot_effects import RobotEffects
 from configs.schema.base import Section
-from configs.schema.effects.range_bench import RangeOffset, RangeScale
-from configs.schema.effects.table import Terms
 from configs.schema.robot import RobotConfig, TofMount
 from diagnosis.measured.nominal import (
     BenchTof,
@@ -20,6 +19,8 @@ from diagnosis.measured.nominal import (
     NominalRobot,
     NominalTof,
 )
+from sensors.effects.range_offset import RangeOffset
+from sensors.effects.range_scale import RangeScale
 
 PLAIN_RANGE: Mapping[str, float] = MappingProxyType(
     {"error_scale": 0.0, "noise_scale": 1.0, "rays": 1, "field_of_view_deg": 1e-3}
@@ -28,11 +29,11 @@ PLAIN_RANGE: Mapping[str, float] = MappingProxyType(
 
 
 def nominal_robot(nominal: Nominal, carrier: RobotConfig) -> RobotConfig:
-    """The robot that the case speaks of, and otherwise `carrier`, without that one's terms.
+    """The robot that the case speaks of, and otherwise `carrier`, without that one's effects.
 
     A range sensor is a bare ray with the case's offset and scale, without the cone of the shipped one and its error.
     """
-    robot = carrier.model_copy(update={"terms": Terms()})
+    robot = carrier.model_copy(update={"effects": RobotEffects()})
     match nominal:
         case NominalTof():
             return _with_bench_tof(robot, nominal.tof)
@@ -105,5 +106,5 @@ def _mounted(mount: TofMount, nominal: Mount) -> TofMount:
 
 def _with_range(robot: RobotConfig, offset_m: float, scale: float) -> RobotConfig:
     if offset_m != 0.0:
-        robot = robot.with_term(RangeOffset(offset_m=offset_m))
-    return robot if scale == 1.0 else robot.with_term(RangeScale(scale=scale))
+        robot = robot.with_effect(RangeOffset(offset_m=offset_m))
+    return robot if scale == 1.0 else robot.with_effect(RangeScale(scale=scale))

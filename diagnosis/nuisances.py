@@ -11,9 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from configs.schema.base import Section
-from configs.schema.effects.drive import WheelRadiusAsymmetry
-from configs.schema.effects.motor import InputDelay
-from configs.schema.effects.range_bench import RangeOffset, RangeScale
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.nominal import (
     KnownWheels,
@@ -24,6 +21,10 @@ from diagnosis.measured.nominal import (
     PositiveSpread,
     Spread,
 )
+from physics.effects.input_delay import InputDelay
+from physics.effects.wheel_radius_asymmetry import WheelRadiusAsymmetry
+from sensors.effects.range_offset import RangeOffset
+from sensors.effects.range_scale import RangeScale
 
 Number = float | NDArray[np.float64]
 
@@ -40,10 +41,10 @@ class Nuisance:
     change: Callable[[RobotConfig, Number], RobotConfig]
 
     def applied(self, robot: RobotConfig, value: Number) -> RobotConfig:
-        """The robot as that unit; what its terms add or scale stays on top of it.
+        """The robot as that unit; what its effects add or scale stays on top of it.
 
         Args:
-            robot: Nominal, with the terms of all effects: one of the same name, added later, would take its place.
+            robot: Nominal, with the effects of all effects: one of the same name, added later, would take its place.
             value: A number, or an array for many robots at once (`physics.robot.stack`).
         """
         return self.change(robot, value)
@@ -79,9 +80,8 @@ def _wheels(robot: NominalRobot) -> Iterator[Nuisance]:
 
 def _wheel_asymmetry(spread: Spread) -> Nuisance:
     def change(robot: RobotConfig, value: Number) -> RobotConfig:
-        present = robot.terms.wheel_radius_asymmetry
-        before = 0.0 if present is None else present.asymmetry
-        return robot.with_term(WheelRadiusAsymmetry.model_construct(asymmetry=before + value))
+        present = robot.effects.get(WheelRadiusAsymmetry) or WheelRadiusAsymmetry.null()
+        return robot.with_effect(WheelRadiusAsymmetry.model_construct(asymmetry=present.asymmetry + value))
 
     return Nuisance("wheel_radius_asymmetry", spread.value, spread.tolerance, "1", change)
 
@@ -95,9 +95,8 @@ def command_timing() -> Nuisance:
     """Of a drive's voltages."""
 
     def change(robot: RobotConfig, value: Number) -> RobotConfig:
-        present = robot.terms.input_delay
-        before = 0.0 if present is None else present.delay_s
-        return robot.with_term(InputDelay.model_construct(delay_s=before + np.maximum(value, 0.0)))
+        present = robot.effects.get(InputDelay) or InputDelay.null()
+        return robot.with_effect(InputDelay.model_construct(delay_s=present.delay_s + np.maximum(value, 0.0)))
 
     return Nuisance("command_timing_s", 0.0, TIMING_S, "s", change)
 
@@ -118,17 +117,15 @@ def _number(section: str, key: str, name: str, spread: PositiveSpread | Spread, 
 
 def _range_offset(spread: Spread) -> Nuisance:
     def change(robot: RobotConfig, value: Number) -> RobotConfig:
-        present = robot.terms.range_offset
-        before = spread.value if present is None else present.offset_m
-        return robot.with_term(RangeOffset.model_construct(offset_m=before + (value - spread.value)))
+        present = robot.effects.get(RangeOffset) or RangeOffset.model_construct(offset_m=spread.value)
+        return robot.with_effect(RangeOffset.model_construct(offset_m=present.offset_m + (value - spread.value)))
 
     return Nuisance("range_offset_m", spread.value, spread.tolerance, "m", change)
 
 
 def _range_scale(spread: PositiveSpread) -> Nuisance:
     def change(robot: RobotConfig, value: Number) -> RobotConfig:
-        present = robot.terms.range_scale
-        before = spread.value if present is None else present.scale
-        return robot.with_term(RangeScale.model_construct(scale=before * (value / spread.value)))
+        present = robot.effects.get(RangeScale) or RangeScale.model_construct(scale=spread.value)
+        return robot.with_effect(RangeScale.model_construct(scale=present.scale * (value / spread.value)))
 
     return Nuisance("range_scale", spread.value, spread.tolerance, "1", change)

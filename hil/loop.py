@@ -8,8 +8,8 @@ from configs.schema.robot import RobotConfig
 from hil.closing import Closing
 from hil.errors import BoardLost
 from hil.frames import CommandFrame, HelloFrame, SensorFrame
-from hil.framings.base import Answer, Damaged, Framing
-from hil.links.base import Link
+from hil.framings.base import CommandMessage, Damaged, Framing
+from hil.links.base import BoardLink
 from hil.plausible import DriveLimits, TickCount, check_encoders
 from symolo.dataset.codes import State
 
@@ -83,7 +83,7 @@ class BoardPilot(Closing):
     `events`, also after an error.
     """
 
-    link: Link
+    link: BoardLink
     framing: Framing
     limits: DriveLimits
     settings: LoopSettings = field(default_factory=LoopSettings)
@@ -102,7 +102,9 @@ class BoardPilot(Closing):
         self._acting: CommandFrame | None = None
 
     @classmethod
-    def for_robot(cls, link: Link, framing: Framing, robot: RobotConfig, settings: LoopSettings | None = None) -> Self:
+    def for_robot(
+        cls, link: BoardLink, framing: Framing, robot: RobotConfig, settings: LoopSettings | None = None
+    ) -> Self:
         """The pilot of a robot as it is configured.
 
         Raises:
@@ -128,7 +130,7 @@ class BoardPilot(Closing):
                 for found in self._ears.feed(heard):
                     if isinstance(found, HelloFrame):
                         return self._greeted(found)
-                    if isinstance(found, Answer) and not hello:
+                    if isinstance(found, CommandMessage) and not hello:
                         return self._drained()
         raise BoardLost(
             f"no answer from {self.link.name} in {self.settings.hello_s:g} s: is the firmware on it, built for the"
@@ -200,13 +202,13 @@ class BoardPilot(Closing):
             for found in self._ears.feed(heard):
                 if isinstance(found, Damaged):
                     damage.append(found.reason)
-                elif isinstance(found, Answer):
+                elif isinstance(found, CommandMessage):
                     command = self._judged(found, command)
         if damage:
             self._note("damaged", f"{len(damage)} from the board: {', '.join(damage[:_DAMAGE_TOLD])}")
         return command
 
-    def _judged(self, answer: Answer, accepted: CommandFrame | None) -> CommandFrame | None:
+    def _judged(self, answer: CommandMessage, accepted: CommandFrame | None) -> CommandFrame | None:
         """The command that holds for this tick when one more answer has come in."""
         command = answer.command
         if answer.seq is not None and answer.seq != self._seq:

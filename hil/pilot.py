@@ -10,7 +10,7 @@ from hil.board.build import build_board, cache_folder
 from hil.build import FirmwareBuild, build_firmware, firmware_sources
 from hil.frames import SensorFrame
 from hil.framings import FRAMINGS
-from hil.links.base import Link
+from hil.links.base import BoardLink
 from hil.links.lockstep import LockstepLink
 from hil.links.serial_link import SerialLink
 from hil.loop import BoardEvent, BoardPilot, LoopSettings
@@ -82,7 +82,7 @@ def build_for(robot: RobotConfig, board: Board) -> FirmwareBuild:
     return build_firmware(robot, board.framing, board.bits_per_s, cache_folder())
 
 
-def _line(robot: RobotConfig, board: Board, port: str) -> tuple[Link, str]:
+def _line(robot: RobotConfig, board: Board, port: str) -> tuple[BoardLink, str]:
     if port:
         return SerialLink(port, board.bits_per_s), ""
     firmware = build_for(robot, board)

@@ -11,12 +11,12 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
+from configs.effects.base import Slot
 from physics.arena.rays import Hits, RayScene
 from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.motor import HeldWheel
 from physics.drivetrain.motor_arrays import HeldDrive
 from physics.drivetrain.wheel_loop import voltage_limit_V
-from physics.effects.base import Slot
 from physics.robot.body_inertia import BodyOnWheels
 from physics.robot.model import RobotModel, through
 from symolo.arena.geometry import Arena
@@ -60,8 +60,8 @@ class KinematicTwin:
         self._inertia = np.diag(inertia) + self._driveline.inertia_kg_m2
         self._coupling = inertia - np.diag(np.diag(inertia))
         self._delay_steps = round(model.input_delay_s / step_s)
-        self._counting = model.effects(Slot.COUNTING)
-        self._ground = model.effects(Slot.GROUND)
+        self._counting = model.functions(Slot.COUNTING)
+        self._ground = model.functions(Slot.GROUND)
         self._counts_per_rad = model.counts_per_revolution / (2.0 * pi)
 
     def drive(self, voltages_V: Array, starts: Array) -> TwinRun:

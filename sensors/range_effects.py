@@ -1,4 +1,4 @@
-"""What a robot's terms do to a range reading, its noise and its limit: in the simulation, and to what is expected."""
+"""What a robot's effects do to a range reading, its noise and its limit: in the simulation, and to what is expected."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from configs.schema.effects.table import Terms
-from physics.effects.base import Slot, effects
+from configs.effects.base import Slot
+from configs.effects.robot_effects import RobotEffects
 from physics.robot.model import through
-from sensors.effects import SENSOR_TERMS
 from sensors.range_view import RangeView
 from symolo.core.arrays import Array
 
@@ -29,9 +28,9 @@ class RangeEffects:
     limit: Functions
 
     @classmethod
-    def of(cls, terms: Terms) -> "RangeEffects":
+    def of(cls, effects: RobotEffects) -> "RangeEffects":
         slots = (Slot.RANGE, Slot.RANGE_NOISE, Slot.RANGE_LIMIT)
-        return cls(*(effects(SENSOR_TERMS, terms, slot) for slot in slots))
+        return cls(*(effects.functions(slot) for slot in slots))
 
     @property
     def look(self) -> bool:

@@ -9,13 +9,12 @@ from math import cos, sin
 import numpy as np
 from numpy.typing import NDArray
 
-from configs.schema.effects.table import Terms
+from configs.effects.base import Slot
+from configs.effects.robot_effects import RobotEffects
 from configs.schema.robot import TofMount, TofSensor
 from physics.arena.surfaces import SURFACES
-from physics.effects.base import Slot, effects
 from physics.robot.model import through
 from sensors.base import Sampling, Sensor, World, quantise
-from sensors.effects import SENSOR_TERMS
 from sensors.range_effects import RangeEffects
 from sensors.range_log import NEAR_LIMIT_M, log_beyond_near
 from sensors.range_view import RangeView
@@ -23,7 +22,7 @@ from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.dataset.codes import TofStatus
 
-NO_TERMS = Terms()
+NO_EFFECTS = RobotEffects()
 
 NOISE_AT_NEAR_MM = 1.41
 """Eq. 23 up to 0.18 m."""
@@ -37,11 +36,16 @@ class TofArray(Sensor):
     """Front, left and right sensor, in this order everywhere."""
 
     def __init__(
-        self, config: TofSensor, arena: Arena, physics_hz: int, rng: np.random.Generator, terms: Terms = NO_TERMS
+        self,
+        config: TofSensor,
+        arena: Arena,
+        physics_hz: int,
+        rng: np.random.Generator,
+        effects: RobotEffects = NO_EFFECTS,
     ) -> None:
-        delay_s = through(effects(SENSOR_TERMS, terms, Slot.RANGE_DELAY), config.delay_s)
+        delay_s = through(effects.functions(Slot.RANGE_DELAY), config.delay_s)
         self.sampling = Sampling.from_seconds(config.period_s, delay_s, physics_hz)
-        self._effects = RangeEffects.of(terms)
+        self._effects = RangeEffects.of(effects)
         self._config = config
         self._rng = rng
         angle, roll = ray_pattern(config.rays, np.radians(config.field_of_view_deg))
@@ -51,7 +55,7 @@ class TofArray(Sensor):
         self._full_signal = self._head_on * self._profile.sum()
         mounts = (config.mounts.front, config.mounts.left, config.mounts.right)
         origins_R = [np.tile([m.x_m, m.y_m, m.z_m, 1.0], (config.rays, 1)) for m in mounts]
-        askew = through(effects(SENSOR_TERMS, terms, Slot.RANGE_MOUNT), np.zeros(3))
+        askew = through(effects.functions(Slot.RANGE_MOUNT), np.zeros(3))
         directions_R = [ray_directions(m, angle, roll, extra) for m, extra in zip(mounts, askew, strict=True)]
         # Origins, then directions; a last 1 is moved with the robot, a last 0 turned alone.
         self._rays_R = np.concatenate([*origins_R, np.pad(np.concatenate(directions_R), ((0, 0), (0, 1)))])
@@ -101,7 +105,7 @@ class TofArray(Sensor):
     def _view(
         self, world: World, distance_m: Array, share: Array, surface: NDArray[np.int64], normal: Array
     ) -> RangeView:
-        """For the terms; material, reflectance and normal are means over the light that returns."""
+        """For the effects; material, reflectance and normal are means over the light that returns."""
         _, _, yaw = world.pose()
         c, s = np.cos(yaw), np.sin(yaw)
         axes = self._axes_R @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])

@@ -153,7 +153,7 @@ noise: {current_A: 0.001, omega_rad_s: 0.04}
 def motor_bench_case() -> Callable[..., Path]:
     """Writes a case of steady states, forward and back, every fourth row held out, from the closed form.
 
-    `strength` is the real torque constant over the nominal one, `bump_A` a bump of the current at 6 rad/s, of no term.
+    `strength` is the real torque constant over the nominal one, `bump_A` a bump of the current at 6 rad/s, no effect.
     """
 
     def write(folder: Path, strength: float = 1.0, bump_A: float = 0.0, sweeps: int = 2) -> Path:

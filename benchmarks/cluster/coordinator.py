@@ -21,7 +21,7 @@ FRAMES = tuple(range(1, 26))
 
 def nothing(unit_json: str, *_limits: float) -> str:
     assert unit_json  # noqa: S101 - it came through
-    return on_ray.Record().model_dump_json()
+    return on_ray.UnitRecord().model_dump_json()
 
 
 def main() -> None:
@@ -35,7 +35,7 @@ def main() -> None:
     on_ray.done_here = nothing
     units = [
         RenderUnit(
-            name=f"CW/test_{i}", work="pictures", job=Path("job.json"), folder=Path("f"), numbers=FRAMES, threads=1
+            name=f"CW/test_{i}", work="images", job=Path("job.json"), folder=Path("f"), numbers=FRAMES, threads=1
         )
         for i in range(asked.blocks)
     ]

@@ -15,7 +15,7 @@ from diagnosis.measured.holdout import of_part
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.nominal import NominalTof
 from diagnosis.predictors.motor_steady import MotorSteady
-from diagnosis.validation.range_sensor.recordings.static import read_record
+from diagnosis.validation.range_sensor.recordings.static import read_rest_recording
 from sensors.tof import NOISE_AT_NEAR_MM
 from symolo.core.time_series import TimeSeries
 
@@ -82,7 +82,7 @@ def _faster_than_free(data: Measurement) -> Iterator[str]:
 
 def range_sensor_at_rest(path: Path) -> BenchResult:
     """Means over a second, the second half of every ten minutes held out; of the true distance only that it stays."""
-    record = read_record(path)
+    record = read_rest_recording(path)
     rate = round(record.rate_hz)
     seconds = len(record.readings_mm) // rate
     mean_m = 1e-3 * record.readings_mm[: seconds * rate].reshape(seconds, rate)[:, 0]
@@ -126,7 +126,7 @@ def _told(of: Diagnosis) -> tuple[tuple[str, ...], tuple[str, ...], tuple[str, .
     named = []
     for n in of.named:
         numbers = ", ".join(f"{k} {v:.3g} +- {n.std[k]:.2g}" for k, v in n.values.items())
-        too_large = [f"; impossible: {b.why}" for b in beyond(n.effect.term.name, n.values, n.std)]
+        too_large = [f"; impossible: {b.why}" for b in beyond(n.effect.kind.name, n.values, n.std)]
         named.append(f"{n.effect.name} ({numbers}; confidence {n.comparison.confidence:.2f}{''.join(too_large)})")
     left = of.adequacy.structures[:1] if of.unexplained else ()
     return tuple(named), of.withdrawn, tuple(f"{s.observed} along {s.covariate} (p {s.p:.0e})" for s in left)

@@ -9,18 +9,17 @@ from numpy.typing import NDArray
 from wheel_calibrations import Wheels, by_whole_paths, odometry, turned, umbmark, with_turned_camera
 
 from configs.draw import draw_robot
+from configs.effects.registry import effect_classes
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis, diagnose
 from diagnosis.importers.optiodom import ENCODER_TICKS_PER_REVOLUTION, IMPORTER, TRACK_M, WHEEL_DIAMETER_M
 from diagnosis.inference.evidence.whole_runs import WholeRunFit, fitted_to_whole_runs
-from diagnosis.inference.hypothesis import Effect, Hypothesis, deviated
+from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, deviated
 from diagnosis.measured.measurement import Measurement
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
 from diagnosis.predictors.pose import Pose
-from physics.effects import PHYSICS_TERMS
-from sensors.effects import SENSOR_TERMS
 
 Array = NDArray[np.float64]
 
@@ -104,7 +103,7 @@ def _all_together(folder: Path) -> Fitted:
     nominal = nominal_robot(measurement.nominal, draw_robot(load_section("robot", "nominal"), 0, "real sets")[0])
     bare = Hypothesis(nominal, nuisances(measurement.nominal))
     effects = [
-        Effect(term, choices) for term in (*PHYSICS_TERMS, *SENSOR_TERMS) for choices in _WHOLE_RUN.get(term.name, ())
+        CandidateEffect(effect, choices) for effect in effect_classes() for choices in _WHOLE_RUN.get(effect.name, ())
     ]
     whole = fitted_to_whole_runs(measurement, bare, bare.null(), effects)
     held, fit = _split(measurement)

@@ -16,10 +16,10 @@ from diagnosis.diagnose import Diagnosis, diagnose
 from diagnosis.importers.paper import IMPORTER
 from diagnosis.inference.evidence.stuck_rows import stuck_rows
 from diagnosis.inference.fit import fits
-from diagnosis.inference.plausible import LIMITS
 from diagnosis.inference.selection import needed
 from diagnosis.inference.unexplained.leave_one_out import leave_one_out
 from diagnosis.motor_identification import TABLE_1
+from physics.effects.supply_sag import SupplySag
 
 Array = NDArray[np.float64]
 Extra = Callable[[Array, Array, Array], Array]
@@ -89,7 +89,7 @@ def _left_out(extra: Extra | None) -> float:
 
 
 def _told_sag(number: float, error: float) -> tuple[str, str]:
-    limit = LIMITS["supply_sag", "source_resistance_ohm"].high
+    limit = SupplySag.plausible_sizes()["source_resistance_ohm"].high
     lost_V = number * (5.0 / SUPPLY_V) * TABLE_1.current_A[-1]
     return (
         f"{number:.2f} +- {error:.2f} ohm: {lost_V:.2f} V lost at the source at 5 V",

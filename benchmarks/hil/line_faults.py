@@ -17,7 +17,7 @@ from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from hil.frames import CommandFrame, SensorFrame
 from hil.framings import FRAMINGS
-from hil.framings.base import Answer, Asked, Framing, HelloAsked
+from hil.framings.base import CommandMessage, Framing, HelloRequest, SensorsMessage
 from hil.plausible import DriveLimits, TickCount
 from symolo.dataset.codes import State
 
@@ -115,7 +115,7 @@ def to_simulator(framing: Framing, kind: str, count: int, limits: DriveLimits, d
     ears, tally, older = framing.from_board(), Tally(), [b"\0"] * 4
     frames, tick = TickCount(), 0
 
-    def tell(damage: Callable[[bytes, list[bytes]], bytes]) -> tuple[CommandFrame, list[Answer]]:
+    def tell(damage: Callable[[bytes, list[bytes]], bytes]) -> tuple[CommandFrame, list[CommandMessage]]:
         nonlocal tick
         tick += 1
         sent = drawn_command(limits, min(tick, 65535), draw)
@@ -124,13 +124,13 @@ def to_simulator(framing: Framing, kind: str, count: int, limits: DriveLimits, d
         older.insert(0, data)
         older.pop()
         frames.sent((0, 0))
-        return sent, [found for found in heard if isinstance(found, Answer)]
+        return sent, [found for found in heard if isinstance(found, CommandMessage)]
 
-    def said(answer: Answer, sent: CommandFrame) -> bool:
+    def said(answer: CommandMessage, sent: CommandFrame) -> bool:
         whole = sent if framing.numbers_frames else CommandFrame(sent.state, sent.right_rad_s, sent.left_rad_s)
         return answer.command == whole and answer.seq in {None, tick & 0xFF}
 
-    def obeyed(answers: list[Answer]) -> list[Answer]:
+    def obeyed(answers: list[CommandMessage]) -> list[CommandMessage]:
         return [
             answer
             for answer in answers
@@ -167,9 +167,9 @@ def to_board(framing: Framing, kind: str, count: int, draw: np.random.Generator)
             sent = drawn_sensors(draw)
             data = framing.sensors((3 * number) & 0xFF, sent)
             spoilt = damaged(data, older, kind, draw) if place == "damaged" else data
-            heard = [found for found in ears.feed(spoilt) if not isinstance(found, HelloAsked)]
+            heard = [found for found in ears.feed(spoilt) if not isinstance(found, HelloRequest)]
             older = [data, *older[:-1]]
-            said = [found.sensors for found in heard if isinstance(found, Asked)]
+            said = [found.sensors for found in heard if isinstance(found, SensorsMessage)]
             if place == "damaged":
                 tally.damaged += 1
                 tally.unharmed += sent in said

@@ -4,8 +4,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from configs.effects.base import Effect
+from configs.effects.robot_effects import RobotEffects
 from configs.schema.base import FromList, Point2, Section, Slug
-from configs.schema.effects.table import Terms
 
 
 class Chassis(Section):
@@ -138,7 +139,7 @@ class TofSensor(Section):
     reference_temperature_C: float = Field(default=25.0, ge=-40, le=125)
     """At which it was calibrated."""
     ambient_lux: float = Field(default=500.0, ge=0, le=200_000)
-    """Light at the device; matters with a term of ambient noise alone."""
+    """Light at the device; matters with an effect of ambient noise alone."""
     dropout_probability: float = Field(ge=0, le=1)
 
 
@@ -314,9 +315,9 @@ class RobotConfig(Section):
     tof: TofSensor
     camera: Camera
     controller: Controller
-    terms: Terms = Terms()
-    """What is different in this robot from all that is said above; the robot itself does not know of it."""
+    effects: RobotEffects = Field(default_factory=RobotEffects, json_schema_extra={"default": {}})
+    """Differences of this robot from everything that is described above; its controller does not know of them."""
 
-    def with_term(self, values: Section) -> "RobotConfig":
-        """This robot with one more effect, for example `SupplySag(source_resistance_ohm=0.4)`."""
-        return self.model_copy(update={"terms": self.terms.with_term(values)})
+    def with_effect(self, effect: Effect) -> "RobotConfig":
+        """Return this robot with one more effect, for example `SupplySag(source_resistance_ohm=0.4)`."""
+        return self.model_copy(update={"effects": self.effects.with_effect(effect)})

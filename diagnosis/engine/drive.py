@@ -11,6 +11,7 @@ from math import pi
 
 import numpy as np
 
+from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
 from diagnosis.engine.base import Driven, Driver, without_body
 from diagnosis.importers.drive_log import ROW_S
@@ -22,10 +23,8 @@ from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.pose import STRIDE, WINDOW, Pose, earlier, seen_from_body
 from diagnosis.predictors.rows import given, joined, rows_after
 from diagnosis.predictors.wheels import Wheels
-from physics.effects.base import Slot, effects
 from physics.robot.model import through
-from physics.robot.stack import stacked_terms
-from sensors.effects import SENSOR_TERMS
+from physics.robot.stack import stacked_effects
 from symolo.core.arrays import Array
 
 
@@ -131,7 +130,7 @@ class EngineDrive:
         return samples
 
     def _logged(self, robot: RobotConfig, pose: Array) -> Array:
-        """What the log says of poses (n, 3), by the terms of whoever tracks them."""
-        terms = stacked_terms([robot], axes=0)
-        pose = earlier(pose, self._t_s, self._rows, through(effects(SENSOR_TERMS, terms, Slot.POSE_DELAY), 0.0))
-        return through(effects(SENSOR_TERMS, terms, Slot.POSE_POINT), pose)
+        """What the log says of poses (n, 3), by the effects of whoever tracks them."""
+        effects = stacked_effects([robot], axes=0)
+        pose = earlier(pose, self._t_s, self._rows, through(effects.functions(Slot.POSE_DELAY), 0.0))
+        return through(effects.functions(Slot.POSE_POINT), pose)

@@ -53,7 +53,7 @@ class MotorOnBench:
             amperes, rad_s = _turned(robot, np.array([volts]), duration_s)
             rows = wanted & (voltage_V == volts)
             current[rows], speed[rows] = amperes[-1], rad_s[-1]
-        return read_current_A(robot.terms, current), read_settled_speed_rad_s(robot.terms, speed)
+        return read_current_A(robot.effects, current), read_settled_speed_rad_s(robot.effects, speed)
 
     def _of_steps(self, robot: RobotConfig) -> tuple[Array, Array]:
         """The same against time."""
@@ -67,8 +67,8 @@ class MotorOnBench:
                 current[:, k], speed[:, k] = _turned(robot, voltage_V[1:, k], grid.period_s)
         t_s = grid.period_s * np.arange(len(voltage_V))
         known = np.isfinite(speed[0])
-        speed[:, known] = read_speed_rad_s(robot.terms, t_s, speed[:, known])
-        return grid.of_rows(read_current_A(robot.terms, current)), grid.of_rows(speed)
+        speed[:, known] = read_speed_rad_s(robot.effects, t_s, speed[:, known])
+        return grid.of_rows(read_current_A(robot.effects, current)), grid.of_rows(speed)
 
 
 def _turned(robot: RobotConfig, voltage_V: Array, row_s: float) -> tuple[Array, Array]:

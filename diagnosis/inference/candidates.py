@@ -10,22 +10,20 @@ from itertools import product
 
 import numpy as np
 
-from configs.schema.effects import drive, motor, range_bench
+from configs.effects.base import Effect, Setup
+from configs.effects.registry import effect_classes
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.hypothesis import Effect, Hypothesis
+from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.measured.measurement import Kind, Measurement
-from physics.effects import PHYSICS_TERMS
-from physics.effects.base import Slot, Term
-from sensors.effects import SENSOR_TERMS
 
-FAMILIES = {
-    Kind.MOTOR_STEADY: (motor.__name__,),
-    Kind.MOTOR_STEP: (motor.__name__,),
-    Kind.TOF_BENCH: (range_bench.__name__,),
-    Kind.DRIVE_LOG: (motor.__name__, drive.__name__),
+SETUPS = {
+    Kind.MOTOR_STEADY: Setup.MOTOR_BENCH,
+    Kind.MOTOR_STEP: Setup.MOTOR_BENCH,
+    Kind.TOF_BENCH: Setup.RANGE_BENCH,
+    Kind.DRIVE_LOG: Setup.DRIVE,
 }
-"""Modules of the schema whose effects apply to each kind of measurement. The range sensors of a drive have effects of
-their own, by sensor; those of the bench would be the same under another name. Gear play applies to the bench only."""
+"""Setup of each kind of measurement. An effect names the setups to which it applies: a drive has range effects of its
+own, by sensor, since those of the bench would be the same under another name."""
 VISIBLE = 1e-3
 """Change of a prediction in sigmas, at the start values, from which an effect is testable."""
 
@@ -34,7 +32,7 @@ VISIBLE = 1e-3
 class Candidates:
     """The effects that may explain a measurement."""
 
-    testable: tuple[Effect, ...]
+    testable: tuple[CandidateEffect, ...]
     untestable: tuple[str, ...]
     """Names of effects that the data cannot show."""
 
@@ -42,11 +40,10 @@ class Candidates:
 def candidates(measurement: Measurement, evidence: Evidence, hypothesis: Hypothesis) -> Candidates:
     """Return the candidate effects of a measurement; `hypothesis` has the nuisances and no effects."""
     effects = [
-        Effect(term, choices)
-        for term in (*PHYSICS_TERMS, *SENSOR_TERMS)
-        if term.parameters.__module__ in FAMILIES[measurement.kind]
-        if not (measurement.kind is Kind.DRIVE_LOG and term.slot is Slot.GEARBOX)
-        for choices in _choices(term, measurement)
+        CandidateEffect(effect, choices)
+        for effect in effect_classes()
+        if SETUPS[measurement.kind] in effect.setups
+        for choices in _choices(effect, measurement)
     ]
     robots = [hypothesis.robot(hypothesis.null())]
     for effect in effects:
@@ -62,11 +59,12 @@ def candidates(measurement: Measurement, evidence: Evidence, hypothesis: Hypothe
     )
 
 
-def _choices(term: Term, measurement: Measurement) -> Iterator[tuple[tuple[str, str], ...]]:
+def _choices(effect: type[Effect], measurement: Measurement) -> Iterator[tuple[tuple[str, str], ...]]:
     """Yield every combination of discrete parameters; a parameter without options takes the labels of the rows."""
-    values = [options or _labels(name, measurement) for name, options in term.options.items()]
+    options = effect.options()
+    values = [fixed or _labels(name, measurement) for name, fixed in options.items()]
     for combination in product(*values):
-        yield tuple(zip(term.options, combination, strict=True))
+        yield tuple(zip(options, combination, strict=True))
 
 
 def _labels(name: str, measurement: Measurement) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from math import exp, log
 
 import numpy as np
 
-from configs.schema.effects.parameter import Parameter
+from configs.effects.parameter import Parameter
 from symolo.core.arrays import Array
 
 STEP = 1e-3

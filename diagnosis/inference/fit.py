@@ -15,7 +15,7 @@ import numpy as np
 
 from diagnosis.inference.coordinate import STEP
 from diagnosis.inference.evidence.evidence import Evidence, Prediction
-from diagnosis.inference.hypothesis import Effect, Hypothesis
+from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.inference.likelihood import SPREAD, cost, residuals, robust_weight
 from symolo.core.arrays import Array
 
@@ -77,7 +77,7 @@ class Fit:
         found[np.diag_indices_from(found)] = np.where(np.diag(self.information) > 0.0, np.diag(found), np.inf)
         return found
 
-    def std(self, effect: Effect) -> dict[str, float]:
+    def std(self, effect: CandidateEffect) -> dict[str, float]:
         """Standard errors of an effect's numbers, in their units."""
         places = self.hypothesis.parameters(effect)
         errors = np.sqrt(np.diag(self.covariance)[places]).tolist()

@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
+from configs.effects.base import Effect
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.coordinate import Coordinate
 from diagnosis.nuisances import Nuisance
-from physics.effects.base import Term
 from symolo.core.arrays import Array
 
 POSITIVE_TOLERANCES = 3.0
@@ -25,35 +25,35 @@ POSITIVE_TOLERANCES = 3.0
 
 
 @dataclass(frozen=True)
-class Effect:
+class CandidateEffect:
     """A registered effect with its discrete choices; its parameters are free."""
 
-    term: Term
+    kind: type[Effect]
     choices: tuple[tuple[str, str], ...] = ()
 
     @property
     def name(self) -> str:
         """Name with the choices, such as `tof_mount_yaw[left]`."""
         choice = ",".join(value for _, value in self.choices)
-        return f"{self.term.name}[{choice}]" if choice else self.term.name
+        return f"{self.kind.name}[{choice}]" if choice else self.kind.name
 
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
-        return tuple(Coordinate.of_parameter(name, number) for name, number in self.term.numbers.items())
+        return tuple(Coordinate.of_parameter(name, number) for name, number in self.kind.parameters().items())
 
     def on(self, robot: RobotConfig, values: Mapping[str, float]) -> RobotConfig:
         """Return the robot with this effect. The coordinates hold the bounds, so values are not validated again."""
         numbers: dict[str, Any] = {**dict(self.choices), **values}
-        present = getattr(robot.terms, self.term.name)
+        present = robot.effects.get(self.kind)
         if present is not None:
             # The nominal robot has an offset or scale of that name already; the effect comes on top of it.
             numbers |= {
                 name: getattr(present, name) * value
-                if self.term.numbers[name].null == 1.0
+                if self.kind.parameters()[name].null == 1.0
                 else getattr(present, name) + value
                 for name, value in values.items()
             }
-        return robot.with_term(self.term.parameters.model_construct(**numbers))
+        return robot.with_effect(self.kind.model_construct(**numbers))
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Hypothesis:
 
     nominal: RobotConfig
     nuisances: tuple[Nuisance, ...]
-    effects: tuple[Effect, ...] = ()
+    effects: tuple[CandidateEffect, ...] = ()
     held: tuple[int, float] | None = None
     """Index of a coordinate that no fit may change, and its value."""
 
@@ -110,7 +110,7 @@ class Hypothesis:
         """Return the robots with coordinates (M, P)."""
         return [self.robot(row) for row in x]
 
-    def parameters(self, effect: Effect) -> slice:
+    def parameters(self, effect: CandidateEffect) -> slice:
         """Return where the parameters of an effect stand in the vector."""
         k = len(self.nuisances)
         for other in self.effects:
@@ -119,12 +119,12 @@ class Hypothesis:
             k += len(other.coordinates)
         raise KeyError(effect.name)
 
-    def values(self, effect: Effect, x: Array) -> Mapping[str, float]:
+    def values(self, effect: CandidateEffect, x: Array) -> Mapping[str, float]:
         """Return the parameters of an effect in their units."""
         values = x[self.parameters(effect)]
         return MappingProxyType({c.name: float(c.value(v)) for c, v in zip(effect.coordinates, values, strict=True)})
 
-    def std(self, effect: Effect, x: Array, covariance: Array) -> dict[str, float]:
+    def std(self, effect: CandidateEffect, x: Array, covariance: Array) -> dict[str, float]:
         """Return the standard errors of an effect's parameters in their units.
 
         Args:
@@ -137,17 +137,17 @@ class Hypothesis:
         columns = zip(effect.coordinates, x[places].tolist(), errors, strict=True)
         return {c.name: abs(c.slope(value)) * error for c, value, error in columns}
 
-    def with_effect(self, effect: Effect) -> "Hypothesis":
+    def with_effect(self, effect: CandidateEffect) -> "Hypothesis":
         return Hypothesis(self.nominal, self.nuisances, (*self.effects, effect))
 
     def with_held(self, place: int, x: float) -> "Hypothesis":
         """Return the hypothesis with one coordinate fixed."""
         return replace(self, held=(place, x))
 
-    def without(self, effect: Effect) -> "Hypothesis":
+    def without(self, effect: CandidateEffect) -> "Hypothesis":
         return Hypothesis(self.nominal, self.nuisances, tuple(e for e in self.effects if e != effect))
 
-    def added_to(self, base: "Hypothesis") -> Effect:
+    def added_to(self, base: "Hypothesis") -> CandidateEffect:
         """Return the one effect that this hypothesis has and `base` lacks."""
         (effect,) = (effect for effect in self.effects if effect not in base.effects)
         return effect

@@ -13,7 +13,7 @@ from math import exp
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import Fit
-from diagnosis.inference.hypothesis import Effect
+from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.selection import TOLL, is_negligible, needed, refusal, replaced, without
 
 AS_GOOD = 6.0
@@ -24,7 +24,7 @@ AS_GOOD = 6.0
 class Rival:
     """Another effect in place of the named one."""
 
-    effect: Effect
+    effect: CandidateEffect
     worse: float
     """Increase of the cost over the named effect, with a toll for each parameter."""
     fit: Fit
@@ -36,7 +36,7 @@ class Rival:
 class RivalComparison:
     """A named effect among its rivals."""
 
-    effect: Effect
+    effect: CandidateEffect
     confidence: float
     rivals: tuple[Rival, ...]
     """All rivals that were tried, the closest first."""
@@ -46,7 +46,9 @@ class RivalComparison:
         return tuple(rival.effect.name for rival in self.rivals if rival.worse < AS_GOOD)
 
 
-def compare_rivals(evidence: Evidence, fit: Fit, effect: Effect, effects: Sequence[Effect]) -> RivalComparison:
+def compare_rivals(
+    evidence: Evidence, fit: Fit, effect: CandidateEffect, effects: Sequence[CandidateEffect]
+) -> RivalComparison:
     """Compare one effect of a fit with all candidates."""
     rivals = []
     base = without(evidence, fit, effect)

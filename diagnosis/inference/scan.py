@@ -15,7 +15,7 @@ import numpy as np
 from diagnosis.inference.coordinate import Coordinate
 from diagnosis.inference.evidence.evidence import Evidence, Prediction
 from diagnosis.inference.fit import Fit
-from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
+from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.likelihood import costs_of_residuals, root_weights, sample_costs
 from diagnosis.inference.projection import orthonormal
 from symolo.core.arrays import Array
@@ -39,14 +39,14 @@ MIN_SHARE = 1e-12
 class Prospect:
     """One effect in addition to a fit."""
 
-    effect: Effect
+    effect: CandidateEffect
     start: Array
     """Coordinates (P,) of the fit's hypothesis with the effect, from which a fit may start."""
     drop: float
     """Expected fall of the cost."""
 
 
-def scan(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> list[Prospect]:
+def scan(evidence: Evidence, fit: Fit, effects: Sequence[CandidateEffect]) -> list[Prospect]:
     """Return the best prospect of each effect, the most promising first."""
     if not effects:
         return []
@@ -61,7 +61,7 @@ def scan(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> list[Prospe
     costs_before = costs_of_residuals(evidence, fit.z, fit.sd)
     predictions = evidence.of(robots)
     drops, sizes = _along_lines(evidence, fit, predictions.mean)
-    best: dict[Effect, Prospect] = {}
+    best: dict[CandidateEffect, Prospect] = {}
     for k, ((effect, _), x) in enumerate(zip(tries, starts, strict=True)):
         single = Prediction(predictions.mean[k : k + 1], predictions.sd[k : k + 1])
         immediate = float((costs_before - sample_costs(evidence, single)[0])[evidence.fit].sum())
@@ -109,7 +109,7 @@ def _values(coordinate: Coordinate) -> list[float]:
     return [x for x in values if coordinate.low <= x <= coordinate.high]
 
 
-def _scaled(hypothesis: Hypothesis, effect: Effect, x: Array, size: float) -> Array:
+def _scaled(hypothesis: Hypothesis, effect: CandidateEffect, x: Array, size: float) -> Array:
     """Return the coordinates with the amplitudes of the effect scaled by `size`."""
     y = x.copy()
     for place, coordinate in enumerate(effect.coordinates, hypothesis.parameters(effect).start):

@@ -17,14 +17,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from configs.effects.base import Slot
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.remembered import remembered
 from diagnosis.inference.fit import FAR, Fit, fits
-from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
+from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.likelihood import costs_of_residuals
 from diagnosis.inference.scan import Prospect, scan
 from diagnosis.inference.unexplained.adequacy import adequacy
-from physics.effects.base import Slot
 
 THRESHOLD = 15.0
 PER_NUMBER = 3.0
@@ -39,7 +39,7 @@ MOST = 3
 PROMISING = 4
 """Candidates that are fitted in each round, at least, if they promise anything."""
 NEGLIGIBLE = 0.01
-"""Share of a plausible visible effect, the start value of its term, below which it is none: a delay of a millisecond
+"""Share of a plausible visible effect, the start value of its effect, below which it is none: a delay of a millisecond
 in a log of 20 rows a second is as likely the difference between two ways of integrating."""
 HOPELESS = 4.0
 """Expected fall up to which a fit is not worth its time."""
@@ -64,7 +64,7 @@ WORSE = 2.0
 class Entry:
     """One step of the selection, for whoever asks why."""
 
-    effect: Effect
+    effect: CandidateEffect
     drop: float
     accepted: bool
     reason: str
@@ -85,13 +85,13 @@ class Selection:
         return tuple(effect.name for effect in self.fit.hypothesis.effects)
 
 
-def needed(effect: Effect) -> float:
+def needed(effect: CandidateEffect) -> float:
     """Fall of the cost from which an effect is believed."""
     return THRESHOLD + PER_NUMBER * (len(effect.coordinates) - 1)
 
 
 def select(
-    evidence: Evidence, nominal: Hypothesis, effects: Sequence[Effect], begin: Selection | None = None
+    evidence: Evidence, nominal: Hypothesis, effects: Sequence[CandidateEffect], begin: Selection | None = None
 ) -> Selection:
     """The hypothesis that the rows of the fit ask for.
 
@@ -117,10 +117,10 @@ def select(
     return Selection(base, fit, tuple(entries))
 
 
-def _entered(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> tuple[Fit | None, list[Entry]]:
+def _entered(evidence: Evidence, fit: Fit, effects: Sequence[CandidateEffect]) -> tuple[Fit | None, list[Entry]]:
     """The fit with the best effect more, if any is believed."""
-    names = {effect.term.name for effect in fit.hypothesis.effects}
-    prospects = _looked_at(evidence, fit, tuple(effect for effect in effects if effect.term.name not in names))
+    names = {effect.kind.name for effect in fit.hypothesis.effects}
+    prospects = _looked_at(evidence, fit, tuple(effect for effect in effects if effect.kind.name not in names))
     entries: list[Entry] = []
     for tried in ranked(_fitted(evidence, fit, promising(prospects), fit.cost - RESCUE), effects):
         (effect,) = (e for e in tried.hypothesis.effects if e not in fit.hypothesis.effects)
@@ -134,15 +134,15 @@ def _entered(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> tuple[F
     return None, entries
 
 
-def rescued(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> Fit | None:
+def rescued(evidence: Evidence, fit: Fit, effects: Sequence[CandidateEffect]) -> Fit | None:
     """With an effect more that makes an inadequate model adequate, though it is not believed by itself.
 
     That something is wrong is known by then, and but one of many reasons is asked for, not whether there is any.
     """
-    names = {effect.term.name for effect in fit.hypothesis.effects}
+    names = {effect.kind.name for effect in fit.hypothesis.effects}
     if len(names) == MOST:
         return None
-    prospects = _looked_at(evidence, fit, tuple(e for e in effects if e.term.name not in names))
+    prospects = _looked_at(evidence, fit, tuple(e for e in effects if e.kind.name not in names))
     for tried in ranked(_fitted(evidence, fit, promising(prospects), fit.cost - RESCUE), effects):
         (effect,) = (e for e in tried.hypothesis.effects if e not in fit.hypothesis.effects)
         if refusal(evidence, fit, tried, effect, RESCUE + PER_NUMBER * (len(effect.coordinates) - 1)):
@@ -161,7 +161,7 @@ def promising(prospects: Sequence[Prospect]) -> tuple[Prospect, ...]:
 
 
 @remembered
-def _looked_at(evidence: Evidence, fit: Fit, effects: tuple[Effect, ...]) -> tuple[Prospect, ...]:
+def _looked_at(evidence: Evidence, fit: Fit, effects: tuple[CandidateEffect, ...]) -> tuple[Prospect, ...]:
     return tuple(scan(evidence, fit, effects))
 
 
@@ -170,7 +170,7 @@ def _fitted(evidence: Evidence, fit: Fit, prospects: tuple[Prospect, ...], goal:
     return fits(evidence, [(fit.hypothesis.with_effect(p.effect), p.start) for p in prospects], goal)
 
 
-def ranked(found: Sequence[Fit], effects: Sequence[Effect]) -> list[Fit]:
+def ranked(found: Sequence[Fit], effects: Sequence[CandidateEffect]) -> list[Fit]:
     """Fits by their cost and their numbers; of those that are alike the effect that comes first in the library."""
     order = {effect: k for k, effect in enumerate(effects)}
     last = [max(order.get(effect, -1) for effect in fit.hypothesis.effects) for fit in found]
@@ -186,7 +186,7 @@ def _toll(fit: Fit) -> float:
     return sum(TOLL * len(effect.coordinates) for effect in fit.hypothesis.effects)
 
 
-def refusal(evidence: Evidence, before: Fit, after: Fit, effect: Effect, least: float | None = None) -> str:
+def refusal(evidence: Evidence, before: Fit, after: Fit, effect: CandidateEffect, least: float | None = None) -> str:
     """Why an effect is not believed; empty if it is. `least` is the fall that is needed, by default the usual."""
     drop, least = before.cost - after.cost, needed(effect) if least is None else least
     if drop < least:
@@ -218,7 +218,7 @@ def refusal(evidence: Evidence, before: Fit, after: Fit, effect: Effect, least: 
     return ""
 
 
-def is_negligible(fit: Fit, effect: Effect) -> bool:
+def is_negligible(fit: Fit, effect: CandidateEffect) -> bool:
     """Whether all its amplitudes are, beside a plausible visible effect."""
     at = fit.x[fit.hypothesis.parameters(effect)].tolist()
     sizes = [
@@ -229,7 +229,7 @@ def is_negligible(fit: Fit, effect: Effect) -> bool:
     return all(size < NEGLIGIBLE for size in sizes)
 
 
-def is_at_bound(fit: Fit, effect: Effect) -> bool:
+def is_at_bound(fit: Fit, effect: CandidateEffect) -> bool:
     """Whether an amplitude lies at the end of its range, as where an effect does another's work."""
     places = fit.hypothesis.parameters(effect)
     errors = np.sqrt(np.diag(fit.covariance)[places])
@@ -240,20 +240,22 @@ def is_at_bound(fit: Fit, effect: Effect) -> bool:
     return False
 
 
-def is_of_noise(fit: Fit, effect: Effect) -> bool:
+def is_of_noise(fit: Fit, effect: CandidateEffect) -> bool:
     """Whether an effect changes the noise alone."""
     return float(np.abs(fit.slopes[fit.hypothesis.parameters(effect)]).max()) < NO_SLOPE
 
 
 @remembered
-def without(evidence: Evidence, fit: Fit, effect: Effect) -> Fit:
+def without(evidence: Evidence, fit: Fit, effect: CandidateEffect) -> Fit:
     """The fit of all but one effect."""
     fewer = fit.hypothesis.without(effect)
     (base,) = fits(evidence, [(fewer, moved(fit.x, fit.hypothesis, fewer))], fit.cost + FAR)
     return base
 
 
-def replaced(evidence: Evidence, fit: Fit, effect: Effect, base: Fit, effects: Sequence[Effect]) -> list[Fit]:
+def replaced(
+    evidence: Evidence, fit: Fit, effect: CandidateEffect, base: Fit, effects: Sequence[CandidateEffect]
+) -> list[Fit]:
     """Fits with each of the other promising candidates in the place of one effect, the best first.
 
     Args:
@@ -264,15 +266,15 @@ def replaced(evidence: Evidence, fit: Fit, effect: Effect, base: Fit, effects: S
         effects: All candidates.
     """
     others = [e for e in fit.hypothesis.effects if e != effect]
-    names = {e.term.name for e in others}
+    names = {e.kind.name for e in others}
     # Noise may stand in for any structure of the mean, and is no rival of what explains that.
     if not is_of_noise(fit, effect):
-        effects = [e for e in effects if e.term.slot is not Slot.RANGE_NOISE]
-    prospects = _looked_at(evidence, base, tuple(e for e in effects if e.term.name not in names and e != effect))
+        effects = [e for e in effects if e.kind.slot is not Slot.RANGE_NOISE]
+    prospects = _looked_at(evidence, base, tuple(e for e in effects if e.kind.name not in names and e != effect))
     return ranked(_fitted(evidence, base, promising(prospects), fit.cost + FAR), effects)
 
 
-def _swapped(evidence: Evidence, fit: Fit, effects: Sequence[Effect]) -> Fit:
+def _swapped(evidence: Evidence, fit: Fit, effects: Sequence[CandidateEffect]) -> Fit:
     """With each effect replaced by another that explains more."""
     if len(fit.hypothesis.effects) < 2:
         return fit

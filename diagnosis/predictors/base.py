@@ -111,7 +111,7 @@ class Stage(Protocol):
     """Robots in one pass: more of them save nothing and take memory."""
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
-        """One for each observed quantity, in their order, by robots that may differ in numbers and in terms."""
+        """One for each observed quantity, in their order, by robots that may differ in numbers and in effects."""
         ...
 
 

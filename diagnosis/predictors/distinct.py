@@ -9,32 +9,29 @@ from collections.abc import Collection, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from configs.effects.base import Slot
 from configs.schema.base import Section
 from configs.schema.robot import RobotConfig
-from physics.effects import PHYSICS_TERMS
-from physics.effects.base import Slot
-from sensors.effects import SENSOR_TERMS
 
 
 def distinct(
     robots: Sequence[RobotConfig], parts: Collection[str], slots: Collection[Slot]
 ) -> tuple[list[RobotConfig], NDArray[np.int64]]:
-    """Robots that differ in some parts of theirs, or in terms of some slots.
+    """Robots that differ in some parts of theirs, or in effects of some slots.
 
     Args:
         robots: At least one.
         parts: Of `RobotConfig`, that act on the stage.
-        slots: Of the terms that do.
+        slots: Of the effects that do.
 
     Returns:
         One of each, and for every robot given which of those it is like, (M,).
     """
-    names = [term.name for term in (*PHYSICS_TERMS, *SENSOR_TERMS) if term.slot in slots]
     numbers: dict[tuple[object, ...], int] = {}
     found: list[RobotConfig] = []
     which = []
     for robot in robots:
-        key = tuple(_values([*(getattr(robot, part) for part in parts), *(getattr(robot.terms, n) for n in names)]))
+        key = tuple(_values([*(getattr(robot, part) for part in parts), *robot.effects.in_slots(slots)]))
         if key not in numbers:
             numbers[key] = len(found)
             found.append(robot)

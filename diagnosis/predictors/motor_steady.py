@@ -10,7 +10,7 @@ from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predi
 from diagnosis.predictors.rows import joined, observed_channel
 from physics.drivetrain.motor_bench import steady_states
 from physics.robot.model import RobotModel
-from physics.robot.stack import alike, stacked, stacked_terms
+from physics.robot.stack import alike, stacked, stacked_effects
 from sensors.instruments import read_current_A, read_settled_speed_rad_s
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
@@ -57,11 +57,11 @@ class MotorSteady:
         for group in alike(robots):
             several = [robots[k] for k in group]
             model = RobotModel.from_config(stacked(several, axes=2))
-            terms = stacked_terms(several, axes=1)
+            effects = stacked_effects(several, axes=1)
             amperes, rad_s = steady_states(model, self._voltage_V[self._given], self._since_on_s[self._given])
             given = np.ix_(np.array(group), np.flatnonzero(self._given))
-            current[given] = read_current_A(terms, amperes)
-            speed[given] = read_settled_speed_rad_s(terms, rad_s)
+            current[given] = read_current_A(effects, amperes)
+            speed[given] = read_settled_speed_rad_s(effects, rad_s)
         return current, speed
 
 

@@ -13,7 +13,7 @@ from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.rows import given, joined, observed_channel
 from physics.drivetrain.motor_bench import step_responses
 from physics.robot.model import RobotModel
-from physics.robot.stack import alike, stacked, stacked_terms
+from physics.robot.stack import alike, stacked, stacked_effects
 from sensors.instruments import read_current_A, read_speed_rad_s
 from symolo.core.arrays import Array
 
@@ -71,13 +71,13 @@ class MotorStep:
         for group in alike(robots):
             several = [robots[k] for k in group]
             model = RobotModel.from_config(stacked(several, axes=2, times=trials))
-            terms = stacked_terms(several, axes=1)
+            effects = stacked_effects(several, axes=1)
             moving = step_responses(model, self._voltage_V[1:], self._grid.period_s, self._grid.begins_s)
             # Robots that differ in what their instruments say alone share one motion.
             each = (of if of.ndim > self._voltage_V.ndim else of[:, None] for of in moving)
             amperes, rad_s = (np.concatenate([np.zeros_like(of[:1]), of]) for of in each)
-            current[group] = self._grid.of_rows(read_current_A(terms, amperes))
-            speed[group] = self._grid.of_rows(read_speed_rad_s(terms, t_s, rad_s))
+            current[group] = self._grid.of_rows(read_current_A(effects, amperes))
+            speed[group] = self._grid.of_rows(read_speed_rad_s(effects, t_s, rad_s))
         return current, speed
 
     def _since_step(self) -> tuple[Array, Array]:

@@ -12,6 +12,7 @@ from math import pi
 
 import numpy as np
 
+from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
@@ -22,10 +23,8 @@ from diagnosis.predictors.distinct import distinct
 from diagnosis.predictors.rows import bridged, given, joined, rows_after, session_time_s, trial_of_rows
 from diagnosis.predictors.window_noise import window_noise
 from physics.drivetrain.wheel_turns import uncounted
-from physics.effects.base import Slot, effects
 from physics.robot.model import RobotModel, through
-from physics.robot.stack import alike, stacked, stacked_terms
-from sensors.effects import SENSOR_TERMS
+from physics.robot.stack import alike, stacked, stacked_effects
 from symolo.core.arrays import Array
 
 WINDOW, STRIDE = 10, 5
@@ -59,7 +58,7 @@ class PoseNoise:
 
 
 class Pose:
-    """The format's windows: mid-point rule, slip in turns, tracked point and age of the pose by the robot's terms."""
+    """The format's windows: mid-point rule, slip in turns, tracked point and age of the pose by the robot's effects."""
 
     name = "pose"
     at_once = 48
@@ -113,10 +112,10 @@ class Pose:
             pose[..., of, 0] = np.cumsum(forward * np.cos(middle), axis=-1)
             pose[..., of, 1] = np.cumsum(forward * np.sin(middle), axis=-1)
             pose[..., of, 2] = yaw
-        terms = stacked_terms(robots, axes=1)
-        delay_s = through(effects(SENSOR_TERMS, terms, Slot.POSE_DELAY), 0.0)
+        effects = stacked_effects(robots, axes=1)
+        delay_s = through(effects.functions(Slot.POSE_DELAY), 0.0)
         pose = earlier(pose, self._t_s, self._trials, delay_s)
-        point = effects(SENSOR_TERMS, stacked_terms(robots, axes=2), Slot.POSE_POINT)
+        point = stacked_effects(robots, axes=2).functions(Slot.POSE_POINT)
         return pose, through(point, pose)
 
     def _steps(self, robots: Sequence[RobotConfig]) -> Array:
@@ -129,7 +128,7 @@ class Pose:
         right_m, left_m = geometry.right_radius_m * turned[..., :1], geometry.left_radius_m * turned[..., 1:]
         forward_m, turn_rad = 0.5 * (right_m + left_m), (right_m - left_m) / geometry.track_m
         step_s = self._steps_s[:, None]
-        share = through(model.effects(Slot.GROUND), np.ones_like(turn_rad), forward_m / step_s, turn_rad / step_s)
+        share = through(model.functions(Slot.GROUND), np.ones_like(turn_rad), forward_m / step_s, turn_rad / step_s)
         return np.concatenate(np.broadcast_arrays(forward_m, turn_rad * share), axis=-1)
 
     def _observed(self, measurement: Measurement, nominal: RobotConfig) -> tuple[Observed, ...]:

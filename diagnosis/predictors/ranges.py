@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
@@ -13,10 +14,8 @@ from diagnosis.predictors.distinct import distinct
 from diagnosis.predictors.pose import earlier
 from diagnosis.predictors.room_ranges import WALLS, RoomRanges, near_corner, room_ranges
 from diagnosis.predictors.rows import bridged, given, joined, session_time_s, trial_of_rows
-from physics.effects.base import Slot, effects
 from physics.robot.model import through
-from physics.robot.stack import alike, stacked, stacked_terms
-from sensors.effects import SENSOR_TERMS
+from physics.robot.stack import alike, stacked, stacked_effects
 from sensors.range_effects import RangeEffects
 from sensors.range_view import RangeView
 from symolo.core.arrays import Array
@@ -106,21 +105,19 @@ class Ranges:
 
     def _seen(self, robots: Sequence[RobotConfig]) -> RoomRanges:
         """By one robot (n, 3), by M of them (M, n, 3)."""
-        several, terms = stacked(robots, axes=2), stacked_terms(robots, axes=2)
+        several, effects = stacked(robots, axes=2), stacked_effects(robots, axes=2)
         mounts = [getattr(several.tof.mounts, sensor) for sensor in SENSORS]
         x_m, y_m, yaw_deg = (_side_by_side([getattr(m, of) for m in mounts]) for of in ("x_m", "y_m", "yaw_deg"))
-        askew = through(effects(SENSOR_TERMS, terms, Slot.RANGE_MOUNT), np.zeros(len(SENSORS)))
+        askew = through(effects.functions(Slot.RANGE_MOUNT), np.zeros(len(SENSORS)))
         return room_ranges(self._case.world, self._axle(robots), x_m, y_m, np.radians(yaw_deg) + askew)
 
     def _axle(self, robots: Sequence[RobotConfig]) -> Array:
         """Pose of the axle at the times of the readings, (n, 3) or (M, n, 3)."""
-        terms = stacked_terms(robots, axes=1)
-        of_ranges, of_pose = (
-            through(effects(SENSOR_TERMS, terms, slot), 0.0) for slot in (Slot.RANGE_DELAY, Slot.POSE_DELAY)
-        )
+        effects = stacked_effects(robots, axes=1)
+        of_ranges, of_pose = (through(effects.functions(slot), 0.0) for slot in (Slot.RANGE_DELAY, Slot.POSE_DELAY))
         # The pose that stands in the log now was true a while ago, and will be logged a while from now.
         tracked = earlier(self._log, self._t_s, self._trials, of_ranges - of_pose)
-        point = effects(SENSOR_TERMS, stacked_terms(robots, axes=2), Slot.POSE_POINT)
+        point = stacked_effects(robots, axes=2).functions(Slot.POSE_POINT)
         return 2.0 * tracked - through(point, tracked)
 
     def _expected(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
@@ -128,7 +125,7 @@ class Ranges:
         mean, sd = (np.empty((len(robots), len(self._t_s), len(SENSORS))) for _ in range(2))
         for group in alike(robots):
             several = [robots[k] for k in group]
-            seen, terms, tof = self._seen(several), stacked_terms(several, axes=2), stacked(several, axes=2).tof
+            seen, effects, tof = self._seen(several), stacked_effects(several, axes=2), stacked(several, axes=2).tof
             view = RangeView(
                 distance_m=seen.distance_m,
                 incidence_rad=seen.incidence_rad,
@@ -140,7 +137,7 @@ class Ranges:
                 time_s=self._since_on_s[:, None],
             )
             bare_sd = self._case.noise.tof.sd_m(seen.distance_m) * tof.noise_scale
-            found, of_reading = RangeEffects.of(terms).expected(seen.distance_m, bare_sd, view, 0.0)
+            found, of_reading = RangeEffects.of(effects).expected(seen.distance_m, bare_sd, view, 0.0)
             mean[group], sd[group] = found, np.sqrt(of_reading**2 + self._pose_variance)
         return mean, sd
 

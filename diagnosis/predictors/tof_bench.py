@@ -13,7 +13,7 @@ from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.measured.nominal import NominalTof
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted, Stage
 from diagnosis.predictors.rows import given, joined, observed_channel
-from physics.robot.stack import alike, stacked, stacked_terms
+from physics.robot.stack import alike, stacked, stacked_effects
 from sensors.range_effects import RangeEffects
 from sensors.range_view import RangeView
 from sensors.tof import NOISE_AT_NEAR_MM, noise_sd_m
@@ -92,7 +92,7 @@ class TofBench:
                 time_s=self._since_on_s,
             )
             # The sensor on the bench is none of the three on the robot.
-            effects = RangeEffects.of(stacked_terms(several, axes=1).model_copy(update={"tof_range_offset": None}))
+            effects = RangeEffects.of(stacked_effects(several, axes=1).without("tof_range_offset"))
             mean[group], sd[group] = effects.expected(
                 self._distance_m, self._bare_sd_m * tof.noise_scale, view, tof.quantisation_m
             )

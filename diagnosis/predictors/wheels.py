@@ -5,6 +5,7 @@ from math import pi
 
 import numpy as np
 
+from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
 from diagnosis.importers.drive_log import ROW_S
 from diagnosis.measured.measurement import Measurement
@@ -14,7 +15,6 @@ from diagnosis.predictors.distinct import distinct
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.rows import given, joined, rows_after, session_time_s, trial_of_rows
 from physics.drivetrain.wheel_turns import NO_LOAD, WheelLoad, counted_turns
-from physics.effects.base import Slot
 from physics.robot.model import RobotModel
 from physics.robot.stack import alike, stacked
 from symolo.core.arrays import Array

@@ -34,7 +34,7 @@ def matrix_rows(data: ReportData) -> Iterator[MatrixRow]:
     for row in data.signatures.rows:
         effect = row.effect
         cells = tuple(_cell(moved, spread) for moved, spread in zip(row.moves, row.spreads, strict=True))
-        yield MatrixRow(effect.name, meaning(effect.term), effect.name in named, row.start, cells, _smallest(row))
+        yield MatrixRow(effect.name, meaning(effect.kind), effect.name in named, row.start, cells, _smallest(row))
 
 
 def _cell(moved: float, spread: float) -> tuple[str, float]:
@@ -56,5 +56,5 @@ def _smallest(row: Signature) -> str:
         return "never"
     if not isfinite(row.smallest):
         return "-"
-    unit = next(iter(row.effect.term.numbers.values())).unit
+    unit = next(iter(row.effect.kind.parameters().values())).unit
     return f"{row.smallest:.2g}{'' if unit == '1' else f' {unit}'}"

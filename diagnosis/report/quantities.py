@@ -2,8 +2,8 @@
 
 from math import floor, isfinite, log10
 
+from configs.effects.base import Effect
 from diagnosis.inference.gain import Gain
-from physics.effects.base import Term
 
 UNITS = {
     "rad_s": "rad/s",
@@ -121,7 +121,7 @@ def cost(value: float) -> str:
     return f"{value:.1f}" if abs(value) < 100.0 else f"{value:.0f}"
 
 
-def meaning(term: Term) -> str:
+def meaning(effect: type[Effect]) -> str:
     """Return what the effect does, as the schema describes it: `R_true = scale * R`."""
-    descriptions = (field.description for field in term.parameters.model_fields.values())
+    descriptions = (field.description for field in effect.model_fields.values())
     return " ".join(next((text for text in descriptions if text), "").split())

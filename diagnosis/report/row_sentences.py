@@ -39,7 +39,7 @@ def too_large(named: NamedEffect) -> list[str]:
     return [
         f"{excess.parameter} {excess.value:.3g} +- {excess.std:.2g} is beyond {excess.limit:g}, and no such robot is "
         f"known: {excess.why}"
-        for excess in beyond(named.name, named.values, named.std)
+        for excess in beyond(named.effect.kind, named.values, named.std)
     ]
 
 

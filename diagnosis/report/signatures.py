@@ -18,7 +18,7 @@ import numpy as np
 from diagnosis.inference.coordinate import Coordinate
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import Fit
-from diagnosis.inference.hypothesis import Effect
+from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.likelihood import SPREAD
 from diagnosis.inference.selection import needed
 from symolo.core.arrays import Array
@@ -33,7 +33,7 @@ STILL = 1e-3
 class Signature:
     """Changes that one effect makes at its start value."""
 
-    effect: Effect
+    effect: CandidateEffect
     start: str
     """Parameters at their start values, such as `scale = 1.15`."""
     moves: tuple[float, ...]
@@ -56,7 +56,7 @@ class Signatures:
     """Names of two effects whose changes point in the same direction, and their cosine."""
 
 
-def signatures(evidence: Evidence, nominal: Fit, effects: Sequence[Effect]) -> Signatures:
+def signatures(evidence: Evidence, nominal: Fit, effects: Sequence[CandidateEffect]) -> Signatures:
     """Return the signatures of effects, in addition to a fit of the nuisances alone.
 
     Args:
@@ -115,11 +115,11 @@ class _NuisanceProjection:
         return padded - self._basis @ (self._basis.T @ padded)
 
 
-def _start(effect: Effect) -> str:
-    return ", ".join(f"{name} = {number.start:g}" for name, number in effect.term.numbers.items())
+def _start(effect: CandidateEffect) -> str:
+    return ", ".join(f"{name} = {number.start:g}" for name, number in effect.kind.parameters().items())
 
 
-def _smallest(effect: Effect, significance: float) -> float:
+def _smallest(effect: CandidateEffect, significance: float) -> float:
     """Return the smallest visible change by linear scaling of the change at the start value."""
     first = effect.coordinates[0]
     if first.null is None or first.is_ceiling:

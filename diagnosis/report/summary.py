@@ -62,8 +62,8 @@ def _effect(named: NamedEffect, ablation: Ablation, intervals: Mapping[str, Sequ
     for name, value in named.values.items():
         interval = f"; {reach(intervals[name])}" if name in intervals else ""
         yield from _entry(f"  {name}", with_error(value, named.std[name], "+-") + interval)
-    yield from _entry("  meaning", meaning(named.effect.term))
-    yield from _entry("  possible causes", named.effect.term.cause)
+    yield from _entry("  meaning", meaning(named.effect.kind))
+    yield from _entry("  possible causes", named.effect.kind.cause)
     yield from _entry("  confidence", certainty(named))
     for text in too_large(named):
         yield from _entry("  too large", text)

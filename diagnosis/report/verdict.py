@@ -52,10 +52,10 @@ def effect_sentence(named: NamedEffect) -> str:
     """Return the name, the parameters, the meaning and the possible causes of an effect."""
     parameters = []
     for name, value in named.values.items():
-        unit = named.effect.term.numbers[name].unit
+        unit = named.effect.kind.parameters()[name].unit
         parameters.append(f"{name} = {with_error(value, named.std[name])}{'' if unit == '1' else f' {unit}'}")
-    term = named.effect.term
-    return f"{named.effect.name}: {', '.join(parameters)}. {meaning(term)} Possible causes: {term.cause}."
+    kind = named.effect.kind
+    return f"{named.effect.name}: {', '.join(parameters)}. {meaning(kind)} Possible causes: {kind.cause}."
 
 
 def certainty(named: NamedEffect) -> str:
@@ -77,7 +77,7 @@ def to_measure(named: NamedEffect) -> Iterator[tuple[str, str]]:
     if ambiguous:
         alternatives = [rival.effect for rival in named.comparison.rivals if rival.effect.name in ambiguous]
         for effect in (named.effect, *alternatives):
-            yield effect.name, effect.term.excitation
+            yield effect.name, effect.kind.excitation
 
 
 def without_effect(ablation: Ablation) -> str:

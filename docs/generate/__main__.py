@@ -1,4 +1,4 @@
-"""The pages of docs that are written by the code: commands, settings, terms, materials, formats.
+"""The pages of docs that are written by the code: commands, settings, effects, materials, formats.
 
 python docs/generate            write them
 python docs/generate --check    exit 1 and name those that are not what the code says

@@ -46,8 +46,8 @@ def _sections(definitions: Mapping[str, Any]) -> dict[str, _Section]:
     found: dict[str, _Section] = {}
 
     def walk(name: str, path: str, within: tuple[str, ...]) -> None:
-        if name == "Terms" or name in within:
-            return  # docs/reference/terms.md has those
+        if name == "RobotEffects" or name in within:
+            return  # docs/reference/effects.md has those
         section = found.setdefault(name, _Section(name, definitions[name]))
         section.paths.append(path)
         for key, value in section.schema.get("properties", {}).items():
@@ -93,8 +93,8 @@ def _default(schema: Mapping[str, Any]) -> str:
 
 
 def _allowed(key: str, schema: Mapping[str, Any], sections: Mapping[str, _Section]) -> str:
-    if key == "terms":
-        return "[terms](terms.md)"
+    if key == "effects":
+        return "[effects](effects.md)"
     if key in SECTIONS:
         section = next(_referred(schema))
         return f"{', '.join(shipped_names(key))}, a path, or {_link(section, sections)}"

@@ -5,15 +5,15 @@ from pathlib import Path
 
 from commands import commands
 from configuration import configuration
+from effects import effects
 from formats import formats
 from materials import materials
-from terms import terms
 
 DOCS = Path(__file__).parents[1]
 PAGES: dict[str, Callable[[], str]] = {
     "reference/commands.md": commands,
     "reference/configuration.md": configuration,
-    "reference/terms.md": terms,
+    "reference/effects.md": effects,
     "reference/materials.md": materials,
     "reference/formats.md": formats,
 }

@@ -14,7 +14,7 @@ class Damaged:
 
 
 @dataclass(frozen=True)
-class Answer:
+class CommandMessage:
     """A command that came in undamaged, as far as the framing can tell."""
 
     command: CommandFrame
@@ -23,7 +23,7 @@ class Answer:
 
 
 @dataclass(frozen=True)
-class Asked:
+class SensorsMessage:
     """A sensor frame as the board hears it."""
 
     sensors: SensorFrame
@@ -31,23 +31,23 @@ class Asked:
 
 
 @dataclass(frozen=True)
-class HelloAsked:
+class HelloRequest:
     """The simulator wants to know who is there."""
 
     seq: int | None
 
 
-FromBoard = Answer | HelloFrame | Damaged
-ToBoard = Asked | HelloAsked | Damaged
+FromBoard = CommandMessage | HelloFrame | Damaged
+ToBoard = SensorsMessage | HelloRequest | Damaged
 
 
-class BoardEars(Protocol):
+class BoardDecoder(Protocol):
     """Makes frames of what comes from the board, in pieces of any length; never raises, whatever comes."""
 
     def feed(self, data: bytes) -> list[FromBoard]: ...
 
 
-class SimulatorEars(Protocol):
+class SimulatorDecoder(Protocol):
     """The same at the board's end; what the fake board hears with."""
 
     def feed(self, data: bytes) -> list[ToBoard]: ...
@@ -81,6 +81,6 @@ class Framing(Protocol):
 
     def hello_answer(self, seq: int, frame: HelloFrame) -> bytes: ...
 
-    def from_board(self) -> BoardEars: ...
+    def from_board(self) -> BoardDecoder: ...
 
-    def to_board(self) -> SimulatorEars: ...
+    def to_board(self) -> SimulatorDecoder: ...

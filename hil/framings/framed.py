@@ -10,7 +10,16 @@ from dataclasses import dataclass
 
 from hil.frames import CommandFrame, HelloFrame, SensorFrame
 from hil.framings import wire
-from hil.framings.base import Answer, Asked, BoardEars, Damaged, FromBoard, HelloAsked, SimulatorEars, ToBoard
+from hil.framings.base import (
+    BoardDecoder,
+    CommandMessage,
+    Damaged,
+    FromBoard,
+    HelloRequest,
+    SensorsMessage,
+    SimulatorDecoder,
+    ToBoard,
+)
 from hil.framings.cobs import stuffed, unstuffed
 
 SENSORS, COMMAND, HELLO, HELLO_ANSWER = 0x53, 0x43, 0x48, 0x68
@@ -57,10 +66,10 @@ class Framed:
         payload = _HELLO_ANSWER.pack(frame.protocol, bytes.fromhex(frame.firmware_id), frame.baud_index)
         return _frame(HELLO_ANSWER, seq, payload)
 
-    def from_board(self) -> BoardEars:
+    def from_board(self) -> BoardDecoder:
         return _BoardEars()
 
-    def to_board(self) -> SimulatorEars:
+    def to_board(self) -> SimulatorDecoder:
         return _SimulatorEars()
 
 
@@ -142,7 +151,7 @@ def _from_board(found: _Whole | Damaged) -> FromBoard:
     if state is None:
         return Damaged(f"there is no state {number}")
     speeds = (right / 1000.0, left / 1000.0, v / 1000.0, w / 1000.0)
-    return Answer(CommandFrame(state, *speeds, line_lost, ticks, dropped), found.seq)
+    return CommandMessage(CommandFrame(state, *speeds, line_lost, ticks, dropped), found.seq)
 
 
 class _SimulatorEars:
@@ -157,7 +166,7 @@ def _to_board(found: _Whole | Damaged) -> ToBoard:
     if isinstance(found, Damaged):
         return found
     if found.kind == HELLO:
-        return HelloAsked(found.seq)
+        return HelloRequest(found.seq)
     if found.kind != SENSORS:
         return Damaged("a frame that a simulator does not send")
     flags, right, left, line, *ranges = _SENSORS.unpack(found.payload)
@@ -167,4 +176,4 @@ def _to_board(found: _Whole | Damaged) -> ToBoard:
     frame = SensorFrame(
         (right, left), wire.line_from(line), front_m, left_m, right_m, bool(flags & _RUN), bool(flags & _START)
     )
-    return Asked(frame, found.seq)
+    return SensorsMessage(frame, found.seq)

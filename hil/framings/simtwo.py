@@ -11,7 +11,15 @@ from dataclasses import dataclass
 
 from hil.frames import CommandFrame, HelloFrame, SensorFrame
 from hil.framings import wire
-from hil.framings.base import Answer, Asked, BoardEars, Damaged, FromBoard, SimulatorEars, ToBoard
+from hil.framings.base import (
+    BoardDecoder,
+    CommandMessage,
+    Damaged,
+    FromBoard,
+    SensorsMessage,
+    SimulatorDecoder,
+    ToBoard,
+)
 
 LETTERS = frozenset((string.ascii_uppercase[6:] + string.ascii_lowercase[6:]).encode())
 DIGITS = frozenset(b"0123456789ABCDEF")
@@ -56,10 +64,10 @@ class SimTwo:
         del seq, frame
         return b""
 
-    def from_board(self) -> BoardEars:
+    def from_board(self) -> BoardDecoder:
         return _BoardEars()
 
-    def to_board(self) -> SimulatorEars:
+    def to_board(self) -> SimulatorDecoder:
         return _SimulatorEars()
 
 
@@ -138,7 +146,7 @@ def _from_board(found: tuple[bytes, ...] | Damaged) -> FromBoard:
     state = wire.state_from(number)
     if state is None:
         return Damaged(f"there is no state {number}")
-    return Answer(CommandFrame(state, right / 1000.0, left / 1000.0), None)
+    return CommandMessage(CommandFrame(state, right / 1000.0, left / 1000.0), None)
 
 
 class _SimulatorEars:
@@ -159,6 +167,6 @@ def _to_board(found: tuple[bytes, ...] | Damaged) -> ToBoard:
     right, left = struct.unpack(">hh", increments)
     flags = int.from_bytes(flag_bits, "big")
     line = wire.line_from(line_low + line_high)
-    return Asked(
+    return SensorsMessage(
         SensorFrame((right, left), line, front_m, left_m, right_m, bool(flags & _RUN), bool(flags & _START)), None
     )

@@ -3,7 +3,7 @@
 from typing import Protocol
 
 
-class Link(Protocol):
+class BoardLink(Protocol):
     """A line to a board. Ticks begin at equal distances; whether of real time is the link's affair."""
 
     @property

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from hil.frames import CommandFrame, HelloFrame, SensorFrame
-from hil.framings.base import Asked, Framing, HelloAsked
+from hil.framings.base import Framing, HelloRequest, SensorsMessage
 
 Controller = Callable[[SensorFrame], CommandFrame]
 
@@ -33,9 +33,9 @@ class StandInBoard:
 
     def write(self, data: bytes) -> None:
         for heard in self._ears.feed(data):
-            if isinstance(heard, Asked):
+            if isinstance(heard, SensorsMessage):
                 self._said += self._answer(heard)
-            elif isinstance(heard, HelloAsked):
+            elif isinstance(heard, HelloRequest):
                 self._said += self._framing.hello_answer(heard.seq or 0, self._hello)
             else:
                 self._dropped = min(self._dropped + 1, 255)
@@ -47,7 +47,7 @@ class StandInBoard:
     def close(self) -> None:
         self._said = b""
 
-    def _answer(self, asked: Asked) -> bytes:
+    def _answer(self, asked: SensorsMessage) -> bytes:
         self._ticks = min(self._ticks + 1, 65535)
         command = replace(self._controller(asked.sensors), ticks=self._ticks, dropped=self._dropped)
         self._dropped = 0

@@ -37,7 +37,7 @@ def open_loop(robot: RobotConfig, voltage_V: Array, row_s: float, *, lifted: boo
     """From rest at the origin.
 
     Args:
-        robot: With its terms.
+        robot: With its effects.
         voltage_V: (T, 2), right and left, each held for a row.
         row_s: Length of a row; the engine's steps are those of PHYSICS_HZ, rounded to whole ones in a row.
         lifted: Whether the body is held above the floor.

@@ -20,7 +20,7 @@ from configs.schema.scenario import Rates
 from physics.arena.rays import Hits, RayScene
 from physics.bullet.body import add_robot
 from physics.bullet.moving_boxes import MovingBoxes
-from physics.bullet.wheels_with_effects import WheelsWithTerms, needs_every_step
+from physics.bullet.wheels_with_effects import WheelsWithEffects, needs_every_step
 from physics.bullet.world import add_arena, connect
 from physics.drivetrain.wheel_loop import WheelSpeedLoop, voltage_limit_V
 from physics.robot.model import RobotModel
@@ -42,7 +42,7 @@ class BulletSimulation:
         self._steps = 0
         model = RobotModel.from_config(robot)
         self._motors = model.motors
-        self._terms = WheelsWithTerms(model, rates.physics_hz) if needs_every_step(model) else None
+        self._effects = WheelsWithEffects(model, rates.physics_hz) if needs_every_step(model) else None
         self._limit_V = voltage_limit_V(robot.power)
         self._rad_to_counts = model.counts_per_revolution / (2.0 * pi)
         self._loops = tuple(
@@ -124,10 +124,10 @@ class BulletSimulation:
             if self._movers is not None:
                 self._movers.place(self._steps)
                 count = 1
-            if self._terms is None:
+            if self._effects is None:
                 self._step(count)
             else:
-                self._step_with(self._terms, count)
+                self._step_with(self._effects, count)
             self._steps += count
 
     def _step(self, count: int) -> None:
@@ -148,8 +148,8 @@ class BulletSimulation:
             step(client)
         self._speed_sum = speed
 
-    def _step_with(self, terms: WheelsWithTerms, count: int) -> None:
-        """The same for a robot with terms that act at every step."""
+    def _step_with(self, effects: WheelsWithEffects, count: int) -> None:
+        """The same for a robot with effects that act at every step."""
         client, robot, wheels, reaction = self._client, self._robot, self._wheels, self._reaction
         for number in range(self._steps, self._steps + count):
             right, left = pybullet.getJointStates(robot, wheels, client)
@@ -158,8 +158,8 @@ class BulletSimulation:
                 speed = right[1] + left[1]
                 reaction[1] += self._reaction_gain * (speed - self._speed_sum) - REACTION_SMOOTHING * reaction[1]
                 self._speed_sum = speed
-            torques = terms.torques_N_m(number, np.array((right[0], left[0])), speeds)
-            friction = terms.friction_to_set()
+            torques = effects.torques_N_m(number, np.array((right[0], left[0])), speeds)
+            friction = effects.friction_to_set()
             if friction is not None:
                 pybullet.setJointMotorControlArray(
                     robot,
@@ -174,7 +174,7 @@ class BulletSimulation:
                 robot, wheels, pybullet.TORQUE_CONTROL, forces=torques, physicsClientId=client
             )
             pybullet.stepSimulation(client)
-            terms.turn_back(client, robot, self._to_axle, speeds)
+            effects.turn_back(client, robot, self._to_axle, speeds)
 
     def _update(self) -> None:
         """Once per wheel-loop period: the loop, the contacts, and the turns of the yaw."""
@@ -189,8 +189,8 @@ class BulletSimulation:
         right_V, left_V = min(max(right_V, -limit), limit), min(max(left_V, -limit), limit)
         self._count_voltages()
         self._voltages = (right_V, left_V)
-        if self._terms is not None:
-            self._terms.command(self._steps, self._voltages)
+        if self._effects is not None:
+            self._effects.command(self._steps, self._voltages)
         motors = self._motors
         self._torques[:] = (motors.right.stall_torque_N_m(right_V), motors.left.stall_torque_N_m(left_V))
 
@@ -223,7 +223,7 @@ class BulletSimulation:
         r = pybullet.getMatrixFromQuaternion(turn)
         forward = velocity[0] * r[0] + velocity[1] * r[3] + velocity[2] * r[6]
         pitch_rate = spin[0] * r[1] + spin[1] * r[4] + spin[2] * r[7]
-        yaw_share = 1.0 if self._terms is None else self._terms.yaw_share
+        yaw_share = 1.0 if self._effects is None else self._effects.yaw_share
         return forward + pitch_rate * self._to_axle[2], yaw_share * spin[2]
 
     def _wheel_states(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -236,8 +236,8 @@ class BulletSimulation:
     def encoder_counts(self) -> tuple[int, int]:
         """Quadrature counts, right and left, since the start, which lies in the middle between two edges."""
         right, left = (state[0] for state in self._wheel_states())
-        if self._terms is not None:
-            right, left = right - float(self._terms.lost_rad[0]), left - float(self._terms.lost_rad[1])
+        if self._effects is not None:
+            right, left = right - float(self._effects.lost_rad[0]), left - float(self._effects.lost_rad[1])
         return floor(right * self._rad_to_counts + 0.5), floor(left * self._rad_to_counts + 0.5)
 
     def wheel_speeds(self) -> tuple[float, float]:
@@ -246,7 +246,7 @@ class BulletSimulation:
         return right[1], left[1]
 
     def voltages(self) -> tuple[float, float]:
-        """As commanded to the driver, right and left [V]; at the motors where no term is in between."""
+        """As commanded to the driver, right and left [V]; at the motors where no effect is in between."""
         return self._voltages
 
     def take_mean_voltages(self) -> tuple[float, float]:
@@ -265,8 +265,8 @@ class BulletSimulation:
     def currents(self) -> tuple[float, float]:
         """Through the windings, right and left [A]."""
         right, left = self.wheel_speeds()
-        if self._terms is not None:
-            return self._terms.currents_A(np.array((right, left)))
+        if self._effects is not None:
+            return self._effects.currents_A(np.array((right, left)))
         motors = self._motors
         return motors.right.current_A(self._voltages[0], right), motors.left.current_A(self._voltages[1], left)
 

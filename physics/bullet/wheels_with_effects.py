@@ -1,6 +1,6 @@
-"""What a robot's terms do to its wheels at every step of the engine; made only for a robot that has such terms.
+"""What a robot's effects do to its wheels at every step of the engine; made only for a robot that has such effects.
 
-The engine keeps the linear part, damping and stall torque. Terms add a torque to it, move the limit of the dry
+The engine keeps the linear part, damping and stall torque. Effects add a torque to it, move the limit of the dry
 friction, hold commands back, lose counts, and let turns fall short; each adds exactly nothing at its null value.
 """
 
@@ -10,8 +10,8 @@ from math import cos, sin
 import numpy as np
 import pybullet
 
+from configs.effects.base import Slot
 from physics.drivetrain.driveline import Driveline
-from physics.effects.base import Slot
 from physics.robot.model import RobotModel, through
 from symolo.core.arrays import Array
 
@@ -19,14 +19,14 @@ REST_RAD_S = 1e-4
 """Below it a wheel counts as at rest; the solver's own rest is 5e-9 rad/s."""
 
 
-class WheelsWithTerms:
+class WheelsWithEffects:
     def __init__(self, model: RobotModel, physics_hz: int) -> None:
         model.require_rigid_gears("PyBullet")
         self._driveline = Driveline.of_robot(model)
         self._period_s = 1.0 / physics_hz
         self._delay_steps = round(model.input_delay_s * physics_hz)
-        self._counting = model.effects(Slot.COUNTING)
-        self._ground = model.effects(Slot.GROUND)
+        self._counting = model.functions(Slot.COUNTING)
+        self._ground = model.functions(Slot.GROUND)
         self._geometry = model.geometry
         self._coming: deque[tuple[int, Array]] = deque()
         self._command_V = self._held_V = self._voltage_V = np.zeros(2)
@@ -103,8 +103,8 @@ def _turn_about_axle(client: int, body: int, to_axle: tuple[float, float, float]
 
 
 def needs_every_step(model: RobotModel) -> bool:
-    """Whether a term of this robot acts at every step, or all are in numbers that the engine is given once."""
+    """Whether an effect of this robot acts at every step, or all are in numbers that the engine is given once."""
     slots = (Slot.ACTUATOR, Slot.BATTERY, Slot.BRIDGE, Slot.SUPPLY, Slot.CURRENT_LIMIT, Slot.FRICTION)
     # The gearbox cannot act at all: it is here so that play in it is refused.
     slots += (Slot.COMMAND_DELAY, Slot.COUNTING, Slot.GROUND, Slot.GEARBOX)
-    return any(model.effects(slot) for slot in slots)
+    return any(model.functions(slot) for slot in slots)

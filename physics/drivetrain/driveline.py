@@ -2,18 +2,17 @@
 
 Motors lie along the last axis of every array: right and left of a robot, or one alone on a bench. Numbers of many
 robots at once are stacked along an axis before it. The winding's own current is linear in the speed, and whoever
-integrates treats that part exactly; what terms add to it comes as an extra torque, which is zero to the bit where they
-have no effect.
+integrates treats that part exactly; effects add an extra torque, which is exactly zero where they change nothing.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 
+from configs.effects.base import Slot
 from physics.drivetrain.bridge import Bridge
 from physics.drivetrain.motion import Motion
 from physics.drivetrain.motor import MotorModel
-from physics.effects.base import Slot
 from physics.robot.model import RobotModel, through
 from symolo.core.arrays import Array
 
@@ -24,7 +23,7 @@ MIN_INERTIA_KG_M2 = 1e-12
 
 
 class Driveline:
-    """The motors of a robot with its terms; pure, the voltage that a lag holds is the caller's to keep."""
+    """The motors of a robot with its effects; pure, the voltage that a lag holds is the caller's to keep."""
 
     def __init__(self, model: RobotModel, motors: Sequence[MotorModel]) -> None:
         self.resistance_ohm = _along_wheels([motor.resistance_ohm for motor in motors])
@@ -34,12 +33,12 @@ class Driveline:
         self.inertia_kg_m2 = _along_wheels([motor.inertia_kg_m2 for motor in motors])
         self.damping_N_m_s_rad = _along_wheels([motor.damping_N_m_s_rad for motor in motors])
         self.supply_V = model.config.power.battery_voltage_V
-        self._actuator = model.effects(Slot.ACTUATOR)
-        self._battery = model.effects(Slot.BATTERY)
-        self._bridge = model.effects(Slot.BRIDGE)
-        self._supply = model.effects(Slot.SUPPLY)
-        self._limit = model.effects(Slot.CURRENT_LIMIT)
-        self._friction = model.effects(Slot.FRICTION)
+        self._actuator = model.functions(Slot.ACTUATOR)
+        self._battery = model.functions(Slot.BATTERY)
+        self._bridge = model.functions(Slot.BRIDGE)
+        self._supply = model.functions(Slot.SUPPLY)
+        self._limit = model.functions(Slot.CURRENT_LIMIT)
+        self._friction = model.functions(Slot.FRICTION)
 
     @classmethod
     def of_robot(cls, model: RobotModel) -> "Driveline":
@@ -58,7 +57,7 @@ class Driveline:
 
     @property
     def adds_torque(self) -> bool:
-        """Whether terms can change the torque of the bare windings."""
+        """Whether effects can change the torque of the bare windings."""
         return bool(self._bridge or self._supply or self._limit)
 
     @property
@@ -114,7 +113,7 @@ class Driveline:
         return through(self._bridge, emf_V)
 
     def extra_torque_N_m(self, voltage_V: Array, speed_rad_s: Array) -> Array:
-        """By terms, on top of that of the bare winding at this voltage and speed."""
+        """By effects, on top of that of the bare winding at this voltage and speed."""
         if not self.adds_torque:
             return np.zeros_like(speed_rad_s)
         bare_A = (voltage_V - self.torque_constant_N_m_A * speed_rad_s) / self.resistance_ohm
@@ -127,7 +126,7 @@ class Driveline:
     def friction_N_m(self, torque_N_m: Array, speed_rad_s: Array, time_s: float | Array) -> Array:
         """Dry friction against the motion, or against the torque on a wheel at rest, up to which it holds.
 
-        Of the motors alone, to be broadcast, where no term makes it differ in time.
+        Of the motors alone, to be broadcast, where no effect makes it differ in time.
         """
         if not self._friction:
             return self.coulomb_N_m

@@ -1,4 +1,4 @@
-"""One motor on a bench with everything that a robot's terms do to it: steady states and step responses, without noise.
+"""One motor on a bench with the effects of its robot: steady states and step responses, without noise.
 
 What the bench's own instruments make of current and speed is `sensors.instruments`. The numbers of many robots may be
 stacked, (M, 1, 1) each (`physics.robot.stack`): results then are those of all of them at once.

@@ -1,8 +1,8 @@
 """Wheels that are one mass each with their motors and feel each other through the supply alone, over stretches of time.
 
-Bare motors take one exact step. What terms add to torque and friction is the mean of both ends of a step, by the speed
-that a step with the first end's alone comes to (Heun's method about the exact step; of second order). Where the two
-differ by more than the tolerance, the stretch is taken in quarters; at null values they are equal to the bit.
+Bare motors take one exact step. What effects add to torque and friction is the mean of both ends of a step, by the
+speed that a step with the first end's alone comes to (Heun's method about the exact step; of second order). Where the
+two differ by more than the tolerance, the stretch is taken in quarters; at null values they are equal to the bit.
 """
 
 from collections.abc import Callable
@@ -41,7 +41,7 @@ class RigidWheels:
             behind = self._behind(part.duration_s)
             return self._held(stall, driveline.coulomb_N_m).step(speed_rad_s, part.duration_s, behind)
         # What a body asks changes little in a row, and needs no finer steps.
-        return self._with_terms(part, stall, speed_rad_s, 0 if driveline.is_bare else DEEPEST)
+        return self._with_effects(part, stall, speed_rad_s, 0 if driveline.is_bare else DEEPEST)
 
     def _behind(self, duration_s: float | Array) -> Array:
         """Worked out once for each length of a step that comes again and again."""
@@ -54,7 +54,7 @@ class RigidWheels:
     def _held(self, torque_N_m: Array, friction_N_m: Array) -> HeldDrive:
         return HeldDrive(torque_N_m, self._driveline.damping_N_m_s_rad, friction_N_m, self._driveline.inertia_kg_m2)
 
-    def _with_terms(self, part: HeldPart, stall: Array, speed_rad_s: Array, deeper: int) -> tuple[Array, Array]:
+    def _with_effects(self, part: HeldPart, stall: Array, speed_rad_s: Array, deeper: int) -> tuple[Array, Array]:
         torque, friction = self._loads(part.voltage_V, stall, speed_rad_s, part.begin_s)
         behind = self._behind(part.duration_s)
         ahead, _ = self._held(torque, friction).step(speed_rad_s, part.duration_s, behind)
@@ -71,7 +71,7 @@ class RigidWheels:
         duration_s = part.duration_s / PARTS
         for k in range(PARTS):
             quarter = HeldPart(part.voltage_V, part.begin_s + k * duration_s, duration_s)
-            fine_speed, further = self._with_terms(quarter, stall, fine_speed, deeper - 1)
+            fine_speed, further = self._with_effects(quarter, stall, fine_speed, deeper - 1)
             fine_angle = fine_angle + further
         return np.where(rough, fine_speed, speed), np.where(rough, fine_angle, angle)
 

@@ -5,11 +5,11 @@ from typing import Protocol
 
 import numpy as np
 
+from configs.effects.base import Slot
 from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.held_rows import HeldPart
 from physics.drivetrain.rigid_wheels import RigidWheels
 from physics.drivetrain.two_mass import Load, TwoMass
-from physics.effects.base import Slot
 from physics.robot.model import RobotModel
 from symolo.core.arrays import Array
 
@@ -42,7 +42,7 @@ class PlayingShaft:
     def __init__(self, model: RobotModel, driveline: Driveline) -> None:
         self._driveline = driveline
         self._config = model.config.motor
-        self._play = model.effects(Slot.GEARBOX)
+        self._play = model.functions(Slot.GEARBOX)
         inertia, viscous = self._config.motor_side_inertia_fraction, driveline.viscous_N_m_s_rad
         self._inertias = inertia * driveline.inertia_kg_m2, (1.0 - inertia) * driveline.inertia_kg_m2
         share = self._config.motor_side_friction_fraction

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from configs.effects.base import Slot
 from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.held_rows import held_rows
 from physics.drivetrain.rigid_wheels import RigidWheels
-from physics.effects.base import Slot
 from physics.robot.body_inertia import BodyOnWheels
 from physics.robot.model import RobotModel, through
 from symolo.core.arrays import Array
@@ -63,7 +63,7 @@ def counted_turns(
     driveline = Driveline.of_robot(model)
     driveline.inertia_kg_m2 = driveline.inertia_kg_m2 + load.inertia_kg_m2
     wheels = RigidWheels(driveline, load.torque_N_m if load.body is not None else None)
-    counting = model.effects(Slot.COUNTING)
+    counting = model.functions(Slot.COUNTING)
     speed = np.zeros_like(voltage_V[0])
     rows = []
     for row in held_rows(driveline, voltage_V, row_s, model.input_delay_s, begin_s[:, None]):
@@ -90,7 +90,7 @@ def uncounted(model: RobotModel, counted_rad: Array, row_s: Array) -> Array:
         counted_rad: (..., n, 2), right and left.
         row_s: (n, 1), length of each row.
     """
-    counting = model.effects(Slot.COUNTING)
+    counting = model.functions(Slot.COUNTING)
     turned = counted_rad
     for _ in range(SOLVED_AFTER if counting else 0):
         again = through(counting, turned, row_s)

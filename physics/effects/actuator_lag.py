@@ -1,19 +1,19 @@
 """A driver whose voltage follows the command with a lag."""
 
-from configs.schema.effects.motor import ActuatorLag
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import LagTime
 from physics.drivetrain.first_order import relaxed
-from physics.effects.base import Slot, Term
 from symolo.core.arrays import Array
 
 
-def lagged(values: ActuatorLag, held_V: Array, wanted_V: Array, duration_s: float) -> Array:
-    return relaxed(held_V, wanted_V, duration_s, values.time_constant_s)
+class ActuatorLag(Effect):
+    slot = Slot.ACTUATOR
+    cause = "filtered or ramped PWM"
+    excitation = "steps of voltage: the current rises late"
+    setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
+    time_constant_s: LagTime
+    """The voltage follows the command with a first-order lag."""
 
-TERM = Term(
-    ActuatorLag,
-    Slot.ACTUATOR,
-    cause="filtered or ramped PWM",
-    excitation="steps of voltage: the current rises late",
-    apply=lagged,
-)
+    def apply(self, held_V: Array, wanted_V: Array, duration_s: float) -> Array:
+        return relaxed(held_V, wanted_V, duration_s, self.time_constant_s)

@@ -1,21 +1,23 @@
 """A battery that runs down."""
 
+from typing import Annotated
+
 import numpy as np
 
-from configs.schema.effects.drive import BatteryDecline
-from physics.effects.base import Slot, Term
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Parameter
 from symolo.core.arrays import Array
 
 
-def declined(values: BatteryDecline, voltage_V: Array, time_s: float | Array) -> Array:
-    """GAP_FORMAT's straight line, until nothing is left."""
-    return voltage_V * np.maximum(1.0 - values.fraction_per_minute * time_s / 60.0, 0.0)
+class BatteryDecline(Effect):
+    slot = Slot.BATTERY
+    cause = "discharge under a driver that does not regulate"
+    excitation = "the same commands early and late in the session"
+    setups = (Setup.DRIVE,)
 
+    fraction_per_minute: Annotated[float, Parameter("1/min", null=0.0, start=0.03, low=0.0, high=1.0)]
+    """u_true = u (1 - fraction * time / 60 s), and 0 once nothing is left."""
 
-TERM = Term(
-    BatteryDecline,
-    Slot.BATTERY,
-    cause="discharge under a driver that does not regulate",
-    excitation="the same commands early and late in the session",
-    apply=declined,
-)
+    def apply(self, voltage_V: Array, time_s: float | Array) -> Array:
+        """GAP_FORMAT's straight line, until nothing is left."""
+        return voltage_V * np.maximum(1.0 - self.fraction_per_minute * time_s / 60.0, 0.0)

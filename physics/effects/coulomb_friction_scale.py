@@ -2,19 +2,19 @@
 
 from dataclasses import replace
 
-from configs.schema.effects.motor import CoulombFrictionScale
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Scale
 from physics.drivetrain.motor import Motors
-from physics.effects.base import Slot, Term
 
 
-def scaled(values: CoulombFrictionScale, motors: Motors) -> Motors:
-    return motors.each(lambda motor: replace(motor, coulomb_N_m=values.scale * motor.coulomb_N_m))
+class CoulombFrictionScale(Effect):
+    slot = Slot.MOTORS
+    cause = "a dry or a new gearbox, side load on the shaft"
+    excitation = "no-load current at low speed, and breakaway"
+    setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
+    scale: Scale
+    """Tc_true = scale * Tc."""
 
-TERM = Term(
-    CoulombFrictionScale,
-    Slot.MOTORS,
-    cause="a dry or a new gearbox, side load on the shaft",
-    excitation="no-load current at low speed, and breakaway",
-    apply=scaled,
-)
+    def apply(self, motors: Motors) -> Motors:
+        return motors.each(lambda motor: replace(motor, coulomb_N_m=self.scale * motor.coulomb_N_m))

@@ -1,20 +1,22 @@
 """A driver that limits its current."""
 
+from typing import Annotated
+
 import numpy as np
 
-from configs.schema.effects.motor import CurrentLimit
-from physics.effects.base import Slot, Term
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Parameter
 from symolo.core.arrays import Array
 
 
-def limited(values: CurrentLimit, current_A: Array) -> Array:
-    return np.minimum(np.maximum(current_A, -values.limit_A), values.limit_A)
+class CurrentLimit(Effect):
+    slot = Slot.CURRENT_LIMIT
+    cause = "protection of the bridge"
+    excitation = "hard starts and reversals"
+    setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
+    limit_A: Annotated[float, Parameter("A", null=1000.0, start=0.8, low=0.01, high=1000.0)]
+    """|I| <= limit; the upper bound stands for none."""
 
-TERM = Term(
-    CurrentLimit,
-    Slot.CURRENT_LIMIT,
-    cause="protection of the bridge",
-    excitation="hard starts and reversals",
-    apply=limited,
-)
+    def apply(self, current_A: Array) -> Array:
+        return np.minimum(np.maximum(current_A, -self.limit_A), self.limit_A)

@@ -1,9 +1,11 @@
 """An encoder that loses counts at speed."""
 
+from typing import Annotated, Literal
+
 import numpy as np
 
-from configs.schema.effects.drive import EncoderMissedTicks
-from physics.effects.base import Slot, Term
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Parameter
 from symolo.core.arrays import Array
 
 SIDES = np.array(["right", "left"])
@@ -11,18 +13,20 @@ EDGE_RAD_S = 0.3
 """Softness of the threshold: the loss is half at it, and logistic in the speed with this width."""
 
 
-def counted(values: EncoderMissedTicks, turned_rad: Array, duration_s: float) -> Array:
-    speed_rad_s = np.abs(turned_rad) / duration_s
-    beyond = np.clip((speed_rad_s - values.threshold_rad_s) / EDGE_RAD_S, -40.0, 40.0)
-    lost = values.fraction / (1.0 + np.exp(-beyond))
-    kept = np.where(values.side == SIDES, 1.0 - lost, 1.0)
-    return turned_rad * kept
+class EncoderMissedTicks(Effect):
+    slot = Slot.COUNTING
+    cause = "a weak or misaligned sensor, an interrupt routine that is too slow"
+    excitation = "slow and fast drives of the same length"
+    setups = (Setup.DRIVE,)
 
+    side: Literal["left", "right"]
+    fraction: Annotated[float, Parameter("1", null=0.0, start=0.1, low=0.0, high=1.0)]
+    """This side loses that fraction of its ticks above the threshold, whose edge is 0.3 rad/s soft."""
+    threshold_rad_s: Annotated[float, Parameter("rad/s", null=None, start=3.0, low=0.0, high=100.0)]
 
-TERM = Term(
-    EncoderMissedTicks,
-    Slot.COUNTING,
-    cause="a weak or misaligned sensor, an interrupt routine that is too slow",
-    excitation="slow and fast drives of the same length",
-    apply=counted,
-)
+    def apply(self, turned_rad: Array, duration_s: float) -> Array:
+        speed_rad_s = np.abs(turned_rad) / duration_s
+        beyond = np.clip((speed_rad_s - self.threshold_rad_s) / EDGE_RAD_S, -40.0, 40.0)
+        lost = self.fraction / (1.0 + np.exp(-beyond))
+        kept = np.where(self.side == SIDES, 1.0 - lost, 1.0)
+        return turned_rad * kept

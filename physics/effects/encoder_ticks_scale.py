@@ -1,17 +1,19 @@
 """Encoders with other than the believed counts per revolution."""
 
-from configs.schema.effects.drive import EncoderTicksScale
-from physics.effects.base import Slot, Term
+from typing import Annotated
+
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import GeometryScale, Plausible
 
 
-def scaled(values: EncoderTicksScale, counts_per_revolution: float) -> float:
-    return values.scale * counts_per_revolution
+class EncoderTicksScale(Effect):
+    slot = Slot.ENCODER
+    cause = "another gear ratio or code wheel"
+    excitation = "speeds and distances that are known otherwise"
+    setups = (Setup.DRIVE,)
 
+    scale: Annotated[GeometryScale, Plausible(0.5, 2.0, "one edge counted for two, or two for one")]
+    """True ticks per revolution = scale * nominal."""
 
-TERM = Term(
-    EncoderTicksScale,
-    Slot.ENCODER,
-    cause="another gear ratio or code wheel",
-    excitation="speeds and distances that are known otherwise",
-    apply=scaled,
-)
+    def apply(self, counts_per_revolution: float) -> float:
+        return self.scale * counts_per_revolution

@@ -1,19 +1,19 @@
 """Friction that is not the same forward and in reverse."""
 
-from configs.schema.effects.motor import FrictionAsymmetry
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Asymmetry
 from physics.drivetrain.motion import Motion
-from physics.effects.base import Slot, Term
 from symolo.core.arrays import Array
 
 
-def one_sided(values: FrictionAsymmetry, friction_N_m: Array, motion: Motion) -> Array:
-    return friction_N_m * (1.0 - values.asymmetry * motion.direction)
+class FrictionAsymmetry(Effect):
+    slot = Slot.FRICTION
+    cause = "axial load on worm or helical gears, brushes set at an angle"
+    excitation = "both directions of rotation"
+    setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
+    asymmetry: Asymmetry
+    """Tc (1 - asymmetry) forward, Tc (1 + asymmetry) in reverse."""
 
-TERM = Term(
-    FrictionAsymmetry,
-    Slot.FRICTION,
-    cause="axial load on worm or helical gears, brushes set at an angle",
-    excitation="both directions of rotation",
-    apply=one_sided,
-)
+    def apply(self, friction_N_m: Array, motion: Motion) -> Array:
+        return friction_N_m * (1.0 - self.asymmetry * motion.direction)

@@ -1,21 +1,24 @@
 """Friction that changes while the gearbox warms up."""
 
+from typing import Annotated
+
 import numpy as np
 
-from configs.schema.effects.motor import FrictionWarmup
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import DriftTime, Parameter
 from physics.drivetrain.motion import Motion
-from physics.effects.base import Slot, Term
 from symolo.core.arrays import Array
 
 
-def warming(values: FrictionWarmup, friction_N_m: Array, motion: Motion) -> Array:
-    return friction_N_m * (1.0 + values.amplitude * np.exp(-motion.time_s / values.time_constant_s))
+class FrictionWarmup(Effect):
+    slot = Slot.FRICTION
+    cause = "cold grease"
+    excitation = "the same voltages early and late in the session"
+    setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
+    amplitude: Annotated[float, Parameter("1", null=0.0, start=0.3, low=-0.9, high=5.0)]
+    """Tc (1 + amplitude * exp(-t / time_constant)), t since the motor was first switched on."""
+    time_constant_s: DriftTime
 
-TERM = Term(
-    FrictionWarmup,
-    Slot.FRICTION,
-    cause="cold grease",
-    excitation="the same voltages early and late in the session",
-    apply=warming,
-)
+    def apply(self, friction_N_m: Array, motion: Motion) -> Array:
+        return friction_N_m * (1.0 + self.amplitude * np.exp(-motion.time_s / self.time_constant_s))

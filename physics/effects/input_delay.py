@@ -1,17 +1,17 @@
 """Commands that act late."""
 
-from configs.schema.effects.motor import InputDelay
-from physics.effects.base import Slot, Term
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Delay
 
 
-def later(values: InputDelay, delay_s: float) -> float:
-    return delay_s + values.delay_s
+class InputDelay(Effect):
+    slot = Slot.COMMAND_DELAY
+    cause = "buffering and a slow bus between controller and driver"
+    excitation = "steps of voltage"
+    setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
+    delay_s: Delay
+    """The commanded voltage acts this much later."""
 
-TERM = Term(
-    InputDelay,
-    Slot.COMMAND_DELAY,
-    cause="buffering and a slow bus between controller and driver",
-    excitation="steps of voltage",
-    apply=later,
-)
+    def apply(self, delay_s: float) -> float:
+        return delay_s + self.delay_s

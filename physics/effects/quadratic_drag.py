@@ -1,19 +1,21 @@
 """Drag that grows with the square of the speed."""
 
-from configs.schema.effects.motor import QuadraticDrag
+from typing import Annotated
+
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Parameter
 from physics.drivetrain.motion import Motion
-from physics.effects.base import Slot, Term
 from symolo.core.arrays import Array
 
 
-def raised(values: QuadraticDrag, friction_N_m: Array, motion: Motion) -> Array:
-    return friction_N_m + values.coefficient_N_m_s2_rad2 * motion.speed_rad_s**2
+class QuadraticDrag(Effect):
+    slot = Slot.FRICTION
+    cause = "churning grease, a fan on the shaft"
+    excitation = "current against speed up to the highest speed"
+    setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
+    coefficient_N_m_s2_rad2: Annotated[float, Parameter("N m s2/rad2", null=0.0, start=1e-4, low=0.0, high=0.1)]
+    """Friction + coefficient * w |w|."""
 
-TERM = Term(
-    QuadraticDrag,
-    Slot.FRICTION,
-    cause="churning grease, a fan on the shaft",
-    excitation="current against speed up to the highest speed",
-    apply=raised,
-)
+    def apply(self, friction_N_m: Array, motion: Motion) -> Array:
+        return friction_N_m + self.coefficient_N_m_s2_rad2 * motion.speed_rad_s**2

@@ -2,19 +2,19 @@
 
 from dataclasses import replace
 
-from configs.schema.effects.motor import RotorInertiaScale
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Scale
 from physics.drivetrain.motor import Motors
-from physics.effects.base import Slot, Term
 
 
-def scaled(values: RotorInertiaScale, motors: Motors) -> Motors:
-    return motors.each(lambda motor: replace(motor, inertia_kg_m2=values.scale * motor.inertia_kg_m2))
+class RotorInertiaScale(Effect):
+    slot = Slot.MOTORS
+    cause = "another rotor or wheel, another mass of the robot"
+    excitation = "steps of voltage: time constant of the speed"
+    setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
+    scale: Scale
+    """J_true = scale * J."""
 
-TERM = Term(
-    RotorInertiaScale,
-    Slot.MOTORS,
-    cause="another rotor or wheel, another mass of the robot",
-    excitation="steps of voltage: time constant of the speed",
-    apply=scaled,
-)
+    def apply(self, motors: Motors) -> Motors:
+        return motors.each(lambda motor: replace(motor, inertia_kg_m2=self.scale * motor.inertia_kg_m2))

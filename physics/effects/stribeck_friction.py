@@ -1,22 +1,25 @@
 """Friction that falls when motion sets in."""
 
+from typing import Annotated
+
 import numpy as np
 
-from configs.schema.effects.motor import StribeckFriction
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Parameter
 from physics.drivetrain.motion import Motion
-from physics.effects.base import Slot, Term
 from symolo.core.arrays import Array
 
 
-def raised(values: StribeckFriction, friction_N_m: Array, motion: Motion) -> Array:
-    falling = np.exp(-((motion.speed_rad_s / values.stribeck_speed_rad_s) ** 2))
-    return friction_N_m + values.extra_torque_N_m * falling
+class StribeckFriction(Effect):
+    slot = Slot.FRICTION
+    cause = "boundary lubrication in gears and bearings"
+    excitation = "slow speeds, and breakaway from rest"
+    setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
+    extra_torque_N_m: Annotated[float, Parameter("N m", null=0.0, start=0.008, low=0.0, high=1.0)]
+    """Friction + extra_torque * exp(-(w / stribeck_speed)^2), against the motion; breakaway at Tc + extra_torque."""
+    stribeck_speed_rad_s: Annotated[float, Parameter("rad/s", null=None, start=2.0, low=0.05, high=50.0)]
 
-TERM = Term(
-    StribeckFriction,
-    Slot.FRICTION,
-    cause="boundary lubrication in gears and bearings",
-    excitation="slow speeds, and breakaway from rest",
-    apply=raised,
-)
+    def apply(self, friction_N_m: Array, motion: Motion) -> Array:
+        falling = np.exp(-((motion.speed_rad_s / self.stribeck_speed_rad_s) ** 2))
+        return friction_N_m + self.extra_torque_N_m * falling

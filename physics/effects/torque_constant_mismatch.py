@@ -2,23 +2,23 @@
 
 from dataclasses import replace
 
-from configs.schema.effects.drive import TorqueConstantMismatch
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Asymmetry
 from physics.drivetrain.motor import Motors
-from physics.effects.base import Slot, Term
 
 
-def mismatched(values: TorqueConstantMismatch, motors: Motors) -> Motors:
-    left, right = 1.0 + 0.5 * values.mismatch, 1.0 - 0.5 * values.mismatch
-    return Motors(
-        right=replace(motors.right, torque_constant_N_m_A=right * motors.right.torque_constant_N_m_A),
-        left=replace(motors.left, torque_constant_N_m_A=left * motors.left.torque_constant_N_m_A),
-    )
+class TorqueConstantMismatch(Effect):
+    slot = Slot.MOTORS
+    cause = "magnets or gearboxes of two batches"
+    excitation = "the same voltage on both wheels"
+    setups = (Setup.DRIVE,)
 
+    mismatch: Asymmetry
+    """K_left = K (1 + mismatch/2), K_right = K (1 - mismatch/2)."""
 
-TERM = Term(
-    TorqueConstantMismatch,
-    Slot.MOTORS,
-    cause="magnets or gearboxes of two batches",
-    excitation="the same voltage on both wheels",
-    apply=mismatched,
-)
+    def apply(self, motors: Motors) -> Motors:
+        left, right = 1.0 + 0.5 * self.mismatch, 1.0 - 0.5 * self.mismatch
+        return Motors(
+            right=replace(motors.right, torque_constant_N_m_A=right * motors.right.torque_constant_N_m_A),
+            left=replace(motors.left, torque_constant_N_m_A=left * motors.left.torque_constant_N_m_A),
+        )

@@ -1,20 +1,26 @@
 """Torque constant, and with it back-EMF, other than nominal."""
 
 from dataclasses import replace
+from typing import Annotated
 
-from configs.schema.effects.motor import TorqueConstantScale
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Plausible, Scale
 from physics.drivetrain.motor import Motors
-from physics.effects.base import Slot, Term
 
 
-def scaled(values: TorqueConstantScale, motors: Motors) -> Motors:
-    return motors.each(lambda motor: replace(motor, torque_constant_N_m_A=values.scale * motor.torque_constant_N_m_A))
+class TorqueConstantScale(Effect):
+    slot = Slot.MOTORS
+    cause = "another or an aged magnet, another gear ratio"
+    excitation = "high speed: speed against voltage"
+    setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
+    scale: Annotated[
+        Scale,
+        Plausible(
+            0.7, 1.2, "ferrite loses 0.2 % a kelvin and comes back; more is lost for good only by demagnetisation"
+        ),
+    ]
+    """K_true = scale * K, in torque and back-EMF."""
 
-TERM = Term(
-    TorqueConstantScale,
-    Slot.MOTORS,
-    cause="another or an aged magnet, another gear ratio",
-    excitation="high speed: speed against voltage",
-    apply=scaled,
-)
+    def apply(self, motors: Motors) -> Motors:
+        return motors.each(lambda motor: replace(motor, torque_constant_N_m_A=self.scale * motor.torque_constant_N_m_A))

@@ -1,20 +1,22 @@
 """Turns that fall short of what the wheels say, the more the harder."""
 
+from typing import Annotated
+
 import numpy as np
 
-from configs.schema.effects.drive import TurnSlip
-from physics.effects.base import Slot, Term
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Parameter
 from symolo.core.arrays import Array
 
 
-def slipped(values: TurnSlip, share: Array, speed_m_s: Array, yaw_rate_rad_s: Array) -> Array:
-    return share / (1.0 + values.coefficient_s2_m * np.abs(speed_m_s * yaw_rate_rad_s))
+class TurnSlip(Effect):
+    slot = Slot.GROUND
+    cause = "tyres that creep under lateral force"
+    excitation = "arcs at several speeds and curvatures"
+    setups = (Setup.DRIVE,)
 
+    coefficient_s2_m: Annotated[float, Parameter("s2/m", null=0.0, start=0.5, low=0.0, high=20.0)]
+    """dtheta = dtheta_kinematic / (1 + coefficient * |v * yaw rate|), v and yaw rate by the wheels."""
 
-TERM = Term(
-    TurnSlip,
-    Slot.GROUND,
-    cause="tyres that creep under lateral force",
-    excitation="arcs at several speeds and curvatures",
-    apply=slipped,
-)
+    def apply(self, share: Array, speed_m_s: Array, yaw_rate_rad_s: Array) -> Array:
+        return share / (1.0 + self.coefficient_s2_m * np.abs(speed_m_s * yaw_rate_rad_s))

@@ -2,19 +2,19 @@
 
 from dataclasses import replace
 
-from configs.schema.effects.motor import ViscousFrictionScale
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Scale
 from physics.drivetrain.motor import Motors
-from physics.effects.base import Slot, Term
 
 
-def scaled(values: ViscousFrictionScale, motors: Motors) -> Motors:
-    return motors.each(lambda motor: replace(motor, viscous_N_m_s_rad=values.scale * motor.viscous_N_m_s_rad))
+class ViscousFrictionScale(Effect):
+    slot = Slot.MOTORS
+    cause = "stiff or thin grease, misaligned bearings"
+    excitation = "current against speed over a wide range of speeds"
+    setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
+    scale: Scale
+    """B_true = scale * B."""
 
-TERM = Term(
-    ViscousFrictionScale,
-    Slot.MOTORS,
-    cause="stiff or thin grease, misaligned bearings",
-    excitation="current against speed over a wide range of speeds",
-    apply=scaled,
-)
+    def apply(self, motors: Motors) -> Motors:
+        return motors.each(lambda motor: replace(motor, viscous_N_m_s_rad=self.scale * motor.viscous_N_m_s_rad))

@@ -1,24 +1,25 @@
 """Two wheels of different size."""
 
 from dataclasses import replace
+from typing import Annotated
 
-from configs.schema.effects.drive import WheelRadiusAsymmetry
-from physics.effects.base import Slot, Term
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Asymmetry, Plausible
 from physics.robot.wheel_geometry import WheelGeometry
 
 
-def asymmetric(values: WheelRadiusAsymmetry, geometry: WheelGeometry) -> WheelGeometry:
-    return replace(
-        geometry,
-        right_radius_m=(1.0 - 0.5 * values.asymmetry) * geometry.right_radius_m,
-        left_radius_m=(1.0 + 0.5 * values.asymmetry) * geometry.left_radius_m,
-    )
+class WheelRadiusAsymmetry(Effect):
+    slot = Slot.GEOMETRY
+    cause = "uneven wear, one tyre seated askew"
+    excitation = "straight drives: the heading drifts with distance"
+    setups = (Setup.DRIVE,)
 
+    asymmetry: Annotated[Asymmetry, Plausible(-0.1, 0.1, "two wheels of one make; one per cent is much")]
+    """r_left = r (1 + asymmetry/2), r_right = r (1 - asymmetry/2)."""
 
-TERM = Term(
-    WheelRadiusAsymmetry,
-    Slot.GEOMETRY,
-    cause="uneven wear, one tyre seated askew",
-    excitation="straight drives: the heading drifts with distance",
-    apply=asymmetric,
-)
+    def apply(self, geometry: WheelGeometry) -> WheelGeometry:
+        return replace(
+            geometry,
+            right_radius_m=(1.0 - 0.5 * self.asymmetry) * geometry.right_radius_m,
+            left_radius_m=(1.0 + 0.5 * self.asymmetry) * geometry.left_radius_m,
+        )

@@ -1,24 +1,25 @@
 """Wheels larger or smaller than believed."""
 
 from dataclasses import replace
+from typing import Annotated
 
-from configs.schema.effects.drive import WheelRadiusScale
-from physics.effects.base import Slot, Term
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import GeometryScale, Plausible
 from physics.robot.wheel_geometry import WheelGeometry
 
 
-def scaled(values: WheelRadiusScale, geometry: WheelGeometry) -> WheelGeometry:
-    return replace(
-        geometry,
-        right_radius_m=values.scale * geometry.right_radius_m,
-        left_radius_m=values.scale * geometry.left_radius_m,
-    )
+class WheelRadiusScale(Effect):
+    slot = Slot.GEOMETRY
+    cause = "worn or compressed tyres"
+    excitation = "straight drives of known length"
+    setups = (Setup.DRIVE,)
 
+    scale: Annotated[GeometryScale, Plausible(0.9, 1.1, "another tyre would be seen; wear and load are some per cent")]
+    """Both radii * scale."""
 
-TERM = Term(
-    WheelRadiusScale,
-    Slot.GEOMETRY,
-    cause="worn or compressed tyres",
-    excitation="straight drives of known length",
-    apply=scaled,
-)
+    def apply(self, geometry: WheelGeometry) -> WheelGeometry:
+        return replace(
+            geometry,
+            right_radius_m=self.scale * geometry.right_radius_m,
+            left_radius_m=self.scale * geometry.left_radius_m,
+        )

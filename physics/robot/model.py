@@ -1,6 +1,6 @@
-"""The robot as it is: its configuration with all of its terms, part by part of the signal chain.
+"""The robot as it is: its configuration with all of its effects, part by part of the signal chain.
 
-The board on the robot knows nothing of the terms: wheel loop, odometry and controller go by the configuration.
+The board on the robot knows nothing of the effects: wheel loop, odometry and controller go by the configuration.
 """
 
 from collections.abc import Callable
@@ -9,11 +9,10 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from configs.schema.base import Section
+from configs.effects.base import Effect, Slot
 from configs.schema.robot import RobotConfig
 from physics.drivetrain.motor import MotorModel, Motors
-from physics.effects import PHYSICS_TERMS
-from physics.effects.base import Slot, effects
+from physics.effects.gear_backlash import GearBacklash
 from physics.robot.wheel_geometry import WheelGeometry
 from symolo.core.errors import InputError
 
@@ -38,9 +37,7 @@ class RobotModel:
 
     @classmethod
     def from_config(cls, config: RobotConfig) -> "RobotModel":
-        def in_slot(slot: Slot) -> tuple[Callable[..., Any], ...]:
-            return effects(PHYSICS_TERMS, config.terms, slot)
-
+        in_slot = config.effects.functions
         motor = MotorModel.from_config(config.motor)
         return cls(
             config=config,
@@ -50,18 +47,18 @@ class RobotModel:
             input_delay_s=through(in_slot(Slot.COMMAND_DELAY), 0.0),
         )
 
-    def with_term(self, values: Section) -> "RobotModel":
-        """This robot with one more effect, for example `SupplySag(source_resistance_ohm=0.4)`."""
-        return RobotModel.from_config(self.config.with_term(values))
+    def with_effect(self, effect: Effect) -> "RobotModel":
+        """Return this robot with one more effect, for example `SupplySag(source_resistance_ohm=0.4)`."""
+        return RobotModel.from_config(self.config.with_effect(effect))
 
-    def effects(self, slot: Slot) -> tuple[Callable[..., Any], ...]:
-        """What the robot's terms do in a slot, in order."""
-        return effects(PHYSICS_TERMS, self.config.terms, slot)
+    def functions(self, slot: Slot) -> tuple[Callable[..., Any], ...]:
+        """Return the functions that the robot's effects apply in a slot, in their order."""
+        return self.config.effects.functions(slot)
 
     @property
     def has_play(self) -> bool:
         """Whether motor side and load side of the gears can move against each other."""
-        backlash = self.config.terms.gear_backlash
+        backlash = self.config.effects.get(GearBacklash)
         return backlash is not None and bool(np.any(backlash.gap_rad > 0.0))
 
     def require_rigid_gears(self, place: str) -> None:
@@ -72,7 +69,7 @@ class RobotModel:
         """
         if self.has_play:
             raise InputError(
-                f"robot.terms.gear_backlash.gap_rad: no play in {place}, whose wheel is one mass",
+                f"robot.effects.gear_backlash.gap_rad: no play in {place}, whose wheel is one mass",
                 allowed="0",
-                cure="leave the term out; it acts on the motor bench alone",
+                cure="leave the effect out; it acts on the motor bench alone",
             )

@@ -5,62 +5,37 @@ from typing import Any
 
 import numpy as np
 
+from configs.effects.base import Effect, Slot
+from configs.effects.robot_effects import RobotEffects
 from configs.schema.base import Section
-from configs.schema.effects.parameter import Parameter
-from configs.schema.effects.table import Terms
 from configs.schema.robot import RobotConfig
-from physics.effects import PHYSICS_TERMS
-from physics.effects.base import Slot
 
 UNPHYSICAL = frozenset({"name", "description"})
-BENDING = frozenset(
-    term.name for term in PHYSICS_TERMS if term.slot in {Slot.BRIDGE, Slot.SUPPLY, Slot.CURRENT_LIMIT, Slot.FRICTION}
-)
-"""Terms by which torque or friction of a motor is no straight line of its speed."""
+CURVED = frozenset({Slot.BRIDGE, Slot.SUPPLY, Slot.CURRENT_LIMIT, Slot.FRICTION})
+"""Slots in which an effect makes torque or friction of a motor other than a straight line of its speed."""
 
 
 def alike(robots: Sequence[RobotConfig]) -> list[list[int]]:
-    """Indices of robots that can be stacked: none has a term that another has with another choice.
+    """Return groups of indices of robots that can be stacked.
 
-    A term that only some of them have is there for the others with its null value, which changes nothing. Play in the
-    gears is a matter of its own, for it asks for far shorter steps, and so are bare motors, which take one exact step
-    where others take some.
+    In a group no robot has an effect that another has with another choice. An effect that only some of them have is
+    added to the others with its null value, which changes nothing. Robots with play in the gears stand apart, because
+    they need far shorter steps, and so do bare motors, which take one exact step where others take some.
     """
-    found: list[tuple[tuple[bool, bool], dict[str, tuple[str, ...]], list[int]]] = []
+    groups: list[tuple[tuple[bool, bool], dict[type[Effect], tuple[str, ...]], list[int]]] = []
     for index, robot in enumerate(robots):
-        chosen = {name: _choices(values) for name, values in robot.terms.present()}
-        steps = "gear_backlash" in chosen, BENDING.isdisjoint(chosen)
-        for of_steps, of_group, group in found:
-            if of_steps == steps and all(of_group.get(name, choice) == choice for name, choice in chosen.items()):
-                of_group.update(chosen)
+        choices = {type(effect): tuple(v for _, v in effect if isinstance(v, str)) for effect in robot.effects}
+        steps = bool(robot.effects.in_slots({Slot.GEARBOX})), not robot.effects.in_slots(CURVED)
+        for steps_of_group, choices_of_group, group in groups:
+            if steps_of_group == steps and all(
+                choices_of_group.get(k, choice) == choice for k, choice in choices.items()
+            ):
+                choices_of_group.update(choices)
                 group.append(index)
                 break
         else:
-            found.append((steps, chosen, [index]))
-    return [group for _, _, group in found]
-
-
-def _choices(values: Section) -> tuple[str, ...]:
-    return tuple(value for _, value in values if isinstance(value, str))
-
-
-def _with_same_terms(robots: Sequence[RobotConfig]) -> list[Terms]:
-    """Terms of robots that are alike, each with those of all of them."""
-    some = {name: values for robot in robots for name, values in robot.terms.present()}
-    nulls = {name: _null(values) for name, values in some.items()}
-    missing = [{name: null for name, null in nulls.items() if getattr(of.terms, name) is None} for of in robots]
-    return [of.terms.model_copy(update=lacks) if lacks else of.terms for of, lacks in zip(robots, missing, strict=True)]
-
-
-def _null(values: Section) -> Section:
-    """The same term without effect."""
-    numbers = {
-        name: parameter.start if parameter.null is None else parameter.null
-        for name, field in type(values).model_fields.items()
-        for parameter in field.metadata
-        if isinstance(parameter, Parameter)
-    }
-    return values.model_copy(update=numbers)
+            groups.append((steps, choices, [index]))
+    return [group for _, _, group in groups]
 
 
 def stacked(robots: Sequence[RobotConfig], axes: int, times: int = 1) -> RobotConfig:
@@ -81,15 +56,20 @@ def stacked(robots: Sequence[RobotConfig], axes: int, times: int = 1) -> RobotCo
     changed = {
         name: _joined([getattr(robot, name) for robot in robots], axes, times, f"robot.{name}")
         for name in RobotConfig.model_fields
-        if name not in UNPHYSICAL and name != "terms"
+        if name not in UNPHYSICAL | {"effects"}
     }
-    changed["terms"] = stacked_terms(robots, axes, times)
+    changed["effects"] = stacked_effects(robots, axes, times)
     return robots[0].model_copy(update=changed)
 
 
-def stacked_terms(robots: Sequence[RobotConfig], axes: int, times: int = 1) -> Terms:
-    """The terms of `stacked` alone."""
-    return _joined(_with_same_terms(robots), axes, times, "robot.terms")
+def stacked_effects(robots: Sequence[RobotConfig], axes: int, times: int = 1) -> RobotEffects:
+    """Return the effects of `stacked` alone: each robot has those of all, without effect where it lacked one."""
+    examples = {type(effect): effect for robot in robots for effect in robot.effects}
+    joined = []
+    for kind, example in examples.items():
+        members = [robot.effects.get(kind) or example.without_effect() for robot in robots]
+        joined.append(_joined(members, axes, times, f"robot.effects.{kind.name}"))
+    return RobotEffects(tuple(joined))
 
 
 def _joined(values: Sequence[Any], axes: int, times: int, path: str) -> Any:  # noqa: ANN401

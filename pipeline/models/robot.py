@@ -6,14 +6,13 @@ from math import radians
 import numpy as np
 
 from blender_scenes.scene.robot_body import robot_body
+from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig, TofMount, TofMounts
 from configs.schema.scenario import RunSpec
-from physics.effects.base import Slot, effects
 from physics.robot.links import BASE, CASTER, LEFT_WHEEL, RIGHT_WHEEL, BoxShape, Link, robot_links
 from physics.robot.model import through
 from pipeline.models.colours import colours, scene_of
 from pipeline.models.geometry import CylinderShape, Placement, Visual, bounding_box
-from sensors.effects import SENSOR_TERMS
 from symolo.core.pinhole import Intrinsics, horizontal_field_of_view_rad, intrinsics, pose_X_RC
 from symolo.dataset.camera_model import X_CB
 
@@ -29,7 +28,7 @@ _ROUND = {
 
 
 @dataclass(frozen=True)
-class Frame:
+class NamedFrame:
     """A named frame that is fixed to the base."""
 
     name: str
@@ -43,7 +42,7 @@ class RobotParts:
     links: tuple[Link, ...]
     visuals: dict[str, tuple[Visual, ...]]
     """By link."""
-    frames: tuple[Frame, ...]
+    frames: tuple[NamedFrame, ...]
     """`camera` (x along the axis), `camera_optical` (z along the axis), `tof_*` (x along the axis), `line_sensor`."""
     camera: Intrinsics
     horizontal_field_of_view_rad: float
@@ -64,28 +63,28 @@ class RobotParts:
             spec.rates.control_hz,
         )
 
-    def frame(self, name: str) -> Frame:
+    def frame(self, name: str) -> NamedFrame:
         return next(frame for frame in self.frames if frame.name == name)
 
 
-def frames(robot: RobotConfig) -> tuple[Frame, ...]:
+def frames(robot: RobotConfig) -> tuple[NamedFrame, ...]:
     X_RC = pose_X_RC(robot.camera, robot.chassis.base_height_m)
     line = robot.line_sensor
     return (
-        Frame(CAMERA, Placement.of(X_RC @ np.array(X_CB))),
-        Frame(CAMERA_OPTICAL, Placement.of(X_RC)),
+        NamedFrame(CAMERA, Placement.of(X_RC @ np.array(X_CB))),
+        NamedFrame(CAMERA_OPTICAL, Placement.of(X_RC)),
         *tof_frames(robot),
-        Frame(LINE_SENSOR, Placement((line.x_m, 0.0, line.height_m))),
+        NamedFrame(LINE_SENSOR, Placement((line.x_m, 0.0, line.height_m))),
     )
 
 
-def tof_frames(robot: RobotConfig) -> tuple[Frame, ...]:
-    """Front, left and right, as the terms of the robot have turned them."""
-    askew = through(effects(SENSOR_TERMS, robot.terms, Slot.RANGE_MOUNT), np.zeros(3))
+def tof_frames(robot: RobotConfig) -> tuple[NamedFrame, ...]:
+    """Front, left and right, as the effects of the robot have turned them."""
+    askew = through(robot.effects.functions(Slot.RANGE_MOUNT), np.zeros(3))
     names = tuple(TofMounts.model_fields)
     mounts: list[TofMount] = [getattr(robot.tof.mounts, name) for name in names]
     return tuple(
-        Frame(
+        NamedFrame(
             f"tof_{name}",
             Placement(
                 (mount.x_m, mount.y_m, mount.z_m),
@@ -104,7 +103,7 @@ def _visuals(spec: RunSpec, links: tuple[Link, ...]) -> dict[str, tuple[Visual, 
         center, size = bounding_box(mesh)
         if link == BASE:
             visual = Visual(mesh.name, BoxShape(size), center, colour[mesh.name])
-        else:  # about its own axle, wherever the terms of the robot have put that
+        else:  # about its own axle, wherever the effects of the robot have put that
             visual = Visual(mesh.name, CylinderShape(0.5 * size[2], size[1]), (0.0, 0.0, 0.0), colour[mesh.name])
         found[link].append(visual)
     return {link: tuple(visuals) for link, visuals in found.items()}

@@ -53,7 +53,7 @@ def simulate(
     arena = Arena.from_config(spec.arena)
     start = (spec.start.x_m, spec.start.y_m, math.radians(spec.start.yaw_deg))
     with BulletSimulation(spec.robot, arena, start, spec.rates) as world:
-        return _Run(spec, arena, start, world, pilot or BuiltInPilot(spec.robot), watch).drive(progress)
+        return _ClosedLoop(spec, arena, start, world, pilot or BuiltInPilot(spec.robot), watch).drive(progress)
 
 
 @dataclass
@@ -71,7 +71,7 @@ class _Rows:
         return {name: np.array(values) for name, values in self.values.items()}
 
 
-class _Run:
+class _ClosedLoop:
     def __init__(  # noqa: PLR0917 - what a run is made of
         self,
         spec: RunSpec,
@@ -171,12 +171,12 @@ class _Run:
         rows.add("image", "1", image)
 
     def _recording(self) -> Recording:
-        rows, terms = self._rows, self._spec.robot.terms
+        rows, effects = self._rows, self._spec.robot.effects
         stacked = rows.stacked()
         t_s = np.arange(len(stacked["state"])) / self._spec.rates.control_hz
         trajectory = Trajectory(t_s, stacked["pose"], stacked["twist"], stacked["state"])
-        stacked["wheel_speed_rad_s"] = read_speed_rad_s(terms, t_s, stacked["wheel_speed_rad_s"])
-        stacked["current_A"] = read_current_A(terms, stacked["current_A"])
+        stacked["wheel_speed_rad_s"] = read_speed_rad_s(effects, t_s, stacked["wheel_speed_rad_s"])
+        stacked["current_A"] = read_current_A(effects, stacked["current_A"])
         in_trajectory = {"pose", "twist", "state"}
         series = [
             TimeSeries(name, rows.units[name], t_s, values)

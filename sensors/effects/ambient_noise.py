@@ -1,22 +1,24 @@
 """Noise that grows with the light around."""
 
+from typing import Annotated
+
 import numpy as np
 
-from configs.schema.effects.range_bench import AmbientNoise
-from physics.effects.base import Slot, Term
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Parameter
 from sensors.range_view import RangeView
 from symolo.core.arrays import Array
 
 
-def lit(values: AmbientNoise, sd_m: Array, view: RangeView) -> Array:
-    # The factor on the variance under its own root: without light or effect it is one to the bit.
-    return sd_m * np.sqrt(1.0 + values.coefficient_per_klux * view.ambient_lux / 1000.0)
+class AmbientNoise(Effect):
+    slot = Slot.RANGE_NOISE
+    cause = "sunlight and lamps in the near infrared"
+    excitation = "many readings under weak and strong light"
+    setups = (Setup.RANGE_BENCH,)
 
+    coefficient_per_klux: Annotated[float, Parameter("1/klux", null=0.0, start=0.3, low=0.0, high=100.0)]
+    """Variance of the noise * (1 + coefficient * ambient light / 1000 lux)."""
 
-TERM = Term(
-    AmbientNoise,
-    Slot.RANGE_NOISE,
-    cause="sunlight and lamps in the near infrared",
-    excitation="many readings under weak and strong light",
-    apply=lit,
-)
+    def apply(self, sd_m: Array, view: RangeView) -> Array:
+        # The factor on the variance under its own root: without light or effect it is one to the bit.
+        return sd_m * np.sqrt(1.0 + self.coefficient_per_klux * view.ambient_lux / 1000.0)

@@ -1,18 +1,20 @@
 """A current sensor with another gain."""
 
-from configs.schema.effects.motor import CurrentSensorGain
-from physics.effects.base import Slot, Term
+from typing import Annotated
+
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Plausible, Scale
 from symolo.core.arrays import Array
 
 
-def amplified(values: CurrentSensorGain, current_A: Array) -> Array:
-    return values.gain * current_A
+class CurrentSensorGain(Effect):
+    slot = Slot.CURRENT_READING
+    cause = "tolerance of shunt and amplifier"
+    excitation = "a wide range of currents; with speed, since alone it is a resistance and a friction"
+    setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
+    gain: Annotated[Scale, Plausible(0.5, 2.0, "a shunt of the next value in a series of three a decade")]
+    """measured = gain * true."""
 
-TERM = Term(
-    CurrentSensorGain,
-    Slot.CURRENT_READING,
-    cause="tolerance of shunt and amplifier",
-    excitation="a wide range of currents; with speed, since alone it is a resistance and a friction",
-    apply=amplified,
-)
+    def apply(self, current_A: Array) -> Array:
+        return self.gain * current_A

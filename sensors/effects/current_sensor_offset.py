@@ -1,18 +1,20 @@
 """A current sensor that does not read zero at zero."""
 
-from configs.schema.effects.motor import CurrentSensorOffset
-from physics.effects.base import Slot, Term
+from typing import Annotated
+
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Parameter
 from symolo.core.arrays import Array
 
 
-def shifted(values: CurrentSensorOffset, current_A: Array) -> Array:
-    return current_A + values.offset_A
+class CurrentSensorOffset(Effect):
+    slot = Slot.CURRENT_READING
+    cause = "offset of amplifier or converter"
+    excitation = "rest at 0 V, both signs of the current"
+    setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
+    offset_A: Annotated[float, Parameter("A", null=0.0, start=0.03, low=-2.0, high=2.0)]
+    """measured = true + offset."""
 
-TERM = Term(
-    CurrentSensorOffset,
-    Slot.CURRENT_READING,
-    cause="offset of amplifier or converter",
-    excitation="rest at 0 V, both signs of the current",
-    apply=shifted,
-)
+    def apply(self, current_A: Array) -> Array:
+        return current_A + self.offset_A

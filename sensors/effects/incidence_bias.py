@@ -1,21 +1,23 @@
 """Ranges that change with the angle at which the target is met."""
 
+from typing import Annotated
+
 import numpy as np
 
-from configs.schema.effects.range_bench import IncidenceBias
-from physics.effects.base import Slot, Term
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Parameter
 from sensors.range_view import RangeView
 from symolo.core.arrays import Array
 
 
-def tilted(values: IncidenceBias, reading_m: Array, view: RangeView) -> Array:
-    return reading_m + values.coefficient * view.distance_m * np.sin(view.incidence_rad) ** 2
+class IncidenceBias(Effect):
+    slot = Slot.RANGE
+    cause = "a footprint that lies over near and far parts of the target"
+    excitation = "several angles at the same distance"
+    setups = (Setup.RANGE_BENCH,)
 
+    coefficient: Annotated[float, Parameter("1", null=0.0, start=0.08, low=-2.0, high=2.0)]
+    """reading + coefficient * distance * sin^2(incidence)."""
 
-TERM = Term(
-    IncidenceBias,
-    Slot.RANGE,
-    cause="a footprint that lies over near and far parts of the target",
-    excitation="several angles at the same distance",
-    apply=tilted,
-)
+    def apply(self, reading_m: Array, view: RangeView) -> Array:
+        return reading_m + self.coefficient * view.distance_m * np.sin(view.incidence_rad) ** 2

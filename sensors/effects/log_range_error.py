@@ -1,20 +1,22 @@
 """An error that grows with the logarithm of the distance (paper Eq. 24)."""
 
-from configs.schema.effects.range_bench import LogRangeError
-from physics.effects.base import Slot, Term
+from typing import Annotated
+
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Parameter
 from sensors.range_log import log_beyond_near
 from sensors.range_view import RangeView
 from symolo.core.arrays import Array
 
 
-def bent(values: LogRangeError, reading_m: Array, view: RangeView) -> Array:
-    return reading_m + values.coefficient_m * log_beyond_near(view.distance_m)
+class LogRangeError(Effect):
+    slot = Slot.RANGE
+    cause = "nonlinearity of the timing circuit"
+    excitation = "distances below and beyond 0.18 m"
+    setups = (Setup.RANGE_BENCH,)
 
+    coefficient_m: Annotated[float, Parameter("m", null=0.0, start=0.02, low=-0.3, high=0.3)]
+    """reading + coefficient * ln(distance / 0.18 m) beyond 0.18 m."""
 
-TERM = Term(
-    LogRangeError,
-    Slot.RANGE,
-    cause="nonlinearity of the timing circuit",
-    excitation="distances below and beyond 0.18 m",
-    apply=bent,
-)
+    def apply(self, reading_m: Array, view: RangeView) -> Array:
+        return reading_m + self.coefficient_m * log_beyond_near(view.distance_m)

@@ -1,23 +1,25 @@
 """A tracked point that is not over the axle."""
 
+from typing import Annotated
+
 import numpy as np
 
-from configs.schema.effects.drive import MarkerOffset
-from physics.effects.base import Slot, Term
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Parameter
 from symolo.core.arrays import Array
 
 
-def ahead(values: MarkerOffset, pose: Array) -> Array:
-    """Pose (..., 3) of the tracked point, x [m], y [m], yaw [rad]."""
-    yaw = pose[..., 2]
-    step = np.stack([np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)], axis=-1)
-    return pose + values.offset_m * step
+class MarkerOffset(Effect):
+    slot = Slot.POSE_POINT
+    cause = "the marker is fixed where there is room"
+    excitation = "turns on the spot"
+    setups = (Setup.DRIVE,)
 
+    offset_m: Annotated[float, Parameter("m", null=0.0, start=0.02, low=-0.5, high=0.5)]
+    """The tracked point lies this far ahead of the axle."""
 
-TERM = Term(
-    MarkerOffset,
-    Slot.POSE_POINT,
-    cause="the marker is fixed where there is room",
-    excitation="turns on the spot",
-    apply=ahead,
-)
+    def apply(self, pose: Array) -> Array:
+        """Pose (..., 3) of the tracked point, x [m], y [m], yaw [rad]."""
+        yaw = pose[..., 2]
+        step = np.stack([np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)], axis=-1)
+        return pose + self.offset_m * step

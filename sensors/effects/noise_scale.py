@@ -1,19 +1,19 @@
 """More or less noise than nominal."""
 
-from configs.schema.effects.range_bench import NoiseScale
-from physics.effects.base import Slot, Term
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Scale
 from sensors.range_view import RangeView
 from symolo.core.arrays import Array
 
 
-def scaled(values: NoiseScale, sd_m: Array, _view: RangeView) -> Array:
-    return values.scale * sd_m
+class NoiseScale(Effect):
+    slot = Slot.RANGE_NOISE
+    cause = "timing budget, supply noise"
+    excitation = "many readings of the same target"
+    setups = (Setup.RANGE_BENCH,)
 
+    scale: Scale
+    """Standard deviation of the noise * scale."""
 
-TERM = Term(
-    NoiseScale,
-    Slot.RANGE_NOISE,
-    cause="timing budget, supply noise",
-    excitation="many readings of the same target",
-    apply=scaled,
-)
+    def apply(self, sd_m: Array, _view: RangeView) -> Array:
+        return self.scale * sd_m

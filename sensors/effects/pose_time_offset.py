@@ -1,17 +1,17 @@
 """Poses that are logged late."""
 
-from configs.schema.effects.drive import PoseTimeOffset
-from physics.effects.base import Slot, Term
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Delay
 
 
-def later(values: PoseTimeOffset, delay_s: float) -> float:
-    return delay_s + values.delay_s
+class PoseTimeOffset(Effect):
+    slot = Slot.POSE_DELAY
+    cause = "exposure, transmission and clock of the external camera"
+    excitation = "fast turns and starts, beside the encoders"
+    setups = (Setup.DRIVE,)
 
+    delay_s: Delay
+    """The logged pose is this much old."""
 
-TERM = Term(
-    PoseTimeOffset,
-    Slot.POSE_DELAY,
-    cause="exposure, transmission and clock of the external camera",
-    excitation="fast turns and starts, beside the encoders",
-    apply=later,
-)
+    def apply(self, delay_s: float) -> float:
+        return delay_s + self.delay_s

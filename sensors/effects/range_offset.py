@@ -1,19 +1,19 @@
 """Ranges that are too long or too short by the same amount."""
 
-from configs.schema.effects.range_bench import RangeOffset
-from physics.effects.base import Slot, Term
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import RangeShift
 from sensors.range_view import RangeView
 from symolo.core.arrays import Array
 
 
-def shifted(values: RangeOffset, reading_m: Array, _view: RangeView) -> Array:
-    return reading_m + values.offset_m
+class RangeOffset(Effect):
+    slot = Slot.RANGE
+    cause = "mounting depth, missing calibration"
+    excitation = "known distances"
+    setups = (Setup.RANGE_BENCH,)
 
+    offset_m: RangeShift
+    """reading + offset."""
 
-TERM = Term(
-    RangeOffset,
-    Slot.RANGE,
-    cause="mounting depth, missing calibration",
-    excitation="known distances",
-    apply=shifted,
-)
+    def apply(self, reading_m: Array, _view: RangeView) -> Array:
+        return reading_m + self.offset_m

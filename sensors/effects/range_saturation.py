@@ -1,20 +1,22 @@
 """Ranges that never exceed a limit."""
 
+from typing import Annotated
+
 import numpy as np
 
-from configs.schema.effects.range_bench import RangeSaturation
-from physics.effects.base import Slot, Term
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Parameter
 from symolo.core.arrays import Array
 
 
-def saturated(values: RangeSaturation, reading_m: Array) -> Array:
-    return np.minimum(reading_m, values.saturation_m)
+class RangeSaturation(Effect):
+    slot = Slot.RANGE_LIMIT
+    cause = "timing budget or range profile of the device"
+    excitation = "targets far away"
+    setups = (Setup.RANGE_BENCH,)
 
+    saturation_m: Annotated[float, Parameter("m", null=100.0, start=0.5, low=0.05, high=100.0)]
+    """reading <= saturation; the upper bound stands for none."""
 
-TERM = Term(
-    RangeSaturation,
-    Slot.RANGE_LIMIT,
-    cause="timing budget or range profile of the device",
-    excitation="targets far away",
-    apply=saturated,
-)
+    def apply(self, reading_m: Array) -> Array:
+        return np.minimum(reading_m, self.saturation_m)

@@ -1,19 +1,19 @@
 """Ranges that grow too fast or too slowly with the distance."""
 
-from configs.schema.effects.range_bench import RangeScale
-from physics.effects.base import Slot, Term
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import GeometryScale
 from sensors.range_view import RangeView
 from symolo.core.arrays import Array
 
 
-def scaled(values: RangeScale, reading_m: Array, _view: RangeView) -> Array:
-    return values.scale * reading_m
+class RangeScale(Effect):
+    slot = Slot.RANGE
+    cause = "clock of the timing circuit, missing calibration"
+    excitation = "distances over the whole range"
+    setups = (Setup.RANGE_BENCH,)
 
+    scale: GeometryScale
+    """reading = scale * distance."""
 
-TERM = Term(
-    RangeScale,
-    Slot.RANGE,
-    cause="clock of the timing circuit, missing calibration",
-    excitation="distances over the whole range",
-    apply=scaled,
-)
+    def apply(self, reading_m: Array, _view: RangeView) -> Array:
+        return self.scale * reading_m

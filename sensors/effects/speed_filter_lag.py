@@ -1,21 +1,19 @@
 """A measured speed that is low-pass filtered."""
 
-from configs.schema.effects.motor import SpeedFilterLag
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import LagTime
 from physics.drivetrain.first_order import followed
-from physics.effects.base import Slot, Term
 from symolo.core.arrays import Array
 
 
-def filtered(
-    values: SpeedFilterLag, held_rad_s: Array, before_rad_s: Array, speed_rad_s: Array, duration_s: float
-) -> Array:
-    return followed(held_rad_s, before_rad_s, speed_rad_s, duration_s, values.time_constant_s)
+class SpeedFilterLag(Effect):
+    slot = Slot.SPEED_FILTER
+    cause = "smoothing of the encoder's quantised speed"
+    excitation = "steps of voltage: the speed lags what the current says"
+    setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
+    time_constant_s: LagTime
+    """The measured speed is low-pass filtered, first order."""
 
-TERM = Term(
-    SpeedFilterLag,
-    Slot.SPEED_FILTER,
-    cause="smoothing of the encoder's quantised speed",
-    excitation="steps of voltage: the speed lags what the current says",
-    apply=filtered,
-)
+    def apply(self, held_rad_s: Array, before_rad_s: Array, speed_rad_s: Array, duration_s: float) -> Array:
+        return followed(held_rad_s, before_rad_s, speed_rad_s, duration_s, self.time_constant_s)

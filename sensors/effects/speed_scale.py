@@ -1,18 +1,23 @@
 """A speed that is computed with the wrong counts per revolution."""
 
-from configs.schema.effects.motor import SpeedScale
-from physics.effects.base import Slot, Term
+from typing import Annotated
+
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Plausible, Scale
 from symolo.core.arrays import Array
 
 
-def scaled(values: SpeedScale, speed_rad_s: Array) -> Array:
-    return values.scale * speed_rad_s
+class SpeedScale(Effect):
+    slot = Slot.SPEED_READING
+    cause = "another code wheel or gear ratio"
+    excitation = "a wide range of speeds, and the current"
+    setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
+    scale: Annotated[
+        Scale,
+        Plausible(0.25, 4.0, "a code wheel read by one edge for four, or four for one; other gear ratios lie between"),
+    ]
+    """measured speed = scale * true, by wrong counts per revolution."""
 
-TERM = Term(
-    SpeedScale,
-    Slot.SPEED_READING,
-    cause="another code wheel or gear ratio",
-    excitation="a wide range of speeds, and the current",
-    apply=scaled,
-)
+    def apply(self, speed_rad_s: Array) -> Array:
+        return self.scale * speed_rad_s

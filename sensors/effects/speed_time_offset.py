@@ -1,17 +1,17 @@
 """A speed that is logged late."""
 
-from configs.schema.effects.motor import SpeedTimeOffset
-from physics.effects.base import Slot, Term
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Delay
 
 
-def later(values: SpeedTimeOffset, delay_s: float) -> float:
-    return delay_s + values.delay_s
+class SpeedTimeOffset(Effect):
+    slot = Slot.SPEED_DELAY
+    cause = "buffering between encoder and log"
+    excitation = "steps of voltage, with the current as clock"
+    setups = (Setup.MOTOR_BENCH, Setup.DRIVE)
 
+    delay_s: Delay
+    """The measured speed is logged this much late; the current is not."""
 
-TERM = Term(
-    SpeedTimeOffset,
-    Slot.SPEED_DELAY,
-    cause="buffering between encoder and log",
-    excitation="steps of voltage, with the current as clock",
-    apply=later,
-)
+    def apply(self, delay_s: float) -> float:
+        return delay_s + self.delay_s

@@ -1,19 +1,21 @@
 """Ranges that follow the temperature."""
 
-from configs.schema.effects.range_bench import TemperatureDrift
-from physics.effects.base import Slot, Term
+from typing import Annotated
+
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Parameter
 from sensors.range_view import RangeView
 from symolo.core.arrays import Array
 
 
-def drifted(values: TemperatureDrift, reading_m: Array, view: RangeView) -> Array:
-    return reading_m + values.coefficient_m_per_K * (view.temperature_C - view.reference_temperature_C)
+class TemperatureDrift(Effect):
+    slot = Slot.RANGE
+    cause = "timing circuit without temperature compensation"
+    excitation = "temperatures well apart at the same distance"
+    setups = (Setup.RANGE_BENCH,)
 
+    coefficient_m_per_K: Annotated[float, Parameter("m/K", null=0.0, start=6e-4, low=-0.01, high=0.01)]
+    """reading + coefficient * (temperature - reference temperature)."""
 
-TERM = Term(
-    TemperatureDrift,
-    Slot.RANGE,
-    cause="timing circuit without temperature compensation",
-    excitation="temperatures well apart at the same distance",
-    apply=drifted,
-)
+    def apply(self, reading_m: Array, view: RangeView) -> Array:
+        return reading_m + self.coefficient_m_per_K * (view.temperature_C - view.reference_temperature_C)

@@ -1,21 +1,24 @@
 """A sensor that is turned in its mount."""
 
+from typing import Annotated, Literal
+
 import numpy as np
 
-from configs.schema.effects.drive import TofMountYaw
-from physics.effects.base import Slot, Term
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Parameter
 from sensors.range_view import RANGE_SENSORS
 from symolo.core.arrays import Array
 
 
-def turned(values: TofMountYaw, yaw_rad: Array) -> Array:
-    return yaw_rad + np.where(values.sensor == RANGE_SENSORS, values.angle_rad, 0.0)
+class TofMountYaw(Effect):
+    slot = Slot.RANGE_MOUNT
+    cause = "a board that is soldered or screwed down askew"
+    excitation = "walls met at several angles"
+    setups = (Setup.DRIVE,)
 
+    sensor: Literal["front", "left", "right"]
+    angle_rad: Annotated[float, Parameter("rad", null=0.0, start=0.1, low=-1.5, high=1.5)]
+    """That sensor points this much further counter-clockwise."""
 
-TERM = Term(
-    TofMountYaw,
-    Slot.RANGE_MOUNT,
-    cause="a board that is soldered or screwed down askew",
-    excitation="walls met at several angles",
-    apply=turned,
-)
+    def apply(self, yaw_rad: Array) -> Array:
+        return yaw_rad + np.where(self.sensor == RANGE_SENSORS, self.angle_rad, 0.0)

@@ -1,21 +1,24 @@
 """Ranges of one sensor that are too long or too short by the same amount."""
 
+from typing import Literal
+
 import numpy as np
 
-from configs.schema.effects.drive import TofRangeOffset
-from physics.effects.base import Slot, Term
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import RangeShift
 from sensors.range_view import RANGE_SENSORS, RangeView
 from symolo.core.arrays import Array
 
 
-def shifted(values: TofRangeOffset, reading_m: Array, _view: RangeView) -> Array:
-    return reading_m + np.where(values.sensor == RANGE_SENSORS, values.offset_m, 0.0)
+class TofRangeOffset(Effect):
+    slot = Slot.RANGE
+    cause = "mounting depth, missing calibration"
+    excitation = "walls seen by each sensor from known poses"
+    setups = (Setup.DRIVE,)
 
+    sensor: Literal["front", "left", "right"]
+    offset_m: RangeShift
+    """Range of that sensor + offset."""
 
-TERM = Term(
-    TofRangeOffset,
-    Slot.RANGE,
-    cause="mounting depth, missing calibration",
-    excitation="walls seen by each sensor from known poses",
-    apply=shifted,
-)
+    def apply(self, reading_m: Array, _view: RangeView) -> Array:
+        return reading_m + np.where(self.sensor == RANGE_SENSORS, self.offset_m, 0.0)

@@ -1,19 +1,19 @@
 """Ranges of all sensors too long or too short."""
 
-from configs.schema.effects.drive import TofRangeScale
-from physics.effects.base import Slot, Term
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import GeometryScale
 from sensors.range_view import RangeView
 from symolo.core.arrays import Array
 
 
-def scaled(values: TofRangeScale, reading_m: Array, _view: RangeView) -> Array:
-    return values.scale * reading_m
+class TofRangeScale(Effect):
+    slot = Slot.RANGE
+    cause = "clock of the timing circuits, missing calibration"
+    excitation = "walls near and far"
+    setups = (Setup.DRIVE,)
 
+    scale: GeometryScale
+    """All ranges * scale."""
 
-TERM = Term(
-    TofRangeScale,
-    Slot.RANGE,
-    cause="clock of the timing circuits, missing calibration",
-    excitation="walls near and far",
-    apply=scaled,
-)
+    def apply(self, reading_m: Array, _view: RangeView) -> Array:
+        return self.scale * reading_m

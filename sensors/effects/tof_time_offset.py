@@ -1,17 +1,17 @@
 """Ranges that are logged late."""
 
-from configs.schema.effects.drive import TofTimeOffset
-from physics.effects.base import Slot, Term
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import Delay
 
 
-def later(values: TofTimeOffset, delay_s: float) -> float:
-    return delay_s + values.delay_s
+class TofTimeOffset(Effect):
+    slot = Slot.RANGE_DELAY
+    cause = "timing budget and buffering of the sensor"
+    excitation = "fast motion towards and past walls"
+    setups = (Setup.DRIVE,)
 
+    delay_s: Delay
+    """The logged ranges are this much old."""
 
-TERM = Term(
-    TofTimeOffset,
-    Slot.RANGE_DELAY,
-    cause="timing budget and buffering of the sensor",
-    excitation="fast motion towards and past walls",
-    apply=later,
-)
+    def apply(self, delay_s: float) -> float:
+        return delay_s + self.delay_s

@@ -1,21 +1,24 @@
 """Ranges that drift after power-on."""
 
+from typing import Annotated
+
 import numpy as np
 
-from configs.schema.effects.range_bench import WarmupDrift
-from physics.effects.base import Slot, Term
+from configs.effects.base import Effect, Setup, Slot
+from configs.effects.parameter import DriftTime, Parameter
 from sensors.range_view import RangeView
 from symolo.core.arrays import Array
 
 
-def warming(values: WarmupDrift, reading_m: Array, view: RangeView) -> Array:
-    return reading_m + values.amplitude_m * np.exp(-view.time_s / values.time_constant_s)
+class WarmupDrift(Effect):
+    slot = Slot.RANGE
+    cause = "self-heating of the device"
+    excitation = "the same distance from power-on until it has settled"
+    setups = (Setup.RANGE_BENCH,)
 
+    amplitude_m: Annotated[float, Parameter("m", null=0.0, start=0.01, low=-0.2, high=0.2)]
+    """reading + amplitude * exp(-t / time_constant), t since power-on."""
+    time_constant_s: DriftTime
 
-TERM = Term(
-    WarmupDrift,
-    Slot.RANGE,
-    cause="self-heating of the device",
-    excitation="the same distance from power-on until it has settled",
-    apply=warming,
-)
+    def apply(self, reading_m: Array, view: RangeView) -> Array:
+        return reading_m + self.amplitude_m * np.exp(-view.time_s / self.time_constant_s)

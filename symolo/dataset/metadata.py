@@ -10,11 +10,12 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from configs.schema.board import BoardKind, FramingName
-from configs.schema.scenario import AnnotationName, Rates, RunSpec, StartPose
+from configs.schema.scenario import Rates, RunSpec, StartPose
 from symolo.arena.geometry import Arena
 from symolo.core.file_hashes import canonical_json
 from symolo.core.os_errors import NOT_THERE
 from symolo.core.versions import versions
+from symolo.dataset.annotations import AnnotationName
 from symolo.dataset.codes import State
 from symolo.dataset.obstacles import obstacle_table
 from symolo.dataset.rows import COLUMNS, HEADER, Rows

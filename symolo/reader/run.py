@@ -22,8 +22,8 @@ from symolo.reader.image import Image
 from symolo.reader.tables import frame, rows_frame
 
 if TYPE_CHECKING:
-    from blender_scenes.annotations.document import Document
     from blender_scenes.render.job import RenderJob
+    from symolo.dataset.annotations import AnnotationDocument
     from symolo.dataset.camera_model import CameraModel
 
 # Whatever knows of pictures loads OpenCV, which takes half a second; tables and poses do without.
@@ -189,17 +189,17 @@ class Run:
             raise InputError(f"is damaged: {error}", where=str(path)) from None
 
     @cached_property
-    def annotations(self) -> "Document":
+    def annotations(self) -> "AnnotationDocument":
         """annotations.json: categories, instances, boxes, key points.
 
         Raises:
             InputError: The run has none, or it is damaged.
         """
-        from blender_scenes.annotations.document import DOCUMENT, Document
+        from symolo.dataset.annotations import DOCUMENT, AnnotationDocument
 
         path = self._annotation_folder / DOCUMENT
         try:
-            return Document.from_json(path.read_bytes())
+            return AnnotationDocument.from_json(path.read_bytes())
         except FileNotFoundError:
             cure = "release it with `--set render.annotations=[instance,semantic]`"
             raise InputError("has no annotations", where=str(self.folder), cure=cure) from None
@@ -215,15 +215,17 @@ class Run:
     @property
     def annotation_pictures(self) -> tuple[str, ...]:
         """Kinds of which each image has a picture."""
-        from blender_scenes.annotations.job import RECORDS
+        from symolo.dataset.annotations import RECORD_KINDS
 
-        return tuple(kind for kind in self.annotations.kinds if kind not in RECORDS) if self.has_annotations else ()
+        return (
+            tuple(kind for kind in self.annotations.kinds if kind not in RECORD_KINDS) if self.has_annotations else ()
+        )
 
     def annotation_picture(self, kind: str, number: int) -> Path:
         """Where the picture of a kind lies, if there is one."""
-        from blender_scenes.annotations.job import picture_file
+        from symolo.dataset.annotations import annotation_file
 
-        return self._annotation_folder / picture_file(kind, number)
+        return self._annotation_folder / annotation_file(kind, number)
 
     @property
     def _annotation_folder(self) -> Path:

@@ -1,4 +1,4 @@
-"""Two short drives and a motor bench that between them excite every term, as bytes to compare."""
+"""Two short drives and a motor bench that between them excite every effect, as bytes to compare."""
 
 from collections.abc import Callable
 
@@ -57,8 +57,8 @@ def read_in_engine(walled: Arena) -> Callable[[RobotConfig], list[bytes]]:
             found = _sensed(robot, walled, world)
             t_s = np.arange(2) * 0.05
             speeds = np.array([(0.0, 0.0), world.wheel_speeds()])
-            current = read_current_A(robot.terms, np.array(world.currents()))
-            return [*found, current.tobytes(), read_speed_rad_s(robot.terms, t_s, speeds).tobytes()]
+            current = read_current_A(robot.effects, np.array(world.currents()))
+            return [*found, current.tobytes(), read_speed_rad_s(robot.effects, t_s, speeds).tobytes()]
 
     return read
 
@@ -82,8 +82,8 @@ def read_on_bench() -> Callable[[RobotConfig], list[bytes]]:
         current, speed = step_responses(model, reversal, 0.005)
         steady_current, steady_speed = steady_states(model, np.array([-2.0, 0.3, 4.0]), np.array([1.0, 2.0, 3.0]))
         t_s = 0.005 * np.arange(1, 21)
-        found = [read_current_A(robot.terms, amperes) for amperes in (current, steady_current)]
-        found += [read_speed_rad_s(robot.terms, t_s, speed), steady_speed]
+        found = [read_current_A(robot.effects, amperes) for amperes in (current, steady_current)]
+        found += [read_speed_rad_s(robot.effects, t_s, speed), steady_speed]
         return [reading.tobytes() for reading in found]
 
     return read

@@ -8,11 +8,11 @@ import pytest
 
 from configs.draw import draw_robot
 from configs.loader import load_section
-from configs.schema.effects.drive import WheelRadiusScale
 from diagnosis.dataset_comparison import compare_with_dataset
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.report.dataset_comparison import in_json, verdict
+from physics.effects.wheel_radius_scale import WheelRadiusScale
 from symolo.core.errors import InputError
 
 
@@ -23,7 +23,7 @@ def robot():
 
 @pytest.fixture(scope="module")
 def of_radius(robot):
-    return lambda scale: robot.with_term(WheelRadiusScale(scale=scale))
+    return lambda scale: robot.with_effect(WheelRadiusScale(scale=scale))
 
 
 def residual(comparison, name):

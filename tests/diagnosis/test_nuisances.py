@@ -8,11 +8,13 @@ import yaml
 
 from configs.draw import draw_robot
 from configs.loader import load_section
-from configs.schema.effects.range_bench import RangeOffset, RangeScale
 from diagnosis.measured.nominal import read_nominal
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
 from diagnosis.usual_tolerances import usual_wheels
+from physics.effects.wheel_radius_asymmetry import WheelRadiusAsymmetry
+from sensors.effects.range_offset import RangeOffset
+from sensors.effects.range_scale import RangeScale
 
 EXAMPLES = Path(__file__).parents[1] / "fixtures" / "gap_examples"
 MOTOR = {"winding_resistance_ohm", "torque_constant_N_m_A", "viscous_friction_N_m_s_rad", "coulomb_friction_N_m"}
@@ -75,16 +77,16 @@ def test_the_nominal_robot_of_a_drive_has_the_numbers_of_the_case(carrier):
     left = robot.tof.mounts.left
     assert (left.x_m, left.y_m, left.yaw_deg) == (0.045, 0.05, pytest.approx(45.0))
     assert (robot.tof.max_range_m, robot.tof.error_scale, robot.tof.rays) == (1.2, 0.0, 1)
-    assert robot.model_dump()["terms"] == {}
+    assert robot.model_dump()["effects"] == {}
 
 
 def test_an_effect_of_the_same_kind_stays_on_top_of_the_units_own_offset_and_scale(carrier):
     nominal = read_nominal(EXAMPLES / "tof_bench_001" / "nominal.yaml")
-    robot = nominal_robot(nominal, carrier).with_term(RangeOffset(offset_m=0.02)).with_term(RangeScale(scale=1.1))
+    robot = nominal_robot(nominal, carrier).with_effect(RangeOffset(offset_m=0.02)).with_effect(RangeScale(scale=1.1))
     offset, scale = nuisances(nominal)
-    changed = scale.applied(offset.applied(robot, 0.001), 0.99).terms
-    assert changed.range_offset.offset_m == pytest.approx(0.021)
-    assert changed.range_scale.scale == pytest.approx(1.1 * 0.99)
+    changed = scale.applied(offset.applied(robot, 0.001), 0.99).effects
+    assert changed.get(RangeOffset).offset_m == pytest.approx(0.021)
+    assert changed.get(RangeScale).scale == pytest.approx(1.1 * 0.99)
 
 
 def test_of_drawn_wheels_both_may_differ_and_nothing_else(carrier):
@@ -97,6 +99,6 @@ def test_of_drawn_wheels_both_may_differ_and_nothing_else(carrier):
     found = {nuisance.name: nuisance for nuisance in nuisances(known)}
     assert set(found) == {"wheel_radius_m", "wheel_separation_m", "wheel_radius_asymmetry"}
     uneven = found["wheel_radius_asymmetry"].applied(robot, 0.004)
-    assert uneven.terms.wheel_radius_asymmetry.asymmetry == 0.004
+    assert uneven.effects.get(WheelRadiusAsymmetry).asymmetry == 0.004
     twice = found["wheel_radius_asymmetry"].applied(uneven, 0.001)
-    assert twice.terms.wheel_radius_asymmetry.asymmetry == pytest.approx(0.005)
+    assert twice.effects.get(WheelRadiusAsymmetry).asymmetry == pytest.approx(0.005)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hil.framings import FRAMINGS
-from hil.framings.base import Answer, Asked
+from hil.framings.base import CommandMessage, SensorsMessage
 from hil.plausible import DriveLimits
 
 REPEATS = {"the one before again", "an older one"}
@@ -51,7 +51,7 @@ def test_of_noise_nothing_is_heard(framing, count):
     for ears in (framing.from_board(), framing.to_board()):
         heard = [found for at in range(0, count, 777) for found in ears.feed(noise[at : at + 777])]
         assert heard
-        assert not any(isinstance(found, Answer | Asked) for found in heard)
+        assert not any(isinstance(found, CommandMessage | SensorsMessage) for found in heard)
 
 
 def test_simtwo_takes_a_flipped_digit_for_good(line_faults, nominal):

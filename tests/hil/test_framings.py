@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from hil.frames import CommandFrame, HelloFrame, SensorFrame
 from hil.framings import FRAMINGS
-from hil.framings.base import Answer, Asked, Damaged, HelloAsked
+from hil.framings.base import CommandMessage, Damaged, HelloRequest, SensorsMessage
 from hil.framings.cobs import stuffed, unstuffed
 from hil.framings.framed import Framed, crc16
 from hil.framings.simtwo import SimTwo
@@ -97,7 +97,7 @@ def test_a_sensor_frame_that_does_not_add_up_is_dropped_though_its_checksum_is_r
 
 def test_a_command_frame_is_laid_out_as_written_down():
     by_hand = framed_by_hand("43 2A  21 0020 18FC FA00 FFFF 0300 0201 05")
-    assert Framed().from_board().feed(by_hand) == [Answer(TOLD, 0x2A)]
+    assert Framed().from_board().feed(by_hand) == [CommandMessage(TOLD, 0x2A)]
     assert Framed().command(0x2A, TOLD) == by_hand
 
 
@@ -107,14 +107,14 @@ def test_a_hello_is_laid_out_as_written_down():
     assert Framed().hello(7) == asked
     assert Framed().hello_answer(7, who) == answered
     assert Framed().from_board().feed(answered) == [who]
-    assert Framed().to_board().feed(asked) == [HelloAsked(7)]
+    assert Framed().to_board().feed(asked) == [HelloRequest(7)]
 
 
 def test_simtwo_frames_are_laid_out_as_written_down():
     assert SimTwo().sensors(9, SEEN) == b"R0001FFFEI00FF3366J99CCFF00H010207D0KFFFF0000G00000003"
     assert SimTwo().command(9, TOLD) == b"s00000021M00002000QFFFFFC18"
     told = SimTwo().from_board().feed(b"s00000021M00002000QFFFFFC18")
-    assert told == [Answer(CommandFrame(State.LOST_LEFT_WALL, 8.192, -1.0), None)]
+    assert told == [CommandMessage(CommandFrame(State.LOST_LEFT_WALL, 8.192, -1.0), None)]
 
 
 def in_pieces(ears, data, cuts):
@@ -127,16 +127,16 @@ def in_pieces(ears, data, cuts):
 @given(frame=SENSORS, seq=st.integers(0, 255), cuts=st.lists(st.integers(0, 99), max_size=4))
 def test_what_the_sensors_say_comes_to_the_board_in_pieces_of_any_length(framing, frame, seq, cuts):
     number = seq if framing.numbers_frames else None
-    assert in_pieces(framing.to_board(), framing.sensors(seq, frame), cuts) == [Asked(frame, number)]
+    assert in_pieces(framing.to_board(), framing.sensors(seq, frame), cuts) == [SensorsMessage(frame, number)]
 
 
 @pytest.mark.parametrize("framing", FRAMINGS.values(), ids=FRAMINGS)
 @settings(max_examples=25, deadline=None)
 @given(frame=COMMANDS, seq=st.integers(0, 255), cuts=st.lists(st.integers(0, 99), max_size=4))
 def test_a_command_comes_back_in_pieces_of_any_length(framing, frame, seq, cuts):
-    expected = Answer(frame, seq)
+    expected = CommandMessage(frame, seq)
     if not framing.numbers_frames:
-        expected = Answer(CommandFrame(frame.state, frame.right_rad_s, frame.left_rad_s), None)
+        expected = CommandMessage(CommandFrame(frame.state, frame.right_rad_s, frame.left_rad_s), None)
     assert in_pieces(framing.from_board(), framing.command(seq, frame), cuts) == [expected]
 
 
@@ -145,9 +145,9 @@ def test_a_command_comes_back_in_pieces_of_any_length(framing, frame, seq, cuts)
 @given(noise=NOISE, frame=COMMANDS, seen=SENSORS)
 def test_a_whole_frame_is_heard_whatever_came_before_it(framing, noise, frame, seen):
     heard = framing.from_board().feed(noise + framing.command(1, frame))
-    assert [type(found) for found in heard][-1:] == [Answer]
+    assert [type(found) for found in heard][-1:] == [CommandMessage]
     heard = framing.to_board().feed(noise + framing.sensors(1, seen))
-    assert heard[-1] == Asked(seen, 1 if framing.numbers_frames else None)
+    assert heard[-1] == SensorsMessage(seen, 1 if framing.numbers_frames else None)
 
 
 @settings(max_examples=25, deadline=None)
@@ -170,8 +170,8 @@ def test_a_state_that_there_is_not_is_damage():
 )
 def test_simtwo_channels_that_are_cut_or_out_of_order_make_no_command(bad):
     ears = SimTwo().from_board()
-    assert not any(isinstance(found, Answer) for found in ears.feed(bad.encode() + b"Q00000000"))
-    assert [type(found) for found in ears.feed(b"s00000000M00000000Q00000000")] == [Answer]
+    assert not any(isinstance(found, CommandMessage) for found in ears.feed(bad.encode() + b"Q00000000"))
+    assert [type(found) for found in ears.feed(b"s00000000M00000000Q00000000")] == [CommandMessage]
 
 
 def test_what_does_not_fit_is_held_within_what_does():

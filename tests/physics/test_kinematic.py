@@ -6,9 +6,19 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from configs.schema.effects import drive, motor
 from configs.schema.scenario import Rates
 from physics.bullet.simulation import BulletSimulation
+from physics.effects.battery_decline import BatteryDecline
+from physics.effects.bridge_voltage_drop import BridgeVoltageDrop
+from physics.effects.coulomb_friction_scale import CoulombFrictionScale
+from physics.effects.encoder_missed_ticks import EncoderMissedTicks
+from physics.effects.input_delay import InputDelay
+from physics.effects.stribeck_friction import StribeckFriction
+from physics.effects.supply_sag import SupplySag
+from physics.effects.torque_constant_mismatch import TorqueConstantMismatch
+from physics.effects.turn_slip import TurnSlip
+from physics.effects.wheel_radius_asymmetry import WheelRadiusAsymmetry
+from physics.effects.wheelbase_scale import WheelbaseScale
 from physics.robot.model import RobotModel
 from physics.twin import FEW, KinematicTwin, ReplayedWorld
 from sensors.fit_out import fit_out
@@ -43,25 +53,25 @@ def in_twin(robot, step_s=0.005):
 
 
 WORN = (
-    motor.CoulombFrictionScale(scale=1.4),
-    drive.TorqueConstantMismatch(mismatch=0.05),
-    motor.SupplySag(source_resistance_ohm=0.5),
-    motor.BridgeVoltageDrop(drop_V=0.2),
-    motor.InputDelay(delay_s=0.03),
-    motor.StribeckFriction(extra_torque_N_m=0.004, stribeck_speed_rad_s=2.0),
-    drive.BatteryDecline(fraction_per_minute=0.2),
-    drive.WheelRadiusAsymmetry(asymmetry=0.02),
-    drive.WheelbaseScale(scale=1.05),
-    drive.TurnSlip(coefficient_s2_m=0.5),
-    drive.EncoderMissedTicks(side="right", fraction=0.1, threshold_rad_s=4.0),
+    CoulombFrictionScale(scale=1.4),
+    TorqueConstantMismatch(mismatch=0.05),
+    SupplySag(source_resistance_ohm=0.5),
+    BridgeVoltageDrop(drop_V=0.2),
+    InputDelay(delay_s=0.03),
+    StribeckFriction(extra_torque_N_m=0.004, stribeck_speed_rad_s=2.0),
+    BatteryDecline(fraction_per_minute=0.2),
+    WheelRadiusAsymmetry(asymmetry=0.02),
+    WheelbaseScale(scale=1.05),
+    TurnSlip(coefficient_s2_m=0.5),
+    EncoderMissedTicks(side="right", fraction=0.1, threshold_rad_s=4.0),
 )
 
 
 class TestAgainstTheEngine:
     @pytest.mark.parametrize("several", [(), WORN], ids=["nominal", "worn"])
     def test_after_10_s_of_the_same_voltages_it_is_within_5_mm_and_half_a_degree(self, robot, open_floor, several):
-        for term in several:
-            robot = robot.with_term(term)
+        for effect in several:
+            robot = robot.with_effect(effect)
         (truth, counts), (found, found_counts) = in_engine(robot, open_floor), in_twin(robot)
         assert np.hypot(*np.diff(truth[:, :2], axis=0).T).sum() > 1.0, "the profile goes somewhere"
         assert np.abs(np.diff(truth[:, 2])).sum() > 4.0
@@ -149,8 +159,8 @@ def test_a_replay_ends_where_its_run_ends(robot, open_floor):
 
 
 def test_trials_do_not_touch_each_other(robot):
-    for term in WORN:
-        robot = robot.with_term(term)
+    for effect in WORN:
+        robot = robot.with_effect(effect)
     twin = KinematicTwin(RobotModel.from_config(robot), 0.01)
     both = np.concatenate([voltages(0.01), -voltages(0.01)], axis=1)
     starts = np.array([[0.0, 0.0, 0.0], [1.0, 2.0, 3.0]])

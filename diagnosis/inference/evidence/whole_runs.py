@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from diagnosis.inference.hypothesis import Effect, Hypothesis, moved
+from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.selection import MOST, needed
 from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors.drive_log import POSE
@@ -99,13 +99,13 @@ class WholeRunFit:
     def robot(self) -> RobotConfig:
         return self.hypothesis.robot(self.x)
 
-    def std(self, effect: Effect) -> dict[str, float]:
+    def std(self, effect: CandidateEffect) -> dict[str, float]:
         """Return the standard errors of an effect's parameters, in their units."""
         return self.hypothesis.std(effect, self.x, self.covariance)
 
 
 def fitted_to_whole_runs(
-    measurement: Measurement, hypothesis: Hypothesis, x: Array, effects: Sequence[Effect]
+    measurement: Measurement, hypothesis: Hypothesis, x: Array, effects: Sequence[CandidateEffect]
 ) -> WholeRunFit | None:
     """Return a hypothesis fitted to the runs that are not held out, with the effects that these runs need.
 
@@ -124,9 +124,9 @@ def fitted_to_whole_runs(
     runs = WholeRuns(replace(measurement, trials=trials), hypothesis.nominal)
     fit = _fit(runs, hypothesis, x)
     while len(fit.hypothesis.effects) < MOST:
-        names = {effect.term.name for effect in fit.hypothesis.effects}
+        names = {effect.kind.name for effect in fit.hypothesis.effects}
         tried = []
-        for effect in (e for e in effects if e.term.name not in names):
+        for effect in (e for e in effects if e.kind.name not in names):
             extended = fit.hypothesis.with_effect(effect)
             tried.append((effect, _fit(runs, extended, moved(fit.x, fit.hypothesis, extended))))
         accepted = [(effect, candidate) for effect, candidate in tried if fit.cost - candidate.cost > needed(effect)]

@@ -19,7 +19,7 @@ from scipy.special import fdtrc
 
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.fit import Fit
-from diagnosis.inference.hypothesis import Effect, moved
+from diagnosis.inference.hypothesis import CandidateEffect, moved
 from diagnosis.inference.likelihood import root_weights
 from diagnosis.inference.projection import beyond, orthonormal
 from diagnosis.inference.unexplained.bases import RUNS_OF_ROWS, Basis, any_function, bases, standing_out
@@ -164,7 +164,7 @@ def _moved_beside(evidence: Evidence, fit: Fit, columns: Array) -> tuple[Array, 
     return z, x
 
 
-def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) -> list[Effect]:
+def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) -> list[CandidateEffect]:
     """Return the effects of a fit that are needed in addition to an unexplained structure, the most needed first.
 
     The residuals of the nominal model are explained again, linearly and with the weights of the fit: first by the
@@ -186,7 +186,7 @@ def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) 
     flexible = np.concatenate([functions * root[:, None], np.zeros((size, functions.shape[1]))])
     taken = [nominal.tangents(root), flexible]
     residual = nominal.left(nominal.z, root)
-    kept: list[Effect] = []
+    kept: list[CandidateEffect] = []
     priors = np.zeros(size)
     left = {
         effect: np.concatenate([root * change_by(evidence, nominal, fit, effect), priors])
@@ -220,7 +220,7 @@ def _functions(evidence: Evidence, structure: Structure) -> Array:
     return np.concatenate(parts, axis=1)
 
 
-def change_by(evidence: Evidence, nominal: Fit, fit: Fit, effect: Effect) -> Array:
+def change_by(evidence: Evidence, nominal: Fit, fit: Fit, effect: CandidateEffect) -> Array:
     """Return the change (N,) of the nominal prediction by a fitted effect alone, in sigmas; 0 outside the fit."""
     alone = nominal.hypothesis.with_effect(effect)
     x = moved(nominal.x, nominal.hypothesis, alone)

@@ -7,13 +7,13 @@ import pytest
 
 from configs.draw import draw_robot
 from configs.loader import load_section
-from configs.schema.effects.drive import WheelRadiusScale
-from configs.schema.effects.motor import TorqueConstantScale
 from diagnosis.engine.base import by_pybullet, without_body
 from diagnosis.engine.gain import compare_engines
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.nominal_robot import nominal_robot
+from physics.effects.torque_constant_scale import TorqueConstantScale
+from physics.effects.wheel_radius_scale import WheelRadiusScale
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +25,7 @@ def test_a_bench_of_a_weak_magnet_loses_its_error_in_pybullet_as_in_the_twin(mot
     """The closed form's readings; noise of 1 mA and 0.04 rad/s is all that is left."""
     measured = read_measurement(motor_bench_case(tmp_path / "weak", strength=0.9), IMPORTERS)
     nominal = nominal_robot(measured.nominal, robot)
-    found = compare_engines(measured, nominal, nominal.with_term(TorqueConstantScale(scale=0.9)))
+    found = compare_engines(measured, nominal, nominal.with_effect(TorqueConstantScale(scale=0.9)))
     bullet, twin = found.engines
     current, speed = bullet.errors
     assert current.before > 0.005
@@ -37,7 +37,7 @@ def test_a_bench_of_a_weak_magnet_loses_its_error_in_pybullet_as_in_the_twin(mot
 
 
 def test_a_drive_of_the_twin_is_driven_again_by_the_robot_it_was_and_not_by_another(robot, driven_log):
-    smaller = robot.with_term(WheelRadiusScale(scale=0.95))
+    smaller = robot.with_effect(WheelRadiusScale(scale=0.95))
     measured = driven_log(smaller)
     bullet, twin = compare_engines(measured, robot, smaller).engines
     assert twin.errors[2].after == pytest.approx(0.0, abs=1e-9)
@@ -50,7 +50,7 @@ def test_the_path_begins_where_it_was_measured_and_leaves_it_by_the_share_that_t
     robot, driven_log
 ):
     """Straight on, a radius of 1/0.95 goes 5.3 % too far, less what a hard start takes of it."""
-    smaller = robot.with_term(WheelRadiusScale(scale=0.95))
+    smaller = robot.with_effect(WheelRadiusScale(scale=0.95))
     path = compare_engines(driven_log(smaller, straight=True), robot, smaller).path
     np.testing.assert_allclose(path.nominal[0], path.measured[0], atol=1e-9)
     way_m = np.hypot(*path.measured[-1, :2])

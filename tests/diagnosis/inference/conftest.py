@@ -1,4 +1,4 @@
-"""A made-up bench whose answers are closed forms: a current proportional to x, read through the sensor's own terms."""
+"""A made-up bench whose answers are closed forms: a current proportional to x, read through the sensor's effects."""
 
 from dataclasses import dataclass
 
@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 
 from configs.draw import draw_robot
+from configs.effects.registry import effect_classes
 from configs.loader import load_section
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.hypothesis import Effect, Hypothesis
+from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.nuisances import Nuisance
 from diagnosis.predictors.base import Covariate, Observed, Predicted
-from physics.effects import PHYSICS_TERMS
 from physics.robot.model import RobotModel
-from sensors.effects import SENSOR_TERMS
 from sensors.instruments import read_current_A
 
 TOLERANCE = 0.02
@@ -37,7 +36,7 @@ class Bench:
     def predict(self, robots):
         constants = [RobotModel.from_config(robot).motors.right.torque_constant_N_m_A for robot in robots]
         rows = [
-            read_current_A(robot.terms, self.x * constant / self.nominal_constant)
+            read_current_A(robot.effects, self.x * constant / self.nominal_constant)
             for robot, constant in zip(robots, constants, strict=True)
         ]
         return (Predicted(np.array(rows), self.observed[0].sd),)
@@ -58,8 +57,8 @@ def hypothesis(robot):
 
 @pytest.fixture(scope="session")
 def effect():
-    terms = {term.name: term for term in (*PHYSICS_TERMS, *SENSOR_TERMS)}
-    return lambda name, **choices: Effect(terms[name], tuple(choices.items()))
+    effects = {effect.name: effect for effect in effect_classes()}
+    return lambda name, **choices: CandidateEffect(effects[name], tuple(choices.items()))
 
 
 @pytest.fixture(scope="session")

@@ -8,7 +8,7 @@ X = np.linspace(0.3, 1.0, 60)
 
 
 def test_an_effect_that_would_have_to_be_larger_than_it_can_be_is_not_believed(evidence_of, hypothesis, effect):
-    """A gain of 30: the term ends far below, and what is left is another's work."""
+    """A gain of 30: the effect ends far below, and what is left is another's work."""
     gain = effect("current_sensor_gain")
     model = hypothesis.with_effect(gain)
     for factor, expected in ((30.0, True), (1.3, False)):

@@ -1,18 +1,20 @@
 import numpy as np
 import pytest
 
-from configs.schema.effects.range_bench import RangeOffset, RangeScale
+from sensors.effects.range_offset import RangeOffset
+from sensors.effects.range_scale import RangeScale
 
 
 @pytest.mark.parametrize(
-    ("term", "name", "number", "total"),
+    ("present", "number", "total"),
     [
-        (RangeOffset(offset_m=0.03), "range_offset", {"offset_m": 0.02}, 0.05),
-        (RangeScale(scale=1.04), "range_scale", {"scale": 1.05}, 1.092),
+        (RangeOffset(offset_m=0.03), {"offset_m": 0.02}, 0.05),
+        (RangeScale(scale=1.04), {"scale": 1.05}, 1.092),
     ],
 )
-def test_an_effect_comes_on_top_of_what_the_nominal_robot_has_of_that_name(robot, effect, term, name, number, total):
-    (value,) = dict(getattr(effect(name).on(robot.with_term(term), number).terms, name)).values()
+def test_an_effect_comes_on_top_of_what_the_nominal_robot_has_of_that_name(robot, effect, present, number, total):
+    changed = effect(present.name).on(robot.with_effect(present), number)
+    (value,) = dict(changed.effects.get(type(present))).values()
     assert value == pytest.approx(total)
 
 

@@ -46,7 +46,7 @@ def test_of_a_straight_model_an_interval_is_as_wide_as_its_standard_error_says(o
 
 
 def test_an_end_at_a_bound_is_open(offset_of, effect):
-    highest = effect("current_sensor_offset").term.numbers["offset_A"].high
+    highest = effect("current_sensor_offset").kind.parameters()["offset_A"].high
     _, narrow, wide = offset_of(X + highest + SD_A * np.random.default_rng(1).standard_normal(len(X)))
     assert narrow.is_open
     assert wide.is_open

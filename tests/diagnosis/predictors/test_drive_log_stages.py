@@ -6,15 +6,36 @@ import numpy as np
 import pytest
 
 from configs.draw import draw_robot
+from configs.effects.registry import effect_classes
 from configs.loader import load_section
-from configs.schema.effects import drive, motor, range_bench
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
-from physics.effects import PHYSICS_TERMS
-from sensors.effects import SENSOR_TERMS
+from physics.effects.battery_decline import BatteryDecline
+from physics.effects.bridge_voltage_drop import BridgeVoltageDrop
+from physics.effects.coulomb_friction_scale import CoulombFrictionScale
+from physics.effects.encoder_missed_ticks import EncoderMissedTicks
+from physics.effects.encoder_ticks_scale import EncoderTicksScale
+from physics.effects.input_delay import InputDelay
+from physics.effects.rotor_inertia_scale import RotorInertiaScale
+from physics.effects.supply_sag import SupplySag
+from physics.effects.torque_constant_mismatch import TorqueConstantMismatch
+from physics.effects.torque_constant_scale import TorqueConstantScale
+from physics.effects.turn_slip import TurnSlip
+from physics.effects.viscous_friction_scale import ViscousFrictionScale
+from physics.effects.wheel_radius_asymmetry import WheelRadiusAsymmetry
+from physics.effects.wheel_radius_scale import WheelRadiusScale
+from physics.effects.wheelbase_scale import WheelbaseScale
+from physics.effects.winding_resistance_scale import WindingResistanceScale
+from sensors.effects.marker_offset import MarkerOffset
+from sensors.effects.pose_time_offset import PoseTimeOffset
+from sensors.effects.range_offset import RangeOffset
+from sensors.effects.tof_mount_yaw import TofMountYaw
+from sensors.effects.tof_range_offset import TofRangeOffset
+from sensors.effects.tof_range_scale import TofRangeScale
+from sensors.effects.tof_time_offset import TofTimeOffset
 from symolo.core.time_series import TimeSeries
 
 R, K, B, TC, J = 3.0, 0.3, 0.002, 0.02, 0.003
@@ -87,8 +108,8 @@ def stages(robot, *trials, nominal=NOMINAL):
 
 
 def means(stage, robot, *several):
-    for term in several:
-        robot = robot.with_term(term)
+    for effect in several:
+        robot = robot.with_effect(effect)
     return [predicted.mean[0] for predicted in stage.predict([robot])]
 
 
@@ -126,13 +147,13 @@ class TestWheels:
         np.testing.assert_allclose(left, -self.run_up(), rtol=1e-9)
 
     def test_inertia_and_delay_act_on_the_run_up(self, wheels, robot):
-        _, right = means(wheels, robot, motor.RotorInertiaScale(scale=1.4))
+        _, right = means(wheels, robot, RotorInertiaScale(scale=1.4))
         np.testing.assert_allclose(right, self.run_up(tau_s=1.4 * TAU_S), rtol=1e-9)
-        _, right = means(wheels, robot, motor.InputDelay(delay_s=0.073))
+        _, right = means(wheels, robot, InputDelay(delay_s=0.073))
         np.testing.assert_allclose(right, self.run_up(late_s=0.073), rtol=1e-9)
 
     def test_a_mismatch_takes_from_one_wheel_what_it_gives_the_other(self, wheels, robot):
-        left, right = means(wheels, robot, drive.TorqueConstantMismatch(mismatch=0.1))
+        left, right = means(wheels, robot, TorqueConstantMismatch(mismatch=0.1))
         for found, k in ((-left, 1.05 * K), (right, 0.95 * K)):
             damping = k * k / R + B
             expected = self.run_up((k * self.U / R - TC) / damping, J / damping)
@@ -140,28 +161,28 @@ class TestWheels:
 
     def test_the_battery_declines_with_the_time_of_the_session(self, wheels, robot):
         left_over = 1.0 - 0.02 * self.SESSION_S / 60.0
-        _, right = means(wheels, robot, drive.BatteryDecline(fraction_per_minute=0.02))
+        _, right = means(wheels, robot, BatteryDecline(fraction_per_minute=0.02))
         expected = self.run_up((K * self.U * left_over / R - TC) / DAMPING)
         np.testing.assert_allclose(right, expected, rtol=1e-3)
 
     def test_a_bridge_takes_its_drop_off_the_voltage(self, wheels, robot):
-        _, right = means(wheels, robot, motor.BridgeVoltageDrop(drop_V=0.4))
+        _, right = means(wheels, robot, BridgeVoltageDrop(drop_V=0.4))
         np.testing.assert_allclose(right, self.run_up((K * (self.U - 0.4) / R - TC) / DAMPING), rtol=3e-4)
 
     def test_a_sagging_supply_serves_both_motors(self, wheels, robot):
         """Settled: u - r duty (2 duty I) = R I + K w on each, K I = B w + Tc."""
-        _, right = means(wheels, robot, motor.SupplySag(source_resistance_ohm=0.6))
+        _, right = means(wheels, robot, SupplySag(source_resistance_ohm=0.6))
         duty = self.U / 7.4
         resistance = R + 2.0 * 0.6 * duty**2
         settled = (K * self.U / resistance - TC) / (K * K / resistance + B)
         assert right[-2] == pytest.approx(settled, rel=1e-4)
 
     def test_more_ticks_in_a_turn_are_read_as_more_speed(self, wheels, robot):
-        _, right = means(wheels, robot, drive.EncoderTicksScale(scale=1.07))
+        _, right = means(wheels, robot, EncoderTicksScale(scale=1.07))
         np.testing.assert_allclose(right, 1.07 * self.run_up(), rtol=1e-9)
 
     def test_missed_ticks_are_lost_beyond_the_threshold_with_a_soft_edge(self, wheels, robot):
-        left, right = means(wheels, robot, drive.EncoderMissedTicks(side="left", fraction=0.1, threshold_rad_s=5.0))
+        left, right = means(wheels, robot, EncoderMissedTicks(side="left", fraction=0.1, threshold_rad_s=5.0))
         np.testing.assert_allclose(right, self.run_up(), rtol=1e-9)
         lost = 0.1 / (1.0 + np.exp(-(self.run_up() - 5.0) / 0.3))
         np.testing.assert_allclose(-left, self.run_up() * (1.0 - lost), rtol=1e-9)
@@ -220,22 +241,22 @@ class TestPose:
         assert pose.observed[0].correlation == pytest.approx(0.25 * q / place)
 
     @pytest.mark.parametrize(
-        ("term", "changed"),
+        ("effect", "changed"),
         [
-            (drive.WheelRadiusScale(scale=1.1), {"v": 1.1 * V, "w": 1.1 * W}),
-            (drive.WheelbaseScale(scale=1.1), {"w": W / 1.1}),
-            (drive.EncoderTicksScale(scale=1.1), {"v": V / 1.1, "w": W / 1.1}),
-            (drive.TurnSlip(coefficient_s2_m=0.8), {"w": W / (1.0 + 0.8 * V * W)}),
+            (WheelRadiusScale(scale=1.1), {"v": 1.1 * V, "w": 1.1 * W}),
+            (WheelbaseScale(scale=1.1), {"w": W / 1.1}),
+            (EncoderTicksScale(scale=1.1), {"v": V / 1.1, "w": W / 1.1}),
+            (TurnSlip(coefficient_s2_m=0.8), {"w": W / (1.0 + 0.8 * V * W)}),
             (
-                drive.WheelRadiusAsymmetry(asymmetry=0.1),
+                WheelRadiusAsymmetry(asymmetry=0.1),
                 {"v": RADIUS * (0.95 * 6 + 1.05 * 4) / 2, "w": RADIUS * (0.95 * 6 - 1.05 * 4) / BASE},
             ),
-            (drive.MarkerOffset(offset_m=0.03), {"marker_m": 0.03}),
+            (MarkerOffset(offset_m=0.03), {"marker_m": 0.03}),
         ],
         ids=lambda value: type(value).__name__,
     )
-    def test_effects_bend_the_circle_by_their_definition(self, pose, robot, term, changed):
-        self.check(means(pose, robot, term), self.circle(**changed))
+    def test_effects_bend_the_circle_by_their_definition(self, pose, robot, effect, changed):
+        self.check(means(pose, robot, effect), self.circle(**changed))
 
     def test_a_whole_path_goes_on_from_the_first_logged_pose(self, robot):
         """Of an unseen run, which has no other pose; the tracked point is 30 mm ahead of the axle."""
@@ -243,12 +264,12 @@ class TestPose:
         log[0] = self.circle(marker_m=0.03)[0]
         columns = {**ticks_of(4.0 * self.T, 6.0 * self.T), **pose_columns(log)}
         stage = stages(robot, trial("1", **columns))["pose"]
-        found = stage.path(robot.with_term(drive.MarkerOffset(offset_m=0.03)), log[:1])
+        found = stage.path(robot.with_effect(MarkerOffset(offset_m=0.03)), log[:1])
         np.testing.assert_allclose(found, self.circle(marker_m=0.03), atol=5e-5)
 
     def test_an_old_pose_lags_behind_the_wheels(self, pose, robot):
         """But in the first window, which begins at rest."""
-        found = means(pose, robot, drive.PoseTimeOffset(delay_s=0.083))
+        found = means(pose, robot, PoseTimeOffset(delay_s=0.083))
         late = self.windows(self.circle(late_s=0.083))
         for a, b in zip(found, late, strict=True):
             np.testing.assert_allclose(a[1:], b[1:], atol=1e-4)
@@ -256,17 +277,17 @@ class TestPose:
 
     def test_ticks_that_were_missed_are_put_back(self, robot):
         """Of the right wheel a tenth is missed at its 6 rad/s, of which the threshold's edge is 20 widths away."""
-        term = drive.EncoderMissedTicks(side="right", fraction=0.1, threshold_rad_s=0.05)
+        effect = EncoderMissedTicks(side="right", fraction=0.1, threshold_rad_s=0.05)
         kept = 1.0 - 0.1 / (1.0 + math.exp(-(6.0 - 0.05) / 0.3))
         columns = {**ticks_of(4.0 * self.T, kept * 6.0 * self.T), **pose_columns(self.circle())}
-        self.check(means(stages(robot, trial("1", **columns))["pose"], robot, term), self.circle())
+        self.check(means(stages(robot, trial("1", **columns))["pose"], robot, effect), self.circle())
 
     @pytest.mark.parametrize("speed", [2.6, 3.0, 3.4])
     def test_missed_ticks_are_put_back_also_at_the_edge(self, robot, speed):
-        term = drive.EncoderMissedTicks(side="right", fraction=0.2, threshold_rad_s=3.0)
+        effect = EncoderMissedTicks(side="right", fraction=0.2, threshold_rad_s=3.0)
         kept = 1.0 - 0.2 / (1.0 + math.exp(-(speed - 3.0) / 0.3))
         columns = {**ticks_of(0.0 * self.T, kept * speed * self.T), **pose_columns(self.circle())}
-        found = means(stages(robot, trial("1", **columns))["pose"], robot, term)
+        found = means(stages(robot, trial("1", **columns))["pose"], robot, effect)
         np.testing.assert_allclose(found[2], RADIUS * speed / BASE * 10 * ROW_S, rtol=1e-3)
 
     def test_a_window_without_a_tick_or_a_pose_is_not_used(self, robot):
@@ -280,7 +301,7 @@ class TestPose:
         columns = {**ticks_of(4.0 * self.T, 6.0 * self.T), **pose_columns(self.circle())}
         both = stages(robot, trial("1", **columns), trial("2", 10.0, **columns))["pose"]
         assert both.observed[0].trial.tolist() == [0] * 7 + [1] * 7
-        for found in means(both, robot, drive.PoseTimeOffset(delay_s=0.06)):
+        for found in means(both, robot, PoseTimeOffset(delay_s=0.06)):
             np.testing.assert_allclose(found[7:], found[:7], atol=1e-12)
 
 
@@ -310,20 +331,18 @@ class TestRanges:
 
     def test_a_turned_mount_looks_elsewhere(self, ranges, robot):
         turned = MOUNTS | {"left": (0.045, 0.05, math.pi / 4 + 0.1)}
-        found = means(ranges, robot, drive.TofMountYaw(sensor="left", angle_rad=0.1))
+        found = means(ranges, robot, TofMountYaw(sensor="left", angle_rad=0.1))
         np.testing.assert_allclose(found, self.expected(self.POSES, turned), atol=2e-4)
 
     def test_offset_and_scale_act_on_the_reading(self, ranges, robot):
         true = np.array(means(ranges, robot))
-        found = means(
-            ranges, robot, drive.TofRangeOffset(sensor="right", offset_m=0.02), drive.TofRangeScale(scale=1.1)
-        )
+        found = means(ranges, robot, TofRangeOffset(sensor="right", offset_m=0.02), TofRangeScale(scale=1.1))
         np.testing.assert_allclose(found, 1.1 * true + np.array([[0.0], [0.0], [0.02]]), rtol=1e-12)
 
     def test_a_marker_ahead_of_the_axle_moves_the_sensors_back(self, ranges, robot):
         back = self.POSES.copy()
         back[:, :2] -= 0.03 * np.stack([np.cos(back[:, 2]), np.sin(back[:, 2])], axis=-1)
-        found = means(ranges, robot, drive.MarkerOffset(offset_m=0.03))
+        found = means(ranges, robot, MarkerOffset(offset_m=0.03))
         np.testing.assert_allclose(found, self.expected(back), atol=2e-4)
 
     def test_old_ranges_are_those_of_an_earlier_pose_and_old_poses_of_a_later_one(self, robot):
@@ -331,9 +350,9 @@ class TestRanges:
         poses = np.stack([0.8 + 0.2 * t, np.full(20, 0.8), np.zeros(20)], axis=-1)
         stage = stages(robot, trial("1", **pose_columns(poses)))["tof"]
         front = means(stage, robot)[0]
-        old = means(stage, robot, drive.TofTimeOffset(delay_s=0.12))[0]
+        old = means(stage, robot, TofTimeOffset(delay_s=0.12))[0]
         np.testing.assert_allclose(old[3:], front[3:] + 0.2 * 0.12, rtol=1e-9)
-        late = means(stage, robot, drive.PoseTimeOffset(delay_s=0.12))[0]
+        late = means(stage, robot, PoseTimeOffset(delay_s=0.12))[0]
         np.testing.assert_allclose(late[:-3], front[:-3] - 0.2 * 0.12, rtol=1e-9)
 
     @staticmethod
@@ -380,29 +399,29 @@ def test_what_misses_leaves_its_stage_out(robot):
 WHEELS, TOF = "wheels", "tof"
 DX, DY, TURN = "pose_dx_m", "pose_dy_m", "pose_dtheta_rad"
 SIGNATURES = [
-    (drive.WheelRadiusScale(scale=1.05), set(), {DX, TURN}),
-    (drive.EncoderTicksScale(scale=1.05), {WHEELS}, {DX, TURN}),
-    (drive.WheelbaseScale(scale=1.05), set(), {TURN}),
-    (drive.TurnSlip(coefficient_s2_m=0.5), set(), {TURN}),
-    (drive.WheelRadiusAsymmetry(asymmetry=0.05), set(), {TURN}),
-    (drive.EncoderMissedTicks(side="left", fraction=0.1, threshold_rad_s=3.0), {WHEELS}, {DX, TURN}),
-    (drive.MarkerOffset(offset_m=0.02), {TOF}, {DX, DY}),
-    (drive.PoseTimeOffset(delay_s=0.05), {TOF}, {DX, DY, TURN}),
-    (drive.TofRangeOffset(sensor="left", offset_m=0.012), {TOF}, set()),
-    (drive.TofRangeScale(scale=1.05), {TOF}, set()),
-    (drive.TofMountYaw(sensor="left", angle_rad=0.1), {TOF}, set()),
-    (drive.TofTimeOffset(delay_s=0.05), {TOF}, set()),
-    (range_bench.RangeOffset(offset_m=0.01), {TOF}, set()),
-    (motor.WindingResistanceScale(scale=1.15), {WHEELS}, set()),
-    (motor.TorqueConstantScale(scale=1.15), {WHEELS}, set()),
-    (drive.TorqueConstantMismatch(mismatch=0.1), {WHEELS}, set()),
-    (motor.ViscousFrictionScale(scale=1.5), {WHEELS}, set()),
-    (motor.CoulombFrictionScale(scale=1.3), {WHEELS}, set()),
-    (motor.RotorInertiaScale(scale=1.15), {WHEELS}, set()),
-    (motor.BridgeVoltageDrop(drop_V=0.3), {WHEELS}, set()),
-    (motor.SupplySag(source_resistance_ohm=0.5), {WHEELS}, set()),
-    (drive.BatteryDecline(fraction_per_minute=0.03), {WHEELS}, set()),
-    (motor.InputDelay(delay_s=0.04), {WHEELS}, set()),
+    (WheelRadiusScale(scale=1.05), set(), {DX, TURN}),
+    (EncoderTicksScale(scale=1.05), {WHEELS}, {DX, TURN}),
+    (WheelbaseScale(scale=1.05), set(), {TURN}),
+    (TurnSlip(coefficient_s2_m=0.5), set(), {TURN}),
+    (WheelRadiusAsymmetry(asymmetry=0.05), set(), {TURN}),
+    (EncoderMissedTicks(side="left", fraction=0.1, threshold_rad_s=3.0), {WHEELS}, {DX, TURN}),
+    (MarkerOffset(offset_m=0.02), {TOF}, {DX, DY}),
+    (PoseTimeOffset(delay_s=0.05), {TOF}, {DX, DY, TURN}),
+    (TofRangeOffset(sensor="left", offset_m=0.012), {TOF}, set()),
+    (TofRangeScale(scale=1.05), {TOF}, set()),
+    (TofMountYaw(sensor="left", angle_rad=0.1), {TOF}, set()),
+    (TofTimeOffset(delay_s=0.05), {TOF}, set()),
+    (RangeOffset(offset_m=0.01), {TOF}, set()),
+    (WindingResistanceScale(scale=1.15), {WHEELS}, set()),
+    (TorqueConstantScale(scale=1.15), {WHEELS}, set()),
+    (TorqueConstantMismatch(mismatch=0.1), {WHEELS}, set()),
+    (ViscousFrictionScale(scale=1.5), {WHEELS}, set()),
+    (CoulombFrictionScale(scale=1.3), {WHEELS}, set()),
+    (RotorInertiaScale(scale=1.15), {WHEELS}, set()),
+    (BridgeVoltageDrop(drop_V=0.3), {WHEELS}, set()),
+    (SupplySag(source_resistance_ohm=0.5), {WHEELS}, set()),
+    (BatteryDecline(fraction_per_minute=0.03), {WHEELS}, set()),
+    (InputDelay(delay_s=0.04), {WHEELS}, set()),
 ]
 """The fault signature matrix of the method: other stages and components of the pose that an effect shows in."""
 
@@ -425,15 +444,15 @@ def tour(robot):
     return stages(robot, trial("1", 600.0, **columns))
 
 
-@pytest.mark.parametrize(("term", "stages_but_pose", "of_pose"), SIGNATURES, ids=lambda of: type(of).__name__)
-def test_an_effect_shows_where_the_signature_matrix_says(tour, robot, term, stages_but_pose, of_pose):
+@pytest.mark.parametrize(("effect", "stages_but_pose", "of_pose"), SIGNATURES, ids=lambda of: type(of).__name__)
+def test_an_effect_shows_where_the_signature_matrix_says(tour, robot, effect, stages_but_pose, of_pose):
     """Changes of more than half a standard deviation, and no change at all in any other stage.
 
     A sideways change of a bend is of second order in the turn; only its largest component is held against the matrix.
     """
     largest = {}
     for stage in tour.values():
-        bare, changed = (stage.predict([of]) for of in (robot, robot.with_term(term)))
+        bare, changed = (stage.predict([of]) for of in (robot, robot.with_effect(effect)))
         for of, a, b in zip(stage.observed, bare, changed, strict=True):
             key = of.name if stage.name == "pose" else stage.name
             size = np.max((np.abs(b.mean[0] - a.mean[0]) / of.sd)[of.usable])
@@ -448,10 +467,10 @@ def test_an_effect_shows_where_the_signature_matrix_says(tour, robot, term, stag
 
 def test_many_robots_at_once_are_each_of_them_alone(tour, robot):
     robots = [robot]
-    for term in (*PHYSICS_TERMS, *SENSOR_TERMS):
-        if term.name != "gear_backlash":
-            choices = {name: options[0] if options else "wood" for name, options in term.options.items()}
-            robots += [robot.with_term(term.start(choices)), robot.with_term(term.null(choices))]
+    for effect in effect_classes():
+        if effect.name != "gear_backlash":
+            choices = {name: options[0] if options else "wood" for name, options in effect.options().items()}
+            robots += [robot.with_effect(effect.start(choices)), robot.with_effect(effect.null(choices))]
     for stage in tour.values():
         together = stage.predict(robots)
         for k in range(0, len(robots), 6):

@@ -7,27 +7,25 @@ import numpy as np
 import pytest
 
 from configs.draw import draw_robot
+from configs.effects.base import Setup
+from configs.effects.registry import effect_classes
 from configs.loader import load_section
-from configs.schema.effects import drive, motor
-from configs.schema.effects.motor import (
-    CurrentSensorGain,
-    FrictionWarmup,
-    GearBacklash,
-    InputDelay,
-    SpeedTimeOffset,
-    StribeckFriction,
-)
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.nominal import NominalSteady, NominalStep
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
-from physics.effects import PHYSICS_TERMS
-from sensors.effects import SENSOR_TERMS
+from physics.effects.friction_warmup import FrictionWarmup
+from physics.effects.gear_backlash import GearBacklash
+from physics.effects.input_delay import InputDelay
+from physics.effects.stribeck_friction import StribeckFriction
+from physics.effects.torque_constant_mismatch import TorqueConstantMismatch
+from sensors.effects.current_sensor_gain import CurrentSensorGain
+from sensors.effects.speed_time_offset import SpeedTimeOffset
 from symolo.core.errors import InputError
 from symolo.core.time_series import TimeSeries
 
-TERMS = (*PHYSICS_TERMS, *SENSOR_TERMS)
+EFFECTS = effect_classes()
 ROWS_S = 0.005 * np.arange(1, 201)
 R, K, B, TC, J = 3.0, 0.3, 0.002, 0.02, 0.003
 DAMPING = K * K / R + B
@@ -107,7 +105,7 @@ def test_a_bench_without_any_voltage_is_refused_with_what_to_log(carrier):
 
 def test_a_sweep_taken_later_has_a_warmer_gear(robot):
     """Friction is 1.5 times its value when switched on and has fallen to 1.5/e above it after 100 s."""
-    warm = robot.with_term(FrictionWarmup(amplitude=0.5, time_constant_s=100.0))
+    warm = robot.with_effect(FrictionWarmup(amplitude=0.5, time_constant_s=100.0))
     first, second = predict(Kind.MOTOR_STEADY, warm, trial("1", [0.0], [2.0]), trial("2", [100.0], [2.0]))
     for found, share in ((first, 1.5), (second, 1 + 0.5 / math.e)):
         assert found["omega_rad_s"][0] == pytest.approx((K * 2.0 / R - share * TC) / DAMPING)
@@ -182,12 +180,12 @@ def test_two_rows_at_one_sample_are_refused_by_their_times(robot):
 
 
 def mixed_robots(robot):
-    """Robots that differ in numbers, in terms and in choices."""
+    """Robots that differ in numbers, in effects and in choices."""
     stronger = robot.model_copy(update={"motor": robot.motor.model_copy(update={"torque_constant_N_m_A": 1.1 * K})})
     found = [robot, stronger]
-    for term in TERMS:
-        choices = {name: options[0] if options else "wood" for name, options in term.options.items()}
-        found += [robot.with_term(term.start(choices)), stronger.with_term(term.start(choices))]
+    for effect in EFFECTS:
+        choices = {name: options[0] if options else "wood" for name, options in effect.options().items()}
+        found += [robot.with_effect(effect.start(choices)), stronger.with_effect(effect.start(choices))]
     return found
 
 
@@ -199,7 +197,7 @@ def test_many_robots_at_once_are_each_of_them_alone(robot, kind):
     together = stage.predict(robots)
     for k, one in enumerate(robots):
         for many, alone in zip(together, stage.predict([one]), strict=True):
-            np.testing.assert_allclose(many.mean[k], alone.mean[0], rtol=1e-9, atol=1e-9, err_msg=str(one.terms))
+            np.testing.assert_allclose(many.mean[k], alone.mean[0], rtol=1e-9, atol=1e-9, err_msg=str(one.effects))
 
 
 @pytest.mark.parametrize("kind", [Kind.MOTOR_STEADY, Kind.MOTOR_STEP])
@@ -207,7 +205,7 @@ def test_robots_that_only_read_differently_move_as_one(robot, kind):
     t = 0.005 * np.arange(1, 61)
     logs = trial("1", t, np.full(60, 4.0)), trial("2", t, np.full(60, -3.0), 30.0)
     gains = (1.0, 1.1, 0.8)
-    current, _ = bound(kind, robot, *logs).predict([robot.with_term(CurrentSensorGain(gain=gain)) for gain in gains])
+    current, _ = bound(kind, robot, *logs).predict([robot.with_effect(CurrentSensorGain(gain=gain)) for gain in gains])
     for mean, gain in zip(current.mean, gains, strict=True):
         np.testing.assert_allclose(mean, gain * current.mean[0], rtol=1e-12)
 
@@ -229,7 +227,7 @@ def test_a_delay_is_a_smooth_parameter_with_the_slope_of_the_exponential(robot, 
     settled = (K * 3.0 / R - TC) / DAMPING
     later = t > delay_s + 0.001
     expected = -settled / TAU_S * np.exp(-(t - delay_s) / TAU_S)
-    for slope in central_slopes(stage, lambda d: robot.with_term(InputDelay(delay_s=d)), delay_s, 1e-4):
+    for slope in central_slopes(stage, lambda d: robot.with_effect(InputDelay(delay_s=d)), delay_s, 1e-4):
         np.testing.assert_allclose(slope[later], expected[later], rtol=1e-3)
 
 
@@ -237,17 +235,17 @@ def test_a_late_speed_log_is_interpolated_along_the_samples(robot):
     t = 0.005 * np.arange(1, 61)
     stage = bound(Kind.MOTOR_STEP, robot, trial("1", t, np.full(60, 3.0)))
     settled = (K * 3.0 / R - TC) / DAMPING
-    (_, speed) = stage.predict([robot.with_term(SpeedTimeOffset(delay_s=0.0083))])
+    (_, speed) = stage.predict([robot.with_effect(SpeedTimeOffset(delay_s=0.0083))])
     found = np.interp(t - 0.0083, np.append(0.0, t), settled * (1 - np.exp(-np.append(0.0, t) / TAU_S)))
     np.testing.assert_allclose(speed.mean[0], found, rtol=1e-9, atol=1e-12)
 
 
 @pytest.mark.parametrize(
-    "term", [StribeckFriction(extra_torque_N_m=0.01, stribeck_speed_rad_s=1.5), GearBacklash(gap_rad=0.08)]
+    "effect", [StribeckFriction(extra_torque_N_m=0.01, stribeck_speed_rad_s=1.5), GearBacklash(gap_rad=0.08)]
 )
-def test_rows_of_5_ms_come_to_the_same_as_much_shorter_ones(robot, term):
+def test_rows_of_5_ms_come_to_the_same_as_much_shorter_ones(robot, effect):
     """Through a start, a stop and a reversal, within a tenth of the noise."""
-    changed, voltage = robot.with_term(term), np.repeat([0.5, 4.0, 0.0, -3.0, 2.0], 30)
+    changed, voltage = robot.with_effect(effect), np.repeat([0.5, 4.0, 0.0, -3.0, 2.0], 30)
     (long,) = predict(Kind.MOTOR_STEP, changed, trial("1", 0.005 * np.arange(1, 151), voltage))
     (short,) = predict(Kind.MOTOR_STEP, changed, trial("1", 0.0005 * np.arange(1, 1501), np.repeat(voltage, 10)))
     np.testing.assert_allclose(long["omega_rad_s"], short["omega_rad_s"][9::10], atol=0.01)
@@ -256,7 +254,7 @@ def test_rows_of_5_ms_come_to_the_same_as_much_shorter_ones(robot, term):
 def test_the_load_lets_a_gearbox_with_play_catch_up(robot):
     """Two masses and a gap by the definition, in explicit steps of 10 microseconds: run-up, brake, reversal."""
     gap, voltage = 0.06, np.repeat([4.0, 0.0, -3.0], 24)
-    (found,) = predict(Kind.MOTOR_STEP, robot.with_term(GearBacklash(gap_rad=gap)), trial("1", ROWS_S[:72], voltage))
+    (found,) = predict(Kind.MOTOR_STEP, robot.with_effect(GearBacklash(gap_rad=gap)), trial("1", ROWS_S[:72], voltage))
     h, side_j, side_f = 1e-5, (0.6 * J, 0.4 * J), 0.5
     motor = load = slack = 0.0
     expected = []
@@ -280,12 +278,12 @@ def test_the_load_lets_a_gearbox_with_play_catch_up(robot):
 
 
 @pytest.mark.parametrize("kind", [Kind.MOTOR_STEADY, Kind.MOTOR_STEP])
-def test_robots_of_different_terms_in_one_pass_are_each_as_alone(robot, kind):
-    terms = [
-        *(term.start() for term in (*PHYSICS_TERMS, *SENSOR_TERMS) if term.parameters.__module__ == motor.__name__),
-        drive.TorqueConstantMismatch(mismatch=0.1),
+def test_robots_of_different_effects_in_one_pass_are_each_as_alone(robot, kind):
+    effects = [
+        *(effect.start() for effect in effect_classes() if Setup.MOTOR_BENCH in effect.setups),
+        TorqueConstantMismatch(mismatch=0.1),
     ]
-    robots = [robot, *(robot.with_term(values) for values in terms)]
+    robots = [robot, *(robot.with_effect(values) for values in effects)]
     t, voltage = 0.005 * np.arange(1, 121), np.repeat([0.0, 4.0, -3.0, 0.3, 0.0, 6.0], 20)
     measurement = Measurement("m", kind, Source("made here", ()), (trial("1", t, voltage),))
     readings = tuple(
@@ -297,4 +295,4 @@ def test_robots_of_different_terms_in_one_pass_are_each_as_alone(robot, kind):
     together = stage.predict(robots)
     for k, one in enumerate(robots):
         for many, alone in zip(together, stage.predict([one]), strict=True):
-            np.testing.assert_allclose(many.mean[k], alone.mean[0], rtol=1e-6, atol=1e-6, err_msg=str(one.terms))
+            np.testing.assert_allclose(many.mean[k], alone.mean[0], rtol=1e-6, atol=1e-6, err_msg=str(one.effects))

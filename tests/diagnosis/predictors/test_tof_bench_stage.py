@@ -6,14 +6,23 @@ import numpy as np
 import pytest
 
 from configs.draw import draw_robot
+from configs.effects.registry import effect_classes
 from configs.loader import load_section
-from configs.schema.effects import range_bench as terms
 from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.nominal import NominalTof
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
-from sensors.effects import SENSOR_TERMS
+from sensors.effects.ambient_noise import AmbientNoise
+from sensors.effects.cover_crosstalk import CoverCrosstalk
+from sensors.effects.incidence_bias import IncidenceBias
+from sensors.effects.log_range_error import LogRangeError
+from sensors.effects.material_bias import MaterialBias
+from sensors.effects.near_field_error import NearFieldError
+from sensors.effects.noise_scale import NoiseScale
+from sensors.effects.range_saturation import RangeSaturation
+from sensors.effects.temperature_drift import TemperatureDrift
+from sensors.effects.warmup_drift import WarmupDrift
 from symolo.core.time_series import TimeSeries
 
 REFLECTANCE = {"wood": 0.45, "black_card": 0.05}
@@ -65,8 +74,8 @@ def stage(robot):
 
 
 def predicted(stage, robot, *several):
-    for term in several:
-        robot = robot.with_term(term)
+    for effect in several:
+        robot = robot.with_effect(effect)
     (found,) = stage.predict([robot])
     return found.mean[0], found.sd[0]
 
@@ -85,27 +94,27 @@ def test_codes_missing_readings_and_rows_without_an_input_are_not_usable(stage):
 
 
 @pytest.mark.parametrize(
-    ("term", "change"),
+    ("effect", "change"),
     [
-        (terms.LogRangeError(coefficient_m=0.02), 0.02 * np.log(np.maximum(D / 0.18, 1.0))),
-        (terms.TemperatureDrift(coefficient_m_per_K=1e-3), 1e-3 * (COLUMNS["temperature_C"] - 20.0)),
-        (terms.MaterialBias(material="wood", offset_m=0.01), np.array([0.01, 0.0, 0.01, 0.0, 0.0])),
-        (terms.IncidenceBias(coefficient=0.1), 0.1 * D * np.sin(np.nan_to_num(COLUMNS["incidence_rad"])) ** 2),
-        (terms.NearFieldError(amplitude_m=0.02, decay_length_m=0.1), 0.02 * np.exp(-D / 0.1)),
-        (terms.WarmupDrift(amplitude_m=0.01, time_constant_s=50.0), 0.01 * np.exp(-(100.0 + T_S) / 50.0)),
+        (LogRangeError(coefficient_m=0.02), 0.02 * np.log(np.maximum(D / 0.18, 1.0))),
+        (TemperatureDrift(coefficient_m_per_K=1e-3), 1e-3 * (COLUMNS["temperature_C"] - 20.0)),
+        (MaterialBias(material="wood", offset_m=0.01), np.array([0.01, 0.0, 0.01, 0.0, 0.0])),
+        (IncidenceBias(coefficient=0.1), 0.1 * D * np.sin(np.nan_to_num(COLUMNS["incidence_rad"])) ** 2),
+        (NearFieldError(amplitude_m=0.02, decay_length_m=0.1), 0.02 * np.exp(-D / 0.1)),
+        (WarmupDrift(amplitude_m=0.01, time_constant_s=50.0), 0.01 * np.exp(-(100.0 + T_S) / 50.0)),
     ],
 )
-def test_what_a_term_adds_is_the_definition_head_on_where_no_angle_was_noted(stage, robot, term, change):
-    np.testing.assert_allclose(predicted(stage, robot, term)[0], 0.004 + 1.01 * D + change, rtol=1e-12)
+def test_what_a_effect_adds_is_the_definition_head_on_where_no_angle_was_noted(stage, robot, effect, change):
+    np.testing.assert_allclose(predicted(stage, robot, effect)[0], 0.004 + 1.01 * D + change, rtol=1e-12)
 
 
 def test_crosstalk_divides_by_the_strength_over_the_reflectance_of_the_case(stage, robot):
-    mean, _ = predicted(stage, robot, terms.CoverCrosstalk(strength_per_m2=0.05))
+    mean, _ = predicted(stage, robot, CoverCrosstalk(strength_per_m2=0.05))
     np.testing.assert_allclose(mean - 0.004, 1.01 * D / (1.0 + 0.05 * D**2 / RHO), rtol=1e-12)
 
 
-def test_noise_terms_scale_deviation_and_variance(stage, robot):
-    _, sd = predicted(stage, robot, terms.NoiseScale(scale=2.0), terms.AmbientNoise(coefficient_per_klux=0.5))
+def test_noise_effects_scale_deviation_and_variance(stage, robot):
+    _, sd = predicted(stage, robot, NoiseScale(scale=2.0), AmbientNoise(coefficient_per_klux=0.5))
     variance = (2.0 * NOISE_M) ** 2 * (1.0 + 0.5 * COLUMNS["ambient_lux"] / 1000.0)
     np.testing.assert_allclose(sd, np.sqrt(variance + 1e-6 / 12.0), rtol=1e-12)
 
@@ -115,7 +124,7 @@ def test_a_saturated_reading_is_flat_and_without_noise_far_beyond_and_a_clipped_
 ):
     """Half a normal deviate is lost at its own mean: sd / root(2 pi) off the mean, sd root(1/2 - 1/(2 pi)) wide."""
     at = 0.004 + 1.01 * 0.4
-    mean, sd = predicted(stage, robot, terms.RangeSaturation(saturation_m=at))
+    mean, sd = predicted(stage, robot, RangeSaturation(saturation_m=at))
     rounding = 1e-6 / 12.0
     assert (mean[3], sd[3]) == pytest.approx((at, math.sqrt(rounding)))
     assert mean[2] == pytest.approx(at - NOISE_M[2] / math.sqrt(2.0 * math.pi), abs=0.1 * NOISE_M[2])
@@ -126,10 +135,10 @@ def test_a_saturated_reading_is_flat_and_without_noise_far_beyond_and_a_clipped_
 
 def test_many_robots_at_once_are_each_of_them_alone(stage, robot):
     robots = [robot]
-    for term in SENSOR_TERMS:
-        choices = {name: options[0] if options else "wood" for name, options in term.options.items()}
-        first, second = term.start(choices), term.null(choices)
-        robots += [robot.with_term(first), robot.with_term(second)]
+    for effect in effect_classes():
+        choices = {name: options[0] if options else "wood" for name, options in effect.options().items()}
+        first, second = effect.start(choices), effect.null(choices)
+        robots += [robot.with_effect(first), robot.with_effect(second)]
     (together,) = stage.predict(robots)
     for k, one in enumerate(robots):
         (alone,) = stage.predict([one])

@@ -7,20 +7,21 @@ import numpy as np
 import pytest
 
 from configs.draw import draw_robot
+from configs.effects.registry import effect_classes
 from configs.loader import load_section
 from diagnosis.diagnose import NamedEffect, diagnose
 from diagnosis.extended_robot import FILE, VARIED_FILE, _rounded, extended_robot
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.inference.fit import Fit
-from diagnosis.inference.hypothesis import Effect, Hypothesis
+from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.inference.rivals import RivalComparison
 from physics.drivetrain.motor_bench import steady_states
-from physics.effects import PHYSICS_TERMS
+from physics.effects.torque_constant_scale import TorqueConstantScale
 from physics.robot.model import RobotModel
-from sensors.effects import SENSOR_TERMS
+from sensors.effects.range_saturation import RangeSaturation
 
-TERMS = {term.name: term for term in (*PHYSICS_TERMS, *SENSOR_TERMS)}
+EFFECTS = {effect.name: effect for effect in effect_classes()}
 
 
 @pytest.fixture
@@ -37,7 +38,7 @@ def loaded(tmp_path):
 
 def with_effect(diagnosis, name, choices=(), **values):
     """The diagnosis as if it had named this effect and nothing else."""
-    effect = Effect(TERMS[name], choices)
+    effect = CandidateEffect(EFFECTS[name], choices)
     hypothesis = Hypothesis(diagnosis.nominal, (), (effect,))
     x = np.array([c.coordinate(values[c.name]) for c in effect.coordinates])
     nothing = np.zeros((len(x), len(diagnosis.evidence.values)))
@@ -54,7 +55,7 @@ def test_the_file_reads_back_as_the_robot_that_was_fitted(diagnosis_of, loaded):
     assert found.motor.winding_resistance_ohm == pytest.approx(
         diagnosis.extended.motor.winding_resistance_ohm, rel=1e-6
     )
-    assert found.terms.torque_constant_scale.scale == pytest.approx(diagnosis.named[0].values["scale"], rel=1e-6)
+    assert found.effects.get(TorqueConstantScale).scale == pytest.approx(diagnosis.named[0].values["scale"], rel=1e-6)
 
 
 def test_the_robot_of_the_file_turns_as_the_real_one(diagnosis_of, loaded):
@@ -76,8 +77,8 @@ def test_each_number_says_where_it_comes_from(diagnosis_of):
 
 def test_the_varied_robot_is_drawn_about_the_fitted_one(diagnosis_of, loaded):
     robot = extended_robot(diagnosis_of("weak"))
-    scales = [loaded(robot, VARIED_FILE, seed).terms.torque_constant_scale.scale for seed in range(8)]
-    fitted = robot.config.terms.torque_constant_scale.scale
+    scales = [loaded(robot, VARIED_FILE, seed).effects.get(TorqueConstantScale).scale for seed in range(8)]
+    fitted = robot.config.effects.get(TorqueConstantScale).scale
     std = diagnosis_of("weak").named[0].std["scale"]
     assert len(set(scales)) == 8
     assert max(abs(scale - fitted) for scale in scales) < 3.0 * std
@@ -87,7 +88,7 @@ def test_the_varied_robot_is_drawn_about_the_fitted_one(diagnosis_of, loaded):
 def test_a_diagnosis_without_effects_varies_nothing(diagnosis_of, loaded):
     robot = extended_robot(diagnosis_of("plain"))
     assert robot.varied_text == ""
-    assert list(loaded(robot).terms.present()) == []
+    assert loaded(robot).effects.members == ()
 
 
 @pytest.mark.parametrize(
@@ -102,7 +103,7 @@ def test_what_no_drive_can_have_is_left_out_and_said(diagnosis_of, loaded, name,
     assert [gone.name for gone in robot.left_out] == [name]
     assert why in robot.left_out[0].why
     assert f"# LEFT OUT, for no drive can simulate it: {name} (" in robot.text
-    assert getattr(loaded(robot).terms, name) is None
+    assert name not in [effect.name for effect in loaded(robot).effects]
     assert robot.varied_text == ""
 
 
@@ -110,8 +111,8 @@ def test_a_number_at_its_bound_is_within_it_when_read_back(diagnosis_of, loaded)
     """exp(log(100)) is 100.00000000000004, and a saturation at 100 m the highest."""
     robot = extended_robot(with_effect(diagnosis_of("plain"), "range_saturation", saturation_m=100.0))
     assert math.exp(math.log(100.0)) > 100.0
-    assert loaded(robot).terms.range_saturation.saturation_m == 100.0
-    assert loaded(robot, VARIED_FILE).terms.range_saturation.saturation_m <= 100.0
+    assert loaded(robot).effects.get(RangeSaturation).saturation_m == 100.0
+    assert loaded(robot, VARIED_FILE).effects.get(RangeSaturation).saturation_m <= 100.0
 
 
 def test_a_robot_that_cannot_turn_is_said_to_be_none(diagnosis_of):

@@ -8,7 +8,7 @@ import pytest
 
 from hil.build import BAUDS, firmware_sources
 from hil.frames import SensorFrame
-from hil.framings.base import Answer
+from hil.framings.base import CommandMessage
 from hil.framings.framed import Framed
 from hil.framings.simtwo import SimTwo
 from symolo.dataset.codes import State
@@ -39,7 +39,7 @@ def ask(board, framing):
 
     def commands(frame, seq=1, after_ms=50, noise=b""):
         found = framing.from_board().feed(board.exchange(noise + framing.sensors(seq, frame), after_ms))
-        assert all(isinstance(answer, Answer) for answer in found)
+        assert all(isinstance(answer, CommandMessage) for answer in found)
         assert [answer.seq for answer in found] in ([], [seq if framing.numbers_frames else None])
         return [answer.command for answer in found]
 

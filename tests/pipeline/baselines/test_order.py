@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from configs.schema.effects.table import Terms
+from configs.effects.robot_effects import RobotEffects
 from pipeline.baselines import ekf, odometry, particles
 from pipeline.baselines.errors import errors_of
 from symolo.core.random_streams import stream
@@ -53,7 +53,7 @@ def test_methods_know_neither_the_truth_nor_what_is_hidden_in_the_robot(driven):
         "tof": robot.tof.model_copy(update={"error_scale": -1.0, "noise_scale": 5.0, "signal_threshold": 0.9}),
         "line_sensor": robot.line_sensor.model_copy(update={"gain_sd": 0.5, "noise_sd": 0.5}),
     }
-    robot = robot.model_copy(update={"terms": Terms(), **sensors})
+    robot = robot.model_copy(update={"effects": RobotEffects(), **sensors})
     floor = run.spec.arena.floor.model_copy(update={"reflectance": 0.5})
     walls = tuple(wall.model_copy(update={"surface": "metal"}) for wall in run.spec.arena.walls)
     arena = run.spec.arena.model_copy(update={"floor": floor, "walls": walls})

@@ -1,4 +1,4 @@
-"""Model files of a robot whose terms and camera leave nothing in its plain place, in the arena of the paper."""
+"""Model files of a robot whose effects and camera leave nothing in its plain place, in the arena of the paper."""
 
 from pathlib import Path
 

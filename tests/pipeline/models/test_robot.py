@@ -15,6 +15,7 @@ from physics.bullet.world import connect
 from pipeline.models.files import model_files
 from pipeline.models.geometry import roll_pitch_yaw
 from pipeline.models.robot import frames
+from sensors.effects.tof_mount_yaw import TofMountYaw
 
 ARMS = ("right_wheel", "left_wheel", "caster")
 TOF = ("tof_front", "tof_left", "tof_right")
@@ -106,9 +107,9 @@ def test_the_frame_of_the_camera_looks_along_its_axis(engine, urdf, spec):
 
 def test_the_frames_of_the_range_sensors_look_along_the_beams(engine, urdf, spec):
     mounts = spec.robot.tof.mounts
-    term = spec.robot.terms.tof_mount_yaw
-    assert term.sensor == "front"
-    for name, mount, extra in (("front", mounts.front, term.angle_rad), ("left", mounts.left, 0.0)):
+    effect = spec.robot.effects.get(TofMountYaw)
+    assert effect.sensor == "front"
+    for name, mount, extra in (("front", mounts.front, effect.angle_rad), ("left", mounts.left, 0.0)):
         yaw, up = radians(mount.yaw_deg) + extra, radians(mount.pitch_up_deg)
         origin, axes = frame_axes(engine, urdf, f"tof_{name}")
         assert origin == pytest.approx([mount.x_m, mount.y_m, mount.z_m], abs=1e-6)

@@ -11,7 +11,7 @@ import pytest
 
 import symolo as symolo_reader
 from pipeline.cli import main
-from pipeline.rerendering.rerender import Request, prepare
+from pipeline.rerendering.rerender import RerenderRequest, prepare
 from pipeline.run_folder.workspace import Workspace
 from symolo.dataset.folder_kind import Kind
 
@@ -80,7 +80,7 @@ def test_the_same_look_gives_the_same_pictures_and_another_one_others(dataset, a
 
 @pytest.mark.parametrize("name", ["CW/test_1", "CCW/test_1/data.csv"])
 def test_an_arena_drawn_at_random_has_its_line_where_the_trajectory_begins(dataset, name):
-    _, (draw,) = prepare(dataset / name, Request(("lab",), arena="random"))
+    _, (draw,) = prepare(dataset / name, RerenderRequest(("lab",), arena="random"))
     first = draw.appearance.arena.line.pieces[0]
     yaw_deg = -90 if name.startswith("CW/") else 90
     along = np.subtract(first.end, first.start)
@@ -290,7 +290,7 @@ def test_render_settings_are_drawn_with_the_key_of_the_request(dataset):
     """As a look's values are: others for another run or another seed, the same ones for the same."""
 
     def samples(run, **options):
-        request = Request(("lab",), overrides=("render.samples={uniform: [1, 4096]}",), **options)
+        request = RerenderRequest(("lab",), overrides=("render.samples={uniform: [1, 4096]}",), **options)
         _, (draw,) = prepare(dataset / run, request)
         return draw.appearance.render.samples
 

@@ -3,15 +3,14 @@
 import numpy as np
 import pytest
 
+from configs.effects.registry import effect_classes
 from diagnosis.inference.evidence.whole_runs import MIN_RUNS, WholeRuns, fitted_to_whole_runs
-from diagnosis.inference.hypothesis import Effect, Hypothesis, deviated
+from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, deviated
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
 from diagnosis.usual_tolerances import usual_wheels
-from physics.effects import PHYSICS_TERMS
-from sensors.effects import SENSOR_TERMS
 from symolo.core.time_series import TimeSeries
 
 COUNTS = 2000
@@ -59,7 +58,7 @@ def bare(robot):
 
 
 def of_name(name):
-    return Effect(next(term for term in (*PHYSICS_TERMS, *SENSOR_TERMS) if term.name == name))
+    return CandidateEffect(next(effect for effect in effect_classes() if effect.name == name))
 
 
 def test_planted_wheels_are_found_within_three_standard_errors(bare):

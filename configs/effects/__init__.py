@@ -1,0 +1,1 @@
+"""What an effect is, which effects there are, and the effects of one robot."""

@@ -1,0 +1,162 @@
+"""What an effect is: one way in which a robot differs from its description, written as one class in one file.
+
+The class carries all that the project knows of the effect. Its fields are config keys with units and bounds
+(`robot.effects.<name>.<field>`), axes of randomisation and numbers of a hypothesis of the diagnosis; `slot` and `apply`
+are what the simulation does; `cause` and `excitation` are what report and documentation write.
+"""
+
+import re
+from collections.abc import Iterator, Mapping
+from enum import StrEnum
+from functools import cache
+from types import MappingProxyType
+from typing import Any, ClassVar, Self, TypeVar, get_args
+
+from configs.effects.parameter import Parameter, Plausible
+from configs.faults import Fault
+from configs.schema.base import Section
+
+Metadata = TypeVar("Metadata")
+
+
+class Slot(StrEnum):
+    """The places of the signal chain, with what `apply` takes there and what it returns.
+
+    Arrays of wheels have the wheels as their last axis, right and left; a single motor on a bench has one of length 1.
+    """
+
+    MOTORS = "motors"
+    """`Motors` -> `Motors`."""
+    COMMAND_DELAY = "command delay"
+    """delay [s] -> delay [s]."""
+    ACTUATOR = "actuator"
+    """present voltage [V], commanded voltage [V], duration [s] -> voltage [V] after the duration."""
+    BATTERY = "battery"
+    """voltage [V], time since the start [s] -> voltage [V]."""
+    BRIDGE = "bridge"
+    """voltage that drives the current, u - K w [V] -> the same."""
+    SUPPLY = "supply"
+    """u - K w [V] before the loss of the bridge, `Bridge` -> current [A]."""
+    CURRENT_LIMIT = "current limit"
+    """current [A] -> current [A]."""
+    FRICTION = "friction"
+    """friction torque against the motion [N m], `ShaftMotion` -> the same torque."""
+    GEARBOX = "gearbox"
+    """`TwoMass`, `Load` of motor side and load side, duration [s] -> `TwoMass`."""
+    GEOMETRY = "geometry"
+    """`WheelGeometry` -> `WheelGeometry`."""
+    GROUND = "ground"
+    """remaining share of the yaw rate, speed [m/s], yaw rate [rad/s], both computed from the wheels -> share."""
+    ENCODER = "encoder"
+    """counts per revolution -> counts per revolution."""
+    COUNTING = "counting"
+    """turned angle [rad], duration [s] -> counted angle [rad]."""
+    CURRENT_READING = "current reading"
+    """current [A] -> current [A]."""
+    SPEED_READING = "speed reading"
+    """speed [rad/s] -> speed [rad/s]."""
+    SPEED_FILTER = "speed filter"
+    """filtered speed [rad/s], speed before and now [rad/s], duration [s] between -> filtered speed [rad/s] now."""
+    SPEED_DELAY = "speed delay"
+    """delay [s] -> delay [s]."""
+    POSE_POINT = "pose point"
+    """pose x [m], y [m], yaw [rad] (..., 3) -> pose."""
+    POSE_DELAY = "pose delay"
+    """delay [s] -> delay [s]."""
+    RANGE_MOUNT = "range mount"
+    """yaw of the three sensors [rad] (3,) -> yaw."""
+    RANGE = "range"
+    """reading [m], `RangeView` -> reading [m]."""
+    RANGE_NOISE = "range noise"
+    """standard deviation [m], `RangeView` -> standard deviation [m]."""
+    RANGE_LIMIT = "range limit"
+    """reading [m] with its noise, rounded -> reading [m]."""
+    RANGE_DELAY = "range delay"
+    """delay [s] -> delay [s]."""
+
+
+class Setup(StrEnum):
+    """What is measured: a motor alone, a range sensor alone, or a robot that drives."""
+
+    MOTOR_BENCH = "motor bench"
+    RANGE_BENCH = "range bench"
+    DRIVE = "drive"
+
+
+class Effect(Section):
+    """Base of all effects. An instance is the effect with its values in one robot."""
+
+    name: ClassVar[str]
+    """Name of the class in lower case with underscores: `SupplySag` is `supply_sag`."""
+    slot: ClassVar[Slot]
+    cause: ClassVar[str]
+    """What in a robot causes the effect."""
+    excitation: ClassVar[str]
+    """What a measurement must contain to reveal the effect."""
+    setups: ClassVar[tuple[Setup, ...]] = tuple(Setup)
+    """Measurements in which the diagnosis looks for the effect. What does not show in one of them is reported as
+    untestable there."""
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:  # noqa: ANN401 - as pydantic declares it
+        super().__pydantic_init_subclass__(**kwargs)
+        cls.name = re.sub(r"(?<=.)(?=[A-Z])", "_", cls.__name__).lower()
+
+    def apply(self, *args: Any, **kwargs: Any) -> Any:  # noqa: ANN401 - each slot has its own arguments
+        """Return the first argument as it is with this effect; a pure function, whose arguments the slot says."""
+        raise NotImplementedError
+
+    def faults(self, *, in_simulation: bool) -> Iterator[Fault]:
+        """Yield what no robot can have, or no simulation can do, with these values; paths start at the effect's fields.
+
+        Args:
+            in_simulation: Whether PyBullet drives the robot; otherwise a bench may measure it.
+        """
+        del in_simulation
+        yield from ()
+
+    @classmethod
+    @cache
+    def parameters(cls) -> Mapping[str, Parameter]:
+        """Return the numbers of the effect, which can be fitted."""
+        return cls._metadata(Parameter)
+
+    @classmethod
+    @cache
+    def plausible_sizes(cls) -> Mapping[str, Plausible]:
+        """Return the limits of those numbers that have an impossible size."""
+        return cls._metadata(Plausible)
+
+    @classmethod
+    @cache
+    def options(cls) -> Mapping[str, tuple[str, ...]]:
+        """Return the values of each parameter that is no number; empty where any name may stand."""
+        numbers, fields = cls.parameters(), cls.model_fields
+        return MappingProxyType({n: get_args(f.annotation) for n, f in fields.items() if n not in numbers})
+
+    @classmethod
+    def null(cls, choices: Mapping[str, str] = MappingProxyType({})) -> Self:
+        """Return the effect with values at which it changes nothing.
+
+        Args:
+            choices: Values of the parameters that are no numbers.
+        """
+        return cls.model_validate({**choices, **{n: p.without_effect for n, p in cls.parameters().items()}})
+
+    @classmethod
+    def start(cls, choices: Mapping[str, str] = MappingProxyType({})) -> Self:
+        """Return the effect with plausible values that show.
+
+        Args:
+            choices: Values of the parameters that are no numbers.
+        """
+        return cls.model_validate({**choices, **{n: p.start for n, p in cls.parameters().items()}})
+
+    def without_effect(self) -> Self:
+        """Return the same effect with the same choices, changing nothing."""
+        return self.model_copy(update={n: p.without_effect for n, p in self.parameters().items()})
+
+    @classmethod
+    def _metadata(cls, kind: type[Metadata]) -> Mapping[str, Metadata]:
+        fields = cls.model_fields.items()
+        return MappingProxyType({n: m for n, field in fields for m in field.metadata if isinstance(m, kind)})

@@ -1,0 +1,258 @@
+"""Each motor effect against the definition of the shared format, worked out by hand for a motor with round numbers."""
+
+import math
+
+import numpy as np
+import pytest
+
+from physics.drivetrain.driveline import Driveline
+from physics.drivetrain.motor_bench import steady_states, step_responses
+from physics.drivetrain.two_mass import Load, TwoMass
+from physics.effects.actuator_lag import ActuatorLag
+from physics.effects.battery_decline import BatteryDecline
+from physics.effects.bridge_voltage_drop import BridgeVoltageDrop
+from physics.effects.coulomb_friction_scale import CoulombFrictionScale
+from physics.effects.current_limit import CurrentLimit
+from physics.effects.friction_asymmetry import FrictionAsymmetry
+from physics.effects.friction_warmup import FrictionWarmup
+from physics.effects.gear_backlash import GearBacklash
+from physics.effects.input_delay import InputDelay
+from physics.effects.quadratic_drag import QuadraticDrag
+from physics.effects.rotor_inertia_scale import RotorInertiaScale
+from physics.effects.stribeck_friction import StribeckFriction
+from physics.effects.supply_sag import SupplySag
+from physics.effects.torque_constant_mismatch import TorqueConstantMismatch
+from physics.effects.torque_constant_scale import TorqueConstantScale
+from physics.effects.viscous_friction_scale import ViscousFrictionScale
+from physics.effects.winding_resistance_scale import WindingResistanceScale
+from physics.robot.model import RobotModel
+from sensors.effects.speed_scale import SpeedScale
+
+R, K, B, TC, J, SUPPLY_V = 3.0, 0.3, 0.002, 0.02, 2e-3, 8.0
+
+
+@pytest.fixture(scope="module")
+def motor(robot):
+    numbers = {
+        "winding_resistance_ohm": R,
+        "torque_constant_N_m_A": K,
+        "viscous_friction_N_m_s_rad": B,
+        "coulomb_friction_N_m": TC,
+        "rotor_inertia_kg_m2": J,
+        "motor_side_inertia_fraction": 0.75,
+        "motor_side_friction_fraction": 0.5,
+    }
+    power = robot.power.model_copy(update={"battery_voltage_V": SUPPLY_V})
+    return robot.model_copy(update={"motor": robot.motor.model_copy(update=numbers), "power": power})
+
+
+def steady(motor, effect, voltage, time_s=0.0):
+    current, speed = steady_states(
+        RobotModel.from_config(motor.with_effect(effect)), np.array([voltage]), np.array([time_s])
+    )
+    return current[0], speed[0]
+
+
+@pytest.mark.parametrize("wrong", [math.nan, -math.inf])
+def test_the_bench_refuses_a_voltage_that_is_no_number(motor, wrong):
+    model = RobotModel.from_config(motor)
+    with pytest.raises(ValueError, match=rf"voltage_V: {wrong} at trial 2, 1 such in all"):
+        steady_states(model, np.array([1.0, 2.0, wrong]), np.zeros(3))
+    with pytest.raises(ValueError, match=rf"voltage_V: {wrong} at row 1, trial 0, 2 such in all"):
+        step_responses(model, np.array([[1.0], [wrong], [wrong]]), 0.01)
+
+
+def linear(u, r=R, k=K, b=B, tc=TC):
+    """K (u - K w) / R = B w + Tc sgn(u), solved for w; I from the winding."""
+    w = (k * u / r - math.copysign(tc, u)) / (k**2 / r + b)
+    return pytest.approx(((u - k * w) / r, w), rel=1e-9)
+
+
+def responses(motor, voltages, *several):
+    for effect in several:
+        motor = motor.with_effect(effect)
+    current, speed = step_responses(RobotModel.from_config(motor), np.array(voltages)[:, None], 0.005)
+    return current[:, 0], speed[:, 0]
+
+
+class TestSteadyStates:
+    def test_without_effects_they_are_those_of_eq_21(self, motor):
+        assert steady(motor, SpeedScale(scale=1.0), 4.0) == linear(4.0)
+        assert steady(motor, SpeedScale(scale=1.0), -4.0) == linear(-4.0)
+        assert steady(motor, SpeedScale(scale=1.0), 0.15) == (pytest.approx(0.05), 0.0)
+
+    def test_scales_are_true_over_nominal(self, motor):
+        assert steady(motor, WindingResistanceScale(scale=1.2), 4.0) == linear(4.0, r=3.6)
+        assert steady(motor, TorqueConstantScale(scale=0.9), 4.0) == linear(4.0, k=0.27)
+        assert steady(motor, ViscousFrictionScale(scale=2.0), 4.0) == linear(4.0, b=0.004)
+        assert steady(motor, CoulombFrictionScale(scale=1.5), 4.0) == linear(4.0, tc=0.03)
+
+    def test_mismatch_is_shared_by_left_and_right(self, motor):
+        motors = RobotModel.from_config(motor.with_effect(TorqueConstantMismatch(mismatch=0.1))).motors
+        assert (motors.left.torque_constant_N_m_A, motors.right.torque_constant_N_m_A) == pytest.approx((0.315, 0.285))
+
+    @pytest.mark.parametrize("voltage", [4.0, -1.0])
+    def test_stribeck_friction_falls_with_the_square_of_the_speed(self, motor, voltage):
+        effect = StribeckFriction(extra_torque_N_m=0.03, stribeck_speed_rad_s=8.0)
+        current, speed = steady(motor, effect, voltage)
+        assert voltage == pytest.approx(R * current + K * speed)
+        friction = TC + 0.03 * math.exp(-((speed / 8.0) ** 2))
+        assert K * current == pytest.approx(B * speed + math.copysign(friction, speed))
+        assert abs(speed) > 1.0
+
+    def test_breakaway_is_at_coulomb_and_extra_torque_together(self, motor):
+        effect = StribeckFriction(extra_torque_N_m=0.01, stribeck_speed_rad_s=2.0)
+        breakaway = R * (TC + 0.01) / K
+        assert steady(motor, effect, 0.999 * breakaway)[1] == 0.0
+        assert steady(motor, effect, 1.001 * breakaway)[1] > 0.0
+
+    @pytest.mark.parametrize("sign", [1.0, -1.0])
+    def test_quadratic_drag_solves_a_quadratic_equation(self, motor, sign):
+        c = 3e-4
+        _, speed = steady(motor, QuadraticDrag(coefficient_N_m_s2_rad2=c), sign * 5.0)
+        damping, drive = K**2 / R + B, K * 5.0 / R - TC
+        assert speed == pytest.approx(sign * (math.sqrt(damping**2 + 4.0 * c * drive) - damping) / (2.0 * c))
+
+    def test_asymmetric_friction_is_less_forward_and_more_in_reverse(self, motor):
+        effect = FrictionAsymmetry(asymmetry=0.2)
+        assert steady(motor, effect, 4.0) == linear(4.0, tc=0.8 * TC)
+        assert steady(motor, effect, -4.0) == linear(-4.0, tc=1.2 * TC)
+
+    def test_friction_warms_up_exponentially(self, motor):
+        effect = FrictionWarmup(amplitude=0.5, time_constant_s=100.0)
+        assert steady(motor, effect, 4.0, time_s=0.0) == linear(4.0, tc=1.5 * TC)
+        assert steady(motor, effect, 4.0, time_s=100.0 * math.log(2.0)) == linear(4.0, tc=1.25 * TC)
+
+    @pytest.mark.parametrize("sign", [1.0, -1.0])
+    def test_the_bridge_takes_its_drop_off_the_voltage_that_drives(self, motor, sign):
+        found = steady(motor, BridgeVoltageDrop(drop_V=0.5), sign * 4.0)
+        current, speed = steady(motor, SpeedScale(scale=1.0), sign * 3.5)
+        assert found == pytest.approx((current, speed))
+
+    def test_below_the_drop_no_current_flows(self, motor):
+        assert steady(motor, BridgeVoltageDrop(drop_V=0.5), 0.4) == (0.0, 0.0)
+
+    def test_a_sagging_supply_adds_to_the_resistance_by_the_square_of_the_duty(self, motor):
+        found = steady(motor, SupplySag(source_resistance_ohm=0.8), 4.0)
+        assert found == linear(4.0, r=R + 0.8 * 0.25)
+
+    def test_a_declining_battery_takes_its_fraction_of_the_voltage_each_minute(self, motor):
+        found = steady(motor, BatteryDecline(fraction_per_minute=0.05), 4.0, time_s=120.0)
+        assert found == linear(4.0 * 0.9)
+
+    def test_an_empty_battery_gives_nothing(self, motor):
+        assert steady(motor, BatteryDecline(fraction_per_minute=1.0), 4.0, time_s=90.0) == (0.0, 0.0)
+
+    def test_a_current_limit_below_what_friction_needs_stalls_the_motor(self, motor):
+        assert steady(motor, CurrentLimit(limit_A=0.06), 4.0) == (0.06, 0.0)
+
+
+class TestSupplyOfTwoMotors:
+    def test_both_currents_and_the_sagged_voltages_satisfy_the_definition(self, motor):
+        line = Driveline.of_robot(RobotModel.from_config(motor.with_effect(SupplySag(source_resistance_ohm=0.8))))
+        for volts, speeds in (((5.0, 4.0), (2.0, 1.0)), ((5.0, -3.0), (0.0, 3.0)), ((1.0, 5.0), (9.0, 2.0))):
+            u, w = np.array([volts]), np.array([speeds])
+            current = line.current_A(u, w)
+            duty = u / SUPPLY_V
+            at_bridge = SUPPLY_V - 0.8 * np.sum(np.abs(duty) * np.abs(current))
+            np.testing.assert_allclose(duty * at_bridge - K * w, R * current, atol=1e-12)
+
+    @pytest.mark.parametrize("left_V", [2.6, 2.9, 3.2, 2.0])
+    def test_the_bridge_takes_its_drop_off_what_the_sagging_supply_leaves(self, motor, left_V):
+        """At 8.5 rad/s the left motor drives, is blocked by the drop, or feeds back."""
+        several = (SupplySag(source_resistance_ohm=0.8), BridgeVoltageDrop(drop_V=0.3))
+        line = Driveline.of_robot(RobotModel.from_config(motor.with_effect(several[0]).with_effect(several[1])))
+        u, w = np.array([[5.0, left_V]]), np.array([[2.0, 8.5]])
+        current = line.current_A(u, w)
+        duty = u / SUPPLY_V
+        e = duty * (SUPPLY_V - 0.8 * np.sum(np.abs(duty) * np.abs(current))) - K * w
+        np.testing.assert_allclose(R * current, np.sign(e) * np.maximum(np.abs(e) - 0.3, 0.0), atol=1e-12)
+
+    def test_a_supply_asked_for_too_much_gives_no_less_than_no_voltage(self, motor):
+        """Both motors plugged at full speed into 5 ohm: all that is left is their own voltage over the windings."""
+        line = Driveline.of_robot(RobotModel.from_config(motor.with_effect(SupplySag(source_resistance_ohm=5.0))))
+        w = np.array([[-18.0, -18.0]])
+        np.testing.assert_allclose(line.current_A(np.array([[6.0, 6.0]]), w), -K * w / R, rtol=1e-12)
+
+
+class TestStepResponses:
+    STEP = (4.0,) * 40
+
+    def run_up(self, t_s, j=J, u=4.0):
+        damping = K**2 / R + B
+        return (K * u / R - TC) / damping * (1.0 - np.exp(-np.maximum(t_s, 0.0) * damping / j))
+
+    T_S = 0.005 * np.arange(1, 41)
+
+    def test_inertia_scales_the_time_constant(self, motor):
+        _, speed = responses(motor, self.STEP, RotorInertiaScale(scale=1.5))
+        np.testing.assert_allclose(speed, self.run_up(self.T_S, j=1.5 * J), rtol=1e-9)
+
+    def test_a_delay_shifts_the_response(self, motor):
+        _, speed = responses(motor, self.STEP, InputDelay(delay_s=0.012))
+        np.testing.assert_allclose(speed, self.run_up(self.T_S - 0.012), rtol=1e-9, atol=1e-12)
+
+    @pytest.mark.parametrize("rows", [3, 5, 8])
+    def test_a_trial_that_ends_before_its_first_command_acts_stays_at_rest(self, motor, rows):
+        current, speed = responses(motor, (4.0,) * rows, InputDelay(delay_s=0.040))
+        assert not current.any()
+        assert not speed.any()
+        assert len(speed) == rows
+
+    def test_an_actuator_lag_makes_it_second_order(self, motor):
+        """Without dry friction, 1 - (a exp(-t/a) - b exp(-t/b)) / (a - b) of the final speed."""
+        slippery = motor.model_copy(update={"motor": motor.motor.model_copy(update={"coulomb_friction_N_m": 0.0})})
+        _, speed = responses(slippery, self.STEP, ActuatorLag(time_constant_s=0.02))
+        damping = K**2 / R + B
+        a, b, t = J / damping, 0.02, self.T_S
+        final = K * 4.0 / R / damping
+        expected = final * (1.0 - (a * np.exp(-t / a) - b * np.exp(-t / b)) / (a - b))
+        # The lag is held for half a millisecond at its end value: a quarter of a millisecond early.
+        np.testing.assert_allclose(speed, expected, atol=0.012 * final)
+
+    def test_a_limited_current_runs_up_along_a_ramp(self, motor):
+        current, speed = responses(motor, (5.0,) * 10, CurrentLimit(limit_A=0.5))
+        assert current == pytest.approx(0.5)
+        final, rate = (K * 0.5 - TC) / B, B / J
+        np.testing.assert_allclose(speed, final * (1.0 - np.exp(-rate * self.T_S[:10])), rtol=5e-3)
+
+    def test_free_play_lets_the_motor_side_run_up_alone(self, motor):
+        """Until it has crossed half the gap, with its shares of inertia and friction."""
+        _, speed = responses(motor, (2.0, 2.0), GearBacklash(gap_rad=1.0))
+        damping, drive = K**2 / R + 0.5 * B, K * 2.0 / R - 0.5 * TC
+        t_s = np.array([0.005, 0.010])
+        np.testing.assert_allclose(speed, drive / damping * (1.0 - np.exp(-t_s * damping / (0.75 * J))), rtol=2e-3)
+
+    def test_contact_is_inelastic(self):
+        """Two sides that meet go on together with the momentum of both."""
+        nothing = np.zeros(1)
+        motor_side = Load(nothing, nothing, nothing, np.array([3e-3]))
+        load_side = Load(nothing, nothing, nothing, np.array([1e-3]))
+        before = TwoMass(np.array([8.0]), np.array([4.0]), np.array([0.0499]))
+        after = GearBacklash(gap_rad=0.1).apply(before, motor_side, load_side, 1e-3)
+        assert (after.motor_rad_s[0], after.load_rad_s[0]) == pytest.approx((7.0, 7.0))
+        assert after.slack_rad[0] == pytest.approx(0.05)
+
+    def test_sides_that_drift_apart_are_not_held(self):
+        nothing, mass = np.zeros(1), np.array([1e-3])
+        load = Load(nothing, nothing, nothing, mass)
+        before = TwoMass(np.array([4.0]), np.array([8.0]), np.array([0.05]))
+        after = GearBacklash(gap_rad=0.1).apply(before, load, load, 1e-3)
+        assert (after.motor_rad_s[0], after.load_rad_s[0]) == pytest.approx((4.0, 8.0))
+        assert after.slack_rad[0] == pytest.approx(0.046)
+
+    def test_a_tiny_gap_is_a_rigid_gearbox(self, motor):
+        voltages = (4.0,) * 20 + (-4.0,) * 20
+        rigid = responses(motor, voltages)[1]
+        np.testing.assert_allclose(responses(motor, voltages, GearBacklash(gap_rad=1e-9))[1], rigid, atol=0.03)
+
+    def test_at_a_reversal_play_moves_the_speed_faster(self, motor):
+        voltages = (4.0,) * 20 + (-4.0,) * 4
+        rigid, loose = responses(motor, voltages)[1], responses(motor, voltages, GearBacklash(gap_rad=0.1))[1]
+        assert loose[20] < rigid[20] - 0.2
+
+
+def test_several_effects_act_each_by_its_own_definition(motor):
+    both = motor.with_effect(WindingResistanceScale(scale=1.2)).with_effect(BridgeVoltageDrop(drop_V=0.5))
+    _, speed = steady(both, CoulombFrictionScale(scale=1.5), 4.0)
+    assert speed == pytest.approx((K * 3.5 / 3.6 - 0.03) / (K**2 / 3.6 + B))

@@ -1,0 +1,239 @@
+"""Each sensor effect against the definition of the shared format, worked out by hand."""
+
+import math
+
+import numpy as np
+import pytest
+
+from configs.effects.robot_effects import RobotEffects
+from sensors.effects.ambient_noise import AmbientNoise
+from sensors.effects.cover_crosstalk import CoverCrosstalk
+from sensors.effects.current_sensor_gain import CurrentSensorGain
+from sensors.effects.current_sensor_offset import CurrentSensorOffset
+from sensors.effects.incidence_bias import IncidenceBias
+from sensors.effects.log_range_error import LogRangeError
+from sensors.effects.marker_offset import MarkerOffset
+from sensors.effects.material_bias import MaterialBias
+from sensors.effects.near_field_error import NearFieldError
+from sensors.effects.noise_scale import NoiseScale
+from sensors.effects.pose_time_offset import PoseTimeOffset
+from sensors.effects.range_offset import RangeOffset
+from sensors.effects.range_saturation import RangeSaturation
+from sensors.effects.range_scale import RangeScale
+from sensors.effects.speed_filter_lag import SpeedFilterLag
+from sensors.effects.speed_scale import SpeedScale
+from sensors.effects.speed_time_offset import SpeedTimeOffset
+from sensors.effects.temperature_drift import TemperatureDrift
+from sensors.effects.tof_mount_yaw import TofMountYaw
+from sensors.effects.tof_range_offset import TofRangeOffset
+from sensors.effects.tof_range_scale import TofRangeScale
+from sensors.effects.tof_time_offset import TofTimeOffset
+from sensors.effects.warmup_drift import WarmupDrift
+from sensors.instruments import read_current_A, read_speed_rad_s
+from sensors.pose_log import PoseLog
+from sensors.range_view import RangeView
+from sensors.tof import TofArray
+from symolo.dataset.codes import TofStatus
+
+DISTANCE_M = np.array([0.05, 0.18, 0.6])
+VIEW = RangeView(
+    distance_m=DISTANCE_M,
+    incidence_rad=np.array([0.0, math.pi / 6, math.pi / 4]),
+    reflectance=np.array([0.85, 0.05, 0.5]),
+    material_share={"wood": np.array([1.0, 0.0, 0.25])},
+    temperature_C=35.0,
+    reference_temperature_C=25.0,
+    ambient_lux=3000.0,
+    time_s=60.0,
+)
+
+
+def applied(values, given):
+    """What the effect of these parameters makes of a value in the view above."""
+    return values.apply(np.asarray(given), VIEW)
+
+
+@pytest.mark.parametrize(
+    ("values", "expected"),
+    [
+        (RangeOffset(offset_m=0.01), [0.06, 0.19, 0.61]),
+        (RangeScale(scale=1.1), [0.055, 0.198, 0.66]),
+        (LogRangeError(coefficient_m=0.02), [0.05, 0.18, 0.6 + 0.02 * math.log(0.6 / 0.18)]),
+        (TemperatureDrift(coefficient_m_per_K=1e-3), [0.06, 0.19, 0.61]),
+        (MaterialBias(material="wood", offset_m=-0.008), [0.042, 0.18, 0.598]),
+        (MaterialBias(material="glass", offset_m=-0.008), [0.05, 0.18, 0.6]),
+        (IncidenceBias(coefficient=0.1), [0.05, 0.18 + 0.1 * 0.18 * 0.25, 0.6 + 0.1 * 0.6 * 0.5]),
+        (
+            CoverCrosstalk(strength_per_m2=0.1),
+            [0.05 / (1 + 0.00025 / 0.85), 0.18 / (1 + 0.00324 / 0.05), 0.6 / (1 + 0.036 / 0.5)],
+        ),
+        (
+            NearFieldError(amplitude_m=0.02, decay_length_m=0.1),
+            [0.05 + 0.02 * math.exp(-0.5), 0.18 + 0.02 * math.exp(-1.8), 0.6 + 0.02 * math.exp(-6.0)],
+        ),
+        (
+            WarmupDrift(amplitude_m=0.01, time_constant_s=120.0),
+            DISTANCE_M + 0.01 * math.exp(-0.5),
+        ),
+        (TofRangeOffset(sensor="left", offset_m=0.01), [0.05, 0.19, 0.6]),
+        (TofRangeScale(scale=0.9), [0.045, 0.162, 0.54]),
+        (NoiseScale(scale=1.5), [0.075, 0.27, 0.9]),
+        (AmbientNoise(coefficient_per_klux=1.0), 2.0 * DISTANCE_M),
+    ],
+    ids=lambda item: type(item).__name__,
+)
+def test_ranges_and_their_noise(values, expected):
+    np.testing.assert_allclose(applied(values, DISTANCE_M), expected, rtol=1e-12)
+
+
+class TestRangeSensorsInTheSimulation:
+    """Front sensor before a wall across the way; the box of the arena says what the wall is made of."""
+
+    @pytest.fixture
+    def read(self, robot, arena_of, plane_world):
+        def take(values, distance_m=0.5, surface="wood", at=(0.0, 0.0, 0.0), **settings):
+            config = robot.tof.model_copy(
+                update={"error_scale": 0.0, "noise_scale": 0.0, "quantisation_m": 0.0} | settings
+            )
+            tof = TofArray(
+                config,
+                arena_of(surface),
+                1000,
+                np.random.Generator(np.random.PCG64(0)),
+                RobotEffects().with_effect(values),
+            )
+            world = plane_world(wall_x_m=robot.tof.mounts.front.x_m + distance_m, at=at, time_s=60.0)
+            return tof.sample(world)[0]
+
+        return take
+
+    @pytest.fixture
+    def bare(self, read):
+        return read(RangeOffset(offset_m=0.0))[0]
+
+    def test_an_offset(self, read, bare):
+        assert read(RangeOffset(offset_m=0.012))[0] == pytest.approx(bare + 0.012)
+        assert read(TofRangeOffset(sensor="front", offset_m=0.012))[0] == pytest.approx(bare + 0.012)
+        assert read(TofRangeOffset(sensor="left", offset_m=0.012))[0] == bare
+
+    def test_a_material_is_that_of_the_wall(self, read, bare):
+        assert read(MaterialBias(material="wood", offset_m=-0.02))[0] == pytest.approx(bare - 0.02)
+        assert read(MaterialBias(material="glass", offset_m=-0.02))[0] == bare
+
+    def test_crosstalk_takes_the_reflectance_of_the_wall(self, read):
+        nothing, effect = CoverCrosstalk(strength_per_m2=0.0), CoverCrosstalk(strength_per_m2=0.1)
+        for surface, reflectance in (("wood", 0.45), ("black_board", 0.05)):
+            expected = read(nothing, surface=surface)[0] / (1.0 + 0.1 * 0.25 / reflectance)
+            assert read(effect, surface=surface)[0] == pytest.approx(expected, rel=1e-3)
+
+    def test_temperature_and_time_are_those_of_the_robot(self, read, bare):
+        effect = TemperatureDrift(coefficient_m_per_K=1e-3)
+        assert read(effect, temperature_C=5.0, reference_temperature_C=20.0)[0] == pytest.approx(bare - 0.015)
+        effect = WarmupDrift(amplitude_m=0.01, time_constant_s=60.0)
+        assert read(effect)[0] == pytest.approx(bare + 0.01 / math.e)
+
+    @pytest.mark.parametrize("tilt_deg", [0.0, 20.0])
+    def test_incidence_is_the_angle_of_the_axis_to_the_wall(self, read, tilt_deg):
+        tilt = math.radians(tilt_deg)
+        nothing, effect = IncidenceBias(coefficient=0.0), IncidenceBias(coefficient=0.2)
+        at = (0.0, 0.0, tilt)
+        distance = read(nothing, at=at)[0]
+        expected = distance * (1.0 + 0.2 * math.sin(tilt) ** 2)
+        assert read(effect, at=at)[0] == pytest.approx(expected, abs=2e-4)
+
+    def test_a_saturated_range_is_flat_through_its_noise(self, read):
+        """reading <= saturation: of the reading as it is given, or the plateau would not be exactly flat."""
+        saturated = read(RangeSaturation(saturation_m=0.3), noise_scale=10.0, quantisation_m=0.001)
+        assert saturated == pytest.approx([0.3, TofStatus.VALID], abs=0.0)
+        far, near = (RangeSaturation(saturation_m=limit_m) for limit_m in (9.0, 0.6))
+        assert read(far, noise_scale=1.0)[0] == read(near, noise_scale=1.0)[0] < 0.6
+
+    def test_a_turned_sensor_is_a_turned_robot_to_its_reading(self, robot, read):
+        """About the mount: the same wall at the same distance from it, met at the same angle."""
+        angle, mount = 0.25, robot.tof.mounts.front.x_m
+        turned = read(TofMountYaw(sensor="front", angle_rad=angle))[0]
+        nothing = TofMountYaw(sensor="front", angle_rad=0.0)
+        same = read(nothing, at=(mount * (1.0 - math.cos(angle)), -mount * math.sin(angle), angle))[0]
+        assert turned == pytest.approx(same, rel=1e-9)
+        assert read(TofMountYaw(sensor="left", angle_rad=angle))[0] == read(nothing)[0]
+
+    @pytest.mark.parametrize(
+        ("values", "factor"),
+        [
+            (NoiseScale(scale=2.0), 2.0),
+            (AmbientNoise(coefficient_per_klux=0.6), math.sqrt(1.0 + 0.6 * 5.0)),
+        ],
+    )
+    def test_noise(self, robot, arena_of, plane_world, values, factor):
+        config = robot.tof.model_copy(update={"quantisation_m": 0.0, "ambient_lux": 5000.0})
+        world = plane_world(wall_x_m=robot.tof.mounts.front.x_m + 0.5)
+        deviations = []
+        for effects in (RobotEffects(), RobotEffects().with_effect(values)):
+            tof = TofArray(config, arena_of(), 1000, np.random.Generator(np.random.PCG64(0)), effects)
+            deviations.append(np.std([tof.sample(world)[0, 0] for _ in range(50)]))
+        assert deviations[1] == pytest.approx(factor * deviations[0], rel=1e-9)
+
+    def test_a_late_log_adds_to_the_delay(self, robot, arena_of):
+        effects = RobotEffects().with_effect(TofTimeOffset(delay_s=0.04))
+        config = robot.tof.model_copy(update={"delay_s": 0.01})
+        tof = TofArray(config, arena_of(), 1000, np.random.Generator(np.random.PCG64(0)), effects)
+        assert tof.sampling.delay_steps == 50
+
+
+class TestInstruments:
+    T_S = 0.005 * np.arange(1, 101)
+
+    def test_current_is_amplified_and_shifted(self):
+        effects = RobotEffects().with_effect(CurrentSensorGain(gain=1.1))
+        np.testing.assert_allclose(read_current_A(effects, np.array([0.0, 2.0])), [0.0, 2.2])
+        effects = RobotEffects().with_effect(CurrentSensorOffset(offset_A=0.03))
+        np.testing.assert_allclose(read_current_A(effects, np.array([0.0, 2.0])), [0.03, 2.03])
+
+    def test_speed_is_scaled(self):
+        effects = RobotEffects().with_effect(SpeedScale(scale=0.9))
+        np.testing.assert_allclose(read_speed_rad_s(effects, self.T_S[:2], np.array([[5.0], [10.0]])), [[4.5], [9.0]])
+
+    def test_a_filtered_speed_lags_a_ramp_as_its_closed_form(self):
+        """Exactly, for a ramp is straight between the rows: a (t - T (1 - exp(-t / T)))."""
+        lag_s = 0.05
+        effects = RobotEffects().with_effect(SpeedFilterLag(time_constant_s=lag_s))
+        found = read_speed_rad_s(effects, self.T_S, 40.0 * self.T_S[:, None])[:, 0]
+        expected = 40.0 * (self.T_S - lag_s * (1.0 - np.exp(-self.T_S / lag_s)))
+        np.testing.assert_allclose(found, expected, atol=1e-12)
+
+    @pytest.mark.parametrize("lag_s", [0.004, 0.02, 0.05])
+    def test_a_filtered_speed_of_a_starting_wheel_is_that_of_two_lags_in_a_row(self, lag_s):
+        """Closed form for a wheel with a time constant of 30 ms from rest; half a row late it would be off by 0.8."""
+        wheel_s = 0.03
+        effects = RobotEffects().with_effect(SpeedFilterLag(time_constant_s=lag_s))
+        speed = 10.0 * (1.0 - np.exp(-self.T_S / wheel_s))
+        found = read_speed_rad_s(effects, self.T_S, speed[:, None])[:, 0]
+        left = (wheel_s * np.exp(-self.T_S / wheel_s) - lag_s * np.exp(-self.T_S / lag_s)) / (wheel_s - lag_s)
+        np.testing.assert_allclose(found, 10.0 * (1.0 - left), atol=0.04)
+
+    def test_a_late_speed_is_that_of_before(self):
+        effects = RobotEffects().with_effect(SpeedTimeOffset(delay_s=0.0325))
+        speed = np.stack([3.0 * self.T_S, -2.0 * self.T_S], axis=1)
+        expected = np.maximum(self.T_S - 0.0325, 0.0)[:, None] * np.array([3.0, -2.0])
+        np.testing.assert_allclose(read_speed_rad_s(effects, self.T_S, speed), expected, atol=1e-12)
+
+    @pytest.mark.parametrize("effect", [SpeedFilterLag(time_constant_s=0.05), SpeedTimeOffset(delay_s=0.02)])
+    def test_readings_from_the_start_on_are_those_with_the_row_at_rest_left_out(self, effect):
+        effects = RobotEffects().with_effect(effect)
+        speed = 10.0 * (1.0 - np.exp(-self.T_S / 0.03))[:, None]
+        t_s, with_rest = np.concatenate([[0.0], self.T_S]), np.concatenate([[[0.0]], speed])
+        np.testing.assert_array_equal(
+            read_speed_rad_s(effects, t_s, with_rest)[1:], read_speed_rad_s(effects, self.T_S, speed)
+        )
+
+
+class TestPoseLog:
+    @pytest.mark.parametrize("yaw", [0.0, 0.7, 2.0])
+    def test_the_marker_lies_ahead_of_the_axle(self, plane_world, yaw):
+        log = PoseLog(RobotEffects().with_effect(MarkerOffset(offset_m=0.04)), 1000)
+        expected = (1.0 + 0.04 * math.cos(yaw), 2.0 + 0.04 * math.sin(yaw), yaw)
+        assert log.sample(plane_world(at=(1.0, 2.0, yaw))) == pytest.approx(expected)
+
+    def test_a_late_pose_is_that_of_exactly_so_long_ago(self):
+        log = PoseLog(RobotEffects().with_effect(PoseTimeOffset(delay_s=0.047)), 1000)
+        assert [log.sampling.step_read_at(step) for step in (0, 30, 50, 100)] == [0, 0, 3, 53]
