@@ -98,7 +98,7 @@ class LogUniform:
 
 
 @dataclass(frozen=True)
-class Choice:
+class RandomChoice:
     """Each option is as likely; options are numbers, names, or true and false."""
 
     options: tuple[Scalar, ...]
@@ -110,7 +110,7 @@ class Choice:
         return self.options[math.floor(len(self.options) * rng.random())]
 
 
-Distribution = Uniform | Normal | LogUniform | Choice
+Distribution = Uniform | Normal | LogUniform | RandomChoice
 
 
 def parse(node: Node, path: FieldPath) -> Distribution:
@@ -149,13 +149,13 @@ def parse(node: Node, path: FieldPath) -> Distribution:
     return LogUniform(low, high)
 
 
-def _parse_choice(arguments: Node, faulty: Callable[..., InputError]) -> Choice:
+def _parse_choice(arguments: Node, faulty: Callable[..., InputError]) -> RandomChoice:
     items = arguments.value
     if not isinstance(items, tuple) or not 1 <= len(items) <= _MAX_OPTIONS:
         raise faulty(allowed=f"a list of 1 to {_MAX_OPTIONS} values")
     if any(isinstance(item.value, dict | tuple) or item.value is None for item in items):
         raise faulty(allowed="numbers, names, or true and false")
-    return Choice(tuple(item.value for item in items))  # type: ignore[misc]
+    return RandomChoice(tuple(item.value for item in items))  # type: ignore[misc]
 
 
 def _parse_normal(arguments: Node, faulty: Callable[..., InputError]) -> Normal:

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from configs.distributions import Choice, Distribution, LogUniform, Normal, Uniform
+from configs.distributions import Distribution, LogUniform, Normal, RandomChoice, Uniform
 from symolo.core.random_streams import stream
 
 DRAWS = 40_000
@@ -46,7 +46,7 @@ def test_normal_has_its_mean_and_sd():
 
 def test_each_option_and_each_whole_number_comes_equally_often():
     rng = stream(1, "test")
-    options = [Choice(("a", "b", "c")).draw(rng) for _ in range(DRAWS)]
+    options = [RandomChoice(("a", "b", "c")).draw(rng) for _ in range(DRAWS)]
     whole = [Uniform(3, 5).draw_integer(rng) for _ in range(DRAWS)]
     spread = 5 * math.sqrt(DRAWS * (1 / 3) * (2 / 3))
     for values, members in ((options, "abc"), (whole, (3, 4, 5))):
@@ -86,7 +86,7 @@ def test_no_draw_of_a_normal_leaves_its_ends(mean: float, sd: float, seed: int):
     assert low <= normal.draw(stream(seed)) <= high
 
 
-@pytest.mark.parametrize("distribution", [Uniform(0, 1), Normal(0, 1), LogUniform(1, 2), Choice((1, 2))])
+@pytest.mark.parametrize("distribution", [Uniform(0, 1), Normal(0, 1), LogUniform(1, 2), RandomChoice((1, 2))])
 def test_a_draw_takes_one_number_from_its_stream(distribution: Distribution):
     """So that the kind of a distribution changes nothing that is drawn after it from the same generator."""
     rng, other = stream(4), stream(4)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from configs.effects.robot_effects import RobotEffects
-from configs.schema.arena import ArenaConfig, Line, SurfaceName, Wall
+from configs.schema.arena import ArenaConfig, LineConfig, SurfaceName, WallConfig
 from configs.schema.robot import RobotConfig, TofMount, TofMounts, TofSensor
 from physics.arena.rays import RayScene
 from sensors.base import Hits
@@ -68,14 +68,16 @@ def target(distance_m: float, surface: SurfaceName = "white_board") -> Arena:
 
 def board(
     name: str, x_m: float, left_m: float, thickness_m: float = 0.02, surface: SurfaceName = "white_board"
-) -> Wall:
+) -> WallConfig:
     """A board that faces the sensor, from far on its right to `left_m`."""
     start, end = (x_m, -TARGET_HALF_WIDTH_M), (x_m, left_m)
-    return Wall(name=name, start=start, end=end, height_m=TARGET_HEIGHT_M, thickness_m=thickness_m, surface=surface)
+    return WallConfig(
+        name=name, start=start, end=end, height_m=TARGET_HEIGHT_M, thickness_m=thickness_m, surface=surface
+    )
 
 
-def bench_arena(*boards: Wall) -> Arena:
-    return Arena.from_config(ArenaConfig(name="bench", line=Line(), walls=boards))
+def bench_arena(*boards: WallConfig) -> Arena:
+    return Arena.from_config(ArenaConfig(name="bench", line=LineConfig(), walls=boards))
 
 
 @dataclass(frozen=True)
