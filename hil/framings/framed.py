@@ -40,7 +40,7 @@ def crc16(data: bytes) -> int:
 
 @dataclass(frozen=True)
 class Framed:
-    """Frames that are right or dropped; see docs/hil.md for how often damage goes unseen."""
+    """Frames that are right or dropped; see docs/hil_protocol.md for how often damage goes unseen."""
 
     name: str = "framed"
     baud: int = 500_000

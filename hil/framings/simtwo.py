@@ -31,7 +31,7 @@ _RUN, _START = 1, 2
 
 @dataclass(frozen=True)
 class SimTwo:
-    """For users of SimTwo; damage that leaves digits digits goes unseen, see docs/hil.md for how much."""
+    """For users of SimTwo; damage that leaves digits digits goes unseen, see docs/hil_protocol.md for how much."""
 
     name: str = "simtwo"
     baud: int = 115_200
