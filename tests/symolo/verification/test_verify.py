@@ -156,7 +156,7 @@ CONTENT = {
     "positions with commas": (
         edit(f"{RUN}/image_positions.txt", lambda t: t.replace(" ", ",")),
         f"{RUN}/image_positions.txt",
-        "allowed: img x y theta; separate columns with spaces, not with ','",
+        "one column: got 'img,x,y,theta', allowed: img x y theta",
     ),
     "side file of another run": (
         edit(f"{RUN}/side/wheels.csv", lambda t: t.replace("\n50,", "\n51,")),
