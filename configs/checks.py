@@ -4,7 +4,6 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
-from configs.distributions import Choice
 from configs.faults import Fault
 from configs.motion_checks import motion_faults
 from configs.schema.arena import ArcPiece, ArenaConfig, StraightPiece
@@ -13,6 +12,7 @@ from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Route, Scenario
 from configs.validation import Placed
 from symolo.arena.footprints import Point, Rectangle, obstacle_footprint, overlap, wall_footprint
+from symolo.core.distributions import Choice
 from symolo.core.errors import InputError
 from symolo.core.lens import lens_problem
 from symolo.core.yaml_tree import FieldPath, Node, dotted

@@ -8,9 +8,9 @@ from typing import Any, TypeVar
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
-from configs.distributions import Choice, Distribution, Uniform, parse
 from configs.schema_faults import explained
 from configs.shapes import Shape
+from symolo.core.distributions import Choice, Distribution, Uniform, parse
 from symolo.core.errors import InputError
 from symolo.core.yaml_tree import FieldPath, Node, Scalar, Values, dotted
 

@@ -35,7 +35,7 @@ def main() -> None:
     on_ray.done_here = nothing
     units = [
         RenderUnit(
-            name=f"CW/test_{i}", work="pictures", job=Path("job.json"), folder=Path("f"), numbers=FRAMES, threads=1
+            name=f"CW/test_{i}", work="images", job=Path("job.json"), folder=Path("f"), numbers=FRAMES, threads=1
         )
         for i in range(asked.blocks)
     ]

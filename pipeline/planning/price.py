@@ -12,7 +12,7 @@ from blender_scenes.render.devices import device_for
 from blender_scenes.render.frame_files import FrameFile
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from configs.schema.scenario import AnnotationName, RunSpec
+from configs.schema.scenario import RunSpec
 from pipeline.executors.local import Local
 from pipeline.executors.part import BLOCK_FRAMES
 from pipeline.planning.plan import BYTES_PER_ROW, ScenarioPlan
@@ -24,6 +24,7 @@ from pipeline.work.supervisor import cores
 from symolo.core.disk_space import check_scratch
 from symolo.core.errors import RunFailed
 from symolo.core.progress import Report, seconds
+from symolo.dataset.annotations import AnnotationName
 from symolo.dataset.metadata import FailedRun
 
 RUNS, IMAGES = 3, 4
@@ -139,7 +140,7 @@ def _drive_s(spec: RunSpec, scratch: Path, report: Report) -> float:
 
 
 def _timed(batch: Batch, simulate_s: float, report: Report) -> Price:
-    batch.keep_own_files()
+    batch.keep_user_files()
     _good(batch.simulate(report))
     simulated = time.perf_counter()
     _good(batch.render([], report))

@@ -95,7 +95,7 @@ class FrameTask(ABC):
     folder: StageFolder
     job_sha256: str
     frames: tuple[FramePose, ...]
-    own_files: Path | None = None
+    user_files: Path | None = None
     """Folder of the user's own files by their SHA-256; None where none is shown."""
     device: DeviceKind = "CPU"
     """On which the files are made."""
@@ -107,11 +107,11 @@ class FrameTask(ABC):
         folder: StageFolder,
         job: RenderJob | AnnotationJob,
         frames: tuple[FramePose, ...],
-        own_files: Path | None = None,
+        user_files: Path | None = None,
     ) -> "Order":
         text = job.to_json()
         digest = hashlib.sha256(text.encode()).hexdigest()
-        return Order(cls(run, folder, digest, frames, own_files, job.sampling.device), text)
+        return Order(cls(run, folder, digest, frames, user_files, job.sampling.device), text)
 
     @property
     def key(self) -> str:
@@ -152,17 +152,17 @@ class Order:
 class RenderTask(FrameTask):
     """The pictures of one run."""
 
-    STAGE, FILES, WORK = "render", IMAGES, "pictures"
+    STAGE, FILES, WORK = "render", IMAGES, "images"
 
     @classmethod
     def of(
-        cls, run: str, appearance: Appearance, rows: Rows, folder: StageFolder, own_files: Path | None = None
+        cls, run: str, appearance: Appearance, rows: Rows, folder: StageFolder, user_files: Path | None = None
     ) -> Order:
         frames = frame_poses(rows)
         arena = Arena.from_config(appearance.arena)
         path = RobotPath(rows.t_ms / 1000, rows.pose, rows.twist)
         job = appearance.job(arena, frames, path)
-        return cls.order(run, folder, job, frames, own_files)
+        return cls.order(run, folder, job, frames, user_files)
 
     def names(self) -> list[str]:
         return [frame_name(frame.number) for frame in self.frames]
@@ -313,7 +313,7 @@ def blocks(tasks: Sequence[FrameTask], executor: Executor) -> list[RenderUnit]:
             folder=task.files,
             numbers=own[start : start + size],
             threads=threads,
-            own_files=task.own_files,
+            user_files=task.user_files,
         )
         for task, own, size in zip(tasks, numbers, sizes, strict=True)
         for start in range(0, len(own), size)

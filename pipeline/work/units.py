@@ -62,7 +62,7 @@ class RenderUnit(UnitOfWork):
     """Numbers of the frames."""
     threads: int
     """Number of threads that Blender uses."""
-    own_files: Path | None = None
+    user_files: Path | None = None
     """Folder of the user's own files by their SHA-256; only images need it."""
 
     def given_up(self, frame: int, tries: int, cause: str) -> str:

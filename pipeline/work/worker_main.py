@@ -57,7 +57,7 @@ def render_frames(unit: RenderUnit, on_progress: OnProgress) -> None:
             numbers=unit.numbers,
             on_frame=on_frame,
             on_begin=lambda number: on_progress(len(done) / len(unit.numbers), number),
-            own_files=unit.own_files,
+            user_files=unit.user_files,
             cpu=cpu_class(),
         )
     except RenderError as error:

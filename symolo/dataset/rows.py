@@ -13,6 +13,7 @@ from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
 from symolo.core.time_series import Recording
 from symolo.dataset.codes import State
+from symolo.dataset.column import Column
 
 Ints = NDArray[np.int64]
 Numbers = NDArray[np.float64 | np.int64]
@@ -23,28 +24,19 @@ _LARGEST = 2**53
 """Up to here a float holds every whole number, and no square of a reading overflows."""
 
 
-@dataclass(frozen=True)
-class Column:
-    name: str
-    unit: str
-    meaning: str
-    decimals: int
-    """Digits after the point in the file; 0 is an integer."""
-
-
 COLUMNS = (
-    Column("t", "ms", "time since the first row", 0),
-    Column("x", "m", "position of the middle of the axle in the world frame W", 6),
-    Column("y", "m", "position of the middle of the axle in the world frame W", 6),
-    Column("theta", "rad", "heading from +x of W, counter-clockwise, from -3.141592 to 3.141593", 6),
-    Column("state", "-", "state of the controller, see below", 0),
-    Column("v", "m/s", "forward speed", 6),
-    Column("w", "rad/s", "yaw rate, counter-clockwise positive", 6),
-    Column("d_f", "m", "range of the front ToF sensor", 4),
-    Column("d_l", "m", "range of the left ToF sensor", 4),
-    Column("d_r", "m", "range of the right ToF sensor", 4),
-    *(Column(f"L{i}", "-", f"reflectance of line sensor channel {i}, 0 black, 1 white", 5) for i in range(8)),
-    Column("img", "-", "number of the image taken at this row, 0 for none", 0),
+    Column("t", "ms", 0, "time since the first row"),
+    Column("x", "m", 6, "position of the middle of the axle in the world frame W"),
+    Column("y", "m", 6, "position of the middle of the axle in the world frame W"),
+    Column("theta", "rad", 6, "heading from +x of W, counter-clockwise, from -3.141592 to 3.141593"),
+    Column("state", "-", 0, "state of the controller, see below"),
+    Column("v", "m/s", 6, "forward speed"),
+    Column("w", "rad/s", 6, "yaw rate, counter-clockwise positive"),
+    Column("d_f", "m", 4, "range of the front ToF sensor"),
+    Column("d_l", "m", 4, "range of the left ToF sensor"),
+    Column("d_r", "m", 4, "range of the right ToF sensor"),
+    *(Column(f"L{i}", "-", 5, f"reflectance of line sensor channel {i}, 0 black, 1 white") for i in range(8)),
+    Column("img", "-", 0, "number of the image taken at this row, 0 for none"),
 )
 HEADER = tuple(column.name for column in COLUMNS)
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from configs.distributions import Choice, Distribution, LogUniform, Normal, Uniform
+from symolo.core.distributions import Choice, Distribution, LogUniform, Normal, Uniform
 
 _WIDTH, _HEIGHT, _MARGIN = 220, 20, 5.0
 _FOOT = _HEIGHT - 6.0

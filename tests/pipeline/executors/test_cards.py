@@ -28,7 +28,7 @@ for line in sys.stdin:
 
 
 def _units(folder, count=1):
-    one = RenderUnit(name="", work="pictures", job=folder, folder=folder, numbers=(1,), threads=1)
+    one = RenderUnit(name="", work="images", job=folder, folder=folder, numbers=(1,), threads=1)
     return [one.model_copy(update={"name": f"run_{number}"}) for number in range(count)]
 
 

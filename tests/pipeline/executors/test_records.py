@@ -7,7 +7,7 @@ from pipeline.executors.ray import UnitRecord
 from pipeline.work.supervisor import FrameGivenUp
 from pipeline.work.units import RenderUnit
 
-UNIT = RenderUnit(name="CW/test_1", work="pictures", job=Path(), folder=Path(), numbers=(1, 2), threads=1)
+UNIT = RenderUnit(name="CW/test_1", work="images", job=Path(), folder=Path(), numbers=(1, 2), threads=1)
 
 
 def test_a_frame_that_was_given_up_is_told_before_the_end_of_its_block(pretended_ray):

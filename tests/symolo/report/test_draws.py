@@ -2,7 +2,7 @@
 
 import pytest
 
-from configs.distributions import Choice, LogUniform, Normal, Uniform
+from symolo.core.distributions import Choice, LogUniform, Normal, Uniform
 from symolo.reader.dataset import load
 from symolo.report.plots.draw_strip import MAX_MARKS, in_words, strip
 from symolo.report.statistics.draws import DrawnField, drawn_fields

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from blender_scenes.materials import FLOORS
-from blender_scenes.materials.base import Patch
+from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.preview.renderer import FlatRenderer
 from blender_scenes.render.job import FramePose, RenderJob, build_job
 from blender_scenes.scene.description import Scene, Sky, Sun
@@ -60,7 +60,7 @@ FLOOR = FloorLook(material="image", dirt=0.0, image=IMAGE)
 
 
 @pytest.fixture(scope="module")
-def own_files(tmp_path_factory) -> Path:
+def user_files(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("own")
     for data in (PNG, HDR):
         (folder / hashlib.sha256(data).hexdigest()).write_bytes(data)
@@ -88,9 +88,9 @@ FOCAL_PX = 96.0
 
 
 @pytest.fixture(scope="module")
-def traced(light_of, own_files) -> np.ndarray:
+def traced(light_of, user_files) -> np.ndarray:
     """Light from above the floor in a sun that makes it the reflectance, and of the sky in four directions."""
-    matt = replace(FLOORS["image"](FLOOR, Patch("floor", (9.0, 9.0), 1)), refractive_index=1.0)
+    matt = replace(FLOORS["image"](FLOOR, SurfacePatch("floor", (9.0, 9.0), 1)), refractive_index=1.0)
     mesh = floor("floor", (-2.0, -2.0), (2.0, 2.0), 0.0, "floor")
     X_WC = ((1.0, 0.0, 0.0, 0.0), (0.0, -1.0, 0.0, 0.0), (0.0, 0.0, -1.0, HEIGHT_M), (0.0, 0.0, 0.0, 1.0))
     views = [FrameView(1, 0.0, (99.0, 99.0, 0.0), X_WC)]
@@ -98,7 +98,7 @@ def traced(light_of, own_files) -> np.ndarray:
     sky = Sky(HALL_FILE.sha256, 0.0, 2.0, 10.0, 1.0, HALL_FILE.mean_rgb)
     sun = Sun((0.0, 0.0, 1.0), (math.pi,) * 3, 0.01)
     scene = Scene((matt,), (mesh,), (), (), sun, sky)
-    return light_of(scene, views, SIDE_PX, FOCAL_PX, own_files=own_files)
+    return light_of(scene, views, SIDE_PX, FOCAL_PX, user_files=user_files)
 
 
 def test_cycles_shows_each_tile_in_its_place_at_its_size_and_as_bright_as_it_is(traced):
@@ -142,9 +142,9 @@ def test_a_wall_with_a_picture_is_to_the_range_sensors_what_it_was(job):
     assert {s.roughness for s in job.scene.surfaces if s.name.startswith("wall_W")} == {1.0}
 
 
-def test_the_flat_renderer_shows_the_tiles_of_floor_and_wall_where_the_camera_sees_them(job, own_files):
+def test_the_flat_renderer_shows_the_tiles_of_floor_and_wall_where_the_camera_sees_them(job, user_files):
     view, camera = job.frames[0], job.camera
-    light = FlatRenderer(job, own_files).light(view, camera)
+    light = FlatRenderer(job, user_files).light(view, camera)
     on_floor = {tile: (*_middle(tile), 0.0) for tile in LIGHT if tile[0] < 2}  # the third column is behind the wall
     face_x = min(x for mesh in job.scene.meshes if mesh.name == "wall_W" for x, _, _ in mesh.vertices)
     # The face that is seen looks towards -x: from the robot's side its left end is at +y.
@@ -162,13 +162,13 @@ def test_the_flat_renderer_shows_the_tiles_of_floor_and_wall_where_the_camera_se
     assert len(checked) >= 5
 
 
-def test_a_picture_that_is_gone_or_changed_is_refused(job, own_files, tmp_path):
+def test_a_picture_that_is_gone_or_changed_is_refused(job, user_files, tmp_path):
     with pytest.raises(ValueError, match="is not in the workspace"):
         FlatRenderer(job, tmp_path)
     (tmp_path / TILES_FILE.sha256).write_bytes(HDR)
     with pytest.raises(ValueError, match="has changed since it was put there"):
         FlatRenderer(job, tmp_path)
-    assert FlatRenderer(job, own_files).picture(job.frames[0]).shape == (120, 160, 3)
+    assert FlatRenderer(job, user_files).picture(job.frames[0]).shape == (120, 160, 3)
 
 
 def test_a_job_names_its_files_by_content_and_survives_its_file(job):

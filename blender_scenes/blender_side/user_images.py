@@ -5,12 +5,12 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from blender_scenes.render.own_files import read_own_file
+from blender_scenes.render.user_files import read_user_file
 from configs.assets.panoramas import read_panorama
 from configs.assets.pictures import read_picture
 
 
-class OwnPictures:
+class UserImages:
     """Images by SHA-256, each made once for a Blender file."""
 
     def __init__(self, folder: Path | None) -> None:
@@ -20,13 +20,13 @@ class OwnPictures:
     def picture(self, sha256: str) -> bpy.types.Image:
         """8-bit; Cycles undoes the sRGB transfer."""
         if sha256 not in self._made:
-            pixels = read_picture(read_own_file(self._folder, sha256))
+            pixels = read_picture(read_user_file(self._folder, sha256))
             self._made[sha256] = _image(sha256, pixels.astype(np.float32) / 255, "sRGB", in_floats=False)
         return self._made[sha256]
 
     def panorama(self, sha256: str) -> bpy.types.Image:
         if sha256 not in self._made:
-            light = read_panorama(read_own_file(self._folder, sha256))
+            light = read_panorama(read_user_file(self._folder, sha256))
             self._made[sha256] = _image(sha256, light, "Linear Rec.709", in_floats=True)
         return self._made[sha256]
 

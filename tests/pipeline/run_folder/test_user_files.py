@@ -13,7 +13,7 @@ from configs.draw import draw_look
 from configs.loader import load_section
 from pipeline.executors.local import Local
 from pipeline.rerendering.rerender import RerenderRequest, prepare, render_source
-from pipeline.run_folder.own_files import keep_own_files
+from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import StageFolder, Workspace
 from pipeline.stages.render import RenderTask
 from pipeline.work import batch
@@ -50,9 +50,9 @@ def own(tmp_path: Path) -> Path:
 def test_what_was_begun_is_rendered_although_the_folder_is_gone(dataset, own, tmp_path):
     """As after an interruption: from the copies alone."""
     source, draws = prepare(dataset / "CW/test_1", RerenderRequest((str(own),), camera_hz=0.5))
-    workspace = Workspace(tmp_path / "out", Kind.PICTURES)
-    kept, look = workspace.own_files, draws[0].appearance.look
-    keep_own_files((look,), draws[0].assets, kept)
+    workspace = Workspace(tmp_path / "out", Kind.IMAGE_ANNOTATIONS)
+    kept, look = workspace.user_files, draws[0].appearance.look
+    keep_user_files((look,), draws[0].assets, kept)
     assert {path.name: path.read_bytes() for path in kept.iterdir()} == {sha256(RED): RED, sha256(HALL): HALL}
     written = {path: path.stat().st_mtime_ns for path in kept.iterdir()}
     shutil.rmtree(tmp_path / "photos")
@@ -95,14 +95,14 @@ def test_a_release_hands_its_renderers_the_copies(copy_of, dataset, own, tiny, s
     assert symolo("render", "smoke", "--out", out, *tiny, "--set", f"look={own}").code == 0
     assert len(seen) == 2
     for order in seen:
-        assert order.task.own_files == out / ".stages/assets"
+        assert order.task.user_files == out / ".stages/assets"
         assert sha256(RED) in order.job_text
     assert {path.name for path in (out / ".stages/assets").iterdir()} == {sha256(RED), sha256(HALL)}
 
 
 def test_a_release_copies_them_before_it_simulates(own, tmp_path, tiny, symolo, monkeypatch):
     def begin(workspace: Workspace, *_: object) -> list:
-        assert {path.name for path in workspace.own_files.iterdir()} == {sha256(RED), sha256(HALL)}
+        assert {path.name for path in workspace.user_files.iterdir()} == {sha256(RED), sha256(HALL)}
         raise InputError("simulated")
 
     monkeypatch.setattr(batch, "simulate_runs", begin)
@@ -114,17 +114,17 @@ def test_a_damaged_copy_is_made_again_and_a_file_that_changes_meanwhile_is_refus
     section = load_section("look", str(own))
     look, _ = draw_look(section, 1, "CW", 1)
     kept = tmp_path / "kept"
-    keep_own_files((look,), section.assets, kept)
+    keep_user_files((look,), section.assets, kept)
     (kept / sha256(RED)).write_bytes(RED[:-1])
-    keep_own_files((look,), section.assets, kept)
+    keep_user_files((look,), section.assets, kept)
     assert (kept / sha256(RED)).read_bytes() == RED
     (kept / sha256(RED)).unlink()
     (tmp_path / "photos/floor.png").write_bytes(BLUE)
     with pytest.raises(InputError, match=r"photos/floor\.png: has changed since it was read"):
-        keep_own_files((look,), section.assets, kept)
+        keep_user_files((look,), section.assets, kept)
     (tmp_path / "photos/floor.png").unlink()
     with pytest.raises(InputError, match=r"photos/floor\.png: is gone since it was read; put it back"):
-        keep_own_files((look,), section.assets, kept)
+        keep_user_files((look,), section.assets, kept)
     assert not (kept / sha256(RED)).exists()
 
 

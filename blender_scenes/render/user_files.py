@@ -4,7 +4,7 @@ import hashlib
 from pathlib import Path
 
 
-def read_own_file(folder: Path | None, sha256: str) -> bytes:
+def read_user_file(folder: Path | None, sha256: str) -> bytes:
     """The bytes of the file that lies in `folder` under its SHA-256.
 
     Raises:

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from configs.distributions import Choice, Distribution, LogUniform, Normal, Uniform
+from symolo.core.distributions import Choice, Distribution, LogUniform, Normal, Uniform
 from symolo.core.random_streams import stream
 
 DRAWS = 40_000

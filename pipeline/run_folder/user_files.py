@@ -11,7 +11,7 @@ from symolo.core.file_hashes import sha256_of
 from symolo.core.yaml_reader import displayed
 
 
-def keep_own_files(looks: Iterable[LookConfig], places: Mapping[str, Path], folder: Path) -> None:
+def keep_user_files(looks: Iterable[LookConfig], places: Mapping[str, Path], folder: Path) -> None:
     """Put what the looks show into `folder`, each file under its SHA-256; what is there and whole stays.
 
     Args:
