@@ -32,7 +32,7 @@ _RUN, _START = 1, 2
 
 @dataclass(frozen=True)
 class SimTwo:
-    """For users of SimTwo. Damage that turns digits into digits goes unnoticed; docs/hil.md says how often."""
+    """For users of SimTwo. Damage from digit to digit goes unnoticed; docs/hil_protocol.md says how often."""
 
     name: str = "simtwo"
     baud: int = 115_200
