@@ -4,7 +4,6 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
-from configs.distributions import RandomChoice
 from configs.faults import ConfigFault
 from configs.motion_checks import motion_faults
 from configs.schema.arena import ArcPiece, ArenaConfig, StraightPiece
@@ -13,6 +12,7 @@ from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Route, Scenario
 from configs.validation import Placed
 from symolo.arena.footprints import Point, Rectangle, obstacle_footprint, overlap, wall_footprint
+from symolo.core.distributions import Choice
 from symolo.core.errors import InputError
 from symolo.core.lens import lens_problem
 from symolo.core.yaml_tree import FieldPath, Node, dotted
@@ -41,7 +41,7 @@ def check_kinds(placed: Mapping[FieldPath, Placed], root: Node) -> None:
     """Refuse distributions whose draws would nearly all break a rule that their ends keep."""
     for path, item in placed.items():
         timing = len(path) == 3 and path[0] == "robot" and path[-1] in {"period_s", "delay_s"}
-        if timing and not isinstance(item.distribution, RandomChoice):
+        if timing and not isinstance(item.distribution, Choice):
             allowed = "a number or {choice: [...]}, because it is a whole number of physics steps"
             raise InputError(dotted(path), where=root.place_of(path), got=root.plain_at(path), allowed=allowed)
 

@@ -8,9 +8,9 @@ from typing import Any, TypeVar
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
-from configs.distributions import Distribution, RandomChoice, Uniform, parse
 from configs.schema_faults import explained
 from configs.shapes import Shape
+from symolo.core.distributions import Choice, Distribution, Uniform, parse
 from symolo.core.errors import InputError
 from symolo.core.yaml_tree import FieldPath, Node, Scalar, Values, dotted
 
@@ -28,10 +28,10 @@ class Placed:
     @property
     def has_options(self) -> bool:
         """Whether it takes one of a few values, with nothing in between."""
-        return isinstance(self.distribution, RandomChoice)
+        return isinstance(self.distribution, Choice)
 
     def draw(self, rng: np.random.Generator) -> Scalar:
-        if self.is_integer and not isinstance(self.distribution, RandomChoice):
+        if self.is_integer and not isinstance(self.distribution, Choice):
             return self.distribution.draw_integer(rng)
         return self._of_field(self.distribution.draw(rng))
 
@@ -46,7 +46,7 @@ class Placed:
             return value
         if self.is_number:
             return float(value)
-        return value if isinstance(self.distribution, RandomChoice) else round(value)
+        return value if isinstance(self.distribution, Choice) else round(value)
 
 
 def distributions_of(root: Node, model: type[BaseModel]) -> dict[FieldPath, Placed]:
@@ -117,7 +117,7 @@ def _placed(node: Node, shape: Shape, path: FieldPath) -> Placed:
     if reason:
         raise refusal(cure=f"no distribution may stand here, because {reason}" if node.is_distribution else "")
     distribution = parse(node, path)
-    if not isinstance(distribution, RandomChoice) and not (shape.is_number or shape.is_integer):
+    if not isinstance(distribution, Choice) and not (shape.is_number or shape.is_integer):
         raise refusal(cure="only {choice: [...]} may draw it")
     if shape.is_integer and isinstance(distribution, Uniform) and any(end % 1 for end in distribution.extremes()):
         raise refusal(cure="the ends of a whole-number field are whole numbers")

@@ -11,17 +11,17 @@ from typing import Annotated
 
 import typer
 
-from pipeline.commands import bench, examine, hil, keep, make
+from pipeline.commands import checks, hil, maintenance, stages, validate
 from pipeline.commands.baselines import baselines
 from pipeline.commands.diagnose import diagnose
 from pipeline.commands.export import export
-from pipeline.commands.measured import measured
+from pipeline.commands.measurements import measured
 from pipeline.commands.model import model
 from pipeline.commands.pack import pack
 from pipeline.commands.pictures import pictures
 from pipeline.commands.preview import preview
 from pipeline.commands.report import report
-from pipeline.commands.store import download, upload
+from pipeline.commands.storage import download, upload
 from symolo.core.errors import EnvironmentLacking, InputError, RunFailed, one_line
 from symolo.core.os_errors import lacking
 
@@ -57,21 +57,30 @@ def command_line() -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback()(_options)
-    for command in (make.plan, preview, make.release, make.simulate, make.render, make.assemble, make.rerender, model):
+    for command in (
+        stages.plan,
+        preview,
+        stages.release,
+        stages.simulate,
+        stages.render,
+        stages.assemble,
+        stages.rerender,
+        model,
+    ):
         app.command(rich_help_panel="Make data")(command)
     for command in (hil.hil, hil.firmware):
         app.command(rich_help_panel="Hardware in the loop")(command)
-    looks = examine.verify, examine.compare, examine.contact_sheet, report, baselines, examine.doctor, examine.schema
+    looks = checks.verify, checks.compare, checks.contact_sheet, report, baselines, checks.doctor, checks.schema
     for command in looks:
         app.command(rich_help_panel="Look at data, machine and format")(command)
-    for command in (keep.status, keep.repair, keep.bag, export, pack, upload, download):
+    for command in (maintenance.status, maintenance.repair, maintenance.bag, export, pack, upload, download):
         app.command(rich_help_panel="Keep data whole")(command)
     for command in (measured, diagnose, pictures):
         app.command(rich_help_panel="Understand measured data")(command)
-    benches = typer.Typer(no_args_is_help=True)
-    for command in bench.COMMANDS:
-        benches.command()(command)
-    app.add_typer(benches, name="bench", help=bench.HELP, rich_help_panel="Look at the robot's parts")
+    validation = typer.Typer(no_args_is_help=True)
+    for command in validate.COMMANDS:
+        validation.command()(command)
+    app.add_typer(validation, name="validate", help=validate.HELP, rich_help_panel="Look at the robot's parts")
     return app
 
 

@@ -42,7 +42,7 @@ print("devices " + ", ".join(f"{name} ({kind})" for kind, names in listed().item
 
 
 @dataclass(frozen=True)
-class Check:
+class MachineCheck:
     """One line of the doctor's report."""
 
     name: str
@@ -55,7 +55,7 @@ class Check:
         return line if self.ok or not self.cure else f"{line}; {self.cure}"
 
 
-def examine(folder: Path) -> Iterator[Check]:
+def examine(folder: Path) -> Iterator[MachineCheck]:
     """All checks in turn; `folder` is where the disk space is looked at."""
     yield _python()
     locked = locked_versions()
@@ -79,63 +79,63 @@ def locked_versions() -> dict[str, str]:
     }
 
 
-def _python() -> Check:
+def _python() -> MachineCheck:
     version = ".".join(map(str, sys.version_info[:3]))
-    return Check(
+    return MachineCheck(
         "Python", sys.version_info[:2] == (3, 11), version, "install Python 3.11: apt-get install -y python3.11-venv"
     )
 
 
-def _package(package: str, locked: dict[str, str]) -> Check:
+def _package(package: str, locked: dict[str, str]) -> MachineCheck:
     version = installed_version(package)
     wanted = locked.get(package.lower())
     if version is None:
-        return Check(package, ok=False, found="not installed", cure=INSTALL)
+        return MachineCheck(package, ok=False, found="not installed", cure=INSTALL)
     if wanted and version != wanted:
-        return Check(package, ok=False, found=f"{version}, the lock file says {wanted}", cure=INSTALL)
-    return Check(package, ok=True, found=version)
+        return MachineCheck(package, ok=False, found=f"{version}, the lock file says {wanted}", cure=INSTALL)
+    return MachineCheck(package, ok=True, found=version)
 
 
-def _system_libraries() -> Check:
+def _system_libraries() -> MachineCheck:
     """Shared libraries that the dynamic loader does not find for bpy."""
     name = "system libraries"
     spec = importlib.util.find_spec("bpy")
     if spec is None or spec.origin is None:
-        return Check(name, ok=False, found="cannot be asked for while bpy is missing", cure=INSTALL)
+        return MachineCheck(name, ok=False, found="cannot be asked for while bpy is missing", cure=INSTALL)
     ldd = shutil.which("ldd")
     if ldd is None:
-        return Check(name, ok=True, found="not looked at: there is no ldd")
+        return MachineCheck(name, ok=True, found="not looked at: there is no ldd")
     binary = Path(spec.origin)
     binary = binary if binary.suffix == ".so" else binary.with_name("__init__.so")
     listing = subprocess.run([ldd, str(binary)], capture_output=True, text=True, check=False).stdout
     missing = sorted(set(re.findall(r"^\s*(\S+) => not found", listing, re.MULTILINE)))
-    return Check(name, not missing, ", ".join(missing) or "all that bpy loads", APT_LINE)
+    return MachineCheck(name, not missing, ", ".join(missing) or "all that bpy loads", APT_LINE)
 
 
-def _blender() -> Iterator[Check]:
+def _blender() -> Iterator[MachineCheck]:
     code, out, error = _child(ASK_BLENDER)
     facts = dict(line.split(" ", 1) for line in out.splitlines() if line.startswith(("version ", "devices ")))
     if code or "version" not in facts:
-        yield Check("Blender", ok=False, found=error or "does not start", cure=APT_LINE)
+        yield MachineCheck("Blender", ok=False, found=error or "does not start", cure=APT_LINE)
         return
-    yield Check("Blender", ok=True, found=f"{facts['version']} starts")
+    yield MachineCheck("Blender", ok=True, found=f"{facts['version']} starts")
     found = facts.get("devices", "") or "none"
     how = "used with --device auto or gpu; the CPU is the default" if facts.get("devices") else "the CPU renders"
-    yield Check("graphics card", ok=True, found=f"{found}; {how}")
+    yield MachineCheck("graphics card", ok=True, found=f"{found}; {how}")
 
 
-def _pybullet() -> Check:
+def _pybullet() -> MachineCheck:
     code, _, error = _child("import pybullet; pybullet.disconnect(pybullet.connect(pybullet.DIRECT))")
-    return Check("PyBullet", code == 0, "starts" if code == 0 else error or "does not start", INSTALL)
+    return MachineCheck("PyBullet", code == 0, "starts" if code == 0 else error or "does not start", INSTALL)
 
 
-def _board() -> Check:
+def _board() -> MachineCheck:
     """Never missing: only `hil --simulated` and firmware built here need it."""
     ready, cure = (
         "simulated board and firmware can be built",
         f"for `hil --simulated` apt-get install -y {HIL_PACKAGES}",
     )
-    return Check("hardware in the loop", ok=True, found=ready if has_board() else f"not set up; {cure}")
+    return MachineCheck("hardware in the loop", ok=True, found=ready if has_board() else f"not set up; {cure}")
 
 
 def _child(program: str) -> tuple[int, str, str]:
@@ -150,16 +150,18 @@ def _child(program: str) -> tuple[int, str, str]:
     return child.returncode, child.stdout, lines[-1] if lines else ""
 
 
-def _machine(folder: Path) -> Iterator[Check]:
+def _machine(folder: Path) -> Iterator[MachineCheck]:
     from pipeline.work.supervisor import cores  # noqa: PLC0415 - needs pydantic, which is looked at above
 
     free_mb = shutil.disk_usage(folder).free // 10**6
-    yield Check("disk", free_mb >= MIN_DISK_MB, f"{free_mb} MB free in {folder}", "free some space or work elsewhere")
-    yield Check("cores", ok=True, found=str(cores()))
+    yield MachineCheck(
+        "disk", free_mb >= MIN_DISK_MB, f"{free_mb} MB free in {folder}", "free some space or work elsewhere"
+    )
+    yield MachineCheck("cores", ok=True, found=str(cores()))
     memory_mb = _memory_available_mb()
     if memory_mb is not None:
         cure = "close other programs, or give --workers 1"
-        yield Check("memory", memory_mb >= MIN_MEMORY_MB, f"{memory_mb} MB available", cure)
+        yield MachineCheck("memory", memory_mb >= MIN_MEMORY_MB, f"{memory_mb} MB available", cure)
 
 
 def _memory_available_mb() -> int | None:

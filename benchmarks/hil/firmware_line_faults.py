@@ -19,7 +19,7 @@ from configs.schema.robot import RobotConfig
 from hil.build import build_native
 from hil.frames import HelloFrame
 from hil.framings import FRAMINGS
-from hil.framings.base import Answer, Asked, Framing, HelloAsked
+from hil.framings.base import CommandMessage, Framing, HelloRequest, SensorsMessage
 
 MOST = 65536
 """Bytes of an answer."""
@@ -41,14 +41,16 @@ class NativeFirmware:
 
 def disagreements(firmware: NativeFirmware, framing: Framing, pieces: list[bytes]) -> int:
     """Of so many pieces of a stream, those of which the two hear different frames."""
-    ears, back = framing.to_board(), framing.from_board()
+    decoder, back = framing.to_board(), framing.from_board()
     different = 0
     firmware.exchange(b"\0")  # ends what it may have half heard before
     for piece in pieces:
-        heard = [found for found in ears.feed(piece) if isinstance(found, Asked | HelloAsked)]
-        answers = [found for found in back.feed(firmware.exchange(piece)) if isinstance(found, Answer | HelloFrame)]
-        asked = [found.seq if isinstance(found, Asked) else None for found in heard]
-        answered = [found.seq if isinstance(found, Answer) else None for found in answers]
+        heard = [found for found in decoder.decode(piece) if isinstance(found, SensorsMessage | HelloRequest)]
+        answers = [
+            found for found in back.decode(firmware.exchange(piece)) if isinstance(found, CommandMessage | HelloFrame)
+        ]
+        asked = [found.seq if isinstance(found, SensorsMessage) else None for found in heard]
+        answered = [found.seq if isinstance(found, CommandMessage) else None for found in answers]
         different += asked != answered
     return different
 

@@ -17,7 +17,7 @@ from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from hil.frames import CommandFrame, SensorFrame
 from hil.framings import FRAMINGS
-from hil.framings.base import Answer, Asked, Framing, HelloAsked
+from hil.framings.base import CommandMessage, Framing, HelloRequest, SensorsMessage
 from hil.plausible import DriveLimits, TickCount
 from symolo.dataset.codes import State
 
@@ -112,25 +112,25 @@ def drawn_sensors(draw: np.random.Generator) -> SensorFrame:
 
 def to_simulator(framing: Framing, kind: str, count: int, limits: DriveLimits, draw: np.random.Generator) -> Tally:
     """Damage of one kind to commands on their way from the board."""
-    ears, tally, older = framing.from_board(), Tally(), [b"\0"] * 4
+    decoder, tally, older = framing.from_board(), Tally(), [b"\0"] * 4
     frames, tick = TickCount(), 0
 
-    def tell(damage: Callable[[bytes, list[bytes]], bytes]) -> tuple[CommandFrame, list[Answer]]:
+    def tell(damage: Callable[[bytes, list[bytes]], bytes]) -> tuple[CommandFrame, list[CommandMessage]]:
         nonlocal tick
         tick += 1
         sent = drawn_command(limits, min(tick, 65535), draw)
         data = framing.command(tick & 0xFF, sent)
-        heard = ears.feed(damage(data, older))
+        heard = decoder.decode(damage(data, older))
         older.insert(0, data)
         older.pop()
         frames.sent((0, 0))
-        return sent, [found for found in heard if isinstance(found, Answer)]
+        return sent, [found for found in heard if isinstance(found, CommandMessage)]
 
-    def said(answer: Answer, sent: CommandFrame) -> bool:
+    def said(answer: CommandMessage, sent: CommandFrame) -> bool:
         whole = sent if framing.numbers_frames else CommandFrame(sent.state, sent.right_rad_s, sent.left_rad_s)
         return answer.command == whole and answer.seq in {None, tick & 0xFF}
 
-    def obeyed(answers: list[Answer]) -> list[Answer]:
+    def obeyed(answers: list[CommandMessage]) -> list[CommandMessage]:
         return [
             answer
             for answer in answers
@@ -161,15 +161,15 @@ def to_simulator(framing: Framing, kind: str, count: int, limits: DriveLimits, d
 
 def to_board(framing: Framing, kind: str, count: int, draw: np.random.Generator) -> Tally:
     """Damage of one kind to sensor frames on their way to the board, which obeys all that pass."""
-    ears, tally, older = framing.to_board(), Tally(), [b"\0"] * 4
+    decoder, tally, older = framing.to_board(), Tally(), [b"\0"] * 4
     for number in range(count):
         for place in ("damaged", "first_lost", "second_lost"):
             sent = drawn_sensors(draw)
             data = framing.sensors((3 * number) & 0xFF, sent)
             spoilt = damaged(data, older, kind, draw) if place == "damaged" else data
-            heard = [found for found in ears.feed(spoilt) if not isinstance(found, HelloAsked)]
+            heard = [found for found in decoder.decode(spoilt) if not isinstance(found, HelloRequest)]
             older = [data, *older[:-1]]
-            said = [found.sensors for found in heard if isinstance(found, Asked)]
+            said = [found.sensors for found in heard if isinstance(found, SensorsMessage)]
             if place == "damaged":
                 tally.damaged += 1
                 tally.unharmed += sent in said

@@ -6,20 +6,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.annotations.job import Solid
-from blender_scenes.annotations.seen import Seen
+from blender_scenes.annotations.seen import VisibleScene
 from blender_scenes.annotations.silhouette import reaches_beyond
-
-Rectangle = tuple[int, int, int, int]
-"""First column, first row, number of columns, number of rows, as COCO has it; all 0 around nothing."""
+from symolo.dataset.annotations import PixelBox, pixel_box
 
 
 @dataclass(frozen=True)
 class Box2D:
-    bbox: Rectangle
+    bbox: PixelBox
     """Around what is seen."""
     area: int
     """Pixels in which it is seen."""
-    amodal_bbox: Rectangle
+    amodal_bbox: PixelBox
     """Around all of it that lies within the picture, hidden or not."""
     amodal_area: int
     """Pixels in which it would be seen if nothing stood before it."""
@@ -29,24 +27,15 @@ class Box2D:
     """Whether it goes on beyond the picture's border."""
 
 
-def box_2d(seen: Seen, solid: Solid, whole: NDArray[np.bool_]) -> Box2D:
+def box_2d(seen: VisibleScene, solid: Solid, whole: NDArray[np.bool_]) -> Box2D:
     """The boxes of a thing whose silhouette `whole` (H, W) is not empty."""
     visible = seen.instance == solid.instance_id
     area, amodal_area = int(visible.sum()), int(whole.sum())
     return Box2D(
-        bbox=rectangle(visible),
+        bbox=pixel_box(visible),
         area=area,
-        amodal_bbox=rectangle(whole),
+        amodal_bbox=pixel_box(whole),
         amodal_area=amodal_area,
         visible_fraction=round(area / amodal_area, 6),
         truncated=reaches_beyond(seen, solid),
     )
-
-
-def rectangle(mask: NDArray[np.bool_]) -> Rectangle:
-    """The rectangle around the true pixels of a mask (H, W)."""
-    columns, rows = np.flatnonzero(mask.any(axis=0)), np.flatnonzero(mask.any(axis=1))
-    if not len(columns):
-        return 0, 0, 0, 0
-    x, y = int(columns[0]), int(rows[0])
-    return x, y, int(columns[-1]) + 1 - x, int(rows[-1]) + 1 - y

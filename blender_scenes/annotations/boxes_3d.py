@@ -1,27 +1,17 @@
 """Boxes in space: size and pose of walls and obstacles."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from blender_scenes.annotations.job import Solid
-from blender_scenes.annotations.seen import Seen
-from blender_scenes.scene.description import Point3
+from blender_scenes.annotations.seen import VisibleScene
 from symolo.core.arrays import Array
 from symolo.core.poses import Matrix4
+from symolo.dataset.annotations import Box3D
 
 _DECIMALS = 9
 
 
-@dataclass(frozen=True)
-class Box3D:
-    size_m: Point3
-    """Along the axes of its frame O, whose origin is its middle; z is up."""
-    X_WO: Matrix4
-    X_CO: Matrix4
-
-
-def box_3d(seen: Seen, solid: Solid) -> Box3D:
+def box_3d(seen: VisibleScene, solid: Solid) -> Box3D:
     X_WO = solid.pose_X_WO(seen.pose_X_WI(solid.instance_id))
     return Box3D(solid.size_m, rows_of(X_WO), rows_of(np.linalg.inv(seen.X_WC) @ X_WO))
 

@@ -1,7 +1,7 @@
 """What each mesh of a scene is to somebody who reads its masks: an instance with an id, and a category."""
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, get_args
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +11,7 @@ from sensors.camera.views import FrameView
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.poses import pose_X_WR
-
-Category = Literal["sky", "floor", "line", "wall", "obstacle", "room", "robot"]
-CATEGORIES: tuple[Category, ...] = get_args(Category)
-"""A category's id is its place here. Sky is what lies outside the windows, where no surface is met."""
+from symolo.dataset.annotations import CATEGORIES, Category
 
 ON_THE_FLOOR = frozenset({"floor", "line"})
 """What the robot may drive on; flat, so that it hides nothing."""

@@ -10,22 +10,20 @@ import numpy as np
 from blender_scenes.annotations.instances import Instances, instances
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.job_text import JobText
-from blender_scenes.render.sampling import Sampling
+from blender_scenes.render.sampling import TracingSettings
 from blender_scenes.scene.description import Mesh, Point3, Scene, Sky
 from blender_scenes.scene.shading import Color, Surface
-from configs.schema.scenario import AnnotationName
 from sensors.camera.views import FrameView
 from symolo.arena.geometry import Arena, Box
 from symolo.core.arrays import Array
 from symolo.core.pinhole import Intrinsics, Shutter
 from symolo.core.poses import PlanarPose, pose_X_WR
+from symolo.dataset.annotations import RECORD_KINDS, AnnotationName, KeyPoint, annotation_file
 
-RECORDS: tuple[AnnotationName, ...] = ("boxes_2d", "boxes_3d", "key_points")
-"""Annotations that stand in a frame's record; of the others each has a PNG file for each image."""
 RECORDS_DIR = "records"
 
 _LINE_SPACING_M = 0.05
-_ONE_RAY = Sampling(
+_ONE_RAY = TracingSettings(
     seed=0,
     samples=1,
     denoise=False,
@@ -61,20 +59,6 @@ class Solid:
 
 
 @dataclass(frozen=True)
-class KeyPoint:
-    """A point of the map that can be told again in every image."""
-
-    id: int
-    name: str
-    """For example `line_2_07` or `A1_3`: corners 0-3 are at the foot, 4-7 above them, counter-clockwise."""
-    kind: str
-    """`line`, `wall_corner` or `obstacle_corner`."""
-    instance_id: int
-    p: Point3
-    """In the frame of the instance."""
-
-
-@dataclass(frozen=True)
 class AnnotationJob(JobText):
     FORMAT = 3
     KIND = "annotation"
@@ -84,7 +68,7 @@ class AnnotationJob(JobText):
     """Its geometry alone: unlit, and all of one opaque surface, so that a pane of glass is met like any other."""
     camera: Intrinsics
     frames: tuple[FrameView, ...]
-    sampling: Sampling
+    sampling: TracingSettings
     shutter: Shutter
     """That of an instant: each frame is told as it is at its time."""
     instances: Instances
@@ -100,13 +84,9 @@ class AnnotationJob(JobText):
     def files(self, number: int) -> tuple[str, ...]:
         """Names of a frame's files; only the last frame has no flow, for nothing follows it."""
         last = self.following(number) is None
-        pictures = [kind for kind in self.kinds if kind not in RECORDS and not (kind == "flow" and last)]
-        records = [record_file(number)] if set(RECORDS) & set(self.kinds) else []
-        return (*(picture_file(kind, number) for kind in pictures), *records)
-
-
-def picture_file(kind: str, number: int) -> str:
-    return f"{kind}/{number:06d}.png"
+        pictures = [kind for kind in self.kinds if kind not in RECORD_KINDS and not (kind == "flow" and last)]
+        records = [record_file(number)] if set(RECORD_KINDS) & set(self.kinds) else []
+        return (*(annotation_file(kind, number) for kind in pictures), *records)
 
 
 def record_file(number: int) -> str:

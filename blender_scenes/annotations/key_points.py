@@ -1,34 +1,20 @@
 """Points of the map in the picture: along the middle of the line, and the corners of walls and obstacles."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from blender_scenes.annotations.instances import ON_THE_FLOOR
-from blender_scenes.annotations.seen import Seen
+from blender_scenes.annotations.seen import VisibleScene
 from blender_scenes.annotations.sight import hidden, triangles
-from blender_scenes.scene.description import Point2, Point3
+from blender_scenes.scene.description import Point3
 from symolo.core.arrays import Array
 from symolo.core.pinhole import project
 from symolo.core.poses import pose_X_WR
+from symolo.dataset.annotations import KeyPointSighting
 
 _PIXEL_DECIMALS, _METRE_DECIMALS = 4, 9
 
 
-@dataclass(frozen=True)
-class Sighting:
-    """A key point that lies within a picture."""
-
-    image_id: int
-    key_point_id: int
-    pixel: Point2
-    """u and v; (0, 0) is the middle of the first pixel."""
-    p_C: Point3
-    visible: bool
-    """Nothing stands before it."""
-
-
-def key_points(seen: Seen) -> tuple[Sighting, ...]:
+def key_points(seen: VisibleScene) -> tuple[KeyPointSighting, ...]:
     """The map's points within the picture, whether something hides them or not."""
     job, X_WC = seen.job, seen.X_WC
     if not job.key_points:
@@ -41,7 +27,7 @@ def key_points(seen: Seen) -> tuple[Sighting, ...]:
     points_C = (points_W - X_WC[:3, 3]) @ X_WC[:3, :3]
     covered = hidden(points_C[within], (_screens_W(seen) - X_WC[:3, 3]) @ X_WC[:3, :3])
     return tuple(
-        Sighting(
+        KeyPointSighting(
             image_id=seen.view.number,
             key_point_id=job.key_points[i].id,
             pixel=(round(float(pixels[i, 0]), _PIXEL_DECIMALS), round(float(pixels[i, 1]), _PIXEL_DECIMALS)),
@@ -52,7 +38,7 @@ def key_points(seen: Seen) -> tuple[Sighting, ...]:
     )
 
 
-def _screens_W(seen: Seen) -> Array:
+def _screens_W(seen: VisibleScene) -> Array:
     """(T, 3, 3), triangles in W of all that hides something: floor and line lie flat, and what is not seen does not."""
     scene, instances = seen.job.scene, seen.job.instances
     categories = [instances.known[instance - 1].category for instance in instances.of_mesh[1 : len(scene.meshes) + 1]]

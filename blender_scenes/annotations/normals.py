@@ -2,15 +2,13 @@
 
 import numpy as np
 
-from blender_scenes.annotations.png import Picture
-from blender_scenes.annotations.seen import Seen
-
-ZERO = 2**15
-SCALE = 2**15 - 1
+from blender_scenes.annotations.png import PngImage
+from blender_scenes.annotations.seen import VisibleScene
+from symolo.dataset.annotations import NORMAL_SCALE, NORMAL_ZERO
 
 
-def normals(seen: Seen) -> Picture:
+def normals(seen: VisibleScene) -> PngImage:
     """(H, W, 3), x, y and z in C as 32768 + 32767 n, of the geometry and towards the camera; 0 where nothing is met."""
     normal_C = seen.passes.normal_W @ seen.X_WC[:3, :3]
     met = seen.passes.mesh[..., None] > 0
-    return np.where(met, ZERO + np.rint(SCALE * normal_C), 0).astype(np.uint16)
+    return np.where(met, NORMAL_ZERO + np.rint(NORMAL_SCALE * normal_C), 0).astype(np.uint16)

@@ -7,6 +7,8 @@ from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler, Strict
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError
 
+from symolo.dataset.layout import NAME_PATTERN
+
 FIXED_KEY = "x-fixed"
 """Under this key the JSON Schema of a field says why no distribution may stand there."""
 
@@ -53,7 +55,7 @@ Coordinate = Annotated[float, Field(ge=-50, le=50)]
 Length = Annotated[float, Field(gt=0, le=50)]
 Point2 = Annotated[tuple[Coordinate, Coordinate], FromList, Field(description="x [m], y [m] in W")]
 Size3 = Annotated[tuple[Length, Length, Length], FromList, Field(description="size along x, y, z [m]")]
-Slug = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$"), Fixed("a name is text")]
+Slug = Annotated[str, Field(pattern=NAME_PATTERN), Fixed("a name is text")]
 
 
 class Section(BaseModel):

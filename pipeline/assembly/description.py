@@ -1,15 +1,12 @@
 """README.md of a dataset: what a person needs to use it, written from its metadata."""
 
-import html
-from collections.abc import Iterable, Sequence
-
-from blender_scenes.annotations.document import DOCUMENT, ENCODINGS
 from configs.schema.arena import Obstacle
 from configs.schema.scenario import RunSpec
 from pipeline.assembly.scene_record import SCENE
-from symolo.core.errors import one_line
 from symolo.core.lens import coefficients
+from symolo.dataset.annotations import DOCUMENT, ENCODINGS
 from symolo.dataset.camera_model import INTRINSICS
+from symolo.dataset.description import columns_part, frames_part, markdown_table, plain_text, runs_part
 from symolo.dataset.metadata import Metadata, side_tables
 
 
@@ -49,21 +46,9 @@ def _layout(metadata: Metadata) -> str:
     )
 
 
-def columns_part(metadata: Metadata) -> str:
-    rows = [(c.name, c.unit, c.meaning) for c in metadata.columns["data.csv"]]
-    # In an order of their own, for metadata.json keeps none: from the file the same text must follow.
-    states = [(str(number), meaning) for number, meaning in sorted(metadata.states.items())]
-    tof = metadata.runs[0]
-    return (
-        f"## data.csv\n\n{markdown_table(('column', 'unit', 'meaning'), rows)}\n\n"
-        f"Ranges are valid from {tof.tof_min_range_m:g} to {tof.tof_max_range_m:g} m; where the sensor saw no target,"
-        f" the value is {tof.tof_no_target_m:g} m.\n\n{markdown_table(('state', 'meaning'), states)}"
-    )
-
-
 def _side_tables(metadata: Metadata, example: RunSpec) -> str:
     rows = []
-    for table in side_tables(example):
+    for table in (*side_tables(example), *metadata.sensor_tables):
         columns = metadata.columns[f"side/{table.file}"]
         rows.append((table.file, table.meaning, ", ".join(f"{c.name} [{c.unit}]" for c in columns)))
     meaning = "camera matrix K, distortion D, size, exposure; poses X_RC of the optical frame, X_CB of the body frame"
@@ -84,11 +69,6 @@ def _annotations(metadata: Metadata) -> str:
         f" time; of glass the pane itself. `{DOCUMENT}` holds categories, instances, camera and images, and all that is"
         f" no picture.\n\n{markdown_table(('annotation', 'encoding'), rows)}"
     )
-
-
-def frames_part(metadata: Metadata) -> str:
-    inwards = sorted(metadata.frames.items(), reverse=True)  # W, R, C, B: from the world to the camera's body
-    return f"## Frames\n\n{markdown_table(('frame', 'meaning'), inwards)}"
 
 
 def _robot(spec: RunSpec) -> str:
@@ -141,24 +121,6 @@ def _arena(metadata: Metadata, spec: RunSpec) -> str:
     )
 
 
-def runs_part(metadata: Metadata) -> str:
-    rows = [
-        (
-            run.run,
-            f"{run.duration_s:.1f}",
-            "-" if run.lap_time_s is None else f"{run.lap_time_s:.2f}",
-            f"{run.distance_m:.2f}",
-            str(run.rows),
-            str(run.images),
-            f"{run.image_width_px} x {run.image_height_px}",
-            " ".join(map(str, run.state_order)),
-        )
-        for run in metadata.runs
-    ]
-    header = ("run", "duration [s]", "lap [s]", "distance [m]", "rows", "images", "size [px]", "order of states")
-    return f"## Runs\n\n{markdown_table(header, rows)}"
-
-
 def _warnings(metadata: Metadata) -> str:
     rows = [(run.run, warning) for run in metadata.runs for warning in run.warnings]
     return f"## Warnings\n\n{markdown_table(('run', 'warning'), rows)}" if rows else ""
@@ -179,11 +141,6 @@ def _checks() -> str:
     )
 
 
-def markdown_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join("| " + " | ".join(plain_text(cell) for cell in line) + " |" for line in lines)
-
-
 def _point(point: tuple[float, float]) -> str:
     return f"({point[0]:g}, {point[1]:g})"
 
@@ -191,8 +148,3 @@ def _point(point: tuple[float, float]) -> str:
 def _place(obstacle: Obstacle) -> str:
     moves = " at t = 0, moves: side/obstacles.csv" if obstacle.motion else ""
     return _point(obstacle.center) + moves
-
-
-def plain_text(text: str) -> str:
-    """Text of a scenario file as plain text of a Markdown page, whatever it holds."""
-    return html.escape(one_line(text), quote=False).replace("|", "\\|")

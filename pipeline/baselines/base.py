@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.baselines.given import Given, Pictures
+from pipeline.baselines.robot_knowledge import RobotKnowledge, RunImages
 from symolo.core.arrays import Array
 from symolo.dataset.rows import Ints
 
@@ -27,10 +27,10 @@ class Estimate:
 
 
 @dataclass(frozen=True)
-class Lesson:
+class TrainingRun:
     """Pictures of another run with their true poses, to learn from."""
 
-    pictures: Pictures
+    pictures: RunImages
     pose: Array
     """(M, 3), x [m], y [m], yaw [rad] in W at each picture."""
 
@@ -42,7 +42,7 @@ class Method:
     title: str
     what: str
     """What it is told and what it makes of it, in a line for people."""
-    estimate: Callable[[Given, Sequence[Lesson], np.random.Generator], Estimate]
+    estimate: Callable[[RobotKnowledge, Sequence[TrainingRun], np.random.Generator], Estimate]
     """Of a run; lessons are of the other runs of the release, in an order that says nothing."""
     learns: bool = False
     """Whether it takes lessons, and so pictures and another run."""

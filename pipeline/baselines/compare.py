@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from pipeline.baselines import METHODS
-from pipeline.baselines.base import Estimate, Lesson, Method
+from pipeline.baselines.base import Estimate, Method, TrainingRun
 from pipeline.baselines.errors import Errors, errors_of
-from pipeline.baselines.given import Given
+from pipeline.baselines.robot_knowledge import RobotKnowledge
 from pipeline.baselines.runs import LoggedRun
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
@@ -15,7 +15,7 @@ from symolo.core.random_streams import stream
 
 
 @dataclass(frozen=True)
-class Told:
+class MethodResult:
     """By one method of one run."""
 
     estimate: Estimate
@@ -26,7 +26,7 @@ class Told:
 class BaselineComparison:
     methods: tuple[Method, ...]
     runs: tuple[LoggedRun, ...]
-    told: Mapping[tuple[str, str], Told]
+    told: Mapping[tuple[str, str], MethodResult]
     """By name of run and method."""
     left_out: Mapping[str, str]
     """Methods that could not be used on any run, and why."""
@@ -81,6 +81,8 @@ def compare(
     return BaselineComparison(usable, tuple(runs), told, left_out, start_sd, seed)
 
 
-def _told(method: Method, run: LoggedRun, given: Given, others: Sequence[Lesson], seed: int) -> Told:
+def _told(
+    method: Method, run: LoggedRun, given: RobotKnowledge, others: Sequence[TrainingRun], seed: int
+) -> MethodResult:
     estimate = method.estimate(given, others if method.learns else (), stream(seed, run.name, method.name))
-    return Told(estimate, errors_of(estimate, given.t_s, run.truth))
+    return MethodResult(estimate, errors_of(estimate, given.t_s, run.truth))

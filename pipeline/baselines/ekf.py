@@ -11,10 +11,10 @@ from math import exp
 
 import numpy as np
 
-from pipeline.baselines.base import Estimate, Lesson, Method
-from pipeline.baselines.given import Given
-from pipeline.baselines.motion import STATES, Motion, begun, slip_sd_m, ways
+from pipeline.baselines.base import Estimate, Method, TrainingRun
+from pipeline.baselines.motion import STATES, WheelMotion, begun, slip_sd_m, ways
 from pipeline.baselines.range_model import GAIN_SD, LASTING_SD_M, RangeModel, white_sd_m
+from pipeline.baselines.robot_knowledge import RobotKnowledge
 from sensors.tof import log_error_m
 from symolo.core.arrays import Array
 
@@ -50,9 +50,9 @@ def updated(state: Array, covariance: Array, row: Array, innovation: float, vari
     return state + gain * innovation, kept @ covariance @ kept.T + variance * np.outer(gain, gain)
 
 
-class _Filter:
-    def __init__(self, given: Given) -> None:
-        self._motion = Motion(given.drawing.odometry)
+class _KalmanFilter:
+    def __init__(self, given: RobotKnowledge) -> None:
+        self._motion = WheelMotion(given.drawing.odometry)
         self._ranges = RangeModel(given, RAYS)
         state, covariance = begun(given.start)
         self.state = np.concatenate([state, np.zeros(6)])
@@ -107,8 +107,8 @@ class _Filter:
         return here + 0.5 * bends.sum(axis=0), slopes.T, 0.5 * np.sqrt((WIDTH - 1.0) * (bends**2).sum(axis=0))
 
 
-def _estimate(given: Given, _lessons: Sequence[Lesson], _rng: np.random.Generator) -> Estimate:
-    ekf = _Filter(given)
+def _estimate(given: RobotKnowledge, _lessons: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
+    ekf = _KalmanFilter(given)
     poses, covariances = [], []
     readings = np.where(given.fresh, given.ranges_m, np.nan)
     for ways_m, duration_s, ranges_m in zip(ways(given), np.diff(given.t_s, prepend=0.0), readings, strict=True):

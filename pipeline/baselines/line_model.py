@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.baselines.given import MAP_SD_M, Given
+from pipeline.baselines.robot_knowledge import MAP_SD_M, RobotKnowledge
 from sensors.line_sensor import tape_share
 from symolo.core.arrays import Array
 
@@ -12,7 +12,7 @@ WRONG = 0.02
 
 
 class LineModel:
-    def __init__(self, given: Given) -> None:
+    def __init__(self, given: RobotKnowledge) -> None:
         self._row = given.drawing.line
         self._line = given.map.line
         self._blur_m = float(np.hypot(self._row.spot_sd_m, MAP_SD_M))

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from diagnosis.usual_tolerances import PAIR_SHARE, TRACK_SHARE, WHEEL_SHARE
-from pipeline.baselines.given import Given, Start
+from pipeline.baselines.robot_knowledge import RobotKnowledge, Start
 from sensors.odometry import Odometry
 from symolo.core.arrays import Array
 
@@ -25,7 +25,7 @@ a clean floor: 0.3 mm."""
 
 
 @dataclass(frozen=True)
-class Motion:
+class WheelMotion:
     """The step from one row to the next, and how sure it is."""
 
     odometry: Odometry
@@ -71,7 +71,7 @@ class Motion:
         return by_state, by_ways
 
 
-def ways(given: Given) -> Iterator[Array]:
+def ways(given: RobotKnowledge) -> Iterator[Array]:
     """How far each wheel rolled since the row before, (2,) [m], right and left, by drawing and encoder."""
     yield from given.steps * given.drawing.odometry.metres_per_count
 

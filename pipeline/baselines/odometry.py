@@ -4,13 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.baselines.base import Estimate, Lesson, Method
-from pipeline.baselines.given import Given
-from pipeline.baselines.motion import Motion, begun, slip_sd_m, ways
+from pipeline.baselines.base import Estimate, Method, TrainingRun
+from pipeline.baselines.motion import WheelMotion, begun, slip_sd_m, ways
+from pipeline.baselines.robot_knowledge import RobotKnowledge
 
 
-def _estimate(given: Given, _lessons: Sequence[Lesson], _rng: np.random.Generator) -> Estimate:
-    motion = Motion(given.drawing.odometry)
+def _estimate(given: RobotKnowledge, _lessons: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
+    motion = WheelMotion(given.drawing.odometry)
     state, covariance = begun(given.start)
     poses, covariances = [], []
     for ways_m in ways(given):

@@ -14,11 +14,11 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.special import logsumexp
 
-from pipeline.baselines.base import Estimate, Lesson, Method
-from pipeline.baselines.given import Given
+from pipeline.baselines.base import Estimate, Method, TrainingRun
 from pipeline.baselines.line_model import LineModel
-from pipeline.baselines.motion import Motion, begun, slip_sd_m, ways
+from pipeline.baselines.motion import WheelMotion, begun, slip_sd_m, ways
 from pipeline.baselines.range_model import RangeModel, lasting_sd_m, white_sd_m
+from pipeline.baselines.robot_knowledge import RobotKnowledge
 from symolo.core.arrays import Array
 from symolo.dataset.rows import Ints, wrapped
 
@@ -56,10 +56,10 @@ def scattered(particles: Array, rng: np.random.Generator) -> Array:
     return mean + np.sqrt(1.0 - SCATTER**2) * from_mean + SCATTER * noise
 
 
-class _Filter:
-    def __init__(self, given: Given, rng: np.random.Generator) -> None:
+class _ParticleFilter:
+    def __init__(self, given: RobotKnowledge, rng: np.random.Generator) -> None:
         self._rng = rng
-        self._motion = Motion(given.drawing.odometry)
+        self._motion = WheelMotion(given.drawing.odometry)
         self._ranges = RangeModel(given, RAYS)
         self._line = LineModel(given)
         self._longest_m = given.drawing.longest_range_m
@@ -112,8 +112,8 @@ class _Filter:
         return mean, (weight * from_mean.T) @ from_mean + np.diag(MIN_SD**2)
 
 
-def _estimate(given: Given, _lessons: Sequence[Lesson], rng: np.random.Generator) -> Estimate:
-    particles = _Filter(given, rng)
+def _estimate(given: RobotKnowledge, _lessons: Sequence[TrainingRun], rng: np.random.Generator) -> Estimate:
+    particles = _ParticleFilter(given, rng)
     told = []
     durations_s = np.diff(given.t_s, prepend=0.0)
     rows = zip(ways(given), durations_s, given.ranges_m, given.fresh, given.on_line, strict=True)

@@ -6,7 +6,7 @@ A sensor is a cone of few rays whose ranges are averaged by beam profile and inc
 import numpy as np
 
 from physics.arena.rays import RayScene
-from pipeline.baselines.given import MAP_SD_M, Given
+from pipeline.baselines.robot_knowledge import MAP_SD_M, RobotKnowledge
 from sensors.tof import NOISE_AT_NEAR_MM, log_error_m, noise_sd_m, ray_directions, ray_pattern
 from symolo.core.arrays import Array
 
@@ -26,7 +26,7 @@ GAIN_SD = 0.03 / float(log_error_m(np.array(1.0)))
 
 
 class RangeModel:
-    def __init__(self, given: Given, rays: int) -> None:
+    def __init__(self, given: RobotKnowledge, rays: int) -> None:
         """With so many rays for each sensor."""
         drawing = given.drawing
         self._scene = RayScene(given.map)

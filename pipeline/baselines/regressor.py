@@ -15,9 +15,9 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 from scipy.optimize import root_scalar
 
-from pipeline.baselines.base import Estimate, Lesson, Method
+from pipeline.baselines.base import Estimate, Method, TrainingRun
 from pipeline.baselines.errors import nees, off
-from pipeline.baselines.given import Given
+from pipeline.baselines.robot_knowledge import RobotKnowledge
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.dataset.rows import Ints, wrapped
@@ -53,7 +53,7 @@ def edge_directions(grey: Array) -> Array:
 
 
 class _Regressor:
-    def __init__(self, lessons: Sequence[Lesson]) -> None:
+    def __init__(self, lessons: Sequence[TrainingRun]) -> None:
         features = np.concatenate([edge_directions(lesson.pictures.thumbnails) for lesson in lessons])
         self._mean = features.mean(axis=0)
         _, size, axes = np.linalg.svd(features - self._mean, full_matrices=False)
@@ -124,7 +124,7 @@ def _folds(counts: Sequence[int]) -> list[Ints]:
     return [part for part in parts if 0 < len(part) < len(rows)]
 
 
-def _estimate(given: Given, lessons: Sequence[Lesson], _rng: np.random.Generator) -> Estimate:
+def _estimate(given: RobotKnowledge, lessons: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
     if given.pictures is None:
         raise InputError("the run has no pictures", cure="release its scenario in place of simulating it")
     pose, covariance = _Regressor(lessons).tell(given.pictures.thumbnails)

@@ -10,8 +10,8 @@ import numpy as np
 from pydantic import ValidationError
 
 from configs.schema.scenario import RunSpec
-from pipeline.baselines.base import Lesson
-from pipeline.baselines.given import Given, Pictures, Start
+from pipeline.baselines.base import TrainingRun
+from pipeline.baselines.robot_knowledge import RobotKnowledge, RunImages, Start
 from pipeline.stages.simulate_runs import TRAJECTORY, read_recording
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
@@ -33,7 +33,7 @@ class LoggedRun:
     """side/wheels.csv."""
     tof: Array
     """side/tof.csv."""
-    pictures: Pictures | None
+    pictures: RunImages | None
     """None of a run that has not been rendered."""
 
     @classmethod
@@ -49,14 +49,16 @@ class LoggedRun:
         """(N, 3), x [m], y [m], yaw [rad] in W."""
         return self.rows.pose
 
-    def given(self, start_sd: Array, rng: np.random.Generator) -> Given:
+    def given(self, start_sd: Array, rng: np.random.Generator) -> RobotKnowledge:
         """What its robot knows, put down with the deviations (3,) from where it believes to be."""
         start = Start.drawn(self.truth[0], start_sd, rng)
-        return Given.of(self.spec, self.rows, wheels=self.wheels, tof=self.tof, start=start, pictures=self.pictures)
+        return RobotKnowledge.of(
+            self.spec, self.rows, wheels=self.wheels, tof=self.tof, start=start, pictures=self.pictures
+        )
 
-    def lesson(self) -> Lesson | None:
+    def lesson(self) -> TrainingRun | None:
         """Its pictures with their true poses, for other runs to learn from."""
-        return Lesson(self.pictures, self.truth[self.pictures.rows]) if self.pictures else None
+        return TrainingRun(self.pictures, self.truth[self.pictures.rows]) if self.pictures else None
 
 
 def open_runs(root: Path) -> tuple[LoggedRun, ...]:
@@ -102,5 +104,5 @@ def _released(run: Run) -> LoggedRun:
     wheels, tof = (run.side(table.file.partition(".")[0]).to_numpy(float) for table in (WHEELS, TOF))
     images = run.images
     rows = np.array([image.row for image in images], dtype=np.int64)
-    pictures = Pictures(rows, lambda index: images[index].pixels()) if images else None
+    pictures = RunImages(rows, lambda index: images[index].pixels()) if images else None
     return LoggedRun(run.name, run.spec, run.table, wheels, tof, pictures)

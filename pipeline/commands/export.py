@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from pipeline.commands.keep import Released
+from pipeline.commands.maintenance import Released
 from pipeline.commands.options import checked_new_folder, names
 
 _MEGABYTE = 1_000_000

@@ -6,7 +6,6 @@ from typing import Annotated
 
 import typer
 
-from pipeline.commands.make import conclude
 from pipeline.commands.options import (
     OnDevice,
     Out,
@@ -19,6 +18,7 @@ from pipeline.commands.options import (
     names,
     with_device,
 )
+from pipeline.commands.stages import conclude
 from symolo.core.errors import InputError
 
 
@@ -71,8 +71,8 @@ def hil(
     """
     from pipeline.executors.local import Local
     from pipeline.run_folder.status import again
+    from pipeline.stages.board_runs import check_board, drive_runs
     from pipeline.work.batch import Batch
-    from pipeline.work.board_runs import check_board, drive_runs
     from symolo.core.progress import report_here
 
     if (port is None) is not simulated:
@@ -85,7 +85,7 @@ def hil(
     with batch.workspace.locked():
         for line in again(batch.workspace, batch.specs):
             report.say(line)
-        batch.keep_own_files()
+        batch.keep_user_files()
         failures = drive_runs(batch.workspace, batch.specs, port or "", report)
         failures += batch.render(failures, report)
         batch.assemble(failures, report)

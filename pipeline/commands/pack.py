@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from pipeline.commands.keep import Released
+from pipeline.commands.maintenance import Released
 from pipeline.commands.options import checked_input, checked_new_folder
 
 DOCUMENTS = 5

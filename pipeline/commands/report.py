@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from pipeline.commands.keep import Released
+from pipeline.commands.maintenance import Released
 from symolo.core.errors import InputError
 from symolo.core.paths import check_new_path
 

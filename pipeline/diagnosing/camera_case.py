@@ -9,7 +9,7 @@ import numpy as np
 from configs.schema.scenario import RunSpec
 from diagnosis.camera.case import HELD_OUT_EACH, Frame, Picture, PictureCase, PoseErrors
 from physics.robot.path import RobotPath
-from pipeline.rerendering.rerender import Source, read_source
+from pipeline.rerendering.rerender import StoredTrajectory, read_source
 from pipeline.stages.assemble import DATA
 from pipeline.stages.render import IMAGES, Appearance, frame_poses
 from sensors.camera.response import CameraResponse
@@ -24,9 +24,9 @@ FEWEST_FRAMES = 6
 
 
 @dataclass(frozen=True)
-class _Run:
+class _RunImages:
     folder: Path
-    source: Source
+    source: StoredTrajectory
 
 
 def read_picture_case(run: Path, simulated: Path | None, pose_errors: PoseErrors) -> PictureCase:
@@ -82,14 +82,14 @@ def read_picture_case(run: Path, simulated: Path | None, pose_errors: PoseErrors
     )
 
 
-def _run(path: Path) -> _Run:
+def _run(path: Path) -> _RunImages:
     folder = path.parent if path.name == DATA else path
     if not folder.is_dir():
         raise InputError("no such folder", where=str(path), cure="name a run folder, with data.csv and images")
     source = read_source(folder)
     if not (folder / IMAGES).is_dir():
         raise InputError(f"has no folder {IMAGES}", where=str(folder), cure="name a run whose pictures are rendered")
-    return _Run(folder, source)
+    return _RunImages(folder, source)
 
 
 def _name(path: Path) -> str:
@@ -97,7 +97,7 @@ def _name(path: Path) -> str:
     return f"{whole.parent.name}/{whole.name}"
 
 
-def _same_places(rows: Rows, nominal: _Run) -> dict[int, int]:
+def _same_places(rows: Rows, nominal: _RunImages) -> dict[int, int]:
     """Which simulated picture is of the same pose, by the measured picture's number.
 
     Raises:

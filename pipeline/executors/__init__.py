@@ -2,7 +2,7 @@
 
 from pipeline.executors.base import Executor
 from pipeline.executors.local import Local
-from pipeline.executors.part import Part
+from pipeline.executors.part import PartOfWork
 from pipeline.executors.ray import CARD_SHARE, OnRay
 
 
@@ -28,4 +28,4 @@ def chosen(
     local = Local.of(workers, memory_gb)
     if address is not None:
         return OnRay(address, local.limits, card_share=card_share or CARD_SHARE)
-    return local if part is None else Part.of_text(part, local)
+    return local if part is None else PartOfWork.of_text(part, local)

@@ -23,14 +23,14 @@ MAX_PARTS = 100_000
 
 
 @dataclass(frozen=True)
-class Part:
+class PartOfWork:
     number: int
     """From 1."""
     of: int
     local: Local
 
     @classmethod
-    def of_text(cls, text: str, local: Local) -> "Part":
+    def of_text(cls, text: str, local: Local) -> "PartOfWork":
         """From `k/n`.
 
         Raises:

@@ -20,9 +20,10 @@ from pydantic import BaseModel, ConfigDict
 from blender_scenes.render.devices import DeviceKind
 from pipeline.executors.base import OnEvent
 from pipeline.executors.part import BLOCK_FRAMES
-from pipeline.work.supervisor import AnyEvent, Retried, SetAside, UnitFailure, WorkerError, run_units
-from pipeline.work.units import UNITS, AnyUnit, Finished, RenderUnit
+from pipeline.work.supervisor import AnyEvent, FrameGivenUp, Retried, UnitFailure, WorkerError, run_units
+from pipeline.work.units import UNITS, AnyUnit, RenderUnit
 from pipeline.work.worker_process import Limits
+from symolo.core.child_process import Finished
 from symolo.core.errors import EnvironmentLacking, InputError
 
 CURE = "install the extra: pip install 'symolo[cluster]'"
@@ -43,7 +44,7 @@ NODES_TRIED = 3
 """How many nodes may say that they lack something before all are taken to."""
 
 
-class Record(BaseModel):
+class UnitRecord(BaseModel):
     """What comes back of a unit, as plain JSON."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -150,16 +151,16 @@ class _Tasks:
             reference = self._remote.remote(unit.model_dump_json(), limits.tries, limits.silence_s, limits.memory_bytes)
             self._running[reference] = unit
 
-    def _record(self, reference: Any) -> Record:  # noqa: ANN401 - Ray's
+    def _record(self, reference: Any) -> UnitRecord:  # noqa: ANN401 - Ray's
         try:
-            return Record.model_validate_json(self._ray.get(reference))
+            return UnitRecord.model_validate_json(self._ray.get(reference))
         except self._ray.exceptions.RayTaskError as error:
-            return Record(error="bug", text=str(error))
+            return UnitRecord(error="bug", text=str(error))
         except self._ray.exceptions.RayError as error:
             told = f"given up: {type(error).__name__}: {str(error).splitlines()[0]}"
-            return Record(failures=(f"{told}; the same command tries it again",))
+            return UnitRecord(failures=(f"{told}; the same command tries it again",))
 
-    def _heard(self, unit: AnyUnit, record: Record) -> None:
+    def _heard(self, unit: AnyUnit, record: UnitRecord) -> None:
         for text in record.retried:
             self._on_event(unit, Retried(text))
         if record.error == "input":
@@ -174,7 +175,7 @@ class _Tasks:
         if record.error == "bug":
             self._bugs.append(f"{unit.name}: {record.text}")
         for text in record.failures:
-            self._on_event(unit, SetAside(text))
+            self._on_event(unit, FrameGivenUp(text))
             self._failures.append(UnitFailure(unit, text))
         self._on_event(unit, Finished())
 
@@ -188,16 +189,16 @@ def done_here(unit_json: str, tries: int, silence_s: float, memory_bytes: int) -
         if isinstance(event, Retried):
             retried.append(event.text)
 
-    record = Record()
+    record = UnitRecord()
     try:
         failures = run_units([unit], 1, note, limits=Limits(tries, silence_s, memory_bytes))
-        record = Record(failures=tuple(failure.text for failure in failures))
+        record = UnitRecord(failures=tuple(failure.text for failure in failures))
     except InputError as error:
-        record = Record(error="input", text=str(error))
+        record = UnitRecord(error="input", text=str(error))
     except EnvironmentLacking as error:
-        record = Record(error="environment", text=str(error))
+        record = UnitRecord(error="environment", text=str(error))
     except WorkerError as error:
-        record = Record(error="bug", text=str(error))
+        record = UnitRecord(error="bug", text=str(error))
     return record.model_copy(update={"retried": tuple(retried)}).model_dump_json()
 
 

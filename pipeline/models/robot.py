@@ -28,7 +28,7 @@ _ROUND = {
 
 
 @dataclass(frozen=True)
-class Frame:
+class NamedFrame:
     """A named frame that is fixed to the base."""
 
     name: str
@@ -42,7 +42,7 @@ class RobotParts:
     links: tuple[RobotLink, ...]
     visuals: dict[str, tuple[Visual, ...]]
     """By link."""
-    frames: tuple[Frame, ...]
+    frames: tuple[NamedFrame, ...]
     """`camera` (x along the axis), `camera_optical` (z along the axis), `tof_*` (x along the axis), `line_sensor`."""
     camera: Intrinsics
     horizontal_field_of_view_rad: float
@@ -63,28 +63,28 @@ class RobotParts:
             spec.rates.control_hz,
         )
 
-    def frame(self, name: str) -> Frame:
+    def frame(self, name: str) -> NamedFrame:
         return next(frame for frame in self.frames if frame.name == name)
 
 
-def frames(robot: RobotConfig) -> tuple[Frame, ...]:
+def frames(robot: RobotConfig) -> tuple[NamedFrame, ...]:
     X_RC = pose_X_RC(robot.camera, robot.chassis.base_height_m)
     line = robot.line_sensor
     return (
-        Frame(CAMERA, Placement.of(X_RC @ np.array(X_CB))),
-        Frame(CAMERA_OPTICAL, Placement.of(X_RC)),
+        NamedFrame(CAMERA, Placement.of(X_RC @ np.array(X_CB))),
+        NamedFrame(CAMERA_OPTICAL, Placement.of(X_RC)),
         *tof_frames(robot),
-        Frame(LINE_SENSOR, Placement((line.x_m, 0.0, line.height_m))),
+        NamedFrame(LINE_SENSOR, Placement((line.x_m, 0.0, line.height_m))),
     )
 
 
-def tof_frames(robot: RobotConfig) -> tuple[Frame, ...]:
+def tof_frames(robot: RobotConfig) -> tuple[NamedFrame, ...]:
     """Front, left and right, as the effects of the robot have turned them."""
     askew = through(robot.effects.functions(Slot.RANGE_MOUNT), np.zeros(3))
     names = tuple(TofMounts.model_fields)
     mounts: list[TofMount] = [getattr(robot.tof.mounts, name) for name in names]
     return tuple(
-        Frame(
+        NamedFrame(
             f"tof_{name}",
             Placement(
                 (mount.x_m, mount.y_m, mount.z_m),

@@ -6,7 +6,7 @@ from xml.etree import ElementTree as ET
 from physics.robot.links import BASE
 from physics.robot.urdf import add_inertial, add_shape, numbers, robot_element, urdf_text
 from pipeline.models.geometry import CylinderShape, Placement, Visual
-from pipeline.models.robot import Frame, RobotParts
+from pipeline.models.robot import NamedFrame, RobotParts
 
 FRAME_MASS_KG = 1e-9
 """Of a sensor's frame: PyBullet gives a link without a mass, or with none, 1 kg."""
@@ -52,7 +52,7 @@ def _visual(link: ET.Element, visual: Visual) -> None:
     ET.SubElement(material, "color", rgba=f"{numbers(visual.srgb)} 1")
 
 
-def _frame(root: ET.Element, frame: Frame) -> None:
+def _frame(root: ET.Element, frame: NamedFrame) -> None:
     add_inertial(ET.SubElement(root, "link", name=frame.name), FRAME_MASS_KG, (0.0, 0.0, 0.0), _FRAME_INERTIA)
     joint = ET.SubElement(root, "joint", name=f"{frame.name}_joint", type="fixed")
     ET.SubElement(joint, "parent", link=BASE)

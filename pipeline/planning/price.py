@@ -12,10 +12,10 @@ from blender_scenes.render.devices import device_for
 from blender_scenes.render.frame_files import FrameFile
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from configs.schema.scenario import AnnotationName, RunSpec
+from configs.schema.scenario import RunSpec
 from pipeline.executors.local import Local
 from pipeline.executors.part import BLOCK_FRAMES
-from pipeline.planning.plan import BYTES_PER_ROW, Plan
+from pipeline.planning.plan import BYTES_PER_ROW, ScenarioPlan
 from pipeline.run_folder.workspace import StageFolder, Workspace
 from pipeline.stages.render import journal
 from pipeline.stages.simulate_runs import simulate_runs
@@ -24,6 +24,7 @@ from pipeline.work.supervisor import cores
 from symolo.core.disk_space import check_scratch
 from symolo.core.errors import RunFailed
 from symolo.core.progress import Report, seconds
+from symolo.dataset.annotations import AnnotationName
 from symolo.dataset.metadata import FailedRun
 
 RUNS, IMAGES = 3, 4
@@ -116,7 +117,7 @@ def measure(scenario: str, overrides: Sequence[str], report: Report) -> tuple[Pr
     loaded = load_scenario(scenario, [*overrides, *short])
     routes = loaded.routes
     specs = tuple(draw_run(loaded, routes[i % len(routes)].name, 1 + i // len(routes)) for i in range(RUNS))
-    check_scratch(Plan.of(specs, 1).bytes_needed, "lower render.width_px and render.height_px")
+    check_scratch(ScenarioPlan.of(specs, 1).bytes_needed, "lower render.width_px and render.height_px")
     device = device_for(specs[0].render.device)
     with tempfile.TemporaryDirectory(prefix="symolo-") as scratch:
         drive_s = _drive_s(specs[0], Path(scratch), report) / hz
@@ -139,7 +140,7 @@ def _drive_s(spec: RunSpec, scratch: Path, report: Report) -> float:
 
 
 def _timed(batch: Batch, simulate_s: float, report: Report) -> Price:
-    batch.keep_own_files()
+    batch.keep_user_files()
     _good(batch.simulate(report))
     simulated = time.perf_counter()
     _good(batch.render([], report))

@@ -21,14 +21,14 @@ from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 from symolo.core.random_streams import stream
 
-_DRAFT = ("render.quality=draft", "render.method=whole")
+_DRAFT = ("render.quality=draft", "render.method=full")
 """Under what `--set` says. The maps of pictures from parts would be made for a single one each."""
 _GOLDEN = 0.618033988749895
 """Steps of this share of the way spread evenly, however many are taken (Weyl's sequence)."""
 
 
 @dataclass(frozen=True)
-class View:
+class PreviewImage:
     """One picture of a preview."""
 
     number: int
@@ -47,7 +47,7 @@ class View:
         return self.look.job(arena, [self.frame], _standing(self.frame))
 
 
-def on_device(views: Sequence[View]) -> list[View]:
+def on_device(views: Sequence[PreviewImage]) -> list[PreviewImage]:
     """The same to be rendered on what the first one asks for.
 
     Raises:
@@ -57,7 +57,9 @@ def on_device(views: Sequence[View]) -> list[View]:
     return [replace(view, look=replace(view.look, device=device)) for view in views]
 
 
-def views(scenario: str, overrides: Sequence[str], looks: Sequence[str], count: int, width_px: int) -> Iterator[View]:
+def views(
+    scenario: str, overrides: Sequence[str], looks: Sequence[str], count: int, width_px: int
+) -> Iterator[PreviewImage]:
     """The pictures 1 to `count`; each is the same whatever the count is.
 
     Every picture shows another run: routes take turns, runs count from 1, beyond those of the scenario as if there were
@@ -79,7 +81,7 @@ def views(scenario: str, overrides: Sequence[str], looks: Sequence[str], count: 
         yield _view(loaded[look], index + 1, run, width_px)
 
 
-def _view(loaded: LoadedScenario, number: int, index: int, width_px: int) -> View:
+def _view(loaded: LoadedScenario, number: int, index: int, width_px: int) -> PreviewImage:
     earlier, route = divmod(index, len(loaded.routes))
     spec = draw_run(loaded, loaded.routes[route].name, earlier + 1)
     frame = _frame(spec, number, index)
@@ -88,7 +90,7 @@ def _view(loaded: LoadedScenario, number: int, index: int, width_px: int) -> Vie
     render = look.render.model_copy(update={"width_px": width_px, "height_px": height_px})
     lines = (f"{spec.key}, seed {spec.seed}, {spec.look.name}", *_words(spec.look))
     name, shown = f"{number} ({spec.key}, {spec.look.name})", replace(look, render=render)
-    return View(number, name, lines, frame, shown, loaded.assets)
+    return PreviewImage(number, name, lines, frame, shown, loaded.assets)
 
 
 def _standing(frame: FramePose) -> RobotPath:

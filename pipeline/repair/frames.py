@@ -4,21 +4,23 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 
-from blender_scenes.annotations.document import DOCUMENT, document
-from blender_scenes.annotations.job import RECORDS, AnnotationJob, record_file
-from blender_scenes.annotations.record import Record
+from blender_scenes.annotations.document import document
+from blender_scenes.annotations.job import AnnotationJob, record_file
+from blender_scenes.annotations.record import FrameRecord
 from configs.schema.scenario import RunSpec
 from pipeline.executors.local import Local
-from pipeline.repair.mending import Means, Mending
+from pipeline.repair.repair_state import RepairState, RepairTools
 from pipeline.run_folder.workspace import StageFolder
 from pipeline.stages.annotate import AnnotationTask
 from pipeline.stages.assemble import DATA
 from pipeline.stages.render import IMAGES, JOB, Appearance, FrameTask, Order, RenderTask, blocks
 from pipeline.work.supervisor import AnyEvent, AnyUnit
-from pipeline.work.units import Finished, Progress, RenderUnit
+from pipeline.work.units import Progress, RenderUnit
 from symolo.core.atomic_files import make_folder, write_file
+from symolo.core.child_process import Finished
 from symolo.core.errors import InputError
 from symolo.core.file_hashes import sha256_of
+from symolo.dataset.annotations import DOCUMENT, RECORD_KINDS
 from symolo.dataset.layout import ANNOTATIONS
 from symolo.dataset.rows import read_rows
 
@@ -36,7 +38,7 @@ class _Work:
     """Files, by their path in that folder."""
 
 
-def render_frames(mending: Mending, specs: Mapping[str, RunSpec], means: Means) -> None:
+def render_frames(state: RepairState, specs: Mapping[str, RunSpec], tools: RepairTools) -> None:
     """Restore pictures and annotations of damaged frames, of the runs whose specifications are known.
 
     Raises:
@@ -44,23 +46,23 @@ def render_frames(mending: Mending, specs: Mapping[str, RunSpec], means: Means) 
     """
     work = []
     for run, spec in specs.items():
-        wanted = mending.runs().get(run, set())
+        wanted = state.runs().get(run, set())
         pictures, annotations = (_within(wanted, folder) for folder in (IMAGES, ANNOTATIONS))
         if pictures or annotations:
             try:
-                work += _ordered(mending, spec, means, pictures, annotations)
+                work += _ordered(state, spec, tools, pictures, annotations)
             except InputError as error:
-                mending.tried |= {f"{run}/{inner}": str(error) for inner in wanted}
-    _render([one.task for one in work], means)
+                state.tried |= {f"{run}/{inner}": str(error) for inner in wanted}
+    _render([one.task for one in work], tools)
     for one in work:
         for file in sorted(one.wanted):
             name = f"{one.run}/{one.inner}/{file}"
             data = _document(one.task) if file == DOCUMENT else _read(one.task.files / file)
             if data is None:
-                mending.tried[name] = "it cannot be rendered again"
+                state.tried[name] = "it cannot be rendered again"
             else:
-                mending.put(
-                    name, data, "rendered again" if file != DOCUMENT else "annotated again", means.excuse(one.run)
+                state.put(
+                    name, data, "rendered again" if file != DOCUMENT else "annotated again", tools.excuse(one.run)
                 )
 
 
@@ -70,21 +72,21 @@ def _within(files: Iterable[str], folder: str) -> frozenset[str]:
 
 
 def _ordered(
-    mending: Mending, spec: RunSpec, means: Means, pictures: frozenset[str], annotations: frozenset[str]
+    state: RepairState, spec: RunSpec, tools: RepairTools, pictures: frozenset[str], annotations: frozenset[str]
 ) -> list[_Work]:
     run = spec.key
-    if mending.read(f"{run}/{DATA}") is None:
+    if state.read(f"{run}/{DATA}") is None:
         raise InputError("the poses of its data.csv are needed, which is not restored")
-    kept = mending.workspace.own_files
+    kept = state.workspace.user_files
     if pictures and any(not _is_kept(kept, file.sha256) for file in spec.look.files):
         raise InputError("it shows pictures of your own, and .stages/assets no longer holds them")
-    rows = read_rows(mending.out / run / DATA)
-    appearance = Appearance.of(spec, means.devices.get(run, "CPU"))
-    order = RenderTask.of(run, appearance, rows, StageFolder(means.scratch / "render" / run), kept)
+    rows = read_rows(state.out / run / DATA)
+    appearance = Appearance.of(spec, tools.devices.get(run, "CPU"))
+    order = RenderTask.of(run, appearance, rows, StageFolder(tools.scratch / "render" / run), kept)
     _write_job(order)
     work = [_Work(run, IMAGES, _only(order.task, pictures), pictures)] if pictures else []
     if annotations:
-        order = AnnotationTask.of(order.task, appearance, StageFolder(means.scratch / "annotate" / run))
+        order = AnnotationTask.of(order.task, appearance, StageFolder(tools.scratch / "annotate" / run))
         _write_job(order)
         task = order.task if DOCUMENT in annotations else _only(order.task, annotations)
         work.append(_Work(run, ANNOTATIONS, task, annotations))
@@ -106,12 +108,12 @@ def _only(task: FrameTask, files: Iterable[str]) -> FrameTask:
     return replace(task, frames=tuple(frame for frame in task.frames if f"{frame.number:06d}" in stems))
 
 
-def _render(tasks: list[FrameTask], means: Means) -> None:
+def _render(tasks: list[FrameTask], tools: RepairTools) -> None:
     tasks = [task for task in tasks if task.frames]
     if not tasks:
         return
-    local = Local(means.workers)
-    with means.report.stage("render", sum(len(task.frames) for task in tasks), "frames") as stage:
+    local = Local(tools.workers)
+    with tools.report.stage("render", sum(len(task.frames) for task in tasks), "frames") as stage:
 
         def on_event(unit: AnyUnit, event: AnyEvent) -> None:
             if isinstance(unit, RenderUnit) and isinstance(event, Progress | Finished):
@@ -119,14 +121,14 @@ def _render(tasks: list[FrameTask], means: Means) -> None:
                 stage.update(f"{unit.name} {unit.work} from {unit.numbers[0]}", share * len(unit.numbers))
 
         for failure in local.do(blocks(tasks, local), on_event):
-            means.report.say(f"render: {failure.unit.name}: {failure.text}")
+            tools.report.say(f"render: {failure.unit.name}: {failure.text}")
 
 
 def _document(task: FrameTask) -> bytes | None:
     job = AnnotationJob.from_json((task.folder.path / JOB).read_text())
-    names = [record_file(frame.number) for frame in task.frames] if {*RECORDS} & {*job.kinds} else []
+    names = [record_file(frame.number) for frame in task.frames] if {*RECORD_KINDS} & {*job.kinds} else []
     try:
-        records = [Record.from_json((task.files / name).read_bytes()) for name in names]
+        records = [FrameRecord.from_json((task.files / name).read_bytes()) for name in names]
     except OSError:
         return None
     return document(job, IMAGES, records).to_json()

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from blender_scenes.render.devices import GPU_KINDS, DeviceKind
-from pipeline.repair import drives, frames, kept, texts
-from pipeline.repair.mending import Means, Mending, with_one_bit_less_wrong
+from pipeline.repair import descriptions, existing_copies, frames, tables
+from pipeline.repair.repair_state import RepairState, RepairTools, with_one_bit_less_wrong
 from pipeline.run_folder.workspace import Workspace
 from symolo.core.atomic_files import remove_file, remove_folder, write_file
 from symolo.core.errors import InputError
@@ -85,30 +85,30 @@ def _repair(
         why = "no list of checksums can be believed; `symolo release` with its scenario makes what is damaged anew"
         first, *others = faults
         return Repaired(0, (Finding(first.file, f"{first.what}; {why}"), *others))
-    mending = Mending.of(workspace, inventory, tell)
-    moved = kept.put_back(mending, scratch / "aside")
-    kept.take_from_stages(mending)
-    texts.flip_back(mending, (METADATA,))
-    metadata = texts.read_metadata(mending)
-    difference = texts.differences(mending, metadata, made_with())
-    texts.write_description(mending, metadata, f"written again it is another text; {difference}")
+    state = RepairState.of(workspace, inventory, tell)
+    moved = existing_copies.put_back(state, scratch / "aside")
+    existing_copies.take_from_stages(state)
+    descriptions.flip_back(state, (METADATA,))
+    metadata = descriptions.read_metadata(state)
+    difference = descriptions.differences(state, metadata, made_with())
+    descriptions.write_description(state, metadata, f"written again it is another text; {difference}")
     runs = metadata.runs if metadata else []
     devices: dict[str, DeviceKind] = {record.run: _device(record.render_device) for record in runs}
-    _remake(mending, metadata, Means(scratch, workers, report, devices, difference))
-    texts.flip_back(mending, list(mending.wanted))
-    texts.write_bag_info(mending, metadata)
-    _write_lists(mending)
+    _remake(state, metadata, RepairTools(scratch, workers, report, devices, difference))
+    descriptions.flip_back(state, list(state.wanted))
+    descriptions.write_bag_info(state, metadata)
+    _write_lists(state)
     for name in sorted(inventory.extra & (moved if not remove_extra else inventory.extra)):
         remove_file(workspace.out / name)
         tell(f"removed: {name}: it is no part of the release")
-    return _result(mending, len(faults), metadata)
+    return _result(state, len(faults), metadata)
 
 
-def _remake(mending: Mending, metadata: Metadata | None, means: Means) -> None:
+def _remake(state: RepairState, metadata: Metadata | None, tools: RepairTools) -> None:
     """What takes the engines."""
-    specs = texts.make_specs(mending, metadata, mending.runs())
-    drives.make_tables(mending, specs, means)
-    frames.render_frames(mending, specs, means)
+    specs = descriptions.make_specs(state, metadata, state.runs())
+    tables.make_tables(state, specs, tools)
+    frames.render_frames(state, specs, tools)
 
 
 def _device(name: str) -> DeviceKind:
@@ -132,23 +132,23 @@ def _flip_manifest_back(out: Path, tell: Callable[[str], None]) -> bool:
     return True
 
 
-def _write_lists(mending: Mending) -> None:
+def _write_lists(state: RepairState) -> None:
     """Also where files are still damaged, which they then name."""
-    expected = mending.inventory.expected
+    expected = state.inventory.expected
     for name, text in ((MANIFEST, manifest(expected)), (TAG_MANIFEST, tag_manifest(expected))):
-        if mending.inventory.files.digests.get(name) != hashlib.sha256(text).hexdigest():
-            write_file(mending.out / name, text)
-            mending.tell(f"repaired: {name}: written again")
+        if state.inventory.files.digests.get(name) != hashlib.sha256(text).hexdigest():
+            write_file(state.out / name, text)
+            state.tell(f"repaired: {name}: written again")
 
 
-def _result(mending: Mending, faults: int, metadata: Metadata | None) -> Repaired:
+def _result(state: RepairState, faults: int, metadata: Metadata | None) -> Repaired:
     """By another look at every file."""
     left = []
-    for fault in Inventory.of(mending.out).findings():
-        why = mending.tried.get(fault.file, "")
-        if not why and fault.file in mending.wanted:
+    for fault in Inventory.of(state.out).findings():
+        why = state.tried.get(fault.file, "")
+        if not why and fault.file in state.wanted:
             why = _unmade(fault.file, metadata)
-        if not why and fault.file in mending.inventory.extra:
+        if not why and fault.file in state.inventory.extra:
             why = "--remove-extra removes it"
         left.append(Finding(fault.file, f"{fault.what}; {why}" if why else fault.what))
     return Repaired(max(0, faults - len(left)), tuple(left))

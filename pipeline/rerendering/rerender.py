@@ -20,9 +20,9 @@ from configs.schema.scenario import Render, RunSpec
 from pipeline.assembly.scene_record import scene_file
 from pipeline.executors.base import Executor
 from pipeline.planning.plan import BYTES_PER_JOB, pictures_bytes
-from pipeline.rerendering.foreign_units import check_on_the_floor, check_radians
+from pipeline.rerendering.unit_checks import check_on_the_floor, check_radians
 from pipeline.run_folder.output import check_out
-from pipeline.run_folder.own_files import keep_own_files
+from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import Workspace, input_key, mark_done
 from pipeline.stages.annotate import AnnotationTask, copy_released
 from pipeline.stages.assemble import DATA, POSITIONS, SIDE
@@ -60,7 +60,7 @@ SECTIONS = ("look", "render", "arena", "robot")
 
 
 @dataclass(frozen=True)
-class Request:
+class RerenderRequest:
     """What the user asked for beside the trajectory."""
 
     looks: tuple[str, ...]
@@ -85,7 +85,7 @@ class Request:
 
 
 @dataclass(frozen=True)
-class Source:
+class StoredTrajectory:
     """A trajectory to look at, and what is known of the run it came from."""
 
     rows: Rows
@@ -102,7 +102,7 @@ class Source:
 
 
 @dataclass(frozen=True)
-class Draw:
+class LookDraw:
     """One set of pictures: a look with drawn values."""
 
     name: str
@@ -114,14 +114,14 @@ class Draw:
     """Where the files of the user's own lie that the look names, by SHA-256."""
 
 
-def folder_name(source: Source, draws: Sequence[Draw]) -> str:
+def folder_name(source: StoredTrajectory, draws: Sequence[LookDraw]) -> str:
     """Of the output where none is given: run and looks, our runs by route and number, others by their file."""
     file = source.file.resolve()
     run = source.spec.key.replace("/", "-") if source.spec else file.parent.name if file.name == DATA else file.stem
     return "-".join((run or "run", *dict.fromkeys(draw.appearance.look.name for draw in draws)))
 
 
-def check_same(source: Source, draws: Sequence[Draw], out: Path, *, apart: bool) -> None:
+def check_same(source: StoredTrajectory, draws: Sequence[LookDraw], out: Path, *, apart: bool) -> None:
     """Refuse a folder that nobody named where it holds pictures of something else.
 
     Raises:
@@ -136,7 +136,9 @@ def check_same(source: Source, draws: Sequence[Draw], out: Path, *, apart: bool)
 
 
 @contextlib.contextmanager
-def open_folders(source: Source, draws: Sequence[Draw], out: Path, *, apart: bool) -> Iterator[list[Workspace]]:
+def open_folders(
+    source: StoredTrajectory, draws: Sequence[LookDraw], out: Path, *, apart: bool
+) -> Iterator[list[Workspace]]:
     """A folder for each draw, checked and held: `out/<name>` where they lie apart, else `out` for the only one.
 
     Raises:
@@ -158,8 +160,8 @@ def open_folders(source: Source, draws: Sequence[Draw], out: Path, *, apart: boo
 
 
 def render_source(
-    source: Source,
-    draws: Sequence[Draw],
+    source: StoredTrajectory,
+    draws: Sequence[LookDraw],
     folders: Sequence[Workspace],
     executor: Executor,
     report: Report,
@@ -167,13 +169,13 @@ def render_source(
     """Render what `prepare` found, annotate it where asked for, and fill a folder with each of it."""
     places = {draw.name: (draw, folder) for draw, folder in zip(draws, folders, strict=True)}
     for draw, folder in places.values():
-        keep_own_files((draw.appearance.look,), draw.assets, folder.own_files)
+        keep_user_files((draw.appearance.look,), draw.assets, folder.user_files)
     pictures: dict[str, FrameTask] = {}
     annotations: dict[str, FrameTask] = {}
 
     def picture_orders() -> Iterator[Order]:
         for name, (draw, folder) in places.items():
-            order = RenderTask.of(name, draw.appearance, source.rows, folder.render("rerender"), folder.own_files)
+            order = RenderTask.of(name, draw.appearance, source.rows, folder.render("rerender"), folder.user_files)
             pictures[name] = order.task
             yield order
 
@@ -194,7 +196,7 @@ def render_source(
     return failures
 
 
-def _bytes_needed(source: Source, draw: Draw) -> int:
+def _bytes_needed(source: StoredTrajectory, draw: LookDraw) -> int:
     render, images = draw.appearance.render, int(np.count_nonzero(source.rows.image))
     pixels = images * render.width_px * render.height_px
     # The job lies in the folder once more, beside the trajectory.
@@ -206,7 +208,7 @@ def draw_seed(seed: int, draw: int) -> int:
     return seed if draw == 1 else int(stream(seed, "rerender", draw).integers(2**53))
 
 
-def prepare(source: Path, request: Request) -> tuple[Source, tuple[Draw, ...]]:
+def prepare(source: Path, request: RerenderRequest) -> tuple[StoredTrajectory, tuple[LookDraw, ...]]:
     """Read and check everything, before anything is written: all draws of the first look, then those of the next.
 
     Raises:
@@ -231,7 +233,7 @@ def prepare(source: Path, request: Request) -> tuple[Source, tuple[Draw, ...]]:
     return found, draws
 
 
-def read_source(path: Path) -> Source:
+def read_source(path: Path) -> StoredTrajectory:
     """A run folder of a dataset or of `.stages`, or a data.csv with nothing beside it."""
     folder = path.parent if path.name == DATA else path
     if path.is_dir() and (folder / TRAJECTORY).is_file():
@@ -239,7 +241,7 @@ def read_source(path: Path) -> Source:
             rows = Rows.from_recording(read_recording(folder))
         except (OSError, ValueError, KeyError, BadZipFile) as error:
             raise InputError(f"cannot be read: {error}", where=str(folder / TRAJECTORY), cure="simulate anew") from None
-        return Source(rows, rows.to_csv(), _read_spec(folder / SPEC), folder / TRAJECTORY)
+        return StoredTrajectory(rows, rows.to_csv(), _read_spec(folder / SPEC), folder / TRAJECTORY)
     data = path if path.is_file() else folder / DATA
     if not data.is_file():
         raise InputError(
@@ -249,7 +251,7 @@ def read_source(path: Path) -> Source:
         )
     side = folder / SIDE / SPEC
     spec = _read_spec(side) if data.name == DATA and side.is_file() else None
-    return Source(read_rows(data), data.read_bytes(), spec, data)
+    return StoredTrajectory(read_rows(data), data.read_bytes(), spec, data)
 
 
 def _read_spec(path: Path) -> RunSpec:
@@ -267,7 +269,7 @@ def _read_spec(path: Path) -> RunSpec:
     )
 
 
-def _timed(source: Source, camera_hz: float | None) -> Source:
+def _timed(source: StoredTrajectory, camera_hz: float | None) -> StoredTrajectory:
     """With image numbers at `camera_hz` when it is given, else with those of data.csv."""
     if camera_hz is None:
         if np.any(source.rows.image > 0):
@@ -289,7 +291,7 @@ def image_numbers(t_ms: Ints, camera_hz: float) -> Ints:
     return np.where(first, np.cumsum(first), 0)
 
 
-def _draws(source: Source, request: Request) -> tuple[Draw, ...]:
+def _draws(source: StoredTrajectory, request: RerenderRequest) -> tuple[LookDraw, ...]:
     """The looks differ from draw to draw; arena, robot and picture settings are the run's in all of them."""
     spec = source.spec
     route, run = (spec.route, spec.run) if spec else ("foreign", 1)
@@ -309,14 +311,14 @@ def _draws(source: Source, request: Request) -> tuple[Draw, ...]:
             look, drawn = draw_look(section, own, route, run)
             record = {"draw": k, "seed": own, "drawn": drawn, "look": look.model_dump(mode="json")}
             appearance = Appearance(arena, robot, look, render, picture_seed(own, route, run), device)
-            draws.append(Draw(f"{look.name}_{k}", appearance, canonical_json(record), section.assets))
+            draws.append(LookDraw(f"{look.name}_{k}", appearance, canonical_json(record), section.assets))
     names = [draw.name for draw in draws]
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise InputError("--looks", got=twice[0].rpartition("_")[0], allowed="each look once, by a name of its own")
     return tuple(draws)
 
 
-def _arena(source: Source, request: Request, seed: int, route: str, run: int) -> ArenaConfig:
+def _arena(source: StoredTrajectory, request: RerenderRequest, seed: int, route: str, run: int) -> ArenaConfig:
     if source.spec and not request.arena:
         _refuse_overrides(request, "arena")
         return source.spec.arena
@@ -325,27 +327,27 @@ def _arena(source: Source, request: Request, seed: int, route: str, run: int) ->
     return draw_arena(section, seed, route, run, start=(x_m, y_m, yaw_rad))[0]
 
 
-def _robot(spec: RunSpec | None, request: Request, seed: int, route: str, run: int) -> RobotConfig:
+def _robot(spec: RunSpec | None, request: RerenderRequest, seed: int, route: str, run: int) -> RobotConfig:
     if spec and not request.robot:
         _refuse_overrides(request, "robot")
         return spec.robot
     return draw_robot(load_section("robot", request.robot or "nominal", request.of("robot")), seed, route, run)[0]
 
 
-def _refuse_overrides(request: Request, section: str) -> None:
+def _refuse_overrides(request: RerenderRequest, section: str) -> None:
     if request.of(section):
         raise InputError(
             "--set", got=request.of(section)[0], allowed="look or render", cure=f"name --{section} as well"
         )
 
 
-def _render(spec: RunSpec | None, request: Request, seed: int, route: str, run: int) -> Render:
+def _render(spec: RunSpec | None, request: RerenderRequest, seed: int, route: str, run: int) -> Render:
     own = spec.render.model_dump(mode="json", exclude_none=True) if spec else {}
     settings = [f"render.{name}={str(value).lower()}" for name, value in own.items()]
     return draw_render(load_scenario(CARRIER, [*settings, *request.of("render")]), seed, route, run)
 
 
-def _texts(source: Source, draw: Draw) -> dict[str, bytes]:
+def _texts(source: StoredTrajectory, draw: LookDraw) -> dict[str, bytes]:
     """What is told of the pictures, by its path in their folder."""
     about = {DATA: source.data, POSITIONS: image_positions(source.rows), LOOK: draw.record}
     own = draw.appearance

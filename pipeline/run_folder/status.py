@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from blender_scenes.render.frame_files import Ledger
 from configs.schema.scenario import RunSpec
 from pipeline.assembly.scene_record import SCENE
-from pipeline.planning.plan import Plan
+from pipeline.planning.plan import ScenarioPlan
 from pipeline.run_folder.changes import changes, told
 from pipeline.run_folder.workspace import FAILED, StageFolder, Workspace
 from pipeline.stages.assemble import of_several_classes
@@ -254,7 +254,7 @@ def _cost(workspace: Workspace, runs: Sequence[str], specs: Sequence[RunSpec]) -
     told = f"cost: {images} images took {core_s / 3600:.3g} core-hours, {core_s / images:.3g} core-seconds each"
     if not specs:
         return told
-    planned = Plan.of(specs, 1)
+    planned = ScenarioPlan.of(specs, 1)
     return f"{told}; planned were {planned.render_s / planned.images:.3g} each, with the starts of Blender"
 
 

@@ -3,15 +3,16 @@
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 
-from blender_scenes.annotations.document import DOCUMENT, document
+from blender_scenes.annotations.document import document
 from blender_scenes.annotations.job import RECORDS_DIR, AnnotationJob, build_annotation_job, record_file
-from blender_scenes.annotations.record import Record
+from blender_scenes.annotations.record import FrameRecord
 from blender_scenes.render.job import RenderJob
 from pipeline.run_folder.workspace import StageFolder, mark_done
-from pipeline.stages.render import IMAGES, JOB, Appearance, Findings, FrameTask, Order, Rendered, journal
+from pipeline.stages.render import IMAGES, JOB, Appearance, FrameTask, ImageFindings, Order, Rendered, journal
 from symolo.arena.geometry import Arena
 from symolo.core.atomic_files import make_folder, write_file
 from symolo.core.file_hashes import read_known, sha256_of
+from symolo.dataset.annotations import DOCUMENT
 from symolo.dataset.layout import ANNOTATIONS
 
 
@@ -32,15 +33,15 @@ class AnnotationTask(FrameTask):
         job = self._job()
         return [name for frame in self.frames for name in job.files(frame.number)]
 
-    def finish(self, hashes: Mapping[str, str]) -> Findings:
+    def finish(self, hashes: Mapping[str, str]) -> ImageFindings:
         job = self._job()
         records = [record_file(frame.number) for frame in self.frames]
-        seen = [Record.from_json((self.files / name).read_bytes()) for name in records if name in hashes]
+        seen = [FrameRecord.from_json((self.files / name).read_bytes()) for name in records if name in hashes]
         write_file(self.files / DOCUMENT, document(job, IMAGES, seen).to_json())
         texts = {name: sha256_of(self.folder.path / name) for name in (JOB, f"{ANNOTATIONS}/{DOCUMENT}")}
         made = {f"{ANNOTATIONS}/{name}": digest for name, digest in hashes.items()}
         mark_done(self.folder.path, self.key, {**texts, **made})
-        return Findings()
+        return ImageFindings()
 
     def _job(self) -> AnnotationJob:
         return AnnotationJob.from_json((self.folder.path / JOB).read_text())

@@ -53,7 +53,7 @@ def simulate(
     arena = Arena.from_config(spec.arena)
     start = (spec.start.x_m, spec.start.y_m, math.radians(spec.start.yaw_deg))
     with BulletSimulation(spec.robot, arena, start, spec.rates) as world:
-        return _Run(spec, arena, start, world, pilot or BuiltInPilot(spec.robot), watch).drive(progress)
+        return _ClosedLoop(spec, arena, start, world, pilot or BuiltInPilot(spec.robot), watch).drive(progress)
 
 
 @dataclass
@@ -71,7 +71,7 @@ class _Rows:
         return {name: np.array(values) for name, values in self.values.items()}
 
 
-class _Run:
+class _ClosedLoop:
     def __init__(  # noqa: PLR0917 - what a run is made of
         self,
         spec: RunSpec,

@@ -6,10 +6,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-BLACK_UP_TO, BURNT_FROM = 16, 250
-"""Grey values of 8 bits between which a picture tells light from dark; 16 is the black of video (ITU-R BT.601)."""
-MAX_BLACK, MAX_BURNT = 0.25, 0.10
-"""Shares of a picture. A dark tape is above `BLACK_UP_TO`; the exposure itself keeps burnt pixels below a twentieth."""
+from symolo.dataset.brightness import BLACK_UP_TO, BURNT_FROM, MAX_BLACK, MAX_BURNT
+
 ALL = 0.99
 
 _CURES = {

@@ -4,20 +4,23 @@ import platform
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from configs.schema.board import BoardKind, FramingName
-from configs.schema.scenario import AnnotationName, Rates, RunSpec, StartPose
+from configs.schema.scenario import Rates, RunSpec, StartPose
 from symolo.arena.geometry import Arena
 from symolo.core.file_hashes import canonical_json
 from symolo.core.os_errors import NOT_THERE
 from symolo.core.versions import versions
+from symolo.dataset.annotations import AnnotationName
 from symolo.dataset.codes import State
+from symolo.dataset.column import Column
 from symolo.dataset.obstacles import obstacle_table
 from symolo.dataset.rows import COLUMNS, HEADER, Rows
+from symolo.dataset.sensor_tables import SENSOR_NAME, TAKEN_NAMES, TIME
 from symolo.dataset.side_tables import BOARD, CAMERA, TOF, WHEELS, SideTable
 
 METADATA = "metadata.json"
@@ -157,6 +160,8 @@ class ColumnRecord(Record):
     name: str
     unit: str
     meaning: str = ""
+    decimals: int | None = Field(default=None, ge=0, exclude_if=lambda decimals: decimals is None)
+    """Digits after the point in the table of a sensor of `sensors`; a column of 0 digits holds whole numbers."""
 
 
 class Metadata(Record):
@@ -174,10 +179,37 @@ class Metadata(Record):
     states: dict[int, str]
     columns: dict[str, list[ColumnRecord]]
     """Columns by file name."""
+    sensors: dict[Annotated[str, Field(pattern=SENSOR_NAME)], str] = Field(
+        default_factory=dict, exclude_if=lambda sensors: not sensors
+    )
+    """Sensors of `robot.sensors`, each with the meaning of its table `side/<name>.csv`."""
     scenario: dict[str, Any]
     """The resolved scenario with arena, robot and look; a mapping such as {uniform: [a, b]} is a distribution."""
     runs: list[RunRecord] = Field(min_length=1)
     failed_runs: list[FailedRun]
+
+    @model_validator(mode="after")
+    def _sensors_have_columns(self) -> "Metadata":
+        for name in self.sensors:
+            file = f"side/{name}.csv"
+            columns = self.columns.get(file, [])
+            if name in TAKEN_NAMES:
+                raise ValueError(f"sensors: {file} is not the table of a sensor")
+            if len(columns) < 2 or columns[0].name != TIME.name or any(c.decimals is None for c in columns):
+                raise ValueError(f"columns: {file} has not the columns of a sensor: t, and each with its decimals")
+        return self
+
+    @property
+    def sensor_tables(self) -> tuple[SideTable, ...]:
+        """Tables of the sensors of `robot.sensors`."""
+        return tuple(
+            SideTable(
+                f"{name}.csv",
+                meaning,
+                tuple(Column(c.name, c.unit, c.decimals or 0, c.meaning) for c in self.columns[f"side/{name}.csv"]),
+            )
+            for name, meaning in self.sensors.items()
+        )
 
     def to_json(self) -> bytes:
         return canonical_json(self.model_dump(mode="json"))
@@ -195,12 +227,28 @@ def made_with() -> dict[str, str]:
 
 
 def describe(
-    tree: dict[str, Any], specs: Sequence[RunSpec], runs: Sequence[RunRecord], failed: Sequence[FailedRun]
+    tree: dict[str, Any],
+    specs: Sequence[RunSpec],
+    runs: Sequence[RunRecord],
+    failed: Sequence[FailedRun],
+    sensors: Sequence[SideTable] = (),
 ) -> Metadata:
-    """Metadata of a dataset; `tree` is the scenario as loaded, before anything is drawn."""
+    """Return the metadata of a dataset.
+
+    Args:
+        tree: The scenario as loaded, before anything is drawn.
+        specs: Specifications of the runs.
+        runs: The released runs.
+        failed: The runs that are not released.
+        sensors: Tables of the sensors of `robot.sensors`.
+    """
     columns = {"data.csv": [ColumnRecord(name=c.name, unit=c.unit, meaning=c.meaning) for c in COLUMNS]}
     for table in side_tables(specs[0]):
         columns[f"side/{table.file}"] = [ColumnRecord(name=c.name, unit=c.unit) for c in table.columns]
+    for table in sensors:
+        columns[f"side/{table.file}"] = [
+            ColumnRecord(name=c.name, unit=c.unit, meaning=c.meaning, decimals=c.decimals) for c in table.columns
+        ]
     return Metadata(
         name=specs[0].scenario,
         description=str(tree.get("description", "")),
@@ -210,6 +258,7 @@ def describe(
         frames=FRAMES,
         states=STATES,
         columns=columns,
+        sensors={table.name: table.meaning for table in sensors},
         scenario=tree,
         runs=list(runs),
         failed_runs=list(failed),

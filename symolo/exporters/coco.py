@@ -8,10 +8,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.annotations.boxes_2d import rectangle
-from blender_scenes.annotations.document import AnnotationEntry, Document
-from blender_scenes.annotations.key_points import Sighting
 from symolo.core.errors import InputError
+from symolo.dataset.annotations import AnnotationDocument, AnnotationEntry, KeyPointSighting, pixel_box
 from symolo.exporters.base import CopiedFile, ExportedFile, Exporter, ExportSettings, MadeFile
 from symolo.reader.dataset import Dataset
 from symolo.reader.image import Image
@@ -96,7 +94,7 @@ def _image(image: Image, number: int, run: Run) -> dict[str, object]:
     }
 
 
-def _categories(document: Document) -> list[dict[str, object]]:
+def _categories(document: AnnotationDocument) -> list[dict[str, object]]:
     """Without the sky, which has no instances, and whose id 0 means none to many readers."""
     return [
         {"id": one.id, "name": one.name, "supercategory": "scene"}
@@ -122,7 +120,7 @@ class _Labels:
             for point in document.key_points
             if self._has_corners.get(point.instance_id)
         }
-        self._sighted: dict[tuple[int, int], dict[int, Sighting]] = {}
+        self._sighted: dict[tuple[int, int], dict[int, KeyPointSighting]] = {}
         for sighting in document.sightings:
             if sighting.key_point_id in corners:
                 instance, corner = corners[sighting.key_point_id]
@@ -141,7 +139,7 @@ class _Labels:
                 "category_id": one.category_id,
                 "segmentation": {"size": list(mask.shape), "counts": run_lengths(mask)},
                 "area": int(mask.sum()),
-                "bbox": rectangle(mask),
+                "bbox": pixel_box(mask),
                 "iscrowd": 0,
                 "instance_id": one.id,
                 "name": one.name,
@@ -157,7 +155,7 @@ class _Labels:
         return {"keypoints": [number for point in points for number in point], "num_keypoints": len(sighted)}
 
 
-def _flagged(sighting: Sighting | None) -> tuple[float, float, int]:
+def _flagged(sighting: KeyPointSighting | None) -> tuple[float, float, int]:
     """x, y, v; as ours, COCO's (0, 0) is the middle of the first pixel."""
     if sighting is None:
         return 0, 0, _NOT_LABELLED

@@ -12,10 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from blender_scenes.annotations.depth import UNIT_M
-from blender_scenes.annotations.flow import PER_PX
-from blender_scenes.annotations.flow import ZERO as STILL
-from blender_scenes.annotations.normals import SCALE, ZERO
+from symolo.dataset.annotations import DEPTH_UNIT_M, FLOW_PER_PX, FLOW_ZERO, NORMAL_SCALE, NORMAL_ZERO
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
 from symolo.exporters.optional import H5PY, optional
 from symolo.exporters.record import record_of
@@ -90,20 +87,20 @@ def _pose(image: Image) -> bytes:
 
 
 def _depth(stored: np.ndarray, _run: Run) -> Entries:
-    metres = np.where(stored > 0, stored * UNIT_M, FAR_M)
+    metres = np.where(stored > 0, stored * DEPTH_UNIT_M, FAR_M)
     return {"depth": metres.astype(np.float32)}
 
 
 def _normals(stored: np.ndarray, _run: Run) -> Entries:
     """In 0..1, in Blender's axes of a camera: x right, y up, z back; 0.5 where nothing is met."""
-    normal_C = (stored.astype(np.float64) - ZERO) / SCALE
+    normal_C = (stored.astype(np.float64) - NORMAL_ZERO) / NORMAL_SCALE
     met = np.any(stored > 0, axis=-1, keepdims=True)
     return {"normals": np.where(met, 0.5 + 0.5 * normal_C * (1, -1, -1), 0.5).astype(np.float32)}
 
 
 def _flow(stored: np.ndarray, _run: Run) -> Entries:
     valid = stored[..., 2] > 0
-    change_px = (stored[..., :2].astype(np.float64) - STILL) / PER_PX
+    change_px = (stored[..., :2].astype(np.float64) - FLOW_ZERO) / FLOW_PER_PX
     shown = np.where(valid[..., None], change_px, 0).astype(np.float32)
     return {"forward_flow": shown, "forward_flow_valid": valid.astype(np.uint8)}
 

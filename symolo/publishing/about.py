@@ -4,43 +4,62 @@ from datetime import date
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, ValidationError
+from pydantic_core import PydanticCustomError
 
-from configs.schema.base import FromList, Section, disagreement
-from configs.validation import validated
+from symolo.core.errors import InputError, nearest
 from symolo.core.yaml_reader import read_yaml
+from symolo.core.yaml_tree import Node, dotted
 
-_LINE = r"^\S(?:[^\n\r]*\S)?$"
-Line = Annotated[str, Field(pattern=_LINE, max_length=500)]
+_FROM_LIST = Strict(strict=False)
+"""A list of a file becomes a tuple; its items stay strict."""
+_NOT_ALLOWED = "not_allowed"
+"""Type of an error whose text says what is allowed."""
+_ALLOWED = {
+    "orcid": "an ORCID such as 0000-0002-1825-0097",
+    "published": "a day such as 2026-11-22",
+    "version": "a version such as 1.0.0",
+    "doi": "a DOI such as 10.5281/zenodo.1234567",
+    "url": "an address that begins with https:// or http://",
+}
+"""What may stand in a field, in words, where its pattern alone would say too little."""
+
+Line = Annotated[str, Field(pattern=r"^\S(?:[^\n\r]*\S)?$", max_length=500)]
 
 
 def _calendar(text: str) -> str:
     try:
         date.fromisoformat(text)
     except ValueError:
-        raise disagreement("", text, "a day of the calendar, such as 2026-11-22") from None
+        raise PydanticCustomError(_NOT_ALLOWED, "a day of the calendar, such as 2026-11-22") from None
     return text
 
 
 def _checked_orcid(text: str) -> str:
-    """The last sign is a check of the others, ISO 7064 mod 11-2."""
+    """Return an ORCID whose last sign is the checksum of the others, ISO 7064 mod 11-2."""
     digits = text.replace("-", "")
     total = 0
     for digit in digits[:-1]:
         total = 2 * (total + int(digit))
     expected = "0123456789X"[(12 - total % 11) % 11]
     if digits[-1] != expected:
-        raise disagreement("", text, f"an ORCID whose last sign is {expected}, if the others are right")
+        allowed = "an ORCID whose last sign is {expected}, if the others are right"
+        raise PydanticCustomError(_NOT_ALLOWED, allowed, {"expected": expected})
     return text
 
 
-class Author(Section):
+Orcid = Annotated[str, Field(pattern=r"^\d{4}-\d{4}-\d{4}-\d{3}[\dX]$"), AfterValidator(_checked_orcid)]
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+class Author(_Section):
     family: Line
     """Family name, or the whole name of an organisation."""
     given: Line | None = None
-    orcid: Annotated[str, Field(pattern=r"^\d{4}-\d{4}-\d{4}-\d{3}[\dX]$"), AfterValidator(_checked_orcid)] | None = (
-        None
-    )
+    orcid: Orcid | None = None
     affiliation: Line | None = None
 
     @property
@@ -52,21 +71,21 @@ class Author(Section):
         return f"https://orcid.org/{self.orcid}"
 
 
-class About(Section):
+class About(_Section):
     title: Line
-    authors: Annotated[tuple[Author, ...], FromList, Field(min_length=1)]
+    authors: Annotated[tuple[Author, ...], _FROM_LIST, Field(min_length=1)]
     published: Annotated[str, Field(pattern=r"^\d{4}-\d{2}-\d{2}$"), AfterValidator(_calendar)]
-    """The day on which it is, or will be, public."""
+    """The day on which the dataset is, or will be, public."""
     publisher: Line
-    """Who keeps it, for example Zenodo."""
+    """Who archives the dataset, for example Zenodo."""
     version: Annotated[str, Field(pattern=r"^\d+\.\d+\.\d+$")] = "1.0.0"
     doi: Annotated[str, Field(pattern=r"^10\.\d{4,9}/\S+$")] | None = None
-    """Zenodo tells it before it publishes."""
+    """The dataset's DOI, which Zenodo reserves before it publishes."""
     url: Annotated[str, Field(pattern=r"^https?://\S+$")] | None = None
     """Page of the dataset; that of the DOI by default."""
     description: Annotated[str, Field(max_length=5000)] | None = None
-    """In place of that of the scenario."""
-    keywords: Annotated[tuple[Line, ...], FromList, Field(min_length=1)] = (
+    """Description that replaces that of the scenario."""
+    keywords: Annotated[tuple[Line, ...], _FROM_LIST, Field(min_length=1)] = (
         "mobile robot",
         "synthetic data",
         "localisation",
@@ -79,21 +98,44 @@ class About(Section):
 
     @property
     def address(self) -> str:
-        """Where it is found; "" where nobody told."""
+        """The dataset's page; empty where neither a page nor a DOI is known."""
         return self.url or (f"https://doi.org/{self.doi}" if self.doi else "")
 
     @property
     def citation(self) -> str:
-        """In DataCite's order: creators (year): title. Version. Publisher. Address."""
+        """The citation in DataCite's order: creators (year): title. Version. Publisher. Address."""
         authors = "; ".join(author.name for author in self.authors)
         parts = (f"{authors} ({self.year}): {self.title}", f"Version {self.version}", self.publisher, self.address)
         return ". ".join(part for part in parts if part)
 
 
 def read_about(path: Path) -> About:
-    """Of a YAML file.
+    """Return the content of a YAML file.
 
     Raises:
-        InputError: It cannot be read, or something in it is missing or wrong.
+        InputError: The file cannot be read, or something in it is missing or wrong.
     """
-    return validated(read_yaml(path).root, About, {})
+    root = read_yaml(path).root
+    try:
+        return About.model_validate(root.plain())
+    except ValidationError as error:
+        raise _first_fault(error, root) from None
+
+
+def _first_fault(error: ValidationError, root: Node) -> InputError:
+    """Return the first fault with its line; an unknown key comes first, for a missing field may follow from it."""
+    faults = sorted(error.errors(include_url=False), key=lambda fault: fault["type"] != "extra_forbidden")
+    fault, others = faults[0], len(faults) - 1
+    path = fault["loc"]
+    where, field = root.place_of(path), str(path[-1]) if path else ""
+    note = f"and {others} more fault{'s' if others > 1 else ''} after this one" if others else ""
+    if fault["type"] == "extra_forbidden":
+        known = [*(Author if path[0] == "authors" else About).model_fields]
+        what, hint = f"{dotted(path)}: unknown key", nearest(field, known)
+        return InputError(what, where=where, allowed=", ".join(known), nearest=hint, cure=note)
+    if fault["type"] == "missing":
+        return InputError(f"{dotted(path)}: missing", where=where, cure=note)
+    allowed = fault["msg"]
+    if fault["type"] == "string_pattern_mismatch":
+        allowed = _ALLOWED.get(field, "one line of text that neither begins nor ends with a space")
+    return InputError(dotted(path) or "top level", where=where, got=fault["input"], allowed=allowed, cure=note)

@@ -1,13 +1,11 @@
 """Packs a release for upload: tar shards, tables, documents for people and machines, checksums."""
 
 import hashlib
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from pydantic import TypeAdapter, ValidationError
-
-from configs.schema.base import Slug
 from symolo.core.atomic_files import write_chunks, write_file
 from symolo.core.disk_space import check_disk
 from symolo.core.errors import InputError
@@ -15,6 +13,7 @@ from symolo.core.file_hashes import canonical_json, sha256_of
 from symolo.core.new_folder import check_new, new_folder
 from symolo.core.progress import Report, StageReport
 from symolo.core.tar_files import tar_chunks
+from symolo.dataset.layout import NAME_PATTERN
 from symolo.dataset.manifest import manifest
 from symolo.dataset.metadata import METADATA, Metadata
 from symolo.publishing.about import About
@@ -31,7 +30,6 @@ from symolo.verification.inventory import LISTS, Inventory
 SUMS = "SHA256SUMS"
 DOCUMENTS_BYTES = 1_000_000
 """Room for all that is neither shard nor table; a tenth of it is usual."""
-_NAME: TypeAdapter[str] = TypeAdapter(Slug)
 
 
 @dataclass(frozen=True)
@@ -70,11 +68,9 @@ def plan(root: Path, about: About, shard_bytes: int) -> Plan:
 
 def _check_names(root: Path, metadata: Metadata) -> None:
     """What becomes the name of a file: the release may be a stranger's."""
-    try:
-        _NAME.validate_python(metadata.name)
-    except ValidationError:
+    if not re.fullmatch(NAME_PATTERN, metadata.name):
         allowed = "up to 64 letters, digits, _ and -"
-        raise InputError("name", where=str(root / METADATA), got=metadata.name, allowed=allowed) from None
+        raise InputError("name", where=str(root / METADATA), got=metadata.name, allowed=allowed)
 
 
 def pack(planned: Plan, out: Path, report: Report) -> int:

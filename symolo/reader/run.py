@@ -22,8 +22,8 @@ from symolo.reader.image import Image
 from symolo.reader.tables import frame, rows_frame
 
 if TYPE_CHECKING:
-    from blender_scenes.annotations.document import Document
     from blender_scenes.render.job import RenderJob
+    from symolo.dataset.annotations import AnnotationDocument
     from symolo.dataset.camera_model import CameraModel
 
 # Whatever knows of pictures loads OpenCV, which takes half a second; tables and poses do without.
@@ -39,6 +39,8 @@ class Run:
     folder: Path
     name: str
     """For example `CW/test_1`."""
+    sensor_tables: tuple[SideTable, ...] = ()
+    """Tables of the sensors of `robot.sensors`, as metadata.json describes them."""
 
     @cached_property
     def table(self) -> Rows:
@@ -86,12 +88,12 @@ class Run:
     @property
     def side_names(self) -> tuple[str, ...]:
         """What `side` takes."""
-        return tuple(_name(table) for table in self._side_tables)
+        return tuple(table.name for table in self._side_tables)
 
     @property
     def _side_tables(self) -> tuple[SideTable, ...]:
         if not self.is_rerendered:
-            return side_tables(self.spec)
+            return (*side_tables(self.spec), *self.sensor_tables)
         return () if self._has_job_alone else (CAMERA,)
 
     def side(self, name: str) -> pd.DataFrame:
@@ -100,7 +102,7 @@ class Run:
         Raises:
             InputError: There is none of this name, or it is damaged or of other times than data.csv.
         """
-        table = next((table for table in self._side_tables if _name(table) == name), None)
+        table = next((table for table in self._side_tables if table.name == name), None)
         if table is None:
             allowed, hint = ", ".join(self.side_names), nearest(name, self.side_names)
             cure = OF_THE_RUN if self.is_rerendered else ""
@@ -189,17 +191,17 @@ class Run:
             raise InputError(f"is damaged: {error}", where=str(path)) from None
 
     @cached_property
-    def annotations(self) -> "Document":
+    def annotations(self) -> "AnnotationDocument":
         """annotations.json: categories, instances, boxes, key points.
 
         Raises:
             InputError: The run has none, or it is damaged.
         """
-        from blender_scenes.annotations.document import DOCUMENT, Document
+        from symolo.dataset.annotations import DOCUMENT, AnnotationDocument
 
         path = self._annotation_folder / DOCUMENT
         try:
-            return Document.from_json(path.read_bytes())
+            return AnnotationDocument.from_json(path.read_bytes())
         except FileNotFoundError:
             cure = "release it with `--set render.annotations=[instance,semantic]`"
             raise InputError("has no annotations", where=str(self.folder), cure=cure) from None
@@ -215,15 +217,17 @@ class Run:
     @property
     def annotation_pictures(self) -> tuple[str, ...]:
         """Kinds of which each image has a picture."""
-        from blender_scenes.annotations.job import RECORDS
+        from symolo.dataset.annotations import RECORD_KINDS
 
-        return tuple(kind for kind in self.annotations.kinds if kind not in RECORDS) if self.has_annotations else ()
+        return (
+            tuple(kind for kind in self.annotations.kinds if kind not in RECORD_KINDS) if self.has_annotations else ()
+        )
 
     def annotation_picture(self, kind: str, number: int) -> Path:
         """Where the picture of a kind lies, if there is one."""
-        from blender_scenes.annotations.job import picture_file
+        from symolo.dataset.annotations import annotation_file
 
-        return self._annotation_folder / picture_file(kind, number)
+        return self._annotation_folder / annotation_file(kind, number)
 
     @property
     def _annotation_folder(self) -> Path:
@@ -256,7 +260,3 @@ class Run:
     def __len__(self) -> int:
         """Number of rows."""
         return len(self.table.t_ms)
-
-
-def _name(table: SideTable) -> str:
-    return table.file.partition(".")[0]

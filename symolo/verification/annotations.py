@@ -5,11 +5,16 @@ from pathlib import Path
 
 import numpy as np
 
-from blender_scenes.annotations.document import DOCUMENT, ENCODINGS, Document
-from blender_scenes.annotations.instances import CATEGORIES
-from blender_scenes.annotations.job import RECORDS, picture_file
 from configs.schema.scenario import RunSpec
 from symolo.core.pinhole import intrinsics
+from symolo.dataset.annotations import (
+    CATEGORIES,
+    DOCUMENT,
+    ENCODINGS,
+    RECORD_KINDS,
+    AnnotationDocument,
+    annotation_file,
+)
 from symolo.dataset.camera_model import camera_table
 from symolo.dataset.layout import frame_name
 from symolo.dataset.metadata import RunRecord
@@ -48,7 +53,7 @@ def annotation_faults(folder: Path, rows: Rows, record: RunRecord, spec: RunSpec
     known = set(range(2**16))
     if DOCUMENT in expected & there:
         try:
-            document = Document.from_json((folder / DOCUMENT).read_bytes())
+            document = AnnotationDocument.from_json((folder / DOCUMENT).read_bytes())
         except ValueError as error:
             yield DOCUMENT, f"cannot be read: {str(error).splitlines()[0]}"
         else:
@@ -70,14 +75,14 @@ def annotation_faults(folder: Path, rows: Rows, record: RunRecord, spec: RunSpec
 
 def _expected(numbers: Sequence[int], record: RunRecord) -> Iterator[str]:
     for kind in record.annotations:
-        if kind not in RECORDS:
+        if kind not in RECORD_KINDS:
             # Nothing follows the last image.
-            yield from (picture_file(kind, number) for number in (numbers[:-1] if kind == "flow" else numbers))
+            yield from (annotation_file(kind, number) for number in (numbers[:-1] if kind == "flow" else numbers))
     if record.annotations:
         yield DOCUMENT
 
 
-def _head_faults(document: Document, record: RunRecord) -> Iterator[Fault]:
+def _head_faults(document: AnnotationDocument, record: RunRecord) -> Iterator[Fault]:
     """What all images have in common, against the run."""
     if sorted(document.kinds) != sorted(record.annotations):
         yield DOCUMENT, f"is of {', '.join(document.kinds)}, metadata.json names {', '.join(record.annotations)}"
@@ -90,7 +95,7 @@ def _head_faults(document: Document, record: RunRecord) -> Iterator[Fault]:
         yield DOCUMENT, f"images are of another size than {size[0]} x {size[1]} px"
 
 
-def _instance_faults(document: Document) -> Iterator[Fault]:
+def _instance_faults(document: AnnotationDocument) -> Iterator[Fault]:
     ids = [one.id for one in document.instances]
     if len(set(ids)) < len(ids) or not all(0 < one <= _LAST_ID for one in ids):
         yield DOCUMENT, f"ids of instances are not different numbers from 1 to {_LAST_ID}"
@@ -99,7 +104,7 @@ def _instance_faults(document: Document) -> Iterator[Fault]:
         yield DOCUMENT, f"instance {strange[0]} is of a category that is not there"
 
 
-def _camera_faults(document: Document, rows: Rows, spec: RunSpec) -> Iterator[Fault]:
+def _camera_faults(document: AnnotationDocument, rows: Rows, spec: RunSpec) -> Iterator[Fault]:
     if document.camera != intrinsics(spec.robot.camera, spec.render.width_px, spec.render.height_px):
         yield DOCUMENT, "camera is not that of spec.json"
     poses = {int(row[0]): row[1:14] for row in camera_table(spec, rows)}
@@ -126,7 +131,7 @@ def _category_faults(folder: Path, names: set[str], category_of: dict[int, int])
             yield name, f"has the id {semantic.max()}, which {DOCUMENT} does not name"
 
 
-def _document_faults(document: Document, numbers: Sequence[int], known: set[int]) -> Iterator[Fault]:
+def _document_faults(document: AnnotationDocument, numbers: Sequence[int], known: set[int]) -> Iterator[Fault]:
     if [image.id for image in document.images] != list(numbers):
         yield DOCUMENT, "images are not those of data.csv"
     for image in document.images:

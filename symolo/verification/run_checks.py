@@ -17,7 +17,8 @@ from symolo.dataset.layout import ANNOTATIONS, frame_name
 from symolo.dataset.metadata import RunRecord
 from symolo.dataset.obstacles import obstacle_table, off_the_path
 from symolo.dataset.rows import HEADER, Rows, parse_table, semantic_faults
-from symolo.dataset.side_tables import BOARD, CAMERA, POSITIONS_HEADER, TOF, WHEELS
+from symolo.dataset.sensor_tables import fractions
+from symolo.dataset.side_tables import BOARD, CAMERA, POSITIONS_HEADER, TOF, WHEELS, SideTable
 from symolo.verification.annotations import annotation_faults
 from symolo.verification.findings import Finding
 
@@ -31,8 +32,14 @@ FASTEST_RAD_S = 30.0
 _JPEG_START, _JPEG_END = b"\xff\xd8\xff", b"\xff\xd9"
 
 
-def check_run(root: Path, record: RunRecord) -> Iterator[Finding]:
-    """Every fault of the run's folder below the dataset `root`, as metadata.json describes the run."""
+def check_run(root: Path, record: RunRecord, sensor_tables: Sequence[SideTable] = ()) -> Iterator[Finding]:
+    """Yield every fault of a run's folder.
+
+    Args:
+        root: The dataset.
+        record: The run as metadata.json describes it.
+        sensor_tables: Tables of the sensors of `robot.sensors`, likewise.
+    """
     run = root / record.run
     if not run.is_dir():
         yield Finding(record.run, "the folder is missing")
@@ -50,6 +57,7 @@ def check_run(root: Path, record: RunRecord) -> Iterator[Finding]:
     content, spec, faults = _specification(run / "side/spec.json", f"{record.run}/side/spec.json")
     yield from faults
     yield from _side(run / "side", f"{record.run}/side", rows, record, spec)
+    yield from _sensors(run / "side", f"{record.run}/side", rows, sensor_tables)
     if content is not None:
         yield from _obstacles(run / "side", f"{record.run}/side", content, rows, record)
     for file, what in annotation_faults(run / ANNOTATIONS, rows, record, spec):
@@ -181,6 +189,16 @@ def _side(folder: Path, name: str, rows: Rows, record: RunRecord, spec: RunSpec 
     yield from _scene(folder / SCENE, f"{name}/{SCENE}")
     if spec is not None:
         yield from _camera_poses(folder / CAMERA.file, f"{name}/{CAMERA.file}", rows, spec)
+
+
+def _sensors(folder: Path, name: str, rows: Rows, tables: Sequence[SideTable]) -> Iterator[Finding]:
+    """Check the tables of the sensors of `robot.sensors`."""
+    for table in tables:
+        file = f"{name}/{table.file}"
+        numbers, faults = _table(folder / table.file, table.header)
+        yield from _limited(file, faults or [*fractions(table, numbers)])
+        if len(numbers) and not np.array_equal(numbers[:, 0], rows.t_ms):
+            yield Finding(file, "column t is not that of data.csv")
 
 
 def _camera_model(path: Path, name: str, record: RunRecord, spec: RunSpec | None) -> Iterator[Finding]:

@@ -29,12 +29,13 @@ from configs.draw import draw_all
 from configs.loader import load_scenario
 from pipeline.cli import main
 from pipeline.executors import local
-from pipeline.planning.plan import Plan
+from pipeline.planning.plan import ScenarioPlan
 from pipeline.work import batch
 from pipeline.work.supervisor import UnitFailure, WorkerError
-from pipeline.work.units import Failed, Progress
+from pipeline.work.units import Progress
 from pipeline.work.worker_main import do
 from sensors.camera.response import encode_jpeg
+from symolo.core.child_process import Failed
 from symolo.core.errors import EnvironmentLacking, InputError
 from symolo.dataset.layout import frame_name
 
@@ -153,7 +154,7 @@ def serve() -> None:
     drawn = tuple(draw_all(loaded))
     batch.load_scenario = lambda _name, _overrides: loaded
     batch.draw_reported = lambda _loaded, _report: drawn
-    Plan.of(drawn, 1)
+    ScenarioPlan.of(drawn, 1)
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGCHLD})
     print("ready", flush=True)  # noqa: T201 - the other end waits for it
     for line in sys.stdin:

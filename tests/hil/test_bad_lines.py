@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hil.framings import FRAMINGS
-from hil.framings.base import Answer, Asked
+from hil.framings.base import CommandMessage, SensorsMessage
 from hil.plausible import DriveLimits
 
 REPEATS = {"the one before again", "an older one"}
@@ -48,10 +48,10 @@ def test_no_damaged_sensor_frame_is_taken_for_good(line_faults, count):
 @pytest.mark.parametrize("framing", FRAMINGS.values(), ids=FRAMINGS)
 def test_of_noise_nothing_is_heard(framing, count):
     noise = drawn(3).bytes(count)
-    for ears in (framing.from_board(), framing.to_board()):
-        heard = [found for at in range(0, count, 777) for found in ears.feed(noise[at : at + 777])]
+    for decoder in (framing.from_board(), framing.to_board()):
+        heard = [found for at in range(0, count, 777) for found in decoder.decode(noise[at : at + 777])]
         assert heard
-        assert not any(isinstance(found, Answer | Asked) for found in heard)
+        assert not any(isinstance(found, CommandMessage | SensorsMessage) for found in heard)
 
 
 def test_simtwo_takes_a_flipped_digit_for_good(line_faults, nominal):

@@ -17,7 +17,7 @@ import pytest
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from pipeline.cli import AT_ONCE
-from pipeline.planning.plan import RENDER_FRAME_S, RENDER_SAMPLE_S, RENDER_START_S, Plan, pixel_s
+from pipeline.planning.plan import RENDER_FRAME_S, RENDER_SAMPLE_S, RENDER_START_S, ScenarioPlan, pixel_s
 from pipeline.work.supervisor import WorkerError, run_units
 from pipeline.work.units import SimulateUnit
 
@@ -314,7 +314,7 @@ def test_plan_counts_the_margin_behind_a_lens_and_says_what_annotations_are_take
     """The corner's ray, r of r (1 - 0.3 r^2 + 0.1 r^4) = 0.882, goes the furthest; of assumptions only those made."""
     lens = ("robot.camera.distortion.k1=-0.3", "robot.camera.distortion.k2=0.1")
     plain, behind, annotated = (
-        Plan.of([draw_run(load_scenario("symolo", settings), "CW", 1)], 1)
+        ScenarioPlan.of([draw_run(load_scenario("symolo", settings), "CW", 1)], 1)
         for settings in ((), lens, ("render.annotations=[depth]",))
     )
     (own,), (wider,) = plain.runs, behind.runs
@@ -335,9 +335,9 @@ def test_plan_counts_the_margin_behind_a_lens_and_says_what_annotations_are_take
 def test_plan_takes_its_time_from_the_quality_and_says_which(symolo):
 
     def planned(*settings):
-        return Plan.of([draw_run(load_scenario("symolo", settings), "CW", 1)], 1)
+        return ScenarioPlan.of([draw_run(load_scenario("symolo", settings), "CW", 1)], 1)
 
-    plain, fewer = planned("render.method=whole"), planned("render.samples=1", "render.denoise=false")
+    plain, fewer = planned("render.method=full"), planned("render.samples=1", "render.denoise=false")
     traced_s, shared_s = 201 * 640 * 480 * RENDER_SAMPLE_S, RENDER_START_S + 201 * RENDER_FRAME_S
     assert fewer.render_s == pytest.approx(traced_s + shared_s)
     assert planned("render.quality=reference").render_s > 2048 * traced_s > 100 * plain.render_s
@@ -345,7 +345,7 @@ def test_plan_takes_its_time_from_the_quality_and_says_which(symolo):
     assert "to denoise" in plain.text()
     assert "to denoise" not in fewer.text()
     parts = planned()
-    assert "put together from parts" in parts.text()
+    assert "from hybrid rendering" in parts.text()
     assert parts.render_s < plain.render_s / 2
     assert (
         "quality    draft, 9 samples"

@@ -15,7 +15,7 @@ import cv2
 import pytest
 
 from pipeline.run_folder.workspace import Workspace, input_key
-from pipeline.work.cpu import class_of
+from pipeline.work.processors import class_of
 from symolo.core.atomic_files import remove_folder
 from symolo.core.versions import versions
 

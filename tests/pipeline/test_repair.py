@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
-from pipeline.repair.mending import with_one_bit_less_wrong
+from pipeline.repair.repair_state import with_one_bit_less_wrong
 from symolo.verification.verify import verify
 
 RUN = "CW/test_1"
@@ -28,9 +28,9 @@ def test_an_interrupted_repair_leaves_whole_files_and_goes_on(dataset, copy_of, 
     for name in names:
         (root / name).write_bytes(b"")
     put = []
-    from pipeline.repair import mending  # noqa: PLC0415 - to be changed
+    from pipeline.repair import repair_state  # noqa: PLC0415 - to be changed
 
-    write = mending.write_file
+    write = repair_state.write_file
 
     def killed(path, data):
         if put:
@@ -38,7 +38,7 @@ def test_an_interrupted_repair_leaves_whole_files_and_goes_on(dataset, copy_of, 
         put.append(path)
         write(path, data)
 
-    monkeypatch.setattr(mending, "write_file", killed)
+    monkeypatch.setattr(repair_state, "write_file", killed)
     assert symolo("repair", root).code == 130
     monkeypatch.undo()
     assert [len((root / name).read_bytes()) > 0 for name in names] == [True, False, False]

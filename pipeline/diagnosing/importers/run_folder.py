@@ -48,7 +48,7 @@ HELD = 4
 
 
 @dataclass(frozen=True)
-class _Run:
+class _DatasetRun:
     """One run, released or as the first stage left it."""
 
     folder: Path
@@ -102,28 +102,28 @@ def robots_of(path: Path) -> list[RobotConfig]:
     return list(found.values())
 
 
-def _runs(path: Path) -> Iterator[_Run]:
+def _runs(path: Path) -> Iterator[_DatasetRun]:
     """The path itself, the folder of its data.csv, or all below a release or an output of `simulate`."""
     if path.name == DATA:
         path = path.parent
     if is_file(path / DATA) and is_file(path / SIDE / WHEELS.file):
-        yield _Run(path, simulated=False)
+        yield _DatasetRun(path, simulated=False)
     elif is_file(path / METADATA):
         for folder in sorted(path.glob(f"*/*/{SIDE}")):
             if is_file(folder.parent / DATA):
-                yield _Run(folder.parent, simulated=False)
+                yield _DatasetRun(folder.parent, simulated=False)
     elif is_file(path / TRAJECTORY):
-        yield _Run(path, simulated=True)
+        yield _DatasetRun(path, simulated=True)
     else:
         for file in sorted(path.glob(f"{STAGES}/simulate/*/*/{TRAJECTORY}")):
-            yield _Run(file.parent, simulated=True)
+            yield _DatasetRun(file.parent, simulated=True)
 
 
 def _recognises(path: Path) -> bool:
     return next(_runs(path), None) is not None
 
 
-def _found_runs(path: Path) -> list[_Run]:
+def _found_runs(path: Path) -> list[_DatasetRun]:
     runs = list(_runs(path))
     if not runs:
         raise InputError(
@@ -150,7 +150,7 @@ def _read(path: Path) -> Measurement:
     return Measurement(name, Kind.DRIVE_LOG, Source("a dataset of symolo", files), tuple(trials), notes=notes)
 
 
-def _trial(run: _Run) -> Trial:
+def _trial(run: _DatasetRun) -> Trial:
     rows, wheels, tof = run.tables()
     t_s = 1e-3 * rows.t_ms
     drive = [

@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sensors.camera.exposure_guard import BLACK_UP_TO, BURNT_FROM
 from symolo.core.arrays import Array
+from symolo.dataset.brightness import BLACK_UP_TO, BURNT_FROM
 from symolo.dataset.rows import Ints
 from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, PURPLE, SKY, VERMILION, finished, svg
 from symolo.report.statistics.image_statistics import GREYS, ImageNumbers

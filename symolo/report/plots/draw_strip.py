@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from configs.distributions import Distribution, LogUniform, Normal, RandomChoice, Uniform
+from symolo.core.distributions import Choice, Distribution, LogUniform, Normal, Uniform
 
 _WIDTH, _HEIGHT, _MARGIN = 220, 20, 5.0
 _FOOT = _HEIGHT - 6.0
@@ -46,7 +46,7 @@ def in_words(distribution: Distribution | None) -> str:
             minimum, maximum = distribution.extremes()
             cut = "" if low is None and high is None else f", cut at {minimum:g} and {maximum:g}"
             return f"normal {mean:g}, sd {sd:g}{cut}"
-        case RandomChoice(options):
+        case Choice(options):
             names = ", ".join(str(option) for option in options[:8])
             return f"choice of {names}" + (f" and {len(options) - 8} more" if len(options) > 8 else "")
         case None:
@@ -71,7 +71,7 @@ def strip(values: Sequence[float], distribution: Distribution | None) -> Strip:
         return _MARGIN + (_WIDTH - 2 * _MARGIN) * share
 
     parts = [Rectangle(_MARGIN, _FOOT + 2, _WIDTH - 2 * _MARGIN, 1, "axis")]
-    if isinstance(distribution, RandomChoice):
+    if isinstance(distribution, Choice):
         parts += [Rectangle(at(option) - 2, _FOOT, 4, 5, "band") for option in band]
     elif band:
         parts.append(Rectangle(at(band[0]), _FOOT, max(at(band[-1]) - at(band[0]), 2.0), 5, "band"))
@@ -90,7 +90,7 @@ def _band(distribution: Distribution | None) -> tuple[float, ...]:
         case Normal(mean, sd):
             minimum, maximum = (float(end) for end in distribution.extremes())
             return (max(mean - 2 * sd, minimum), min(mean + 2 * sd, maximum))
-        case RandomChoice(options):
+        case Choice(options):
             return tuple(sorted(float(o) for o in options if isinstance(o, int | float) and not isinstance(o, bool)))
         case None:
             return ()

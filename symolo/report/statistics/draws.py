@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from configs.distributions import Distribution, parse
+from symolo.core.distributions import Distribution, parse
 from symolo.core.errors import InputError
 from symolo.core.yaml_tree import FieldPath, Node, dotted, node_of
 from symolo.report.statistics.run_facts import RunFacts

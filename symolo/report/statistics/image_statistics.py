@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sensors.camera.exposure_guard import BLACK_UP_TO, BURNT_FROM
 from symolo.core.arrays import Array
+from symolo.dataset.brightness import BLACK_UP_TO, BURNT_FROM
 from symolo.dataset.rows import Ints
 from symolo.reader.run import Run
 from symolo.report.statistics.run_facts import fresh

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sensors.camera.exposure_guard import MAX_BLACK, MAX_BURNT
 from symolo.core.arrays import Array
+from symolo.dataset.brightness import MAX_BLACK, MAX_BURNT
 from symolo.report.statistics.image_statistics import ImageNumbers
 
 MAX_Z = 3.5

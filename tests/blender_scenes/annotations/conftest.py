@@ -8,15 +8,16 @@ import cv2
 import numpy as np
 import pytest
 
-from blender_scenes.annotations.document import Document, document
+from blender_scenes.annotations.document import document
 from blender_scenes.annotations.job import AnnotationJob, build_annotation_job
-from blender_scenes.annotations.record import Record
+from blender_scenes.annotations.record import FrameRecord
 from blender_scenes.render.job import FramePose, RenderJob, build_job
 from blender_scenes.render.renderer import render_job
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
-from configs.schema.scenario import AnnotationName, Render
+from configs.schema.scenario import Render
 from symolo.arena.geometry import Arena
+from symolo.dataset.annotations import AnnotationDocument, AnnotationName
 
 ARENA = {
     "name": "small",
@@ -43,7 +44,7 @@ class Annotated:
     arena: Arena
     job: AnnotationJob
     folder: Path
-    document: Document
+    document: AnnotationDocument
 
     def picture(self, kind: str, number: int) -> np.ndarray:
         """As a stranger reads it, channels in the order of the file."""
@@ -101,5 +102,5 @@ def annotated(small, pictures_job, tmp_path_factory) -> Annotated:
     heard = []
     assert render_job(folder / "job.json", folder / "files", work="annotations", on_frame=heard.append).made == 3
     assert heard == [1, 2, 3]
-    records = [Record.from_json((folder / f"files/records/{n:06d}.json").read_bytes()) for n in heard]
+    records = [FrameRecord.from_json((folder / f"files/records/{n:06d}.json").read_bytes()) for n in heard]
     return Annotated(small, job, folder / "files", document(job, "images", records))

@@ -7,10 +7,10 @@ import cv2
 import numpy as np
 import pytest
 
-from blender_scenes.annotations.instances import CATEGORIES
 from blender_scenes.render.renderer import render_job
 from physics.bullet.ray_oracle import EngineRays
 from symolo.core.pinhole import floor_points, matrix_K, project
+from symolo.dataset.annotations import CATEGORIES
 
 NUMBERS = (1, 2, 3)
 ROOM = CATEGORIES.index("room")

@@ -6,24 +6,23 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from blender_scenes.annotations import PICTURES
-from blender_scenes.annotations.boxes_2d import box_2d, rectangle
+from blender_scenes.annotations import IMAGE_ANNOTATIONS
+from blender_scenes.annotations.boxes_2d import box_2d
 from blender_scenes.annotations.boxes_3d import box_3d
 from blender_scenes.annotations.depth import depth
-from blender_scenes.annotations.document import ENCODINGS
 from blender_scenes.annotations.flow import flow
 from blender_scenes.annotations.instances import instances
-from blender_scenes.annotations.job import RECORDS, build_annotation_job
+from blender_scenes.annotations.job import build_annotation_job
 from blender_scenes.annotations.normals import normals
 from blender_scenes.annotations.record import Record, record
-from blender_scenes.annotations.seen import Passes, Seen
+from blender_scenes.annotations.seen import Passes, VisibleScene
 from blender_scenes.annotations.sight import hidden, triangles
 from blender_scenes.annotations.silhouette import reaches_beyond, silhouette
 from blender_scenes.scene.meshes import block
-from configs.schema.scenario import AnnotationName
 from sensors.camera.views import FrameView
 from symolo.core.pinhole import Intrinsics, matrix_K
 from symolo.core.poses import pose_X_WR
+from symolo.dataset.annotations import ENCODINGS, RECORD_KINDS, AnnotationName, pixel_box
 
 WIDTH, HEIGHT, FOCAL = 80, 60, 50.0
 CAMERA = Intrinsics(WIDTH, HEIGHT, FOCAL, FOCAL, 39.5, 29.5)
@@ -49,7 +48,7 @@ def seen(job, mesh=None, **passes):
     shape = HEIGHT, WIDTH
     empty = {"point_W": np.zeros((*shape, 3)), "normal_W": np.zeros((*shape, 3))}
     mesh = np.zeros(shape, dtype=int) if mesh is None else mesh
-    return Seen(job, job.frames[0], job.following(1), Passes(mesh, **(empty | passes)))
+    return VisibleScene(job, job.frames[0], job.following(1), Passes(mesh, **(empty | passes)))
 
 
 def solid_named(job, name):
@@ -60,7 +59,7 @@ def solid_named(job, name):
 def test_the_silhouette_of_a_square_face_is_its_similar_triangle(job):
     """1 m ahead, 0.2 m are 10 px; from 6 cm below the camera to 14 cm above: 3 px below its middle to 7 above."""
     mask = silhouette(seen(job), solid_named(job, "cube"))
-    assert rectangle(mask) == (35, 23, 10, 10)
+    assert pixel_box(mask) == (35, 23, 10, 10)
     assert mask.sum() == 100
 
 
@@ -82,11 +81,11 @@ def test_a_thing_behind_the_camera_is_in_no_picture_and_one_across_the_border_is
     assert "cart" not in {job.instances.known[thing.instance_id - 1].name for thing in record(frame).things}
     # The board, 1.28 m ahead and 1.2 m wide, is 47 px; seen from 0.5 m it is cut off at both borders.
     board = solid_named(job, "board")
-    assert rectangle(silhouette(frame, board))[2] == 46  # columns 39.5 +- 23.4, whose middles are 17 to 62
+    assert pixel_box(silhouette(frame, board))[2] == 46  # columns 39.5 +- 23.4, whose middles are 17 to 62
     near = pose_X_WR(0.78, 0.0, 0.0) @ AHEAD
     closer = replace(frame, view=replace(frame.view, X_WC=rows(near)))
     whole = silhouette(closer, board)
-    assert rectangle(whole)[::2] == (0, WIDTH)
+    assert pixel_box(whole)[::2] == (0, WIDTH)
     assert box_2d(closer, board, whole).truncated
 
 
@@ -236,5 +235,5 @@ def test_a_frame_has_a_file_for_each_picture_and_one_for_all_records(job):
 
 def test_every_annotation_has_a_member_and_an_encoding():
     names = set(get_args(AnnotationName))
-    assert set(PICTURES) == names - set(RECORDS)
+    assert set(IMAGE_ANNOTATIONS) == names - set(RECORD_KINDS)
     assert set(ENCODINGS) == names

@@ -9,7 +9,7 @@ import pytest
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from configs.schema.robot import TofMount
-from pipeline.baselines.given import Drawing, Given, LineRow, Start
+from pipeline.baselines.robot_knowledge import Drawing, LineRow, RobotKnowledge, Start
 from pipeline.baselines.runs import LoggedRun
 from pipeline.stages.simulate import simulate
 from sensors.odometry import Odometry
@@ -34,7 +34,7 @@ def driven() -> Callable[[str], LoggedRun]:
 
 
 @pytest.fixture(scope="session")
-def before_a_wall() -> Callable[..., Given]:
+def before_a_wall() -> Callable[..., RobotKnowledge]:
     """A robot that drives along x towards a wall across it; no line, and only the front sensor reads."""
     center, size = (WALL_X_M + 0.5, 0.0, 0.5), (1.0, 4.0, 1.0)
     wall = Box("wall", "wall", center, size, 0.0, "white_board")
@@ -42,12 +42,12 @@ def before_a_wall() -> Callable[..., Given]:
     mounts = [TofMount(x_m=SENSOR_X_M, y_m=0.0, z_m=0.5, yaw_deg=yaw) for yaw in (0, 45, -45)]
     row = LineRow(0.08, 0.009525 * (np.arange(8) - 3.5), 0.00125)
 
-    def given(ways_m: np.ndarray, front_m: np.ndarray, start: Start) -> Given:
+    def given(ways_m: np.ndarray, front_m: np.ndarray, start: Start) -> RobotKnowledge:
         """With the wheels' ways (N, 2) between rows and readings (N,); the ways of the first row are left aside."""
         rows = len(front_m)
         nothing = np.full(rows, np.nan)
         counts = np.rint(np.cumsum(ways_m, axis=0) / PER_COUNT_M).astype(np.int64)
-        return Given(
+        return RobotKnowledge(
             t_s=0.05 * np.arange(rows),
             counts=counts,
             ranges_m=np.column_stack((front_m, nothing, nothing)),

@@ -6,9 +6,9 @@ from scipy.stats import chi2
 
 from pipeline.baselines.ekf import LASTING_S, METHOD, updated
 from pipeline.baselines.errors import nees
-from pipeline.baselines.given import Start
-from pipeline.baselines.motion import SHARES_SD, SLIP_M_SQRT_M, Motion
+from pipeline.baselines.motion import SHARES_SD, SLIP_M_SQRT_M, WheelMotion
 from pipeline.baselines.range_model import LASTING_SD_M
+from pipeline.baselines.robot_knowledge import Start
 from sensors.odometry import Odometry
 
 ROWS, WAY_M = 15, 0.004
@@ -67,7 +67,7 @@ def test_where_all_is_linear_it_is_the_kalman_filter(before_a_wall):
 
 def test_in_a_world_as_it_takes_it_for_its_covariance_is_honest(before_a_wall):
     """NEES of the last pose over independent robots, within the bounds of chi-square."""
-    motion, count, start_sd = Motion(Odometry(1.0, 0.14)), 60, np.array([0.004, 0.004, 0.02])
+    motion, count, start_sd = WheelMotion(Odometry(1.0, 0.14)), 60, np.array([0.004, 0.004, 0.02])
     kept, total = np.exp(-0.05 / LASTING_S), 0.0
     for seed in range(count):
         rng = np.random.Generator(np.random.PCG64(seed))

@@ -8,9 +8,9 @@ import pytest
 from configs.draw import draw_all
 from configs.loader import load_scenario
 from physics.arena.rays import RayScene
-from pipeline.baselines.given import Start
 from pipeline.baselines.line_model import LineModel
 from pipeline.baselines.range_model import RangeModel
+from pipeline.baselines.robot_knowledge import Start
 from sensors.tof import TofArray
 from symolo.arena.geometry import Arena
 from symolo.dataset.codes import TofStatus

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from pipeline.baselines.motion import Motion
+from pipeline.baselines.motion import WheelMotion
 from sensors.odometry import Odometry
 
 ODOMETRY = Odometry(1e-4, 0.14)
-MOTION = Motion(ODOMETRY)
+MOTION = WheelMotion(ODOMETRY)
 
 
 def test_a_robot_as_drawn_moves_as_the_board_adds_up():

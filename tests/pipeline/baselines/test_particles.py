@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from pipeline.baselines.given import Start
 from pipeline.baselines.particles import METHOD, SCATTER, resampled, scattered
+from pipeline.baselines.robot_knowledge import Start
 
 
 def test_each_particle_goes_on_as_often_as_its_weight_says_in_the_mean():

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.baselines.base import Lesson
-from pipeline.baselines.given import Pictures, Start
+from pipeline.baselines.base import TrainingRun
 from pipeline.baselines.regressor import METHOD
+from pipeline.baselines.robot_knowledge import RunImages, Start
 
 COUNT = 40
 NO_RNG = np.random.Generator(np.random.PCG64(0))
@@ -21,12 +21,12 @@ def painted(positions, brightness, seed):
         above = (row - 24 + (column - 32) * 0.5 * (position - 1.5)) > 10 * (position - 1.5)
         grey = brightness * np.where(above, 0.8, 0.4) + 0.005 * rng.standard_normal(row.shape)
         pictures.append(np.repeat(np.clip(255 * grey, 0, 255).astype(np.uint8)[..., None], 3, axis=2))
-    return Pictures(np.arange(len(positions)), lambda index: pictures[index])
+    return RunImages(np.arange(len(positions)), lambda index: pictures[index])
 
 
 def lesson(seed, brightness, looks_like=lambda x: x):
     x = np.linspace(0.0, 3.0, COUNT) + 0.01 * seed
-    return Lesson(painted(looks_like(x), brightness, seed), np.column_stack([x, 0.5 * x, 0.1 * x]))
+    return TrainingRun(painted(looks_like(x), brightness, seed), np.column_stack([x, 0.5 * x, 0.1 * x]))
 
 
 def asked(before_a_wall, pictures):
@@ -61,7 +61,7 @@ def test_where_two_places_look_alike_it_is_unsure(before_a_wall):
 
 def test_of_one_picture_it_learns_that_one_pose(before_a_wall):
     only = lesson(1, 0.5)
-    one = Lesson(Pictures(np.arange(1), only.pictures.pixels), only.pose[:1])
+    one = TrainingRun(RunImages(np.arange(1), only.pictures.pixels), only.pose[:1])
     estimate = METHOD.estimate(asked(before_a_wall, lesson(2, 0.6).pictures), [one], NO_RNG)
     assert np.allclose(estimate.pose, only.pose[0], atol=1e-12)
     assert np.all(np.linalg.eigvalsh(estimate.covariance) > 0.0)

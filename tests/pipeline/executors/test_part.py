@@ -8,18 +8,18 @@ from pathlib import Path
 import pytest
 
 from pipeline.executors.local import Local
-from pipeline.executors.part import BLOCK_FRAMES, Part
+from pipeline.executors.part import BLOCK_FRAMES, PartOfWork
 from pipeline.work.units import RenderUnit, SimulateUnit
 from symolo.core.errors import InputError
 
 
 def _block(run, first):
     numbers = tuple(range(first, first + BLOCK_FRAMES))
-    return RenderUnit(name=run, work="pictures", job=Path(), folder=Path(), numbers=numbers, threads=1)
+    return RenderUnit(name=run, work="images", job=Path(), folder=Path(), numbers=numbers, threads=1)
 
 
 def _parts(of):
-    return [Part(number, of, Local(1)) for number in range(1, of + 1)]
+    return [PartOfWork(number, of, Local(1)) for number in range(1, of + 1)]
 
 
 UNITS = [
@@ -42,11 +42,11 @@ def test_blocks_are_shared_evenly_where_each_run_has_a_multiple(of):
 @pytest.mark.parametrize("text", ["0/2", "3/2", "1", "1/0", "a/b", "1/2/3", "-1/2", "1/1000000", ""])
 def test_what_is_no_part_is_refused(text):
     with pytest.raises(InputError, match="--part"):
-        Part.of_text(text, Local(1))
+        PartOfWork.of_text(text, Local(1))
 
 
 def test_a_part_is_read_from_one():
-    assert Part.of_text("3/10", Local(2)) == Part(3, 10, Local(2))
+    assert PartOfWork.of_text("3/10", Local(2)) == PartOfWork(3, 10, Local(2))
 
 
 def _started(*arguments):

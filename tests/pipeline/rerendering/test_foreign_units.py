@@ -8,7 +8,7 @@ import pytest
 from blender_scenes.scene.run_scene import arena_bounds
 from configs.loader import load_section
 from configs.schema.arena import ArenaConfig
-from pipeline.rerendering.rerender import Request, prepare
+from pipeline.rerendering.rerender import RerenderRequest, prepare
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 from symolo.dataset.rows import Rows
@@ -48,7 +48,7 @@ def with_noise(pose):
     return pose + np.random.default_rng(5).normal(0.0, (0.001, 0.001, 0.02), pose.shape)
 
 
-LOOK = Request(("lab",))
+LOOK = RerenderRequest(("lab",))
 
 
 @pytest.mark.parametrize(
@@ -80,7 +80,7 @@ def test_the_room_and_not_the_arena_is_what_counts(tmp_path):
     """Its floor ends so far east of all that stands in the arena as the look says."""
     arena = Arena.from_config(ArenaConfig.model_validate(load_section("arena", "symolo").tree))
     _, (east_m, _) = arena_bounds(arena)
-    request = Request(("lab",), overrides=("look.room.margin_east_m=1.5",))
+    request = RerenderRequest(("lab",), overrides=("look.room.margin_east_m=1.5",))
     prepare(written(tmp_path / "in.csv", moved(circle(), east_m + 1.49 - 0.3)), request)
     with pytest.raises(InputError, match="is outside the room"):
         prepare(written(tmp_path / "out.csv", moved(circle(), east_m + 1.51 - 0.3)), request)

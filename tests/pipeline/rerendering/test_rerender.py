@@ -11,7 +11,7 @@ import pytest
 
 import symolo as symolo_reader
 from pipeline.cli import main
-from pipeline.rerendering.rerender import Request, prepare
+from pipeline.rerendering.rerender import RerenderRequest, prepare
 from pipeline.run_folder.workspace import Workspace
 from symolo.dataset.folder_kind import Kind
 
@@ -80,7 +80,7 @@ def test_the_same_look_gives_the_same_pictures_and_another_one_others(dataset, a
 
 @pytest.mark.parametrize("name", ["CW/test_1", "CCW/test_1/data.csv"])
 def test_an_arena_drawn_at_random_has_its_line_where_the_trajectory_begins(dataset, name):
-    _, (draw,) = prepare(dataset / name, Request(("lab",), arena="random"))
+    _, (draw,) = prepare(dataset / name, RerenderRequest(("lab",), arena="random"))
     first = draw.appearance.arena.line.pieces[0]
     yaw_deg = -90 if name.startswith("CW/") else 90
     along = np.subtract(first.end, first.start)
@@ -234,7 +234,7 @@ def test_every_piece_of_furniture_is_told_as_it_was_rendered(dataset, again):
 
 @pytest.mark.usefixtures("hands")
 def test_the_camera_of_the_pictures_is_told_as_a_release_tells_its_own(dataset, tmp_path, symolo):
-    """Another robot, look and size than the run's; numbers from docs/camera.md and the robot's file."""
+    """Another robot, look and size than the run's; numbers from docs/looks.md and the robot's file."""
     settings = ("robot.camera.pitch_down_deg=25", "robot.camera.read_out_s=0.016", "look.camera.exposure_time_s=0.008")
     settings += ("render.width_px=32", "render.height_px=24")
     chosen = ("--look", "lab", "--robot", "nominal", *(f"--set={setting}" for setting in settings))
@@ -290,7 +290,7 @@ def test_render_settings_are_drawn_with_the_key_of_the_request(dataset):
     """As a look's values are: others for another run or another seed, the same ones for the same."""
 
     def samples(run, **options):
-        request = Request(("lab",), overrides=("render.samples={uniform: [1, 4096]}",), **options)
+        request = RerenderRequest(("lab",), overrides=("render.samples={uniform: [1, 4096]}",), **options)
         _, (draw,) = prepare(dataset / run, request)
         return draw.appearance.render.samples
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import cv2
 import pytest
 
-from pipeline.rerendering.rerender import Request, draw_seed, prepare
+from pipeline.rerendering.rerender import RerenderRequest, draw_seed, prepare
 
 
 @pytest.fixture(scope="module")
@@ -104,22 +104,22 @@ def test_a_folder_that_nobody_named_is_continued_but_not_replaced(run, tmp_path,
 
 def test_fields_of_a_look_may_be_set_all_at_once(run):
     """As a mapping that is laid over it; only another name or `extends` would be another look."""
-    _, (draw,) = prepare(run, Request(("lab",), overrides=("look={sun: {elevation_deg: 31}}",)))
+    _, (draw,) = prepare(run, RerenderRequest(("lab",), overrides=("look={sun: {elevation_deg: 31}}",)))
     assert (draw.name, draw.appearance.look.sun.elevation_deg) == ("lab_1", 31)
 
 
 def test_a_draws_seed_gives_it_again_alone(run):
     """What look.json says is enough: the same look, light, stains and noise by --look and --seed."""
-    _, draws = prepare(run, Request(("classroom", "lab"), 2))
+    _, draws = prepare(run, RerenderRequest(("classroom", "lab"), 2))
     assert [draw.name for draw in draws] == [f"{look}_{k}" for look in ("classroom", "lab") for k in (1, 2)]
     for draw in draws:
         look, seed = draw.name.rpartition("_")[0], json.loads(draw.record)["seed"]
-        _, (alone,) = prepare(run, Request((look,), seed=seed))
+        _, (alone,) = prepare(run, RerenderRequest((look,), seed=seed))
         assert alone.appearance == draw.appearance
 
 
 def test_draws_differ_in_their_looks_alone(run):
-    _, draws = prepare(run, Request(("classroom",), 20))
+    _, draws = prepare(run, RerenderRequest(("classroom",), 20))
     assert len({draw.appearance.look.sun.elevation_deg for draw in draws}) == 20
     assert len({draw.appearance.seed for draw in draws}) == 20
     assert len({draw.appearance.look.floor.material for draw in draws}) > 3
@@ -132,11 +132,11 @@ def test_draws_differ_in_their_looks_alone(run):
 def test_a_foreign_trajectory_has_one_arena_in_all_draws(run):
     """Though it is drawn itself, for which the seed of a look is not asked."""
     arguments = {"arena": "random", "camera_hz": 1.0}
-    _, draws = prepare(run / "data.csv", Request(("lab",), 3, **arguments))
+    _, draws = prepare(run / "data.csv", RerenderRequest(("lab",), 3, **arguments))
     assert len({draw.appearance.arena for draw in draws}) == 1
 
 
 def test_more_draws_leave_the_first_ones_as_they_are(run):
-    _, few = prepare(run, Request(("classroom",), 2))
-    _, more = prepare(run, Request(("classroom",), 5))
+    _, few = prepare(run, RerenderRequest(("classroom",), 2))
+    _, more = prepare(run, RerenderRequest(("classroom",), 5))
     assert few == more[:2]

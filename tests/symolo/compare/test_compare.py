@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
-from pipeline.work.cpu import class_of, cpu_class
+from pipeline.work.processors import class_of, cpu_class
 from symolo.compare.folders import Verdict, compare
 
 TABLE = "t,x,state\n0,4.0,0\n50,-8.0,0\n100,2.0,1\n"

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from blender_scenes.annotations.document import ENCODINGS
 from configs.draw import draw_all
 from configs.loader import load_scenario
 from pipeline.stages.simulate_runs import spec_text
 from symolo.core.pinhole import intrinsics
 from symolo.core.progress import LineReport
+from symolo.dataset.annotations import ENCODINGS
 from symolo.dataset.camera_model import CameraModel
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest
 from symolo.dataset.metadata import RunRecord, describe

@@ -2,7 +2,7 @@
 
 import pytest
 
-from configs.distributions import LogUniform, Normal, RandomChoice, Uniform
+from symolo.core.distributions import Choice, LogUniform, Normal, Uniform
 from symolo.reader.dataset import load
 from symolo.report.plots.draw_strip import MAX_MARKS, in_words, strip
 from symolo.report.statistics.draws import DrawnField, drawn_fields
@@ -30,7 +30,7 @@ def test_each_draw_has_the_values_of_the_runs_and_the_distribution_of_the_scenar
     assert found["robot.chassis.mass_kg"].distribution == LogUniform(0.9, 1.1)
     assert found["robot.chassis.mass_kg"].numbers == tuple(spec.robot.chassis.mass_kg for spec in specs)
     materials = found["look.floor.material"]
-    assert (materials.distribution, materials.numbers) == (RandomChoice(("parquet", "linoleum")), None)
+    assert (materials.distribution, materials.numbers) == (Choice(("parquet", "linoleum")), None)
     assert sum(count for _, count in materials.counts) == len(specs)
     assert set(found) >= set(specs[0].drawn) - {"start.x_m", "start.y_m", "start.yaw_deg"}
 
@@ -85,8 +85,8 @@ def test_many_values_are_a_histogram_whose_bars_are_as_high_as_their_counts():
         (LogUniform(1, 2), "log-uniform 1 to 2"),
         (Normal(0, 0.2, -0.5, 0.5), "normal 0, sd 0.2, cut at -0.5 and 0.5"),
         (Normal(5, 1), "normal 5, sd 1"),
-        (RandomChoice(("a", 2, True)), "choice of a, 2, True"),
-        (RandomChoice(tuple(range(10))), "choice of 0, 1, 2, 3, 4, 5, 6, 7 and 2 more"),
+        (Choice(("a", 2, True)), "choice of a, 2, True"),
+        (Choice(tuple(range(10))), "choice of 0, 1, 2, 3, 4, 5, 6, 7 and 2 more"),
         (None, ""),
     ],
 )

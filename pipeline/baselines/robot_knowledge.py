@@ -1,0 +1,163 @@
+"""What a robot knows of a run, and no more: its readings, its own drawing, the map, and where it was put down.
+
+This is the one place where a method could be told too much. The truth and what is hidden in the robot (its effects, the
+errors of its sensors) stay on the other side of `RobotKnowledge.of`.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import radians
+
+import numpy as np
+from numpy.typing import NDArray
+
+from configs.schema.robot import LineSensor, RobotConfig, TofMount
+from configs.schema.scenario import RunSpec
+from sensors.line_sensor import channel_weights
+from sensors.odometry import Odometry
+from symolo.arena.geometry import Arena
+from symolo.core.arrays import Array
+from symolo.dataset.codes import TofStatus
+from symolo.dataset.rows import Ints, Rows
+from symolo.dataset.side_tables import TOF, WHEELS
+
+Pixels = NDArray[np.uint8]
+
+THUMBNAIL = (24, 32)
+"""Height and width [px] of the small picture that the regressor looks at."""
+MAP_SD_M = 0.003
+"""How well somebody has built what the map says: tape, walls and obstacles."""
+
+
+@dataclass(frozen=True)
+class LineRow:
+    """Where the channels of the line sensor are, and how wide each of them looks."""
+
+    x_m: float
+    y_m: Array
+    """(8,), from the robot's right to its left."""
+    spot_sd_m: float
+
+    @classmethod
+    def of(cls, sensor: LineSensor) -> "LineRow":
+        diameter_m = sensor.spot_diameter_at_floor_m + sensor.spot_growth * sensor.height_m
+        # A uniform disc of diameter D has a standard deviation of D / 4 along each axis.
+        return cls(sensor.x_m, channel_weights(sensor.channels) * sensor.pitch_m, 0.25 * diameter_m)
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """What is known of a robot from its drawing and the data sheets of its parts."""
+
+    odometry: Odometry
+    mounts: tuple[TofMount, TofMount, TofMount]
+    """Of the ToF sensors: front, left, right."""
+    field_of_view_rad: float
+    longest_range_m: float
+    range_period_s: float
+    line: LineRow
+
+    @classmethod
+    def of(cls, robot: RobotConfig) -> "Drawing":
+        tof = robot.tof
+        return cls(
+            odometry=Odometry.from_config(robot),
+            mounts=(tof.mounts.front, tof.mounts.left, tof.mounts.right),
+            field_of_view_rad=radians(tof.field_of_view_deg),
+            longest_range_m=tof.max_range_m,
+            range_period_s=tof.period_s,
+            line=LineRow.of(robot.line_sensor),
+        )
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where the robot believes that it was put down."""
+
+    pose: Array
+    """(3,), x [m], y [m], yaw [rad] in W."""
+    sd: Array
+    """(3,), by how much each may be wrong."""
+
+    @classmethod
+    def drawn(cls, truth: Array, sd: Array, rng: np.random.Generator) -> "Start":
+        """The true start (3,), off by a normal deviate of the deviations (3,)."""
+        return cls(truth + sd * rng.standard_normal(3), sd)
+
+
+@dataclass(frozen=True)
+class RunImages:
+    """Of a run, without their poses."""
+
+    rows: Ints
+    """(M,), at which row each was taken."""
+    pixels: Callable[[int], Pixels]
+    """(H, W, 3), uint8 RGB, of the i-th."""
+
+    @cached_property
+    def thumbnails(self) -> Array:
+        """(M, 24, 32), grey from 0 to 1: each a mean over the pixels that it stands for."""
+        import cv2  # noqa: PLC0415 - half a second, and only what learns looks at pictures
+
+        size = THUMBNAIL[::-1]
+        found = [cv2.resize(self.pixels(i), size, interpolation=cv2.INTER_AREA).mean(axis=2) for i in range(len(self))]
+        return np.array(found) / 255.0
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+
+@dataclass(frozen=True)
+class RobotKnowledge:
+    """The log of one run as its robot has it; N rows."""
+
+    t_s: Array
+    """(N,)."""
+    counts: Ints
+    """(N, 2), of the encoders since the start, right and left."""
+    ranges_m: Array
+    """(N, 3), front, left, right; nan where there was no target."""
+    fresh: NDArray[np.bool_]
+    """(N, 3), whether a range is a new reading or the one before, held."""
+    on_line: NDArray[np.bool_]
+    """(N, 8), whether a channel of the line sensor is over the tape, right to left."""
+    start: Start
+    drawing: Drawing
+    map: Arena
+    """Line, walls and obstacles that stand still, all of one material. What moves is on no map."""
+    pictures: RunImages | None
+
+    @classmethod
+    def of(
+        cls, spec: RunSpec, rows: Rows, *, wheels: Array, tof: Array, start: Start, pictures: RunImages | None
+    ) -> "RobotKnowledge":
+        """From the tables data.csv, side/wheels.csv and side/tof.csv, whose true columns are not looked at."""
+        status = tof[:, TOF.header.index("status_f") :][:, :3]
+        counts = wheels[:, WHEELS.header.index("counts_r") :][:, :2]
+        return cls(
+            t_s=rows.t_ms / 1000,
+            counts=np.rint(counts).astype(np.int64),
+            ranges_m=np.where(status == TofStatus.NO_TARGET, np.nan, rows.tof_m),
+            fresh=status != TofStatus.HELD,
+            on_line=rows.line < spec.robot.line_sensor.threshold,
+            start=start,
+            drawing=Drawing.of(spec.robot),
+            map=_map(Arena.from_config(spec.arena)),
+            pictures=pictures,
+        )
+
+    @property
+    def steps(self) -> Ints:
+        """(N, 2), counts since the row before; none at the first."""
+        return np.diff(self.counts, axis=0, prepend=self.counts[:1])
+
+    def __len__(self) -> int:
+        """Number of rows."""
+        return len(self.t_s)
+
+
+def _map(arena: Arena) -> Arena:
+    """Shapes alone: a map tells neither materials nor how bright floor and tape are."""
+    standing = tuple(replace(box, surface="white_board") for box in arena.boxes if box.motion is None)
+    return replace(arena, boxes=standing, floor_reflectance=1.0, line=replace(arena.line, reflectance=0.0))

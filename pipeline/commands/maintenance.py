@@ -1,0 +1,85 @@
+"""Commands that keep data whole: status, repair, bag."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pipeline.commands.checks import FAULTS
+from pipeline.commands.options import Out, Settings, Workers, checked_input
+
+Released = Annotated[
+    Path, typer.Argument(metavar="DIR", callback=checked_input, help="Dataset: the folder that holds metadata.json.")
+]
+
+
+def status(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", callback=checked_input, help="Output folder of a release.")],
+    scenario: Annotated[
+        str | None, typer.Argument(metavar="[SCENARIO]", help="What would be run again; else what is stored.")
+    ] = None,
+    *,
+    settings: Settings = None,
+    check: Annotated[bool, typer.Option("--check", help="Hash every file; without it, damage is not seen.")] = False,
+) -> None:
+    """Say what an output folder holds, what failed, and what the next release would do and why; change nothing.
+
+    Also says whether a command works in it now, and what it takes on the disk.
+
+    Example: symolo status data symolo --set look.sun.elevation_deg=60
+    """
+    from configs.loader import load_scenario
+    from pipeline.planning.drawing import draw_reported
+    from pipeline.run_folder.status import status as lines
+    from symolo.core.errors import InputError
+    from symolo.core.progress import report_here
+
+    if settings and scenario is None:
+        raise InputError("--set", got=settings[0], cure="name the scenario that it is for")
+    specs = draw_reported(load_scenario(scenario, settings or ()), report_here()) if scenario is not None else ()
+    for line in lines(folder, specs, check=check):
+        typer.echo(line)
+
+
+def repair(
+    folder: Released,
+    *,
+    remove_extra: Annotated[
+        bool, typer.Option("--remove-extra", help="Remove files that are no part of the release.")
+    ] = False,
+    workers: Workers = None,
+) -> int:
+    """Make the damaged files of a dataset again, and nothing else.
+
+    Takes what lies elsewhere in the dataset or in .stages, simulates a run again only where its trajectory is gone, and
+    renders damaged frames alone. A file gets its place only where its SHA-256 is that of the manifest. Exit code 0:
+    every file is as it was released; 4: some are not, each is named with the reason.
+
+    Example: symolo repair data
+    """
+    from pipeline.repair.repair import repair as repaired
+    from pipeline.work.supervisor import cores
+    from symolo.core.progress import report_here
+
+    result = repaired(folder, workers or cores(), report_here(), typer.echo, remove_extra=remove_extra)
+    for fault in result.left:
+        typer.echo(f"not repaired: {fault}")
+    if result.left:
+        typer.echo(f"{folder}: {result.repaired} faults mended, {len(result.left)} left", err=True)
+    else:
+        typer.echo(f"{folder}: {result.repaired} faults mended, every file is as it was released")
+    return FAULTS if result.left else 0
+
+
+def bag(folder: Released, out: Out) -> None:
+    """Wrap a dataset as a bag (BagIt 1.0, RFC 8493), to hand it to an archive.
+
+    The files lie below BAG/data as they are, so that BAG/data is the same dataset. A damaged one is refused.
+
+    Example: symolo bag data --out bag
+    """
+    from symolo.core.progress import report_here
+    from symolo.publishing.bagging import make_bag
+
+    count = make_bag(folder, out, report_here())
+    typer.echo(f"{out}: a bag of {count} files")

@@ -1,0 +1,90 @@
+"""Commands for a release elsewhere: upload, download."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pipeline.commands.checks import FAULTS
+from pipeline.commands.maintenance import Released
+from pipeline.commands.options import AllowHttp, Endpoint, checked_new_folder
+
+_MEGABYTE = 1_000_000
+
+Url = Annotated[
+    str, typer.Argument(metavar="URL", help="s3://BUCKET/PREFIX, gs://BUCKET/PREFIX or file:///FOLDER, for it alone.")
+]
+
+
+def upload(
+    folder: Released,
+    url: Url,
+    *,
+    check: Annotated[
+        bool, typer.Option("--check", help="Send nothing; name what is missing there or differs, and end with 4.")
+    ] = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would be sent; send nothing.")] = False,
+    endpoint: Endpoint = None,
+    allow_http: AllowHttp = False,
+) -> int:
+    """Send a release to an object store or a folder elsewhere. Given again, it sends what is missing there.
+
+    The release is verified first, and a damaged one refused. The lists of checksums go last: without them the place is
+    not finished. Another release there is never replaced. Keys are read from the environment alone.
+
+    Example: symolo upload data file:///mnt/shelf/data
+    """
+    from symolo.core.progress import report_here
+    from symolo.storage.address import store_of
+    from symolo.storage.comparison import compare
+    from symolo.storage.upload import files_to_upload, planned
+    from symolo.storage.upload import upload as uploaded
+
+    store = store_of(url, endpoint, allow_http=allow_http)
+    files, report = files_to_upload(folder, store), report_here()
+    if check:
+        findings = list(compare(files, store, report).findings())
+        for finding in findings:
+            typer.echo(str(finding))
+        told = f"{len(findings)} faults" if findings else f"all {len(files)} files, none missing or different"
+        typer.echo(f"{store.url}: {told}", err=bool(findings))
+        return FAULTS if findings else 0
+    found = (planned if dry_run else uploaded)(files, store, report)
+    size = sum(file.size_bytes for file in found.to_send) / _MEGABYTE
+    done = "would be sent" if dry_run else "sent"
+    typer.echo(f"{store.url}: {len(found.to_send)} files {done}, {size:.1f} MB; {len(found.same)} were there")
+    return 0
+
+
+def download(
+    url: Url,
+    *,
+    out: Annotated[
+        Path, typer.Option("--out", metavar="DIR", callback=checked_new_folder, help="Output folder: new or empty.")
+    ],
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Say what would be fetched; fetch only the lists.")
+    ] = False,
+    endpoint: Endpoint = None,
+    allow_http: AllowHttp = False,
+) -> None:
+    """Fetch a release that `upload` or another tool put there: whole and with every checksum right, or not at all.
+
+    Given again after an interruption, it fetches what is missing.
+
+    Example: symolo download file:///mnt/shelf/data --out fetched
+    """
+    from symolo.core.new_folder import check_new
+    from symolo.core.progress import report_here
+    from symolo.storage.address import store_of
+    from symolo.storage.download import Remote
+    from symolo.storage.download import download as downloaded
+
+    check_new(out)
+    remote = Remote.of(store_of(url, endpoint, allow_http=allow_http))
+    size = remote.size_bytes / _MEGABYTE
+    if dry_run:
+        typer.echo(f"{remote.store.url}: {len(remote.digests)} files and their lists, {size:.1f} MB")
+        return
+    fetched = downloaded(remote, out, report_here())
+    typer.echo(f"{out}: {len(remote.digests)} files and their lists, {size:.1f} MB; {fetched} of them fetched now")

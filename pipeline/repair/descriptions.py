@@ -1,0 +1,108 @@
+"""Specifications of runs, description, bag-info.txt: what follows from the metadata."""
+
+from collections.abc import Iterable, Mapping
+
+from pydantic import ValidationError
+
+from configs.draw import draw_run
+from configs.loader import LoadedScenario, load_resolved
+from configs.schema.scenario import RunSpec
+from pipeline.assembly.description import markdown
+from pipeline.repair.repair_state import RepairState, with_one_bit_less_wrong
+from pipeline.stages.annotate import processors
+from pipeline.stages.assemble import SIDE
+from pipeline.stages.simulate_runs import SPEC, read_outcome, spec_text
+from pipeline.work.processors import cpu_class
+from symolo.core.errors import InputError
+from symolo.dataset.bag import BAG_INFO, bag_info, read_cpu_classes
+from symolo.dataset.layout import DESCRIPTION
+from symolo.dataset.metadata import METADATA, Metadata
+
+
+def flip_back(state: RepairState, names: Iterable[str]) -> None:
+    """Restore the files in which a single bit is wrong, for which no source is needed."""
+    for name in sorted(set(names) & state.wanted.keys()):
+        try:
+            data = (state.out / name).read_bytes()
+        except OSError:
+            continue
+        if (right := with_one_bit_less_wrong(data, state.wanted[name])) is not None:
+            state.put(name, right, "one bit was wrong")
+
+
+def read_metadata(state: RepairState) -> Metadata | None:
+    """That of the release, once it is whole."""
+    data = state.read(METADATA)
+    if data is None:
+        return None
+    try:
+        return Metadata.model_validate_json(data)
+    except ValidationError:
+        return None
+
+
+def make_specs(state: RepairState, metadata: Metadata | None, runs: Iterable[str]) -> dict[str, RunSpec]:
+    """Specifications of these runs, of which the damaged ones are drawn again and restored."""
+    found: dict[str, RunSpec] = {}
+    scenario: LoadedScenario | None = None
+    for run in dict.fromkeys(runs):
+        name = f"{run}/{SIDE}/{SPEC}"
+        if name in state.wanted and metadata is not None:
+            try:
+                scenario = scenario or load_resolved(metadata.scenario, METADATA)
+                route, _, number = run.partition("/test_")
+                state.put(name, spec_text(draw_run(scenario, route, int(number))), "drawn again", "drawn otherwise")
+            except (InputError, ValueError) as error:
+                state.tried[name] = f"cannot be drawn again: {error}"
+        if name in state.wanted:
+            flip_back(state, (name,))
+        if (data := state.read(name)) is not None:
+            try:
+                found[run] = RunSpec.model_validate_json(data)
+            except ValidationError:
+                state.tried[name] = "is of another version's form"
+    return found
+
+
+def write_description(state: RepairState, metadata: Metadata | None, excuse: str) -> None:
+    if DESCRIPTION not in state.wanted or metadata is None:
+        return
+    first = metadata.runs[0].run
+    if spec := make_specs(state, metadata, (first,)).get(first):
+        state.put(DESCRIPTION, markdown(metadata, spec), f"written again from {METADATA}", excuse)
+
+
+def write_bag_info(state: RepairState, metadata: Metadata | None) -> None:
+    """After all others, for it counts their bytes."""
+    if BAG_INFO not in state.wanted or metadata is None or len(state.wanted) > 1:
+        return
+    sizes = {name: (state.out / name).stat().st_size for name in state.inventory.expected if name != BAG_INFO}
+    for cpus in (_noted(state, metadata), read_cpu_classes(state.out), (cpu_class(),), ()):
+        info = bag_info(metadata.name, metadata.description, sizes, cpus)
+        if state.put(BAG_INFO, info, "written again", "the class of the processor that it told is not known"):
+            return
+
+
+def _noted(state: RepairState, metadata: Metadata) -> set[str]:
+    """Processors as the stages know them."""
+    cpus: set[str] = set()
+    for record in metadata.runs:
+        try:
+            cpus.add(read_outcome(state.workspace.simulate(record.run).path).cpu)
+            annotate = state.workspace.annotate(record.run) if record.annotations else None
+            cpus |= {*processors(state.workspace.render(record.run), annotate)}
+        except (OSError, ValueError, KeyError):
+            return set()
+    return cpus
+
+
+def differences(state: RepairState, metadata: Metadata | None, made_here: Mapping[str, str]) -> str:
+    """What made the release and is not here: programs of other versions, another processor."""
+    told = []
+    for program, version in (metadata.made_with if metadata else {}).items():
+        if made_here.get(program) != version:
+            told.append(f"{program} {version} made it and here is {made_here.get(program, 'none')}")
+    there = read_cpu_classes(state.out) if BAG_INFO not in state.wanted else ()
+    if there and there != (cpu_class(),):
+        told.append(f"it was made on {' and '.join(there)}, and this is {cpu_class()}")
+    return "; ".join(told) or "neither its programs nor its processor are known to differ"

@@ -1,0 +1,67 @@
+"""Tables of a run, from the stored trajectory or from driving it again."""
+
+import contextlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from zipfile import BadZipFile
+
+from configs.schema.scenario import RunSpec
+from pipeline.executors.local import Local
+from pipeline.repair.repair_state import RepairState, RepairTools
+from pipeline.run_folder.workspace import StageFolder
+from pipeline.stages.assemble import tables
+from pipeline.stages.render import IMAGES
+from pipeline.stages.simulate_runs import read_recording, simulation_key
+from pipeline.work.supervisor import AnyEvent, AnyUnit
+from pipeline.work.units import Progress, SimulateUnit
+from symolo.core.child_process import Finished
+from symolo.core.time_series import Recording
+from symolo.dataset.layout import ANNOTATIONS
+
+BY_FRAME = (f"{IMAGES}/", f"{ANNOTATIONS}/")
+
+
+def make_tables(state: RepairState, specs: Mapping[str, RunSpec], tools: RepairTools) -> None:
+    """Restore data.csv, positions and side tables of the runs whose specifications are known."""
+    for run, spec in specs.items():
+        if _wants_tables(state, run):
+            with contextlib.suppress(OSError, ValueError, KeyError, BadZipFile):
+                _put(state, spec, read_recording(state.workspace.simulate(run).path), "from the trajectory", "")
+    again = [spec for run, spec in specs.items() if _wants_tables(state, run)]
+    for spec, folder in zip(again, _drive(again, tools), strict=True):
+        try:
+            recording = read_recording(folder)
+        except OSError:
+            for inner in _wants_tables(state, spec.key):
+                state.tried[f"{spec.key}/{inner}"] = "the run cannot be simulated again"
+        else:
+            _put(state, spec, recording, "simulated again", tools.excuse(spec.key))
+
+
+def _wants_tables(state: RepairState, run: str) -> set[str]:
+    """Files of the run that follow from its trajectory."""
+    return {inner for inner in state.runs().get(run, set()) if not inner.startswith(BY_FRAME)}
+
+
+def _put(state: RepairState, spec: RunSpec, recording: Recording, how: str, excuse: str) -> None:
+    for inner, data in tables(spec, recording):
+        state.put(f"{spec.key}/{inner}", data, how, excuse)
+
+
+def _drive(specs: Sequence[RunSpec], tools: RepairTools) -> list[Path]:
+    """Folders of the runs simulated again, empty where one failed."""
+    folders = [tools.scratch / "simulate" / spec.key for spec in specs]
+    units = [
+        SimulateUnit(name=spec.key, spec=spec.model_dump_json(), folder=folder, key=simulation_key(spec))
+        for spec, folder in zip(specs, folders, strict=True)
+    ]
+    if not units:
+        return []
+    with tools.report.stage("simulate", len(units), "runs") as stage:
+
+        def on_event(unit: AnyUnit, event: AnyEvent) -> None:
+            if isinstance(event, Progress | Finished):
+                stage.update(unit.name, event.share if isinstance(event, Progress) else 1.0)
+
+        Local(tools.workers).do(units, on_event)
+    return [StageFolder(folder).path for folder in folders]

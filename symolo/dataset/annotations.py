@@ -1,0 +1,175 @@
+"""Annotations of a run: kinds, files, encodings of their PNG images, and annotations.json in the manner of COCO."""
+
+import json
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import TypeAdapter
+
+from symolo.core.pinhole import Intrinsics
+from symolo.core.poses import Matrix4
+
+AnnotationName = Literal[
+    "depth", "instance", "semantic", "normals", "flow", "free_floor", "boxes_2d", "boxes_3d", "key_points"
+]
+"""`blender_scenes.annotations` has a member for every one."""
+RECORD_KINDS: tuple[AnnotationName, ...] = ("boxes_2d", "boxes_3d", "key_points")
+"""Annotations that stand in annotations.json; of the others each has a PNG file for each image."""
+Category = Literal["sky", "floor", "line", "wall", "obstacle", "room", "robot"]
+CATEGORIES: tuple[Category, ...] = get_args(Category)
+"""Categories in the order of their ids. Sky is what lies outside the windows, where no surface is met."""
+DOCUMENT = "annotations.json"
+FORMAT = 2
+"""Version of annotations.json."""
+
+ENCODINGS: dict[AnnotationName, str] = {
+    "depth": "PNG, 16 bit grey: depth along the optical axis in 0.1 mm; 0: no surface within 6.5 m",
+    "instance": "PNG, 16 bit grey: id of the instance; 0: no surface",
+    "semantic": "PNG, 8 bit grey: id of the category",
+    "normals": "PNG, 16 bit RGB: x, y, z of the unit normal in C as 32768 + 32767 n; 0, 0, 0: no surface",
+    "flow": "PNG, 16 bit RGB: 32768 + 64 du, 32768 + 64 dv to the next image [px], 1 where valid (as KITTI)",
+    "free_floor": "PNG, 8 bit grey: 255 where floor or line is seen",
+    "boxes_2d": "annotations: bbox around what is seen, amodal_bbox around all within the picture; x, y, width, height",
+    "boxes_3d": "annotations: box_3d, size [m] and poses X_WO, X_CO of a frame in its middle",
+    "key_points": "sightings: pixel (u, v), (0, 0) the middle of the first pixel, and place in C [m]",
+}
+DEPTH_UNIT_M = 1e-4
+DEPTH_RANGE_M = 6.5
+"""Farthest surface that an image of depths shows."""
+NORMAL_ZERO = 2**15
+NORMAL_SCALE = 2**15 - 1
+FLOW_ZERO = 2**15
+FLOW_PER_PX = 64
+"""As the KITTI flow benchmark encodes it (Menze and Geiger 2015, development kit)."""
+
+PixelBox = tuple[int, int, int, int]
+"""First column, first row, number of columns, number of rows, as COCO has it; all 0 around nothing."""
+Point2 = tuple[float, float]
+Point3 = tuple[float, float, float]
+
+
+def annotation_file(kind: str, number: int) -> str:
+    """Return the path of an annotation's PNG file within the folder of a run's annotations."""
+    return f"{kind}/{number:06d}.png"
+
+
+def pixel_box(mask: NDArray[np.bool_]) -> PixelBox:
+    """Return the box around the true pixels of a mask (H, W)."""
+    columns, rows = np.flatnonzero(mask.any(axis=0)), np.flatnonzero(mask.any(axis=1))
+    if not len(columns):
+        return 0, 0, 0, 0
+    x, y = int(columns[0]), int(rows[0])
+    return x, y, int(columns[-1]) + 1 - x, int(rows[-1]) + 1 - y
+
+
+@dataclass(frozen=True)
+class Box3D:
+    """A wall or an obstacle as a box in space."""
+
+    size_m: Point3
+    """Edge lengths along the axes of the box's frame O, whose origin is its middle; z is up."""
+    X_WO: Matrix4
+    X_CO: Matrix4
+
+
+@dataclass(frozen=True)
+class KeyPoint:
+    """A point of the map that can be recognised in every image."""
+
+    id: int
+    name: str
+    """For example `line_2_07` or `A1_3`: corners 0-3 are at the foot, 4-7 above them, counter-clockwise."""
+    kind: str
+    """`line`, `wall_corner` or `obstacle_corner`."""
+    instance_id: int
+    p: Point3
+    """Position in the frame of the instance [m]."""
+
+
+@dataclass(frozen=True)
+class KeyPointSighting:
+    """A key point that lies within an image."""
+
+    image_id: int
+    key_point_id: int
+    pixel: Point2
+    """u and v; (0, 0) is the middle of the first pixel."""
+    p_C: Point3
+    visible: bool
+    """Whether nothing stands before the point."""
+
+
+@dataclass(frozen=True)
+class CategoryEntry:
+    id: int
+    name: str
+
+
+@dataclass(frozen=True)
+class InstanceEntry:
+    id: int
+    name: str
+    category_id: int
+    moves: bool
+
+
+@dataclass(frozen=True)
+class ImageEntry:
+    id: int
+    file_name: str
+    width: int
+    height: int
+    t_s: float
+    X_WC: Matrix4
+
+
+@dataclass(frozen=True)
+class AnnotationEntry:
+    """One instance in one image; fields of kinds that the run does not have are left out."""
+
+    id: int
+    image_id: int
+    category_id: int
+    instance_id: int
+    iscrowd: int = 0
+    bbox: PixelBox | None = None
+    area: int | None = None
+    amodal_bbox: PixelBox | None = None
+    amodal_area: int | None = None
+    visible_fraction: float | None = None
+    truncated: bool | None = None
+    box_3d: Box3D | None = None
+
+
+@dataclass(frozen=True)
+class AnnotationDocument:
+    """The content of annotations.json."""
+
+    format: int
+    kinds: tuple[AnnotationName, ...]
+    encodings: dict[AnnotationName, str]
+    camera: Intrinsics
+    categories: tuple[CategoryEntry, ...]
+    instances: tuple[InstanceEntry, ...]
+    key_points: tuple[KeyPoint, ...]
+    """Points of the map; `p` is in W, or in the obstacle's own frame where the instance moves."""
+    images: tuple[ImageEntry, ...]
+    annotations: tuple[AnnotationEntry, ...]
+    sightings: tuple[KeyPointSighting, ...]
+
+    def to_json(self) -> bytes:
+        return _DOCUMENT.dump_json(self, exclude_none=True) + b"\n"
+
+    @classmethod
+    def from_json(cls, data: bytes) -> "AnnotationDocument":
+        """Return the document that `to_json` wrote; raise ValueError for any other content."""
+        content = json.loads(data)
+        version = content.get("format") if isinstance(content, dict) else None
+        if version != FORMAT:
+            raise ValueError(f"format {version}, expected {FORMAT}; annotate again with this version")
+        return _DOCUMENT.validate_json(data)
+
+
+_DOCUMENT = TypeAdapter(AnnotationDocument)

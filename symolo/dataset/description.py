@@ -1,0 +1,56 @@
+"""Parts of a dataset's README.md that follow from its metadata, as Markdown."""
+
+import html
+from collections.abc import Iterable, Sequence
+
+from symolo.core.errors import one_line
+from symolo.dataset.metadata import Metadata
+
+
+def columns_part(metadata: Metadata) -> str:
+    """Return the section on data.csv: its columns, the range of the sensors, the states."""
+    rows = [(c.name, c.unit, c.meaning) for c in metadata.columns["data.csv"]]
+    # In an order of their own, for metadata.json keeps none: from the file the same text must follow.
+    states = [(str(number), meaning) for number, meaning in sorted(metadata.states.items())]
+    tof = metadata.runs[0]
+    return (
+        f"## data.csv\n\n{markdown_table(('column', 'unit', 'meaning'), rows)}\n\n"
+        f"Ranges are valid from {tof.tof_min_range_m:g} to {tof.tof_max_range_m:g} m; where the sensor saw no target,"
+        f" the value is {tof.tof_no_target_m:g} m.\n\n{markdown_table(('state', 'meaning'), states)}"
+    )
+
+
+def frames_part(metadata: Metadata) -> str:
+    """Return the section on coordinate frames."""
+    inwards = sorted(metadata.frames.items(), reverse=True)  # W, R, C, B: from the world to the camera's body
+    return f"## Frames\n\n{markdown_table(('frame', 'meaning'), inwards)}"
+
+
+def runs_part(metadata: Metadata) -> str:
+    """Return the section with a row for each run."""
+    rows = [
+        (
+            run.run,
+            f"{run.duration_s:.1f}",
+            "-" if run.lap_time_s is None else f"{run.lap_time_s:.2f}",
+            f"{run.distance_m:.2f}",
+            str(run.rows),
+            str(run.images),
+            f"{run.image_width_px} x {run.image_height_px}",
+            " ".join(map(str, run.state_order)),
+        )
+        for run in metadata.runs
+    ]
+    header = ("run", "duration [s]", "lap [s]", "distance [m]", "rows", "images", "size [px]", "order of states")
+    return f"## Runs\n\n{markdown_table(header, rows)}"
+
+
+def markdown_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table of texts."""
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join("| " + " | ".join(plain_text(cell) for cell in line) + " |" for line in lines)
+
+
+def plain_text(text: str) -> str:
+    """Return text of a scenario file as plain text of a Markdown page, whatever it holds."""
+    return html.escape(one_line(text), quote=False).replace("|", "\\|")
