@@ -43,7 +43,7 @@ extends: nominal
 name: nominal_looking_ahead
 camera: {pitch_down_deg: 14}  # sees more of the room than the shipped robot does
 """
-LOOKS = {"classroom": 24, "lab": 3, "atelier": 31, "garage": 43, "night": 14, "extreme": 66}
+LOOKS = {"classroom": 24, "lab": 3, "atelier": 31, "garage": 43, "night": 14, "extreme": 62}
 """The looks of the strip, each with the number of the image of the run whose place it shows."""
 ANNOTATED_IMAGE = 25
 RANDOM_ARENAS = 5
@@ -171,7 +171,7 @@ def arenas(_workspace: Path) -> None:
 def preview(workspace: Path) -> None:
     """Write the sheet of a preview."""
     sheet = workspace / "preview.jpg"
-    _command("preview", "symolo", "-n", 8, "--look", "classroom,lab,night,garage", "--out", sheet)
+    _command("preview", "symolo", "-n", 12, "--look", "classroom,lab,night,garage", "--out", sheet)
     pixels = cv2.imread(str(sheet))
     scale = 1200 / pixels.shape[1]
     _save_jpeg("preview.jpg", cv2.resize(pixels, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA))
