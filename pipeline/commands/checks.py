@@ -25,11 +25,12 @@ def verify(
     Example: symolo verify data
     """
     from configs.assets.quiet import unsaid
+    from pipeline.assembly.run_spec import spec_problem
     from symolo.verification.verify import verify as findings_of
 
     count = 0
     with unsaid():
-        for finding in findings_of(folder):
+        for finding in findings_of(folder, spec_problem):
             typer.echo(str(finding))
             count += 1
     typer.echo(f"{folder}: {count} faults" if count else f"{folder}: no fault", err=bool(count))

@@ -17,8 +17,7 @@ from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFi
 from symolo.exporters.optional import H5PY, optional
 from symolo.exporters.record import record_of
 from symolo.reader.dataset import Dataset
-from symolo.reader.image import Image
-from symolo.reader.run import Run
+from symolo.reader.run import Image, Run
 from symolo.reader.tables import UNITS
 
 FAR_M = 1e10

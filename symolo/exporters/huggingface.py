@@ -17,8 +17,7 @@ from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFi
 from symolo.exporters.features import Feature, column, parquet_bytes, picture, pictured, stacked_bytes, value, vector
 from symolo.exporters.optional import PYARROW, optional
 from symolo.reader.dataset import RUN, Dataset
-from symolo.reader.image import Image
-from symolo.reader.run import Run
+from symolo.reader.run import Image, Run
 from symolo.reader.tables import UNITS
 
 _CAMERA = "camera"

@@ -12,8 +12,7 @@ from symolo.exporters.base import CopiedFile, ExportedFile, Exporter, ExportSett
 from symolo.exporters.features import stacked_bytes
 from symolo.exporters.optional import PYARROW, optional
 from symolo.reader.dataset import Dataset
-from symolo.reader.image import Image
-from symolo.reader.run import Run
+from symolo.reader.run import Image, Run
 from symolo.reader.tables import UNITS
 
 _CAMERA = "camera"

@@ -17,8 +17,7 @@ from scipy.spatial.transform import Rotation
 from symolo.core.arrays import Array
 from symolo.dataset.codes import TofStatus
 from symolo.exporters.base import pictures_bytes
-from symolo.reader.image import Image
-from symolo.reader.run import Run
+from symolo.reader.run import Image, Run
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
