@@ -1,12 +1,12 @@
 """Commands that look at data or at the machine: verify, contact-sheet, schema, doctor."""
 
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from pipeline.commands.options import OutPicture, checked_input
+from symolo.core.text_enum import TextEnum
 
 FAULTS = 4
 LACKING = 5
@@ -98,7 +98,7 @@ def contact_sheet(
     typer.echo(str(out))
 
 
-class SchemaOf(StrEnum):
+class SchemaOf(TextEnum):
     """What there is a schema of."""
 
     SCENARIO = "scenario"
