@@ -11,7 +11,7 @@ from typing import Annotated
 
 import typer
 
-from pipeline.commands import bench, checks, hil, maintenance, stages
+from pipeline.commands import checks, hil, maintenance, stages, validate
 from pipeline.commands.baselines import baselines
 from pipeline.commands.diagnose import diagnose
 from pipeline.commands.export import export
@@ -78,10 +78,10 @@ def command_line() -> typer.Typer:
         app.command(rich_help_panel="Keep data whole")(command)
     for command in (measured, diagnose, pictures):
         app.command(rich_help_panel="Understand measured data")(command)
-    benches = typer.Typer(no_args_is_help=True)
-    for command in bench.COMMANDS:
-        benches.command()(command)
-    app.add_typer(benches, name="bench", help=bench.HELP, rich_help_panel="Look at the robot's parts")
+    validation = typer.Typer(no_args_is_help=True)
+    for command in validate.COMMANDS:
+        validation.command()(command)
+    app.add_typer(validation, name="validate", help=validate.HELP, rich_help_panel="Look at the robot's parts")
     return app
 
 

@@ -15,7 +15,7 @@ from diagnosis.measured.holdout import of_part
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.nominal import NominalTof
 from diagnosis.predictors.motor_steady import MotorSteady
-from diagnosis.validation.range_sensor.recordings.static import read_record
+from diagnosis.validation.range_sensor.recordings.static import read_rest_recording
 from sensors.tof import NOISE_AT_NEAR_MM
 from symolo.core.time_series import TimeSeries
 
@@ -82,7 +82,7 @@ def _faster_than_free(data: Measurement) -> Iterator[str]:
 
 def range_sensor_at_rest(path: Path) -> BenchResult:
     """Means over a second, the second half of every ten minutes held out; of the true distance only that it stays."""
-    record = read_record(path)
+    record = read_rest_recording(path)
     rate = round(record.rate_hz)
     seconds = len(record.readings_mm) // rate
     mean_m = 1e-3 * record.readings_mm[: seconds * rate].reshape(seconds, rate)[:, 0]

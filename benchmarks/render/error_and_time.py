@@ -30,7 +30,14 @@ from painters import Cost, Painter
 from reference import MIN_SAMPLES, Reference, references
 from views import LOOKS, POSES, Views, views_of
 
-from blender_scenes.render.sampling import PARTS, QUALITIES, PartSamples, Quality, part_samples, sampling
+from blender_scenes.render.sampling import (
+    HYBRID_QUALITIES,
+    QUALITIES,
+    HybridSamples,
+    QualitySettings,
+    hybrid_samples,
+    tracing_settings,
+)
 from configs.schema.scenario import Render, RenderQuality
 from sensors.camera.response import develop, encode_jpeg, median_luminance
 
@@ -77,9 +84,9 @@ def contenders(asked: argparse.Namespace) -> list[Contender]:
     for samples in asked.plain:
         settings = {"kind": "plain", "cycles": {**BLENDERS_DEFAULT, "samples": samples}}
         found.append(Contender(f"plain loop, {samples}", "plain loop", "painter.py", settings))
-    for own in _parts_of(asked):
+    for own in _hybrid_of(asked):
         name = f"parts, {own.near}, {own.far}, {own.surfaces}"
-        found.append(Contender(name, "parts", "painter.py", {"kind": "ours", "parts": asdict(own)}))
+        found.append(Contender(name, "hybrid", "painter.py", {"kind": "ours", "hybrid": asdict(own)}))
     if asked.blenderproc:
         for paths in asked.blenderprocs_light_paths:
             python, settings = str(asked.blenderproc), {"light_paths": paths}
@@ -92,20 +99,20 @@ def contenders(asked: argparse.Namespace) -> list[Contender]:
 
 
 def _ours(asked: argparse.Namespace) -> dict[str, dict[str, Any]]:
-    """Fields of `Sampling` by what they are called; those of a quality as a run of that size has them."""
+    """Fields of `TracingSettings` by what they are called; those of a quality as a run of that size has them."""
     found = {}
     for own in asked.ours:
-        if isinstance(own, Quality):
+        if isinstance(own, QualitySettings):
             name, settings = f"{own.samples} {own.prefilter}/{own.denoise_quality}", asdict(own)
         else:
-            of_run = sampling(_render(asked, own), seed=0)
-            name, settings = own, {field: getattr(of_run, field) for field in Quality.__dataclass_fields__}
+            of_run = tracing_settings(_render(asked, own), seed=0)
+            name, settings = own, {field: getattr(of_run, field) for field in QualitySettings.__dataclass_fields__}
         found[name] = settings
     return found
 
 
-def _parts_of(asked: argparse.Namespace) -> list[PartSamples]:
-    return [own if isinstance(own, PartSamples) else part_samples(_render(asked, own)) for own in asked.parts]
+def _hybrid_of(asked: argparse.Namespace) -> list[HybridSamples]:
+    return [own if isinstance(own, HybridSamples) else hybrid_samples(_render(asked, own)) for own in asked.hybrid]
 
 
 def _render(asked: argparse.Namespace, quality: RenderQuality) -> Render:
@@ -113,11 +120,11 @@ def _render(asked: argparse.Namespace, quality: RenderQuality) -> Render:
     return Render(width_px=width_px, height_px=height_px, quality=quality)
 
 
-def _quality(text: str) -> str | Quality:
+def _quality(text: str) -> str | QualitySettings:
     if text in QUALITIES:
         return text
     samples, prefilter, denoise_quality = text.split(",")
-    return Quality(int(samples), prefilter, denoise_quality)
+    return QualitySettings(int(samples), prefilter, denoise_quality)
 
 
 def measured(views: Views, found: dict[int, Reference], asked: argparse.Namespace) -> list[Row]:
@@ -223,7 +230,7 @@ def plot(rows: list[Row], size: tuple[int, int], file: Path) -> None:
     figure, panes = plt.subplots(1, len(looks), figsize=(5 * len(looks), 5.4), sharey=True, squeeze=False)
     for look, pane in zip(looks, panes[0], strict=True):
         here = [r for r in rows if r.look == look]
-        for family, mark in (("ours", "o-"), ("plain loop", "s-"), ("parts", "d-"), ("BlenderProc", "^")):
+        for family, mark in (("ours", "o-"), ("plain loop", "s-"), ("hybrid", "d-"), ("BlenderProc", "^")):
             series = sorted((r.core_s, r.psnr_dB) for r in here if r.family == family)
             if series:
                 pane.plot([x for x, _ in series], [y for _, y in series], mark, label=family)
@@ -243,8 +250,8 @@ def _pose(text: str) -> tuple[float, float, float]:
     return x, y, yaw
 
 
-def _parts(text: str) -> str | PartSamples:
-    return text if text in PARTS else PartSamples(*map(int, text.split(",")))
+def _hybrid(text: str) -> str | HybridSamples:
+    return text if text in HYBRID_QUALITIES else HybridSamples(*map(int, text.split(",")))
 
 
 def _say(text: str) -> None:
@@ -262,8 +269,8 @@ def asked_for() -> argparse.Namespace:
     words = "qualities, or samples and denoiser such as 8,FAST,BALANCED"
     parser.add_argument("--ours", nargs="*", type=_quality, default=["draft", "standard", "high"], help=words)
     parser.add_argument("--plain", nargs="*", type=int, default=[2, 4, 8, 16, 32], help="samples")
-    words = "samples near, far and of surfaces, such as 3,2,4, of pictures put together from parts; or their quality"
-    parser.add_argument("--parts", nargs="*", type=_parts, default=["standard"], help=words)
+    words = "samples near, far and of surfaces, such as 3,2,4, of images from hybrid rendering; or their quality"
+    parser.add_argument("--hybrid", nargs="*", type=_hybrid, default=["standard"], help=words)
     parser.add_argument("--blenderproc", type=Path, help="interpreter of BlenderProc's environment")
     parser.add_argument("--blenderprocs-repetitions", type=int, default=1, help="it takes minutes a frame")
     paths = ["defaults", "ours"]
@@ -295,7 +302,7 @@ def main() -> None:
 
 def keep(rows: list[Row], asked: argparse.Namespace) -> None:
     told = {name: value for name, value in vars(asked).items() if name not in {"out", "cache", "blenderproc"}}
-    told["ours"], told["parts"] = _ours(asked), [asdict(own) for own in _parts_of(asked)]
+    told["ours"], told["hybrid"] = _ours(asked), [asdict(own) for own in _hybrid_of(asked)]
     text = json.dumps({"asked": told, "rows": [asdict(r) for r in rows]}, indent=1)
     (asked.out / "error_and_time.json").write_text(text + "\n")
     plot(rows, tuple(asked.size), asked.out / "error_and_time.png")

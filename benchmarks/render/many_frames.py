@@ -3,7 +3,7 @@
 Renders small frames along the line, round after round and no view twice, in one process and reads its resident memory
 after each. Pictures from parts keep maps of the floor, which grow in the first round.
 
-    python benchmarks/render/many_frames.py [--method parts] [--frames 2000] [--size 64 48] [--plot memory.png]
+    python benchmarks/render/many_frames.py [--method hybrid] [--frames 2000] [--size 64 48] [--plot memory.png]
 """
 
 import argparse
@@ -19,7 +19,7 @@ from views import LOOKS, job_along_the_line
 
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.renderer import render_job
-from blender_scenes.render.sampling import part_samples
+from blender_scenes.render.sampling import hybrid_samples
 from configs.schema.scenario import Render
 
 _TOLD = (1, 10, 100, 300, 500, 1000)
@@ -64,16 +64,16 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=2000)
     parser.add_argument("--look", choices=LOOKS, default="classroom")
     parser.add_argument("--size", nargs=2, type=int, default=[64, 48], metavar=("WIDTH", "HEIGHT"))
-    parser.add_argument("--method", choices=("whole", "parts"), default="whole")
+    parser.add_argument("--method", choices=("full", "hybrid"), default="full")
     parser.add_argument("--samples", type=int, default=1, help="of a whole picture; parts take those of `standard`")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--plot", type=Path)
     asked = parser.parse_args()
     job = job_along_the_line(asked.look, asked.frames, tuple(asked.size))
     width_px, height_px = asked.size
-    parts = part_samples(Render(width_px=width_px, height_px=height_px)) if asked.method == "parts" else None
+    parts = hybrid_samples(Render(width_px=width_px, height_px=height_px)) if asked.method == "hybrid" else None
     begin = time.monotonic()
-    seen = memory_MB(replace(job, sampling=replace(job.sampling, samples=asked.samples, parts=parts)), asked.threads)
+    seen = memory_MB(replace(job, sampling=replace(job.sampling, samples=asked.samples, hybrid=parts)), asked.threads)
     fifth = max(1, len(seen) // 5)
     first, last = mean(seen[:fifth]), mean(seen[-fifth:])
     print(f"{len(seen)} frames of {asked.size[0]} x {asked.size[1]} px in {time.monotonic() - begin:.0f} s")

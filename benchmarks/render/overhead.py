@@ -18,7 +18,7 @@ from views import LOOKS, job_along_the_line
 
 from blender_scenes.blender_side.loading import load_bpy
 from blender_scenes.render.frame_files import put_in_place
-from blender_scenes.render.sampling import sampling
+from blender_scenes.render.sampling import tracing_settings
 from configs.schema.scenario import Render
 from sensors.camera.response import develop, encode_jpeg
 from symolo.dataset.layout import frame_name
@@ -56,7 +56,7 @@ def main() -> None:
     from blender_scenes.blender_side import build, engine  # noqa: PLC0415 - they import bpy
 
     width_px, height_px = asked.size
-    own = sampling(Render(width_px=width_px, height_px=height_px, method="whole"), seed=1)
+    own = tracing_settings(Render(width_px=width_px, height_px=height_px, method="full"), seed=1)
     job = replace(job_along_the_line(asked.look, asked.frames + 1, (width_px, height_px)), sampling=own)
     build.start()
     build.build(job.scene, job.camera)
@@ -64,7 +64,7 @@ def main() -> None:
     taken: list[tuple[float, float]] = []
     with tempfile.TemporaryDirectory() as scratch:
         engine.configure(job, 1, Path(scratch))
-        pictures = engine.Pictures(job, 1, Path(scratch))
+        pictures = engine.FrameTracer(job, 1, Path(scratch))
         for view in job.frames:
             begin = time.process_time(), cycles.spent_s
             pixels = develop(pictures.light(view), job.response, _METERED, view.number)

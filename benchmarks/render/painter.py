@@ -2,7 +2,7 @@
 
     python painter.py JOB SETTINGS FOLDER THREADS
 
-Settings: {"kind": "ours", "sampling": fields of `Sampling`, "parts": fields of `PartSamples` or null},
+Settings: {"kind": "ours", "sampling": fields of `TracingSettings`, "hybrid": fields of `HybridSamples` or null},
 {"kind": "plain", "cycles": properties of Cycles}, or {"kind": "passes", "samples": N, "seed": N}.
 """
 
@@ -16,7 +16,7 @@ import numpy as np
 from painter_side import Asked, Paint, own_replies, serve
 
 from blender_scenes.blender_side.loading import load_bpy
-from blender_scenes.render.sampling import PartSamples
+from blender_scenes.render.sampling import HybridSamples
 from sensors.camera.response import develop, encode_jpeg
 from sensors.camera.views import FrameView
 from symolo.core.exr import read_exr
@@ -33,8 +33,8 @@ def main() -> None:
     from blender_scenes.blender_side import build, engine  # noqa: PLC0415 - they import bpy
 
     kind = asked.settings["kind"]
-    parts = asked.settings.get("parts")
-    own = {**asked.settings.get("sampling", {}), "parts": PartSamples(**parts) if parts else None}
+    parts = asked.settings.get("hybrid")
+    own = {**asked.settings.get("sampling", {}), "hybrid": HybridSamples(**parts) if parts else None}
     sampling = replace(asked.job.sampling, **own)
     asked = replace(asked, job=replace(asked.job, sampling=sampling))
     build.start()
@@ -46,7 +46,7 @@ def main() -> None:
 def _ours(asked: Asked) -> Paint:
     from blender_scenes.blender_side import engine  # noqa: PLC0415 - it imports bpy
 
-    pictures = engine.Pictures(asked.job, asked.threads, asked.folder)
+    pictures = engine.FrameTracer(asked.job, asked.threads, asked.folder)
     return _painted(asked, lambda view, _warm_up: pictures.light(view))
 
 

@@ -22,7 +22,7 @@ from views import LOOKS, POSES, views_of
 
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.renderer import render_job
-from blender_scenes.render.sampling import QUALITIES, part_samples
+from blender_scenes.render.sampling import QUALITIES, hybrid_samples
 from configs.schema.scenario import Render
 
 PLANS = {1: ((1, 2, 3),), 2: ((3,), (1, 2)), 4: ((2,), (1, 3))}
@@ -39,18 +39,18 @@ def hashes(job: RenderJob, threads: int, parts: tuple[tuple[int, ...], ...]) -> 
 
 
 def _settings(name: str, asked: argparse.Namespace) -> dict[str, Any]:
-    """Fields of `Sampling`."""
-    if name == "parts":
+    """Fields of `TracingSettings`."""
+    if name == "hybrid":
         width_px, height_px = asked.size
-        return {"parts": part_samples(Render(width_px=width_px, height_px=height_px))}
+        return {"hybrid": hybrid_samples(Render(width_px=width_px, height_px=height_px))}
     return asdict(replace(QUALITIES[name], samples=asked.samples))
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--looks", nargs="+", choices=LOOKS, default=list(LOOKS))
-    qualities = ["draft", "standard", "high", "parts"]
-    parser.add_argument("--qualities", nargs="+", choices=[*QUALITIES, "parts"], default=qualities)
+    qualities = ["draft", "standard", "high", "hybrid"]
+    parser.add_argument("--qualities", nargs="+", choices=[*QUALITIES, "hybrid"], default=qualities)
     parser.add_argument("--size", nargs=2, type=int, default=[64, 48], metavar=("WIDTH", "HEIGHT"))
     parser.add_argument("--samples", type=int, default=2)
     asked = parser.parse_args()

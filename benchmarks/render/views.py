@@ -61,6 +61,6 @@ def job_along_the_line(look: str, frames: int, size: tuple[int, int]) -> RenderJ
 
 def _drawn(look: str, size: tuple[int, int]) -> RunSpec:
     width, height = size
-    settings = [f"look={look}", "look.camera.exposure_time_s=0", "render.method=whole"]
+    settings = [f"look={look}", "look.camera.exposure_time_s=0", "render.method=full"]
     settings += [f"render.width_px={width}", f"render.height_px={height}"]
     return draw_run(load_scenario("symolo", settings), "CW", 1)

@@ -2,7 +2,7 @@
 
     python benchmarks/render/whole_run.py [--look classroom] [--size 640 480] [--frames 200] [--plain 2] [--every 10]
 
-Pictures put together from parts make all frames, so that their maps grow and are used again as in a run; the plain loop
+Images from hybrid rendering make all frames, so that their maps grow and are used again as in a run; the plain loop
 with Blender's default denoiser, whose frames cost the same each, makes every tenth.
 """
 
@@ -15,7 +15,7 @@ from error_and_time import BLENDERS_DEFAULT
 from painters import Painter
 from views import LOOKS, job_along_the_line
 
-from blender_scenes.render.sampling import part_samples
+from blender_scenes.render.sampling import hybrid_samples
 from configs.schema.scenario import Render
 
 
@@ -29,10 +29,10 @@ def main() -> None:
     asked = parser.parse_args()
     job = job_along_the_line(asked.look, asked.frames, tuple(asked.size))
     width_px, height_px = asked.size
-    parts = part_samples(Render(width_px=width_px, height_px=height_px))
-    settings = {"kind": "ours", "parts": asdict(parts)}
+    parts = hybrid_samples(Render(width_px=width_px, height_px=height_px))
+    settings = {"kind": "ours", "hybrid": asdict(parts)}
     with Painter("painter.py", job, settings, 1, sys.executable) as painter:
-        tell("parts", painter, [view.number for view in job.frames], asked.frames)
+        tell("hybrid", painter, [view.number for view in job.frames], asked.frames)
     for samples in asked.plain:
         few = replace(job, frames=job.frames[:: asked.every])
         settings = {"kind": "plain", "cycles": {**BLENDERS_DEFAULT, "samples": samples}}

@@ -7,12 +7,12 @@ from blender_scenes.annotations.flow import flow
 from blender_scenes.annotations.free_floor import free_floor
 from blender_scenes.annotations.instance import instance
 from blender_scenes.annotations.normals import normals
-from blender_scenes.annotations.png import Picture
-from blender_scenes.annotations.seen import Seen
+from blender_scenes.annotations.png import PngImage
+from blender_scenes.annotations.seen import VisibleScene
 from blender_scenes.annotations.semantic import semantic
 from symolo.dataset.annotations import AnnotationName
 
-PICTURES: dict[AnnotationName, Callable[[Seen], Picture | None]] = {
+IMAGE_ANNOTATIONS: dict[AnnotationName, Callable[[VisibleScene], PngImage | None]] = {
     "depth": depth,
     "instance": instance,
     "semantic": semantic,

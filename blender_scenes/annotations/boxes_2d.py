@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.annotations.job import Solid
-from blender_scenes.annotations.seen import Seen
+from blender_scenes.annotations.seen import VisibleScene
 from blender_scenes.annotations.silhouette import reaches_beyond
 from symolo.dataset.annotations import PixelBox, pixel_box
 
@@ -27,7 +27,7 @@ class Box2D:
     """Whether it goes on beyond the picture's border."""
 
 
-def box_2d(seen: Seen, solid: Solid, whole: NDArray[np.bool_]) -> Box2D:
+def box_2d(seen: VisibleScene, solid: Solid, whole: NDArray[np.bool_]) -> Box2D:
     """The boxes of a thing whose silhouette `whole` (H, W) is not empty."""
     visible = seen.instance == solid.instance_id
     area, amodal_area = int(visible.sum()), int(whole.sum())

@@ -3,7 +3,7 @@
 import numpy as np
 
 from blender_scenes.annotations.job import Solid
-from blender_scenes.annotations.seen import Seen
+from blender_scenes.annotations.seen import VisibleScene
 from symolo.core.arrays import Array
 from symolo.core.poses import Matrix4
 from symolo.dataset.annotations import Box3D
@@ -11,7 +11,7 @@ from symolo.dataset.annotations import Box3D
 _DECIMALS = 9
 
 
-def box_3d(seen: Seen, solid: Solid) -> Box3D:
+def box_3d(seen: VisibleScene, solid: Solid) -> Box3D:
     X_WO = solid.pose_X_WO(seen.pose_X_WI(solid.instance_id))
     return Box3D(solid.size_m, rows_of(X_WO), rows_of(np.linalg.inv(seen.X_WC) @ X_WO))
 

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, replace
 
 from blender_scenes.annotations.job import AnnotationJob
-from blender_scenes.annotations.record import Record, Thing
+from blender_scenes.annotations.record import FrameRecord, Thing
 from symolo.dataset.annotations import (
     CATEGORIES,
     ENCODINGS,
@@ -27,7 +27,7 @@ def annotation_entry(thing: Thing) -> AnnotationEntry:
     return entry if thing.box_2d is None else replace(entry, **asdict(thing.box_2d))
 
 
-def document(job: AnnotationJob, images: str, records: Iterable[Record]) -> AnnotationDocument:
+def document(job: AnnotationJob, images: str, records: Iterable[FrameRecord]) -> AnnotationDocument:
     """The document of a job, with the records of its frames in their order; `images` is the folder of the images."""
     kept = tuple(records)
     category_ids = job.instances.category_ids

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from blender_scenes.annotations.png import Picture
-from blender_scenes.annotations.seen import Seen
+from blender_scenes.annotations.png import PngImage
+from blender_scenes.annotations.seen import VisibleScene
 from sensors.camera.views import FrameView
 from symolo.core.arrays import Array
 from symolo.core.pinhole import project
@@ -12,7 +12,7 @@ from symolo.dataset.annotations import FLOW_PER_PX, FLOW_ZERO
 _NEAREST_M = 1e-3
 
 
-def flow(seen: Seen) -> Picture | None:
+def flow(seen: VisibleScene) -> PngImage | None:
     """(H, W, 3), 2^15 + 64 du, 2^15 + 64 dv and 1 where valid, all 0 elsewhere; None after the last image.
 
     From the pixel's middle to where the point met there is at the next shutter, moving obstacles included, seen or not.
@@ -31,7 +31,7 @@ def flow(seen: Seen) -> Picture | None:
     return np.where(valid[..., None], np.concatenate([coded, valid[..., None]], axis=-1), 0).astype(np.uint16)
 
 
-def _moved(seen: Seen, following: FrameView) -> Array:
+def _moved(seen: VisibleScene, following: FrameView) -> Array:
     """(H, W, 3), where the points of each pixel are at the next shutter, in W."""
     points = seen.point_W.copy()
     for one in seen.job.instances.known:
@@ -42,6 +42,6 @@ def _moved(seen: Seen, following: FrameView) -> Array:
     return points
 
 
-def _sky_moved(seen: Seen, points: Array, X_WC: Array) -> Array:
+def _sky_moved(seen: VisibleScene, points: Array, X_WC: Array) -> Array:
     """The points, with those of the sky as far from the next camera as from this one, in the same direction."""
     return np.where(seen.instance[..., None] == 0, X_WC[:3, 3] + seen.rays_W, points)

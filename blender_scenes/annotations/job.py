@@ -10,7 +10,7 @@ import numpy as np
 from blender_scenes.annotations.instances import Instances, instances
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.job_text import JobText
-from blender_scenes.render.sampling import Sampling
+from blender_scenes.render.sampling import TracingSettings
 from blender_scenes.scene.description import Mesh, Point3, Scene, Sky
 from blender_scenes.scene.shading import Color, Surface
 from sensors.camera.views import FrameView
@@ -23,7 +23,7 @@ from symolo.dataset.annotations import RECORD_KINDS, AnnotationName, KeyPoint, a
 RECORDS_DIR = "records"
 
 _LINE_SPACING_M = 0.05
-_ONE_RAY = Sampling(
+_ONE_RAY = TracingSettings(
     seed=0,
     samples=1,
     denoise=False,
@@ -68,7 +68,7 @@ class AnnotationJob(JobText):
     """Its geometry alone: unlit, and all of one opaque surface, so that a pane of glass is met like any other."""
     camera: Intrinsics
     frames: tuple[FrameView, ...]
-    sampling: Sampling
+    sampling: TracingSettings
     shutter: Shutter
     """That of an instant: each frame is told as it is at its time."""
     instances: Instances

@@ -3,7 +3,7 @@
 import numpy as np
 
 from blender_scenes.annotations.instances import ON_THE_FLOOR
-from blender_scenes.annotations.seen import Seen
+from blender_scenes.annotations.seen import VisibleScene
 from blender_scenes.annotations.sight import hidden, triangles
 from blender_scenes.scene.description import Point3
 from symolo.core.arrays import Array
@@ -14,7 +14,7 @@ from symolo.dataset.annotations import KeyPointSighting
 _PIXEL_DECIMALS, _METRE_DECIMALS = 4, 9
 
 
-def key_points(seen: Seen) -> tuple[KeyPointSighting, ...]:
+def key_points(seen: VisibleScene) -> tuple[KeyPointSighting, ...]:
     """The map's points within the picture, whether something hides them or not."""
     job, X_WC = seen.job, seen.X_WC
     if not job.key_points:
@@ -38,7 +38,7 @@ def key_points(seen: Seen) -> tuple[KeyPointSighting, ...]:
     )
 
 
-def _screens_W(seen: Seen) -> Array:
+def _screens_W(seen: VisibleScene) -> Array:
     """(T, 3, 3), triangles in W of all that hides something: floor and line lie flat, and what is not seen does not."""
     scene, instances = seen.job.scene, seen.job.instances
     categories = [instances.known[instance - 1].category for instance in instances.of_mesh[1 : len(scene.meshes) + 1]]

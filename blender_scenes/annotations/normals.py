@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from blender_scenes.annotations.png import Picture
-from blender_scenes.annotations.seen import Seen
+from blender_scenes.annotations.png import PngImage
+from blender_scenes.annotations.seen import VisibleScene
 from symolo.dataset.annotations import NORMAL_SCALE, NORMAL_ZERO
 
 
-def normals(seen: Seen) -> Picture:
+def normals(seen: VisibleScene) -> PngImage:
     """(H, W, 3), x, y and z in C as 32768 + 32767 n, of the geometry and towards the camera; 0 where nothing is met."""
     normal_C = seen.passes.normal_W @ seen.X_WC[:3, :3]
     met = seen.passes.mesh[..., None] > 0

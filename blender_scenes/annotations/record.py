@@ -8,7 +8,7 @@ from pydantic import TypeAdapter
 from blender_scenes.annotations.boxes_2d import Box2D, box_2d
 from blender_scenes.annotations.boxes_3d import box_3d
 from blender_scenes.annotations.key_points import key_points
-from blender_scenes.annotations.seen import Seen
+from blender_scenes.annotations.seen import VisibleScene
 from blender_scenes.annotations.silhouette import silhouette
 from symolo.dataset.annotations import Box3D, KeyPointSighting
 
@@ -25,7 +25,7 @@ class Thing:
 
 
 @dataclass(frozen=True)
-class Record:
+class FrameRecord:
     things: tuple[Thing, ...]
     key_points: tuple[KeyPointSighting, ...]
 
@@ -33,25 +33,25 @@ class Record:
         return _RECORD.dump_json(self) + b"\n"
 
     @classmethod
-    def from_json(cls, data: bytes) -> "Record":
+    def from_json(cls, data: bytes) -> "FrameRecord":
         """What `to_json` wrote; raises ValueError for anything else."""
         return _RECORD.validate_json(data)
 
 
-_RECORD = TypeAdapter(Record)
+_RECORD = TypeAdapter(FrameRecord)
 
 
-def record(seen: Seen) -> Record:
+def record(seen: VisibleScene) -> FrameRecord:
     """Of the kinds that the job asks for."""
     kinds = seen.job.kinds
     wants_things = "boxes_2d" in kinds or "boxes_3d" in kinds
-    return Record(
+    return FrameRecord(
         things=tuple(_things(seen)) if wants_things else (),
         key_points=key_points(seen) if "key_points" in kinds else (),
     )
 
 
-def _things(seen: Seen) -> Iterator[Thing]:
+def _things(seen: VisibleScene) -> Iterator[Thing]:
     kinds = seen.job.kinds
     for solid in seen.job.solids:
         whole = silhouette(seen, solid)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.annotations.job import AnnotationJob
-from sensors.camera.lens_warp import pinhole_picture, sources
+from sensors.camera.lens_warp import pinhole_image, sources
 from sensors.camera.views import FrameView
 from symolo.core.arrays import Array
 from symolo.core.lens import NO_DISTORTION
@@ -48,7 +48,7 @@ class Passes:
 
 
 @dataclass(frozen=True)
-class Seen:
+class VisibleScene:
     job: AnnotationJob
     view: FrameView
     following: FrameView | None
@@ -101,7 +101,7 @@ class Seen:
 
 def centre_rays_C(camera: Intrinsics) -> Array:
     """(H, W, 3), rays through the middle of each pixel in C; z is 1."""
-    pinhole = pinhole_picture(camera).camera
+    pinhole = pinhole_image(camera).camera
     if camera.distortion == NO_DISTORTION:
         at = np.stack(np.meshgrid(np.arange(camera.width_px), np.arange(camera.height_px)), axis=-1)
     else:

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from blender_scenes.annotations.png import Picture
-from blender_scenes.annotations.seen import Seen
+from blender_scenes.annotations.png import PngImage
+from blender_scenes.annotations.seen import VisibleScene
 
 
-def semantic(seen: Seen) -> Picture:
+def semantic(seen: VisibleScene) -> PngImage:
     """(H, W), the ids of the categories."""
     return seen.category.astype(np.uint8)

@@ -4,12 +4,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.annotations.job import Solid
-from blender_scenes.annotations.seen import Seen
+from blender_scenes.annotations.seen import VisibleScene
 from symolo.core.lens import NO_DISTORTION
 from symolo.core.pinhole import project
 
 
-def silhouette(seen: Seen, solid: Solid) -> NDArray[np.bool_]:
+def silhouette(seen: VisibleScene, solid: Solid) -> NDArray[np.bool_]:
     """(H, W), whether the ray through each pixel's middle meets the box, in closed form, by its three slabs.
 
     Pixels in which the box is seen count in any case: the renderer's rays pass up to 0.005 px beside the middle.
@@ -27,7 +27,7 @@ def silhouette(seen: Seen, solid: Solid) -> NDArray[np.bool_]:
     return mask
 
 
-def _window(seen: Seen, solid: Solid) -> tuple[slice, slice]:
+def _window(seen: VisibleScene, solid: Solid) -> tuple[slice, slice]:
     """Rows and columns outside of which the box cannot be; all where a part of it is behind the camera."""
     pixels, depth = project(seen.job.camera, seen.X_WC, solid.corners(seen.pose_X_WI(solid.instance_id)))
     height, width = seen.instance.shape
@@ -38,7 +38,7 @@ def _window(seen: Seen, solid: Solid) -> tuple[slice, slice]:
     return slice(low[1], high[1]), slice(low[0], high[0])
 
 
-def reaches_beyond(seen: Seen, solid: Solid) -> bool:
+def reaches_beyond(seen: VisibleScene, solid: Solid) -> bool:
     """Whether a part of the box lies beyond the picture's border, or behind the camera."""
     pixels, depth = project(seen.job.camera, seen.X_WC, solid.corners(seen.pose_X_WI(solid.instance_id)))
     height, width = seen.instance.shape

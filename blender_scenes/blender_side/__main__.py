@@ -52,10 +52,10 @@ def _render(request: RenderRequest, owner: Owner, scratch: Path) -> None:
     job = RenderJob.from_json(Path(request.job_path).read_text())
     views = {view.number: view for view in job.frames}
     build.start()
-    build.build(job.scene, job.camera, Path(request.own_files) if request.own_files else None)
+    build.build(job.scene, job.camera, Path(request.user_files) if request.user_files else None)
     engine.configure(job, request.threads, scratch)
     metered = median_luminance(engine.metered_light(job))
-    pictures = engine.Pictures(job, request.threads, scratch)
+    pictures = engine.FrameTracer(job, request.threads, scratch)
     owner.send(Ready(seconds=time.perf_counter() - begin))
     for number in request.numbers:
         begin = time.perf_counter()
@@ -82,7 +82,7 @@ def _annotate(request: RenderRequest, owner: Owner, scratch: Path) -> None:
             owner.send(FrameDone(frame=replace(file, threads=request.threads)))
 
 
-_WORK = {"pictures": _render, "annotations": _annotate}
+_WORK = {"images": _render, "annotations": _annotate}
 
 
 if __name__ == "__main__":

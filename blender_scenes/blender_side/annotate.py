@@ -6,15 +6,15 @@ from pathlib import Path
 
 import bpy
 
-from blender_scenes.annotations import PICTURES
+from blender_scenes.annotations import IMAGE_ANNOTATIONS
 from blender_scenes.annotations.job import AnnotationJob, record_file
 from blender_scenes.annotations.png import encode_png
 from blender_scenes.annotations.record import record
-from blender_scenes.annotations.seen import Passes, Seen
+from blender_scenes.annotations.seen import Passes, VisibleScene
 from blender_scenes.blender_side import build, engine
 from blender_scenes.blender_side.shaders import ShaderGraph
 from blender_scenes.render.frame_files import FrameFile, put_data_in_place, put_in_place
-from sensors.camera.lens_warp import pinhole_picture
+from sensors.camera.lens_warp import pinhole_image
 from sensors.camera.views import FrameView
 from symolo.dataset.annotations import annotation_file
 
@@ -50,15 +50,15 @@ def annotate(job: AnnotationJob, view: FrameView, folder: Path) -> Iterator[Fram
     begin = time.perf_counter()
     size = job.camera.width_px, job.camera.height_px
     sampling = job.sampling
-    pinhole = pinhole_picture(job.camera).camera
+    pinhole = pinhole_image(job.camera).camera
     rendered = pinhole.width_px, pinhole.height_px
     channels = engine.traced(
         view, rendered, _EXR_PIXEL_BYTES, seed=sampling.seed, samples=sampling.samples, denoise=sampling.denoise
     )
     passes = Passes.of(channels, bpy.context.view_layer.name).through_lens(job.camera)
-    seen = Seen(job, view, job.following(view.number), passes)
+    seen = VisibleScene(job, view, job.following(view.number), passes)
     wanted = job.files(view.number)
-    for kind, picture_of in PICTURES.items():
+    for kind, picture_of in IMAGE_ANNOTATIONS.items():
         name = annotation_file(kind, view.number)
         picture = picture_of(seen) if name in wanted else None
         if picture is not None:

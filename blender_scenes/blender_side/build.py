@@ -7,10 +7,10 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from blender_scenes.blender_side.own_images import OwnPictures
 from blender_scenes.blender_side.shaders import ShaderGraph, material
+from blender_scenes.blender_side.user_images import UserImages
 from blender_scenes.scene.description import Mesh, Panel, Scene, Sky, Sun
-from sensors.camera.lens_warp import pinhole_picture
+from sensors.camera.lens_warp import pinhole_image
 from symolo.core.pinhole import Intrinsics
 
 ROBOT = "R"
@@ -22,14 +22,14 @@ def start() -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
 
 
-def build(scene: Scene, camera: Intrinsics, own_files: Path | None = None) -> None:
+def build(scene: Scene, camera: Intrinsics, user_files: Path | None = None) -> None:
     """Fills an empty Blender file; the robot hangs on an empty called `R`, the camera is called `C`.
 
     Moving obstacles are called as `moving_name` says, to be placed for each view. Every mesh has its number, among
-    the scene's meshes, the robot's and the moving ones, as its `pass_index`, from 1. `own_files` is the folder that
+    the scene's meshes, the robot's and the moving ones, as its `pass_index`, from 1. `user_files` is the folder that
     holds the user's own files by their SHA-256.
     """
-    own = OwnPictures(own_files)
+    own = UserImages(user_files)
     materials = {surface.name: material(surface, own) for surface in scene.surfaces}
     numbers = itertools.count(1)
     for mesh in scene.meshes:
@@ -110,7 +110,7 @@ def _sun(sun: Sun) -> None:
     _place("sun", light).matrix_world = Matrix(pose.tolist())
 
 
-def _sky(sky: Sky, own: OwnPictures) -> None:
+def _sky(sky: Sky, own: UserImages) -> None:
     world = bpy.data.worlds.new("sky")
     bpy.context.scene.world = world
     world.cycles.sampling_method = "NONE"
@@ -141,7 +141,7 @@ def _shipped(panorama: str) -> bpy.types.Image:
 def _camera(camera: Intrinsics) -> None:
     data = bpy.data.cameras.new(CAMERA)
     data.sensor_fit, data.sensor_width = "HORIZONTAL", 36.0
-    pinhole = pinhole_picture(camera).camera
+    pinhole = pinhole_image(camera).camera
     data.lens = 36.0 * pinhole.fx_px / pinhole.width_px
     # Both in widths of the picture; Blender moves the frame over the view, so the axis the other way.
     data.shift_x = (0.5 * (pinhole.width_px - 1) - pinhole.cx_px) / pinhole.width_px

@@ -6,12 +6,12 @@ import bpy
 import numpy as np
 
 from blender_scenes.blender_side import gpus
-from blender_scenes.blender_side.hybrid.images import PartPictures
+from blender_scenes.blender_side.hybrid.images import HybridRenderer
 from blender_scenes.blender_side.placing import open_shutter, place
 from blender_scenes.blender_side.rendering import rendered
 from blender_scenes.render.job import RenderJob
-from blender_scenes.render.sampling import Sampling
-from sensors.camera.lens_warp import pinhole_picture, through_lens
+from blender_scenes.render.sampling import TracingSettings
+from sensors.camera.lens_warp import pinhole_image, through_lens
 from sensors.camera.metering import metered_views, metering_camera
 from sensors.camera.rolling_shutter import lateness
 from sensors.camera.shutter import window
@@ -53,7 +53,7 @@ def configure(job: RenderJob, threads: int, scratch: Path) -> None:
     open_shutter(window(job.shutter, job.camera))
 
 
-def _cycles(cycles: bpy.types.PropertyGroup, sampling: Sampling) -> None:
+def _cycles(cycles: bpy.types.PropertyGroup, sampling: TracingSettings) -> None:
     settings = {
         "device": "CPU" if sampling.device == "CPU" else "GPU",
         "feature_set": "SUPPORTED",
@@ -99,14 +99,14 @@ def _cycles(cycles: bpy.types.PropertyGroup, sampling: Sampling) -> None:
         setattr(cycles, name, value)
 
 
-class Pictures:
+class FrameTracer:
     """The light of a configured job's frames."""
 
     def __init__(self, job: RenderJob, threads: int, scratch: Path) -> None:
         self._job = job
-        rendered = pinhole_picture(job.camera).camera
+        rendered = pinhole_image(job.camera).camera
         self._size = rendered.width_px, rendered.height_px
-        self._parts = PartPictures(job, threads, scratch) if job.sampling.parts else None
+        self._parts = HybridRenderer(job, threads, scratch) if job.sampling.hybrid else None
 
     def light(self, view: FrameView) -> np.ndarray:
         """(H, W, 3) linear light of one of the job's frames."""
@@ -122,7 +122,7 @@ class Pictures:
 
 def metered_light(job: RenderJob) -> np.ndarray:
     """Light of small pictures of a few of the job's views."""
-    small = metering_camera(pinhole_picture(job.camera).camera)
+    small = metering_camera(pinhole_image(job.camera).camera)
     size = small.width_px, small.height_px
     seen = []
     for view in metered_views(job.frames):

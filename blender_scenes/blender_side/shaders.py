@@ -4,50 +4,44 @@ from collections.abc import Callable
 
 import bpy
 
-from blender_scenes.blender_side.own_images import OwnPictures
+from blender_scenes.blender_side.user_images import UserImages
 from blender_scenes.scene.shading import (
     Arithmetic,
     Cells,
     Color,
-    Coordinate,
+    Constant,
     Expression,
+    ImageTexture,
     Mix,
-    Noise,
-    Number,
-    Picture,
+    NoiseTexture,
     Step,
     Surface,
+    SurfaceCoordinate,
     Tiles,
 )
 from blender_scenes.scene.typical import typical_color
 
-_OPERATIONS = {
-    "add": "ADD",
-    "subtract": "SUBTRACT",
-    "multiply": "MULTIPLY",
-    "maximum": "MAXIMUM",
-    "sine": "SINE",
-}
+_OPERATIONS = {"add": "ADD", "subtract": "SUBTRACT", "multiply": "MULTIPLY", "maximum": "MAXIMUM", "sine": "SINE"}
 _CELLS = {"distance": ("F1", "Distance"), "edge": ("DISTANCE_TO_EDGE", "Distance"), "random": ("F1", "Color")}
 
 
 class ShaderGraph:
     """Compiles the expressions of one material."""
 
-    def __init__(self, tree: bpy.types.NodeTree, own: OwnPictures | None = None) -> None:
+    def __init__(self, tree: bpy.types.NodeTree, own: UserImages | None = None) -> None:
         tree.nodes.clear()
         self._tree = tree
-        self._own = own or OwnPictures(None)
+        self._own = own or UserImages(None)
         self._sockets: dict[Expression, bpy.types.NodeSocket] = {}
         self._uv: bpy.types.NodeSocket | None = None
         self._compilers: dict[type, Callable] = {
-            Number: self._number,
+            Constant: self._number,
             Color: self._color,
-            Coordinate: self._coordinate,
-            Noise: self._noise,
+            SurfaceCoordinate: self._coordinate,
+            NoiseTexture: self._noise,
             Cells: self._cells,
             Tiles: self._tiles,
-            Picture: self._picture,
+            ImageTexture: self._picture,
             Arithmetic: self._arithmetic,
             Step: self._step,
             Mix: self._mix,
@@ -80,7 +74,7 @@ class ShaderGraph:
             self._uv = node.outputs[0]
         return self._uv
 
-    def _number(self, e: Number) -> bpy.types.NodeSocket:
+    def _number(self, e: Constant) -> bpy.types.NodeSocket:
         node = self.node("ShaderNodeValue")
         node.outputs[0].default_value = e.value
         return node.outputs[0]
@@ -90,7 +84,7 @@ class ShaderGraph:
         node.outputs[0].default_value = (*e.rgb, 1.0)
         return node.outputs[0]
 
-    def _coordinate(self, e: Coordinate) -> bpy.types.NodeSocket:
+    def _coordinate(self, e: SurfaceCoordinate) -> bpy.types.NodeSocket:
         return self.node("ShaderNodeSeparateXYZ", Vector=self._surface_coordinates()).outputs["uv".index(e.axis)]
 
     def _placed(
@@ -107,7 +101,7 @@ class ShaderGraph:
             self.feed(socket, value)
         return moved.outputs[0]
 
-    def _noise(self, e: Noise) -> bpy.types.NodeSocket:
+    def _noise(self, e: NoiseTexture) -> bpy.types.NodeSocket:
         node = self.node("ShaderNodeTexNoise")
         node.noise_dimensions, node.noise_type, node.normalize = "2D", "FBM", True
         at = self._placed(e.per_m, e.offset, e.turn_rad)
@@ -153,7 +147,7 @@ class ShaderGraph:
             return node.outputs["Fac"]
         return self.node("ShaderNodeSeparateColor", Color=node.outputs["Color"]).outputs[0]
 
-    def _picture(self, e: Picture) -> bpy.types.NodeSocket:
+    def _picture(self, e: ImageTexture) -> bpy.types.NodeSocket:
         node = self.node("ShaderNodeTexImage")
         node.image, node.interpolation, node.extension = self._own.picture(e.sha256), "Linear", "REPEAT"
         (width, height), (u, v) = e.size_m, e.at_m
@@ -164,7 +158,7 @@ class ShaderGraph:
         node = self.node("ShaderNodeMath")
         node.operation = _OPERATIONS[e.operation]
         for socket, operand in zip(node.inputs, (e.a, e.b), strict=False):
-            self.feed(socket, operand.value if isinstance(operand, Number) else operand)
+            self.feed(socket, operand.value if isinstance(operand, Constant) else operand)
         return node.outputs[0]
 
     def _step(self, e: Step) -> bpy.types.NodeSocket:
@@ -184,7 +178,7 @@ class ShaderGraph:
         return node.outputs[2]
 
 
-def material(surface: Surface, own: OwnPictures | None = None) -> bpy.types.Material:
+def material(surface: Surface, own: UserImages | None = None) -> bpy.types.Material:
     """The Blender material of a surface."""
     made = bpy.data.materials.new(surface.name)
     made.use_nodes = True

@@ -67,7 +67,7 @@ class Tiling:
 
 
 @dataclass(frozen=True)
-class Patch:
+class MapPatch:
     """Tiles of one level side by side."""
 
     first: NDArray[np.int64]
@@ -97,10 +97,10 @@ class TiledMap:
         self._make, self._max_bytes, self._unpack = make, max_bytes, unpack
         self._tiles: OrderedDict[tuple[int, int, int], NDArray[np.float16]] = OrderedDict()
         self._bytes = 0
-        self._last: dict[int, tuple[set[tuple[int, int]], Patch]] = {}
+        self._last: dict[int, tuple[set[tuple[int, int]], MapPatch]] = {}
         """Of each level: a picture looks at much the same tiles as the one before."""
 
-    def patch(self, level: int, points: NDArray[np.floating]) -> Patch:
+    def patch(self, level: int, points: NDArray[np.floating]) -> MapPatch:
         """Where these points (..., 2) [m] can be looked up."""
         own = self.tiling
         texel_m = own.texel_m * 2**level
@@ -114,8 +114,8 @@ class TiledMap:
         return patch
 
     def _laid_out(
-        self, level: int, found: NDArray[np.int64], there: set[tuple[int, int]], last: Patch | None
-    ) -> tuple[set[tuple[int, int]], Patch]:
+        self, level: int, found: NDArray[np.int64], there: set[tuple[int, int]], last: MapPatch | None
+    ) -> tuple[set[tuple[int, int]], MapPatch]:
         """The tiles side by side, and the patch of them; what the last patch has of the same stretch is copied."""
         own, texel_m = self.tiling, self.tiling.texel_m * 2**level
         first, beyond = found.min(axis=0), found.max(axis=0) + 1
@@ -139,7 +139,7 @@ class TiledMap:
                 place += tile * (share[:, None] * share)[..., None]
             else:
                 place[...] = tile
-        return kept | wanted, Patch(first * own.core - own.margin, texel_m, texels)
+        return kept | wanted, MapPatch(first * own.core - own.margin, texel_m, texels)
 
     def _use(self, level: int, i: int, j: int) -> None:
         """So that it is among the last to go."""
@@ -174,7 +174,7 @@ def _tiles_at(texels: NDArray[np.floating], reach: int, core: int) -> NDArray[np
     return np.argwhere(touched) + first
 
 
-def _copy_common(patch: Patch, texels: Image, first: NDArray[np.int64]) -> None:
+def _copy_common(patch: MapPatch, texels: Image, first: NDArray[np.int64]) -> None:
     """What a patch has in common with texels (H, W, K), the first of which is `first` among all of the plane's."""
     theirs, ours = np.array(patch.texels.shape[1::-1]), np.array(texels.shape[1::-1])
     low, high = np.maximum(patch.first, first), np.minimum(patch.first + theirs, first + ours)

@@ -8,10 +8,10 @@ from blender_scenes.lighting.daylight import daylight
 from blender_scenes.lighting.desk_lamps import desk_lamps
 from blender_scenes.lighting.sun import sun
 from blender_scenes.lighting.window_covering import blinds
-from blender_scenes.rooms.base import Room
+from blender_scenes.rooms.base import RoomModel
 from configs.schema.look import LookConfig
 
-LIGHTS: dict[str, Callable[[LookConfig, Room], Lights]] = {
+LIGHTS: dict[str, Callable[[LookConfig, RoomModel], Lights]] = {
     "daylight": daylight,
     "sun": sun,
     "blinds": blinds,

@@ -6,7 +6,7 @@ import numpy as np
 
 from blender_scenes.lighting.base import Lights
 from blender_scenes.materials.fittings import moulded
-from blender_scenes.rooms.base import Room
+from blender_scenes.rooms.base import RoomModel
 from blender_scenes.scene.description import Mesh, Panel, Point3
 from blender_scenes.scene.meshes import block
 from blender_scenes.scene.solids import joined, lathe, moved, rod
@@ -23,7 +23,7 @@ _SHADE_M = 0.2
 """Height of a shade."""
 
 
-def ceiling_lamps(look: LookConfig, room: Room) -> Lights:
+def ceiling_lamps(look: LookConfig, room: RoomModel) -> Lights:
     """Lambertian panels: luminance = flux / (pi area); those that are off have their bodies alone.
 
     Of the same flux they are shorter and narrower where the room's share for each is.
@@ -51,7 +51,7 @@ def ceiling_lamps(look: LookConfig, room: Room) -> Lights:
     return Lights(panels=tuple(panels), meshes=tuple(meshes), surfaces=surfaces)
 
 
-def _fitting(own: LampsLook, room: Room) -> tuple[float, float]:
+def _fitting(own: LampsLook, room: RoomModel) -> tuple[float, float]:
     """Length along x and width [m] that leave a lamp's body clear of the walls and of its neighbours."""
     share = np.maximum(np.subtract(room.high, room.low) / (own.columns, own.rows) - _APART_M, _MIN_M)
     if own.housing == "shade":

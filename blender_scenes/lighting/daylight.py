@@ -8,7 +8,7 @@ from blender_scenes.lighting.base import Lights
 from blender_scenes.lighting.panoramas import mean_color
 from blender_scenes.lighting.sun import towards_sun
 from blender_scenes.lighting.window_covering import CURTAIN_M, curtain
-from blender_scenes.rooms.base import Room
+from blender_scenes.rooms.base import RoomModel
 from blender_scenes.scene.description import Panel, Sky
 from configs.schema.asset import Asset
 from configs.schema.look import LookConfig
@@ -20,7 +20,7 @@ _BRIGHTEST = 2.0
 Panoramas hold up to eleven times: sunlit clouds and house fronts, whose image in a pane of glass burns out."""
 
 
-def daylight(look: LookConfig, room: Room) -> Lights:
+def daylight(look: LookConfig, room: RoomModel) -> Lights:
     """The panorama scaled to the look's mean luminance; a panel of its mean colour shines from the window.
 
     Behind a sheer curtain the panel is the curtain itself, which passes on the sun's light too and is seen.
@@ -58,7 +58,7 @@ def _seen_in_the_window(sky: np.ndarray) -> np.ndarray:
     return 0.65 * sky
 
 
-def _sun_on_the_window(look: LookConfig, room: Room) -> np.ndarray:
+def _sun_on_the_window(look: LookConfig, room: RoomModel) -> np.ndarray:
     """Illuminance on its plane [klx]."""
     facing = -float(np.dot(towards_sun(look, room), room.window.inward))
     return np.multiply(light_rgb(look.sun.color_temperature_K), look.sun.illuminance_klx * max(0.0, facing))

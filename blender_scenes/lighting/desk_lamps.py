@@ -7,7 +7,7 @@ import numpy as np
 from blender_scenes.lighting.base import Lights
 from blender_scenes.lighting.ceiling_lamps import hood
 from blender_scenes.materials.fittings import moulded
-from blender_scenes.rooms.base import Room, Top
+from blender_scenes.rooms.base import RoomModel, Top
 from blender_scenes.scene.description import Mesh, Panel
 from blender_scenes.scene.solids import joined, lathe, moved, posed, rod
 from configs.schema.lighting import DeskLampsLook
@@ -25,7 +25,7 @@ _AT_THE_MIDDLE_M = 1e-6
 """Of the arm towards the middle."""
 
 
-def desk_lamps(look: LookConfig, room: Room) -> Lights:
+def desk_lamps(look: LookConfig, room: RoomModel) -> Lights:
     """One on each of the first tables, at the place of its top that is nearest to the room's middle.
 
     The bulb is a Lambertian square of luminance flux / (pi area), deep in the hood, which cuts off its light sideways.

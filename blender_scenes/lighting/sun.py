@@ -3,13 +3,13 @@
 import math
 
 from blender_scenes.lighting.base import Lights
-from blender_scenes.rooms.base import Room
+from blender_scenes.rooms.base import RoomModel
 from blender_scenes.scene.description import Point3, Sun
 from configs.schema.look import LookConfig
 from sensors.camera.colour import light_rgb, scaled
 
 
-def sun(look: LookConfig, room: Room) -> Lights:
+def sun(look: LookConfig, room: RoomModel) -> Lights:
     """The sun as it stands to the window's outward normal; none where it gives no light or a curtain spreads it."""
     own = look.sun
     if own.illuminance_klx == 0 or look.window.covering == "sheer":
@@ -18,13 +18,9 @@ def sun(look: LookConfig, room: Room) -> Lights:
     return Lights(suns=(Sun(towards_sun(look, room), irradiance, math.radians(own.angular_diameter_deg)),))
 
 
-def towards_sun(look: LookConfig, room: Room) -> Point3:
+def towards_sun(look: LookConfig, room: RoomModel) -> Point3:
     """Unit vector."""
     own = look.sun
     outward = math.atan2(-room.window.inward[1], -room.window.inward[0])
     azimuth, elevation = outward + math.radians(own.azimuth_from_window_deg), math.radians(own.elevation_deg)
-    return (
-        math.cos(elevation) * math.cos(azimuth),
-        math.cos(elevation) * math.sin(azimuth),
-        math.sin(elevation),
-    )
+    return (math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth), math.sin(elevation))

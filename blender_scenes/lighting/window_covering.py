@@ -6,7 +6,7 @@ import numpy as np
 
 from blender_scenes.lighting.base import Lights
 from blender_scenes.materials.fittings import moulded
-from blender_scenes.rooms.base import Opening, Room
+from blender_scenes.rooms.base import Opening, RoomModel
 from blender_scenes.scene.description import Mesh
 from blender_scenes.scene.meshes import box
 from blender_scenes.scene.shading import Surface
@@ -28,7 +28,7 @@ def curtain(window: Opening) -> tuple[tuple[Mesh, ...], tuple[Surface, ...]]:
     return (cloth,), (moulded("window_covering", (0.75, 0.75, 0.73), 0.9),)
 
 
-def blinds(look: LookConfig, room: Room) -> Lights:
+def blinds(look: LookConfig, room: RoomModel) -> Lights:
     """Slats across the whole window, tilted; nothing for another covering."""
     if look.window.covering != "blinds":
         return Lights()

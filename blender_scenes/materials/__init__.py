@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from blender_scenes.materials.base import Patch
+from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.boards import board
 from blender_scenes.materials.brick import brick
 from blender_scenes.materials.cardboard import cardboard
@@ -25,7 +25,7 @@ from configs.schema.asset import ImageLook
 from configs.schema.floors import FloorLook, FloorName
 from configs.schema.look import LookConfig
 
-FLOORS: dict[FloorName, Callable[[FloorLook, Patch], Surface]] = {
+FLOORS: dict[FloorName, Callable[[FloorLook, SurfacePatch], Surface]] = {
     "linoleum": linoleum,
     "ceramic_tile": ceramic_tile,
     "parquet": parquet,
@@ -37,7 +37,7 @@ FLOORS: dict[FloorName, Callable[[FloorLook, Patch], Surface]] = {
     "image": image_floor,
 }
 
-SURFACES: dict[str, Callable[[LookConfig, Patch], Surface]] = {
+SURFACES: dict[str, Callable[[LookConfig, SurfacePatch], Surface]] = {
     "white_board": board(0.78),
     "light_grey_board": board(0.5),
     "dark_grey_board": board(0.16),
@@ -54,7 +54,7 @@ SURFACES: dict[str, Callable[[LookConfig, Patch], Surface]] = {
 """What walls and obstacles are made of; the names are those of `physics.arena.surfaces`."""
 
 
-def body_material(look: LookConfig, surface: str, patch: Patch) -> Surface:
+def body_material(look: LookConfig, surface: str, patch: SurfacePatch) -> Surface:
     """A face of a wall or obstacle: the user's own picture where the look has one for that surface."""
     own = getattr(look.images, surface, None)
     if isinstance(own, ImageLook) and own.file is not None:

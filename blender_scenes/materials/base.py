@@ -6,7 +6,7 @@ from symolo.core.random_streams import stream
 
 
 @dataclass(frozen=True)
-class Patch:
+class SurfacePatch:
     """One piece of the scene with a surface of its own."""
 
     name: str

@@ -2,22 +2,22 @@
 
 from collections.abc import Callable
 
-from blender_scenes.materials.base import Patch
+from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.patterns import streaks, worn_gloss
-from blender_scenes.scene.shading import Color, Coordinate, Mix, Noise, Step, Surface, Tiles, paint_color
+from blender_scenes.scene.shading import Color, Mix, NoiseTexture, Step, Surface, SurfaceCoordinate, Tiles, paint_color
 from configs.schema.look import LookConfig, Paint
 
 
-def board(reflectance: float) -> Callable[[LookConfig, Patch], Surface]:
+def board(reflectance: float) -> Callable[[LookConfig, SurfacePatch], Surface]:
     """The material of boards painted to `reflectance`."""
 
-    def painted(look: LookConfig, patch: Patch) -> Surface:
+    def painted(look: LookConfig, patch: SurfacePatch) -> Surface:
         """Boards that meet every half metre or so, scuffs and grime along the floor."""
         own = look.boards
         paint = Paint(reflectance=reflectance, hue_deg=own.tint_hue_deg, saturation=own.tint_saturation)
-        cloud = Noise((5.0, 5.0), patch.offset("clouds"), octaves=3)
+        cloud = NoiseTexture((5.0, 5.0), patch.offset("clouds"), octaves=3)
         base = Mix(cloud, paint_color(paint, times=0.97), paint_color(paint, times=1.03))
-        height = Coordinate("v")
+        height = SurfaceCoordinate("v")
         grime = 1 - Step(height + 0.012 * cloud, 0.004, 0.022)
         scuffs = streaks(patch, "scuffs", length_m=0.06, width_m=0.003, share=0.3 * own.wear)
         low = 1 - Step(height, 0.03, 0.09)

@@ -2,24 +2,24 @@
 
 import math
 
-from blender_scenes.materials.base import Patch
+from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.patterns import either, specks, streaks
-from blender_scenes.scene.shading import Arithmetic, Coordinate, Mix, Noise, Step, Surface, paint_color
+from blender_scenes.scene.shading import Arithmetic, Mix, NoiseTexture, Step, Surface, SurfaceCoordinate, paint_color
 from configs.schema.look import LookConfig
 
 _FLUTE_PITCH_M = 0.0065
 
 
-def cardboard(look: LookConfig, patch: Patch) -> Surface:
+def cardboard(look: LookConfig, patch: SurfacePatch) -> Surface:
     """Kraft liner with fibres, the flutes' faint ribs upright beneath it, worn edges and a strip of packing tape.
 
     The strip runs over the top and down the middle of the sides that it reaches.
     """
     own = look.cardboard
     width, height = patch.size_m
-    u, v = Coordinate("u"), Coordinate("v")
-    fibres = Noise((900.0, 140.0), patch.offset("fibres"), octaves=3, gain=0.6)
-    blotches = Noise((16.0, 16.0), patch.offset("blotches"), octaves=3)
+    u, v = SurfaceCoordinate("u"), SurfaceCoordinate("v")
+    fibres = NoiseTexture((900.0, 140.0), patch.offset("fibres"), octaves=3, gain=0.6)
+    blotches = NoiseTexture((16.0, 16.0), patch.offset("blotches"), octaves=3)
     rib = Arithmetic("sine", u * (math.tau / _FLUTE_PITCH_M))
     tone = 0.4 * fibres + 0.45 * blotches + 0.05 * rib + 0.05
     base = Mix(tone, paint_color(own.paint, times=0.72), paint_color(own.paint, times=1.28))
@@ -32,14 +32,11 @@ def cardboard(look: LookConfig, patch: Patch) -> Surface:
     tape = _strip(u, width, 0.045) * Step(v, height - own.tape_drop_m, height - own.tape_drop_m + 0.0003)
     base = Mix(0.85 * tape, base, paint_color(own.tape))
     return Surface(
-        patch.name,
-        base,
-        roughness=0.88 - 0.65 * tape,
-        height_m=0.00005 * rib + 0.00003 * fibres + 0.00006 * tape,
+        patch.name, base, roughness=0.88 - 0.65 * tape, height_m=0.00005 * rib + 0.00003 * fibres + 0.00006 * tape
     )
 
 
-def _strip(u: Coordinate, width: float, strip: float) -> Arithmetic:
+def _strip(u: SurfaceCoordinate, width: float, strip: float) -> Arithmetic:
     """1 within `strip` of the face's middle [m]; at most two thirds of the face."""
     half = 0.5 * min(strip, 0.66 * width)
     return Step(u, 0.5 * width - half, 0.5 * width - half + 0.0003) * (

@@ -1,11 +1,11 @@
 """Loop-pile carpet tiles."""
 
-from blender_scenes.materials.base import Patch
-from blender_scenes.scene.shading import Cells, Mix, Noise, Surface, Tiles, paint_color
+from blender_scenes.materials.base import SurfacePatch
+from blender_scenes.scene.shading import Cells, Mix, NoiseTexture, Surface, Tiles, paint_color
 from configs.schema.floors import FloorLook
 
 
-def carpet(look: FloorLook, patch: Patch) -> Surface:
+def carpet(look: FloorLook, patch: SurfacePatch) -> Surface:
     """Round loops of yarn of mixed shades in rows, trodden down in places, the tiles' seams a little deeper."""
     own = look.carpet
     size = (own.tile_size_m, own.tile_size_m)
@@ -15,8 +15,8 @@ def carpet(look: FloorLook, patch: Patch) -> Surface:
     per_m = (0.8 / own.loop_m, 1.2 / own.loop_m)
     at = patch.offset("loops")
     from_top, yarn = Cells(per_m, at, "distance"), Cells(per_m, at, "random")
-    bands = Noise((3.0, 45.0), patch.offset("dye"), octaves=3, gain=0.6, shift=40 * tile)
-    trodden = Noise((3.5, 3.5), patch.offset("trodden"), octaves=3)
+    bands = NoiseTexture((3.0, 45.0), patch.offset("dye"), octaves=3, gain=0.6, shift=40 * tile)
+    trodden = NoiseTexture((3.5, 3.5), patch.offset("trodden"), octaves=3)
     tone = 0.5 * yarn + 0.25 * bands + 0.15 * trodden + 0.1 * tile
     pile = Mix(tone, paint_color(own.paint, times=1 - own.mottling), paint_color(own.paint, times=1 + own.mottling))
     # Between the loops the light is lost: what is dark there is depth more than dye.

@@ -1,14 +1,14 @@
 """Glazed ceramic tiles with grouted joints."""
 
-from blender_scenes.materials.base import Patch
+from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.patterns import blotches, specks
-from blender_scenes.scene.shading import Mix, Noise, Surface, Tiles, paint_color
+from blender_scenes.scene.shading import Mix, NoiseTexture, Surface, Tiles, paint_color
 from configs.schema.floors import FloorLook
 
 _ROUNDED_M = 0.0012
 
 
-def ceramic_tile(look: FloorLook, patch: Patch) -> Surface:
+def ceramic_tile(look: FloorLook, patch: SurfacePatch) -> Surface:
     """Square tiles in straight courses, each of a slightly different batch and cloud, their edges rounded.
 
     Joints lie lower, are rough and sandy, and hold the dirt of the years in patches.
@@ -18,18 +18,18 @@ def ceramic_tile(look: FloorLook, patch: Patch) -> Surface:
     joint = Tiles(size, own.joint_width_m, 0.0, offset, "joint", softness=0.3)
     edge = Tiles(size, own.joint_width_m + 2 * _ROUNDED_M, 0.0, offset, "joint", softness=1.0)
     batch = Tiles(size, own.joint_width_m, 0.0, offset, "random")
-    cloud = Noise((11.0, 11.0), patch.offset("clouds"), octaves=4, gain=0.55, shift=40 * batch)
+    cloud = NoiseTexture((11.0, 11.0), patch.offset("clouds"), octaves=4, gain=0.55, shift=40 * batch)
     tile = Mix(
         0.55 * batch + 0.45 * cloud,
         paint_color(own.paint, times=1 - 1.5 * own.variation),
         paint_color(own.paint, times=1 + 1.5 * own.variation),
     )
     tile = Mix(specks(patch, "pepper", size_m=0.0012, share=0.4), tile, paint_color(own.paint, times=0.8))
-    sand = Noise((500.0, 500.0), patch.offset("sand"), octaves=2)
+    sand = NoiseTexture((500.0, 500.0), patch.offset("sand"), octaves=2)
     grout = Mix(sand, paint_color(own.joint, times=0.75), paint_color(own.joint, times=1.25))
     grime = blotches(patch, "grime in the joints", size_m=0.12, share=0.4)
     grout = Mix(0.6 * grime, grout, paint_color(own.joint, times=0.4))
-    waves = Noise((14.0, 14.0), patch.offset("glaze"), octaves=1, shift=40 * batch)
+    waves = NoiseTexture((14.0, 14.0), patch.offset("glaze"), octaves=1, shift=40 * batch)
     return Surface(
         patch.name,
         Mix(joint, tile, grout),

@@ -1,16 +1,16 @@
 """Power-floated, sealed concrete."""
 
-from blender_scenes.materials.base import Patch
+from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.patterns import specks, threads, worn_gloss
-from blender_scenes.scene.shading import Mix, Noise, Step, Surface, paint_color
+from blender_scenes.scene.shading import Mix, NoiseTexture, Step, Surface, paint_color
 from configs.schema.floors import FloorLook
 
 
-def concrete(look: FloorLook, patch: Patch) -> Surface:
+def concrete(look: FloorLook, patch: SurfacePatch) -> Surface:
     """Clouds of decimetres, sand grain of a millimetre, pores, and hairline cracks metres apart."""
     own = look.concrete
-    clouds = Noise((2.6, 2.6), patch.offset("clouds"), octaves=6, gain=0.62)
-    grain = Noise((650.0, 650.0), patch.offset("grain"), octaves=2)
+    clouds = NoiseTexture((2.6, 2.6), patch.offset("clouds"), octaves=6, gain=0.62)
+    grain = NoiseTexture((650.0, 650.0), patch.offset("grain"), octaves=2)
     base = Mix(
         Step(0.8 * clouds + 0.2 * grain, 0.25, 0.75),
         paint_color(own.paint, times=1 - own.clouding),
@@ -20,8 +20,4 @@ def concrete(look: FloorLook, patch: Patch) -> Surface:
     crack = threads(patch, "cracks", size_m=1.5, width_m=0.0008)
     base = Mix(0.6 * pores, base, paint_color(own.paint, times=0.45))
     base = Mix(0.8 * crack * Step(clouds, 0.5, 0.58), base, paint_color(own.paint, times=0.3))
-    return Surface(
-        patch.name,
-        base,
-        roughness=worn_gloss(own.roughness, clouds, 0.3),
-    )
+    return Surface(patch.name, base, roughness=worn_gloss(own.roughness, clouds, 0.3))

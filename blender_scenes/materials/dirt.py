@@ -2,19 +2,19 @@
 
 from dataclasses import replace
 
-from blender_scenes.materials.base import Patch
+from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.patterns import arcs, blotches, either, specks
-from blender_scenes.scene.shading import Color, Mix, Noise, Step, Surface, Texture
+from blender_scenes.scene.shading import Color, Mix, NoiseTexture, Step, Surface, Texture
 
 _DUST = Color((0.33, 0.31, 0.28))
 _RUBBER = Color((0.05, 0.047, 0.044))
 
 
-def dirtied(surface: Surface, patch: Patch, amount: float) -> Surface:
+def dirtied(surface: Surface, patch: SurfacePatch, amount: float) -> Surface:
     """The floor after `amount` 0-1 of use."""
     if amount == 0:
         return surface
-    grain = Noise((150.0, 150.0), patch.offset("grain of dirt"), octaves=4, gain=0.75)
+    grain = NoiseTexture((150.0, 150.0), patch.offset("grain of dirt"), octaves=4, gain=0.75)
     film = blotches(patch, "film", size_m=0.4, share=0.5)
     feet = blotches(patch, "feet", size_m=0.07, share=0.25)
     crumbs = specks(patch, "crumbs", size_m=0.0014, share=0.05 * amount)
@@ -24,7 +24,7 @@ def dirtied(surface: Surface, patch: Patch, amount: float) -> Surface:
     return replace(surface, base_color=base)
 
 
-def _rubber(patch: Patch, amount: float) -> Texture:
+def _rubber(patch: SurfacePatch, amount: float) -> Texture:
     """Heels that turned on the spot, and soles and chair legs that slid."""
     turned = arcs(patch, "heels", radius_m=0.03, width_m=0.007, share=0.5 * amount, apart_m=0.14)
     slid = arcs(patch, "slides", radius_m=0.12, width_m=0.01, share=0.6 * amount, apart_m=0.4)

@@ -1,13 +1,13 @@
 """Clear float glass."""
 
-from blender_scenes.materials.base import Patch
-from blender_scenes.scene.shading import Color, Noise, Surface
+from blender_scenes.materials.base import SurfacePatch
+from blender_scenes.scene.shading import Color, NoiseTexture, Surface
 from configs.schema.look import LookConfig
 
 
-def glass(look: LookConfig, patch: Patch) -> Surface:
+def glass(look: LookConfig, patch: SurfacePatch) -> Surface:
     """Slightly green in thickness, with a film of finger marks in the gloss."""
-    film = Noise((9.0, 9.0), patch.offset("film"), octaves=4)
+    film = NoiseTexture((9.0, 9.0), patch.offset("film"), octaves=4)
     return Surface(
         patch.name,
         Color((0.93, 0.965, 0.95)),

@@ -1,14 +1,14 @@
 """A picture of the user's own, laid side by side over a surface."""
 
-from blender_scenes.materials.base import Patch
-from blender_scenes.scene.shading import Color, Mix, Number, Picture, Surface
+from blender_scenes.materials.base import SurfacePatch
+from blender_scenes.scene.shading import Color, Constant, ImageTexture, Mix, Surface
 from configs.schema.asset import Asset, ImageLook
 from configs.schema.floors import FloorLook
 
 _BLACK = Color((0.0, 0.0, 0.0))
 
 
-def image_floor(look: FloorLook, patch: Patch) -> Surface:
+def image_floor(look: FloorLook, patch: SurfacePatch) -> Surface:
     """The floor's own picture.
 
     Raises:
@@ -19,8 +19,8 @@ def image_floor(look: FloorLook, patch: Patch) -> Surface:
     return image(look.image, look.image.file, patch)
 
 
-def image(own: ImageLook, file: Asset, patch: Patch) -> Surface:
+def image(own: ImageLook, file: Asset, patch: SurfacePatch) -> Surface:
     """The picture at its size in metres; what it shows of gloss or depth is painted, not there."""
     size = own.width_m, own.width_m * file.height_px / file.width_px
-    picture = Picture(file.sha256, size, (own.right_m, own.up_m), file.mean_rgb)
-    return Surface(patch.name, Mix(Number(own.white_reflectance), _BLACK, picture), roughness=own.roughness)
+    picture = ImageTexture(file.sha256, size, (own.right_m, own.up_m), file.mean_rgb)
+    return Surface(patch.name, Mix(Constant(own.white_reflectance), _BLACK, picture), roughness=own.roughness)

@@ -1,14 +1,14 @@
 """Brushed aluminium sheet."""
 
-from blender_scenes.materials.base import Patch
-from blender_scenes.scene.shading import Color, Mix, Noise, Surface
+from blender_scenes.materials.base import SurfacePatch
+from blender_scenes.scene.shading import Color, Mix, NoiseTexture, Surface
 from configs.schema.look import LookConfig
 
 
-def metal(look: LookConfig, patch: Patch) -> Surface:
+def metal(look: LookConfig, patch: SurfacePatch) -> Surface:
     """Brushed along u; reflectance of aluminium, slightly oxidised."""
-    brushed = Noise((6.0, 1500.0), patch.offset("brush"), octaves=3)
-    cloud = Noise((12.0, 12.0), patch.offset("clouds"), octaves=3)
+    brushed = NoiseTexture((6.0, 1500.0), patch.offset("brush"), octaves=3)
+    cloud = NoiseTexture((12.0, 12.0), patch.offset("clouds"), octaves=3)
     return Surface(
         patch.name,
         Mix(brushed, Color((0.62, 0.63, 0.64)), Color((0.82, 0.83, 0.84))),

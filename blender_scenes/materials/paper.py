@@ -1,16 +1,16 @@
 """White drawing paper on a body."""
 
-from blender_scenes.materials.base import Patch
-from blender_scenes.scene.shading import Mix, Noise, Surface, paint_color
+from blender_scenes.materials.base import SurfacePatch
+from blender_scenes.scene.shading import Mix, NoiseTexture, Surface, paint_color
 from configs.schema.look import LookConfig
 
 
-def paper(look: LookConfig, patch: Patch) -> Surface:
+def paper(look: LookConfig, patch: SurfacePatch) -> Surface:
     """Matt sheet with a fine tooth, faintly buckled."""
     own = look.paper
-    cloud = Noise((30.0, 30.0), patch.offset("formation"), octaves=4)
-    buckles = Noise((9.0, 5.0), patch.offset("buckles"), octaves=2)
-    tooth = Noise((1200.0, 1200.0), patch.offset("tooth"), octaves=2)
+    cloud = NoiseTexture((30.0, 30.0), patch.offset("formation"), octaves=4)
+    buckles = NoiseTexture((9.0, 5.0), patch.offset("buckles"), octaves=2)
+    tooth = NoiseTexture((1200.0, 1200.0), patch.offset("tooth"), octaves=2)
     return Surface(
         patch.name,
         Mix(cloud, paint_color(own.paint, times=0.97), paint_color(own.paint, times=1.03)),

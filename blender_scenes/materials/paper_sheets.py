@@ -1,14 +1,14 @@
 """White paper laid out in sheets."""
 
-from blender_scenes.materials.base import Patch
+from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.patterns import threads
-from blender_scenes.scene.shading import Mix, Noise, Step, Surface, Tiles, paint_color
+from blender_scenes.scene.shading import Mix, NoiseTexture, Step, Surface, Tiles, paint_color
 from configs.schema.floors import FloorLook
 
 _OVERLAP_M = 0.012
 
 
-def paper_sheets(look: FloorLook, patch: Patch) -> Surface:
+def paper_sheets(look: FloorLook, patch: SurfacePatch) -> Surface:
     """Sheets a little over each other, each of its own white, waved, folded here and there, taped along the seams."""
     own = look.paper_sheets
     size, offset = (own.sheet_length_m, own.sheet_width_m), patch.offset("sheets")
@@ -16,13 +16,13 @@ def paper_sheets(look: FloorLook, patch: Patch) -> Surface:
     sheet = Tiles(size, 0.0, 0.35, offset, "random")
     edge = Tiles(size, 0.0016, 0.35, offset, "joint", softness=1.0)
     double = Tiles(size, _OVERLAP_M, 0.35, beside, "joint", softness=0.02)
-    formation = Noise((30.0, 30.0), patch.offset("formation"), octaves=4)
+    formation = NoiseTexture((30.0, 30.0), patch.offset("formation"), octaves=4)
     tone = 0.6 * sheet + 0.2 * formation + 0.2 * double
     base = Mix(tone, paint_color(own.paint, times=1 - own.variation), paint_color(own.paint, times=1 + own.variation))
     base = Mix(0.45 * edge, base, paint_color(own.paint, times=0.35))
-    waves = Noise((4.0, 6.0), patch.offset("waves"), octaves=2, shift=40 * sheet)
+    waves = NoiseTexture((4.0, 6.0), patch.offset("waves"), octaves=2, shift=40 * sheet)
     folds = threads(patch, "folds", size_m=0.45, width_m=0.004) * Step(formation, 0.42, 0.55)
-    tooth = Noise((900.0, 900.0), patch.offset("tooth"), octaves=1)
+    tooth = NoiseTexture((900.0, 900.0), patch.offset("tooth"), octaves=1)
     height = own.buckling * (0.004 * waves + 0.0004 * folds) + 0.0002 * double + 0.00001 * tooth
     roughness = own.roughness
     if own.tape_width_m:

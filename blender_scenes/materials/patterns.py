@@ -2,37 +2,37 @@
 
 import math
 
-from blender_scenes.materials.base import Patch
-from blender_scenes.scene.shading import Arithmetic, Cells, Noise, Step, Texture
+from blender_scenes.materials.base import SurfacePatch
+from blender_scenes.scene.shading import Arithmetic, Cells, NoiseTexture, Step, Texture
 
 _SEAM = 0.274
 
 
-def specks(patch: Patch, name: str, *, size_m: float, share: float) -> Texture:
+def specks(patch: SurfacePatch, name: str, *, size_m: float, share: float) -> Texture:
     """Irregular specks about `size_m` across; `share` 0-1 is how thickly they lie."""
     level = 0.88 - 0.12 * share
-    return Step(Noise((0.5 / size_m, 0.5 / size_m), patch.offset(name), octaves=1), level, level + 0.05)
+    return Step(NoiseTexture((0.5 / size_m, 0.5 / size_m), patch.offset(name), octaves=1), level, level + 0.05)
 
 
-def streaks(patch: Patch, name: str, *, length_m: float, width_m: float, share: float) -> Texture:
+def streaks(patch: SurfacePatch, name: str, *, length_m: float, width_m: float, share: float) -> Texture:
     """Thin marks of one random direction; `share` 0-1 is how thickly they lie."""
     turn = math.tau * patch.draw(f"{name} direction")
-    grain = Noise((1 / length_m, 1 / width_m), patch.offset(name), octaves=2, turn_rad=turn)
+    grain = NoiseTexture((1 / length_m, 1 / width_m), patch.offset(name), octaves=2, turn_rad=turn)
     level = 0.76 - 0.2 * share
     return Step(grain, level, level + 0.15)
 
 
-def blotches(patch: Patch, name: str, *, size_m: float, share: float) -> Texture:
+def blotches(patch: SurfacePatch, name: str, *, size_m: float, share: float) -> Texture:
     """Soft irregular patches; `share` 0-1 is how much of the surface they cover."""
-    cloud = Noise((1 / size_m, 1 / size_m), patch.offset(name), octaves=3, gain=0.6)
+    cloud = NoiseTexture((1 / size_m, 1 / size_m), patch.offset(name), octaves=3, gain=0.6)
     level = 0.66 - 0.3 * share
     return Step(cloud, level, level + 0.35)
 
 
-def arcs(patch: Patch, name: str, *, radius_m: float, width_m: float, share: float, apart_m: float) -> Texture:
+def arcs(patch: SurfacePatch, name: str, *, radius_m: float, width_m: float, share: float, apart_m: float) -> Texture:
     """Bent smears, each in a cell of its own about `apart_m` wide; `share` 0-1 of the cells have any."""
     per_m, offset = (1 / apart_m, 1 / apart_m), patch.offset(name)
-    hand = Noise((0.8 / radius_m, 0.8 / radius_m), patch.offset(f"{name} hand"), octaves=2)
+    hand = NoiseTexture((0.8 / radius_m, 0.8 / radius_m), patch.offset(f"{name} hand"), octaves=2)
     away = Cells(per_m, offset, "distance") + (0.9 * radius_m / apart_m) * (hand - 0.5)
     radius, half = radius_m / apart_m, 0.5 * width_m / apart_m
     # Sharp on the inside and fading outwards, as a heel that turns leaves it.
@@ -41,9 +41,9 @@ def arcs(patch: Patch, name: str, *, radius_m: float, width_m: float, share: flo
     return smear * here * Step(hand, 0.5, 0.62)
 
 
-def threads(patch: Patch, name: str, *, size_m: float, width_m: float) -> Texture:
+def threads(patch: SurfacePatch, name: str, *, size_m: float, width_m: float) -> Texture:
     """Fine wandering lines: where a noise with features of `size_m` crosses its mean."""
-    field = Noise((1 / size_m, 1 / size_m), patch.offset(name), octaves=5, gain=0.55)
+    field = NoiseTexture((1 / size_m, 1 / size_m), patch.offset(name), octaves=5, gain=0.55)
     slope = 1.6 / size_m  # of the noise where it crosses its mean, from pictures of it
     away = Arithmetic("maximum", field - 0.5, 0.5 - field)
     return 1 - Step(away, 0.2 * slope * width_m, 0.7 * slope * width_m)

@@ -1,16 +1,16 @@
 """Injection-moulded plastic."""
 
-from blender_scenes.materials.base import Patch
+from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.patterns import streaks
-from blender_scenes.scene.shading import Mix, Noise, Surface, paint_color
+from blender_scenes.scene.shading import Mix, NoiseTexture, Surface, paint_color
 from configs.schema.look import LookConfig
 
 
-def plastic(look: LookConfig, patch: Patch) -> Surface:
+def plastic(look: LookConfig, patch: SurfacePatch) -> Surface:
     """One colour, a spark-eroded grain, light scratches."""
     own = look.plastic
     scratches = streaks(patch, "scratches", length_m=0.03, width_m=0.0006, share=0.25)
-    grain = Noise((1100.0, 1100.0), patch.offset("grain"), octaves=2)
+    grain = NoiseTexture((1100.0, 1100.0), patch.offset("grain"), octaves=2)
     return Surface(
         patch.name,
         Mix(0.15 * scratches, paint_color(own.paint), paint_color(own.paint, times=1.4)),

@@ -2,16 +2,16 @@
 
 import math
 
-from blender_scenes.materials.base import Patch
+from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.patterns import either, specks
 from blender_scenes.scene.shading import (
     Arithmetic,
-    Coordinate,
+    Constant,
     Mix,
-    Noise,
-    Number,
+    NoiseTexture,
     Step,
     Surface,
+    SurfaceCoordinate,
     Texture,
     Tiles,
     paint_color,
@@ -25,7 +25,7 @@ _THICKEST_EDGE_M = 0.03
 """A face so narrow is a sheet's sawn edge; a wider one belongs to a body with veneer all around."""
 
 
-def plywood_floor(look: FloorLook, patch: Patch) -> Surface:
+def plywood_floor(look: FloorLook, patch: SurfacePatch) -> Surface:
     """Sheets side by side, their ends staggered by half, each its own veneer; seams open and dark."""
     own = look.plywood
     size, offset = (own.sheet_length_m, own.sheet_width_m), patch.offset("sheets")
@@ -43,20 +43,20 @@ def plywood_floor(look: FloorLook, patch: Patch) -> Surface:
     )
 
 
-def plywood(look: LookConfig, patch: Patch) -> Surface:
+def plywood(look: LookConfig, patch: SurfacePatch) -> Surface:
     """Veneer on the faces, the cut plies on the edges of sheets."""
     own = look.plywood
     if min(patch.size_m) <= _THICKEST_EDGE_M:
         return _sawn_edge(look, patch)
-    face, fibres = _veneer(patch, own.paint, 0.15, Number(0.5))
+    face, fibres = _veneer(patch, own.paint, 0.15, Constant(0.5))
     return Surface(patch.name, face, roughness=own.roughness + 0.1 * fibres, height_m=0.00003 * fibres)
 
 
-def _veneer(patch: Patch, paint: Paint, variation: float, sheet: Texture) -> tuple[Texture, Texture]:
+def _veneer(patch: SurfacePatch, paint: Paint, variation: float, sheet: Texture) -> tuple[Texture, Texture]:
     """Colour and fibres of a peeled face; growth lines wander as the contours of a hilly map."""
-    hills = Noise((0.55, 4.5), patch.offset("hills"), octaves=2, gain=0.35, warp=0.15, shift=30 * sheet)
-    fibres = Noise((18.0, 850.0), patch.offset("fibres"), octaves=2, gain=0.6, shift=30 * sheet)
-    clouds = Noise((1.6, 9.0), patch.offset("clouds"), octaves=3, shift=30 * sheet)
+    hills = NoiseTexture((0.55, 4.5), patch.offset("hills"), octaves=2, gain=0.35, warp=0.15, shift=30 * sheet)
+    fibres = NoiseTexture((18.0, 850.0), patch.offset("fibres"), octaves=2, gain=0.6, shift=30 * sheet)
+    clouds = NoiseTexture((1.6, 9.0), patch.offset("clouds"), octaves=3, shift=30 * sheet)
     contour = Arithmetic("sine", (34 * math.tau) * hills)
     late = Step(contour, 0.7, 1.0)  # latewood: narrow, dark, sharp on one side
     tone = 0.5 + 0.3 * (sheet - 0.5) + 0.9 * (clouds - 0.5) + 0.5 * (fibres - 0.5) - 0.3 * (late - 0.1)
@@ -66,12 +66,12 @@ def _veneer(patch: Patch, paint: Paint, variation: float, sheet: Texture) -> tup
     return Mix(0.6 * specks(patch, "flecks", size_m=0.0012, share=0.2), face, paint_color(paint, times=0.45)), fibres
 
 
-def _sawn_edge(look: LookConfig, patch: Patch) -> Surface:
+def _sawn_edge(look: LookConfig, patch: SurfacePatch) -> Surface:
     """Plies light and dark in turn, along the face's long side."""
     own = look.plywood
     across, grain = ("u", (600.0, 40.0)) if patch.size_m[0] < patch.size_m[1] else ("v", (40.0, 600.0))
-    ply = Step(Arithmetic("sine", Coordinate(across) * (math.pi / _PLY_M)), -0.3, 0.3)
-    fibres = Noise(grain, patch.offset("sawn"), octaves=3)
+    ply = Step(Arithmetic("sine", SurfaceCoordinate(across) * (math.pi / _PLY_M)), -0.3, 0.3)
+    fibres = NoiseTexture(grain, patch.offset("sawn"), octaves=3)
     light, dark = paint_color(own.paint, times=1.0), paint_color(own.paint, times=0.5)
     burnt = either(0.3 * ply, Step(fibres, 0.62, 0.75) * 0.5)
     base = Mix(0.75 * ply + 0.25 * fibres, light, dark)

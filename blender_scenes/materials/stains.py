@@ -2,23 +2,23 @@
 
 from dataclasses import replace
 
-from blender_scenes.materials.base import Patch
-from blender_scenes.scene.shading import Color, Mix, Noise, Step, Surface
+from blender_scenes.materials.base import SurfacePatch
+from blender_scenes.scene.shading import Color, Mix, NoiseTexture, Step, Surface
 
 _GRIME = Color((0.07, 0.065, 0.06))
 _CHALK = Color((0.72, 0.71, 0.69))
 """What scuffing and dried water leave, which a white floor hardly shows."""
 
 
-def stained(surface: Surface, patch: Patch, amount: float) -> Surface:
+def stained(surface: Surface, patch: SurfacePatch, amount: float) -> Surface:
     """The floor with patches darker and paler, with dried spills: of standard deviation about a tenth at `amount` 1.
 
     A spill has left its place a little paler and a dark rim where the floor around it is clean.
     """
     if amount == 0:
         return surface
-    traffic = Noise((1 / 0.16, 1 / 0.16), patch.offset("traffic"), octaves=4, gain=0.6)
-    spills = Noise((1 / 0.12, 1 / 0.12), patch.offset("spills"), octaves=3, gain=0.45)
+    traffic = NoiseTexture((1 / 0.16, 1 / 0.16), patch.offset("traffic"), octaves=4, gain=0.6)
+    spills = NoiseTexture((1 / 0.12, 1 / 0.12), patch.offset("spills"), octaves=3, gain=0.45)
     base = Mix(0.34 * amount * (1 - Step(traffic, 0.32, 0.52)), surface.base_color, _GRIME)
     base = Mix(0.16 * amount * Step(traffic, 0.48, 0.68), base, _CHALK)
     within, rim = Step(spills, 0.6, 0.64), Step(spills, 0.58, 0.61) * (1 - Step(spills, 0.61, 0.66))

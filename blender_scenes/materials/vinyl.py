@@ -1,18 +1,18 @@
 """Cushioned vinyl with a printed picture of planks or of terrazzo."""
 
-from blender_scenes.materials.base import Patch
+from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.patterns import worn_gloss
-from blender_scenes.scene.shading import Cells, Mix, Noise, Step, Surface, Texture, Tiles, paint_color
+from blender_scenes.scene.shading import Cells, Mix, NoiseTexture, Step, Surface, Texture, Tiles, paint_color
 from configs.schema.floors import FloorLook, Vinyl
 
 
-def vinyl(look: FloorLook, patch: Patch) -> Surface:
+def vinyl(look: FloorLook, patch: SurfacePatch) -> Surface:
     """The print under a clear coat that follows the cushion's dents; joints are printed, without depth."""
     own = look.vinyl
     base = _planks(own, patch) if own.print == "planks" else _terrazzo(own, patch)
-    dents = Noise((7.0, 7.0), patch.offset("dents"), octaves=2)
-    emboss = Noise((350.0, 350.0), patch.offset("emboss"), octaves=1)
-    wear = Noise((2.5, 2.5), patch.offset("wear"), octaves=2)
+    dents = NoiseTexture((7.0, 7.0), patch.offset("dents"), octaves=2)
+    emboss = NoiseTexture((350.0, 350.0), patch.offset("emboss"), octaves=1)
+    wear = NoiseTexture((2.5, 2.5), patch.offset("wear"), octaves=2)
     return Surface(
         patch.name,
         base,
@@ -22,20 +22,20 @@ def vinyl(look: FloorLook, patch: Patch) -> Surface:
     )
 
 
-def _planks(own: Vinyl, patch: Patch) -> Texture:
+def _planks(own: Vinyl, patch: SurfacePatch) -> Texture:
     size, offset = (6.5 * own.repeat_m, own.repeat_m), patch.offset("planks")
     joint = Tiles(size, 0.002, 0.31, offset, "joint", softness=0.8)
     plank = Tiles(size, 0.002, 0.31, offset, "random")
-    flow = Noise((1.3, 26.0), patch.offset("flow"), octaves=4, gain=0.55, warp=0.5, shift=40 * plank)
-    fibres = Noise((20.0, 500.0), patch.offset("fibres"), octaves=2, shift=40 * plank)
+    flow = NoiseTexture((1.3, 26.0), patch.offset("flow"), octaves=4, gain=0.55, warp=0.5, shift=40 * plank)
+    fibres = NoiseTexture((20.0, 500.0), patch.offset("fibres"), octaves=2, shift=40 * plank)
     tone = 0.3 * plank + 0.5 * Step(flow, 0.3, 0.7) + 0.2 * fibres
     wood = Mix(tone, paint_color(own.paint, times=1 - own.variation), paint_color(own.paint, times=1 + own.variation))
     return Mix(0.8 * joint, wood, paint_color(own.paint, times=0.3))
 
 
-def _terrazzo(own: Vinyl, patch: Patch) -> Texture:
+def _terrazzo(own: Vinyl, patch: SurfacePatch) -> Texture:
     """Angular chips of three sizes in a grey ground, some lighter, some darker, some reddish."""
-    sand = Noise((500.0, 500.0), patch.offset("sand"), octaves=2)
+    sand = NoiseTexture((500.0, 500.0), patch.offset("sand"), octaves=2)
     ground = Mix(sand, paint_color(own.paint, times=0.96), paint_color(own.paint, times=1.04))
     for number, size_m in enumerate((0.1 * own.repeat_m, 0.045 * own.repeat_m, 0.02 * own.repeat_m)):
         per_m, at = (1 / size_m, 1 / size_m), patch.offset(f"chips {number}")

@@ -2,18 +2,18 @@
 
 import math
 
-from blender_scenes.materials.base import Patch
-from blender_scenes.scene.shading import Arithmetic, Mix, Noise, Step, Surface, paint_color
+from blender_scenes.materials.base import SurfacePatch
+from blender_scenes.scene.shading import Arithmetic, Mix, NoiseTexture, Step, Surface, paint_color
 from configs.schema.look import LookConfig
 
 
-def wood(look: LookConfig, patch: Patch) -> Surface:
+def wood(look: LookConfig, patch: SurfacePatch) -> Surface:
     """Growth rings along u, close and dark where the year ended, fibres, a varnish left matt."""
     own = look.wood
-    stem = Noise((0.8, 11.0), patch.offset("stem"), octaves=2, gain=0.3)
+    stem = NoiseTexture((0.8, 11.0), patch.offset("stem"), octaves=2, gain=0.3)
     rings = Step(Arithmetic("sine", (24 * math.tau) * stem), -0.6, 1.0)
-    clouds = Noise((2.0, 30.0), patch.offset("clouds"), octaves=3)
-    fibres = Noise((30.0, 900.0), patch.offset("fibres"), octaves=2)
+    clouds = NoiseTexture((2.0, 30.0), patch.offset("clouds"), octaves=3)
+    fibres = NoiseTexture((30.0, 900.0), patch.offset("fibres"), octaves=2)
     base = Mix(
         0.45 * (1 - rings) + 0.35 * clouds + 0.25 * fibres,
         paint_color(own.paint, times=0.6),

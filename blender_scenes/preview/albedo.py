@@ -5,23 +5,23 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from blender_scenes.scene.shading import Mix, Picture, Surface, Texture
+from blender_scenes.scene.shading import ImageTexture, Mix, Surface, Texture
 from blender_scenes.scene.typical import typical_color
 from configs.assets.pictures import LINEAR
 from symolo.core.arrays import Array
 
-Pixels = Callable[[str], NDArray[np.uint8]]
+ReadImage = Callable[[str], NDArray[np.uint8]]
 """(H, W, 3) sRGB of the picture with that SHA-256."""
 
 
-def albedo(surface: Surface, uv_m: Array, pixels: Pixels) -> Array:
+def albedo(surface: Surface, uv_m: Array, pixels: ReadImage) -> Array:
     """Reflectance (N, 3) at surface coordinates (N, 2) [m]: the pictures' own, all else of a typical colour."""
     return _colors(surface.base_color, uv_m, pixels)
 
 
-def _colors(texture: Texture, uv_m: Array, pixels: Pixels) -> Array:
+def _colors(texture: Texture, uv_m: Array, pixels: ReadImage) -> Array:
     match texture:
-        case Picture():
+        case ImageTexture():
             return _looked_up(texture, uv_m, pixels(texture.sha256))
         case Mix(by, a, b) if _shows_a_picture(texture):
             share = np.clip(np.array(typical_color(Surface("", by))), 0, 1)
@@ -32,12 +32,12 @@ def _colors(texture: Texture, uv_m: Array, pixels: Pixels) -> Array:
 
 
 def _shows_a_picture(texture: Texture) -> bool:
-    return isinstance(texture, Picture) or (
+    return isinstance(texture, ImageTexture) or (
         isinstance(texture, Mix) and (_shows_a_picture(texture.a) or _shows_a_picture(texture.b))
     )
 
 
-def _looked_up(texture: Picture, uv_m: Array, picture: NDArray[np.uint8]) -> Array:
+def _looked_up(texture: ImageTexture, uv_m: Array, picture: NDArray[np.uint8]) -> Array:
     """The nearest pixel's linear colour, the picture repeated."""
     height, width, _ = picture.shape
     share = ((uv_m - np.array(texture.at_m)) / np.array(texture.size_m)) % 1.0

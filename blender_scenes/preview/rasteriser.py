@@ -22,7 +22,7 @@ Ints = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
-class Seen:
+class VisibleTriangles:
     """What the middle of each pixel sees."""
 
     triangle: Ints
@@ -47,7 +47,7 @@ class _Planes:
     """(T, 2), first and last row that may be touched."""
 
 
-def rasterise(camera: Intrinsics, X_WC: Array, triangles: Triangles) -> Seen:
+def rasterise(camera: Intrinsics, X_WC: Array, triangles: Triangles) -> VisibleTriangles:
     """What a pinhole camera sees of triangles given in W, from both of their sides."""
     planes = _planes(camera, X_WC, triangles)
     at, row, first, last = _spans(camera, planes)
@@ -119,7 +119,7 @@ def _nearest(pixel: Ints, nearness: Array, at: Ints, pixels: int) -> tuple[Array
     return nearest, shown
 
 
-def _seen(camera: Intrinsics, planes: _Planes, triangles: Triangles, nearest: Array, shown: Ints) -> Seen:
+def _seen(camera: Intrinsics, planes: _Planes, triangles: Triangles, nearest: Array, shown: Ints) -> VisibleTriangles:
     hit = np.flatnonzero(shown >= 0)
     at, depth = shown[hit], 1 / nearest[hit]
     row, column = np.divmod(hit, camera.width_px)
@@ -129,4 +129,4 @@ def _seen(camera: Intrinsics, planes: _Planes, triangles: Triangles, nearest: Ar
     for axis, (a, b, c) in enumerate(over_depth):
         uv_m[hit, axis] = (a[at] * column + b[at] * row + c[at]) * depth
     shape = camera.height_px, camera.width_px
-    return Seen(triangle.reshape(shape), depth_m.reshape(shape), uv_m.reshape(*shape, 2))
+    return VisibleTriangles(triangle.reshape(shape), depth_m.reshape(shape), uv_m.reshape(*shape, 2))

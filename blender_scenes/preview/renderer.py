@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 
 from blender_scenes.preview.albedo import albedo
 from blender_scenes.preview.light import from_all_around, from_panels, from_sun, of_the_sky
-from blender_scenes.preview.rasteriser import Ints, Seen, rasterise
+from blender_scenes.preview.rasteriser import Ints, VisibleTriangles, rasterise
 from blender_scenes.preview.sun_shadow import SunShadow
 from blender_scenes.preview.triangles import Triangles
 from blender_scenes.render.job import RenderJob
-from blender_scenes.render.own_files import read_own_file
+from blender_scenes.render.user_files import read_user_file
 from blender_scenes.scene.typical import typical_color
 from configs.assets.pictures import read_picture
-from sensors.camera.lens_warp import pinhole_picture, through_lens
+from sensors.camera.lens_warp import pinhole_image, through_lens
 from sensors.camera.metering import metered_views, metering_camera
 from sensors.camera.response import Image, develop, median_luminance
 from sensors.camera.views import FrameView
@@ -35,19 +35,19 @@ class FlatRenderer:
             user's own is not in its folder.
     """
 
-    def __init__(self, job: RenderJob, own_files: Path | None = None) -> None:
+    def __init__(self, job: RenderJob, user_files: Path | None = None) -> None:
         """Of a job, and the folder that holds the user's own files by their SHA-256."""
         scene = job.scene
         numbers = {surface.name: number for number, surface in enumerate(scene.surfaces)}
         self._job = job
-        self._pixels = cache(lambda sha256: read_picture(read_own_file(own_files, sha256)))
+        self._pixels = cache(lambda sha256: read_picture(read_user_file(user_files, sha256)))
         self._still = Triangles.of(scene.meshes, numbers)
         self._moving = tuple(Triangles.of((mesh,), numbers) for mesh in scene.moving)
         self._robot = Triangles.of(scene.robot_in_sight, numbers)
         colors = np.array([typical_color(surface) for surface in scene.surfaces])
         self._all_around = from_all_around(scene.panels, self._still, colors[self._still.surface])
         self._shadow = SunShadow.of(scene.sun, self._still) if scene.sun else None
-        self._pinhole = pinhole_picture(job.camera).camera
+        self._pinhole = pinhole_image(job.camera).camera
         small = metering_camera(self._pinhole)
         self._metered = median_luminance(
             np.concatenate([self.light(view, small) for view in metered_views(job.frames)])
@@ -71,7 +71,7 @@ class FlatRenderer:
         light[hit] = self._reflectance(triangles, seen, hit) * self._illuminance(camera, X_WC, triangles, seen, hit).T
         return light.reshape(camera.height_px, camera.width_px, 3)
 
-    def _reflectance(self, triangles: Triangles, seen: Seen, hit: Ints) -> Array:
+    def _reflectance(self, triangles: Triangles, seen: VisibleTriangles, hit: Ints) -> Array:
         """(N, 3) over pi of the pixels `hit` (N,)."""
         number, uv_m = triangles.surface[seen.triangle.ravel()[hit]], seen.uv_m.reshape(-1, 2)[hit]
         reflectance = np.zeros((len(number), 3))
@@ -80,7 +80,9 @@ class FlatRenderer:
             reflectance[here] = albedo(self._job.scene.surfaces[surface], uv_m[here], self._pixels) / np.pi
         return reflectance
 
-    def _illuminance(self, camera: Intrinsics, X_WC: Array, triangles: Triangles, seen: Seen, hit: Ints) -> Array:
+    def _illuminance(
+        self, camera: Intrinsics, X_WC: Array, triangles: Triangles, seen: VisibleTriangles, hit: Ints
+    ) -> Array:
         """(3, N) of the pixels `hit` (N,), on the side that is seen."""
         row, column = np.divmod(hit, camera.width_px)
         x, y = (column - camera.cx_px) / camera.fx_px, (row - camera.cy_px) / camera.fy_px

@@ -9,7 +9,7 @@ from blender_scenes.lighting.flicker import frame_gains
 from blender_scenes.lighting.illuminance import on_the_floor
 from blender_scenes.render.devices import DeviceKind
 from blender_scenes.render.job_text import JobText
-from blender_scenes.render.sampling import Sampling, sampling
+from blender_scenes.render.sampling import TracingSettings, tracing_settings
 from blender_scenes.scene.description import Scene
 from blender_scenes.scene.run_scene import arena_bounds, describe
 from configs.schema.look import LookConfig
@@ -46,7 +46,7 @@ class RenderJob(JobText):
     scene: Scene
     camera: Intrinsics
     frames: tuple[FrameView, ...]
-    sampling: Sampling
+    sampling: TracingSettings
     response: CameraResponse
     shutter: Shutter = INSTANT
 
@@ -84,7 +84,7 @@ def build_job(  # noqa: PLR0917 - a run's pictures depend on all of these
         scene=scene,
         camera=camera,
         frames=_views(arena, robot, frames, gains, window(shutter, camera), path),
-        sampling=sampling(render, seed, device),
+        sampling=tracing_settings(render, seed, device),
         response=CameraResponse.from_look(look.camera, light, seed, render.jpeg_quality),
         shutter=shutter,
     )

@@ -7,7 +7,7 @@ from pydantic import Field, TypeAdapter
 from blender_scenes.render.frame_files import FrameFile
 from symolo.core.child_process import Alive, Failed, Finished, Message
 
-Work = Literal["pictures", "annotations"]
+Work = Literal["images", "annotations"]
 
 
 class RenderRequest(Message):
@@ -18,7 +18,7 @@ class RenderRequest(Message):
     """Folder for the images or the files of the annotations."""
     numbers: tuple[int, ...]
     threads: int
-    own_files: str = ""
+    user_files: str = ""
     """Folder of the user's files by their SHA-256; empty for a job that shows none."""
 
 
@@ -41,5 +41,5 @@ class FrameDone(Message):
     kind: Literal["frame"] = "frame"
 
 
-AnyMessage = Ready | Alive | FrameBegun | FrameDone | Finished | Failed
-MESSAGES: TypeAdapter[AnyMessage] = TypeAdapter(Annotated[AnyMessage, Field(discriminator="kind")])
+BlenderMessage = Ready | Alive | FrameBegun | FrameDone | Finished | Failed
+MESSAGES: TypeAdapter[BlenderMessage] = TypeAdapter(Annotated[BlenderMessage, Field(discriminator="kind")])

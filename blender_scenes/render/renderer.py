@@ -17,7 +17,7 @@ from symolo.core.atomic_files import make_folder
 from symolo.core.child_process import SCRATCH, ChildProcess, Failed
 from symolo.core.errors import EnvironmentLacking
 
-_JOBS: dict[Work, type[RenderJob] | type[AnnotationJob]] = {"pictures": RenderJob, "annotations": AnnotationJob}
+_JOBS: dict[Work, type[RenderJob] | type[AnnotationJob]] = {"images": RenderJob, "annotations": AnnotationJob}
 _LOG_LINES = 15
 _PATIENCE_S = 300.0
 """For what comes before the first frame, and for a frame besides its samples."""
@@ -42,20 +42,29 @@ def render_job(
     job_path: Path,
     folder: Path,
     *,
-    work: Work = "pictures",
+    work: Work = "images",
     threads: int = 1,
     numbers: Sequence[int] | None = None,
     on_frame: Callable[[int], None] | None = None,
     on_begin: Callable[[int], None] | None = None,
-    own_files: Path | None = None,
+    user_files: Path | None = None,
     cpu: str = "",
 ) -> FrameSet:
     """Puts the files of the frames `numbers` of a job (all by default) below `folder`: pictures, or annotations.
 
     Their bytes depend on the job and the frame's number alone. Finished files are recorded in a journal beside the
-    folder, `<folder>.jsonl`; a frame whose files are all there and whole is not done again. `on_frame` hears of every
-    frame in place, `on_begin` of each that is begun. `own_files` is the folder that holds the user's own files by their
-    SHA-256, for a job that shows some. `cpu` is the class of this machine's processor, for the journal.
+    folder, `<folder>.jsonl`; a frame whose files are all there and undamaged is not made again.
+
+    Args:
+        job_path: File of the job.
+        folder: Folder of the files.
+        work: What the job makes.
+        threads: Number of threads of Blender.
+        numbers: Numbers of the frames; None for all.
+        on_frame: Called with the number of each frame whose files are all in place.
+        on_begin: Called with the number of each frame that is begun.
+        user_files: Folder of the user's files by their SHA-256, for a job that shows some.
+        cpu: Class of this machine's processor, for the journal.
 
     Raises:
         EnvironmentLacking: bpy cannot be loaded, the disk is full or refuses, or the job's graphics card is not there.
@@ -86,7 +95,7 @@ def render_job(
             folder=str(folder),
             numbers=missing,
             threads=threads,
-            own_files=str(own_files or ""),
+            user_files=str(user_files or ""),
         )
         pixels = job.camera.width_px * job.camera.height_px
         for file in _blender_files(request, pixels * job.sampling.samples, on_begin or (lambda _number: None)):

@@ -1,4 +1,4 @@
-"""The qualities of pictures: samples and denoiser of each. docs/render_benchmarks.md has what they cost and miss."""
+"""The qualities of pictures: samples and denoiser of each. docs/rendering.md has what they cost and miss."""
 
 import math
 from dataclasses import dataclass, replace
@@ -11,7 +11,7 @@ from configs.schema.scenario import Render, RenderQuality
 
 
 @dataclass(frozen=True)
-class PartSamples:
+class HybridSamples:
     """Of a picture that is put together from its parts (`blender_side/hybrid/images.py`)."""
 
     near: int
@@ -22,12 +22,12 @@ class PartSamples:
     """Camera rays per pixel for what the surfaces reflect."""
 
 
-def _is_whole(parts: PartSamples | None) -> bool:
+def _is_whole(parts: HybridSamples | None) -> bool:
     return parts is None
 
 
 @dataclass(frozen=True)
-class Sampling:
+class TracingSettings:
     """How the light is traced; nothing of it is left to Blender's defaults."""
 
     seed: int
@@ -41,12 +41,12 @@ class Sampling:
     transmission_bounces: int = 6
     filter_width_px: float = 1.5
     device: DeviceKind = "CPU"
-    parts: Annotated[PartSamples | None, Field(exclude_if=_is_whole)] = None
+    hybrid: Annotated[HybridSamples | None, Field(exclude_if=_is_whole)] = None
     """None where a picture is traced whole; else `samples` and the denoiser's settings are not used."""
 
 
 @dataclass(frozen=True)
-class Quality:
+class QualitySettings:
     samples: int
     """Light paths per pixel of a picture of 640 x 480."""
     prefilter: str
@@ -55,14 +55,17 @@ class Quality:
     """HIGH differs from BALANCED only behind ACCURATE guides (Open Image Denoise has larger weights for clean ones)."""
 
 
-QUALITIES: dict[RenderQuality, Quality] = {
-    "draft": Quality(1, "FAST", "FAST"),
-    "standard": Quality(4, "FAST", "BALANCED"),
-    "high": Quality(48, "ACCURATE", "HIGH"),
-    "reference": Quality(2048, "ACCURATE", "HIGH"),
+QUALITIES: dict[RenderQuality, QualitySettings] = {
+    "draft": QualitySettings(1, "FAST", "FAST"),
+    "standard": QualitySettings(4, "FAST", "BALANCED"),
+    "high": QualitySettings(48, "ACCURATE", "HIGH"),
+    "reference": QualitySettings(2048, "ACCURATE", "HIGH"),
 }
 
-PARTS: dict[RenderQuality, PartSamples] = {"draft": PartSamples(1, 1, 2), "standard": PartSamples(4, 2, 4)}
+HYBRID_QUALITIES: dict[RenderQuality, HybridSamples] = {
+    "draft": HybridSamples(1, 1, 2),
+    "standard": HybridSamples(4, 2, 4),
+}
 """Of `render.method: parts` at 640 x 480; the maps are not true enough for the others."""
 _AUTO_WIDTH_PX = 320
 """Where parts begin to cost less than whole pictures of the same error; they have not been measured in smaller ones."""
@@ -71,23 +74,23 @@ _SIZE_PX = 640 * 480
 _MAX_TIMES = 2.0
 
 
-def sampling(render: Render, seed: int, device: DeviceKind = "CPU") -> Sampling:
+def tracing_settings(render: Render, seed: int, device: DeviceKind = "CPU") -> TracingSettings:
     """Of a run's settings: `render.samples` stands above those of its quality and size."""
     quality = QUALITIES[render.quality]
-    return Sampling(
+    return TracingSettings(
         seed=seed,
         samples=_samples(render) if render.samples is None else render.samples,
         denoise=render.denoise,
         prefilter=quality.prefilter,
         denoise_quality=quality.denoise_quality,
         device=device,
-        parts=part_samples(render) if _in_parts(render, device) else None,
+        hybrid=hybrid_samples(render) if _is_hybrid(render, device) else None,
     )
 
 
-def _in_parts(render: Render, device: DeviceKind) -> bool:
+def _is_hybrid(render: Render, device: DeviceKind) -> bool:
     if render.method != "auto":
-        return render.method == "parts"
+        return render.method == "hybrid"
     by_quality = render.quality == "standard" and render.samples is None and render.denoise
     return by_quality and device == "CPU" and render.width_px >= _AUTO_WIDTH_PX
 
@@ -101,9 +104,9 @@ def _samples(render: Render) -> int:
     return samples if render.quality == "reference" else _of_size(samples, render)
 
 
-def part_samples(render: Render) -> PartSamples:
+def hybrid_samples(render: Render) -> HybridSamples:
     """Of a run's settings; only what the surfaces reflect is as fine as the picture."""
-    own = PARTS[render.quality]
+    own = HYBRID_QUALITIES[render.quality]
     return replace(own, surfaces=_of_size(own.surfaces, render))
 
 

@@ -48,7 +48,7 @@ class Furnishing:
 
 
 @dataclass(frozen=True)
-class Room:
+class RoomModel:
     low: Point2
     """South-west corner of the floor [m]."""
     high: Point2

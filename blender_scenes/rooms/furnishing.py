@@ -9,8 +9,8 @@ from blender_scenes.rooms.furniture.door import drawn_door
 from blender_scenes.rooms.furniture.poster import drawn_poster
 from blender_scenes.rooms.furniture.radiator import MIN_SILL_M, drawn_radiator
 from blender_scenes.rooms.furniture.wall_socket import drawn_wall_socket
-from blender_scenes.rooms.placement import Ground, Standing, WallFace, find_place, hang, hang_at
-from blender_scenes.rooms.walls import SIDES, Side, Wall, wall
+from blender_scenes.rooms.placement import Ground, PlacedPiece, WallFace, find_place, hang, hang_at
+from blender_scenes.rooms.walls import SIDES, RoomWall, WallSide, wall
 from blender_scenes.scene.description import Point2
 from configs.schema.look import LookConfig
 from symolo.arena.footprints import Rectangle
@@ -22,7 +22,7 @@ _DOORWAY_M = 0.7
 
 def furnished(  # noqa: PLR0917 - the room, what is in it already, and what the draws depend on
     look: LookConfig, low: Point2, high: Point2, window: Opening, arena: Rectangle, seed: int
-) -> list[Standing]:
+) -> list[PlacedPiece]:
     """Every piece that the look asks for and that finds a place.
 
     Args:
@@ -35,8 +35,8 @@ def furnished(  # noqa: PLR0917 - the room, what is in it already, and what the 
     """
     own = look.room.furniture
     clear = 2 * own.clearance_m
-    walls: dict[Side, Wall] = {side: wall(side, low, high) for side in SIDES}
-    faces: dict[Side, WallFace] = {side: WallFace(walls[side], look.room.height_m) for side in SIDES}
+    walls: dict[WallSide, RoomWall] = {side: wall(side, low, high) for side in SIDES}
+    faces: dict[WallSide, WallFace] = {side: WallFace(walls[side], look.room.height_m) for side in SIDES}
     kept_free = Rectangle(arena.center, (arena.size[0] + clear, arena.size[1] + clear), 0.0)
     ground = Ground(low, high, tuple(walls.values()), kept_free)
     opening = Rectangle((0.0, window.center[2]), (window.width_m, window.height_m), 0.0)
@@ -45,19 +45,19 @@ def furnished(  # noqa: PLR0917 - the room, what is in it already, and what the 
 
 
 def _fixtures(
-    look: LookConfig, faces: dict[Side, WallFace], ground: Ground, window: Opening, seed: int
-) -> Iterator[Standing]:
+    look: LookConfig, faces: dict[WallSide, WallFace], ground: Ground, window: Opening, seed: int
+) -> Iterator[PlacedPiece]:
     """What hangs on the walls: door and radiator with the floor before them, sockets, posters."""
     own = look.room.furniture
     sill = window.center[2] - 0.5 * window.height_m
-    found: list[tuple[Standing | None, float]] = []
+    found: list[tuple[PlacedPiece | None, float]] = []
     if own.radiator and sill >= MIN_SILL_M:
         draw = partial(drawn_radiator, window_m=window.width_m, sill_m=sill)
         piece = draw("radiator", stream(seed, "room", "radiator"))
         found.append((hang_at(piece, faces[look.window.side], 0.0), piece.size_m[1]))
     if own.door:
         rng = stream(seed, "room", "door")
-        elsewhere: dict[Side, WallFace] = {side: face for side, face in faces.items() if side != look.window.side}
+        elsewhere: dict[WallSide, WallFace] = {side: face for side, face in faces.items() if side != look.window.side}
         found.append((hang(drawn_door("door", rng), elsewhere, rng), 2 * _DOORWAY_M))
     for standing, depth in found:
         if standing is not None:
@@ -71,7 +71,7 @@ def _fixtures(
                 yield standing
 
 
-def _movables(look: LookConfig, ground: Ground, seed: int) -> Iterator[Standing]:
+def _movables(look: LookConfig, ground: Ground, seed: int) -> Iterator[PlacedPiece]:
     for field, kind in STANDING.items():
         for number in range(getattr(look.room.furniture, field)):
             rng = stream(seed, "room", kind.name, number)

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from blender_scenes.rooms.base import Furnishing, Top
-from blender_scenes.rooms.furniture import Kind
+from blender_scenes.rooms.furniture import FurnitureKind
 from blender_scenes.rooms.furniture.base import Piece
-from blender_scenes.rooms.walls import Side, Wall
+from blender_scenes.rooms.walls import RoomWall, WallSide
 from blender_scenes.scene.description import Point2
 from symolo.arena.footprints import Rectangle, overlap
 from symolo.core.poses import PlanarPose
@@ -22,7 +22,7 @@ _SKIRTING_M = 0.015
 
 
 @dataclass(frozen=True)
-class Standing:
+class PlacedPiece:
     """A piece in its place."""
 
     piece: Piece
@@ -50,11 +50,11 @@ class Ground:
 
     low: Point2
     high: Point2
-    walls: tuple[Wall, ...]
+    walls: tuple[RoomWall, ...]
     arena: Rectangle
     """With the clearance around it."""
     taken: list[Rectangle] = field(default_factory=list)
-    tables: list[Standing] = field(default_factory=list)
+    tables: list[PlacedPiece] = field(default_factory=list)
 
     def is_free(self, ground: Rectangle) -> bool:
         (x0, y0), (x1, y1), edge = self.low, self.high, _SKIRTING_M
@@ -68,10 +68,10 @@ def _near(one: Rectangle, other: Rectangle) -> bool:
     return math.dist(one.center, other.center) < 0.5 * (math.hypot(*one.size) + math.hypot(*other.size))
 
 
-def find_place(piece: Piece, kind: Kind, ground: Ground, rng: np.random.Generator) -> Standing | None:
+def find_place(piece: Piece, kind: FurnitureKind, ground: Ground, rng: np.random.Generator) -> PlacedPiece | None:
     """The piece in the first free one of some places drawn for it, with a finger's breadth around it."""
     for _ in range(_TRIES):
-        standing = Standing(piece, _proposed(piece, kind, ground, rng))
+        standing = PlacedPiece(piece, _proposed(piece, kind, ground, rng))
         own = standing.footprint
         grown = Rectangle(own.center, (own.size[0] + _APART_M, own.size[1] + _APART_M), own.yaw_rad)
         if ground.is_free(grown):
@@ -80,7 +80,7 @@ def find_place(piece: Piece, kind: Kind, ground: Ground, rng: np.random.Generato
     return None
 
 
-def _proposed(piece: Piece, kind: Kind, ground: Ground, rng: np.random.Generator) -> PlanarPose:
+def _proposed(piece: Piece, kind: FurnitureKind, ground: Ground, rng: np.random.Generator) -> PlanarPose:
     habit = rng.uniform()
     if habit < kind.at_a_wall:
         return _at_a_wall(piece, ground.walls[int(rng.integers(len(ground.walls)))], rng)
@@ -94,14 +94,14 @@ def _proposed(piece: Piece, kind: Kind, ground: Ground, rng: np.random.Generator
     return x, y, float(rng.uniform(-np.pi, np.pi))
 
 
-def _at_a_wall(piece: Piece, wall: Wall, rng: np.random.Generator) -> PlanarPose:
+def _at_a_wall(piece: Piece, wall: RoomWall, rng: np.random.Generator) -> PlanarPose:
     width, depth = piece.size_m
     reach = 0.5 * max(0.0, wall.length_m - width)
     before = _SKIRTING_M + _APART_M + 0.5 * depth + float(rng.uniform(0.0, 0.04))
     return wall.pose(float(rng.uniform(-reach, reach)), before)
 
 
-def _at_a_table(piece: Piece, table: Standing, rng: np.random.Generator) -> PlanarPose:
+def _at_a_table(piece: Piece, table: PlacedPiece, rng: np.random.Generator) -> PlanarPose:
     """Before one of its long sides, the back away from it, as somebody left it."""
     (x, y, yaw), (length, depth) = table.pose, table.piece.size_m
     turn = float(rng.normal(0.0, 0.35))
@@ -116,7 +116,7 @@ def _at_a_table(piece: Piece, table: Standing, rng: np.random.Generator) -> Plan
 class WallFace:
     """What of a wall is taken, in its own plane."""
 
-    wall: Wall
+    wall: RoomWall
     height_m: float
     taken: list[Rectangle] = field(default_factory=list)
 
@@ -126,7 +126,7 @@ class WallFace:
         return within and not any(overlap(face, other) for other in self.taken)
 
 
-def hang(piece: Piece, faces: dict[Side, WallFace], rng: np.random.Generator) -> Standing | None:
+def hang(piece: Piece, faces: dict[WallSide, WallFace], rng: np.random.Generator) -> PlacedPiece | None:
     """The piece at the first free one of some places along the walls, at the height that it has by itself."""
     for _ in range(_TRIES):
         face = list(faces.values())[int(rng.integers(len(faces)))]
@@ -137,11 +137,11 @@ def hang(piece: Piece, faces: dict[Side, WallFace], rng: np.random.Generator) ->
     return None
 
 
-def hang_at(piece: Piece, face: WallFace, along_m: float) -> Standing | None:
+def hang_at(piece: Piece, face: WallFace, along_m: float) -> PlacedPiece | None:
     """The piece at one place of a wall, or nothing where that is taken."""
     low, high = piece.height_m
     own = Rectangle((along_m, 0.5 * (low + high)), (piece.size_m[0], high - low), 0.0)
     if not face.is_free(own):
         return None
     face.taken.append(own)
-    return Standing(piece, face.wall.pose(along_m, 0.0))
+    return PlacedPiece(piece, face.wall.pose(along_m, 0.0))

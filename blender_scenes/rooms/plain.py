@@ -5,9 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from blender_scenes.materials.fittings import painted
-from blender_scenes.rooms.base import Opening, Room
+from blender_scenes.rooms.base import Opening, RoomModel
 from blender_scenes.rooms.furnishing import furnished
-from blender_scenes.rooms.walls import SIDES, Wall, wall
+from blender_scenes.rooms.walls import SIDES, RoomWall, wall
 from blender_scenes.scene.description import Mesh, Point2
 from blender_scenes.scene.meshes import box, rectangle
 from blender_scenes.scene.solids import stood
@@ -20,7 +20,7 @@ from symolo.arena.footprints import Rectangle
 WALL_DEPTH_M = 0.25
 
 
-def plain_room(look: LookConfig, arena_low: Point2, arena_high: Point2, seed: int) -> Room:
+def plain_room(look: LookConfig, arena_low: Point2, arena_high: Point2, seed: int) -> RoomModel:
     """The room whose walls keep the look's margins from the arena's bounds; its furniture is drawn by `seed`."""
     own = look.room
     low, high = room_bounds(own, arena_low, arena_high)
@@ -38,7 +38,7 @@ def plain_room(look: LookConfig, arena_low: Point2, arena_high: Point2, seed: in
         painted("room_skirting", own.skirting, 0.4),
         painted("window_frame", Paint(reflectance=0.75), 0.35),
     )
-    return Room(
+    return RoomModel(
         low,
         high,
         own.height_m,
@@ -78,7 +78,7 @@ def _ceiling(low: Point2, high: Point2, height: float) -> Mesh:
     return rectangle("ceiling", corners, "room_ceiling")
 
 
-def _wall(place: Wall, own: RoomLook, window: Opening | None) -> Iterator[Mesh]:
+def _wall(place: RoomWall, own: RoomLook, window: Opening | None) -> Iterator[Mesh]:
     """Slabs of the wall around the window, and its skirting."""
     foot, right, outward, side = place.foot, place.right, place.outward, place.side
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from blender_scenes.scene.description import Point2, Point3
 from symolo.core.poses import PlanarPose
 
-Side = Literal["east", "north", "west", "south"]
-SIDES: dict[Side, Point3] = {
+WallSide = Literal["east", "north", "west", "south"]
+SIDES: dict[WallSide, Point3] = {
     "east": (1.0, 0.0, 0.0),
     "north": (0.0, 1.0, 0.0),
     "west": (-1.0, 0.0, 0.0),
@@ -20,10 +20,10 @@ SIDES: dict[Side, Point3] = {
 
 
 @dataclass(frozen=True, eq=False)
-class Wall:
+class RoomWall:
     """The inner face of a wall; on it a place is told by its way to the right of the middle and its height [m]."""
 
-    side: Side
+    side: WallSide
     foot: NDArray[np.float64]
     """(3,) middle of its lower edge."""
     right: NDArray[np.float64]
@@ -38,11 +38,11 @@ class Wall:
         return float(at[0]), float(at[1]), float(np.arctan2(self.right[1], self.right[0]))
 
 
-def wall(side: Side, low: Point2, high: Point2) -> Wall:
+def wall(side: WallSide, low: Point2, high: Point2) -> RoomWall:
     """That side of the room between two corners."""
     outward = np.array(SIDES[side])
     right = np.array([outward[1], -outward[0], 0.0])
     half = 0.5 * np.subtract(high, low)
     middle = 0.5 * np.add(low, high)
     foot = np.array([*middle, 0.0]) + outward * abs(float(outward[:2] @ half))
-    return Wall(side, foot, right, outward, 2 * abs(float(right[:2] @ half)))
+    return RoomWall(side, foot, right, outward, 2 * abs(float(right[:2] @ half)))

@@ -7,13 +7,13 @@ import numpy as np
 
 from blender_scenes.lighting import LIGHTS
 from blender_scenes.materials import FLOORS, body_material
-from blender_scenes.materials.base import Patch
+from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.dirt import dirtied
 from blender_scenes.materials.line_paint import line_paint
 from blender_scenes.materials.stains import stained
 from blender_scenes.materials.tape import tape
 from blender_scenes.rooms import ROOMS
-from blender_scenes.rooms.base import Room
+from blender_scenes.rooms.base import RoomModel
 from blender_scenes.rooms.plain import room_bounds
 from blender_scenes.scene import line_mesh
 from blender_scenes.scene import meshes as geometry
@@ -55,7 +55,7 @@ def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> S
     )
 
 
-def room_around(arena: Arena, look: LookConfig, seed: int) -> Room:
+def room_around(arena: Arena, look: LookConfig, seed: int) -> RoomModel:
     """The room of the scene, with its furniture."""
     low, high = arena_bounds(arena)
     return ROOMS["plain"](look, low, high, seed)
@@ -81,30 +81,30 @@ def _reach(box: Box, motion: ObstacleMotion) -> np.ndarray:
     return np.concatenate([places - half, places + half])
 
 
-Part = tuple[Mesh, tuple[Surface, ...]]
+MeshAndSurfaces = tuple[Mesh, tuple[Surface, ...]]
 
 
-def _floor(look: LookConfig, room: Room, seed: int) -> Part:
+def _floor(look: LookConfig, room: RoomModel, seed: int) -> MeshAndSurfaces:
     size = room.high[0] - room.low[0], room.high[1] - room.low[1]
-    patch = Patch("floor", size, seed)
+    patch = SurfacePatch("floor", size, seed)
     surface = stained(FLOORS[look.floor.material](look.floor, patch), patch, look.floor.stains)
     surface = dirtied(surface, patch, look.floor.dirt)
     mesh = geometry.floor("floor", room.low, room.high, math.radians(look.floor.yaw_deg), surface.name)
     return mesh, (surface,)
 
 
-def _line(arena: Arena, look: LookConfig, seed: int) -> list[Part]:
+def _line(arena: Arena, look: LookConfig, seed: int) -> list[MeshAndSurfaces]:
     if look.line == "paint":
         return _painted(arena.line, look.line_paint, seed)
     bed_m = look.floor.carpet.loop_m if look.floor.material == "carpet" else 0.0
     return _taped(arena.line, look.tape, bed_m, seed)
 
 
-def _taped(line: Line, own: TapeLook, bed_m: float, seed: int) -> list[Part]:
+def _taped(line: Line, own: TapeLook, bed_m: float, seed: int) -> list[MeshAndSurfaces]:
     surfaces = []
     for i, piece in enumerate(line.pieces):
         size = line_mesh.taped_length_m(piece, own.gap_m), line.width_m
-        surfaces.append(tape(own, Patch(f"tape_{i}", size, seed), piece.curvature_per_m, bed_m))
+        surfaces.append(tape(own, SurfacePatch(f"tape_{i}", size, seed), piece.curvature_per_m, bed_m))
     meshes = line_mesh.tapes(
         line,
         [surface.name for surface in surfaces],
@@ -116,18 +116,18 @@ def _taped(line: Line, own: TapeLook, bed_m: float, seed: int) -> list[Part]:
     return [(mesh, (surface,)) for mesh, surface in zip(meshes, surfaces, strict=True)]
 
 
-def _painted(line: Line, own: LinePaintLook, seed: int) -> list[Part]:
-    surface = line_paint(own, Patch("line_paint", (line.length_m, line.width_m), seed))
+def _painted(line: Line, own: LinePaintLook, seed: int) -> list[MeshAndSurfaces]:
+    surface = line_paint(own, SurfacePatch("line_paint", (line.length_m, line.width_m), seed))
     meshes = line_mesh.paint(line, surface.name, thickness_m=own.thickness_m, bleeding_m=own.bleeding_m, seed=seed)
     return [(mesh, (surface,) if number == 0 else ()) for number, mesh in enumerate(meshes)]
 
 
-def _box(box: Box, look: LookConfig, seed: int) -> Part:
+def _box(box: Box, look: LookConfig, seed: int) -> MeshAndSurfaces:
     name = f"{box.kind}_{box.name}"
     length, width, height = box.size
-    ends = body_material(look, box.surface, Patch(f"{name}_ends", (width, height), seed))
-    sides = body_material(look, box.surface, Patch(f"{name}_sides", (length, height), seed))
-    lid = body_material(look, box.surface, Patch(f"{name}_lid", (length, width), seed))
+    ends = body_material(look, box.surface, SurfacePatch(f"{name}_ends", (width, height), seed))
+    sides = body_material(look, box.surface, SurfacePatch(f"{name}_sides", (length, height), seed))
+    lid = body_material(look, box.surface, SurfacePatch(f"{name}_lid", (length, width), seed))
     # No face lies on the floor: where two coincide, glass would turn black.
     around = (ends.name, sides.name, ends.name, sides.name)
     bevel_m = _GLASS_BEVEL_M if box.surface == "glass" else BEVEL_M

@@ -34,7 +34,7 @@ class Expression:
 
 
 @dataclass(frozen=True)
-class Number(Expression):
+class Constant(Expression):
     value: float
     kind: Literal["number"] = "number"
 
@@ -51,7 +51,7 @@ def paint_color(paint: Paint, *, times: float = 1.0) -> Color:
 
 
 @dataclass(frozen=True)
-class Coordinate(Expression):
+class SurfaceCoordinate(Expression):
     """One of the surface coordinates [m]."""
 
     axis: Literal["u", "v"]
@@ -59,7 +59,7 @@ class Coordinate(Expression):
 
 
 @dataclass(frozen=True)
-class Noise(Expression):
+class NoiseTexture(Expression):
     """Fractal gradient noise, 0-1 with mean 0.5."""
 
     per_m: tuple[float, float]
@@ -104,7 +104,7 @@ class Tiles(Expression):
 
 
 @dataclass(frozen=True)
-class Picture(Expression):
+class ImageTexture(Expression):
     """A picture of the user's own, repeated along u and v; its colours are linear, white 1."""
 
     sha256: str
@@ -114,14 +114,14 @@ class Picture(Expression):
     at_m: tuple[float, float]
     """Lower left corner of one of them."""
     mean: RGB
-    kind: Literal["picture"] = "picture"
+    kind: Literal["image"] = "image"
 
 
 @dataclass(frozen=True)
 class Arithmetic(Expression):
     operation: Literal["add", "subtract", "multiply", "maximum", "sine"]
     a: "Texture"
-    b: "Texture" = Number(0.0)
+    b: "Texture" = Constant(0.0)
     """Not used by sine."""
     kind: Literal["arithmetic"] = "arithmetic"
 
@@ -147,14 +147,14 @@ class Mix(Expression):
 
 
 Texture = Annotated[
-    Union[Number, Color, Coordinate, Noise, Cells, Tiles, Picture, Arithmetic, Step, Mix],  # noqa: UP007 (forward references)
+    Union[Constant, Color, SurfaceCoordinate, NoiseTexture, Cells, Tiles, ImageTexture, Arithmetic, Step, Mix],  # noqa: UP007 (forward references)
     Field(discriminator="kind"),
 ]
 
 
 def as_texture(value: "Expression | float") -> "Texture":
     """The expression itself, or a number as one."""
-    return value if isinstance(value, Expression) else Number(float(value))  # pyright: ignore[reportReturnType]
+    return value if isinstance(value, Expression) else Constant(float(value))  # pyright: ignore[reportReturnType]
 
 
 @dataclass(frozen=True)

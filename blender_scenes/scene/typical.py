@@ -6,13 +6,13 @@ from blender_scenes.scene.shading import (
     Arithmetic,
     Cells,
     Color,
-    Coordinate,
+    Constant,
+    ImageTexture,
     Mix,
-    Noise,
-    Number,
-    Picture,
+    NoiseTexture,
     Step,
     Surface,
+    SurfaceCoordinate,
     Texture,
     Tiles,
 )
@@ -29,17 +29,17 @@ def typical_color(surface: Surface) -> RGB:
 
 def _typical(texture: Texture) -> RGB | float:
     match texture:
-        case Number(value) | Color(value):
+        case Constant(value) | Color(value):
             return value
-        case Noise():
+        case NoiseTexture():
             return 0.5
         case Cells():
             return _CELL_MEANS[texture.value]
         case Tiles():
             return 0.5 if texture.value == "random" else 0.0
-        case Picture():
+        case ImageTexture():
             return texture.mean
-        case Coordinate():
+        case SurfaceCoordinate():
             return 0.05  # somewhere on the surface, away from its border
         case Step(of, low, high):
             share = min(max((_number(of) - low) / (high - low), 0.0), 1.0)

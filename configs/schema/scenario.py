@@ -61,9 +61,9 @@ def _each_once(names: tuple[str, ...]) -> tuple[str, ...]:
 RenderQuality = Literal["draft", "standard", "high", "reference"]
 """`blender_scenes.render.sampling` says what each is."""
 RenderDevice = Literal["auto", "cpu", "gpu"]
-RenderMethod = Literal["auto", "whole", "parts"]
-"""`blender_scenes.render.sampling` says when `auto` is which."""
-_IN_PARTS: tuple[RenderQuality, ...] = ("draft", "standard")
+RenderMethod = Literal["auto", "full", "hybrid"]
+"""`blender_scenes.render.sampling` says which of the two `auto` chooses."""
+_HYBRID_QUALITIES: tuple[RenderQuality, ...] = ("draft", "standard")
 
 
 def _is_auto(method: RenderMethod) -> bool:
@@ -75,10 +75,10 @@ class Render(Section):
     width_px: Annotated[int, PLANNED] = Field(default=640, ge=16, le=8192)
     height_px: Annotated[int, PLANNED] = Field(default=480, ge=16, le=8192)
     quality: RenderQuality = "standard"
-    """How true the picture is to its light: `standard` errs by no more than JPEG adds, `draft` is for looking."""
+    """Accuracy of the image: `standard` has errors no larger than those of JPEG, `draft` is for a quick look."""
     method: RenderMethod = Field(default="auto", exclude_if=_is_auto)
-    """`parts` puts pictures together from maps of the floor and light of few samples: several times faster, with faults
-    of its own; `auto` does so for pictures of `standard` quality, 320 pixels wide or more, on the processor."""
+    """`full` traces every image whole. `hybrid` combines maps of the floor with light of few samples: several times
+    faster, with small errors. `auto` is `hybrid` for `standard` quality and 320 pixels or more on the processor."""
     samples: int | None = Field(default=None, ge=1, le=65_536)
     """Light paths per pixel, in place of those of the quality."""
     device: Annotated[RenderDevice, Fixed("it is the machine's, for the whole command")] = "cpu"
@@ -92,14 +92,16 @@ class Render(Section):
     """What is known exactly of each image, in files of their own beside the images, which stay as they are without."""
 
     @model_validator(mode="after")
-    def _parts_are_denoised(self) -> "Render":
-        if self.method == "parts":
-            if self.quality not in _IN_PARTS:
-                raise disagreement("quality", self.quality, f"{' or '.join(_IN_PARTS)} where render.method is parts")
+    def _hybrid_images_are_denoised(self) -> "Render":
+        if self.method == "hybrid":
+            if self.quality not in _HYBRID_QUALITIES:
+                raise disagreement(
+                    "quality", self.quality, f"{' or '.join(_HYBRID_QUALITIES)} where render.method is hybrid"
+                )
             if self.samples is not None:
-                raise disagreement("samples", self.samples, "none where render.method is parts; take another quality")
+                raise disagreement("samples", self.samples, "none with render.method hybrid; take another quality")
             if not self.denoise:
-                raise disagreement("denoise", "false", "true where render.method is parts")
+                raise disagreement("denoise", "false", "true with render.method hybrid")
         return self
 
 

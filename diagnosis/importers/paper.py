@@ -11,7 +11,7 @@ from diagnosis.importers.base import Importer
 from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.motor_identification import TABLE_1
-from diagnosis.validation.range_sensor.paper import TABLE_3, TABLE_4, Printed
+from diagnosis.validation.range_sensor.paper import TABLE_3, TABLE_4, PrintedReadings
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.time_series import TimeSeries
@@ -31,7 +31,7 @@ def _motor() -> Measurement:
     return Measurement("table-1", Kind.MOTOR_STEADY, _source("Table 1"), (_trial(row, channels),), notes=notes)
 
 
-def _surfaces(number: int, table: Mapping[SurfaceName, Printed]) -> Measurement:
+def _surfaces(number: int, table: Mapping[SurfaceName, PrintedReadings]) -> Measurement:
     row = np.arange(len(table), dtype=np.float64)
     mean_m = 1e-3 * np.array([printed.mean_mm for printed in table.values()])
     sd_m = 1e-3 * np.array([printed.sd_mm for printed in table.values()])

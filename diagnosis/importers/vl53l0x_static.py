@@ -7,7 +7,7 @@ import numpy as np
 from diagnosis.importers.base import Importer, first_line, only_log
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
-from diagnosis.validation.range_sensor.recordings.static import read_record
+from diagnosis.validation.range_sensor.recordings.static import read_rest_recording
 from symolo.core.time_series import TimeSeries
 
 
@@ -17,7 +17,7 @@ def _is_log(path: Path) -> bool:
 
 def _read(path: Path) -> Measurement:
     path = only_log(path, _is_log) or path
-    record = read_record(path)
+    record = read_rest_recording(path)
     t_s = np.arange(len(record.readings_mm)) / record.rate_hz
     reading = Channel.logged(TimeSeries("reading_m", "m", t_s, 1e-3 * record.readings_mm), Role.READING)
     trial = Trial("1", t_s, np.zeros(len(t_s), dtype=bool), (reading,))

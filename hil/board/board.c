@@ -33,7 +33,7 @@
 #define BITS 10            /* start, eight of data, stop */
 #define UNREAD_MOST 3      /* two in the receive buffer and one in the shift register (ATmega2560, section 22.7.1) */
 #define QUEUE 16384        /* bytes; a power of two */
-#define BEHIND_MOST_NS 100000000LL
+#define BEHIND_MAX_NS 100000000LL
 #define BUSY_NS 5000000LL
 
 typedef struct {
@@ -297,7 +297,7 @@ static void real_time(void)
     for (;;) {
         int64_t now = now_ns();
         int64_t behind = now - began - (int64_t)((unsigned __int128)avr->cycle * 1000000000U / avr->frequency);
-        if (behind > BEHIND_MOST_NS)
+        if (behind > BEHIND_MAX_NS)
             began += behind; /* the machine slept; a board that races to catch up is no board */
         run_until((uint64_t)((unsigned __int128)(now - began) * avr->frequency / 1000000000U));
         while (waiting(&from_board) && from_board.cycle[from_board.read % QUEUE] <= avr->cycle)

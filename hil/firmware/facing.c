@@ -49,7 +49,7 @@ static enum facing_phase sweep_in(struct facing *facing, const struct sensors *s
         facing->sweep[at].yaw_rad = yaw;
     }
     bool over = facing->swept > 0 && !visible;
-    if (!over && turned_rad < AVOIDANCE_CURVES_FACE_MOST_IN_RAD)
+    if (!over && turned_rad < AVOIDANCE_CURVES_FACE_MAX_IN_RAD)
         return FACING_SWEEP_IN;
     facing->heading_rad = facing->swept > 0 ? heading_of_the_middle(facing) : facing->since.yaw_rad;
     return FACING_FACE;
@@ -68,15 +68,15 @@ static enum facing_phase next_phase(struct facing *facing, const struct sensors 
     case FACING_BACK:
         return travelled_m >= AVOIDANCE_CURVES_FACE_BACK_M ? FACING_TURN_OUT : FACING_BACK;
     case FACING_TURN_OUT:
-        return !is_visible(seen) || turned_rad > AVOIDANCE_CURVES_FACE_MOST_OUT_RAD ? FACING_SWEEP_IN : FACING_TURN_OUT;
+        return !is_visible(seen) || turned_rad > AVOIDANCE_CURVES_FACE_MAX_OUT_RAD ? FACING_SWEEP_IN : FACING_TURN_OUT;
     case FACING_SWEEP_IN:
         return sweep_in(facing, seen, odometry.yaw_rad, turned_rad);
     case FACING_FACE:
         if (fabsf(odometry.yaw_rad - facing->heading_rad) < AVOIDANCE_CURVES_FACE_TOLERANCE_RAD)
             return FACING_TRIM;
-        return turned_rad > AVOIDANCE_CURVES_FACE_MOST_IN_RAD ? FACING_TRIM : FACING_FACE;
+        return turned_rad > AVOIDANCE_CURVES_FACE_MAX_IN_RAD ? FACING_TRIM : FACING_FACE;
     case FACING_TRIM:
-        if (is_at_the_distance(seen) || travelled_m > AVOIDANCE_CURVES_FACE_MOST_TRIM_M)
+        if (is_at_the_distance(seen) || travelled_m > AVOIDANCE_CURVES_FACE_MAX_TRIM_M)
             return FACING_DONE;
         return FACING_TRIM;
     default:

@@ -85,7 +85,7 @@ def hil(
     with batch.workspace.locked():
         for line in again(batch.workspace, batch.specs):
             report.say(line)
-        batch.keep_own_files()
+        batch.keep_user_files()
         failures = drive_runs(batch.workspace, batch.specs, port or "", report)
         failures += batch.render(failures, report)
         batch.assemble(failures, report)

@@ -230,7 +230,7 @@ def _done(
     for line in again(batch.workspace, batch.specs):
         report.say(line)
     if "render" in stages:
-        batch.keep_own_files()
+        batch.keep_user_files()
     if "simulate" in stages:
         failed += batch.simulate(report)
     if "render" in stages:

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from blender_scenes.render.sampling import Sampling, sampling
+from blender_scenes.render.sampling import TracingSettings, tracing_settings
 from configs.schema.scenario import RunSpec
-from sensors.camera.lens_warp import pinhole_picture
+from sensors.camera.lens_warp import pinhole_image
 from symolo.core.pinhole import intrinsics
 from symolo.core.progress import seconds
 
@@ -23,8 +23,8 @@ DENOISE_S = {"FAST": 4e-6, "ACCURATE": 2e-5}
 """Per pixel on one core, by the prefilter of the denoiser's guides."""
 BYTES_PER_PIXEL = 0.2
 """Of a JPEG of quality 92."""
-PARTS_FRAME_S, PARTS_PIXEL_S = 0.8, 3.7e-6
-"""Of one core for an image put together from parts, and for each of its pixels; its share of the maps included."""
+HYBRID_FRAME_S, HYBRID_PIXEL_S = 0.8, 3.7e-6
+"""Of one core for an image from hybrid rendering, and for each of its pixels; its share of the maps included."""
 ANNOTATION_PIXEL_S = 1.5e-6
 """Per pixel on one core, all annotations together."""
 ANNOTATION_BYTES_PER_PIXEL = 0.6
@@ -50,7 +50,7 @@ class PlannedRun:
     height_px: int
     annotated: bool
     quality: str
-    sampling: Sampling
+    sampling: TracingSettings
     margin: float
     """Pixels that are traced, to those of the picture: more behind a lens."""
     render_core_s: float
@@ -124,17 +124,17 @@ class ScenarioPlan:
     def _tracing(self) -> str:
         """What is assumed of rays and denoiser."""
         ways = []
-        if any(run.sampling.parts for run in self.runs):
+        if any(run.sampling.hybrid for run in self.runs):
             ways.append(
-                f"{PARTS_FRAME_S:g} s and {1e6 * PARTS_PIXEL_S:g} us a pixel for an image put together from parts, "
+                f"{HYBRID_FRAME_S:g} s and {1e6 * HYBRID_PIXEL_S:g} us a pixel for an image from hybrid rendering, "
             )
-        if any(not run.sampling.parts for run in self.runs):
+        if any(not run.sampling.hybrid for run in self.runs):
             ways.append(f"{1e6 * RENDER_SAMPLE_S:g} us a pixel and sample, {self._denoising()}")
         return "".join(ways)
 
     def _denoising(self) -> str:
         """What is assumed of the denoiser, where there is one."""
-        whole = [run.sampling for run in self.runs if run.sampling.denoise and not run.sampling.parts]
+        whole = [run.sampling for run in self.runs if run.sampling.denoise and not run.sampling.hybrid]
         costs = sorted({DENOISE_S[sampled.prefilter] for sampled in whole})
         return f"{' or '.join(f'{1e6 * cost:g}' for cost in costs)} us a pixel to denoise, and " if costs else "and "
 
@@ -148,17 +148,17 @@ class ScenarioPlan:
         return f"{lens}; all annotations {own}, and {ANNOTATION_BYTES_PER_PIXEL:g} bytes a pixel"
 
 
-def pixel_s(sampled: Sampling) -> float:
+def pixel_s(sampled: TracingSettings) -> float:
     """Of one core for a pixel that is traced, denoising included [s]."""
-    if sampled.parts:
-        return PARTS_PIXEL_S
+    if sampled.hybrid:
+        return HYBRID_PIXEL_S
     return sampled.samples * RENDER_SAMPLE_S + (DENOISE_S[sampled.prefilter] if sampled.denoise else 0.0)
 
 
-def _samples(sampled: Sampling) -> str:
-    if sampled.parts:
-        own = sampled.parts
-        return f"put together from parts, {own.near} and {own.far} samples of light and {own.surfaces} of surfaces"
+def _samples(sampled: TracingSettings) -> str:
+    if sampled.hybrid:
+        own = sampled.hybrid
+        return f"from hybrid rendering, {own.near} and {own.far} samples of light and {own.surfaces} of surfaces"
     return f"{sampled.samples} samples a pixel"
 
 
@@ -167,10 +167,10 @@ def _planned(spec: RunSpec) -> PlannedRun:
     images = int(duration_s * spec.rates.camera_hz) + 1
     render = spec.render
     pixels, annotated = render.width_px * render.height_px, bool(render.annotations)
-    pinhole = pinhole_picture(intrinsics(spec.robot.camera, render.width_px, render.height_px)).camera
+    pinhole = pinhole_image(intrinsics(spec.robot.camera, render.width_px, render.height_px)).camera
     traced = pinhole.width_px * pinhole.height_px
-    sampled = sampling(render, spec.seed)
-    image_s = (PARTS_FRAME_S if sampled.parts else 0.0) + RENDER_FRAME_S + traced * pixel_s(sampled)
+    sampled = tracing_settings(render, spec.seed)
+    image_s = (HYBRID_FRAME_S if sampled.hybrid else 0.0) + RENDER_FRAME_S + traced * pixel_s(sampled)
     annotation_s = RENDER_START_S + images * (RENDER_FRAME_S + traced * ANNOTATION_PIXEL_S) if annotated else 0.0
     return PlannedRun(
         run=spec.key,

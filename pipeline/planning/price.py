@@ -140,7 +140,7 @@ def _drive_s(spec: RunSpec, scratch: Path, report: Report) -> float:
 
 
 def _timed(batch: Batch, simulate_s: float, report: Report) -> Price:
-    batch.keep_own_files()
+    batch.keep_user_files()
     _good(batch.simulate(report))
     simulated = time.perf_counter()
     _good(batch.render([], report))

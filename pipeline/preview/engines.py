@@ -13,7 +13,7 @@ from pipeline.executors.local import Local
 from pipeline.planning.plan import pictures_bytes
 from pipeline.preview import Engine
 from pipeline.preview.views import PreviewImage, on_device
-from pipeline.run_folder.own_files import keep_own_files
+from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import StageFolder
 from pipeline.stages.render import IMAGES, RenderTask, render_runs
 from symolo.core.disk_space import check_scratch
@@ -36,12 +36,12 @@ def check_size(view: PreviewImage, count: int, columns: int) -> None:
 def pictures(engine: Engine, views: Sequence[PreviewImage], workers: int, report: Report) -> Made:
     """Of all views that can be seen."""
     with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as folder:
-        own_files = Path(folder) / "assets"
+        user_files = Path(folder) / "assets"
         for view in views:
-            keep_own_files((view.look.look,), view.assets, own_files)
+            keep_user_files((view.look.look,), view.assets, user_files)
         if engine is Engine.FLAT:
-            return _flat(views, own_files, report)
-        return _cycles(views, Path(folder), own_files, workers, report)
+            return _flat(views, user_files, report)
+        return _cycles(views, Path(folder), user_files, workers, report)
 
 
 def sheet(views: Sequence[PreviewImage], made: dict[int, Pixels], columns: int) -> Pixels:
@@ -51,14 +51,14 @@ def sheet(views: Sequence[PreviewImage], made: dict[int, Pixels], columns: int) 
     return stacked([row(cells[i : i + columns], width_px) for i in range(0, len(cells), columns)])
 
 
-def _flat(views: Sequence[PreviewImage], own_files: Path, report: Report) -> Made:
+def _flat(views: Sequence[PreviewImage], user_files: Path, report: Report) -> Made:
     """Without Blender, some tenths of a second each."""
     made, failures = {}, []
     with report.stage("preview", len(views), "images") as stage:
         for view in views:
             try:
                 job = view.job()
-                picture = FlatRenderer(job, own_files).picture(job.frames[0])
+                picture = FlatRenderer(job, user_files).picture(job.frames[0])
             except ValueError as error:
                 failures.append(FailedRun.of(view.name, "preview", str(error)))
             else:
@@ -67,14 +67,16 @@ def _flat(views: Sequence[PreviewImage], own_files: Path, report: Report) -> Mad
     return made, failures
 
 
-def _cycles(views: Sequence[PreviewImage], folder: Path, own_files: Path, workers: int, report: Report) -> Made:
+def _cycles(views: Sequence[PreviewImage], folder: Path, user_files: Path, workers: int, report: Report) -> Made:
     """As the render stage makes them."""
     render = views[0].look.render
     each = pictures_bytes(1, render.width_px * render.height_px, annotated=False)
     check_scratch(len(views) * each, "ask for fewer pictures by -n")
     views = on_device(views)
     folders = {view.number: StageFolder(folder / str(view.number)) for view in views}
-    orders = (RenderTask.order(view.name, folders[view.number], view.job(), (view.frame,), own_files) for view in views)
+    orders = (
+        RenderTask.order(view.name, folders[view.number], view.job(), (view.frame,), user_files) for view in views
+    )
     failures = render_runs(orders, Local(workers), report)
     failed = {failure.run for failure in failures}
     good = [view.number for view in views if view.name not in failed]

@@ -21,7 +21,7 @@ from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 from symolo.core.random_streams import stream
 
-_DRAFT = ("render.quality=draft", "render.method=whole")
+_DRAFT = ("render.quality=draft", "render.method=full")
 """Under what `--set` says. The maps of pictures from parts would be made for a single one each."""
 _GOLDEN = 0.618033988749895
 """Steps of this share of the way spread evenly, however many are taken (Weyl's sequence)."""

@@ -6,7 +6,7 @@ from pathlib import Path, PurePosixPath
 
 from blender_scenes.annotations.document import document
 from blender_scenes.annotations.job import AnnotationJob, record_file
-from blender_scenes.annotations.record import Record
+from blender_scenes.annotations.record import FrameRecord
 from configs.schema.scenario import RunSpec
 from pipeline.executors.local import Local
 from pipeline.repair.repair_state import RepairState, RepairTools
@@ -15,8 +15,9 @@ from pipeline.stages.annotate import AnnotationTask
 from pipeline.stages.assemble import DATA
 from pipeline.stages.render import IMAGES, JOB, Appearance, FrameTask, Order, RenderTask, blocks
 from pipeline.work.supervisor import AnyEvent, AnyUnit
-from pipeline.work.units import Finished, Progress, RenderUnit
+from pipeline.work.units import Progress, RenderUnit
 from symolo.core.atomic_files import make_folder, write_file
+from symolo.core.child_process import Finished
 from symolo.core.errors import InputError
 from symolo.core.file_hashes import sha256_of
 from symolo.dataset.annotations import DOCUMENT, RECORD_KINDS
@@ -76,7 +77,7 @@ def _ordered(
     run = spec.key
     if state.read(f"{run}/{DATA}") is None:
         raise InputError("the poses of its data.csv are needed, which is not restored")
-    kept = state.workspace.own_files
+    kept = state.workspace.user_files
     if pictures and any(not _is_kept(kept, file.sha256) for file in spec.look.files):
         raise InputError("it shows pictures of your own, and .stages/assets no longer holds them")
     rows = read_rows(state.out / run / DATA)
@@ -127,7 +128,7 @@ def _document(task: FrameTask) -> bytes | None:
     job = AnnotationJob.from_json((task.folder.path / JOB).read_text())
     names = [record_file(frame.number) for frame in task.frames] if {*RECORD_KINDS} & {*job.kinds} else []
     try:
-        records = [Record.from_json((task.files / name).read_bytes()) for name in names]
+        records = [FrameRecord.from_json((task.files / name).read_bytes()) for name in names]
     except OSError:
         return None
     return document(job, IMAGES, records).to_json()

@@ -22,7 +22,7 @@ from pipeline.executors.base import Executor
 from pipeline.planning.plan import BYTES_PER_JOB, pictures_bytes
 from pipeline.rerendering.unit_checks import check_on_the_floor, check_radians
 from pipeline.run_folder.output import check_out
-from pipeline.run_folder.own_files import keep_own_files
+from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import Workspace, input_key, mark_done
 from pipeline.stages.annotate import AnnotationTask, copy_released
 from pipeline.stages.assemble import DATA, POSITIONS, SIDE
@@ -169,13 +169,13 @@ def render_source(
     """Render what `prepare` found, annotate it where asked for, and fill a folder with each of it."""
     places = {draw.name: (draw, folder) for draw, folder in zip(draws, folders, strict=True)}
     for draw, folder in places.values():
-        keep_own_files((draw.appearance.look,), draw.assets, folder.own_files)
+        keep_user_files((draw.appearance.look,), draw.assets, folder.user_files)
     pictures: dict[str, FrameTask] = {}
     annotations: dict[str, FrameTask] = {}
 
     def picture_orders() -> Iterator[Order]:
         for name, (draw, folder) in places.items():
-            order = RenderTask.of(name, draw.appearance, source.rows, folder.render("rerender"), folder.own_files)
+            order = RenderTask.of(name, draw.appearance, source.rows, folder.render("rerender"), folder.user_files)
             pictures[name] = order.task
             yield order
 

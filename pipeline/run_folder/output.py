@@ -15,7 +15,7 @@ MADE_BY = {
     Kind.DATASET: "release",
     Kind.PICTURES: "rerender --look",
     Kind.LOOKS: "rerender --looks",
-    Kind.BENCH: "bench",
+    Kind.VALIDATION: "validate",
     Kind.DIAGNOSIS: "diagnose",
     Kind.PICTURE_DIAGNOSIS: "pictures",
 }

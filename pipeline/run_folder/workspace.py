@@ -130,7 +130,7 @@ class Workspace:
         return StageFolder(self.out / STAGES / "assemble" / run_key)
 
     @property
-    def own_files(self) -> Path:
+    def user_files(self) -> Path:
         """The user's own pictures and panoramas, each under its SHA-256."""
         return self.out / STAGES / "assets"
 

@@ -5,7 +5,7 @@ from pathlib import Path, PurePosixPath
 
 from blender_scenes.annotations.document import document
 from blender_scenes.annotations.job import RECORDS_DIR, AnnotationJob, build_annotation_job, record_file
-from blender_scenes.annotations.record import Record
+from blender_scenes.annotations.record import FrameRecord
 from blender_scenes.render.job import RenderJob
 from pipeline.run_folder.workspace import StageFolder, mark_done
 from pipeline.stages.render import IMAGES, JOB, Appearance, FrameTask, ImageFindings, Order, Rendered, journal
@@ -36,7 +36,7 @@ class AnnotationTask(FrameTask):
     def finish(self, hashes: Mapping[str, str]) -> ImageFindings:
         job = self._job()
         records = [record_file(frame.number) for frame in self.frames]
-        seen = [Record.from_json((self.files / name).read_bytes()) for name in records if name in hashes]
+        seen = [FrameRecord.from_json((self.files / name).read_bytes()) for name in records if name in hashes]
         write_file(self.files / DOCUMENT, document(job, IMAGES, seen).to_json())
         texts = {name: sha256_of(self.folder.path / name) for name in (JOB, f"{ANNOTATIONS}/{DOCUMENT}")}
         made = {f"{ANNOTATIONS}/{name}": digest for name, digest in hashes.items()}

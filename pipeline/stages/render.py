@@ -23,11 +23,12 @@ from pipeline.executors.base import Executor
 from pipeline.run_folder.workspace import FAILED, StageFolder, input_key, mark_done
 from pipeline.stages.simulate_runs import failed_runs
 from pipeline.work.processors import cpu_class
-from pipeline.work.supervisor import AnyEvent, AnyUnit, Retried, SetAside
-from pipeline.work.units import Failed, Finished, Progress, RenderUnit
+from pipeline.work.supervisor import AnyEvent, AnyUnit, FrameGivenUp, Retried
+from pipeline.work.units import Progress, RenderUnit
 from sensors.camera.exposure_guard import Extremes, all_black, exposure_warnings
 from symolo.arena.geometry import Arena
 from symolo.core.atomic_files import make_folder, remove_file, remove_folder, write_file
+from symolo.core.child_process import Failed, Finished
 from symolo.core.file_hashes import canonical_json, sha256_of
 from symolo.core.file_locks import held
 from symolo.core.progress import Report
@@ -94,7 +95,7 @@ class FrameTask(ABC):
     folder: StageFolder
     job_sha256: str
     frames: tuple[FramePose, ...]
-    own_files: Path | None = None
+    user_files: Path | None = None
     """Folder of the user's own files by their SHA-256; None where none is shown."""
     device: DeviceKind = "CPU"
     """On which the files are made."""
@@ -106,11 +107,11 @@ class FrameTask(ABC):
         folder: StageFolder,
         job: RenderJob | AnnotationJob,
         frames: tuple[FramePose, ...],
-        own_files: Path | None = None,
+        user_files: Path | None = None,
     ) -> "Order":
         text = job.to_json()
         digest = hashlib.sha256(text.encode()).hexdigest()
-        return Order(cls(run, folder, digest, frames, own_files, job.sampling.device), text)
+        return Order(cls(run, folder, digest, frames, user_files, job.sampling.device), text)
 
     @property
     def key(self) -> str:
@@ -151,17 +152,17 @@ class Order:
 class RenderTask(FrameTask):
     """The pictures of one run."""
 
-    STAGE, FILES, WORK = "render", IMAGES, "pictures"
+    STAGE, FILES, WORK = "render", IMAGES, "images"
 
     @classmethod
     def of(
-        cls, run: str, appearance: Appearance, rows: Rows, folder: StageFolder, own_files: Path | None = None
+        cls, run: str, appearance: Appearance, rows: Rows, folder: StageFolder, user_files: Path | None = None
     ) -> Order:
         frames = frame_poses(rows)
         arena = Arena.from_config(appearance.arena)
         path = RobotPath(rows.t_ms / 1000, rows.pose, rows.twist)
         job = appearance.job(arena, frames, path)
-        return cls.order(run, folder, job, frames, own_files)
+        return cls.order(run, folder, job, frames, user_files)
 
     def names(self) -> list[str]:
         return [frame_name(frame.number) for frame in self.frames]
@@ -265,7 +266,7 @@ class _Finishing:
         self._failed: list[FailedRun] = []
 
     def hear(self, unit: AnyUnit, event: AnyEvent) -> None:
-        if isinstance(event, Failed | SetAside):
+        if isinstance(event, Failed | FrameGivenUp):
             self._tasks.pop(unit.name, None)
         elif isinstance(event, Finished):
             self._left[unit.name] -= 1
@@ -312,7 +313,7 @@ def blocks(tasks: Sequence[FrameTask], executor: Executor) -> list[RenderUnit]:
             folder=task.files,
             numbers=own[start : start + size],
             threads=threads,
-            own_files=task.own_files,
+            user_files=task.user_files,
         )
         for task, own, size in zip(tasks, numbers, sizes, strict=True)
         for start in range(0, len(own), size)

@@ -11,7 +11,7 @@ from pipeline.executors.base import Executor
 from pipeline.planning.drawing import draw_reported
 from pipeline.planning.plan import ScenarioPlan
 from pipeline.run_folder.output import check_out
-from pipeline.run_folder.own_files import keep_own_files
+from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.annotate import AnnotationTask
 from pipeline.stages.assemble import assemble
@@ -67,13 +67,13 @@ class Batch:
         device = device_for(specs[0].render.device) if pictured else "CPU"
         return cls(loaded, specs, Workspace(out.absolute()), executor.on(device), device)
 
-    def keep_own_files(self) -> None:
+    def keep_user_files(self) -> None:
         """Copy the user's own files for the renderers: before the runs are simulated, which leaves time to change them.
 
         Raises:
             InputError: One of them is gone or has changed.
         """
-        keep_own_files((spec.look for spec in self.specs), self.loaded.assets, self.workspace.own_files)
+        keep_user_files((spec.look for spec in self.specs), self.loaded.assets, self.workspace.user_files)
 
     def prepare_boards(self) -> None:
         """See that the boards that drive can be had, before anything is written.
@@ -141,8 +141,8 @@ class Batch:
         for spec in self.specs:
             if spec.key not in failed:
                 rows = Rows.from_recording(read_recording(self.workspace.simulate(spec.key).path))
-                folder, own_files = self.workspace.render(spec.key), self.workspace.own_files
-                yield RenderTask.of(spec.key, Appearance.of(spec, self.device), rows, folder, own_files)
+                folder, user_files = self.workspace.render(spec.key), self.workspace.user_files
+                yield RenderTask.of(spec.key, Appearance.of(spec, self.device), rows, folder, user_files)
 
     def _annotation_orders(self, pictures: Sequence[FrameTask], failures: Sequence[FailedRun]) -> Iterator[Order]:
         """None where the scenario asks for no annotations."""

@@ -25,7 +25,7 @@ _COARSE, _NEWTON_STEPS = 33, 4
 
 
 @dataclass(frozen=True)
-class PinholePicture:
+class PinholeImage:
     """What is rendered: pixel (u, v) of the final picture lies at (u + left, v + top), were there no distortion."""
 
     camera: Intrinsics
@@ -33,14 +33,14 @@ class PinholePicture:
     top_px: int
 
 
-def pinhole_picture(camera: Intrinsics) -> PinholePicture:
+def pinhole_image(camera: Intrinsics) -> PinholeImage:
     """The pinhole picture that holds every ray of the camera; the camera's own where there is no distortion.
 
     Raises:
         ValueError: The lens brings no ray to some pixel of the border.
     """
     if camera.distortion == NO_DISTORTION:
-        return PinholePicture(camera, 0, 0)
+        return PinholeImage(camera, 0, 0)
     focal, axis = np.array([camera.fx_px, camera.fy_px]), np.array([camera.cx_px, camera.cy_px])
     last = np.array([camera.width_px, camera.height_px]) - 1
     low, high = ((corner - axis) / focal for corner in (np.zeros(2), last))
@@ -61,7 +61,7 @@ def pinhole_picture(camera: Intrinsics) -> PinholePicture:
         camera.cx_px + left,
         camera.cy_px + top,
     )
-    return PinholePicture(pinhole, left, top)
+    return PinholeImage(pinhole, left, top)
 
 
 def through_lens(light: Image, camera: Intrinsics, late: Image | None = None) -> Image:
@@ -95,5 +95,5 @@ def sources(camera: Intrinsics) -> Image:
     near = cv2.remap(rays, at[..., 0], at[..., 1], cv2.INTER_LINEAR).reshape(-1, 2).astype(np.float64)
     focal, axis = np.array([camera.fx_px, camera.fy_px]), np.array([camera.cx_px, camera.cy_px])
     exact = refined(camera.distortion, (pixels - axis) / focal, near, _NEWTON_STEPS)
-    found = pinhole_picture(camera)
+    found = pinhole_image(camera)
     return (exact * focal + axis + (found.left_px, found.top_px)).astype(np.float32).reshape(*u.shape, 2)

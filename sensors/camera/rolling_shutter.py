@@ -7,7 +7,7 @@ up for to first order: exactly where the camera turns, and for points on the flo
 
 import numpy as np
 
-from sensors.camera.lens_warp import Image, pinhole_picture, sources
+from sensors.camera.lens_warp import Image, pinhole_image, sources
 from sensors.camera.shutter import window
 from sensors.camera.views import FrameView
 from symolo.core.lens import NO_DISTORTION
@@ -18,7 +18,7 @@ def lateness(view: FrameView, camera: Intrinsics, shutter: Shutter) -> Image | N
     """(H, W, 2) for `through_lens`; None where there is nothing to make up for."""
     if camera.distortion == NO_DISTORTION or shutter.read_out_s == 0 or not view.exposure:
         return None
-    found = pinhole_picture(camera)
+    found = pinhole_image(camera)
     at = sources(camera).astype(np.float64)
     rows_late = at[..., 1] - found.top_px - np.arange(camera.height_px)[:, None]
     late_s = rows_late * (shutter.read_out_s / camera.height_px)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from physics.robot.path import RobotPath
-from sensors.camera.lens_warp import pinhole_picture
+from sensors.camera.lens_warp import pinhole_image
 from sensors.camera.views import FrameView, Moment
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
@@ -34,7 +34,7 @@ def window(shutter: Shutter, camera: Intrinsics) -> Window:
     Cycles exposes the middle of row r of H ((r + 1) / H - 0.5) of its read-out after the middle of the window
     (kernel/camera/camera.h), which is half a row later than `Shutter.row_opens_s` has it.
     """
-    pinhole = pinhole_picture(camera)
+    pinhole = pinhole_image(camera)
     row_s = shutter.read_out_s / camera.height_px
     rows = pinhole.camera.height_px
     length_s = shutter.exposure_s + row_s * rows

@@ -4,7 +4,7 @@ import platform
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
@@ -15,9 +15,11 @@ from symolo.core.os_errors import NOT_THERE
 from symolo.core.versions import versions
 from symolo.dataset.annotations import AnnotationName
 from symolo.dataset.codes import BoardKind, FramingName, State
+from symolo.dataset.column import Column
 from symolo.dataset.obstacles import obstacle_table
 from symolo.dataset.rows import COLUMNS, HEADER, Rows
 from symolo.dataset.run_document import RunDocument
+from symolo.dataset.sensor_tables import SENSOR_NAME, TAKEN_NAMES, TIME
 from symolo.dataset.side_tables import BOARD, CAMERA, TOF, WHEELS, SideTable
 
 METADATA = "metadata.json"
@@ -195,6 +197,8 @@ class ColumnRecord(Record):
     name: str
     unit: str
     meaning: str = ""
+    decimals: int | None = Field(default=None, ge=0, exclude_if=lambda decimals: decimals is None)
+    """Digits after the point in the table of a sensor of `sensors`; a column of 0 digits holds whole numbers."""
 
 
 class Metadata(Record):
@@ -212,10 +216,37 @@ class Metadata(Record):
     states: dict[int, str]
     columns: dict[str, list[ColumnRecord]]
     """Columns by file name."""
+    sensors: dict[Annotated[str, Field(pattern=SENSOR_NAME)], str] = Field(
+        default_factory=dict, exclude_if=lambda sensors: not sensors
+    )
+    """Sensors of `robot.sensors`, each with the meaning of its table `side/<name>.csv`."""
     scenario: dict[str, Any]
     """The resolved scenario with arena, robot and look; a mapping such as {uniform: [a, b]} is a distribution."""
     runs: list[RunRecord] = Field(min_length=1)
     failed_runs: list[FailedRun]
+
+    @model_validator(mode="after")
+    def _sensors_have_columns(self) -> "Metadata":
+        for name in self.sensors:
+            file = f"side/{name}.csv"
+            columns = self.columns.get(file, [])
+            if name in TAKEN_NAMES:
+                raise ValueError(f"sensors: {file} is not the table of a sensor")
+            if len(columns) < 2 or columns[0].name != TIME.name or any(c.decimals is None for c in columns):
+                raise ValueError(f"columns: {file} has not the columns of a sensor: t, and each with its decimals")
+        return self
+
+    @property
+    def sensor_tables(self) -> tuple[SideTable, ...]:
+        """Tables of the sensors of `robot.sensors`."""
+        return tuple(
+            SideTable(
+                f"{name}.csv",
+                meaning,
+                tuple(Column(c.name, c.unit, c.decimals or 0, c.meaning) for c in self.columns[f"side/{name}.csv"]),
+            )
+            for name, meaning in self.sensors.items()
+        )
 
     def to_json(self) -> bytes:
         return canonical_json(self.model_dump(mode="json"))
@@ -233,20 +264,29 @@ def made_with() -> dict[str, str]:
 
 
 def describe(
-    tree: dict[str, Any], specifications: Sequence[object], runs: Sequence[RunRecord], failed: Sequence[FailedRun]
+    tree: dict[str, Any],
+    specifications: Sequence[object],
+    runs: Sequence[RunRecord],
+    failed: Sequence[FailedRun],
+    sensors: Sequence[SideTable] = (),
 ) -> Metadata:
     """Return the metadata of a dataset.
 
     Args:
         tree: The scenario as loaded, before anything is drawn.
-        specifications: Of the runs; objects with the fields of a `RunDocument`.
-        runs: Facts of the runs that are released.
-        failed: Runs that are not.
+        specifications: Specifications of the runs: objects with the fields of a `RunDocument`.
+        runs: The released runs.
+        failed: The runs that are not released.
+        sensors: Tables of the sensors of `robot.sensors`.
     """
     first = RunDocument.model_validate(specifications[0])
     columns = {"data.csv": [ColumnRecord(name=c.name, unit=c.unit, meaning=c.meaning) for c in COLUMNS]}
     for table in side_tables(first):
         columns[f"side/{table.file}"] = [ColumnRecord(name=c.name, unit=c.unit) for c in table.columns]
+    for table in sensors:
+        columns[f"side/{table.file}"] = [
+            ColumnRecord(name=c.name, unit=c.unit, meaning=c.meaning, decimals=c.decimals) for c in table.columns
+        ]
     return Metadata(
         name=first.scenario,
         description=str(tree.get("description", "")),
@@ -256,6 +296,7 @@ def describe(
         frames=FRAMES,
         states=STATES,
         columns=columns,
+        sensors={table.name: table.meaning for table in sensors},
         scenario=tree,
         runs=list(runs),
         failed_runs=list(failed),

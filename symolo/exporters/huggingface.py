@@ -102,9 +102,16 @@ def _pictured(image: Image, path: Path) -> dict[str, object]:
 
 def _wide(run: Run) -> pd.DataFrame:
     """data.csv and the side tables beside it; the times of these are those of data.csv."""
-    others = [run.side(name).drop(columns="t") for name in run.side_names if name != _CAMERA]
-    wide = pd.concat([run.rows, *others], axis=1)
-    wide.attrs[UNITS] = {name: unit for table in (run.rows, *others) for name, unit in table.attrs[UNITS].items()}
+    sensors = {table.name for table in run.sensor_tables}
+    tables, units = [run.rows], {}
+    for name in run.side_names:
+        if name != _CAMERA:
+            table = run.side(name).drop(columns="t")
+            prefix = f"{name}_" if name in sensors else ""  # two sensors may have columns of the same name
+            units |= {f"{prefix}{column}": table.attrs[UNITS][column] for column in table}
+            tables.append(table.add_prefix(prefix))
+    wide = pd.concat(tables, axis=1)
+    wide.attrs[UNITS] = tables[0].attrs[UNITS] | units
     return wide
 
 

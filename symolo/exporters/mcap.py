@@ -6,7 +6,7 @@ from tempfile import TemporaryDirectory
 
 from symolo.core.extras import optional_module
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
-from symolo.exporters.ros_messages import TOPICS, Vocabulary, about_bytes, messages
+from symolo.exporters.ros_messages import Vocabulary, about_bytes, messages, topics
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
 
@@ -26,12 +26,12 @@ def _bag(run: Run) -> bytes:
     with TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as scratch:
         folder = Path(scratch) / name
         with rosbag2.Writer(folder, version=9, storage_plugin=rosbag2.StoragePlugin.MCAP) as bag:
-            profiles = {topic.name: [_kept_for_who_comes_later()] if topic.latched else [] for topic in TOPICS}
+            profiles = {topic.name: [_kept_for_who_comes_later()] if topic.latched else [] for topic in topics(run)}
             connections = {
                 topic.name: bag.add_connection(
                     topic.name, topic.type, typestore=store, offered_qos_profiles=profiles[topic.name]
                 )
-                for topic in TOPICS
+                for topic in topics(run)
             }
             for topic, at_ns, message in messages(run, Vocabulary(store, 2)):
                 bag.write(connections[topic.name], at_ns, store.serialize_cdr(message, topic.type))

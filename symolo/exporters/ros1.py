@@ -6,7 +6,7 @@ from tempfile import TemporaryDirectory
 
 from symolo.core.extras import optional_module
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
-from symolo.exporters.ros_messages import TOPICS, Vocabulary, about_bytes, messages
+from symolo.exporters.ros_messages import Vocabulary, about_bytes, messages, topics
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
 
@@ -29,7 +29,7 @@ def _bag(run: Run) -> bytes:
                 topic.name: bag.add_connection(
                     topic.name, topic.type, typestore=store, latching=1 if topic.latched else None
                 )
-                for topic in TOPICS
+                for topic in topics(run)
             }
             for topic, at_ns, message in messages(run, Vocabulary(store, 1)):
                 bag.write(connections[topic.name], at_ns, store.serialize_ros1(message, topic.type))

@@ -16,6 +16,7 @@ import pandas as pd
 from symolo.core.arrays import Array
 from symolo.core.poses import pose_X_WR, quaternions
 from symolo.dataset.codes import TofStatus
+from symolo.dataset.side_tables import SideTable
 from symolo.exporters.base import pictures_bytes
 from symolo.reader.run import Image, Run
 
@@ -125,15 +126,15 @@ def about_bytes(run: Run) -> int:
 
 
 def messages(run: Run, ros: Vocabulary) -> Iterator[tuple[Topic, int, Any]]:
-    """All of a run in the order of time; of one instant, in the order of `TOPICS`."""
-    log = Log(run)
+    """Yield the messages of a run in the order of time, those of one instant in the order of `topics`."""
+    log, known = Log(run), topics(run)
 
     def of(place: int, topic: Topic) -> Iterator[tuple[int, int, Any]]:
         return ((at_ns, place, message) for at_ns, message in topic.messages(log, ros))
 
-    merged = heapq.merge(*(of(*numbered) for numbered in enumerate(TOPICS)), key=lambda one: one[:2])
+    merged = heapq.merge(*(of(*numbered) for numbered in enumerate(known)), key=lambda one: one[:2])
     for at_ns, place, message in merged:
-        yield TOPICS[place], at_ns, message
+        yield known[place], at_ns, message
 
 
 def _stamp_ns(t_ms: int) -> int:
@@ -255,6 +256,21 @@ def _line(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
         yield at_ns, ros("std_msgs/Float64MultiArray", layout, values)
 
 
+def _sensor(table: SideTable) -> Callable[[Log, Vocabulary], Iterator[Stamped]]:
+    """Return the function of the topic of a sensor; the label of its array names the columns and their units."""
+
+    def readings(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
+        columns = table.columns[1:]
+        label = ", ".join(f"{column.name} [{column.unit}]" for column in columns)
+        dimension = ros("std_msgs/MultiArrayDimension", label, len(columns), len(columns))
+        layout = ros("std_msgs/MultiArrayLayout", [dimension], 0)
+        values = log.run.side(table.name)[[column.name for column in columns]].to_numpy(dtype=np.float64)
+        for at_ns, row in zip(log.at_ns, np.ascontiguousarray(values), strict=True):
+            yield at_ns, ros("std_msgs/Float64MultiArray", layout, row)
+
+    return readings
+
+
 def _joints(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
     """Angles by the encoders, speeds as measured; what torque the motors give is not known to the robot."""
     turn_rad = 2 * np.pi / log.run.spec.robot.encoder.counts_per_revolution
@@ -290,3 +306,9 @@ TOPICS = (
     Topic("/camera/camera_info", "sensor_msgs/msg/CameraInfo", _camera_info),
     Topic("/camera/image_raw/compressed", "sensor_msgs/msg/CompressedImage", _pictures),
 )
+
+
+def topics(run: Run) -> tuple[Topic, ...]:
+    """Return the topics of a run: those of every run, and `/sensors/<name>` for each sensor of `robot.sensors`."""
+    sensors = (Topic(f"/sensors/{t.name}", "std_msgs/msg/Float64MultiArray", _sensor(t)) for t in run.sensor_tables)
+    return (*TOPICS, *sensors)

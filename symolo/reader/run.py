@@ -128,6 +128,8 @@ class Run:
     folder: Path
     name: str
     """For example `CW/test_1`."""
+    sensor_tables: tuple[SideTable, ...] = ()
+    """Tables of the sensors of `robot.sensors`, as metadata.json describes them."""
 
     @cached_property
     def table(self) -> Rows:
@@ -188,12 +190,12 @@ class Run:
     @property
     def side_names(self) -> tuple[str, ...]:
         """What `side` takes."""
-        return tuple(_name(table) for table in self._side_tables)
+        return tuple(table.name for table in self._side_tables)
 
     @property
     def _side_tables(self) -> tuple[SideTable, ...]:
         if not self.is_rerendered:
-            return side_tables(self.spec)
+            return (*side_tables(self.spec), *self.sensor_tables)
         return (CAMERA,)
 
     def side(self, name: str) -> pd.DataFrame:
@@ -202,7 +204,7 @@ class Run:
         Raises:
             InputError: There is none of this name, or it is damaged or of other times than data.csv.
         """
-        table = next((table for table in self._side_tables if _name(table) == name), None)
+        table = next((table for table in self._side_tables if table.name == name), None)
         if table is None:
             allowed, hint = ", ".join(self.side_names), nearest(name, self.side_names)
             cure = OF_THE_RUN if self.is_rerendered else ""
@@ -337,10 +339,6 @@ class Run:
     def __len__(self) -> int:
         """Number of rows."""
         return len(self.table.t_ms)
-
-
-def _name(table: SideTable) -> str:
-    return table.file.partition(".")[0]
 
 
 def _lacking(what: str, known: tuple[str, ...], name: str, where: str) -> InputError:

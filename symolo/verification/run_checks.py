@@ -16,8 +16,9 @@ from symolo.dataset.obstacles import obstacle_table, off_the_path
 from symolo.dataset.rows import HEADER, Rows, parse_table, semantic_faults
 from symolo.dataset.run_document import ArenaSection, RunDocument
 from symolo.dataset.scene_record import SCENE, read_scene_record
+from symolo.dataset.sensor_tables import fractions
 from symolo.dataset.side_reading import first_fault
-from symolo.dataset.side_tables import BOARD, CAMERA, POSITIONS_HEADER, TOF, WHEELS
+from symolo.dataset.side_tables import BOARD, CAMERA, POSITIONS_HEADER, TOF, WHEELS, SideTable
 from symolo.verification.annotations import annotation_faults
 from symolo.verification.findings import Finding
 
@@ -33,13 +34,16 @@ FASTEST_RAD_S = 30.0
 _JPEG_START, _JPEG_END = b"\xff\xd8\xff", b"\xff\xd9"
 
 
-def check_run(root: Path, record: RunRecord, check_spec: SpecCheck) -> Iterator[Finding]:
+def check_run(
+    root: Path, record: RunRecord, check_spec: SpecCheck, sensor_tables: Sequence[SideTable] = ()
+) -> Iterator[Finding]:
     """Yield every fault of a run's folder.
 
     Args:
         root: The dataset.
-        record: What metadata.json says of the run.
+        record: The run as metadata.json describes it.
         check_spec: Holds spec.json to more than the fields that a reader needs.
+        sensor_tables: Tables of the sensors of `robot.sensors`, likewise.
     """
     run = root / record.run
     if not run.is_dir():
@@ -58,6 +62,7 @@ def check_run(root: Path, record: RunRecord, check_spec: SpecCheck) -> Iterator[
     content, spec, faults = _specification(run / "side/spec.json", f"{record.run}/side/spec.json", check_spec)
     yield from faults
     yield from _side(run / "side", f"{record.run}/side", rows, record, spec)
+    yield from _sensors(run / "side", f"{record.run}/side", rows, sensor_tables)
     if content is not None:
         yield from _obstacles(run / "side", f"{record.run}/side", content, rows, record)
     for file, what in annotation_faults(run / ANNOTATIONS, rows, record, spec):
@@ -191,6 +196,16 @@ def _side(folder: Path, name: str, rows: Rows, record: RunRecord, spec: RunDocum
     yield from _scene(folder / SCENE, f"{name}/{SCENE}")
     if spec is not None:
         yield from _camera_poses(folder / CAMERA.file, f"{name}/{CAMERA.file}", rows, spec)
+
+
+def _sensors(folder: Path, name: str, rows: Rows, tables: Sequence[SideTable]) -> Iterator[Finding]:
+    """Check the tables of the sensors of `robot.sensors`."""
+    for table in tables:
+        file = f"{name}/{table.file}"
+        numbers, faults = _table(folder / table.file, table.header)
+        yield from _limited(file, faults or [*fractions(table, numbers)])
+        if len(numbers) and not np.array_equal(numbers[:, 0], rows.t_ms):
+            yield Finding(file, "column t is not that of data.csv")
 
 
 def _camera_model(path: Path, name: str, record: RunRecord, spec: RunDocument | None) -> Iterator[Finding]:

@@ -54,7 +54,7 @@ def test_a_choice_of_tests_whose_tools_are_missing_is_refused():
 @pytest.mark.parametrize("processes", ["-n0", "-n1"])
 def test_tests_without_their_tools_are_deselected_reported_and_counted(processes):
     """All tests of test_messages.py compile the firmware for this machine, and have no other marker."""
-    ended = run_pytest(processes, "tests/firmware/test_messages.py", PATH="")
+    ended = run_pytest(processes, "tests/hil/firmware/test_messages.py", PATH="")
     assert ended.returncode == pytest.ExitCode.NO_TESTS_COLLECTED
     assert "tests marked `compiler` are deselected, because their tools are missing: apt-get install" in ended.stdout
     count = re.search(r"^=+ (\d+) deselected in", ended.stdout, re.MULTILINE)

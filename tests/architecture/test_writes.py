@@ -23,8 +23,8 @@ JUSTIFIED = {
     ("symolo/core/time_series.py", "savez_compressed"): "into a buffer",
     ("symolo/core/file_locks.py", "open"): "files that are locked and hold nothing",
     ("symolo/pages/plotting.py", "savefig"): "into a buffer",
-    ("blender_scenes/blender_side/__main__.py", "fdopen"): "the pipe to the renderer",
-    ("blender_scenes/blender_side/__main__.py", "rmtree"): "the scratch folder of a renderer that is gone",
+    ("symolo/core/child_process.py", "fdopen"): "the pipe to the owner",
+    ("symolo/core/child_process.py", "rmtree"): "the scratch folder of an owner that has died",
     ("blender_scenes/blender_side/hybrid/scenes.py", "unlink"): "of things from a scene; no file",
     (
         "blender_scenes/blender_side/rendering.py",

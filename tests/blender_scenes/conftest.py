@@ -12,7 +12,7 @@ import yaml
 
 import configs
 from blender_scenes.render.job import RenderJob
-from blender_scenes.render.sampling import Sampling
+from blender_scenes.render.sampling import TracingSettings
 from blender_scenes.scene.description import Scene
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import CameraLook
@@ -46,20 +46,20 @@ import numpy as np
 out = os.fdopen(os.dup(1), "wb")
 os.dup2(2, 1)
 from blender_scenes.blender_side import build, engine
-from blender_scenes.blender_side.hybrid import images as part_pictures
+from blender_scenes.blender_side.hybrid import images as hybrid_images
 from blender_scenes.render.job import RenderJob
-orders, near_width_px, own_files = json.load(sys.stdin)
+orders, near_width_px, user_files = json.load(sys.stdin)
 if near_width_px:
-    mock.patch.object(part_pictures, "_NEAR_WIDTH_PX", near_width_px).start()
+    mock.patch.object(hybrid_images, "_NEAR_WIDTH_PX", near_width_px).start()
 for job, threads, numbers in orders:
     job = RenderJob.from_json(job)
     by_number = {view.number: view for view in job.frames}
     views = job.frames if numbers is None else [by_number[number] for number in numbers]
     build.start()
-    build.build(job.scene, job.camera, Path(own_files) if own_files else None)
+    build.build(job.scene, job.camera, Path(user_files) if user_files else None)
     with tempfile.TemporaryDirectory() as scratch:
         engine.configure(job, threads, Path(scratch))
-        pictures = engine.Pictures(job, threads, Path(scratch))
+        pictures = engine.FrameTracer(job, threads, Path(scratch))
         for view in views:
             out.write(pictures.light(view).astype(np.float32).tobytes())
 """
@@ -68,11 +68,11 @@ Order = tuple[RenderJob, int, list[int] | None]
 
 
 def _lights(
-    orders: Sequence[Order], near_width_px: int | None = None, own_files: Path | None = None
+    orders: Sequence[Order], near_width_px: int | None = None, user_files: Path | None = None
 ) -> list[np.ndarray]:
     """(N, H, W, 3) linear light of each order, all made in one Blender process."""
     asked = [(job.to_json(), threads, numbers) for job, threads, numbers in orders]
-    sent = json.dumps((asked, near_width_px, str(own_files) if own_files else None)).encode()
+    sent = json.dumps((asked, near_width_px, str(user_files) if user_files else None)).encode()
     done = subprocess.run([sys.executable, "-c", _PROGRAM], input=sent, capture_output=True, check=False)
     assert done.returncode == 0, done.stderr.decode()[-2000:]
     rest, found = np.frombuffer(done.stdout, np.float32), []
@@ -95,7 +95,7 @@ def light_of() -> Callable[..., np.ndarray]:
         focal_px: float,
         shutter: Shutter = INSTANT,
         lens: Coefficients = NO_DISTORTION,
-        own_files: Path | None = None,
+        user_files: Path | None = None,
     ) -> np.ndarray:
         middle = 0.5 * (pixels - 1)
         job = RenderJob(
@@ -103,11 +103,11 @@ def light_of() -> Callable[..., np.ndarray]:
             scene=scene,
             camera=Intrinsics(pixels, pixels, focal_px, focal_px, middle, middle, lens),
             frames=tuple(views),
-            sampling=Sampling(seed=1, samples=64, denoise=False),
+            sampling=TracingSettings(seed=1, samples=64, denoise=False),
             response=CameraResponse.from_look(CameraLook(), (1.0, 1.0, 1.0), 1, 92),
             shutter=shutter,
         )
-        (light,) = _lights([(job, 1, None)], own_files=own_files)
+        (light,) = _lights([(job, 1, None)], user_files=user_files)
         return light
 
     return traced

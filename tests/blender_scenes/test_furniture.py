@@ -19,7 +19,7 @@ from blender_scenes.rooms.furniture.poster import drawn_poster, poster
 from blender_scenes.rooms.furniture.radiator import drawn_radiator, radiator
 from blender_scenes.rooms.furniture.sheets import sheets
 from blender_scenes.rooms.furniture.shelf import shelf
-from blender_scenes.rooms.furniture.table import Table, table
+from blender_scenes.rooms.furniture.table import WorkTable, table
 from blender_scenes.rooms.furniture.wall_socket import drawn_wall_socket, wall_socket
 from blender_scenes.rooms.furniture.waste_bin import waste_bin
 from blender_scenes.scene.solids import cushion, joined, lathe, pipe, posed, rod, stood
@@ -97,7 +97,7 @@ def test_turning_and_standing_keep_the_shape():
 
 def test_a_table_is_as_large_as_its_numbers_say():
     paint = Paint(reflectance=0.5)
-    piece = table("table_7", Table((1.4, 0.7, 0.74), 0.05, 0.03, paint, paint, 0.4))
+    piece = table("table_7", WorkTable((1.4, 0.7, 0.74), 0.05, 0.03, paint, paint, 0.4))
     assert piece.size_m == pytest.approx((1.4, 0.7))
     assert piece.height_m == pytest.approx((0.0, 0.74))
     assert piece.top_m == 0.74

@@ -12,7 +12,7 @@ from pydantic import TypeAdapter
 
 from blender_scenes.lighting.panoramas import MEAN_COLOR
 from blender_scenes.materials import FLOORS, SURFACES
-from blender_scenes.materials.base import Patch
+from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.dirt import dirtied
 from blender_scenes.materials.line_paint import line_paint
 from blender_scenes.materials.stains import stained
@@ -24,19 +24,19 @@ from blender_scenes.scene.shading import (
     Arithmetic,
     Cells,
     Color,
-    Coordinate,
+    Constant,
     Expression,
+    ImageTexture,
     Mix,
-    Noise,
-    Number,
-    Picture,
+    NoiseTexture,
     Step,
     Surface,
+    SurfaceCoordinate,
     Tiles,
     as_texture,
 )
 from blender_scenes.scene.typical import typical_color
-from configs.schema.arena import ArenaConfig, Line, SurfaceName, Wall
+from configs.schema.arena import ArenaConfig, LineConfig, SurfaceName, WallConfig
 from configs.schema.asset import Asset, ImageLook
 from configs.schema.floors import FloorLook, FloorName, Vinyl
 from configs.schema.lighting import PanoramaName
@@ -56,22 +56,22 @@ TERRAZZO = FloorLook(material="vinyl", vinyl=Vinyl(print="terrazzo"))
 
 
 def _floors(seed: int = 1) -> dict[str, Surface]:
-    made = {name: make(LOOK.floor, Patch(name, (5.0, 5.0), seed)) for name, make in FLOORS.items()}
-    return made | {"terrazzo": FLOORS["vinyl"](TERRAZZO, Patch("terrazzo", (5.0, 5.0), seed))}
+    made = {name: make(LOOK.floor, SurfacePatch(name, (5.0, 5.0), seed)) for name, make in FLOORS.items()}
+    return made | {"terrazzo": FLOORS["vinyl"](TERRAZZO, SurfacePatch("terrazzo", (5.0, 5.0), seed))}
 
 
-def _worn(floor: Surface, patch: Patch) -> Surface:
+def _worn(floor: Surface, patch: SurfacePatch) -> Surface:
     return dirtied(stained(floor, patch, 1.0), patch, 1.0)
 
 
 def _all(seed: int = 1) -> dict[str, Surface]:
     made = _floors(seed)
-    made |= {f"worn {name}": _worn(floor, Patch(name, (5.0, 5.0), seed)) for name, floor in made.items()}
-    made |= {f"{name} body": make(LOOK, Patch(name, (0.08, 0.12), seed)) for name, make in SURFACES.items()}
-    made["sawn plywood"] = SURFACES["plywood"](LOOK, Patch("sawn", (0.6, 0.02), seed))
-    made["glossy tape"] = tape(GLOSSY.tape, Patch("glossy tape", (0.5, 0.015), seed), bend_per_m=-3.0)
-    made["line paint"] = line_paint(LOOK.line_paint, Patch("line paint", (0.5, 0.015), seed))
-    return made | {"tape": tape(LOOK.tape, Patch("tape", (0.5, 0.015), seed))}
+    made |= {f"worn {name}": _worn(floor, SurfacePatch(name, (5.0, 5.0), seed)) for name, floor in made.items()}
+    made |= {f"{name} body": make(LOOK, SurfacePatch(name, (0.08, 0.12), seed)) for name, make in SURFACES.items()}
+    made["sawn plywood"] = SURFACES["plywood"](LOOK, SurfacePatch("sawn", (0.6, 0.02), seed))
+    made["glossy tape"] = tape(GLOSSY.tape, SurfacePatch("glossy tape", (0.5, 0.015), seed), bend_per_m=-3.0)
+    made["line paint"] = line_paint(LOOK.line_paint, SurfacePatch("line paint", (0.5, 0.015), seed))
+    return made | {"tape": tape(LOOK.tape, SurfacePatch("tape", (0.5, 0.015), seed))}
 
 
 EVERY = sorted(_all())
@@ -125,18 +125,18 @@ def _parts(texture: Expression) -> Iterator[Expression]:
 def _range(texture: Expression) -> tuple[float, float]:
     """Bounds of a texture's components; what is equal in two of its parts is taken to vary on its own."""
     match texture:
-        case Number(value):
+        case Constant(value):
             return value, value
         case Color(rgb):
             return min(rgb), max(rgb)
-        case Noise() | Cells() | Tiles() | Picture():
+        case NoiseTexture() | Cells() | Tiles() | ImageTexture():
             return 0.0, 1.0
-        case Coordinate():
+        case SurfaceCoordinate():
             return 0.0, 10.0
         case Step(of, low, high):
             shares = [min(max((x - low) / (high - low), 0.0), 1.0) for x in _range(of)]
             return shares[0] ** 2 * (3 - 2 * shares[0]), shares[1] ** 2 * (3 - 2 * shares[1])
-        case Mix(Number(share), a, b):
+        case Mix(Constant(share), a, b):
             return tuple((1 - share) * x + share * y for x, y in zip(_range(a), _range(b), strict=True))
         case Mix(_, a, b):
             ends = (*_range(a), *_range(b))
@@ -158,7 +158,7 @@ def test_no_surface_has_more_noises_than_a_renderer_can_afford(name):
     wanted = [surface.base_color, surface.roughness, surface.height_m]
     found = {e for texture in wanted if isinstance(texture, Expression) for e in _parts(texture)}
     # What the richest floor has of its own, and dirt and stains upon it.
-    assert sum(isinstance(e, Noise) for e in found) <= 13
+    assert sum(isinstance(e, NoiseTexture) for e in found) <= 13
 
 
 PAINTS = {
@@ -199,7 +199,7 @@ def test_a_floor_is_as_bright_as_its_paint(floor_light, name):
 
 def test_boards_are_as_bright_as_their_names():
     def luminance(name: SurfaceName) -> float:
-        return float(np.array(typical_color(SURFACES[name](LOOK, Patch("wall", (1.0, 0.15), 1)))) @ LUMINANCE)
+        return float(np.array(typical_color(SURFACES[name](LOOK, SurfacePatch("wall", (1.0, 0.15), 1)))) @ LUMINANCE)
 
     boards: list[SurfaceName] = ["white_board", "light_grey_board", "dark_grey_board", "black_board"]
     assert luminance("white_board") > 0.7
@@ -215,8 +215,8 @@ def test_the_tape_is_black_on_every_floor():
 
 @pytest.mark.parametrize("surface", get_args(SurfaceName))
 def test_every_face_of_a_scene_has_a_surface_of_its_own_name(robot, surface):
-    wall = Wall(name="W", start=(0.0, 0.5), end=(1.0, 0.5), surface=surface)
-    arena = Arena.from_config(ArenaConfig(name="one", line=Line(), walls=(wall,)))
+    wall = WallConfig(name="W", start=(0.0, 0.5), end=(1.0, 0.5), surface=surface)
+    arena = Arena.from_config(ArenaConfig(name="one", line=LineConfig(), walls=(wall,)))
     scene = describe(arena, robot, LOOK, seed=1)
     names = [s.name for s in scene.surfaces]
     assert len(names) == len(set(names))
@@ -228,10 +228,10 @@ def test_every_face_of_a_scene_has_a_surface_of_its_own_name(robot, surface):
 @pytest.mark.parametrize(
     ("texture", "expected"),
     [
-        (Mix(Number(0.25), Color((0.0, 0.4, 1.0)), Color((1.0, 0.4, 0.0))), (0.25, 0.4, 0.75)),
-        (Mix(Noise((1.0, 1.0), (0.0, 0.0)), Number(0.2), Color((0.6, 0.6, 0.6))), (0.4, 0.4, 0.4)),
-        (Step(Number(0.5), 0.0, 1.0) * 0.5 + 0.1, (0.35, 0.35, 0.35)),
-        (Mix(Number(0.5), Number(0.0), Picture("", (1.0, 1.0), (0.0, 0.0), (0.2, 0.4, 0.6))), (0.1, 0.2, 0.3)),
+        (Mix(Constant(0.25), Color((0.0, 0.4, 1.0)), Color((1.0, 0.4, 0.0))), (0.25, 0.4, 0.75)),
+        (Mix(NoiseTexture((1.0, 1.0), (0.0, 0.0)), Constant(0.2), Color((0.6, 0.6, 0.6))), (0.4, 0.4, 0.4)),
+        (Step(Constant(0.5), 0.0, 1.0) * 0.5 + 0.1, (0.35, 0.35, 0.35)),
+        (Mix(Constant(0.5), Constant(0.0), ImageTexture("", (1.0, 1.0), (0.0, 0.0), (0.2, 0.4, 0.6))), (0.1, 0.2, 0.3)),
         (1 - Tiles((1.0, 1.0), 0.1, 0.0, (0.0, 0.0)) * 0.5, (1.0, 1.0, 1.0)),
     ],
 )

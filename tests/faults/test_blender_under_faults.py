@@ -30,8 +30,8 @@ from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render
 from pipeline.work.supervisor import Retried, run_units
 from pipeline.work.units import Progress, RenderUnit
-from pipeline.work.worker_process import memory_of
 from symolo.arena.geometry import Arena
+from symolo.core.child_process import memory_of
 
 pytestmark = pytest.mark.faults
 
@@ -58,7 +58,7 @@ def written_job(folder: Path, frames: int, width_px: int, samples: int) -> Path:
 
 def block(job: Path, folder: Path, numbers: Sequence[int], threads: int = 1) -> RenderUnit:
     return RenderUnit(
-        work="pictures", name="run", job=job, folder=folder / "images", numbers=tuple(numbers), threads=threads
+        work="images", name="run", job=job, folder=folder / "images", numbers=tuple(numbers), threads=threads
     )
 
 
@@ -125,7 +125,7 @@ def test_blender_killed_200_times_loses_at_max_one_frame_each_time(tmp_path):
     print(f"{kills} kills, {lost} frames made twice")  # noqa: T201 - the figure
 
 
-@pytest.mark.parametrize("method", ["whole", "parts"])
+@pytest.mark.parametrize("method", ["full", "hybrid"])
 def test_a_release_killed_while_blender_renders_ends_with_the_same_tree(method, tmp_path, wrong, tree):
     """Blender and the command itself in turns, at any time from Blender's start to the last picture."""
     undisturbed, out = tmp_path / "undisturbed", tmp_path / "killed"

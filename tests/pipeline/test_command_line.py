@@ -337,7 +337,7 @@ def test_plan_takes_its_time_from_the_quality_and_says_which(symolo):
     def planned(*settings):
         return ScenarioPlan.of([draw_run(load_scenario("symolo", settings), "CW", 1)], 1)
 
-    plain, fewer = planned("render.method=whole"), planned("render.samples=1", "render.denoise=false")
+    plain, fewer = planned("render.method=full"), planned("render.samples=1", "render.denoise=false")
     traced_s, shared_s = 201 * 640 * 480 * RENDER_SAMPLE_S, RENDER_START_S + 201 * RENDER_FRAME_S
     assert fewer.render_s == pytest.approx(traced_s + shared_s)
     assert planned("render.quality=reference").render_s > 2048 * traced_s > 100 * plain.render_s
@@ -345,7 +345,7 @@ def test_plan_takes_its_time_from_the_quality_and_says_which(symolo):
     assert "to denoise" in plain.text()
     assert "to denoise" not in fewer.text()
     parts = planned()
-    assert "put together from parts" in parts.text()
+    assert "from hybrid rendering" in parts.text()
     assert parts.render_s < plain.render_s / 2
     assert (
         "quality    draft, 9 samples"

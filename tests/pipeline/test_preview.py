@@ -71,13 +71,13 @@ def test_a_place_without_room_is_left_backwards_so_that_the_obstacle_stands_ahea
 
 def test_single_pictures_are_traced_whole_whatever_the_scenario_says(tmp_path):
     file = tmp_path / "in_parts.yaml"
-    file.write_text("extends: smoke\nname: in_parts\nrender: {method: parts}\n")
+    file.write_text("extends: smoke\nname: in_hybrid\nrender: {method: hybrid}\n")
     loaded = load_scenario(str(file))
-    assert draw_run(loaded, loaded.routes[0].name, 1).render.method == "parts"
+    assert draw_run(loaded, loaded.routes[0].name, 1).render.method == "hybrid"
     loaded = load_scenario(str(file))
-    assert draw_run(loaded, loaded.routes[0].name, 1).render.method == "parts"
+    assert draw_run(loaded, loaded.routes[0].name, 1).render.method == "hybrid"
     (one,) = views(str(file), (), (), 1, 160)
-    assert one.look.render.method == "whole"
+    assert one.look.render.method == "full"
 
 
 def test_an_arena_with_nothing_to_follow_is_seen_from_the_start():

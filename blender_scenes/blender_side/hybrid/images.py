@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from blender_scenes.blender_side.hybrid.materials import COVER, MIDDLE_GREY
-from blender_scenes.blender_side.hybrid.scenes import GRID_TURN_RAD, PartScenes, Passes, lies_on_the_floor
+from blender_scenes.blender_side.hybrid.scenes import GRID_TURN_RAD, HybridScenes, Passes, lies_on_the_floor
 from blender_scenes.hybrid.denoiser import Denoiser
 from blender_scenes.hybrid.floor_sight import MIDDLE, FilterPoint, FloorSight, filter_points
 from blender_scenes.hybrid.guided_filter import local_lines
@@ -23,7 +23,7 @@ from blender_scenes.hybrid.upsampling import reduced, upsampled
 from blender_scenes.render.job import RenderJob
 from blender_scenes.scene.description import Mesh, Panel
 from blender_scenes.scene.meshes import rectangle
-from sensors.camera.lens_warp import LIGHT_WIDTH_PX, pinhole_picture
+from sensors.camera.lens_warp import LIGHT_WIDTH_PX, pinhole_image
 from sensors.camera.shutter import window
 from sensors.camera.views import FrameView
 from symolo.core.random_streams import stream
@@ -81,17 +81,17 @@ _ROUGHNESS = "roughness"
 """Of the floor, among what is seen of the surfaces."""
 
 
-class PartPictures:
+class HybridRenderer:
     """Of one job, whose scene stands in Blender, configured by `engine.configure`."""
 
     def __init__(self, job: RenderJob, threads: int, scratch: Path) -> None:
-        if job.sampling.parts is None:
-            raise ValueError("the job's pictures are not to be put together from parts")
-        self._samples, self._seed = job.sampling.parts, job.sampling.seed
-        camera = pinhole_picture(job.camera).camera
+        if job.sampling.hybrid is None:
+            raise ValueError("the job's pictures are not to be from hybrid rendering")
+        self._samples, self._seed = job.sampling.hybrid, job.sampling.seed
+        camera = pinhole_image(job.camera).camera
         self._size = camera.width_px, camera.height_px
         self._near, self._far = (_times(self._size, width_px) for width_px in (_NEAR_WIDTH_PX, _FAR_WIDTH_PX))
-        self._scenes = PartScenes(job.scene, scratch)
+        self._scenes = HybridScenes(job.scene, scratch)
         self._denoised, self._denoised_fast = Denoiser(threads, "HIGH"), Denoiser(threads, "BALANCED")
         self._sight = FloorSight(camera, job.frames[0], window(job.shutter, job.camera).row_share)
         self._few, self._many = (filter_points(job.sampling.filter_width_px, squares) for squares in (1, 2))

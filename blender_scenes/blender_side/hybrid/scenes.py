@@ -50,7 +50,7 @@ def lies_on_the_floor(name: str) -> bool:
     return name == "floor" or _LINE.fullmatch(name) is not None
 
 
-class PartScenes:
+class HybridScenes:
     """Made from the scene that stands in Blender, configured by `engine.configure`."""
 
     def __init__(self, scene: Scene, scratch: Path) -> None:

@@ -20,7 +20,7 @@ from blender_scenes.rooms.furniture.waste_bin import drawn_waste_bin
 
 
 @dataclass(frozen=True)
-class Kind:
+class FurnitureKind:
     """What stands on the floor, and where people put it."""
 
     name: str
@@ -34,17 +34,17 @@ class Kind:
     """Share that somebody put down just outside the robot's ground; the rest is anywhere."""
 
 
-STANDING: dict[str, Kind] = {
-    "tables": Kind("table", drawn_table, at_a_wall=0.4, near_the_arena=0.3),
-    "shelves": Kind("shelf", drawn_shelf, at_a_wall=1.0),
-    "chairs": Kind("chair", drawn_chair, at_a_table=0.7, near_the_arena=0.15),
-    "office_chairs": Kind("office_chair", drawn_office_chair, at_a_table=0.5, near_the_arena=0.25),
-    "cartons": Kind("carton", drawn_carton, at_a_wall=0.4, near_the_arena=0.4),
-    "bins": Kind("waste_bin", drawn_waste_bin, at_a_wall=0.6, near_the_arena=0.2),
-    "bags": Kind("bag", drawn_bag, at_a_wall=0.2, at_a_table=0.2, near_the_arena=0.5),
-    "cables": Kind("cable", drawn_cable, at_a_wall=0.3, near_the_arena=0.6),
-    "book_stacks": Kind("book_stack", drawn_book_stack, at_a_wall=0.2, near_the_arena=0.6),
-    "bottles": Kind("bottle", drawn_bottle, near_the_arena=0.7),
-    "sheets": Kind("sheets", drawn_sheets, near_the_arena=0.7),
+STANDING: dict[str, FurnitureKind] = {
+    "tables": FurnitureKind("table", drawn_table, at_a_wall=0.4, near_the_arena=0.3),
+    "shelves": FurnitureKind("shelf", drawn_shelf, at_a_wall=1.0),
+    "chairs": FurnitureKind("chair", drawn_chair, at_a_table=0.7, near_the_arena=0.15),
+    "office_chairs": FurnitureKind("office_chair", drawn_office_chair, at_a_table=0.5, near_the_arena=0.25),
+    "cartons": FurnitureKind("carton", drawn_carton, at_a_wall=0.4, near_the_arena=0.4),
+    "bins": FurnitureKind("waste_bin", drawn_waste_bin, at_a_wall=0.6, near_the_arena=0.2),
+    "bags": FurnitureKind("bag", drawn_bag, at_a_wall=0.2, at_a_table=0.2, near_the_arena=0.5),
+    "cables": FurnitureKind("cable", drawn_cable, at_a_wall=0.3, near_the_arena=0.6),
+    "book_stacks": FurnitureKind("book_stack", drawn_book_stack, at_a_wall=0.2, near_the_arena=0.6),
+    "bottles": FurnitureKind("bottle", drawn_bottle, near_the_arena=0.7),
+    "sheets": FurnitureKind("sheets", drawn_sheets, near_the_arena=0.7),
 }
 """By the field of `FurnitureLook` that counts them, in the order in which they find their places."""

@@ -17,7 +17,7 @@ _CAP_M = 0.022
 
 
 @dataclass(frozen=True)
-class Table:
+class WorkTable:
     size_m: tuple[float, float, float]
     """Length, depth, height."""
     leg_m: float
@@ -29,7 +29,7 @@ class Table:
     """Roughness of the top."""
 
 
-def table(name: str, own: Table) -> Piece:
+def table(name: str, own: WorkTable) -> Piece:
     """Top, rails below it, and square legs in black caps."""
     (length, depth, height), leg = own.size_m, own.leg_m
     x, y = 0.5 * length - own.inset_m - 0.5 * leg, 0.5 * depth - own.inset_m - 0.5 * leg
@@ -53,7 +53,7 @@ def table(name: str, own: Table) -> Piece:
 
 def drawn_table(name: str, rng: np.random.Generator) -> Piece:
     size = one_of(rng, (0.7, 1.2, 1.3, 1.4, 1.6)), between(rng, 0.5, 0.7), between(rng, 0.70, 0.76)
-    own = Table(
+    own = WorkTable(
         size_m=size,
         leg_m=between(rng, 0.028, 0.06),
         inset_m=between(rng, 0.01, 0.08),

@@ -1,101 +1,105 @@
 """How channels differ between robots, and what the converter makes of a reading."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from configs.schema.robot import LineSensor
-from diagnosis.validation.line_sensor.rig import FAR_M, Standing, Tape, sensor, without_faults
+from configs.schema.robot import LineSensor, RobotConfig
+from diagnosis.validation.experiment import ExperimentResult, ValidationCheck
+from diagnosis.validation.line_sensor.rig import FAR_M, Tape, readings, sensor, without_faults
+from diagnosis.validation.panels import Curve, Panel
 from symolo.core.arrays import Array
+from symolo.pages.plotting import BLACK, BLUE, GREY, SKY
 
 ROBOTS = 500
 DARK, LIGHT = 0.25, 0.65
-"""Bare floors between which a gain is measured; with the shipped spreads no channel saturates on them."""
+"""Reflectances of the bare floors between which a gain is measured; no channel saturates with the shipped spreads."""
 POINTS_PER_LEVEL = 2
 MAX_BITS_SWEPT = 12
 """Finer converters are swept over their lowest 4096 levels only."""
+MAX_STANDARD_ERRORS = 5.0
+HISTOGRAM_SDS = 4.0
+ZOOMED_STEPS = 6
+ROUNDING = 1e-6
+"""Relative tolerance of figures that are exact but for rounding."""
 
 
-@dataclass(frozen=True)
-class Spread:
-    """Of one quantity over all channels of all robots drawn."""
-
-    values: tuple[float, ...]
-    mean: float
-    sd: float
-    configured_sd: float
-    sd_error: float
-    """Standard error of `sd` for so many draws of a normal distribution."""
-
-    @classmethod
-    def of(cls, values: Array, configured_sd: float) -> "Spread":
-        return cls(
-            values=tuple(values.tolist()),
-            mean=float(values.mean()),
-            sd=float(values.std(ddof=1)),
-            configured_sd=configured_sd,
-            sd_error=configured_sd / float(np.sqrt(2.0 * (len(values) - 1))),
-        )
-
-
-@dataclass(frozen=True)
-class Channels:
-    robots: int
-    gain: Spread
-    offset: Spread
-
-
-@dataclass(frozen=True)
-class Converter:
-    """Bare floors of finely rising reflectance under a sensor without spread and noise."""
-
-    bits: int
-    reflectance: tuple[float, ...]
-    reading: tuple[float, ...]
-    levels: int
-    """Different readings found."""
-    levels_expected: int
-    step: float
-    """Between neighbouring readings, the largest found."""
-    step_closed_form: float
-    """1 / (2^bits - 1): full scale is white."""
-    largest_error: float
-    """Of a reading; half a step in theory."""
-
-
-def channels(config: LineSensor, seed: int) -> Channels:
-    """Gain and offset of every channel of many robots, from two bare floors, without noise and converter."""
-    spread = without_faults(config, gain_sd=config.gain_sd, offset_sd=config.offset_sd)
+def channels(robot: RobotConfig, seed: int) -> ExperimentResult:
+    """Return gain and offset of every channel of many robots, from two bare floors, without noise and converter."""
+    config = robot.line_sensor
+    drawn = without_faults(config, gain_sd=config.gain_sd, offset_sd=config.offset_sd)
     # The same stream on both floors makes the same sensor.
     dark, light = (
-        np.array([_on_floor(spread, level, seed, "channels", robot) for robot in range(ROBOTS)])
+        np.array([_on_floor(drawn, level, seed, "channels", number) for number in range(ROBOTS)])
         for level in (DARK, LIGHT)
     )
-    gain = (light - dark) / (LIGHT - DARK)
-    offset = dark - gain * DARK
-    return Channels(ROBOTS, Spread.of(gain.ravel(), config.gain_sd), Spread.of(offset.ravel(), config.offset_sd))
+    gain = ((light - dark) / (LIGHT - DARK)).ravel()
+    offset = (dark - gain.reshape(dark.shape) * DARK).ravel()
+    tables, checks = {}, []
+    for name, values, mean, sd in (("gain", gain, 1.0, config.gain_sd), ("offset", offset, 0.0, config.offset_sd)):
+        table = spread(values, sd)
+        tables[name] = table
+        # The finest converter's steps remain where nothing is drawn.
+        of_mean = MAX_STANDARD_ERRORS * sd / np.sqrt(len(values)) + 1e-4
+        of_sd = MAX_STANDARD_ERRORS * table["sd_error"] + 1e-4
+        source = f"configuration, {len(values)} channels"
+        checks.append(ValidationCheck(f"mean {name}", table["mean"], mean, of_mean, source))
+        checks.append(ValidationCheck(f"standard deviation of {name}", table["sd"], sd, of_sd, source))
+    return ExperimentResult(tables, checks, (_gain_panel(gain, config.gain_sd),))
 
 
-def converter(config: LineSensor, seed: int) -> Converter:
+def spread(values: Array, configured_sd: float) -> dict:
+    """Return mean and standard deviation of drawn values (N,), and the standard error of the latter if normal."""
+    return {
+        "values": values,
+        "mean": float(values.mean()),
+        "sd": float(values.std(ddof=1)),
+        "configured_sd": configured_sd,
+        "sd_error": configured_sd / float(np.sqrt(2.0 * (len(values) - 1))),
+    }
+
+
+def converter(robot: RobotConfig, seed: int) -> ExperimentResult:
+    """Return readings of bare floors of finely rising reflectance, by a sensor without spread and noise."""
+    config = robot.line_sensor
     quiet = without_faults(config, adc_bits=config.adc_bits)
     bits = min(config.adc_bits, MAX_BITS_SWEPT)
     full, swept = 2**config.adc_bits - 1, 2**bits - 1
     reflectance = np.linspace(0.0, swept / full, POINTS_PER_LEVEL * swept + 1)
     reading = np.array([_on_floor(quiet, level, seed, "converter")[0] for level in reflectance.tolist()])
-    found = np.unique(reading)
-    return Converter(
-        bits=config.adc_bits,
-        reflectance=tuple(reflectance.tolist()),
-        reading=tuple(reading.tolist()),
-        levels=len(found),
-        levels_expected=swept + 1,
-        step=float(np.diff(found).max()),
-        step_closed_form=1.0 / full,
-        largest_error=float(np.abs(reading - reflectance).max()),
+    levels = np.unique(reading)
+    step, largest_error = float(np.diff(levels).max()), float(np.abs(reading - reflectance).max())
+    table = {"bits": config.adc_bits, "reflectance": reflectance, "reading": reading}
+    scale = "full scale is white: 1 / (2^bits - 1)"
+    checks = (
+        ValidationCheck("levels", len(levels), swept + 1, 0, f"{config.adc_bits} bits"),
+        ValidationCheck("largest step", step, 1.0 / full, ROUNDING / full, scale),
+        ValidationCheck("largest error", largest_error, 0.5 / full, ROUNDING / full, "half a step"),
     )
+    middle = len(reflectance) // 2
+    near = slice(max(0, middle - 2 * ZOOMED_STEPS), middle + 2 * ZOOMED_STEPS + 1)
+    origin = np.floor(reflectance[near][0] * full)
+    x = np.linspace(reflectance[near][0], reflectance[near][-1], 1001) * full - origin
+    curves = (
+        Curve(x, np.round(x), "rounded to whole steps", BLUE, width=1),
+        Curve(x, x, "without a converter", GREY, ":"),
+        Curve(reflectance[near] * full - origin, reading[near] * full - origin, "readings", BLACK, "o", size=4),
+    )
+    axes = (f"reflectance [steps from {origin:.0f}]", f"reading [steps from {origin:.0f}]")
+    panel = Panel(f"Converter of {config.adc_bits} bits: {len(levels)} levels", *axes, curves)
+    return ExperimentResult({"sweep": table}, checks, (panel,))
 
 
 def _on_floor(config: LineSensor, reflectance: float, seed: int, *key: str | int) -> Array:
-    """(8,), far from any tape."""
+    """Return the readings (8,) far from any tape."""
     model = sensor(config, Tape(floor_reflectance=reflectance), seed, *key)
-    return model.sample(Standing(FAR_M))
+    return readings(model, np.array([FAR_M]))[0]
+
+
+def _gain_panel(gain: Array, configured_sd: float) -> Panel:
+    reach = HISTOGRAM_SDS * max(configured_sd, float(gain.std()), 1e-6)
+    density, ends = np.histogram(gain, bins=40, range=(1.0 - reach, 1.0 + reach), density=True)
+    curves = [Curve(0.5 * (ends[1:] + ends[:-1]), density, "drawn", SKY, kind="bars")]
+    if configured_sd > 0.0:
+        x = np.linspace(ends[0], ends[-1], 201)
+        normal = np.exp(-0.5 * ((x - 1.0) / configured_sd) ** 2) / (configured_sd * np.sqrt(2.0 * np.pi))
+        curves.append(Curve(x, normal, "configured", BLACK))
+    return Panel(f"Gains of the channels of {ROBOTS} robots", "gain [1]", "density [1]", curves)

@@ -5,24 +5,30 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import ndtri
 
-from configs.schema.robot import LineSensor
+from configs.schema.robot import LineSensor, RobotConfig
+from diagnosis.validation.experiment import ExperimentResult, ValidationCheck
 from diagnosis.validation.line_sensor.rig import Tape, readings, sensor, spot_diameter_m, without_faults
+from diagnosis.validation.panels import Curve, Panel
 from physics.control.following import line_error
+from symolo.pages.plotting import BLUE, VERMILION
 
 POINTS = 961
 REACH_PITCHES = 4.8
-NARROWEST_M, WIDEST_M = 0.004, 0.040
+MIN_WIDTH_M, MAX_WIDTH_M = 0.004, 0.040
 BISECTIONS = 30
+TOLERANCE_MM = 0.02
 FIGURE_5 = ((0.0, (3, 4), 0.0), (-0.5, (4,), 0.5), (0.5, (3,), -0.5))
 """Offset of the robot to the left of the tape in pitches, channels that are on, line error (Eq. 12)."""
 
 
 @dataclass(frozen=True)
-class Case:
+class ThresholdCase:
+    """A position of the robot over the tape, beside the paper's Fig. 5."""
+
     offset_m: float
     active: tuple[int, ...]
     line_error: float | None
-    """None where no channel is on."""
+    """Line error in pitches; None where no channel is on."""
     active_in_figure_5: tuple[int, ...]
     line_error_in_figure_5: float
 
@@ -31,60 +37,78 @@ class Case:
         return (self.active, self.line_error) == (self.active_in_figure_5, self.line_error_in_figure_5)
 
 
-@dataclass(frozen=True)
-class Threshold:
-    threshold: float
-    cases: tuple[Case, ...]
-    offset_m: tuple[float, ...]
-    line_error: tuple[float | None, ...]
-    """Of the faultless sensor at each offset."""
-    narrowest_tape_m: float | None
-    """Of the tapes for which all cases are as in Fig. 5; None where they are not so for the bench's own."""
-    widest_tape_m: float | None
-    narrowest_closed_form_m: float
-    """Both middle channels reach the tape: a pitch, and twice how far inside the edge the threshold lies."""
-    widest_closed_form_m: float
-    """Beside one channel above the middle no other reaches it: two pitches, and the same."""
-
-
-def threshold_bench(config: LineSensor, tape: Tape) -> Threshold:
-    """With a sensor without spread and noise, so that nothing but footprint and threshold decides."""
+def threshold(robot: RobotConfig, _seed: int, tape: Tape | None = None) -> ExperimentResult:
+    """Return the cases of Fig. 5 and the widths of tape for which they hold, with a sensor without faults."""
+    config, tape = robot.line_sensor, tape or Tape()
     quiet = without_faults(config, adc_bits=config.adc_bits)
     offset = np.linspace(-REACH_PITCHES, REACH_PITCHES, POINTS) * config.pitch_m
-    rows = readings(sensor(quiet, tape, 0), offset)
-    spot_sd_m = 0.25 * spot_diameter_m(config, config.height_m)
-    share = (tape.floor_reflectance - config.threshold) / (tape.floor_reflectance - tape.reflectance)
-    inside_m = spot_sd_m * float(ndtri(share))
-    return Threshold(
-        threshold=config.threshold,
-        cases=_cases(quiet, tape),
-        offset_m=tuple(offset.tolist()),
-        line_error=tuple(line_error(row, config.threshold) for row in rows.tolist()),
-        narrowest_tape_m=_last_good(quiet, tape, NARROWEST_M),
-        widest_tape_m=_last_good(quiet, tape, WIDEST_M),
-        narrowest_closed_form_m=config.pitch_m + 2.0 * inside_m,
-        widest_closed_form_m=2.0 * config.pitch_m + 2.0 * inside_m,
+    error = np.array(
+        [line_error(row, config.threshold) for row in readings(sensor(quiet, tape, 0), offset).tolist()], np.float64
     )
+    share = (tape.floor_reflectance - config.threshold) / (tape.floor_reflectance - tape.reflectance)
+    # How far inside the tape's edge the middle of a spot lies that reads the threshold.
+    inside_m = 0.25 * spot_diameter_m(config, config.height_m) * float(ndtri(share))
+    found = cases(quiet, tape)
+    levels = vars(tape) | {"threshold": config.threshold}
+    tables = {"line_error": levels | {"offset_m": offset, "line_error": error}}
+    checks = []
+    for case in found:
+        name = f"robot {1e3 * case.offset_m:+.2f} mm off the tape"
+        tables[name] = vars(case)
+        value = np.nan if case.line_error is None else case.line_error
+        detail = "on: " + (" ".join(f"L{channel}" for channel in case.active) or "none")
+        expected = case.line_error_in_figure_5
+        checks.append(ValidationCheck(f"line error, {name}", value, expected, 0, "Fig. 5", "pitches", detail))
+    other = sum(case.active != case.active_in_figure_5 for case in found)
+    checks += [
+        ValidationCheck("cases with other channels on", other, 0, 0, "Fig. 5"),
+        ValidationCheck(
+            "narrowest tape for which Fig. 5 holds",
+            1e3 * last_good_m(quiet, tape, MIN_WIDTH_M),
+            # Both middle channels reach the tape.
+            1e3 * (config.pitch_m + 2.0 * inside_m),
+            TOLERANCE_MM,
+            "a pitch and twice how far inside the edge the threshold lies",
+            "mm",
+        ),
+        ValidationCheck(
+            "widest tape for which Fig. 5 holds",
+            1e3 * last_good_m(quiet, tape, MAX_WIDTH_M),
+            # Beside one channel above the middle no other reaches it.
+            1e3 * (2.0 * config.pitch_m + 2.0 * inside_m),
+            TOLERANCE_MM,
+            "two pitches and twice how far inside the edge the threshold lies",
+            "mm",
+        ),
+    ]
+    points = [1e3 * case.offset_m for case in found], [case.line_error_in_figure_5 for case in found]
+    curves = (
+        Curve(1e3 * offset, error, "mean weight of the channels that are on (Eq. 12)", BLUE, ".", size=3),
+        Curve(*points, "the paper's Fig. 5", VERMILION, "o", size=9),
+    )
+    axes = ("robot left of the tape's middle [mm]", "line error [pitches]")
+    return ExperimentResult(tables, checks, (Panel("Line error with the threshold", *axes, curves),))
 
 
-def _cases(config: LineSensor, tape: Tape) -> tuple[Case, ...]:
-    found = []
+def cases(config: LineSensor, tape: Tape) -> tuple[ThresholdCase, ...]:
+    """Return what a sensor gives in the three cases of Fig. 5."""
+    seen = []
     for pitches, active, error in FIGURE_5:
         row = readings(sensor(config, tape, 0), np.array([pitches * config.pitch_m]))[0].tolist()
         on = tuple(channel for channel, reading in enumerate(row) if reading < config.threshold)
-        found.append(Case(pitches * config.pitch_m, on, line_error(row, config.threshold), active, error))
-    return tuple(found)
+        seen.append(ThresholdCase(pitches * config.pitch_m, on, line_error(row, config.threshold), active, error))
+    return tuple(seen)
 
 
-def _last_good(config: LineSensor, tape: Tape, bad_m: float) -> float | None:
-    """Width between the bench's own tape, where Fig. 5 holds, and a bad one, up to which it still does."""
+def last_good_m(config: LineSensor, tape: Tape, bad_m: float) -> float:
+    """Return the width between that of the tape and a bad one up to which Fig. 5 holds; NaN if not for the tape."""
 
     def holds(width_m: float) -> bool:
-        return all(case.agrees for case in _cases(config, replace(tape, width_m=width_m)))
+        return all(case.agrees for case in cases(config, replace(tape, width_m=width_m)))
 
     good_m = tape.width_m
     if not holds(good_m):
-        return None
+        return np.nan
     for _ in range(BISECTIONS):
         middle_m = 0.5 * (good_m + bad_m)
         good_m, bad_m = (middle_m, bad_m) if holds(middle_m) else (good_m, middle_m)

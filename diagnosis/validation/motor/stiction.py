@@ -1,92 +1,95 @@
-"""Stick-slip at the bench: where a wheel breaks away, where it comes to rest, and whether it is still in between."""
-
-from dataclasses import dataclass
+"""Stick-slip: where a wheel breaks away, where it comes to rest, and whether it is still in between."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.validation.motor.steps import time_constant_s
+from configs.schema.robot import RobotConfig
+from diagnosis.validation.experiment import ExperimentResult, ValidationCheck
+from diagnosis.validation.motor.steps import is_ideal, time_constant_s
+from diagnosis.validation.panels import Curve, Panel
 from physics.drivetrain.motor_bench import step_responses
 from physics.robot.model import RobotModel
 from symolo.core.arrays import Array
+from symolo.pages.plotting import ORANGE, VERMILION
 
 ROW_S = 5e-4
 LEG_S = 2.0
-"""From 0 V to the highest voltage of the ramp."""
+"""Time of the ramp from 0 V to its highest voltage."""
 BREAKAWAYS = 2.5
 """Highest voltage of the ramp, in breakaway voltages."""
-LOWEST_TOP_V = 0.2
-"""Of a motor without dry friction."""
+MIN_TOP_V = 0.2
+"""Highest voltage of the ramp for a motor without dry friction."""
 HELD_SHARES = (-0.999, -0.5, 0.0, 0.5, 0.9, 0.999)
-"""Of the breakaway voltage, at which a wheel must not move."""
+"""Shares of the breakaway voltage at which a wheel must not move."""
 HELD_S = 1.0
-KEPT_ROWS = 801
+TABLE_ROWS = 801
 
 
-@dataclass(frozen=True)
-class StictionBench:
-    """A slow ramp 0, +top, -top, 0 from rest; without effects, static friction is the friction of a moving wheel."""
-
-    breakaway_V: float | None
-    """Where the wheel first moves; None where it never does."""
-    breakaway_closed_form_V: float
-    """R Tq / K, of the motor without effects of friction, bridge and supply."""
-    stops_V: float | None
-    """Where it comes to rest as the voltage falls; below 0 V where it is still turning there."""
-    stops_closed_form_V: float
-    """The breakaway voltage less what the ramp changes in a time constant, for the speed lags behind."""
-    ramp_V_s: float
-    resolution_V: float
-    """What the ramp changes in a row, hence how well both voltages are known."""
-    held_below_breakaway_V: tuple[float, ...]
-    """Voltages held from rest."""
-    fastest_held_rad_s: float
-    """Highest speed reached at any of them: exactly 0.0 where dry friction holds."""
-    starts: int
-    """How often the wheel left rest: once in each direction, more where it chatters."""
-    reversals: int
-    """How often the direction changed: once, while the voltage passed through zero."""
-    voltage_V: tuple[float, ...]
-    """Of the ramp, rows kept for the picture."""
-    speed_rad_s: tuple[float, ...]
-
-
-def stiction_bench(model: RobotModel) -> StictionBench:
-    """Ramp and held voltages on the robot's right motor, off load, with all of the robot's effects."""
+def stiction(robot: RobotConfig, _seed: int) -> ExperimentResult:
+    """Return a slow ramp 0, +top, -top, 0 from rest and held voltages, on the right motor with all of its effects."""
+    model = RobotModel.from_config(robot)
     motor = model.motors.right
     breakaway_V = motor.resistance_ohm * motor.coulomb_N_m / motor.torque_constant_N_m_A
     held_V = breakaway_V * np.array(HELD_SHARES)
     _, held = step_responses(model, np.tile(held_V, (round(HELD_S / ROW_S), 1)), ROW_S)
-    top_V = max(BREAKAWAYS * breakaway_V, LOWEST_TOP_V)
+    top_V = max(BREAKAWAYS * breakaway_V, MIN_TOP_V)
     rows = round(LEG_S / ROW_S)
     corners = np.array([0.0, top_V, -top_V, 0.0])
     voltage = np.interp(np.arange(1, 4 * rows + 1), [0, rows, 3 * rows, 4 * rows], corners)
     _, speed = step_responses(model, voltage[:, None], ROW_S)
     speed = speed[:, 0]
-    kept = np.unique(np.linspace(0, len(voltage) - 1, KEPT_ROWS).round().astype(int))
+    breaks_V = _first_voltage(voltage, speed != 0.0)
+    stops_V = _first_voltage(voltage[rows:], speed[rows:] <= 0.0) if speed[rows - 1] > 0.0 else np.nan
+    # The speed follows the falling voltage a time constant late.
+    stops_closed_form_V = breakaway_V - top_V / LEG_S * time_constant_s(motor)
+    resolution_V = top_V / rows
     starts, reversals = starts_and_reversals(speed)
-    return StictionBench(
-        breakaway_V=_voltage_of_first(voltage, speed != 0.0),
-        breakaway_closed_form_V=breakaway_V,
-        stops_V=_voltage_of_first(voltage[rows:], speed[rows:] <= 0.0) if speed[rows - 1] > 0.0 else None,
-        stops_closed_form_V=breakaway_V - top_V / LEG_S * time_constant_s(motor),
-        ramp_V_s=top_V / LEG_S,
-        resolution_V=top_V / rows,
-        held_below_breakaway_V=tuple(held_V.tolist()),
-        fastest_held_rad_s=float(np.abs(held).max()),
-        starts=starts,
-        reversals=reversals,
-        voltage_V=tuple(voltage[kept].tolist()),
-        speed_rad_s=tuple(speed[kept].tolist()),
+    known = 2.0 * resolution_V if is_ideal(robot) else None
+    checks = (
+        ValidationCheck("breaks away at", breaks_V, breakaway_V, known, "R Tq / K", "V"),
+        ValidationCheck("comes to rest at", stops_V, stops_closed_form_V, known, "R Tq / K, a time constant late", "V"),
+        ValidationCheck("fastest wheel below breakaway", float(np.abs(held).max()), 0.0, 0.0, "dry friction", "rad/s"),
+        ValidationCheck("starts from rest", starts, 2, 0, "one in each direction; more would be chatter"),
+        ValidationCheck("reversals", reversals, 1, 0, "one, where the voltage passes through zero"),
     )
+    shown = np.unique(np.linspace(0, len(voltage) - 1, TABLE_ROWS).round().astype(int))
+    ramp = {
+        "voltage_V": voltage[shown],
+        "speed_rad_s": speed[shown],
+        "ramp_V_s": top_V / LEG_S,
+        "resolution_V": resolution_V,
+    }
+    tables = {"ramp": ramp, "held_below_breakaway": {"voltage_V": held_V}}
+    curves = (
+        Curve(1e3 * voltage[shown], speed[shown], "slow ramp up, down, back to 0"),
+        Curve([1e3 * breaks_V], [0.0], "breaks away", VERMILION, "^", size=8),
+        Curve([1e3 * stops_V], [0.0], "comes to rest", ORANGE, "v", size=8),
+    )
+    axes = "voltage [mV]", "speed [rad/s]"
+    closed_mV = (-1e3 * breakaway_V, 1e3 * breakaway_V)
+    near_mV = 1e3 * max(abs(breakaway_V - stops_closed_form_V), resolution_V)
+    around = (1e3 * stops_closed_form_V - near_mV, 1e3 * breakaway_V + near_mV)
+    fastest = float(np.abs(speed).max())
+    panels = (
+        Panel("Stiction, dashed: R Tq / K", *axes, curves, x_lines=closed_mV),
+        Panel(
+            "Stiction, close-up",
+            *axes,
+            curves,
+            x_lines=(1e3 * breakaway_V, 1e3 * stops_closed_form_V),
+            x_range=around,
+            y_range=(-0.03 * fastest, 0.08 * fastest),
+        ),
+    )
+    return ExperimentResult(tables, checks, panels)
 
 
 def starts_and_reversals(speed_rad_s: Array) -> tuple[int, int]:
-    """How often a wheel, at rest before the first row, left rest, and how often its direction changed; (N,)."""
+    """Return how often a wheel, at rest before the first row, left rest, and how often its direction changed; (N,)."""
     moves = np.concatenate([[False], speed_rad_s != 0.0])
     direction = np.sign(speed_rad_s[speed_rad_s != 0.0])
     return int(np.sum(moves[1:] & ~moves[:-1])), int(np.sum(direction[1:] != direction[:-1]))
 
 
-def _voltage_of_first(voltage: Array, found: NDArray[np.bool_]) -> float | None:
-    return float(voltage[np.argmax(found)]) if found.any() else None
+def _first_voltage(voltage: Array, where: NDArray[np.bool_]) -> float:
+    return float(voltage[np.argmax(where)]) if where.any() else np.nan

@@ -1,56 +1,46 @@
 """Experiment 5: how wide the spot on a board is (paper Fig. 19)."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from diagnosis.validation.range_sensor.check import Check
+from configs.schema.robot import RobotConfig
+from diagnosis.validation.experiment import ExperimentResult, ValidationCheck
+from diagnosis.validation.panels import Curve, Panel
 from diagnosis.validation.range_sensor.paper import FIELD_OF_VIEW_MM, footprint_mm
-from diagnosis.validation.range_sensor.recorder import Recorder
-from diagnosis.validation.range_sensor.stand import HEIGHT_M, Bench, Stand, closed_form, target
+from diagnosis.validation.range_sensor.recorder import RayRecorder
+from diagnosis.validation.range_sensor.stand import HEIGHT_M, SensorOnStand, closed_form, target
+from diagnosis.validation.still_world import StillWorld
+from symolo.pages.plotting import BLACK, VERMILION
 
-WITHIN = 0.05
-
-
-@dataclass(frozen=True)
-class Spot:
-    """Where the rays of one sensor meet a board."""
-
-    distance_mm: float
-    diameter_mm: float
-    """Twice the largest distance of a ray's end from the axis."""
-    paper_mm: float
-    y_mm: tuple[float, ...]
-    z_mm: tuple[float, ...]
-    """(rays,) each, from the axis."""
+TOLERANCE = 0.05
 
 
-def spots(bench: Bench) -> tuple[Spot, ...]:
-    return tuple(_spot(bench, distance_mm) for distance_mm in FIELD_OF_VIEW_MM)
-
-
-def _spot(bench: Bench, distance_mm: float) -> Spot:
-    arena = target(1e-3 * distance_mm)
-    recorder = Recorder(closed_form(arena))
-    bench.sensor(arena, "field of view", distance_mm).sample(Stand(recorder))
-    points = recorder.points()[: bench.tof.rays]
-    y, z = 1e3 * points[:, 1], 1e3 * (points[:, 2] - HEIGHT_M)
-    return Spot(
-        distance_mm=distance_mm,
-        diameter_mm=2.0 * float(np.hypot(y, z).max()),
-        paper_mm=footprint_mm(distance_mm),
-        y_mm=tuple(y.tolist()),
-        z_mm=tuple(z.tolist()),
-    )
-
-
-def checks_of(found: tuple[Spot, ...]) -> list[Check]:
-    shares = [spot.diameter_mm / spot.paper_mm for spot in found]
-    return [
-        Check(
-            "field of view, diameter over 2 d tan 12.5",
-            all(abs(share - 1.0) <= WITHIN for share in shares),
-            f"{min(shares):.3f} to {max(shares):.3f}",
-            f"{1 - WITHIN:.2f} to {1 + WITHIN:.2f}",
-        )
+def field_of_view(robot: RobotConfig, seed: int) -> ExperimentResult:
+    """Return the diameter of the spot on a board at each of the paper's distances."""
+    mounted = SensorOnStand.of_robot(robot, seed)
+    tables = {f"{distance_mm:g} mm": spot(mounted, distance_mm) for distance_mm in FIELD_OF_VIEW_MM}
+    ours, paper = (np.array([table[name] for table in tables.values()]) for name in ("diameter_mm", "paper_mm"))
+    checks = [
+        ValidationCheck(f"diameter at {name}", table["diameter_mm"] / table["paper_mm"], 1.0, TOLERANCE, "2 d tan 12.5")
+        for name, table in tables.items()
     ]
+    curves = (
+        Curve(FIELD_OF_VIEW_MM, paper, "paper: 2 d tan 12.5°", BLACK, "o", size=8),
+        Curve(FIELD_OF_VIEW_MM, ours, "simulated, outermost ray", VERMILION, "x-"),
+    )
+    panel = Panel("5  Field of view", "distance [mm]", "diameter [mm]", curves, y_range=(0.0, None))
+    return ExperimentResult(tables, checks, (panel,))
+
+
+def spot(mounted: SensorOnStand, distance_mm: float) -> dict:
+    """Return where the rays of one sensor meet a board, from the axis, and the diameter of that spot."""
+    arena = target(1e-3 * distance_mm)
+    recorder = RayRecorder(closed_form(arena))
+    mounted.sensor(arena, "field of view", distance_mm).sample(StillWorld(recorder))
+    points = recorder.points()[: mounted.tof.rays]
+    y, z = 1e3 * points[:, 1], 1e3 * (points[:, 2] - HEIGHT_M)
+    return {
+        "diameter_mm": 2.0 * float(np.hypot(y, z).max()),
+        "paper_mm": footprint_mm(distance_mm),
+        "y_mm": y,
+        "z_mm": z,
+    }

@@ -1,19 +1,19 @@
-"""Keeps the rays that a sensor casts."""
+"""A ray caster that remembers the rays which a sensor casts."""
 
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from diagnosis.validation.range_sensor.stand import Caster
+from diagnosis.validation.still_world import RayCaster
 from sensors.base import Hits
 from symolo.core.arrays import Array
 
 
 @dataclass
-class Recorder:
-    """Passes every cast on to another caster and keeps the last one."""
+class RayRecorder:
+    """Passes every cast on to another caster and remembers the last one."""
 
-    caster: Caster
+    caster: RayCaster
     origins: Array = field(default_factory=lambda: np.zeros((0, 3)))
     ends: Array = field(default_factory=lambda: np.zeros((0, 3)))
     fraction: Array = field(default_factory=lambda: np.zeros(0))
@@ -24,5 +24,5 @@ class Recorder:
         return hits
 
     def points(self) -> Array:
-        """Where the rays of the last cast ended, (N, 3) in W."""
+        """Return where the rays of the last cast ended, (N, 3) in W."""
         return self.origins + self.fraction[:, None] * (self.ends - self.origins)

@@ -3,120 +3,130 @@
 The sensor turns about itself and so keeps its distance, square to the board; the axis meets the board further away.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Literal
 
 import numpy as np
 
-from diagnosis.validation.range_sensor.check import Check
+from configs.schema.robot import RobotConfig
+from diagnosis.validation.experiment import ExperimentResult, ValidationCheck
+from diagnosis.validation.panels import COLORS, DASHES, MARKERS, Curve, Panel
 from diagnosis.validation.range_sensor.paper import DISTANCES_MM
-from diagnosis.validation.range_sensor.stand import Bench, Stand, closed_form, grid, seen_mm, target
+from diagnosis.validation.range_sensor.stand import SensorOnStand, closed_form, grid, seen_mm, target
+from diagnosis.validation.still_world import StillWorld
+from symolo.pages.plotting import GREY
 
 ANGLES_DEG = tuple(grid(-25.0, 25.0, 2.0).tolist())
-"""As in the paper; 0 is not among them."""
-NOISE_SDS = 4.0
-"""How many standard errors two means may be apart: 156 pairs, of which none in a hundred benches by chance."""
-SMALLEST_SD_MM = 0.01
-"""Taken for that of a sensor without noise, whose standard errors would be 0."""
+"""Angles as in the paper; 0 is not among them."""
+MAX_STANDARD_ERRORS = 4.0
+"""How far two means may be apart: of 156 pairs none is by chance in a hundred repetitions of the experiment."""
+MIN_SD_MM = 0.01
+"""Standard deviation that is taken for a sensor without noise, whose standard errors would be 0."""
 
 Axis = Literal["sideways", "up_and_down"]
+AXES: tuple[Axis, ...] = ("sideways", "up_and_down")
 
 
-@dataclass(frozen=True)
-class TiltCurve:
-    axis: Axis
-    distance_mm: float
-    angle_deg: tuple[float, ...]
-    mean_mm: tuple[float, ...]
-    sd_mm: tuple[float, ...]
-    readings: int
-    """At each angle."""
-    noiseless_mm: tuple[float, ...]
-    level_mm: float
-    """Noiseless, at 0 degrees."""
-    largest_asymmetry_mm: float
-    """Largest difference between the means at plus and minus one angle."""
-    largest_asymmetry_se: float
-    """The same in standard errors of the difference."""
-    noiseless_asymmetry_mm: float
+def tilt(robot: RobotConfig, seed: int, readings: int) -> ExperimentResult:
+    """Return means of readings against the angle, about both axes and at each of the paper's distances."""
+    mounted = SensorOnStand.of_robot(robot, seed)
+    curves = {f"{axis} at {d:g} mm": curve(mounted, axis, d, readings) for axis in AXES for d in DISTANCES_MM}
+    note = (
+        "the paper's tilt curves up and down lean to one side (no figure); the model has emitter and receiver in one "
+        "place and is symmetric about both axes"
+    )
+    return ExperimentResult(curves, checks_of(curves), (_panel(curves),), (note,))
 
 
-def tilt_curves(bench: Bench, readings: int) -> tuple[TiltCurve, ...]:
-    axes: tuple[Axis, ...] = ("sideways", "up_and_down")
-    return tuple(_curve(bench, axis, distance, readings) for axis in axes for distance in DISTANCES_MM)
-
-
-def _curve(bench: Bench, axis: Axis, distance_mm: float, count: int) -> TiltCurve:
+def curve(mounted: SensorOnStand, axis: Axis, distance_mm: float, count: int) -> dict:
+    """Return mean and deviation of `count` readings at each angle, and one reading without noise."""
     arena = target(1e-3 * distance_mm)
     rays = closed_form(arena)
+    noiseless = mounted.without_noise()
 
-    def placed(angle_deg: float) -> tuple[Stand, float]:
+    def placed(angle_deg: float) -> tuple[StillWorld, float]:
+        """Return a world with the sensor's yaw, and the sensor's pitch [deg]."""
         if axis == "sideways":
-            return Stand(rays, yaw_deg=angle_deg), 0.0
-        return Stand(rays), angle_deg
+            return StillWorld(rays, yaw_deg=angle_deg), 0.0
+        return StillWorld(rays), angle_deg
 
-    still = bench.without_noise()
+    def exact_mm(angle_deg: float) -> float:
+        world, pitch_deg = placed(angle_deg)
+        return seen_mm(noiseless.sensor(arena, "tilt", axis, pitch_up_deg=pitch_deg), world, distance_mm)
 
-    def noiseless(angle_deg: float) -> float:
-        stand, pitch_deg = placed(angle_deg)
-        return seen_mm(still.sensor(arena, "tilt", axis, pitch_up_deg=pitch_deg), stand, distance_mm)
-
-    exact = np.array([noiseless(angle) for angle in ANGLES_DEG])
-    means, sds, fewest = [], [], count
+    exact = np.array([exact_mm(angle) for angle in ANGLES_DEG])
+    means, sds, valid = [], [], count
     for angle_deg in ANGLES_DEG:
-        stand, pitch_deg = placed(angle_deg)
-        sensor = bench.sensor(arena, "tilt", axis, distance_mm, angle_deg, pitch_up_deg=pitch_deg)
-        found = bench.readings_mm(sensor, stand, count)
-        means.append(float(found.mean()))
-        sds.append(float(found.std(ddof=1)))
-        fewest = min(fewest, len(found))
-    mean, sd = np.array(means), np.maximum(sds, SMALLEST_SD_MM)
+        world, pitch_deg = placed(angle_deg)
+        sensor = mounted.sensor(arena, "tilt", axis, distance_mm, angle_deg, pitch_up_deg=pitch_deg)
+        readings = mounted.readings_mm(sensor, world, count)
+        means.append(float(readings.mean()))
+        sds.append(float(readings.std(ddof=1)))
+        valid = min(valid, len(readings))
+    mean, sd = np.array(means), np.maximum(sds, MIN_SD_MM)
     apart = np.abs(mean - mean[::-1])
-    return TiltCurve(
-        axis=axis,
-        distance_mm=distance_mm,
-        angle_deg=ANGLES_DEG,
-        mean_mm=tuple(means),
-        sd_mm=tuple(sds),
-        readings=fewest,
-        noiseless_mm=tuple(exact.tolist()),
-        level_mm=noiseless(0.0),
-        largest_asymmetry_mm=float(apart.max()),
-        largest_asymmetry_se=float((apart / np.sqrt((sd**2 + sd[::-1] ** 2) / fewest)).max()),
-        noiseless_asymmetry_mm=float(np.abs(exact - exact[::-1]).max()),
-    )
+    return {
+        "axis": axis,
+        "distance_mm": distance_mm,
+        "angle_deg": ANGLES_DEG,
+        "mean_mm": mean,
+        "sd_mm": np.array(sds),
+        "readings_at_each_angle": valid,
+        "noiseless_mm": exact,
+        "level_mm": exact_mm(0.0),
+        "largest_asymmetry_mm": float(apart.max()),
+        "largest_asymmetry_standard_errors": float((apart / np.sqrt((sd**2 + sd[::-1] ** 2) / valid)).max()),
+        "noiseless_asymmetry_mm": float(np.abs(exact - exact[::-1]).max()),
+    }
 
 
-def checks_of(curves: tuple[TiltCurve, ...]) -> list[Check]:
-    worst = max(curves, key=lambda curve: curve.largest_asymmetry_se)
-    lean = max(curve.noiseless_asymmetry_mm for curve in curves)
+def checks_of(curves: Mapping[str, dict]) -> list[ValidationCheck]:
+    """Return the checks of curves about each axis at rising distances."""
+    name, worst = max(curves.items(), key=lambda item: item[1]["largest_asymmetry_standard_errors"])
     half = len(ANGLES_DEG) // 2
-    # The rise of the noiseless curve to both sides; the mean of a few readings may fall by chance near 0.
-    with_angle = all((np.diff(arm) > 0).all() for curve in curves for arm in _arms(curve, half))
-    rises = {axis: [c.noiseless_mm[-1] - c.level_mm for c in curves if c.axis == axis] for axis in _axes(curves)}
-    with_distance = all((np.diff(rise) > 0).all() for rise in rises.values())
+    # Without noise, because the mean of a few readings may fall by chance near 0.
+    arms = [arm for c in curves.values() for arm in (c["noiseless_mm"][half:], c["noiseless_mm"][:half][::-1])]
+    falling = sum(not (np.diff(arm) > 0).all() for arm in arms)
+    rises: dict[str, list[float]] = {axis: [] for axis in AXES}
+    for c in curves.values():
+        rises[c["axis"]].append(c["noiseless_mm"][-1] - c["level_mm"])
+    not_rising = sum(not (np.diff(rise) > 0).all() for rise in rises.values())
+    detail = (
+        f"{name}, {worst['largest_asymmetry_mm']:.2f} mm; without noise at most "
+        f"{max(c['noiseless_asymmetry_mm'] for c in curves.values()):.2f} mm"
+    )
+    sideways = ", ".join(f"{rise:+.1f}" for rise in rises["sideways"])
     return [
-        Check(
-            "tilt, symmetric within noise",
-            worst.largest_asymmetry_se <= NOISE_SDS,
-            f"at most {worst.largest_asymmetry_se:.1f} standard errors or {worst.largest_asymmetry_mm:.2f} mm apart "
-            f"({worst.axis}, {worst.distance_mm:.0f} mm), without noise {lean:.2f} mm",
-            f"{NOISE_SDS:.0f} standard errors",
+        ValidationCheck(
+            "largest asymmetry",
+            worst["largest_asymmetry_standard_errors"],
+            0.0,
+            MAX_STANDARD_ERRORS,
+            "a symmetric cone",
+            "standard errors",
+            detail,
         ),
-        Check("tilt, rising with the angle", with_angle, "all curves" if with_angle else "not all", "all curves"),
-        Check(
-            "tilt, rising with the distance",
-            with_distance,
-            "at 25 degrees " + ", ".join(f"{rise:+.1f}" for rise in next(iter(rises.values()))) + " mm",
-            "each more than the one before",
+        ValidationCheck("sides of curves that do not rise with the angle", falling, 0, 0, "the paper's Fig. 18"),
+        ValidationCheck(
+            "axes whose rise does not grow with the distance",
+            not_rising,
+            0,
+            0,
+            "the paper's Fig. 18",
+            detail=f"at 25 degrees {sideways} mm",
         ),
     ]
 
 
-def _axes(curves: tuple[TiltCurve, ...]) -> list[Axis]:
-    return list(dict.fromkeys(curve.axis for curve in curves))
-
-
-def _arms(curve: TiltCurve, half: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """From 1 to 25 degrees and from -1 to -25."""
-    return curve.noiseless_mm[half:], curve.noiseless_mm[:half][::-1]
+def _panel(curves: Mapping[str, dict]) -> Panel:
+    shown = []
+    for axis in AXES:
+        for k, table in enumerate(table for table in curves.values() if table["axis"] == axis):
+            angle, mean = table["angle_deg"], table["mean_mm"]
+            if axis == "sideways":
+                shown.append(Curve(angle, table["noiseless_mm"], "", COLORS[k], DASHES[k]))
+                shown.append(Curve(angle, mean, f"at {table['distance_mm']:.0f} mm", COLORS[k], MARKERS[k], size=4))
+            else:
+                shown.append(Curve(angle, mean, "" if k else "up and down", GREY, "+", size=7))
+    title = "4  Tilt: means to the sides, lines without noise"
+    return Panel(title, "angle [°]", "mean reading [mm]", shown, y_range=(0.0, 620.0))

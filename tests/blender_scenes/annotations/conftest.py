@@ -10,7 +10,7 @@ import pytest
 
 from blender_scenes.annotations.document import document
 from blender_scenes.annotations.job import AnnotationJob, build_annotation_job
-from blender_scenes.annotations.record import Record
+from blender_scenes.annotations.record import FrameRecord
 from blender_scenes.render.job import FramePose, RenderJob, build_job
 from blender_scenes.render.renderer import render_job
 from configs.schema.arena import ArenaConfig
@@ -102,5 +102,5 @@ def annotated(small, pictures_job, tmp_path_factory) -> Annotated:
     heard = []
     assert render_job(folder / "job.json", folder / "files", work="annotations", on_frame=heard.append).made == 3
     assert heard == [1, 2, 3]
-    records = [Record.from_json((folder / f"files/records/{n:06d}.json").read_bytes()) for n in heard]
+    records = [FrameRecord.from_json((folder / f"files/records/{n:06d}.json").read_bytes()) for n in heard]
     return Annotated(small, job, folder / "files", document(job, "images", records))

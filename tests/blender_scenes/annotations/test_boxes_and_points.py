@@ -6,7 +6,7 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from blender_scenes.annotations import PICTURES
+from blender_scenes.annotations import IMAGE_ANNOTATIONS
 from blender_scenes.annotations.boxes_2d import box_2d
 from blender_scenes.annotations.boxes_3d import box_3d
 from blender_scenes.annotations.depth import depth
@@ -15,7 +15,7 @@ from blender_scenes.annotations.instances import instances
 from blender_scenes.annotations.job import build_annotation_job
 from blender_scenes.annotations.normals import normals
 from blender_scenes.annotations.record import Record, record
-from blender_scenes.annotations.seen import Passes, Seen
+from blender_scenes.annotations.seen import Passes, VisibleScene
 from blender_scenes.annotations.sight import hidden, triangles
 from blender_scenes.annotations.silhouette import reaches_beyond, silhouette
 from blender_scenes.scene.meshes import block
@@ -48,7 +48,7 @@ def seen(job, mesh=None, **passes):
     shape = HEIGHT, WIDTH
     empty = {"point_W": np.zeros((*shape, 3)), "normal_W": np.zeros((*shape, 3))}
     mesh = np.zeros(shape, dtype=int) if mesh is None else mesh
-    return Seen(job, job.frames[0], job.following(1), Passes(mesh, **(empty | passes)))
+    return VisibleScene(job, job.frames[0], job.following(1), Passes(mesh, **(empty | passes)))
 
 
 def solid_named(job, name):
@@ -235,5 +235,5 @@ def test_a_frame_has_a_file_for_each_picture_and_one_for_all_records(job):
 
 def test_every_annotation_has_a_member_and_an_encoding():
     names = set(get_args(AnnotationName))
-    assert set(PICTURES) == names - set(RECORD_KINDS)
+    assert set(IMAGE_ANNOTATIONS) == names - set(RECORD_KINDS)
     assert set(ENCODINGS) == names

@@ -7,13 +7,13 @@ import cv2
 import numpy as np
 import pytest
 
-from blender_scenes.materials.base import Patch
+from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.stains import stained
 from blender_scenes.materials.tape import tape
 from blender_scenes.scene.description import Scene, Sky, Sun
 from blender_scenes.scene.meshes import rectangle
 from blender_scenes.scene.run_scene import describe
-from blender_scenes.scene.shading import Color, Expression, Noise, Surface
+from blender_scenes.scene.shading import Color, Expression, NoiseTexture, Surface
 from configs.schema.floors import FloorLook
 from configs.schema.look import LookConfig, TapeLook
 from sensors.camera.colour import LUMINANCE
@@ -31,11 +31,11 @@ PALE, DARK = 0.5, 0.3
 
 def _surfaces() -> dict[str, tuple[Surface, float]]:
     """Surfaces with the size of the square of each that is looked at, from its corner at u = v = 0 on."""
-    piece = Patch("tape", (9.0, 9.0), 1)
+    piece = SurfacePatch("tape", (9.0, 9.0), 1)
     made = {name: (tape(look, piece), TAPE_M) for name, look in TAPES.items()}
     for name, reflectance, amount in (("pale", PALE, 1.0), ("dark", DARK, 1.0), ("half stained", PALE, 0.5)):
         even = Surface("", Color((reflectance, reflectance, reflectance)))
-        made[name] = stained(even, Patch("floor", (9.0, 9.0), 1), amount), FLOOR_M
+        made[name] = stained(even, SurfacePatch("floor", (9.0, 9.0), 1), amount), FLOOR_M
     for name in ("bare", "streaked"):
         # Its roughness for all to see.
         made[f"roughness of {name}"] = Surface("", tape(TAPES[name], piece).roughness), TAPE_M
@@ -100,7 +100,9 @@ def test_streaks_are_some_millimetres_long_and_narrow(seen):
 
 
 def test_a_tape_without_streaks_has_none_of_their_textures():
-    without, with_streaks = (_noises(tape(TapeLook(streaks=s), Patch("tape", (0.5, 0.02), 1))) for s in (0.0, 1e-6))
+    without, with_streaks = (
+        _noises(tape(TapeLook(streaks=s), SurfacePatch("tape", (0.5, 0.02), 1))) for s in (0.0, 1e-6)
+    )
     assert len(with_streaks - without) == 2
     assert without < with_streaks
 
@@ -131,14 +133,14 @@ def test_a_look_stains_its_floor_and_nothing_else(arena, robot):
 
 def test_a_floor_without_stains_is_the_surface_it_was():
     even = Surface("floor", Color((0.5, 0.5, 0.5)))
-    assert stained(even, Patch("floor", (9.0, 9.0), 1), 0.0) is even
+    assert stained(even, SurfacePatch("floor", (9.0, 9.0), 1), 0.0) is even
 
 
-def _noises(surface: Surface) -> set[Noise]:
+def _noises(surface: Surface) -> set[NoiseTexture]:
     found, left = set(), [surface.base_color, surface.roughness, surface.height_m]
     while left:
         part = left.pop()
         if isinstance(part, Expression):
             left += [getattr(part, field.name) for field in fields(part)]
-            found |= {part} if isinstance(part, Noise) else set()
+            found |= {part} if isinstance(part, NoiseTexture) else set()
     return found

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from blender_scenes.annotations.job import build_annotation_job
-from blender_scenes.annotations.record import Record
+from blender_scenes.annotations.record import FrameRecord
 from blender_scenes.preview.renderer import FlatRenderer
 from blender_scenes.render.job import FramePose, RenderJob, build_job
 from blender_scenes.render.renderer import render_job
@@ -124,7 +124,7 @@ def test_its_depth_is_that_of_the_boxes_and_it_stands_still_in_the_picture(annot
 
 def test_it_hides_the_points_of_the_line_behind_it(annotated):
     job, folder = annotated
-    sightings = Record.from_json((folder / "records/000001.json").read_bytes()).key_points
+    sightings = FrameRecord.from_json((folder / "records/000001.json").read_bytes()).key_points
     body = _depth_of_body(job, np.array([one.pixel for one in sightings]))
     hidden = body < np.array([one.p_C[2] for one in sightings])
     assert 0 < hidden.sum() < len(hidden)

@@ -8,22 +8,33 @@ import pytest
 
 from blender_scenes.scene.description import Mesh, Scene, Sky, Sun
 from blender_scenes.scene.meshes import rectangle
-from blender_scenes.scene.shading import Arithmetic, Cells, Color, Coordinate, Mix, Noise, Number, Step, Surface, Tiles
+from blender_scenes.scene.shading import (
+    Arithmetic,
+    Cells,
+    Color,
+    Constant,
+    Mix,
+    NoiseTexture,
+    Step,
+    Surface,
+    SurfaceCoordinate,
+    Tiles,
+)
 from blender_scenes.scene.typical import typical_color
 from sensors.camera.views import FrameView
 
 A, B = Color((0.8, 0.1, 0.4)), Color((0.2, 0.5, 0.3))
 CONSTANT = {
     "color": A,
-    "mix": Mix(Number(0.3), A, B),
-    "mix beyond its ends": Mix(Number(1.4), A, B),
-    "add": Mix(Number(0.3) + 0.2, A, B),
-    "subtract": Mix(0.9 - Number(0.2), A, B),
-    "multiply": Mix(Number(0.3) * 2.0, A, B),
-    "maximum": Mix(Arithmetic("maximum", Number(0.3), Number(0.6)), A, B),
-    "sine": Mix(Arithmetic("sine", Number(math.pi / 6)), A, B),
-    "step below": Mix(Step(Number(0.1), 0.2, 0.6), A, B),
-    "step within": Mix(Step(Number(0.3), 0.2, 0.6), A, B),
+    "mix": Mix(Constant(0.3), A, B),
+    "mix beyond its ends": Mix(Constant(1.4), A, B),
+    "add": Mix(Constant(0.3) + 0.2, A, B),
+    "subtract": Mix(0.9 - Constant(0.2), A, B),
+    "multiply": Mix(Constant(0.3) * 2.0, A, B),
+    "maximum": Mix(Arithmetic("maximum", Constant(0.3), Constant(0.6)), A, B),
+    "sine": Mix(Arithmetic("sine", Constant(math.pi / 6)), A, B),
+    "step below": Mix(Step(Constant(0.1), 0.2, 0.6), A, B),
+    "step within": Mix(Step(Constant(0.3), 0.2, 0.6), A, B),
 }
 _BLACK, _WHITE = Color((0.0, 0.0, 0.0)), Color((0.9, 0.9, 0.9))
 
@@ -34,7 +45,7 @@ def _grey(by) -> Mix:
 
 # Each is looked at in the middle of its own square of 0.2 m, at u = v = 0.1.
 PLACED = {
-    "coordinate": (_grey(Coordinate("u") * 5.0), 0.45),
+    "coordinate": (_grey(SurfaceCoordinate("u") * 5.0), 0.45),
     "in a joint": (_grey(Tiles((0.1, 0.1), 0.02, 0.0, (0.0, 0.0))), 0.9),
     "on a tile": (_grey(Tiles((0.1, 0.1), 0.02, 0.0, (0.05, 0.05))), 0.0),
     "beside a joint of 18 mm": (_grey(Tiles((0.1, 0.1), 0.018, 0.0, (0.0105, 0.0105))), 0.0),
@@ -78,7 +89,7 @@ def test_textures_lie_where_their_numbers_say(seen, name):
 
 def test_random_patterns_have_the_mean_that_is_counted_with(light_of):
     patterns = [
-        Noise((100.0, 100.0), (3.0, 5.0), octaves=3),
+        NoiseTexture((100.0, 100.0), (3.0, 5.0), octaves=3),
         Cells((60.0, 60.0), (1.0, 2.0), "random"),
         Cells((60.0, 60.0), (1.0, 2.0), "distance"),
         Tiles((0.012, 0.012), 0.0001, 0.0, (0.0, 0.0), "random"),

@@ -1,4 +1,4 @@
-"""Pictures put together from parts against those that are traced whole, in linear light, in one Blender process."""
+"""Images from hybrid rendering against those that are traced in full, in linear light, in one Blender process."""
 
 from dataclasses import replace
 
@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from blender_scenes.render.job import FramePose, RenderJob, build_job
-from blender_scenes.render.sampling import PartSamples, Sampling
+from blender_scenes.render.sampling import HybridSamples, TracingSettings
 from blender_scenes.scene.description import Mesh, Panel, Point3, Scene, Sky
 from blender_scenes.scene.meshes import block, floor, rectangle
-from blender_scenes.scene.shading import Color, Coordinate, Mix, Noise, Step, Surface
+from blender_scenes.scene.shading import Color, Mix, NoiseTexture, Step, Surface, SurfaceCoordinate
 from configs.draw import draw_look
 from configs.loader import load_section
 from configs.references import shipped_names
@@ -27,8 +27,8 @@ WIDE = Intrinsics(320, 8, 225.0, 225.0, 159.5, 3.5)
 """Of so few rows that its light cannot share them four by four."""
 ODD = replace(CAMERA, width_px=65, height_px=49, cx_px=32.0, cy_px=24.0)
 LENS = replace(CAMERA, cx_px=32.5, cy_px=22.5, distortion=(-0.25, 0.05, 0.0, 0.0, 0.0))
-PARTS = PartSamples(near=4, far=2, surfaces=16)
-WHOLE_SAMPLES = 256
+HYBRID = HybridSamples(near=4, far=2, surfaces=16)
+FULL_SAMPLES = 256
 PITCH = np.radians(35.0)
 X_RC = np.array(
     [
@@ -48,21 +48,21 @@ def _matt(name: str, red: float, green: float, blue: float) -> Surface:
     return Surface(name, Color((red, green, blue)), roughness=1.0, refractive_index=1.0)
 
 
-MOTTLED = Mix(Noise((30.0, 30.0), (0.3, 0.7)), Color((0.5, 0.45, 0.4)), Color((0.3, 0.3, 0.3)))
+MOTTLED = Mix(NoiseTexture((30.0, 30.0), (0.3, 0.7)), Color((0.5, 0.45, 0.4)), Color((0.3, 0.3, 0.3)))
 FLOOR = Surface("floor", MOTTLED, roughness=0.6)
 BEGINS_M, ENDS_M = 0.62, 0.72
 """Of a glossy strip across a rough floor, along x; 2.6 px wide."""
-_STRIP = Step(Coordinate("u"), BEGINS_M, BEGINS_M + 0.001) - Step(Coordinate("u"), ENDS_M, ENDS_M + 0.001)
+_STRIP = Step(SurfaceCoordinate("u"), BEGINS_M, BEGINS_M + 0.001) - Step(SurfaceCoordinate("u"), ENDS_M, ENDS_M + 0.001)
 TAPED = Surface("floor", Color((0.6, 0.6, 0.6)), roughness=0.9 - 0.65 * _STRIP)
 STRIPES = Surface(
-    "back", Mix(Step(Coordinate("v"), 0.3, 0.31), Color((0.2, 0.5, 0.2)), Color((0.5, 0.2, 0.2))), roughness=1.0
+    "back", Mix(Step(SurfaceCoordinate("v"), 0.3, 0.31), Color((0.2, 0.5, 0.2)), Color((0.5, 0.2, 0.2))), roughness=1.0
 )
 MIRROR = Surface("mirror", Color((0.9, 0.9, 0.9)), roughness=0.02, metallic=1.0)
 GLASS = Surface("glass", Color((1.0, 1.0, 1.0)), roughness=0.0, refractive_index=1.5, transmission=1.0)
 BLACK, RED, GREEN = _matt("black", 0.03, 0.03, 0.03), _matt("red", 0.5, 0.08, 0.05), _matt("green", 0.05, 0.4, 0.08)
 LAMP = Panel("lamp", (0.9, 0.8, 2.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.4, 0.4, (6.0, 6.0, 5.0))
 BEHIND = Panel("behind", (-0.7, -0.2, 0.6), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.1, 0.1, (60.0, 60.0, 60.0))
-"""Low behind the robot, whose shadow so falls into the picture."""
+"""Low behind the robot, whose shadow so falls into the image."""
 
 
 def _tape(name: str, corners: list[tuple[float, float]]) -> Mesh:
@@ -106,8 +106,8 @@ def _turning(number: int, length_s: float) -> FrameView:
     return replace(_at(number, (0.0, 0.0, 0.0)), exposure=moments)
 
 
-def _job(scene: Scene, views: list[FrameView], parts: PartSamples | None, shutter: Shutter = INSTANT) -> RenderJob:
-    sampling = Sampling(seed=1, samples=WHOLE_SAMPLES, denoise=False, parts=parts)
+def _job(scene: Scene, views: list[FrameView], hybrid: HybridSamples | None, shutter: Shutter = INSTANT) -> RenderJob:
+    sampling = TracingSettings(seed=1, samples=FULL_SAMPLES, denoise=False, hybrid=hybrid)
     response = CameraResponse.from_look(CameraLook(), (1.0, 1.0, 1.0), 1, 92)
     return RenderJob(RenderJob.FORMAT, scene, CAMERA, tuple(views), sampling, response, shutter)
 
@@ -124,8 +124,8 @@ STILL = [
 
 
 @pytest.fixture(scope="module")
-def pictures(lights_of) -> dict[str, np.ndarray]:
-    """Of each name (N, H, W, 3): 'parts' and 'whole' of what a kind of scene shows, and one job in three ways."""
+def images(lights_of) -> dict[str, np.ndarray]:
+    """Of each name (N, H, W, 3): 'hybrid' and 'full' of what a kind of scene shows, and one job in three ways."""
     seen = _scene(BOX)
     behind = _scene(block("wall_G", (0.5, 0.0, 0.15), (0.01, 0.6, 0.3), "glass"))
     before = _scene(block("wall_M", (0.6, 0.0, 0.15), (0.02, 0.6, 0.3), "mirror"))
@@ -140,36 +140,36 @@ def pictures(lights_of) -> dict[str, np.ndarray]:
         "bumper": (replace(_scene(), robot_in_sight=(BUMPER,)), STILL[:1], INSTANT),
         "bulb": (replace(_scene(), panels=(LAMP, BEHIND, BULB)), STILL[:1], INSTANT),
     }
-    still = _job(seen, STILL, PARTS)
+    still = _job(seen, STILL, HYBRID)
     names, asked = ["one thread", "alone"], [(still, 1, [3, 1, 2]), (still, 1, [2])]
     names.append("of few rows")
-    asked.append((replace(_job(seen, STILL[:1], PARTS), camera=WIDE), 2, [1]))
-    for kind, parts in (("parts", PARTS), ("whole", None)):
+    asked.append((replace(_job(seen, STILL[:1], HYBRID), camera=WIDE), 2, [1]))
+    for kind, hybrid in (("hybrid", HYBRID), ("full", None)):
         for name, camera in (("lens", LENS), ("odd", ODD)):
             names.append(f"{name} {kind}")
-            asked.append((replace(_job(seen, STILL[:1], parts), camera=camera), 2, [1]))
+            asked.append((replace(_job(seen, STILL[:1], hybrid), camera=camera), 2, [1]))
     for name, (scene, views, shutter) in orders.items():
-        for kind, parts in (("parts", PARTS), ("whole", None)):
+        for kind, hybrid in (("hybrid", HYBRID), ("full", None)):
             names.append(f"{name} {kind}")
-            asked.append((_job(scene, views, parts, shutter), 2, [view.number for view in views]))
+            asked.append((_job(scene, views, hybrid, shutter), 2, [view.number for view in views]))
     return dict(zip(names, lights_of(*asked), strict=True))
 
 
 @pytest.fixture(scope="module")
 def shared(lights_of) -> dict[str, np.ndarray]:
-    """(N, H, W, 3) from parts, where most of the light has half as many pixels each way, the upper rows' as many."""
-    still = _job(_scene(BOX), [*STILL, _at(4, (0.35, 0.1, 0.5))], PARTS)
-    rolling = _job(_scene(BOX), [_turning(1, ROLLING.exposure_s + ROLLING.read_out_s)], PARTS, ROLLING)
+    """(N, H, W, 3) hybrid images, most of whose light has half as many pixels each way, the upper rows' as many."""
+    still = _job(_scene(BOX), [*STILL, _at(4, (0.35, 0.1, 0.5))], HYBRID)
+    rolling = _job(_scene(BOX), [_turning(1, ROLLING.exposure_s + ROLLING.read_out_s)], HYBRID, ROLLING)
     orders = {
         "still": (still, 2, [1, 2, 3, 4]),
         "one thread": (still, 1, [4, 3, 1, 2]),
         "alone": (still, 1, [4]),
         "rolling": (rolling, 2, [1]),
-        "taped": (_job(_scene(ground=TAPED), STILL[:1], PARTS), 2, [1]),
-        "bumper": (_job(replace(_scene(), robot_in_sight=(BUMPER,)), STILL[:1], PARTS), 2, [1]),
-        "bulb": (_job(replace(_scene(), panels=(LAMP, BEHIND, BULB)), STILL[:1], PARTS), 2, [1]),
-        "needle": (_job(_scene(NEEDLE), STILL[:1], PARTS), 2, [1]),
-        "no needle": (_job(_scene(), STILL[:1], PARTS), 2, [1]),
+        "taped": (_job(_scene(ground=TAPED), STILL[:1], HYBRID), 2, [1]),
+        "bumper": (_job(replace(_scene(), robot_in_sight=(BUMPER,)), STILL[:1], HYBRID), 2, [1]),
+        "bulb": (_job(replace(_scene(), panels=(LAMP, BEHIND, BULB)), STILL[:1], HYBRID), 2, [1]),
+        "needle": (_job(_scene(NEEDLE), STILL[:1], HYBRID), 2, [1]),
+        "no needle": (_job(_scene(), STILL[:1], HYBRID), 2, [1]),
     }
     return dict(zip(orders, lights_of(*orders.values(), near_width_px=WIDTH_PX // 2), strict=True))
 
@@ -201,71 +201,71 @@ BARE = ~(_behind(BOX, EYE) | _behind(BOX, LAMP.center) | _behind(BOX, BEHIND.cen
 
 
 @pytest.mark.parametrize("region", ["bare", "robot's shadow"])
-def test_the_floor_is_as_bright_as_in_a_whole_picture(pictures, region):
+def test_the_floor_is_as_bright_as_in_a_whole_picture(images, region):
     where, off = (BARE, 0.01) if region == "bare" else (ROBOT_SHADOW, 0.03)
     assert where.sum() > 100
-    parts, whole = (pictures[f"still {kind}"][0][where].mean(axis=0) for kind in ("parts", "whole"))
-    assert parts == pytest.approx(whole, rel=off)
+    hybrid, full = (images[f"still {kind}"][0][where].mean(axis=0) for kind in ("hybrid", "full"))
+    assert hybrid == pytest.approx(full, rel=off)
 
 
-def test_the_robot_throws_its_shadow(pictures):
+def test_the_robot_throws_its_shadow(images):
     """From a lamp that gives about half of the light there."""
-    parts = pictures["still parts"][0].mean(axis=2)
-    assert np.median(parts[ROBOT_SHADOW]) < 0.8 * np.median(parts[BARE & (V > 36)])
+    hybrid = images["still hybrid"][0].mean(axis=2)
+    assert np.median(hybrid[ROBOT_SHADOW]) < 0.8 * np.median(hybrid[BARE & (V > 36)])
 
 
 @pytest.mark.parametrize("light", ["as many pixels", "half as many"])
-def test_a_glossy_strip_on_a_rough_floor_is_as_it_is_in_a_whole_picture(pictures, shared, light):
+def test_a_glossy_strip_on_a_rough_floor_is_as_it_is_in_a_whole_picture(images, shared, light):
     """It lets less through to the colour below it, and mirrors what is behind; both end where it does."""
-    of_parts = (shared["taped"] if light == "half as many" else pictures["taped parts"])[0]
-    parts, whole = (of[10:18, 40:60].mean(axis=(1, 2)) for of in (of_parts, pictures["taped whole"][0]))
+    of_parts = (shared["taped"] if light == "half as many" else images["taped hybrid"])[0]
+    hybrid, full = (of[10:18, 40:60].mean(axis=(1, 2)) for of in (of_parts, images["taped full"][0]))
     around = np.r_[0:1, 6:8]
-    assert np.abs(whole[1:6] / whole[around].mean() - 1).max() > 0.05
-    assert parts == pytest.approx(whole, rel=0.03)
+    assert np.abs(full[1:6] / full[around].mean() - 1).max() > 0.05
+    assert hybrid == pytest.approx(full, rel=0.03)
 
 
 @pytest.mark.parametrize("light", ["as many pixels", "half as many"])
-def test_a_part_of_the_robot_in_sight_is_as_it_is_in_a_whole_picture(pictures, shared, light):
-    """Its upper face, along the picture's foot, and what is around it."""
+def test_a_part_of_the_robot_in_sight_is_as_it_is_in_a_whole_picture(images, shared, light):
+    """Its upper face, along the image's foot, and what is around it."""
     (left, top), (right, _), (_, bottom) = project(
         CAMERA, HERE, np.array([(0.23, 0.07, 0.05), (0.23, -0.07, 0.05), (0.17, 0.07, 0.05)])
     )[0]
     face = np.s_[int(np.ceil(top)) + 1 : int(bottom), int(np.ceil(left)) + 1 : int(right)]
-    of_parts = (shared["bumper"] if light == "half as many" else pictures["bumper parts"])[0]
-    whole = pictures["bumper whole"][0]
-    assert whole[face].size > 3 * 40
-    assert whole[face][..., 1].mean() > 3 * whole[face][..., 0].mean()
-    assert of_parts[face].mean(axis=(0, 1)) == pytest.approx(whole[face].mean(axis=(0, 1)), rel=0.05)
-    assert of_parts[20:].mean(axis=(0, 1)) == pytest.approx(whole[20:].mean(axis=(0, 1)), rel=0.03)
+    of_parts = (shared["bumper"] if light == "half as many" else images["bumper hybrid"])[0]
+    full = images["bumper full"][0]
+    assert full[face].size > 3 * 40
+    assert full[face][..., 1].mean() > 3 * full[face][..., 0].mean()
+    assert of_parts[face].mean(axis=(0, 1)) == pytest.approx(full[face].mean(axis=(0, 1)), rel=0.05)
+    assert of_parts[20:].mean(axis=(0, 1)) == pytest.approx(full[20:].mean(axis=(0, 1)), rel=0.03)
 
 
 @pytest.mark.parametrize("kind", ["at once", "rolling"])
-def test_so_it_is_while_the_camera_turns(pictures, kind):
-    parts, whole = (pictures[f"{kind} {of}"][0][20:].mean(axis=(0, 1)) for of in ("parts", "whole"))
-    assert parts == pytest.approx(whole, rel=0.02)
+def test_so_it_is_while_the_camera_turns(images, kind):
+    hybrid, full = (images[f"{kind} {of}"][0][20:].mean(axis=(0, 1)) for of in ("hybrid", "full"))
+    assert hybrid == pytest.approx(full, rel=0.02)
 
 
-def test_upper_rows_traced_by_themselves_are_where_a_rolling_shutter_has_them(pictures, shared):
+def test_upper_rows_traced_by_themselves_are_where_a_rolling_shutter_has_them(images, shared):
     """A box stands in them, before which the camera turns: its edges would be bright or dark were they elsewhere."""
     upper = np.s_[0, :16, 8:56]
-    found, alike = (shared["rolling"][upper], pictures["rolling parts"][upper])
-    whole = pictures["rolling whole"][upper]
-    assert np.abs(found - whole).mean() < 1.2 * np.abs(alike - whole).mean()
-    assert found.mean(axis=(0, 1)) == pytest.approx(whole.mean(axis=(0, 1)), rel=0.03)
+    found, alike = (shared["rolling"][upper], images["rolling hybrid"][upper])
+    full = images["rolling full"][upper]
+    assert np.abs(found - full).mean() < 1.2 * np.abs(alike - full).mean()
+    assert found.mean(axis=(0, 1)) == pytest.approx(full.mean(axis=(0, 1)), rel=0.03)
 
 
 @pytest.mark.parametrize("camera", ["lens", "odd"])
-def test_and_behind_a_lens_and_with_odd_numbers_of_pixels(pictures, camera):
-    parts, whole = (pictures[f"{camera} {of}"][0][20:, 10:54] for of in ("parts", "whole"))
-    assert parts.mean(axis=(0, 1)) == pytest.approx(whole.mean(axis=(0, 1)), rel=0.02)
+def test_and_behind_a_lens_and_with_odd_numbers_of_pixels(images, camera):
+    hybrid, full = (images[f"{camera} {of}"][0][20:, 10:54] for of in ("hybrid", "full"))
+    assert hybrid.mean(axis=(0, 1)) == pytest.approx(full.mean(axis=(0, 1)), rel=0.02)
     (middle, _), (true_middle, _) = (
-        _middle_and_variance(_line_columns(pictures[f"{camera} {of}"][0])) for of in ("parts", "whole")
+        _middle_and_variance(_line_columns(images[f"{camera} {of}"][0])) for of in ("hybrid", "full")
     )
     assert (middle - true_middle).mean() == pytest.approx(0.0, abs=0.05)
 
 
 def test_a_thing_thinner_than_a_pixel_of_the_light_stands_on_the_floor(shared):
-    """Nothing else is so low in the picture."""
+    """Nothing else is so low in the image."""
     (foot,), _ = project(CAMERA, HERE, np.array([[0.36, 0.03, 0.0]]))
     column, row = (round(at) for at in foot.tolist())
     with_, without = (shared[name][0].mean(axis=2) for name in ("needle", "no needle"))
@@ -276,23 +276,23 @@ def test_a_thing_thinner_than_a_pixel_of_the_light_stands_on_the_floor(shared):
 
 
 @pytest.mark.parametrize("light", ["as many pixels", "half as many"])
-def test_a_small_lamp_in_sight_shines_as_in_a_whole_picture(pictures, shared, light):
+def test_a_small_lamp_in_sight_shines_as_in_a_whole_picture(images, shared, light):
     """No denoiser takes it for noise."""
     (at,), _ = project(CAMERA, HERE, np.array([BULB.center]))
     column, row = (round(float(one)) for one in at)
     around = np.s_[row - 3 : row + 4, column - 3 : column + 4]
-    of_parts = (shared["bulb"] if light == "half as many" else pictures["bulb parts"])[0]
-    parts, whole = (of[around].sum(axis=(0, 1)) for of in (of_parts, pictures["bulb whole"][0]))
-    assert whole.mean() > 5 * pictures["still whole"][0][around].sum(axis=(0, 1)).mean()
-    assert parts == pytest.approx(whole, rel=0.05)
+    of_parts = (shared["bulb"] if light == "half as many" else images["bulb hybrid"])[0]
+    hybrid, full = (of[around].sum(axis=(0, 1)) for of in (of_parts, images["bulb full"][0]))
+    assert full.mean() > 5 * images["still full"][0][around].sum(axis=(0, 1)).mean()
+    assert hybrid == pytest.approx(full, rel=0.05)
 
 
 # Edges
 
 
-def _line_columns(picture: np.ndarray) -> np.ndarray:
+def _line_columns(image: np.ndarray) -> np.ndarray:
     """(rows, columns) how dark it is across the line that leads away, ahead of the robot's shadow."""
-    grey = picture[20:34, 10:38].mean(axis=2)
+    grey = image[20:34, 10:38].mean(axis=2)
     bright = np.median(grey, axis=1, keepdims=True)
     return np.clip(1 - grey / bright, 0, 1) * (grey < 0.85 * bright)
 
@@ -305,20 +305,20 @@ def _middle_and_variance(dark: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("kind", ["still", "at once", "rolling"])
-def test_the_line_is_where_and_as_wide_as_in_a_whole_picture(pictures, kind):
+def test_the_line_is_where_and_as_wide_as_in_a_whole_picture(images, kind):
     (middle, variance), (true_middle, true_variance) = (
-        _middle_and_variance(_line_columns(pictures[f"{kind} {of}"][0])) for of in ("parts", "whole")
+        _middle_and_variance(_line_columns(images[f"{kind} {of}"][0])) for of in ("hybrid", "full")
     )
-    # A row of the whole picture, blurred over 5 px, is told to a tenth by 256 samples.
+    # A row of the fully traced image, blurred over 5 px, is told to a tenth by 256 samples.
     assert np.abs(middle - true_middle).max() < 0.35
     assert (middle - true_middle).mean() == pytest.approx(0.0, abs=0.1)
     assert variance.mean() == pytest.approx(true_variance.mean(), rel=0.05)
 
 
-def test_a_turn_blurs_the_line_and_a_rolling_shutter_shears_it(pictures):
+def test_a_turn_blurs_the_line_and_a_rolling_shutter_shears_it(images):
     """On the axis, a turn of a radian about the vertical takes f cos(pitch) px across."""
     (still, sharp), (_, blurred), (sheared, _) = (
-        _middle_and_variance(_line_columns(pictures[f"{kind} parts"][0])) for kind in ("still", "at once", "rolling")
+        _middle_and_variance(_line_columns(images[f"{kind} hybrid"][0])) for kind in ("still", "at once", "rolling")
     )
     blur_px = RATE_RAD_S * GLOBAL.exposure_s * CAMERA.fx_px * np.cos(PITCH)
     assert (blurred - sharp)[3:5].mean() == pytest.approx(blur_px**2 / 12, rel=0.25)
@@ -326,13 +326,13 @@ def test_a_turn_blurs_the_line_and_a_rolling_shutter_shears_it(pictures):
     assert np.polyfit(np.arange(8), (sheared - still)[:8], 1)[0] == pytest.approx(late_px, rel=0.25)
 
 
-def test_an_edge_amid_texels_of_the_map_is_where_it_is(pictures):
+def test_an_edge_amid_texels_of_the_map_is_where_it_is(images):
     """A strip whose edges lie along the map's columns, in the middle of one: both were off to the same side."""
     near, far = (np.array([x, -0.2, 0.0]) for x in (0.33, 0.37))
     (_, low), (_, high) = project(CAMERA, HERE, np.stack([near, far]))[0]
     rows = np.arange(round(high) - 2, round(low) + 3)
-    for of in ("parts", "whole"):
-        grey = pictures[f"still {of}"][0][rows, 46:60].mean(axis=(1, 2))
+    for of in ("hybrid", "full"):
+        grey = images[f"still {of}"][0][rows, 46:60].mean(axis=(1, 2))
         bright = np.interp(rows, rows[[0, -1]], grey[[0, -1]])
         assert np.average(rows, weights=bright - grey) == pytest.approx(0.5 * (low + high), abs=0.1)
 
@@ -341,20 +341,20 @@ def test_an_edge_amid_texels_of_the_map_is_where_it_is(pictures):
 
 
 @pytest.mark.parametrize(("number", "other"), [(1, 2), (2, 1)])
-def test_a_moving_obstacle_takes_its_shadow_along(pictures, number, other):
-    parts, away = pictures["still parts"][number].mean(axis=2), pictures["still parts"][0].mean(axis=2)
+def test_a_moving_obstacle_takes_its_shadow_along(images, number, other):
+    hybrid, away = images["still hybrid"][number].mean(axis=2), images["still hybrid"][0].mean(axis=2)
     place = STILL[number].moving[0]
     ours, theirs = (_core(STILL[n].moving[0]) for n in (number, other))
     ours &= ~theirs
     assert ours.sum() >= 4
-    whole = pictures["still whole"].mean(axis=3)
-    dimmed = np.median(whole[number][ours] / whole[0][ours])
+    full = images["still full"].mean(axis=3)
+    dimmed = np.median(full[number][ours] / full[0][ours])
     assert dimmed < 0.85
-    assert np.median(parts[ours] / away[ours]) == pytest.approx(dimmed, abs=0.06)
+    assert np.median(hybrid[ours] / away[ours]) == pytest.approx(dimmed, abs=0.06)
     left = theirs & ~_behind(OBSTACLE, EYE, place) & ~_behind(OBSTACLE, LAMP.center, place)
     left &= ~_behind(OBSTACLE, BEHIND.center, place)
     assert left.sum() >= 4
-    assert np.median(parts[left] / away[left]) == pytest.approx(1.0, abs=0.05)
+    assert np.median(hybrid[left] / away[left]) == pytest.approx(1.0, abs=0.05)
 
 
 def _core(place: PlanarPose) -> np.ndarray:
@@ -367,23 +367,23 @@ def _core(place: PlanarPose) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("kind", "rows"), [("glass", slice(6, 12)), ("mirror", slice(8, 13))])
-def test_the_line_is_seen_through_glass_and_in_a_mirror(pictures, kind, rows):
-    """Less sharply than in a whole picture: its light is denoised."""
+def test_the_line_is_seen_through_glass_and_in_a_mirror(images, kind, rows):
+    """Less sharply than in a full image: its light is denoised."""
 
     def contrast(of: str) -> float:
-        profile = pictures[f"{kind} {of}"][0][rows, 22:42].mean(axis=(0, 2))
+        profile = images[f"{kind} {of}"][0][rows, 22:42].mean(axis=(0, 2))
         return 1 - profile[9:11].mean() / np.median(profile)
 
-    assert contrast("whole") > 0.7
-    assert contrast("parts") > 0.5 * contrast("whole")
+    assert contrast("full") > 0.7
+    assert contrast("hybrid") > 0.5 * contrast("full")
 
 
 # The same bytes
 
 
-def test_the_picture_does_not_depend_on_threads_or_on_the_pictures_before_it(pictures):
-    np.testing.assert_array_equal(pictures["one thread"], pictures["still parts"][[2, 0, 1]])
-    np.testing.assert_array_equal(pictures["alone"][0], pictures["still parts"][1])
+def test_the_picture_does_not_depend_on_threads_or_on_the_pictures_before_it(images):
+    np.testing.assert_array_equal(images["one thread"], images["still hybrid"][[2, 0, 1]])
+    np.testing.assert_array_equal(images["alone"][0], images["still hybrid"][1])
 
 
 def test_nor_where_its_upper_rows_are_traced_by_themselves(shared):
@@ -391,8 +391,8 @@ def test_nor_where_its_upper_rows_are_traced_by_themselves(shared):
     np.testing.assert_array_equal(shared["alone"][0], shared["still"][3])
 
 
-def test_no_light_is_below_nothing_or_no_number(pictures, shared):
-    for light in (*pictures.values(), *shared.values()):
+def test_no_light_is_below_nothing_or_no_number(images, shared):
+    for light in (*images.values(), *shared.values()):
         assert np.isfinite(light).all()
         assert light.min() >= 0
 
@@ -411,7 +411,7 @@ def looks(arena, robot, lights_of) -> dict[str, np.ndarray]:
         path = RobotPath(times, pose, np.column_stack([0.2 + 0 * times, 0 * times]))
         frame = FramePose(1, 0.5, 0.55, -0.6, 0.5 * np.pi)
         job = build_job(arena, robot, config, Render(width_px=32, height_px=24), [frame], seed=1, path=path)
-        orders.append((replace(job, sampling=replace(job.sampling, parts=PartSamples(1, 1, 4))), 2, [1]))
+        orders.append((replace(job, sampling=replace(job.sampling, hybrid=HybridSamples(1, 1, 4))), 2, [1]))
     return dict(zip(LOOKS, lights_of(*orders), strict=True))
 
 

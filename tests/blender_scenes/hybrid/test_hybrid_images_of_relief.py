@@ -1,6 +1,6 @@
-"""Pictures from parts of a floor with relief, whose light has half as many pixels each way, against whole ones.
+"""Images from hybrid rendering of a floor with relief, whose light has half as many pixels each way, against full ones.
 
-Two whole pictures with other random numbers: the mean product of what a picture differs by from one and from the other
+Two full images with other random numbers: the mean product of what a image differs by from one and from the other
 is the square of its own error, free of their noise.
 """
 
@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from blender_scenes.render.job import RenderJob
-from blender_scenes.render.sampling import PARTS, PartSamples, Sampling
+from blender_scenes.render.sampling import HYBRID_QUALITIES, HybridSamples, TracingSettings
 from blender_scenes.scene.description import Panel, Scene, Sky
 from blender_scenes.scene.meshes import block, floor, rectangle
-from blender_scenes.scene.shading import Color, Coordinate, Mix, Noise, Number, Step, Surface, Tiles
+from blender_scenes.scene.shading import Color, Constant, Mix, NoiseTexture, Step, Surface, SurfaceCoordinate, Tiles
 from configs.schema.look import CameraLook
 from configs.schema.robot import Camera
 from sensors.camera.response import CameraResponse, develop, encode_jpeg, median_luminance
@@ -26,7 +26,7 @@ from symolo.core.poses import PlanarPose, pose_X_WR
 WIDTH_PX, HEIGHT_PX = 128, 96
 CAMERA = Intrinsics(WIDTH_PX, HEIGHT_PX, 90.0, 90.0, 63.5, 47.5)
 NEAR_WIDTH_PX = WIDTH_PX // 2
-WHOLE_SAMPLES = 128
+FULL_SAMPLES = 128
 MOUNTED = Camera(
     x_m=0.05, y_m=0.0, height_above_base_m=0.25, pitch_down_deg=35.0, focal_length_mm=4.0, sensor_width_mm=5.7
 )
@@ -40,7 +40,7 @@ def _matt(name: str, red: float, green: float, blue: float) -> Surface:
 
 
 JOINTS = Tiles((0.11, 0.11), 0.016, 0.0, (0.03, 0.052), "joint", softness=1.0)
-WAVES = Noise((12.0, 12.0), (3.0, 5.0), octaves=1.0)
+WAVES = NoiseTexture((12.0, 12.0), (3.0, 5.0), octaves=1.0)
 TILES = replace(_matt("floor", 0.4, 0.4, 0.4), height_m=0.01 * WAVES - 0.001 * JOINTS)
 """Of one colour, so that all that is seen of them is their relief; no slope beyond what light comes in at."""
 LAMP = Panel("lamp", (0.4, 1.5, 1.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.4, 0.4, (15.0, 15.0, 13.0))
@@ -66,18 +66,18 @@ def _view(number: int, moving: PlanarPose) -> FrameView:
     return FrameView(number, 0.0, (0.0, 0.0, 0.0), rows, (moving,))
 
 
-def _job(parts: PartSamples | None, seed: int, samples: int = WHOLE_SAMPLES) -> RenderJob:
-    sampling = Sampling(seed=seed, samples=samples, denoise=False, parts=parts)
+def _job(hybrid: HybridSamples | None, seed: int, samples: int = FULL_SAMPLES) -> RenderJob:
+    sampling = TracingSettings(seed=seed, samples=samples, denoise=False, hybrid=hybrid)
     views = _view(1, AT), _view(2, AWAY)
     return RenderJob(RenderJob.FORMAT, SCENE, CAMERA, views, sampling, RESPONSE)
 
 
 @pytest.fixture(scope="module")
-def pictures(lights_of) -> SimpleNamespace:
-    """(2, H, W, 3) from parts, and of a whole one, with the obstacle and without; (1, H, W, 3) whole once more."""
-    orders = [(_job(PARTS["standard"], 1), 1, [1, 2]), (_job(None, 1), 1, [1, 2]), (_job(None, 2), 1, [1])]
-    parts, whole, again = lights_of(*orders, near_width_px=NEAR_WIDTH_PX)
-    return SimpleNamespace(parts=parts, whole=whole, again=again)
+def images(lights_of) -> SimpleNamespace:
+    """(2, H, W, 3) hybrid and full images, with the obstacle and without; (1, H, W, 3) another full image."""
+    orders = [(_job(HYBRID_QUALITIES["standard"], 1), 1, [1, 2]), (_job(None, 1), 1, [1, 2]), (_job(None, 2), 1, [1])]
+    hybrid, full, again = lights_of(*orders, near_width_px=NEAR_WIDTH_PX)
+    return SimpleNamespace(hybrid=hybrid, full=full, again=again)
 
 
 NEAR = np.s_[0, 48:]
@@ -89,19 +89,19 @@ SPARE_M = 0.012
 SIDES = pytest.mark.parametrize("columns", [LEFT, RIGHT], ids=["left", "right"])
 
 
-def _grey(picture: np.ndarray, columns: slice) -> np.ndarray:
-    return picture[(*NEAR, columns)].mean(axis=-1)
+def _grey(image: np.ndarray, columns: slice) -> np.ndarray:
+    return image[(*NEAR, columns)].mean(axis=-1)
 
 
 @SIDES
-def test_the_floor_is_as_bright_as_in_a_whole_picture(pictures, columns):
-    parts, whole = (picture[(*NEAR, columns)].mean(axis=(0, 1)) for picture in (pictures.parts, pictures.whole))
-    assert parts == pytest.approx(whole, rel=0.01)
+def test_the_floor_is_as_bright_as_in_a_whole_picture(images, columns):
+    hybrid, full = (image[(*NEAR, columns)].mean(axis=(0, 1)) for image in (images.hybrid, images.full))
+    assert hybrid == pytest.approx(full, rel=0.01)
 
 
-def test_the_line_is_where_and_as_wide(pictures):
+def test_the_line_is_where_and_as_wide(images):
     (middle, variance), (true_middle, true_variance) = (
-        _middle_and_variance(_grey(picture, LINE)) for picture in (pictures.parts, pictures.whole)
+        _middle_and_variance(_grey(image, LINE)) for image in (images.hybrid, images.full)
     )
     assert (middle - true_middle).mean() == pytest.approx(0.0, abs=0.1)
     assert np.abs(middle - true_middle).max() < 0.35
@@ -121,51 +121,51 @@ def _middle_and_variance(grey: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 @SIDES
-def test_relief_of_many_pixels_is_as_strong(pictures, columns):
+def test_relief_of_many_pixels_is_as_strong(images, columns):
     """The waves; joints, narrower than the blur, are left to the next test."""
-    parts, whole, again = (
-        cv2.GaussianBlur(_relief(picture, pictures.whole, columns), (0, 0), 3.0)
-        for picture in (pictures.parts, pictures.whole, pictures.again)
+    hybrid, full, again = (
+        cv2.GaussianBlur(_relief(image, images.full, columns), (0, 0), 3.0)
+        for image in (images.hybrid, images.full, images.again)
     )
-    strength = (whole * again).mean()
+    strength = (full * again).mean()
     assert np.sqrt(strength) > 0.05
-    in_step = (parts * 0.5 * (whole + again)).mean()
+    in_step = (hybrid * 0.5 * (full + again)).mean()
     assert in_step / strength == pytest.approx(1.0, abs=0.05)
-    assert in_step / np.sqrt(strength * (parts**2).mean()) > 0.98
+    assert in_step / np.sqrt(strength * (hybrid**2).mean()) > 0.98
 
 
-def _relief(picture: np.ndarray, whole: np.ndarray, columns: slice) -> np.ndarray:
+def _relief(image: np.ndarray, full: np.ndarray, columns: slice) -> np.ndarray:
     """Share by which each pixel is brighter than what is about it."""
-    found = _grey(picture, columns) / cv2.GaussianBlur(_grey(whole, columns), (0, 0), 15.0)
+    found = _grey(image, columns) / cv2.GaussianBlur(_grey(full, columns), (0, 0), 15.0)
     return found - found.mean()
 
 
 @SIDES
-def test_on_the_floor_the_error_is_no_larger_than_what_jpeg_adds(pictures, columns):
-    """As `standard` promises: to a picture with camera noise."""
-    metered, clean = median_luminance(pictures.whole), replace(RESPONSE, shot_noise=0.0, read_noise=0.0)
-    parts, whole, again = (
-        develop(picture[0], clean, metered, 1).astype(float)[(*NEAR[1:], columns)]
-        for picture in (pictures.parts, pictures.whole, pictures.again)
+def test_on_the_floor_the_error_is_no_larger_than_what_jpeg_adds(images, columns):
+    """As `standard` promises: to a image with camera noise."""
+    metered, clean = median_luminance(images.full), replace(RESPONSE, shot_noise=0.0, read_noise=0.0)
+    hybrid, full, again = (
+        develop(image[0], clean, metered, 1).astype(float)[(*NEAR[1:], columns)]
+        for image in (images.hybrid, images.full, images.again)
     )
-    noisy = encode_jpeg(develop(0.5 * (pictures.whole[0] + pictures.again[0]), RESPONSE, metered, 1), 92)
+    noisy = encode_jpeg(develop(0.5 * (images.full[0] + images.again[0]), RESPONSE, metered, 1), 92)
     seen = cv2.cvtColor(cv2.imdecode(np.frombuffer(noisy, np.uint8), cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB)
-    added = seen[(*NEAR[1:], columns)] - 0.5 * (whole + again)
-    assert ((parts - whole) * (parts - again)).mean() < (added**2).mean()
+    added = seen[(*NEAR[1:], columns)] - 0.5 * (full + again)
+    assert ((hybrid - full) * (hybrid - again)).mean() < (added**2).mean()
 
 
 # What moves
 
 
 @pytest.mark.parametrize("away_m", [0.08, 0.1, 0.12])
-def test_a_moving_obstacle_takes_its_shadow_along(pictures, away_m):
+def test_a_moving_obstacle_takes_its_shadow_along(images, away_m):
     towards = np.array(AT[:2]) - LAMP.center[:2]
     place = np.append(AT[:2] + away_m * towards / np.linalg.norm(towards), 0.0)
     ((u, v),) = np.rint(project(CAMERA, HERE, place[None])[0]).astype(int)
     there = np.s_[:, v - 1 : v + 2, u - 1 : u + 2]
-    parts, whole = (np.median(picture[there], axis=(1, 2, 3)) for picture in (pictures.parts, pictures.whole))
-    assert whole[0] < 0.05 * whole[1]
-    assert parts[0] / parts[1] == pytest.approx(whole[0] / whole[1], abs=0.06)
+    hybrid, full = (np.median(image[there], axis=(1, 2, 3)) for image in (images.hybrid, images.full))
+    assert full[0] < 0.05 * full[1]
+    assert hybrid[0] / hybrid[1] == pytest.approx(full[0] / full[1], abs=0.06)
 
 
 @pytest.mark.parametrize(
@@ -179,9 +179,9 @@ def test_a_moving_obstacle_takes_its_shadow_along(pictures, away_m):
         pytest.param(1, slice(10, 22), slice(72, 78), id="the floor beside the box"),
     ],
 )
-def test_light_does_not_run_from_one_surface_to_the_next(pictures, view, rows, columns):
-    parts, whole = (picture[view, rows, columns].mean(axis=(0, 1)) for picture in (pictures.parts, pictures.whole))
-    assert parts == pytest.approx(whole, rel=0.05)
+def test_light_does_not_run_from_one_surface_to_the_next(images, view, rows, columns):
+    hybrid, full = (image[view, rows, columns].mean(axis=(0, 1)) for image in (images.hybrid, images.full))
+    assert hybrid == pytest.approx(full, rel=0.05)
 
 
 # Slopes
@@ -205,17 +205,19 @@ LOW_BEHIND = replace(HIGH, center=(-1.0, 0.0, 0.3), right=(0.0, 1.0, 0.0))
     ],
 )
 def test_slopes_towards_light_and_away_are_as_bright_as_in_a_whole_picture(lights_of, lamp, slope, off):
-    rising = Coordinate("u") * slope
-    either_way = Mix(Step(Coordinate("v"), -0.001, 0.001), rising, rising * Number(-1.0))
+    rising = SurfaceCoordinate("u") * slope
+    either_way = Mix(Step(SurfaceCoordinate("v"), -0.001, 0.001), rising, rising * Constant(-1.0))
     ramps = replace(_matt("floor", 0.2, 0.2, 0.2), height_m=either_way)
     scene = replace(SCENE, surfaces=(ramps,), meshes=(SCENE.meshes[0],), robot=(), moving=(), panels=(lamp,))
     view = replace(_view(1, AWAY), moving=())
-    jobs = [replace(_job(of, 1, samples=16), scene=scene, frames=(view,)) for of in (PARTS["standard"], None)]
-    parts, whole = lights_of(*((job, 1, None) for job in jobs), near_width_px=NEAR_WIDTH_PX)
-    true = [_grey(whole, columns).mean() for columns in (LEFT, RIGHT)]
-    assert [_grey(parts, columns).mean() for columns in (LEFT, RIGHT)] == pytest.approx(true, abs=off * np.mean(true))
+    jobs = [
+        replace(_job(of, 1, samples=16), scene=scene, frames=(view,)) for of in (HYBRID_QUALITIES["standard"], None)
+    ]
+    hybrid, full = lights_of(*((job, 1, None) for job in jobs), near_width_px=NEAR_WIDTH_PX)
+    true = [_grey(full, columns).mean() for columns in (LEFT, RIGHT)]
+    assert [_grey(hybrid, columns).mean() for columns in (LEFT, RIGHT)] == pytest.approx(true, abs=off * np.mean(true))
 
 
-def test_no_light_is_below_nothing_or_no_number(pictures):
-    assert np.isfinite(pictures.parts).all()
-    assert pictures.parts.min() >= 0
+def test_no_light_is_below_nothing_or_no_number(images):
+    assert np.isfinite(images.hybrid).all()
+    assert images.hybrid.min() >= 0

@@ -1,10 +1,10 @@
-"""Light from sunlit walls on a floor in the shade: maps against whole pictures."""
+"""Light from sunlit walls on a floor in the shade: maps against full images."""
 
 import numpy as np
 import pytest
 
 from blender_scenes.render.job import RenderJob
-from blender_scenes.render.sampling import PARTS, Sampling
+from blender_scenes.render.sampling import HYBRID_QUALITIES, TracingSettings
 from blender_scenes.scene.description import Scene, Sky, Sun
 from blender_scenes.scene.meshes import block, floor
 from blender_scenes.scene.shading import Color, Surface
@@ -32,8 +32,8 @@ def _matt(name: str, reflectance: float) -> Surface:
 
 
 @pytest.fixture(scope="module")
-def pictures(lights_of) -> tuple[np.ndarray, np.ndarray]:
-    """(H, W, 3) from parts, and whole."""
+def images(lights_of) -> tuple[np.ndarray, np.ndarray]:
+    """(H, W, 3) from hybrid rendering, and in full."""
     scene = Scene(
         surfaces=(_matt("floor", 0.3), _matt("white", 0.7)),
         meshes=(floor("floor", (-2.0, -2.0), (2.0, 2.0), 0.0, "floor"), WALL, BLIND),
@@ -46,15 +46,17 @@ def pictures(lights_of) -> tuple[np.ndarray, np.ndarray]:
     response = CameraResponse.from_look(CameraLook(), (1.0, 1.0, 1.0), 1, 92)
     views = (FrameView(1, 0.0, (0.0, 0.0, 0.0), rows),)
     jobs = [
-        RenderJob(RenderJob.FORMAT, scene, CAMERA, views, Sampling(1, 256, denoise=False, parts=parts), response)
-        for parts in (PARTS["standard"], None)
+        RenderJob(
+            RenderJob.FORMAT, scene, CAMERA, views, TracingSettings(1, 256, denoise=False, hybrid=hybrid), response
+        )
+        for hybrid in (HYBRID_QUALITIES["standard"], None)
     ]
-    (parts,), (whole,) = lights_of(*((job, 1, [1]) for job in jobs))
-    return parts, whole
+    (hybrid,), (full,) = lights_of(*((job, 1, [1]) for job in jobs))
+    return hybrid, full
 
 
 @pytest.mark.parametrize("rows", [slice(14, 20), slice(30, 46)], ids=["far", "near"])
-def test_the_floor_in_the_shade_has_the_light_of_a_sunlit_wall(pictures, rows):
+def test_the_floor_in_the_shade_has_the_light_of_a_sunlit_wall(images, rows):
     """Cycles cuts off bounced light at a radiance of 1, after the floor has taken its share: 0.3 of it, not all."""
-    parts, whole = (picture[rows, 4:24].mean() for picture in pictures)
-    assert parts == pytest.approx(whole, rel=0.03)
+    hybrid, full = (image[rows, 4:24].mean() for image in images)
+    assert hybrid == pytest.approx(full, rel=0.03)

@@ -7,7 +7,7 @@ import pytest
 from pydantic import ValidationError
 
 from blender_scenes.render.job import FramePose, RenderJob, build_job
-from blender_scenes.render.sampling import QUALITIES, part_samples, sampling
+from blender_scenes.render.sampling import QUALITIES, hybrid_samples, tracing_settings
 from configs.schema.look import LookConfig
 from configs.schema.scenario import Render, RenderQuality
 
@@ -22,27 +22,27 @@ def test_there_are_samples_and_a_denoiser_for_every_quality_and_a_better_one_tak
     ("width_px", "height_px", "times"), [(640, 480, 1), (1280, 960, 1), (320, 240, 2), (80, 60, 2)]
 )
 def test_a_picture_of_a_quarter_of_the_pixels_takes_twice_the_samples(width_px, height_px, times):
-    """What four times the pixels are worth: docs/render_benchmarks.md. No conclusion is drawn beyond the two sizes."""
+    """What four times the pixels are worth: docs/rendering.md. No conclusion is drawn beyond the two sizes."""
     for name in ("draft", "standard", "high"):
-        found = sampling(Render(quality=name, width_px=width_px, height_px=height_px), seed=1)
+        found = tracing_settings(Render(quality=name, width_px=width_px, height_px=height_px), seed=1)
         assert found.samples == times * QUALITIES[name].samples
 
 
 def test_a_reference_has_2048_samples_whatever_its_size():
     for width_px in (64, 640, 2000):
-        assert sampling(Render(quality="reference", width_px=width_px), seed=1).samples == 2048
+        assert tracing_settings(Render(quality="reference", width_px=width_px), seed=1).samples == 2048
 
 
 def test_in_between_samples_are_rounded_up():
     """Half the pixels: the root of two times as many."""
-    found = sampling(Render(quality="high", width_px=640, height_px=240), seed=1)
+    found = tracing_settings(Render(quality="high", width_px=640, height_px=240), seed=1)
     assert QUALITIES["high"].samples * 2**0.5 <= found.samples < QUALITIES["high"].samples * 2**0.5 + 1
 
 
 @pytest.mark.parametrize("name", get_args(RenderQuality))
 def test_a_quality_reaches_the_tracer_whole(name):
     asked = QUALITIES[name]
-    found = sampling(Render(quality=name, width_px=640, height_px=480), seed=7)
+    found = tracing_settings(Render(quality=name, width_px=640, height_px=480), seed=7)
     assert (found.samples, found.prefilter, found.denoise_quality) == (
         asked.samples,
         asked.prefilter,
@@ -52,14 +52,17 @@ def test_a_quality_reaches_the_tracer_whole(name):
 
 
 def test_samples_said_aloud_take_the_place_of_those_of_the_quality_and_nothing_else_of_it():
-    whole, fewer = sampling(Render(quality="high"), seed=1), sampling(Render(quality="high", samples=3), seed=1)
+    whole, fewer = (
+        tracing_settings(Render(quality="high"), seed=1),
+        tracing_settings(Render(quality="high", samples=3), seed=1),
+    )
     assert fewer.samples == 3
     assert (fewer.prefilter, fewer.denoise_quality) == (whole.prefilter, whole.denoise_quality)
-    assert not sampling(Render(quality="high", denoise=False), seed=1).denoise
+    assert not tracing_settings(Render(quality="high", denoise=False), seed=1).denoise
 
 
 @pytest.mark.parametrize(
-    ("told", "in_parts"),
+    ("told", "is_hybrid"),
     [
         ({}, True),
         ({"width_px": 320, "height_px": 16}, True),
@@ -68,29 +71,31 @@ def test_samples_said_aloud_take_the_place_of_those_of_the_quality_and_nothing_e
         ({"quality": "high"}, False),
         ({"samples": 4}, False),
         ({"denoise": False}, False),
-        ({"method": "whole"}, False),
-        ({"method": "parts", "width_px": 64}, True),
-        ({"method": "parts", "quality": "draft"}, True),
+        ({"method": "full"}, False),
+        ({"method": "hybrid", "width_px": 64}, True),
+        ({"method": "hybrid", "quality": "draft"}, True),
     ],
 )
-def test_pictures_of_standard_quality_are_put_together_from_parts_where_that_has_been_measured(told, in_parts):
-    assert (sampling(Render(**told), seed=1).parts is not None) == in_parts
+def test_pictures_of_standard_quality_are_put_together_from_parts_where_that_has_been_measured(told, is_hybrid):
+    assert (tracing_settings(Render(**told), seed=1).hybrid is not None) == is_hybrid
 
 
 def test_a_card_traces_whole_pictures_unless_it_is_told_to():
-    assert sampling(Render(), 1, "OPTIX").parts is None
-    assert sampling(Render(method="parts"), 1, "OPTIX").parts
+    assert tracing_settings(Render(), 1, "OPTIX").hybrid is None
+    assert tracing_settings(Render(method="hybrid"), 1, "OPTIX").hybrid
 
 
 def test_a_draft_takes_fewer_samples_for_each_part():
-    rough, fine = (sampling(Render(method="parts", quality=name), seed=1).parts for name in ("draft", "standard"))
+    rough, fine = (
+        tracing_settings(Render(method="hybrid", quality=name), seed=1).hybrid for name in ("draft", "standard")
+    )
     assert all(few < more for few, more in zip(astuple(rough), astuple(fine), strict=True))
 
 
 def test_of_parts_only_what_surfaces_reflect_takes_more_samples_in_small_pictures():
     """Twice as many for a quarter of the pixels, as whole pictures do, and no more for fewer still."""
     large, small, tiny = (
-        part_samples(Render(method="parts", width_px=width, height_px=width * 3 // 4)) for width in (640, 320, 96)
+        hybrid_samples(Render(method="hybrid", width_px=width, height_px=width * 3 // 4)) for width in (640, 320, 96)
     )
     assert small == replace(large, surfaces=2 * large.surfaces)
     assert tiny == small
@@ -100,16 +105,16 @@ def test_a_job_of_whole_pictures_is_the_same_text_as_one_that_knows_of_no_parts(
     pose = FramePose(number=1, t_s=0.0, x_m=0.55, y_m=0.0, yaw_rad=0.0)
     whole, parts = (
         build_job(arena, robot, LookConfig(name="plain"), Render(method=method), [pose], seed=5)
-        for method in ("whole", "parts")
+        for method in ("full", "hybrid")
     )
-    assert '"parts"' not in whole.to_json()
+    assert '"hybrid"' not in whole.to_json()
     assert RenderJob.from_json(parts.to_json()) == parts
 
 
 @pytest.mark.parametrize("said", [{"quality": "high"}, {"quality": "reference"}, {"samples": 9}, {"denoise": False}])
 def test_what_maps_cannot_give_is_refused_beside_parts(said):
     with pytest.raises(ValidationError, match=next(iter(said))):
-        Render(method="parts", **said)
+        Render(method="hybrid", **said)
     Render(**said)
 
 
@@ -117,5 +122,5 @@ def test_a_run_is_rendered_at_its_quality_and_on_its_device(arena, robot):
     pose = FramePose(number=1, t_s=0.0, x_m=0.55, y_m=0.0, yaw_rad=0.0)
     render = Render(quality="high", width_px=32, height_px=24)
     job = build_job(arena, robot, LookConfig(name="plain"), render, [pose], seed=5, device="CUDA")
-    assert job.sampling == sampling(render, seed=5, device="CUDA")
+    assert job.sampling == tracing_settings(render, seed=5, device="CUDA")
     assert job.sampling.device == "CUDA"

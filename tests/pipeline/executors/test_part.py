@@ -15,7 +15,7 @@ from symolo.core.errors import InputError
 
 def _block(run, first):
     numbers = tuple(range(first, first + BLOCK_FRAMES))
-    return RenderUnit(name=run, work="pictures", job=Path(), folder=Path(), numbers=numbers, threads=1)
+    return RenderUnit(name=run, work="images", job=Path(), folder=Path(), numbers=numbers, threads=1)
 
 
 def _parts(of):

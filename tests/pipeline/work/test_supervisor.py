@@ -11,8 +11,9 @@ from pathlib import Path
 import pytest
 
 from pipeline.work.supervisor import Retried, run_units
-from pipeline.work.units import Failed, Finished, Progress, RenderUnit
-from pipeline.work.worker_process import Limits, limits_of, memory_of
+from pipeline.work.units import Progress, RenderUnit
+from pipeline.work.worker_process import Limits, limits_of
+from symolo.core.child_process import Failed, Finished, memory_of
 from symolo.core.errors import EnvironmentLacking
 
 WORKER = r"""
@@ -64,7 +65,7 @@ QUICK = Limits(silence_s=0.8, memory_bytes=200_000_000)
 def unit(folder: Path, name: str, numbers=(1, 2, 3)) -> RenderUnit:
     """What comes after the name says which frames go wrong, and how."""
     (folder / "job.json").write_text("{}")
-    return RenderUnit(work="pictures", name=name, job=folder / "job.json", folder=folder, numbers=numbers, threads=1)
+    return RenderUnit(work="images", name=name, job=folder / "job.json", folder=folder, numbers=numbers, threads=1)
 
 
 @pytest.fixture(autouse=True)

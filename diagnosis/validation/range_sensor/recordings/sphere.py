@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from diagnosis.validation.range_sensor.stand import HEIGHT_M
-from physics.arena.rays import Hits
+from physics.arena.rays import RayHits
 from symolo.core.arrays import Array
 
 BALL, BOARD = 1, 2
@@ -13,32 +13,33 @@ BALL, BOARD = 1, 2
 
 @dataclass(frozen=True)
 class BallScene:
-    """For rays towards +x from in front of both."""
+    """A ball and a board behind it, for rays towards +x that start in front of both."""
 
     nearest_m: float
-    """From the plane x = 0 to the ball."""
+    """Distance from the plane x = 0 to the ball."""
     radius_m: float
     board_m: float
-    """From the plane x = 0."""
+    """Distance from the plane x = 0 to the board."""
     y_m: float = 0.0
+    """Lateral place of the ball's centre."""
     z_m: float = HEIGHT_M
-    """Of the ball's centre."""
+    """Height of the ball's centre."""
 
-    def cast(self, origins: Array, ends: Array) -> Hits:
-        """Surface 1 is the ball, 2 the board behind it; no ray meets the floor."""
-        way = ends - origins
+    def cast(self, origins: Array, ends: Array) -> RayHits:
+        """Return hits, where surface 1 is the ball and 2 the board behind it; no ray meets the floor."""
+        step = ends - origins
         from_centre = origins - (self.nearest_m + self.radius_m, self.y_m, self.z_m)
-        # |from_centre + f way| = radius, a quadratic in the fraction f.
-        a = np.einsum("ij,ij->i", way, way)
-        half_b = np.einsum("ij,ij->i", from_centre, way)
+        # |from_centre + f step| = radius, a quadratic in the fraction f.
+        a = np.einsum("ij,ij->i", step, step)
+        half_b = np.einsum("ij,ij->i", from_centre, step)
         c = np.einsum("ij,ij->i", from_centre, from_centre) - self.radius_m**2
         under_root = half_b**2 - a * c
         first = (-half_b - np.sqrt(np.maximum(under_root, 0.0))) / a
         on_ball = (under_root > 0.0) & (first > 0.0) & (first <= 1.0)
-        at_board = (self.board_m - origins[:, 0]) / way[:, 0]
+        at_board = (self.board_m - origins[:, 0]) / step[:, 0]
         on_board = ~on_ball & (at_board > 0.0) & (at_board <= 1.0)
         fraction = np.where(on_ball, first, np.where(on_board, at_board, 1.0))
-        outward = (from_centre + fraction[:, None] * way) / self.radius_m
+        outward = (from_centre + fraction[:, None] * step) / self.radius_m
         towards = np.where(on_board[:, None], (-1.0, 0.0, 0.0), 0.0)
         surface = np.where(on_ball, BALL, np.where(on_board, BOARD, -1))
-        return Hits(fraction, surface, np.where(on_ball[:, None], outward, towards))
+        return RayHits(fraction, surface, np.where(on_ball[:, None], outward, towards))

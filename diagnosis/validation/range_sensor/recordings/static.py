@@ -1,170 +1,158 @@
-"""A long record of a sensor that stands still, and the model's noise beside it: white noise, drift, Allan deviation."""
+"""A long recording of a sensor at rest, beside the model's noise: white noise, drift, Allan deviation."""
 
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from diagnosis.measured.text_file import number, read_text
-from diagnosis.validation.range_sensor.recordings.allan import allan_deviation, lengths_for
-from diagnosis.validation.range_sensor.recordings.columns import range_mm
-from diagnosis.validation.range_sensor.stand import Bench, Stand, closed_form, target
+from diagnosis.validation.experiment import ExperimentResult, Table
+from diagnosis.validation.panels import Curve, Panel
+from diagnosis.validation.range_sensor.recordings.allan import allan_deviation, group_lengths
+from diagnosis.validation.range_sensor.recordings.scan import MAX_RANGE_MM
+from diagnosis.validation.range_sensor.stand import SensorOnStand, closed_form, target
+from diagnosis.validation.still_world import StillWorld
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.table import NumberColumn, number, table_of
+from symolo.core.text_file import read_text
+from symolo.pages.plotting import BLACK, BLUE, VERMILION
 
-FEWEST = 1000
+MIN_READINGS = 1000
 MODEL_READINGS = 30_000
-DRIFTS_ABOVE = 1.5
-"""Times what white noise would leave: from there on averaging longer helps little."""
+DRIFT_FACTOR = 1.5
+"""Factor over the deviation that white noise would leave; above it averaging longer helps little."""
 
 
 @dataclass(frozen=True)
-class Record:
+class RestRecording:
+    """A recording of a sensor at rest."""
+
     rate_hz: float
     logging_s: float
-    """As the header says."""
+    """Duration as the header of the file says."""
     readings_mm: Array
     """(N,)."""
 
 
-@dataclass(frozen=True)
-class AllanCurve:
-    averaged_s: tuple[float, ...]
-    deviation_mm: tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class StaticComparison:
-    """One record beside as good a board at the same mean distance as the model has."""
-
-    file: str
-    rate_hz: float
-    header_logging_s: float
-    """As the file says."""
-    spanned_s: float
-    """By its rows and its rate."""
-    mean_mm: float
-    sd_mm: float
-    white_sd_mm: float
-    """From one reading to the next: the Allan deviation of single readings."""
-    next_reading_correlation: float
-    lowest_deviation_mm: float
-    lowest_at_s: float
-    drifts_from_s: float | None
-    """Averaging time from which the deviation stays above `DRIFTS_ABOVE` times that of white noise."""
-    highest_minute_mm: float
-    lowest_minute_mm: float
-    """Means over whole minutes."""
-    measured: AllanCurve
-    model_mean_mm: float
-    model_sd_mm: float
-    model: AllanCurve
-
-
-def read_record(path: Path) -> Record:
-    """Rate and readings of a file.
+def read_rest_recording(path: Path) -> RestRecording:
+    """Read rate and readings of a file.
 
     It has three lines of header, `Fs,<Hz>`, `Logging time,<s>` and `d`, then one reading [mm] per row.
 
     Raises:
-        InputError: It is not so; the text names file, row and column.
+        InputError: The file has another form; the message names file, row and column.
     """
-    lines = read_text(path).lines
-    if len(lines) < 3 + FEWEST:
-        allowed = f"3 rows of header and at least {FEWEST} readings"
+    text = read_text(path)
+    lines = text.lines
+    if len(lines) < 3 + MIN_READINGS:
+        allowed = f"3 rows of header and at least {MIN_READINGS} readings"
         raise InputError(f"has {len(lines)} rows", where=str(path), allowed=allowed)
     rate_hz = _positive(lines[0], "Fs", path, 1)
     logging_s = _positive(lines[1], "Logging time", path, 2)
     if lines[2].strip() != "d":
         raise InputError("column 1", where=f"{path}: row 3", got=lines[2].strip(), allowed="the name d")
-    readings = np.array([range_mm(text, path, row, "d") for row, text in enumerate(lines[3:], start=4)])
-    return Record(rate_hz, logging_s, readings)
+    readings = table_of(text, (NumberColumn("d", low=0.0, high=MAX_RANGE_MM),), (0,), first=3).checked()
+    return RestRecording(rate_hz, logging_s, readings.numbers["d"])
 
 
 def _positive(line: str, name: str, path: Path, row: int) -> float:
-    found, comma, text = line.partition(",")
-    if not comma or found.strip() != name:
-        raise InputError("column 1", where=f"{path}: row {row}", got=found.strip(), allowed=f"{name},<number>")
-    value = number(text, path, row, "2")
+    label, comma, text = line.partition(",")
+    if not comma or label.strip() != name:
+        raise InputError("column 1", where=f"{path}: row {row}", got=label.strip(), allowed=f"{name},<number>")
+    value = number(text, "2", f"{path}: row {row}")
     if value <= 0.0:
         raise InputError("column 2", where=f"{path}: row {row}", got=value, allowed="more than 0")
     return value
 
 
-def compare_static(bench: Bench, name: str, record: Record) -> StaticComparison:
-    """The record's noise, and that of the model before a white board at the record's mean."""
-    readings = record.readings_mm
-    lengths = lengths_for(len(readings))
+def at_rest(mounted: SensorOnStand, name: str, recording: RestRecording) -> ExperimentResult:
+    """Return the recording's noise, and that of the model before a white board at the recording's mean."""
+    readings, rate_hz = recording.readings_mm, recording.rate_hz
+    lengths = group_lengths(len(readings))
     deviation = allan_deviation(readings, lengths)
-    white = deviation[0] / np.sqrt(lengths)
-    above = deviation > DRIFTS_ABOVE * white
-    first = len(above) - int(np.argmin(above[::-1])) if not above.all() else 0
-    minute = max(1, round(60.0 * record.rate_hz))
+    drifts = deviation > DRIFT_FACTOR * deviation[0] / np.sqrt(lengths)
+    first = len(drifts) - int(np.argmin(drifts[::-1])) if not drifts.all() else 0
+    minute = max(1, round(60.0 * rate_hz))
     minutes = readings[: len(readings) // minute * minute].reshape(-1, minute).mean(axis=1)
     minutes = minutes if len(minutes) else readings.mean(keepdims=True)
-    model = _model(bench, float(readings.mean()), name)
+    arena = target(1e-3 * float(readings.mean()))
+    sensor = mounted.sensor(arena, "static", name)
+    model = mounted.readings_mm(sensor, StillWorld(closed_form(arena)), MODEL_READINGS)
+    model_lengths = group_lengths(len(model))
     lowest = int(deviation.argmin())
-    return StaticComparison(
-        file=name,
-        rate_hz=record.rate_hz,
-        header_logging_s=record.logging_s,
-        spanned_s=len(readings) / record.rate_hz,
-        mean_mm=float(readings.mean()),
-        sd_mm=float(readings.std(ddof=1)),
-        white_sd_mm=float(deviation[0]),
-        next_reading_correlation=correlation(readings),
-        lowest_deviation_mm=float(deviation[lowest]),
-        lowest_at_s=lengths[lowest] / record.rate_hz,
-        drifts_from_s=lengths[first] / record.rate_hz if first < len(lengths) else None,
-        highest_minute_mm=float(minutes.max()),
-        lowest_minute_mm=float(minutes.min()),
-        measured=_curve(readings, record.rate_hz),
-        model_mean_mm=float(model.mean()),
-        model_sd_mm=float(model.std(ddof=1)),
-        model=_curve(model, record.rate_hz),
+    measured = {
+        "rate_hz": rate_hz,
+        "header_logging_s": recording.logging_s,
+        "spanned_s": len(readings) / rate_hz,
+        "mean_mm": float(readings.mean()),
+        "sd_mm": float(readings.std(ddof=1)),
+        # From one reading to the next: the Allan deviation of single readings.
+        "white_sd_mm": float(deviation[0]),
+        "next_reading_correlation": correlation(readings),
+        "lowest_deviation_mm": float(deviation[lowest]),
+        "lowest_at_s": lengths[lowest] / rate_hz,
+        # From here on the deviation stays above `DRIFT_FACTOR` times that of white noise; NaN if never.
+        "drifts_from_s": lengths[first] / rate_hz if first < len(lengths) else np.nan,
+        "highest_minute_mm": float(minutes.max()),
+        "lowest_minute_mm": float(minutes.min()),
+        "averaged_s": np.array(lengths) / rate_hz,
+        "deviation_mm": deviation,
+    }
+    modelled = {
+        "mean_mm": float(model.mean()),
+        "sd_mm": float(model.std(ddof=1)),
+        "averaged_s": np.array(model_lengths) / rate_hz,
+        "deviation_mm": allan_deviation(model, model_lengths),
+    }
+    white = deviation[0] / np.sqrt(lengths)
+    curves = (
+        Curve(measured["averaged_s"], deviation, "measured", BLACK, "o-", size=4),
+        Curve(modelled["averaged_s"], modelled["deviation_mm"], "model, white board", VERMILION, "x--"),
+        Curve(measured["averaged_s"], white, "white noise of the measured size", BLUE, ":"),
     )
-
-
-def _model(bench: Bench, distance_mm: float, name: str) -> Array:
-    arena = target(1e-3 * distance_mm)
-    return bench.readings_mm(bench.sensor(arena, "static", name), Stand(closed_form(arena)), MODEL_READINGS)
-
-
-def _curve(readings: Array, rate_hz: float) -> AllanCurve:
-    lengths = lengths_for(len(readings))
-    averaged = tuple(n / rate_hz for n in lengths)
-    return AllanCurve(averaged, tuple(allan_deviation(readings, lengths).tolist()))
+    title = f"At rest at {measured['mean_mm']:.0f} mm\n{_short(name)}"
+    panel = Panel(title, "averaged over [s]", "Allan deviation [mm]", curves, is_logarithmic=True)
+    tables = {"measured": measured, "model": modelled}
+    return ExperimentResult(tables, panels=(panel,), notes=notes(measured, modelled["sd_mm"]))
 
 
 def correlation(readings: Array) -> float:
-    """Between one reading and the next."""
+    """Return the correlation between one reading and the next."""
     off = readings - readings.mean()
     return float(np.mean(off[1:] * off[:-1]) / np.mean(off**2)) if off.any() else 0.0
 
 
-def findings(found: StaticComparison) -> list[str]:
-    """What the record shows and the model has not, in words."""
-    late = "never" if found.drifts_from_s is None else f"from {found.drifts_from_s:.2g} s on"
-    ratio = found.white_sd_mm / found.model_sd_mm if found.model_sd_mm > 0.0 else None
-    scale = "" if ratio is None else f" ({ratio:.2f} times the robot's noise_scale would match)"
+def notes(measured: Table, model_sd_mm: float) -> list[str]:
+    """Return what the recording shows and the model lacks, in sentences."""
+    drifts = not np.isnan(measured["drifts_from_s"])
+    late = f"from {measured['drifts_from_s']:.2g} s on" if drifts else "never"
+    ratio = ""
+    if model_sd_mm > 0.0:
+        ratio = f" ({measured['white_sd_mm'] / model_sd_mm:.2f} times the robot's noise_scale would match)"
     wanders = (
         ". NOT IN THE MODEL: its noise is white, nothing in it wanders (temperature_drift and warmup_drift follow a "
         "temperature or one exponential)"
     )
-    lacking = "" if found.drifts_from_s is None else wanders
-    noise = (
-        f"{found.file}: noise of a reading {found.white_sd_mm:.2f} mm, the model's {found.model_sd_mm:.2f} mm{scale}; "
-        f"next readings correlate by {found.next_reading_correlation:.2f}"
-    )
-    drift = (
-        f"{found.file}: averaging falls short of the root law of white noise {late}; the deviation is lowest, "
-        f"{found.lowest_deviation_mm:.2f} mm, at {found.lowest_at_s:.2g} s. Means of a minute go from "
-        f"{found.lowest_minute_mm:.2f} to {found.highest_minute_mm:.2f} mm{lacking}"
-    )
-    if abs(found.header_logging_s / found.spanned_s - 1.0) <= 0.01:
-        return [noise, drift]
-    header = (
-        f"{found.file}: its header says {found.header_logging_s:.0f} s, its rows at {found.rate_hz:g} Hz span "
-        f"{found.spanned_s:.0f} s; all times here go by the rate and may be as much off"
-    )
-    return [noise, drift, header]
+    lines = [
+        (
+            f"noise of a reading {measured['white_sd_mm']:.2f} mm, the model's {model_sd_mm:.2f} mm"
+            f"{ratio}; next readings correlate "
+            f"by {measured['next_reading_correlation']:.2f}"
+        ),
+        (
+            f"averaging falls short of the square-root law of white noise {late}; the deviation is lowest, "
+            f"{measured['lowest_deviation_mm']:.2f} mm, at {measured['lowest_at_s']:.2g} s. Means of a minute go from "
+            f"{measured['lowest_minute_mm']:.2f} to {measured['highest_minute_mm']:.2f} mm{wanders if drifts else ''}"
+        ),
+    ]
+    logging_s, spanned_s = measured["header_logging_s"], measured["spanned_s"]
+    if abs(logging_s / spanned_s - 1.0) > 0.01:
+        lines.append(
+            f"the header says {logging_s:.0f} s, the rows at {measured['rate_hz']:g} Hz span {spanned_s:.0f} s; all "
+            "times here go by the rate and may be as much off"
+        )
+    return lines
+
+
+def _short(name: str) -> str:
+    return name if len(name) <= 60 else f"{name[:57]}..."

@@ -1,0 +1,44 @@
+"""The user's own files as Blender's images. Blender reads none of them: every renderer sees the same pixels."""
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from blender_scenes.render.user_files import read_user_file
+from configs.assets.panoramas import read_panorama
+from configs.assets.pictures import read_picture
+
+
+class UserImages:
+    """Images by SHA-256, each made once for a Blender file."""
+
+    def __init__(self, folder: Path | None) -> None:
+        self._folder = folder
+        self._made: dict[str, bpy.types.Image] = {}
+
+    def picture(self, sha256: str) -> bpy.types.Image:
+        """8-bit; Cycles undoes the sRGB transfer."""
+        if sha256 not in self._made:
+            pixels = read_picture(read_user_file(self._folder, sha256))
+            self._made[sha256] = _image(sha256, pixels.astype(np.float32) / 255, "sRGB", in_floats=False)
+        return self._made[sha256]
+
+    def panorama(self, sha256: str) -> bpy.types.Image:
+        if sha256 not in self._made:
+            light = read_panorama(read_user_file(self._folder, sha256))
+            self._made[sha256] = _image(sha256, light, "Linear Rec.709", in_floats=True)
+        return self._made[sha256]
+
+
+def _image(sha256: str, pixels: np.ndarray, color_space: str, *, in_floats: bool) -> bpy.types.Image:
+    """Of (H, W, 3), the first row at the top; Blender's comes last, and each has an opacity."""
+    height, width, _ = pixels.shape
+    # Blender keeps 63 bytes of a name, one less than a digest has.
+    image = bpy.data.images.new(sha256[:32], width, height, alpha=False, float_buffer=in_floats)
+    image.colorspace_settings.name = color_space
+    opaque = np.ones((height, width, 4), np.float32)
+    opaque[..., :3] = pixels[::-1]
+    image.pixels.foreach_set(opaque.ravel())
+    image.update()
+    return image

@@ -1,0 +1,19 @@
+"""The user's own files as a renderer needs them: taken from the workspace by their content, never from elsewhere."""
+
+import hashlib
+from pathlib import Path
+
+
+def read_user_file(folder: Path | None, sha256: str) -> bytes:
+    """The bytes of the file that lies in `folder` under its SHA-256.
+
+    Raises:
+        ValueError: There is no such file, or it has changed.
+    """
+    path = None if folder is None else folder / sha256
+    if path is None or not path.is_file():
+        raise ValueError(f"the picture or panorama {sha256} is not in the workspace; run the same command again")
+    data = path.read_bytes()
+    if hashlib.sha256(data).hexdigest() != sha256:
+        raise ValueError(f"{path} has changed since it was put there; run the same command again")
+    return data

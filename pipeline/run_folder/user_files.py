@@ -1,0 +1,37 @@
+"""The user's own pictures and panoramas, copied once into the workspace, where alone the renderers look for them."""
+
+from collections.abc import Iterable, Mapping
+from hashlib import sha256
+from pathlib import Path
+
+from configs.schema.look import LookConfig
+from symolo.core.atomic_files import make_folder, write_file
+from symolo.core.errors import InputError
+from symolo.core.file_hashes import sha256_of
+from symolo.core.yaml_reader import displayed
+
+
+def keep_user_files(looks: Iterable[LookConfig], places: Mapping[str, Path], folder: Path) -> None:
+    """Put what the looks show into `folder`, each file under its SHA-256; what is there and whole stays.
+
+    Args:
+        looks: With numbers only.
+        places: Where each file lies, by SHA-256.
+        folder: Made where there is something to put.
+
+    Raises:
+        InputError: A file is gone, or is no longer what it was when the look was read.
+    """
+    for digest, name in sorted({file.sha256: file.name for look in looks for file in look.files}.items()):
+        kept = folder / digest
+        if kept.is_file() and sha256_of(kept) == digest:
+            continue
+        where = displayed(places[digest]) if digest in places else name
+        try:
+            data = places[digest].read_bytes()
+        except (KeyError, OSError):
+            raise InputError("is gone since it was read", where=where, cure="put it back") from None
+        if sha256(data).hexdigest() != digest:
+            raise InputError("has changed since it was read", where=where, cure="run the command again")
+        make_folder(folder)
+        write_file(kept, data)
