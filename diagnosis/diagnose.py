@@ -14,7 +14,7 @@ from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.noise_level import combined, found_noises, is_open
 from diagnosis.inference.evidence.rounding import with_shared_rounding
 from diagnosis.inference.evidence.whole_runs import fitted_to_whole_runs
-from diagnosis.inference.fit import Fit, at, fits
+from diagnosis.inference.fit import HypothesisFit, at, fits
 from diagnosis.inference.gain import Gain, gain
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.rivals import RivalComparison, compare_rivals
@@ -66,7 +66,7 @@ class Diagnosis:
     nominal: RobotConfig
     candidates: Candidates
     selection: Selection
-    fit: Fit
+    fit: HypothesisFit
     """With the effects that are named."""
     named: tuple[NamedEffect, ...]
     withdrawn: tuple[str, ...]
@@ -185,7 +185,7 @@ def _evidence(stages: Sequence[Stage], bare: Hypothesis) -> Evidence:
     return evidence
 
 
-def _with_found_noises(evidence: Evidence, fit: Fit) -> Evidence:
+def _with_found_noises(evidence: Evidence, fit: HypothesisFit) -> Evidence:
     return Evidence(evidence.stages, combined(evidence, found_noises(evidence, fit)))
 
 
@@ -224,7 +224,7 @@ def _left(evidence: Evidence, selection: Selection, left: Adequacy) -> Adequacy:
     return left if left.is_adequate else located(evidence, selection.nominal.hypothesis, left)
 
 
-def _without_stand_ins(evidence: Evidence, selection: Selection, left: Adequacy) -> Fit:
+def _without_stand_ins(evidence: Evidence, selection: Selection, left: Adequacy) -> HypothesisFit:
     """The fit with only those effects that are needed beside what remains unexplained.
 
     Noise is not: it takes any structure of the mean for its own, and hides how large that is.
@@ -237,7 +237,9 @@ def _without_stand_ins(evidence: Evidence, selection: Selection, left: Adequacy)
     return _with_only(evidence, selection, fit, survivors(evidence, selection.nominal, fit, left.worst))
 
 
-def _with_only(evidence: Evidence, selection: Selection, fit: Fit, keep: Collection[CandidateEffect]) -> Fit:
+def _with_only(
+    evidence: Evidence, selection: Selection, fit: HypothesisFit, keep: Collection[CandidateEffect]
+) -> HypothesisFit:
     """The fit with some of its effects."""
     kept = tuple(effect for effect in fit.hypothesis.effects if effect in keep)
     if len(kept) == len(fit.hypothesis.effects):
@@ -249,7 +251,7 @@ def _with_only(evidence: Evidence, selection: Selection, fit: Fit, keep: Collect
     return found
 
 
-def _over_whole_runs(measurement: Measurement, evidence: Evidence, fit: Fit) -> Fit:
+def _over_whole_runs(measurement: Measurement, evidence: Evidence, fit: HypothesisFit) -> HypothesisFit:
     """With its numbers as whole runs have them, where a drive has no commands and its runs are all it can tell by."""
     if not isinstance(measurement.nominal, KnownWheels):
         return fit
@@ -260,8 +262,8 @@ def _over_whole_runs(measurement: Measurement, evidence: Evidence, fit: Fit) -> 
 
 
 def _best_named(
-    evidence: Evidence, fit: Fit, standings: Sequence[RivalComparison], effects: Sequence[CandidateEffect]
-) -> tuple[Fit, Sequence[RivalComparison]]:
+    evidence: Evidence, fit: HypothesisFit, standings: Sequence[RivalComparison], effects: Sequence[CandidateEffect]
+) -> tuple[HypothesisFit, Sequence[RivalComparison]]:
     """Where a rival turned out to explain more than a named effect, the rival is named."""
     closest = [next((rival for rival in of.rivals if not rival.refused), None) for of in standings]
     better = [rival for rival in closest if rival is not None and rival.worse < -CLEARLY]

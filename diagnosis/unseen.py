@@ -13,7 +13,7 @@ from diagnosis.predictors.motor_step import MotorStep
 from diagnosis.predictors.pose import Pose
 from diagnosis.predictors.ranges import Ranges
 from diagnosis.predictors.rows import given
-from diagnosis.predictors.tof_bench import TofBench
+from diagnosis.predictors.tof_bench import TofBenchStage
 from diagnosis.predictors.wheels import Wheels
 from symolo.core.arrays import Array
 
@@ -65,10 +65,10 @@ def _predicted(part: str, inputs: Measurement, robot: RobotConfig) -> Columns:
         case _, Kind.MOTOR_STEP:
             return _of_stage(MotorStep(inputs, robot), robot)
         case _, Kind.TOF_BENCH:
-            return _of_stage(TofBench(inputs, robot), robot)
+            return _of_stage(TofBenchStage(inputs, robot), robot)
     raise ValueError(f"no stage predicts {part} of {inputs.kind}")
 
 
-def _of_stage(stage: MotorSteady | MotorStep | TofBench | Wheels | Ranges, robot: RobotConfig) -> Columns:
+def _of_stage(stage: MotorSteady | MotorStep | TofBenchStage | Wheels | Ranges, robot: RobotConfig) -> Columns:
     predicted = stage.predict([robot])
     return {of.name: mean.mean[0] for of, mean in zip(stage.observed, predicted, strict=True)}

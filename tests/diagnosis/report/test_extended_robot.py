@@ -13,7 +13,7 @@ from diagnosis.diagnose import NamedEffect, diagnose
 from diagnosis.extended_robot import FILE, VARIED_FILE, _rounded, extended_robot
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
-from diagnosis.inference.fit import Fit
+from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.inference.rivals import RivalComparison
 from physics.drivetrain.motor_bench import steady_states
@@ -42,7 +42,7 @@ def with_effect(diagnosis, name, choices=(), **values):
     hypothesis = Hypothesis(diagnosis.nominal, (), (effect,))
     x = np.array([c.coordinate(values[c.name]) for c in effect.coordinates])
     nothing = np.zeros((len(x), len(diagnosis.evidence.values)))
-    fit = Fit(hypothesis, x, 0.0, nothing[0], nothing[0] + 1.0, nothing, nothing, 1e4 * np.eye(len(x)))
+    fit = HypothesisFit(hypothesis, x, 0.0, nothing[0], nothing[0] + 1.0, nothing, nothing, 1e4 * np.eye(len(x)))
     named = NamedEffect(effect, dict(hypothesis.values(effect, x)), fit.std(effect), RivalComparison(effect, 0.9, ()))
     return replace(diagnosis, fit=fit, named=(named,))
 
