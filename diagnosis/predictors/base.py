@@ -39,7 +39,7 @@ class CovariateShape(StrEnum):
 
 @dataclass(frozen=True)
 class Covariate:
-    """A quantity on which a residual may depend. It comes from inputs or a prediction, never from the tested channel."""
+    """A quantity on which a residual may depend, from inputs or a prediction and never from the tested channel."""
 
     name: str
     values: Array
@@ -50,7 +50,7 @@ class Covariate:
     labels: tuple[str, ...] = ()
     """Names of the categories 0, 1, ..., if they have names."""
     size: Array | None = None
-    """(n,), signed size of the event since which a time is counted, or of what turns; a larger one has larger effects."""
+    """(n,), signed size of the event since which a time is counted, or of what turns; the effect grows with it."""
     beside: str = ""
     """Name of a covariate that acts together with this one, as the current value does with the previous one."""
 
@@ -111,7 +111,7 @@ class Stage(Protocol):
     """Number of robots in one pass; more would need memory and save no time."""
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
-        """Return the predictions of each observed quantity, in their order; robots may differ in numbers and effects."""
+        """Return the predictions of each observed quantity, in order; robots may differ in numbers and effects."""
         ...
 
 

@@ -82,7 +82,7 @@ class MotorStep:
         return current, speed
 
     def _since_step(self) -> tuple[Array, Array]:
-        """Return the time since the last change of the voltage, and its size, (T, N) each; the voltage is 0 before time 0."""
+        """Return time since the last change of the voltage, and its size, (T, N) each; it is 0 V before time 0."""
         number = np.arange(len(self._voltage_V))[:, None]
         steps_V = np.diff(self._voltage_V, axis=0, prepend=0.0)
         last = np.maximum.accumulate(np.where(steps_V != 0.0, number, -1))

@@ -59,7 +59,7 @@ class PoseNoise:
 
 
 class Pose:
-    """The windows of the case format: mid-point rule, and the robot's effects for slip, tracked point and pose delay."""
+    """The windows of the case format: mid-point rule, and effects for slip, tracked point and pose delay."""
 
     name = "pose"
     at_once = 48
@@ -90,7 +90,7 @@ class Pose:
         return tuple(Predicted(increments[which, :, k], observed.sd) for k, observed in enumerate(self.observed))
 
     def path(self, robot: RobotConfig, starts: Array) -> Array:
-        """Return the poses of all rows as they would be logged, (n, 3), from the first pose of each trial and the ticks.
+        """Return the poses of all rows as logged, (n, 3), predicted from the first pose of each trial and the ticks.
 
         Args:
             robot: The robot.

@@ -40,7 +40,7 @@ WALL_REFLECTANCE = 1.0
 
 
 class Ranges:
-    """Rays from the pose of the axle at the time of the readings, which follows from the logged pose and its effects."""
+    """Rays from the pose of the axle at the time of the readings, computed from the logged pose and its effects."""
 
     name = "tof"
     at_once = 48

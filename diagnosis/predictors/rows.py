@@ -52,7 +52,7 @@ def observed_channel(
 
 
 def given(measurement: Measurement, name: str) -> Array:
-    """Return the good samples of a channel at the rows of all trials, (n,); NaN elsewhere, or without such a channel."""
+    """Return the good samples of a channel in the rows of all trials, (n,); NaN elsewhere, or without the channel."""
     parts = []
     for trial in measurement.trials:
         channels = [channel for channel in trial.channels if channel.name == name]
@@ -105,7 +105,7 @@ def bridged(values: Array, t_s: Array, trials: Sequence[int]) -> Array:
 
 
 def _sd(channel: Channel) -> Array:
-    """Return the standard deviation (n,) that the source states, or that is estimated from the scatter of the channel."""
+    """Return the standard deviation (n,) that the source states, or an estimate from the scatter of the channel."""
     if channel.noise_sd is not None:
         return channel.noise_sd
     noise = noise_of(channel)

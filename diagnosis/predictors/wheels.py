@@ -90,7 +90,7 @@ class Wheels:
             unit="rad/s",
             values=np.where(usable, speed, np.nan),
             sd=np.full(len(speed), sd),
-            # Rounded ticks make it negative from row to row, disturbances of the torque make it positive over some rows.
+            # Rounded ticks make it negative from row to row, torque disturbances positive over some rows.
             correlation=None,
             trial=trial_of_rows(measurement),
             t_s=joined(trial.t_s for trial in measurement.trials),
