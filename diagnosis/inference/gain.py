@@ -52,18 +52,30 @@ def gain_of(evidence: Evidence, mean: Array) -> Gain | None:
     z = np.abs((evidence.values - mean) / evidence.sd)
     stages = [rows & (evidence.of_stage == k) for k in range(len(evidence.stages))]
     of_stages = [(z[:, stage], _blocks(evidence)[stage]) for stage in stages if stage.any()]
-    before, after = (_error([sizes[k] for sizes, _ in of_stages]) for k in (0, 1))
-    generator = np.random.Generator(np.random.PCG64(_SEED))
-    squares = [_redrawn_squares(sizes, blocks, generator) for sizes, blocks in of_stages]
-    was, has = np.sqrt(np.mean(squares, axis=0))
-    drawn = 1.0 - np.divide(has, was, out=np.ones_like(was), where=was > 0.0)
-    low, high = np.quantile(drawn, [0.025, 0.975]).tolist()
     by_quantity = []
     for quantity, place in zip(evidence.observed, evidence.places, strict=True):
         of = z[:, place][:, rows[place]]
         if of.shape[1]:
             by_quantity.append((quantity.name, _error([of[0]]), _error([of[1]])))
-    return Gain(1.0 - after / before if before > 0.0 else 0.0, low, high, before, after, tuple(by_quantity))
+    return gain_of_sizes(of_stages, tuple(by_quantity))
+
+
+def gain_of_sizes(
+    stages: Sequence[tuple[Array, NDArray[np.int64]]], by_quantity: tuple[tuple[str, float, float], ...] = ()
+) -> Gain:
+    """Return the gain over several stages.
+
+    Args:
+        stages: For each stage the sizes of the residuals before and after, (2, n), and the block of each row, (n,).
+        by_quantity: What the gain says of each quantity.
+    """
+    before, after = (_error([sizes[k] for sizes, _ in stages]) for k in (0, 1))
+    generator = np.random.Generator(np.random.PCG64(_SEED))
+    squares = [_redrawn_squares(sizes, blocks, generator) for sizes, blocks in stages]
+    was, has = np.sqrt(np.mean(squares, axis=0))
+    drawn = 1.0 - np.divide(has, was, out=np.ones_like(was), where=was > 0.0)
+    low, high = np.quantile(drawn, [0.025, 0.975]).tolist()
+    return Gain(1.0 - after / before if before > 0.0 else 0.0, low, high, before, after, by_quantity)
 
 
 def of_quantity(evidence: Evidence, place: slice) -> Evidence:
