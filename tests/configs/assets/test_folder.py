@@ -134,9 +134,9 @@ REFUSED = {
     "link to nothing": ("look.floor.image.file=broken.png", "no such file"),
     "link to itself": ("look.floor.image.file=loop.png", "no such file"),
     "pipe": ("look.floor.image.file=pipe", "is no file"),
-    "empty": ("look.floor.image.file=empty.png", "is neither a PNG nor a JPEG picture", "save it anew"),
+    "empty": ("look.floor.image.file=empty.png", "is neither a PNG nor a JPEG image", "save it again"),
     "cut short": ("look.floor.image.file=cut.png", "is cut short: the PNG has no end"),
-    "sky as picture": ("look.floor.image.file=sub/hall.hdr", "is neither a PNG nor a JPEG picture"),
+    "sky as picture": ("look.floor.image.file=sub/hall.hdr", "is neither a PNG nor a JPEG image"),
     "picture as sky": ("look.sky.panorama=grey.png", "is neither a Radiance (.hdr) nor an OpenEXR file"),
     "one of a choice": ("look.sky.panorama={choice: [city, sub/hall.hdr, lost.hdr]}", "no such file", "got 'lost.hdr'"),
     "number": ("look.floor.image.file=7", "look.floor.image.file: got 7, allowed: the name of a file"),
@@ -224,7 +224,7 @@ def test_a_file_that_does_not_fit_into_memory_is_refused(monkeypatch):
 
 def test_a_strip_keeps_its_shape(photos: Path, monkeypatch):
     """Averaged down to 10 pixels at most, 100 x 3 becomes 10 x 1: ten times as wide as high, and no longer 33 times."""
-    monkeypatch.setattr("configs.assets.pictures.LONGEST_SIDE_PX", 10)
+    monkeypatch.setattr("configs.assets.pictures.MAX_SIDE_PX", 10)
     (photos / "grey.png").write_bytes(cv2.imencode(".png", np.full((3, 100, 3), 188, np.uint8))[1].tobytes())
     look, _ = draw_look(load_section("look", "looks/mine.yaml"), 1, "CW", 1)
     own = look.floor.image.file

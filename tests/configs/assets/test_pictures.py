@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
-from configs.assets.pictures import LONGEST_SIDE_PX, mean_of, read_picture
+from configs.assets.pictures import MAX_SIDE_PX, mean_of, read_picture
 
 
 def _png(pixels: np.ndarray) -> bytes:
@@ -103,10 +103,10 @@ def test_a_size_that_cannot_be_is_refused_before_it_is_made(size, told):
 
 
 def test_a_large_picture_is_averaged_down():
-    pixels = np.zeros((2, 2 * LONGEST_SIDE_PX, 3), np.uint8)
+    pixels = np.zeros((2, 2 * MAX_SIDE_PX, 3), np.uint8)
     pixels[:, ::2] = 200
     found = read_picture(_png(pixels))
-    assert found.shape == (1, LONGEST_SIDE_PX, 3)
+    assert found.shape == (1, MAX_SIDE_PX, 3)
     assert (found == 100).all()
 
 
