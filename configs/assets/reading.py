@@ -3,12 +3,12 @@
 import hashlib
 from pathlib import Path
 
-from configs.assets import panoramas, pictures
+from configs.assets import images, panoramas
 from configs.assets.refusal import Refusal
 from configs.schema.asset import Asset, AssetKind
 
 _CURES = {
-    "picture": "save it again as PNG or JPEG",
+    "image": "save it again as PNG or JPEG",
     "panorama": "save it again as Radiance .hdr or as OpenEXR with ZIP compression",
 }
 
@@ -20,8 +20,8 @@ def read_asset(kind: AssetKind, name: str, place: Path) -> Asset:
         Refusal: It cannot be read, or is not of its kind.
     """
     try:
-        data = _bytes(place, pictures.MAX_BYTES if kind == "picture" else panoramas.MAX_BYTES)
-        (height_px, width_px, _), mean = _picture(data) if kind == "picture" else _panorama(data)
+        data = _bytes(place, images.MAX_BYTES if kind == "image" else panoramas.MAX_BYTES)
+        (height_px, width_px, _), mean = _image(data) if kind == "image" else _panorama(data)
     except ValueError as error:
         raise Refusal(str(error), cure=_CURES[kind]) from None
     except MemoryError:
@@ -35,10 +35,10 @@ _ShapeAndMean = tuple[tuple[int, ...], tuple[float, float, float]]
 """Shape (H, W, 3) and mean colour."""
 
 
-def _picture(data: bytes) -> _ShapeAndMean:
+def _image(data: bytes) -> _ShapeAndMean:
     """Return the shape before averaging down, since rounding to whole pixels would change the height in metres."""
-    picture = pictures.whole_picture(data)
-    return picture.shape, pictures.mean_of(pictures.averaged_down(picture))
+    image = images.whole_image(data)
+    return image.shape, images.mean_of(images.averaged_down(image))
 
 
 def _panorama(data: bytes) -> _ShapeAndMean:

@@ -26,12 +26,12 @@ LINEAR = np.where(_s <= 0.04045, _s / 12.92, ((_s + 0.055) / 1.055) ** 2.4)
 """(256,), linear value of each sRGB component (IEC 61966-2-1)."""
 
 
-def read_picture(data: bytes) -> Bytes:
+def read_image(data: bytes) -> Bytes:
     """Return the image of a file, averaged down to `MAX_SIDE_PX`."""
-    return averaged_down(whole_picture(data))
+    return averaged_down(whole_image(data))
 
 
-def whole_picture(data: bytes) -> Bytes:
+def whole_image(data: bytes) -> Bytes:
     """Return the image (H, W, 3), sRGB, of a file's bytes in its EXIF orientation, first row at the top; no opacity.
 
     Raises:
@@ -51,18 +51,18 @@ def whole_picture(data: bytes) -> Bytes:
     return np.asarray(image[..., ::-1], np.uint8)
 
 
-def averaged_down(picture: Bytes) -> Bytes:
-    shrunk = MAX_SIDE_PX / max(picture.shape[:2])
+def averaged_down(image: Bytes) -> Bytes:
+    shrunk = MAX_SIDE_PX / max(image.shape[:2])
     if shrunk < 1:
-        size = [max(1, round(side * shrunk)) for side in picture.shape[1::-1]]
-        return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
-    return np.ascontiguousarray(picture)
+        size = [max(1, round(side * shrunk)) for side in image.shape[1::-1]]
+        return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), np.uint8)
+    return np.ascontiguousarray(image)
 
 
-def mean_of(picture: Bytes) -> tuple[float, float, float]:
+def mean_of(image: Bytes) -> tuple[float, float, float]:
     """Return the mean linear colour of an sRGB image (H, W, 3); white is 1."""
-    counts = (np.bincount(picture[..., channel].ravel(), minlength=256) for channel in range(3))
-    red, green, blue = (float(count @ LINEAR) / picture[..., 0].size for count in counts)
+    counts = (np.bincount(image[..., channel].ravel(), minlength=256) for channel in range(3))
+    red, green, blue = (float(count @ LINEAR) / image[..., 0].size for count in counts)
     return red, green, blue
 
 
