@@ -14,7 +14,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.inference.evidence.evidence import Evidence, EstimatedNoise
+from diagnosis.inference.evidence.evidence import EstimatedNoise, Evidence
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.measured.noise import noise_of_differences, trimmed_variance
 from diagnosis.predictors.base import Observed
