@@ -1,10 +1,11 @@
-"""Print how large the tree is and how plain its words are, package by package: `python benchmarks/code_counts.py [TREE]`."""
+"""Print how large the tree is and how plain its words are: `python benchmarks/code_counts.py [TREE]`."""
 
 import ast
 import re
 import sys
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Set
+from collections.abc import Iterator
+from collections.abc import Set as AbstractSet
 from pathlib import Path
 
 PACKAGES = ("symolo", "configs", "physics", "sensors", "hil", "diagnosis", "blender_scenes", "pipeline")
@@ -85,7 +86,7 @@ def _name(root: Path, path: Path) -> str:
     return ".".join(path.relative_to(root).with_suffix("").parts).removesuffix(".__init__")
 
 
-def _targets(tree: ast.AST, name: str, path: Path, modules: Set[str]) -> Iterator[str]:
+def _targets(tree: ast.AST, name: str, path: Path, modules: AbstractSet[str]) -> Iterator[str]:
     """Yield the modules of the tree that a module imports; what is imported from a package counts as the package."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
