@@ -194,7 +194,7 @@ def check_kind(measurement: Measurement) -> None:
     if measurement.kind not in STAGES:
         allowed = ", ".join(STAGES)
         what = f"no stage predicts data of kind {measurement.kind}"
-        cure = "diagnose a bench or a drive; symolo measured tells what these data hold"
+        cure = "diagnose a bench or a drive; symolo inspect tells what these data hold"
         raise InputError(what, where=_where(measurement), allowed=allowed, cure=cure)
 
 

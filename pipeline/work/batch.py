@@ -51,9 +51,9 @@ class Batch:
         executor: Executor,
         report: Report,
         *,
-        pictured: bool = True,
+        renders: bool = True,
     ) -> "Batch":
-        """Load and draw the scenario and see that there is room for it, and what it is rendered on where `pictured`.
+        """Load and draw the scenario and see that there is room for it, and what it is rendered on where it `renders`.
 
         Raises:
             InputError: The scenario or the output folder cannot be used.
@@ -64,7 +64,7 @@ class Batch:
         specs = draw_reported(loaded, report)
         check_out(out, Kind.DATASET)
         check_disk(out, ScenarioPlan.of(specs, cores()).bytes_needed)
-        device = device_for(specs[0].render.device) if pictured else "CPU"
+        device = device_for(specs[0].render.device) if renders else "CPU"
         return cls(loaded, specs, Workspace(out.absolute()), executor.on(device), device)
 
     def keep_user_files(self) -> None:

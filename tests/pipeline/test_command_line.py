@@ -98,7 +98,7 @@ BAD = {
         "--looks",
     ),
     "rerender several draws of one look": (
-        ["rerender", "HERE/data.csv", "--look", "lab", "--n", "3", "--out", "OUT"],
+        ["rerender", "HERE/data.csv", "--look", "lab", "--draws", "3", "--out", "OUT"],
         "--n: got 3; name the looks by --looks",
     ),
     "rerender under the same look twice": (
@@ -122,7 +122,7 @@ BAD = {
         "--set: got 'arena=random'; name it by --arena",
     ),
     "rerender under looks, one misspelt": (
-        ["rerender", "HERE/data.csv", "--looks", "classroom,labb", "--n", "2", "--out", "OUT"],
+        ["rerender", "HERE/data.csv", "--looks", "classroom,labb", "--draws", "2", "--out", "OUT"],
         "--looks: got 'labb'",
     ),
     "preview of a misspelt scenario": (["preview", "smok", "--out", "OUT.png"], "did you mean smoke"),
@@ -227,7 +227,10 @@ def test_a_full_disk_is_noticed_before_the_work_starts(here, symolo, monkeypatch
 @pytest.mark.parametrize(
     ("arguments", "named"),
     [
-        (("rerender", "HERE/data.csv", "--looks", "lab", "--n", 500, "--camera-hz", 5, "--out", "OUT"), "--out OUT"),
+        (
+            ("rerender", "HERE/data.csv", "--looks", "lab", "--draws", 500, "--camera-hz", 5, "--out", "OUT"),
+            "--out OUT",
+        ),
         (("preview", "smoke", "-n", 40, "--width-px", 32, "--out", "sheet.png"), "TMPDIR"),
     ],
 )
