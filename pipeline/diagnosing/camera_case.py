@@ -1,4 +1,4 @@
-"""Pictures of a run on disk, as a case for the diagnosis of pictures."""
+"""The images of a run on disk as a case for camera identification."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,7 +19,7 @@ from symolo.dataset.layout import frame_name
 from symolo.dataset.rows import Rows
 
 MAX_FRAMES = 60
-"""Of a run's pictures, evenly spread: more tell little more."""
+"""Largest number of images of a run, evenly spread; more add little information."""
 FEWEST_FRAMES = 6
 
 
@@ -30,13 +30,13 @@ class _RunImages:
 
 
 def read_picture_case(run: Path, simulated: Path | None, pose_errors: PoseErrors) -> PictureCase:
-    """Pictures of `run`, and of the simulation that they are held against.
+    """Return the images of `run` and those of the simulation that they are compared with.
 
     Args:
         run: Folder with data.csv and images.
-        simulated: Run folder of a dataset with the nominal robot, look and arena in its specification, and pictures of
+        simulated: Run folder of a dataset with the nominal robot, look and arena in its specification, and images of
             the same places where there are any; None where `run` has a specification itself.
-        pose_errors: Of the poses in `run`.
+        pose_errors: Errors of the poses in `run`.
 
     Raises:
         InputError: Something is missing, damaged, or does not fit.
@@ -98,7 +98,7 @@ def _name(path: Path) -> str:
 
 
 def _same_places(rows: Rows, nominal: _RunImages) -> dict[int, int]:
-    """Which simulated picture is of the same pose, by the measured picture's number.
+    """Return the number of the simulated image with the same pose for each measured image.
 
     Raises:
         InputError: None is.
@@ -125,7 +125,7 @@ def _same_places(rows: Rows, nominal: _RunImages) -> dict[int, int]:
 
 
 SAME_PLACE_M, SAME_YAW_RAD = 0.003, 0.01
-"""Two pictures within these are of the same place."""
+"""Largest differences of two images of the same place."""
 
 
 def _picture(path: Path) -> Picture:
