@@ -1,15 +1,13 @@
 """A micro-controller board that drives the robot in place of the built-in controller (paper section 7)."""
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field
 
 from configs.schema.base import Fixed, Section
+from symolo.dataset.codes import BoardKind, FramingName
 
 _ITS_OWN = Fixed("it belongs to the board, not to the robot")
-
-BoardKind = Literal["simulated", "serial"]
-FramingName = Literal["framed", "simtwo"]
 
 
 class Board(Section):

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from math import exp
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import Fit
+from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.selection import TOLL, is_negligible, needed, refusal, replaced, without
 
@@ -27,7 +27,7 @@ class Rival:
     effect: CandidateEffect
     worse: float
     """Increase of the cost over the named effect, with a toll for each parameter."""
-    fit: Fit
+    fit: HypothesisFit
     refused: str
     """Why the rival is not accepted although it explains more; empty if it is, or if it does not explain more."""
 
@@ -47,7 +47,7 @@ class RivalComparison:
 
 
 def compare_rivals(
-    evidence: Evidence, fit: Fit, effect: CandidateEffect, effects: Sequence[CandidateEffect]
+    evidence: Evidence, fit: HypothesisFit, effect: CandidateEffect, effects: Sequence[CandidateEffect]
 ) -> RivalComparison:
     """Compare one effect of a fit with all candidates."""
     rivals = []

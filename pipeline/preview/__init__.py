@@ -1,9 +1,9 @@
 """`symolo preview`: images of a scenario before anything is simulated."""
 
-from enum import StrEnum
+from symolo.core.text_enum import TextEnum
 
 
-class Engine(StrEnum):
+class Engine(TextEnum):
     """Renderers of preview images."""
 
     CYCLES = "cycles"

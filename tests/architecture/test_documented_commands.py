@@ -16,7 +16,6 @@ ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "tests/fixtures/gap_examples"
 PAGES = [
     ROOT / "README.md",
-    ROOT / "CONTRIBUTING.md",
     *sorted((ROOT / "docs").glob("*.md")),
     *sorted((ROOT / "docs/tutorials").glob("*.md")),
 ]

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.inference.evidence.evidence import Evidence, FoundNoise
-from diagnosis.inference.fit import Fit
+from diagnosis.inference.fit import HypothesisFit
 from diagnosis.measured.noise import noise_of_differences, trimmed_variance
 from diagnosis.predictors.base import Observed
 from symolo.core.arrays import Array
@@ -43,7 +43,7 @@ def is_open(quantity: Observed) -> bool:
     return not quantity.noise_is_stated or quantity.correlation is None
 
 
-def found_noises(evidence: Evidence, fit: Fit) -> Mapping[str, FoundNoise]:
+def found_noises(evidence: Evidence, fit: HypothesisFit) -> Mapping[str, FoundNoise]:
     """Return the estimated noise of each observed quantity whose source does not state all of it."""
     noises: dict[str, FoundNoise] = {}
     for quantity, place in zip(evidence.observed, evidence.places, strict=True):

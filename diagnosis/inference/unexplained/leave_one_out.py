@@ -11,14 +11,14 @@ from copy import copy
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import Fit, fits
+from diagnosis.inference.fit import HypothesisFit, fits
 from symolo.core.arrays import Array
 
 MAX_ROWS = 60
 """Limit for the computing time; with more rows, some can be held out."""
 
 
-def leave_one_out(evidence: Evidence, fit: Fit) -> Mapping[str, Array]:
+def leave_one_out(evidence: Evidence, fit: HypothesisFit) -> Mapping[str, Array]:
     """Return the error of each row that is left out, (n,) by observed quantity in its unit; NaN where not usable.
 
     Args:
