@@ -16,7 +16,7 @@ import pytest
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from pipeline.cli import AT_ONCE
+from pipeline.cli import INTERRUPTED_TWICE
 from pipeline.planning.plan import RENDER_FRAME_S, RENDER_SAMPLE_S, RENDER_START_S, ScenarioPlan, pixel_s
 from pipeline.work.supervisor import WorkerError, run_units
 from pipeline.work.units import SimulateUnit
@@ -476,4 +476,4 @@ with _interrupts_noted():
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False, cwd=tmp_path)
     assert (done.returncode, done.stdout) == (130, "first\n")
-    assert done.stderr == f"symolo: {AT_ONCE}\n"
+    assert done.stderr == f"symolo: {INTERRUPTED_TWICE}\n"

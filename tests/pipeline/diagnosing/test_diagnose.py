@@ -77,7 +77,7 @@ BAD = {
     "a dataset against a bench": (["HERE/plain", "--against", "HERE/plain", "--out", "OUT"], "is no run of a dataset"),
     "no such trial to hold out": (["HERE/plain", "--hold-out", "cirle*", "--out", "OUT"], "got 'cirle*'"),
     "no such part": (["HERE/plain", "--part", "left wheel", "--out", "OUT"], "no trial is of that part"),
-    "both ways to print": (["HERE/plain", "--out", "OUT", "--json", "--explain"], "ask for one of them"),
+    "both ways to print": (["HERE/plain", "--out", "OUT", "--json", "--explain"], "give one of them"),
 }
 
 

@@ -133,7 +133,7 @@ def test_bad_input_is_one_line(kind, symolo, tmp_path, monkeypatch):
 
 def test_help_loads_neither_engine_nor_numbers():
     program = (
-        "import sys, pipeline.cli; code = pipeline.cli.main(['measured', '--help']); "
+        "import sys, pipeline.cli; code = pipeline.cli.main(['inspect', '--help']); "
         "print(*sorted({name.partition('.')[0] for name in sys.modules}), file=sys.stderr); sys.exit(code)"
     )
     ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
