@@ -99,7 +99,7 @@ BAD = {
     ),
     "rerender several draws of one look": (
         ["rerender", "HERE/data.csv", "--look", "lab", "--draws", "3", "--out", "OUT"],
-        "--n: got 3; name the looks by --looks",
+        "--draws: got 3; name the looks by --looks",
     ),
     "rerender under the same look twice": (
         ["rerender", "HERE/data.csv", "--looks", "lab,lab", "--out", "OUT"],
@@ -272,9 +272,10 @@ def test_an_interrupt_between_the_starts_of_the_workers_is_an_interrupt(tmp_path
     started = []
 
     def interrupted_at_the_second(thread):
-        if started:
-            raise KeyboardInterrupt
-        started.append(thread)
+        if threading.current_thread() is threading.main_thread():  # Python raises interrupts in no other one
+            if started:
+                raise KeyboardInterrupt
+            started.append(thread)
         start(thread)
 
     monkeypatch.setattr(threading.Thread, "start", interrupted_at_the_second)
