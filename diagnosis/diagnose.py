@@ -23,7 +23,7 @@ from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequa
 from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located
 from diagnosis.inference.unexplained.scatter import with_scatter
-from diagnosis.measured.measurement import Kind, Measurement
+from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import KnownWheels
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import Nuisance, command_timing, nuisances
@@ -214,7 +214,7 @@ def _spreads(measurement: Measurement, robot: RobotConfig) -> tuple[Nuisance, ..
     """Return the nuisances that the measurement states, or else the usual ones."""
     if measurement.nominal is not None:
         return nuisances(measurement.nominal)
-    return (*usual(robot), command_timing()) if measurement.kind is Kind.DRIVE_LOG else usual(robot)
+    return (*usual(robot), command_timing()) if measurement.kind is CaseKind.DRIVE_LOG else usual(robot)
 
 
 def _left(evidence: Evidence, selection: Selection, left: Adequacy) -> Adequacy:
