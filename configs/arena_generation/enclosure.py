@@ -1,4 +1,4 @@
-"""The walls: a convex polygon around the line, each side at its own clearance."""
+"""The walls: a convex polygon around the line, each side with another clearance."""
 
 import numpy as np
 
