@@ -15,10 +15,10 @@ from pipeline.commands import checks, hil, maintenance, stages, validate
 from pipeline.commands.baselines import baselines
 from pipeline.commands.diagnose import diagnose
 from pipeline.commands.export import export
+from pipeline.commands.identify_camera import identify_camera
 from pipeline.commands.measurements import inspect
 from pipeline.commands.model import model
 from pipeline.commands.pack import pack
-from pipeline.commands.pictures import pictures
 from pipeline.commands.preview import preview
 from pipeline.commands.report import report
 from pipeline.commands.storage import download, upload
@@ -77,7 +77,7 @@ def command_line() -> typer.Typer:
         app.command(rich_help_panel="Inspect data and machine")(command)
     for command in (maintenance.status, maintenance.repair, maintenance.bag, export, pack, upload, download):
         app.command(rich_help_panel="Keep, convert and share data")(command)
-    for command in (inspect, diagnose, pictures):
+    for command in (inspect, diagnose, identify_camera):
         app.command(rich_help_panel="Explain measured data")(command)
     validation = typer.Typer(no_args_is_help=True)
     for command in validate.COMMANDS:
