@@ -18,6 +18,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from blender_scenes.render.surroundings import without_blender_settings
+from pipeline import user_files
 from pipeline.work.units import EVENTS, Alive, AnyMessage, AnyUnit, Failed, Finished
 from symolo.core.atomic_files import WRITER, new_writer
 
@@ -73,7 +74,13 @@ class WorkerProcess:
             stderr=self._log,
             start_new_session=True,
             # Safe path, for a folder `configs` where the user stands is not ours.
-            env={**without_blender_settings(os.environ), "PYTHONSAFEPATH": "1", WRITER: self.writer, **environment},
+            env={
+                **without_blender_settings(os.environ),
+                "PYTHONSAFEPATH": "1",
+                WRITER: self.writer,
+                **user_files.environment(),
+                **environment,
+            },
         )
 
     def do(self, unit: AnyUnit) -> Iterator[AnyMessage]:
