@@ -8,7 +8,7 @@ import numpy as np
 from configs.arena_generation.generate import NoArenaError, generate_arena
 from configs.arena_generation.track import Pose
 from configs.checks import check_run
-from configs.faults import Fault
+from configs.faults import ConfigFault
 from configs.loader import ArenaAlone, LoadedScenario, LoadedSection, LookAlone, RobotAlone
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
@@ -163,7 +163,7 @@ def _generated(arena: ArenaConfig, start: Pose, rng: np.random.Generator, root: 
         return generate_arena(arena, start, rng)
     except NoArenaError as error:
         cure = "ask for fewer corners or obstacles, smaller bends, another radius_m or a larger floor"
-        raise Fault(("arena", "generate"), str(error), cure=cure).error(root, note) from None
+        raise ConfigFault(("arena", "generate"), str(error), cure=cure).error(root, note) from None
 
 
 def _draws(placed: Mapping[FieldPath, Placed], seed: int, key: tuple[str | int, ...]) -> dict[FieldPath, Scalar]:

@@ -7,7 +7,7 @@ from symolo.core.yaml_tree import FieldPath, Node, dotted
 
 
 @dataclass(frozen=True)
-class Fault:
+class ConfigFault:
     path: FieldPath
     problem: str = ""
     """What is wrong where the value alone does not tell."""

@@ -5,7 +5,7 @@ import re
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from configs.faults import Fault
+from configs.faults import ConfigFault
 from configs.schema.base import FIELDS_DISAGREE
 from configs.shapes import Shape, shown_names
 from symolo.core.errors import InputError, nearest
@@ -52,28 +52,28 @@ def _path(fault: ErrorDetails, root: Node, shape: Shape) -> FieldPath:
     return path
 
 
-def _fault(path: FieldPath, fault: ErrorDetails, root: Node, shape: Shape) -> Fault:
+def _fault(path: FieldPath, fault: ErrorDetails, root: Node, shape: Shape) -> ConfigFault:
     here = shape.at(path, root)
     if fault["type"] == "extra_forbidden":
         return _unknown_key(path, root, shape)
     if here is None:  # no field of ours; pydantic's own words are better than none
-        return Fault(path, fault["msg"])
+        return ConfigFault(path, fault["msg"])
     if fault["type"] == "missing":
-        return Fault(path, "missing", allowed=here.words())
+        return ConfigFault(path, "missing", allowed=here.words())
     context = fault.get("ctx", {})
     if fault["type"] == FIELDS_DISAGREE:
-        return Fault(path, got=context["got"], allowed=context["allowed"])
+        return ConfigFault(path, got=context["got"], allowed=context["allowed"])
     got = fault["input"]
     if here.tag_key and isinstance(got, dict):
         tag, tags = got.get(here.tag_key), f"one of {shown_names(here.tags)}"
         if tag is None:
-            return Fault((*path, here.tag_key), "missing", allowed=tags)
-        return Fault((*path, here.tag_key), got=tag, allowed=tags, nearest=nearest(tag, here.tags))
+            return ConfigFault((*path, here.tag_key), "missing", allowed=tags)
+        return ConfigFault((*path, here.tag_key), got=tag, allowed=tags, nearest=nearest(tag, here.tags))
     close = nearest(got, [str(option) for option in here.schema.get("enum", [])])
-    return Fault(path, got=got, allowed=here.words(), nearest=close, cure=_cure(path, got, here))
+    return ConfigFault(path, got=got, allowed=here.words(), nearest=close, cure=_cure(path, got, here))
 
 
-def _unknown_key(path: FieldPath, root: Node, shape: Shape) -> Fault:
+def _unknown_key(path: FieldPath, root: Node, shape: Shape) -> ConfigFault:
     above, key = path[:-1], str(path[-1])
     parent, node = shape.at(above, root) or shape, root.at(above) or root
     known = list(parent.known_keys(node))
@@ -84,7 +84,7 @@ def _unknown_key(path: FieldPath, root: Node, shape: Shape) -> Fault:
         cure = "'extends' may stand at the top of a file and directly in arena, robot and look"
     elif not close:
         close = next((dotted(place) for place in shape.paths() if place[-1] == key), "")
-    return Fault(path, "unknown key", allowed=shown_names(known), nearest=close, cure=cure)
+    return ConfigFault(path, "unknown key", allowed=shown_names(known), nearest=close, cure=cure)
 
 
 def _cure(path: FieldPath, got: object, shape: Shape) -> str:

@@ -1,4 +1,4 @@
-"""The qualities of pictures: samples and denoiser of each. docs/render_benchmarks.md has what they cost and miss."""
+"""The qualities of pictures: samples and denoiser of each. docs/rendering.md has what they cost and miss."""
 
 import math
 from dataclasses import dataclass, replace

@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import Any, ClassVar, Self, TypeVar, get_args
 
 from configs.effects.parameter import Parameter, Plausible
-from configs.faults import Fault
+from configs.faults import ConfigFault
 from configs.schema.base import Section
 
 Metadata = TypeVar("Metadata")
@@ -106,7 +106,7 @@ class Effect(Section):
         """Return the first argument as it is with this effect; a pure function, whose arguments the slot says."""
         raise NotImplementedError
 
-    def faults(self, *, in_simulation: bool) -> Iterator[Fault]:
+    def faults(self, *, in_simulation: bool) -> Iterator[ConfigFault]:
         """Yield what no robot can have, or no simulation can do, with these values; paths start at the effect's fields.
 
         Args:

@@ -27,7 +27,7 @@ class ArcPiece(Section):
 LinePiece = Annotated[StraightPiece | ArcPiece, Field(discriminator="kind")]
 
 
-class Line(Section):
+class LineConfig(Section):
     width_m: float = Field(default=0.015, ge=0.004, le=0.1)
     reflectance: float = Field(default=0.05, ge=0, le=1)
     """At the line sensor's infrared wavelength; 0 black, 1 white."""
@@ -39,7 +39,7 @@ class Floor(Section):
     reflectance: float = Field(default=0.85, ge=0, le=1)
 
 
-class Wall(Section):
+class WallConfig(Section):
     """A straight wall given by the face that the robot sees; the body lies to the right of start -> end."""
 
     name: Slug
@@ -60,7 +60,7 @@ class Waypoint(Section):
     """Counter-clockwise; 360 is a whole turn on the way there."""
 
 
-class Motion(Section):
+class MotionConfig(Section):
     """A timed path, at constant speed from each waypoint to the next; the first leg begins at t = 0 with offset 0."""
 
     waypoints: Annotated[tuple[Waypoint, ...], FromList, Field(min_length=1)]
@@ -74,7 +74,7 @@ class Obstacle(Section):
     size: Size3 = (0.08, 0.08, 0.12)
     yaw_deg: float = Field(default=0.0, ge=-360, le=360)
     surface: SurfaceName = "cardboard"
-    motion: Motion | None = Field(default_factory=absent, exclude_if=lambda motion: motion is None)
+    motion: MotionConfig | None = Field(default_factory=absent, exclude_if=lambda motion: motion is None)
     """Without it the obstacle stands still; with it `center` and `yaw_deg` are where it is at t = 0."""
 
 
@@ -82,8 +82,8 @@ class ArenaConfig(Section):
     name: Slug
     description: str = ""
     floor: Floor = Floor()
-    line: Line
-    walls: Annotated[tuple[Wall, ...], FromList] = ()
+    line: LineConfig
+    walls: Annotated[tuple[WallConfig, ...], FromList] = ()
     obstacles: Annotated[tuple[Obstacle, ...], FromList] = ()
     generate: ArenaGenerator | None = Field(default_factory=absent, exclude=True)
     """Draws line, walls and obstacles for each run. No specification holds it: what was drawn stands there instead."""

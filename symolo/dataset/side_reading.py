@@ -40,7 +40,7 @@ def read_side(path: Path, table: SideTable, rows: Rows) -> Array:
         raise InputError(f"cannot be read: {error.strerror}", where=str(path), cure="make the run again") from None
     numbers, faults = parse_table(data, table.header)
     if faults:
-        raise InputError(faults[0].what, where=f"{path}: row {faults[0].line}", cure="mend or remove the row")
+        raise InputError(faults[0].what, where=f"{path}: row {faults[0].line}", cure=faults[0].cure)
     taken = rows.image > 0
     keys = np.column_stack((rows.image[taken], rows.t_ms[taken])) if table is CAMERA else rows.t_ms[:, None]
     told = numbers[:, : keys.shape[1]]

@@ -17,7 +17,7 @@ from configs.arena_generation.site import NOTICED_M, Site
 from configs.arena_generation.track import Segment, Track
 from configs.draw import draw_arena, draw_robot, draw_run
 from configs.loader import load_scenario, load_section
-from configs.schema.arena import ArenaConfig, Line, Obstacle, StraightPiece, Wall
+from configs.schema.arena import ArenaConfig, LineConfig, Obstacle, StraightPiece, WallConfig
 from configs.schema.arena_generator import ArenaGenerator, Clearance
 from physics.run.lap import Lap
 from symolo.arena.footprints import obstacle_footprint, wall_footprint
@@ -261,7 +261,7 @@ def test_a_recipe_and_a_line_of_its_own_do_not_go_together():
 
 
 def test_an_arena_without_a_recipe_is_left_alone():
-    arena = ArenaConfig(name="plain", line=Line())
+    arena = ArenaConfig(name="plain", line=LineConfig())
     assert generate_arena(arena, (0.0, 0.0, 0.0), stream(1, "x")) is arena
 
 
@@ -370,9 +370,9 @@ def test_no_obstacle_is_put_where_something_stands_beside_the_way_back():
 
 
 def test_an_obstacle_beside_a_wall_on_the_left_is_passed_on_the_right():
-    wall = Wall(name="Near", start=(1.2, 0.205), end=(-1.2, 0.205))
+    wall = WallConfig(name="Near", start=(1.2, 0.205), end=(-1.2, 0.205))
     assert stadium(wall).put_obstacle(CUBE, 1.2)
-    right_side_too = Wall(name="Right", start=(-1.2, -0.30), end=(1.2, -0.30))
+    right_side_too = WallConfig(name="Right", start=(-1.2, -0.30), end=(1.2, -0.30))
     assert not stadium(wall, right_side_too).put_obstacle(CUBE, 1.2)
 
 

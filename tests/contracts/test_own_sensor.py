@@ -248,13 +248,13 @@ def test_every_export_of_tables_and_of_ros_holds_it(released, tmp_path, symolo):
     pd.testing.assert_frame_equal(own, expected, check_dtype=False)
     wide = pd.read_parquet(next((tmp_path / "out/huggingface/rows").iterdir()))
     np.testing.assert_array_equal(wide[wide["run"] == run.name]["bumper_clearance"], expected["clearance"])
-    bag = next((tmp_path / "out/mcap").rglob("test_1.mcap"))
+    bag = tmp_path / "out/mcap/CW/test_1.mcap"
     with bag.open("rb") as stream:
         decoded = make_reader(stream, decoder_factories=[DecoderFactory()]).iter_decoded_messages(["/sensors/bumper"])
         messages = [message for _schema, _channel, _record, message in decoded]
     np.testing.assert_array_equal([message.data for message in messages], expected[["contact", "clearance"]])
     assert messages[0].layout.dim[0].label == "contact [-], clearance [m]"
-    assert b"/sensors/bumper" in next((tmp_path / "out/ros1").rglob("test_1.bag")).read_bytes()
+    assert b"/sensors/bumper" in (tmp_path / "out/ros1/CW/test_1.bag").read_bytes()
 
 
 def test_the_report_shows_columns_limits_and_a_plot(released, tmp_path, symolo):

@@ -234,7 +234,7 @@ def test_every_piece_of_furniture_is_told_as_it_was_rendered(dataset, again):
 
 @pytest.mark.usefixtures("hands")
 def test_the_camera_of_the_pictures_is_told_as_a_release_tells_its_own(dataset, tmp_path, symolo):
-    """Another robot, look and size than the run's; numbers from docs/camera.md and the robot's file."""
+    """Another robot, look and size than the run's; numbers from docs/looks.md and the robot's file."""
     settings = ("robot.camera.pitch_down_deg=25", "robot.camera.read_out_s=0.016", "look.camera.exposure_time_s=0.008")
     settings += ("render.width_px=32", "render.height_px=24")
     chosen = ("--look", "lab", "--robot", "nominal", *(f"--set={setting}" for setting in settings))
