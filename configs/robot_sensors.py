@@ -71,7 +71,11 @@ class RobotSensors:
                 return cls()
             section, unloaded = sensors_section(), {}
             if isinstance(value, dict) and info.context != KNOWN_ONLY:
-                unloaded = {key: UnloadedSettings(**value[key]) for key in value if key not in section.model_fields}
+                unloaded = {
+                    key: UnloadedSettings.model_validate(settings)
+                    for key, settings in value.items()
+                    if key not in section.model_fields and isinstance(settings, dict)
+                }
                 value = {key: settings for key, settings in value.items() if key not in unloaded}
             loaded = {name: settings for name, settings in section.model_validate(value) if settings is not None}
             return cls(tuple(sorted((loaded | unloaded).items())))
