@@ -1,4 +1,4 @@
-"""What no single field can show: geometry that cannot be, and settings that contradict each other."""
+"""Checks over several fields: impossible geometry, and settings that contradict each other."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
@@ -18,7 +18,7 @@ from symolo.core.lens import lens_problem
 from symolo.core.yaml_tree import FieldPath, Node, dotted
 
 LINTEL_M = 0.1
-"""Least height of wall between a window and the ceiling; a window that is too high for it is made lower."""
+"""Smallest height of wall between a window and the ceiling; a window that is too high is made lower."""
 MIN_WINDOW_M = 0.2
 
 
@@ -32,13 +32,13 @@ def check_scenario(scenario: Scenario, root: Node) -> None:
 
 
 def check_run(scenario: Scenario, root: Node, route: int, run: int) -> None:
-    """The same for the values drawn for one run of the route with this index."""
+    """Refuse contradictions in the values that were drawn for one run of the route with this index."""
     note = f"drawn for {scenario.routes[route].name} run {run}; narrow the distributions or take another seed"
     _refuse(_scenario_faults(scenario, [route]), root, note)
 
 
 def check_kinds(placed: Mapping[FieldPath, Placed], root: Node) -> None:
-    """Refuse distributions whose draws would nearly all break a rule that their ends keep."""
+    """Refuse distributions whose ends are valid while nearly all draws are not."""
     for path, item in placed.items():
         timing = len(path) == 3 and path[0] == "robot" and path[-1] in {"period_s", "delay_s"}
         if timing and not isinstance(item.distribution, Choice):
@@ -79,17 +79,17 @@ def _route_name_faults(routes: tuple[Route, ...]) -> Iterator[ConfigFault]:
     for index, route in enumerate(routes):
         first = seen.setdefault(route.name.lower(), index)
         if first != index:
-            cure = "give each route a name of its own, different in more than upper and lower case"
+            cure = "give each route another name, different in more than upper and lower case"
             yield ConfigFault(("routes", index, "name"), f"the same name as routes.{first}", got=route.name, cure=cure)
 
 
 def _period_faults(rates: Rates, robot: RobotConfig) -> Iterator[ConfigFault]:
     sensors = {"tof": robot.tof, "line_sensor": robot.line_sensor, "encoder": robot.encoder}
     for name, sensor in sensors.items():
-        for field, value_s, fewest in (("period_s", sensor.period_s, 1), ("delay_s", sensor.delay_s, 0)):
+        for field, value_s, min_steps in (("period_s", sensor.period_s, 1), ("delay_s", sensor.delay_s, 0)):
             steps = value_s * rates.physics_hz
-            if round(steps) < fewest or not math.isclose(steps, round(steps), rel_tol=1e-9):
-                near = max(fewest, round(steps)) / rates.physics_hz
+            if round(steps) < min_steps or not math.isclose(steps, round(steps), rel_tol=1e-9):
+                near = max(min_steps, round(steps)) / rates.physics_hz
                 step_s = 1 / rates.physics_hz
                 allowed = f"a whole number of physics steps of {step_s:.9g} s (rates.physics_hz {rates.physics_hz})"
                 yield ConfigFault(("robot", name, field), got=value_s, allowed=allowed, cure=f"write {near:.9g}")
@@ -105,12 +105,15 @@ def _arena_faults(arena: ArenaConfig) -> Iterator[ConfigFault]:
             path: FieldPath = ("arena", kind, index)
             first = names.setdefault(item.name, path)
             if first != path:
-                cure = "contacts and drawn values go by name; give each its own"
+                cure = "contacts and drawn values refer to names; give each another name"
                 yield ConfigFault((*path, "name"), f"the same name as {dotted(first)}", got=item.name, cure=cure)
     for index, wall in enumerate(arena.walls):
         if math.dist(wall.start, wall.end) < 1e-3:
             yield ConfigFault(
-                ("arena", "walls", index), "a wall of no length", got=wall.end, allowed="an end off its start"
+                ("arena", "walls", index),
+                "a wall of no length",
+                got=wall.end,
+                allowed="an end that differs from the start",
             )
     yield from _outside_faults(arena)
     yield from motion_faults(arena)
@@ -133,7 +136,9 @@ def _generator_faults(arena: ArenaConfig) -> Iterator[ConfigFault]:
 def _piece_faults(piece: StraightPiece | ArcPiece, width_m: float, path: FieldPath) -> Iterator[ConfigFault]:
     if isinstance(piece, StraightPiece):
         if math.dist(piece.start, piece.end) < 1e-3:
-            yield ConfigFault(path, "a straight piece of no length", got=piece.end, allowed="an end off its start")
+            yield ConfigFault(
+                path, "a straight piece of no length", got=piece.end, allowed="an end that differs from the start"
+            )
         return
     sweep_deg = abs(piece.end_deg - piece.start_deg)
     if sweep_deg < 0.1:
@@ -167,7 +172,7 @@ def _outside_faults(arena: ArenaConfig) -> Iterator[ConfigFault]:
 
 
 def _outermost(arc: ArcPiece) -> list[Point]:
-    """Points of an arc among which are those furthest along x and y: its ends, and where it heads along an axis."""
+    """Return points of an arc that include its extremes along x and y: the ends, and where it runs along an axis."""
     low, high = sorted((arc.start_deg, arc.end_deg))
     quarters = range(math.ceil(low / 90), math.floor(high / 90) + 1)
     directions = [math.radians(deg) for deg in (low, high, *(90 * quarter for quarter in quarters))]
@@ -239,9 +244,9 @@ def _body_faults(robot: RobotConfig) -> Iterator[ConfigFault]:
     chassis, drive = robot.chassis, robot.drive
     chassis_path: FieldPath = ("robot", "chassis")
     drive_path: FieldPath = ("robot", "drive")
-    widest = chassis.width_m - drive.wheel_width_m
-    if drive.track_m > widest + 1e-9:
-        allowed = f"at most {widest:.6g}, chassis.width_m less drive.wheel_width_m, which covers the wheels"
+    max_track_m = chassis.width_m - drive.wheel_width_m
+    if drive.track_m > max_track_m + 1e-9:
+        allowed = f"at most {max_track_m:.6g}, chassis.width_m less drive.wheel_width_m, which covers the wheels"
         yield ConfigFault(
             (*drive_path, "track_m"), got=drive.track_m, allowed=allowed, against=(*chassis_path, "width_m")
         )
@@ -265,12 +270,12 @@ def _body_faults(robot: RobotConfig) -> Iterator[ConfigFault]:
 
 def _look_faults(look: LookConfig) -> Iterator[ConfigFault]:
     if look.floor.material == "image" and look.floor.image.file is None:
-        cure = "name a picture in the folder of look.assets, or choose another look.floor.material"
-        yield ConfigFault(("look", "floor", "image", "file"), "missing, for the floor is an image", cure=cure)
-    highest = look.room.height_m - LINTEL_M - MIN_WINDOW_M
-    if look.window.sill_m > highest + 1e-9:
-        problem = "there is no room for the window below the ceiling"
-        allowed = f"at most {highest:.6g}, room.height_m less {MIN_WINDOW_M} of window and {LINTEL_M} of wall"
+        cure = "name an image in the folder of look.assets, or choose another look.floor.material"
+        yield ConfigFault(("look", "floor", "image", "file"), "missing, because the floor is an image", cure=cure)
+    max_sill_m = look.room.height_m - LINTEL_M - MIN_WINDOW_M
+    if look.window.sill_m > max_sill_m + 1e-9:
+        problem = "the window does not fit below the ceiling"
+        allowed = f"at most {max_sill_m:.6g}, room.height_m less {MIN_WINDOW_M} of window and {LINTEL_M} of wall"
         against: FieldPath = ("look", "room", "height_m")
         yield ConfigFault(("look", "window", "sill_m"), problem, look.window.sill_m, allowed, against=against)
     lamps = look.lamps.rows * look.lamps.flux_klm
@@ -278,7 +283,7 @@ def _look_faults(look: LookConfig) -> Iterator[ConfigFault]:
     if not (lamps or look.sun.illuminance_klx or look.sky.luminance_kcd_m2):
         allowed = "a value above 0 for lamps.rows and lamps.flux_klm, sun.illuminance_klx or sky.luminance_kcd_m2, "
         allowed += "or a desk lamp and a table for it"
-        yield ConfigFault(("look", "lamps"), "there is no light on", allowed=allowed)
+        yield ConfigFault(("look", "lamps"), "there is no light", allowed=allowed)
 
 
 def _start_faults(arena: ArenaConfig, robot: RobotConfig, route: Route, path: FieldPath) -> Iterator[ConfigFault]:

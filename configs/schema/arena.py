@@ -30,7 +30,7 @@ LinePiece = Annotated[StraightPiece | ArcPiece, Field(discriminator="kind")]
 class LineConfig(Section):
     width_m: float = Field(default=0.015, ge=0.004, le=0.1)
     reflectance: float = Field(default=0.05, ge=0, le=1)
-    """At the line sensor's infrared wavelength; 0 black, 1 white."""
+    """Reflectance at the line sensor's infrared wavelength; 0 black, 1 white."""
     pieces: Annotated[tuple[LinePiece, ...], FromList] = ()
 
 
@@ -51,13 +51,13 @@ class WallConfig(Section):
 
 
 class Waypoint(Section):
-    """Where an obstacle is at one time, told from its place at t = 0, so that a drawn place moves the whole path."""
+    """Place of an obstacle at one time, relative to its place at t = 0, so that a drawn place moves the whole path."""
 
     t_s: float = Field(gt=0, le=36_000)
-    """Since the start of the run."""
+    """Time since the start of the run."""
     offset: Point2 = (0.0, 0.0)
     turn_deg: float = Field(default=0.0, ge=-36_000, le=36_000)
-    """Counter-clockwise; 360 is a whole turn on the way there."""
+    """Turn since t = 0, counter-clockwise; 360 is a whole turn."""
 
 
 class MotionConfig(Section):
@@ -65,7 +65,7 @@ class MotionConfig(Section):
 
     waypoints: Annotated[tuple[Waypoint, ...], FromList, Field(min_length=1)]
     repeat: Literal["once", "loop", "back_and_forth"] = "once"
-    """After the last waypoint: stay there, begin anew (a closed path), or return the same way and so on."""
+    """After the last waypoint: stay there, start again (a closed path), or go back and forth along the path."""
 
 
 class Obstacle(Section):
@@ -75,7 +75,7 @@ class Obstacle(Section):
     yaw_deg: float = Field(default=0.0, ge=-360, le=360)
     surface: SurfaceName = "cardboard"
     motion: MotionConfig | None = Field(default_factory=absent, exclude_if=lambda motion: motion is None)
-    """Without it the obstacle stands still; with it `center` and `yaw_deg` are where it is at t = 0."""
+    """Path of the obstacle, from `center` and `yaw_deg` at t = 0; without it the obstacle does not move."""
 
 
 class ArenaConfig(Section):
@@ -86,4 +86,4 @@ class ArenaConfig(Section):
     walls: Annotated[tuple[WallConfig, ...], FromList] = ()
     obstacles: Annotated[tuple[Obstacle, ...], FromList] = ()
     generate: ArenaGenerator | None = Field(default_factory=absent, exclude=True)
-    """Draws line, walls and obstacles for each run. No specification holds it: what was drawn stands there instead."""
+    """Recipe that draws line, walls and obstacles for each run. A specification has the drawn ones in its place."""

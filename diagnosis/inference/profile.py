@@ -16,7 +16,7 @@ from scipy.special import chdtri
 
 from diagnosis.inference.coordinate import Coordinate
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import Fit, fits
+from diagnosis.inference.fit import HypothesisFit, fits
 from diagnosis.inference.hypothesis import Hypothesis
 from diagnosis.inference.likelihood import CORNER, mean_over_normal
 from symolo.core.arrays import Array
@@ -74,7 +74,7 @@ class _End:
             self.reach = min(self.reach * factor, self.bound)
 
 
-def profiles(evidence: Evidence, fit: Fit) -> dict[str, dict[str, tuple[Interval, ...]]]:
+def profiles(evidence: Evidence, fit: HypothesisFit) -> dict[str, dict[str, tuple[Interval, ...]]]:
     """Return an interval for each of LEVELS by effect and parameter, for the parameters that the data determine."""
     hypothesis = fit.hypothesis
     places = {
@@ -97,7 +97,7 @@ def profiles(evidence: Evidence, fit: Fit) -> dict[str, dict[str, tuple[Interval
     return intervals
 
 
-def _ends(fit: Fit, place: int) -> list[_End]:
+def _ends(fit: HypothesisFit, place: int) -> list[_End]:
     """Return both ends at each level, where a parabola has them."""
     variance = float(fit.covariance[place, place])
     if not 0.0 < variance < np.inf:
@@ -113,7 +113,7 @@ def _ends(fit: Fit, place: int) -> list[_End]:
     return ends
 
 
-def _start(fit: Fit, end: _End) -> tuple[Hypothesis, Array]:
+def _start(fit: HypothesisFit, end: _End) -> tuple[Hypothesis, Array]:
     """Return the hypothesis with one coordinate fixed, and the coordinates to which a parabola moves the others."""
     covariance = np.where(np.isfinite(fit.covariance), fit.covariance, 0.0)
     step = end.direction * end.reach
@@ -121,13 +121,13 @@ def _start(fit: Fit, end: _End) -> tuple[Hypothesis, Array]:
     return fit.hypothesis.with_held(end.place, float(fit.x[end.place] + step)), x
 
 
-def _rise(held: Fit, fit: Fit) -> float:
+def _rise(held: HypothesisFit, fit: HypothesisFit) -> float:
     """Return the rise of the cost, scaled to be distributed as chi-squared."""
     prior_rise = held.prior_cost - fit.prior_cost
     return (held.cost - fit.cost - prior_rise) / ROBUST + prior_rise
 
 
-def _intervals(fit: Fit, coordinate: Coordinate, ends: Sequence[_End]) -> list[Interval]:
+def _intervals(fit: HypothesisFit, coordinate: Coordinate, ends: Sequence[_End]) -> list[Interval]:
     intervals = []
     for level in LEVELS:
         both = [end for end in ends if end.level == level]

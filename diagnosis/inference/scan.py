@@ -14,7 +14,7 @@ import numpy as np
 
 from diagnosis.inference.coordinate import Coordinate
 from diagnosis.inference.evidence.evidence import Evidence, Prediction
-from diagnosis.inference.fit import Fit
+from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
 from diagnosis.inference.likelihood import costs_of_residuals, root_weights, sample_costs
 from diagnosis.inference.projection import orthonormal
@@ -46,7 +46,7 @@ class Prospect:
     """Expected fall of the cost."""
 
 
-def scan(evidence: Evidence, fit: Fit, effects: Sequence[CandidateEffect]) -> list[Prospect]:
+def scan(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffect]) -> list[Prospect]:
     """Return the best prospect of each effect, the most promising first."""
     if not effects:
         return []
@@ -73,7 +73,7 @@ def scan(evidence: Evidence, fit: Fit, effects: Sequence[CandidateEffect]) -> li
     return sorted(best.values(), key=lambda prospect: -prospect.drop)
 
 
-def _along_lines(evidence: Evidence, fit: Fit, means: Array) -> tuple[Array, Array]:
+def _along_lines(evidence: Evidence, fit: HypothesisFit, means: Array) -> tuple[Array, Array]:
     """Return the falls of the cost at the best multiples of changes, with all fitted parameters moving along.
 
     Args:

@@ -35,10 +35,15 @@ routes:
 rates: {camera_hz: 2}
 stop: {lap: false, time_limit_s: 37.5}
 render: {width_px: 320, height_px: 240, annotations: [depth, semantic, normals, flow]}
-robot: {extends: nominal, camera: {pitch_down_deg: 14}}  # to see more of the room than the shipped robot does
+robot: robot.yaml
 look: {extends: classroom, line: tape, floor: {material: parquet}}
 """
-LOOKS = {"classroom": 24, "lab": 3, "atelier": 31, "garage": 43, "night": 15, "extreme": 61}
+ROBOT = """\
+extends: nominal
+name: nominal_looking_ahead
+camera: {pitch_down_deg: 14}  # sees more of the room than the shipped robot does
+"""
+LOOKS = {"classroom": 24, "lab": 3, "atelier": 31, "garage": 43, "night": 14, "extreme": 62}
 """The looks of the strip, each with the number of the image of the run whose place it shows."""
 ANNOTATED_IMAGE = 25
 RANDOM_ARENAS = 5
@@ -55,17 +60,18 @@ FRAMES_PER_S = 8
 
 
 def strip(workspace: Path) -> None:
-    """Write one image of each shipped look, side by side; each is rendered at another place of the run."""
+    """Write one image of each shipped look in two rows; each is rendered at another place of the run."""
     run = _run(workspace)
     tiles = []
     for look, number in LOOKS.items():
         folder = workspace / f"strip_{look}"
         source = workspace / f"strip_{look}.csv"
         _save_rows(workspace / "release/CW/test_1/data.csv", run.image(number).row, source)
-        _command("rerender", source, "--look", look, "--camera-hz", 5, "--out", folder, *_set("width_px=320"),
-                 *_set("height_px=240"))  # fmt: skip
+        settings = ("--set", "render.width_px=320", "--set", "render.height_px=240")
+        robot = workspace / "robot.yaml"
+        _command("rerender", source, "--look", look, "--robot", robot, "--camera-hz", 5, "--out", folder, *settings)
         tiles.append(cv2.imread(str(folder / "images/000001.jpg")))
-    _save_jpeg("looks.jpg", np.hstack([cv2.resize(tile, (240, 180), interpolation=cv2.INTER_AREA) for tile in tiles]))
+    _save_jpeg("looks.jpg", np.vstack([np.hstack(tiles[:3]), np.hstack(tiles[3:])]))
 
 
 def _save_rows(source: Path, first_row: int, path: Path) -> None:
@@ -165,7 +171,7 @@ def arenas(_workspace: Path) -> None:
 def preview(workspace: Path) -> None:
     """Write the sheet of a preview."""
     sheet = workspace / "preview.jpg"
-    _command("preview", "symolo", "-n", 8, "--look", "classroom,lab,night,garage", "--out", sheet)
+    _command("preview", "symolo", "-n", 12, "--look", "classroom,lab,night,garage", "--out", sheet)
     pixels = cv2.imread(str(sheet))
     scale = 1200 / pixels.shape[1]
     _save_jpeg("preview.jpg", cv2.resize(pixels, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA))
@@ -175,7 +181,7 @@ def baselines(workspace: Path) -> None:
     """Write the plot of localisation methods on a worn robot."""
     _command("simulate", "symolo", "--set", "robot=worn", "--set", "routes.0.runs=1", "--set", "routes.1.runs=1",
              "--out", workspace / "worn")  # fmt: skip
-    _remake("baselines", workspace / "worn", workspace / "worn_baselines")
+    _remake("baselines", workspace / "worn", workspace / "worn_baselines", "--runs", "CCW/*")
     _save_smaller("baselines.png", workspace / "worn_baselines/baselines.png", 1000)
 
 
@@ -185,9 +191,9 @@ def diagnosis(workspace: Path) -> None:
     _save_smaller("diagnosis.png", workspace / "diagnosis/plots/current_A.png", 1200)
 
 
-def _remake(command: str, source: Path, out: Path) -> None:
+def _remake(command: str, source: Path, out: Path, *options: str) -> None:
     shutil.rmtree(out, ignore_errors=True)
-    _command(command, source, "--out", out)
+    _command(command, source, "--out", out, *options)
 
 
 def _save_smaller(name: str, source: Path, width_px: int) -> None:
@@ -206,12 +212,9 @@ def _run(workspace: Path) -> symolo.Run:
     """Return the run that most images show, after releasing it."""
     scenario = workspace / "images.yaml"
     scenario.write_text(SCENARIO)
+    (workspace / "robot.yaml").write_text(ROBOT)
     _command("release", scenario, "--out", workspace / "release")
     return symolo.load(workspace / "release")["CW/test_1"]
-
-
-def _set(setting: str) -> tuple[str, str]:
-    return "--set", f"render.{setting}"
 
 
 def _command(*words: object) -> None:

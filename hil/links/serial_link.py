@@ -9,8 +9,9 @@ from typing import Any
 
 from hil.errors import BoardLost
 from symolo.core.errors import EnvironmentLacking, InputError
+from symolo.core.extras import how_to_install
 
-INSTALL = "run `.venv/bin/pip install pyserial`, or ./setup in the repository"
+INSTALL = how_to_install("generate")
 _WRITE_S = 1.0
 _WHY = {
     errno.ENOENT: ("there is no such port", "`ls /dev/ttyACM* /dev/ttyUSB*` lists the boards that are plugged in"),

@@ -25,8 +25,9 @@ from pipeline.work.units import UNITS, AnyUnit, RenderUnit
 from pipeline.work.worker_process import Limits
 from symolo.core.child_process import Finished
 from symolo.core.errors import EnvironmentLacking, InputError
+from symolo.core.extras import how_to_install
 
-CURE = "install the extra: pip install 'symolo[cluster]'"
+CURE = how_to_install("cluster")
 CLIENT = "ray://"
 REACHED_WITHIN_S = 10.0
 OWN_SETTINGS = {

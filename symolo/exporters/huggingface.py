@@ -12,13 +12,12 @@ import numpy as np
 import pandas as pd
 
 from symolo.core.errors import InputError
+from symolo.core.extras import optional_module
 from symolo.dataset.rows import COLUMNS
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
 from symolo.exporters.features import Feature, column, parquet_bytes, picture, pictured, stacked_bytes, value, vector
-from symolo.exporters.optional import PYARROW, optional
 from symolo.reader.dataset import RUN, Dataset
-from symolo.reader.image import Image
-from symolo.reader.run import Run
+from symolo.reader.run import Image, Run
 from symolo.reader.tables import UNITS
 
 _CAMERA = "camera"
@@ -29,7 +28,7 @@ Columns = dict[str, tuple[Feature, Sequence[Any]]]
 
 
 def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
-    optional("pyarrow", PYARROW)
+    optional_module("pyarrow")
     first = data.runs[0]
     for run in data.runs[1:]:
         if (run.side_names, run.annotation_pictures) != (first.side_names, first.annotation_pictures):

@@ -12,14 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
-from scipy.spatial.transform import Rotation
 
 from symolo.core.arrays import Array
+from symolo.core.poses import pose_X_WR, quaternions
 from symolo.dataset.codes import TofStatus
 from symolo.dataset.side_tables import SideTable
 from symolo.exporters.base import pictures_bytes
-from symolo.reader.image import Image
-from symolo.reader.run import Run
+from symolo.reader.run import Image, Run
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
@@ -77,7 +76,7 @@ class Vocabulary:
     def fixed(self, frame: str, child: str, X: Array) -> Any:  # noqa: ANN401 - as above
         """A transform (4, 4) that never changes."""
         X = X + 0.0  # no -0
-        turned = self.quaternion(*Rotation.from_matrix(X[:3, :3]).as_quat(canonical=True).tolist())
+        turned = self.quaternion(*quaternions(X[None, :3, :3])[0].tolist())
         transform = self("geometry_msgs/Transform", self.vector(*X[:3, 3].tolist()), turned)
         return self("geometry_msgs/TransformStamped", self.header(START_NS, frame), child, transform)
 
@@ -148,18 +147,20 @@ def _static(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
     poses = [(BASE, CAMERA, X_RC @ X_CB), (CAMERA, OPTICAL, np.linalg.inv(X_CB))]
     for name in TOF:
         mount = getattr(robot.tof.mounts, name)
-        angles = [mount.yaw_deg, -mount.pitch_up_deg]
-        X_RT = _pose(Rotation.from_euler("ZY", angles, degrees=True), [mount.x_m, mount.y_m, mount.z_m])
+        X_RT = pose_X_WR(mount.x_m, mount.y_m, np.radians(mount.yaw_deg))
+        X_RT[:3, :3] = X_RT[:3, :3] @ _pitched_up(np.radians(mount.pitch_up_deg))
+        X_RT[2, 3] = mount.z_m
         poses.append((BASE, _tof_frame(name), X_RT))
-    line = robot.line_sensor
-    poses.append((BASE, LINE_SENSOR, _pose(Rotation.identity(), [line.x_m, 0, line.height_m])))
+    X_RL = np.eye(4)
+    X_RL[:3, 3] = robot.line_sensor.x_m, 0.0, robot.line_sensor.height_m
+    poses.append((BASE, LINE_SENSOR, X_RL))
     yield START_NS, ros("tf2_msgs/TFMessage", [ros.fixed(*one) for one in poses])
 
 
-def _pose(turn: Rotation, place_m: list[float]) -> Array:
-    X = np.eye(4)
-    X[:3, :3], X[:3, 3] = turn.as_matrix(), place_m
-    return X
+def _pitched_up(pitch_rad: float) -> Array:
+    """Return the rotation (3, 3) that lifts the x axis."""
+    c, s = np.cos(pitch_rad), np.sin(pitch_rad)
+    return np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
 
 
 def _tof_frame(name: str) -> str:

@@ -12,9 +12,9 @@ from symolo.core.errors import InputError, nearest
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.layout import DATA, LOOK
 from symolo.dataset.metadata import METADATA, Metadata, read_metadata
+from symolo.dataset.side_reading import first_fault
 from symolo.publishing.bagging import PAYLOAD
-from symolo.reader.image import Image
-from symolo.reader.run import Run
+from symolo.reader.run import Image, Run
 
 RUN = "run"
 """The column that `Dataset.rows` has beside those of data.csv."""
@@ -105,9 +105,7 @@ def _metadata(path: Path) -> Metadata:
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
     except ValidationError as error:
-        first = error.errors()[0]
-        what = ": ".join(filter(None, (".".join(map(str, first["loc"])), first["msg"])))
-        raise InputError(f"is damaged: {what}", where=str(path), cure="see `symolo repair`") from None
+        raise InputError(f"is damaged: {first_fault(error)}", where=str(path), cure="see `symolo repair`") from None
 
 
 def _run(root: Path, name: str, metadata: Metadata) -> Run:

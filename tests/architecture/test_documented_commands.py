@@ -16,7 +16,6 @@ ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "tests/fixtures/gap_examples"
 PAGES = [
     ROOT / "README.md",
-    ROOT / "CONTRIBUTING.md",
     *sorted((ROOT / "docs").glob("*.md")),
     *sorted((ROOT / "docs/tutorials").glob("*.md")),
 ]
@@ -30,8 +29,8 @@ ELSEWHERE = {
     "s3://": "needs a server; tests/symolo/storage/test_s3.py starts one",
     "gs://": "needs an account",
     "$SLURM": "the same with numbers stands on the page too",
-    "measured/run_1": "needs pictures that show the line; tests/pipeline/diagnosing/test_pictures.py has some",
-    "pictures/robot.yaml": "likewise; the robot file of that command",
+    "measured/run_1": "needs pictures that show the line; tests/pipeline/diagnosing/test_identify_camera.py has some",
+    "camera/robot.yaml": "likewise; the robot file of that command",
     "hidden": "as it stands there, in tests/pipeline/diagnosing/test_round_trip.py",
     "found/extended.yaml": "likewise",
     "optiodom_diff": "a minute or more; benchmarks/diagnosis/real_sets.py runs them",

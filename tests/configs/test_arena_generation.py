@@ -203,7 +203,7 @@ def test_the_line_lies_where_the_route_starts_whatever_the_scenario(yaw_deg):
         ("max_bend_radius_m=0.1", r"arena\.generate\.min_bend_radius_m: got 0\.22, allowed: at most max_bend"),
         ("min_obstacle_m=0.5", r"arena\.generate\.min_obstacle_m: got 0\.5, allowed: at most max_obstacle_m"),
         ("min_obstacles=4", r"arena\.generate\.min_obstacles: got 4, allowed: at most max_obstacles, which is 1"),
-        ("walls=2", r"arena\.generate\.walls: got 2, allowed: 0 or 3 and more"),
+        ("walls=2", r"arena\.generate\.walls: got 2, allowed: 0, or 3 or more"),
         ("corners=2", r"arena\.generate\.corners: got 2, allowed: whole number >= 3"),
         ("corners={uniform: [5, 3]}", r"arena\.generate\.corners"),
         ("clearance.stretches_m=1.0", r"min_bend_radius_m: got 0\.22, allowed: at least half of clearance"),

@@ -10,14 +10,14 @@ from dataclasses import replace
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import Fit
+from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.likelihood import root_weights
 
 DITHERED = 0.3
 """Noise in steps from which rounding errors are independent."""
 
 
-def with_shared_rounding(evidence: Evidence, fit: Fit) -> Fit:
+def with_shared_rounding(evidence: Evidence, fit: HypothesisFit) -> HypothesisFit:
     """Return the fit with the covariance of rounding errors that equal readings share."""
     step = evidence.resolution
     alone = evidence.fit & (step > 0.0) & (fit.sd**2 < step**2 * (1.0 / 12.0 + DITHERED**2))

@@ -20,7 +20,7 @@ import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
-from diagnosis.inference.selection import MOST, needed
+from diagnosis.inference.selection import MAX_EFFECTS, needed
 from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors.drive_log import POSE
 from diagnosis.predictors.pose import Pose, seen_from_body
@@ -123,7 +123,7 @@ def fitted_to_whole_runs(
         return None
     runs = WholeRuns(replace(measurement, trials=trials), hypothesis.nominal)
     fit = _fit(runs, hypothesis, x)
-    while len(fit.hypothesis.effects) < MOST:
+    while len(fit.hypothesis.effects) < MAX_EFFECTS:
         names = {effect.kind.name for effect in fit.hypothesis.effects}
         tried = []
         for effect in (e for e in effects if e.kind.name not in names):

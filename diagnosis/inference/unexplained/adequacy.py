@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.special import fdtrc
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import Fit
+from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect, moved
 from diagnosis.inference.likelihood import root_weights
 from diagnosis.inference.projection import beyond, orthonormal
@@ -82,7 +82,7 @@ class Adequacy:
         return min(alike, key=lambda s: s.rank) if self.structures[0].p < LEVEL else top
 
 
-def adequacy(evidence: Evidence, fit: Fit, beside: Array | None = None) -> Adequacy:
+def adequacy(evidence: Evidence, fit: HypothesisFit, beside: Array | None = None) -> Adequacy:
     """Test the residuals of a fit; `beside` are columns (N, k) in sigmas whose multiples are fitted in addition."""
     tangents = _Tangents(evidence, fit, np.zeros((len(fit.z), 0)) if beside is None else beside)
     structures: list[Structure] = []
@@ -119,7 +119,7 @@ def adequacy(evidence: Evidence, fit: Fit, beside: Array | None = None) -> Adequ
 class _Tangents:
     """Directions of all fitted parameters, with rows for the priors."""
 
-    def __init__(self, evidence: Evidence, fit: Fit, beside: Array) -> None:
+    def __init__(self, evidence: Evidence, fit: HypothesisFit, beside: Array) -> None:
         self._evidence = evidence
         self._root = np.where(evidence.fit, np.sqrt(evidence.weight), 0.0)
         z, x = _moved_beside(evidence, fit, beside)
@@ -148,7 +148,7 @@ class _Tangents:
         return p, max(0.0, explained - k * level)
 
 
-def _moved_beside(evidence: Evidence, fit: Fit, columns: Array) -> tuple[Array, Array]:
+def _moved_beside(evidence: Evidence, fit: HypothesisFit, columns: Array) -> tuple[Array, Array]:
     """Return residuals (N,) and coordinates (P,) of a fit after a joint linear fit of columns (N, k) and coordinates.
 
     Outliers are reweighted.
@@ -164,7 +164,9 @@ def _moved_beside(evidence: Evidence, fit: Fit, columns: Array) -> tuple[Array, 
     return z, x
 
 
-def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) -> list[CandidateEffect]:
+def survivors(
+    evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, structure: Structure
+) -> list[CandidateEffect]:
     """Return the effects of a fit that are needed in addition to an unexplained structure, the most needed first.
 
     The residuals of the nominal model are explained again, linearly and with the weights of the fit: first by the
@@ -186,7 +188,7 @@ def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) 
     flexible = np.concatenate([functions * root[:, None], np.zeros((size, functions.shape[1]))])
     taken = [nominal.tangents(root), flexible]
     residual = nominal.left(nominal.z, root)
-    kept: list[CandidateEffect] = []
+    needed: list[CandidateEffect] = []
     priors = np.zeros(size)
     left = {
         effect: np.concatenate([root * change_by(evidence, nominal, fit, effect), priors])
@@ -198,9 +200,9 @@ def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) 
         best = max(falls, key=lambda effect: falls[effect])
         if falls[best] < max(NEEDED, structure.explainable):
             break
-        kept.append(best)
+        needed.append(best)
         taken.append(left.pop(best)[:, None])
-    return kept
+    return needed
 
 
 def _functions(evidence: Evidence, structure: Structure) -> Array:
@@ -220,7 +222,7 @@ def _functions(evidence: Evidence, structure: Structure) -> Array:
     return np.concatenate(parts, axis=1)
 
 
-def change_by(evidence: Evidence, nominal: Fit, fit: Fit, effect: CandidateEffect) -> Array:
+def change_by(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, effect: CandidateEffect) -> Array:
     """Return the change (N,) of the nominal prediction by a fitted effect alone, in sigmas; 0 outside the fit."""
     alone = nominal.hypothesis.with_effect(effect)
     x = moved(nominal.x, nominal.hypothesis, alone)

@@ -11,7 +11,7 @@ structure, the named effects are withdrawn.
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import Fit
+from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.likelihood import root_weights
 from diagnosis.inference.projection import beyond, orthonormal
 from diagnosis.inference.selection import TOLL, is_of_noise
@@ -30,7 +30,7 @@ MIN_ROWS = 5
 """Rows on either side of a moment."""
 
 
-def change_in_time(evidence: Evidence, nominal: Fit, fit: Fit) -> Structure | None:
+def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit) -> Structure | None:
     """Return a jump that explains more than the effects of a fit; None if there is none, or the fit has no effects."""
     if not fit.hypothesis.effects:
         return None
@@ -109,7 +109,7 @@ def _time_s(evidence: Evidence) -> Array:
     return np.concatenate(times)
 
 
-def _jump(evidence: Evidence, nominal: Fit, after: Mask) -> Array:
+def _jump(evidence: Evidence, nominal: HypothesisFit, after: Mask) -> Array:
     """Return the columns of a jump, (N, 3 per quantity), in sigmas."""
     mean = evidence.values - nominal.z * nominal.sd
     mean = np.where(np.isfinite(mean), mean, 0.0)

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.special import chdtrc
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import Fit
+from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.unexplained.adequacy import CLIP, LEVEL, Adequacy, Structure
 
 WIDENED = 1.5
@@ -19,7 +19,7 @@ WIDENED = 1.5
 MIN_ROWS = 8
 
 
-def with_scatter(evidence: Evidence, fit: Fit, left: Adequacy) -> Adequacy:
+def with_scatter(evidence: Evidence, fit: HypothesisFit, left: Adequacy) -> Adequacy:
     """Return the structures of a fit, and a scatter for each quantity without significant structure that has too much.
 
     A scatter is reported along the best covariate. Quantities without a stated noise are not tested, since their noise

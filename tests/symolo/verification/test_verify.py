@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 import pytest
 
+from pipeline.assembly.run_spec import spec_problem
 from pipeline.cli import main
 from symolo.verification.verify import verify
 
@@ -289,7 +290,7 @@ def test_damage_is_found_by_content(kind, dataset, copy_of, sign):
     root = copy_of(dataset)
     damage(root)
     sign(root)
-    found = [str(finding) for finding in verify(root)]
+    found = [str(finding) for finding in verify(root, spec_problem)]
     assert any(text.startswith(f"{file}: ") and re.search(what, text) for text in found), found
 
 
