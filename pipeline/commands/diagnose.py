@@ -1,5 +1,6 @@
 """The command `symolo diagnose`: what the simulation gets wrong about measured data, why, and what mending it gains."""
 
+from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,7 +10,7 @@ from pipeline.commands.options import Out, Workers, checked_input
 from symolo.core.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
+    from collections.abc import Sequence
 
     from pipeline.diagnosing.diagnose import NamedCase
     from pipeline.work.units import DiagnosisSettings
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 CASE_FAILED = 3
 
 
-def _checked(paths: list[Path]) -> list[Path]:
+def _checked(paths: Collection) -> list[Path]:  # bare, because Typer on Python 3.10 takes `list[Path]` for a class
     return [checked_input(path) for path in paths]
 
 
