@@ -6,6 +6,7 @@ import threading
 import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from types import FrameType
 from typing import Annotated
 
@@ -99,8 +100,22 @@ def _options(
     version: Annotated[
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
     ] = False,
+    effect_file: Annotated[
+        list[Path] | None,
+        typer.Option(envvar="SYMOLO_EFFECT_FILES", help="Python file with an effect of your own; may be repeated."),
+    ] = None,
+    sensor_file: Annotated[
+        list[Path] | None,
+        typer.Option(envvar="SYMOLO_SENSOR_FILES", help="Python file with a sensor of your own; may be repeated."),
+    ] = None,
 ) -> None:
-    pass
+    del version  # its callback has printed it
+    if effect_file or sensor_file:
+        from pipeline.user_files import EFFECTS, SENSORS  # noqa: PLC0415 - loads NumPy, which --help does not need
+
+        for family, paths in ((EFFECTS, effect_file), (SENSORS, sensor_file)):
+            for path in paths or ():
+                family.load(path)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -12,6 +12,7 @@ from pipeline.run_folder.workspace import Workspace, input_key, mark_done
 from pipeline.stages.annotate import copy_released, processors
 from pipeline.stages.render import Rendered, picture_seed
 from pipeline.stages.simulate_runs import read_outcome, read_recording, spec_text
+from sensors.fit_out import sensor_tables
 from symolo.arena.geometry import Arena
 from symolo.core.atomic_files import make_folder, remove_file, remove_folder, replace_folder, write_file
 from symolo.core.errors import EnvironmentLacking
@@ -26,6 +27,7 @@ from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, tag_manife
 from symolo.dataset.metadata import METADATA, FailedRun, Metadata, RunRecord, describe, read_metadata
 from symolo.dataset.obstacles import obstacle_table, obstacles_csv
 from symolo.dataset.rows import Rows
+from symolo.dataset.sensor_tables import sensor_csv
 from symolo.dataset.side_tables import BOARD, TOF, WHEELS, board_csv, image_positions, tof_csv, wheels_csv
 
 KEPT_METADATA = Path(STAGES) / "assemble" / METADATA
@@ -74,7 +76,7 @@ def assemble(
     if not good:
         _remove_files(workspace.out, (*CHECKSUMS, BAG_INFO, METADATA, DESCRIPTION))
         return
-    metadata = describe(tree, specs, records, failures)
+    metadata = describe(tree, specs, records, failures, sensor_tables(specs[0].robot.sensors))
     _describe(workspace, metadata, markdown(metadata, good[0]), hashes, cpus)
 
 
@@ -162,6 +164,8 @@ def tables(spec: RunSpec, recording: Recording) -> Iterator[tuple[str, bytes]]:
     yield scene_file(spec.arena, spec.look, picture_seed(spec.seed, spec.route, spec.run))
     if spec.board:
         yield f"{SIDE}/{BOARD.file}", board_csv(recording)
+    for table in sensor_tables(spec.robot.sensors):
+        yield f"{SIDE}/{table.file}", sensor_csv(table, recording)
     arena = Arena.from_config(spec.arena)
     if (obstacles := obstacle_table(arena)) is not None:
         yield f"{SIDE}/{obstacles.file}", obstacles_csv(obstacles, arena, recording)

@@ -11,10 +11,11 @@ from physics.bullet.simulation import BulletSimulation
 from physics.control.base import ControlInput
 from physics.run.lap import Lap
 from physics.run.pilot import BuiltInPilot, Decision, Pilot
+from sensors.base import Reading
 from sensors.fit_out import fit_out
 from sensors.instruments import read_current_A, read_speed_rad_s
 from sensors.odometry import Odometry
-from sensors.suite import Reading, SensorSuite
+from sensors.suite import SensorSuite
 from symolo.arena.geometry import Arena
 from symolo.core.errors import RunFailed
 from symolo.core.random_streams import stream
@@ -152,12 +153,8 @@ class _ClosedLoop:
         rows.add("pose", "m, m, rad", world.pose())
         rows.add("twist", "m/s, rad/s", world.twist())
         rows.add("state", "1", int(command.state))
-        rows.add("tof_m", "m", readings["tof"][:, 0])
-        rows.add("tof_status", "1", readings["tof"][:, 1].astype(np.int64))
-        rows.add("line", "1", readings["line"])
-        rows.add("encoder_counts", "1", readings["encoders"])
-        if "pose_log" in readings:
-            rows.add("pose_log", "m, m, rad", readings["pose_log"])
+        for series, values in self._suite.recorded(readings):
+            rows.add(series.name, series.unit, values)
         rows.add("odometry", "m, m, rad", self._believed)
         rows.add("wheel_speed_rad_s", "rad/s", world.wheel_speeds())
         rows.add("voltage_V", "V", world.voltages())

@@ -14,6 +14,7 @@ from hil.loop import BoardEvent
 from hil.pilot import PilotFromBoard, build_for, firmware_id_of, pilot_from_board
 from pipeline.executors.base import Executor
 from pipeline.run_folder.workspace import StageFolder, Workspace, input_key, mark_done
+from pipeline.user_files import hashes_of_files
 from pipeline.work.processors import cpu_class
 from pipeline.work.supervisor import AnyEvent, AnyUnit, Retried, UnitFailure
 from pipeline.work.units import Progress, SimulateUnit
@@ -79,6 +80,8 @@ def simulation_inputs(spec: RunSpec) -> dict:
 def simulation_key(spec: RunSpec) -> str:
     programs = versions("symolo", "pybullet", "numpy", "scipy")
     inputs = {"format": FORMAT, "run": simulation_inputs(spec), "versions": programs}
+    if files := hashes_of_files(spec.robot):
+        inputs["files"] = files
     if spec.board and spec.board.kind == "simulated":
         inputs["firmware"] = firmware_id_of(spec.robot, spec.board)
     return input_key("simulate", **inputs)
