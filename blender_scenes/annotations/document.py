@@ -29,7 +29,7 @@ def annotation_entry(thing: Thing) -> AnnotationEntry:
 
 def document(job: AnnotationJob, images: str, records: Iterable[FrameRecord]) -> AnnotationDocument:
     """The document of a job, with the records of its frames in their order; `images` is the folder of the images."""
-    kept = tuple(records)
+    frames = tuple(records)
     category_ids = job.instances.category_ids
     size = job.camera.width_px, job.camera.height_px
     return AnnotationDocument(
@@ -46,6 +46,6 @@ def document(job: AnnotationJob, images: str, records: Iterable[FrameRecord]) ->
             ImageEntry(view.number, f"{images}/{frame_name(view.number)}", *size, view.t_s, view.X_WC)
             for view in job.frames
         ),
-        annotations=tuple(annotation_entry(thing) for one in kept for thing in one.things),
-        sightings=tuple(sighting for one in kept for sighting in one.key_points),
+        annotations=tuple(annotation_entry(thing) for frame in frames for thing in frame.things),
+        sightings=tuple(sighting for frame in frames for sighting in frame.key_points),
     )

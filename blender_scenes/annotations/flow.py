@@ -37,8 +37,8 @@ def _moved(seen: VisibleScene, following: FrameView) -> Array:
     for one in seen.job.instances.known:
         if one.moves:
             X_WW = one.pose_X_WI(following) @ np.linalg.inv(one.pose_X_WI(seen.view))
-            own = seen.instance == one.id
-            points[own] = points[own] @ X_WW[:3, :3].T + X_WW[:3, 3]
+            mask = seen.instance == one.id
+            points[mask] = points[mask] @ X_WW[:3, :3].T + X_WW[:3, 3]
     return points
 
 

@@ -54,7 +54,7 @@ class Instances:
         return np.array([0, *(CATEGORIES.index(one.category) for one in self.known)])
 
 
-class _Own(NamedTuple):
+class _NamedMesh(NamedTuple):
     name: str
     category: Category
 
@@ -67,14 +67,14 @@ def instances(scene: Scene, arena: Arena) -> Instances:
     """
     line = range(len(arena.line.pieces))
     standing = [box for box in arena.boxes if box.motion is None]
-    own = [_Own("floor", "floor"), *(_Own(f"line_{i}", "line") for i in line)]
-    own += [_Own(box.name, box.kind) for box in standing]
-    still, moving, arenas = len(scene.meshes), len(scene.moving), len(own)
+    named = [_NamedMesh("floor", "floor"), *(_NamedMesh(f"line_{i}", "line") for i in line)]
+    named += [_NamedMesh(box.name, box.kind) for box in standing]
+    still, moving, arenas = len(scene.meshes), len(scene.moving), len(named)
     if arenas > still or moving != len(arena.moving):
         raise ValueError(f"a scene of {still} meshes and {moving} moving ones is not of arena {arena.name}")
-    own += [_Own(mesh.name, "room") for mesh in scene.meshes[arenas:]]
-    own += [_Own(box.name, box.kind) for box in arena.moving]
-    known = [Instance(i + 1, *one, moving=i - still if i >= still else None) for i, one in enumerate(own)]
+    named += [_NamedMesh(mesh.name, "room") for mesh in scene.meshes[arenas:]]
+    named += [_NamedMesh(box.name, box.kind) for box in arena.moving]
+    known = [Instance(i + 1, *one, moving=i - still if i >= still else None) for i, one in enumerate(named)]
     robot = Instance(len(known) + 1, "robot", "robot")
     of_mesh = (*range(still + 1), *[robot.id] * len(scene.robot_parts), *range(still + 1, still + moving + 1))
     return Instances((*known, robot), of_mesh)

@@ -27,10 +27,10 @@ def build(scene: Scene, camera: Intrinsics, user_files: Path | None = None) -> N
 
     Moving obstacles are called as `moving_name` says, to be placed for each view. Every mesh has its number, among
     the scene's meshes, the robot's and the moving ones, as its `pass_index`, from 1. `user_files` is the folder that
-    holds the user's own files by their SHA-256.
+    holds the user's files by their SHA-256.
     """
-    own = UserImages(user_files)
-    materials = {surface.name: material(surface, own) for surface in scene.surfaces}
+    user_images = UserImages(user_files)
+    materials = {surface.name: material(surface, user_images) for surface in scene.surfaces}
     numbers = itertools.count(1)
     for mesh in scene.meshes:
         _mesh(mesh, materials).pass_index = next(numbers)
@@ -46,12 +46,12 @@ def build(scene: Scene, camera: Intrinsics, user_files: Path | None = None) -> N
         _panel(panel)
     if scene.sun is not None:
         _sun(scene.sun)
-    _sky(scene.sky, own)
+    _sky(scene.sky, user_images)
     _camera(camera)
 
 
 def moving_name(number: int) -> str:
-    """Of the scene's moving mesh with this number, from 0; its own may exceed the 63 bytes that Blender keeps."""
+    """Return the name of the moving mesh `number`, from 0; the mesh's own name may exceed Blender's 63 bytes."""
     return f"moving_{number}"
 
 
@@ -110,14 +110,14 @@ def _sun(sun: Sun) -> None:
     _place("sun", light).matrix_world = Matrix(pose.tolist())
 
 
-def _sky(sky: Sky, own: UserImages) -> None:
+def _sky(sky: Sky, user_images: UserImages) -> None:
     world = bpy.data.worlds.new("sky")
     bpy.context.scene.world = world
     world.cycles.sampling_method = "NONE"
     world.cycles_visibility.diffuse = world.cycles_visibility.glossy = False
     world.use_nodes = True
     graph = ShaderGraph(world.node_tree)
-    image = _shipped(sky.panorama) if sky.mean is None else own.panorama(sky.panorama)
+    image = _shipped(sky.panorama) if sky.mean is None else user_images.panorama(sky.panorama)
     towards = graph.node("ShaderNodeTexCoord").outputs["Generated"]
     turned = graph.node("ShaderNodeMapping", Vector=towards, Rotation=(0.0, 0.0, -sky.yaw_rad))
     texture = graph.node("ShaderNodeTexEnvironment", Vector=turned.outputs[0])

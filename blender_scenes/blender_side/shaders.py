@@ -28,10 +28,10 @@ _CELLS = {"distance": ("F1", "Distance"), "edge": ("DISTANCE_TO_EDGE", "Distance
 class ShaderGraph:
     """Compiles the expressions of one material."""
 
-    def __init__(self, tree: bpy.types.NodeTree, own: UserImages | None = None) -> None:
+    def __init__(self, tree: bpy.types.NodeTree, user_images: UserImages | None = None) -> None:
         tree.nodes.clear()
         self._tree = tree
-        self._own = own or UserImages(None)
+        self._user_images = user_images or UserImages(None)
         self._sockets: dict[Expression, bpy.types.NodeSocket] = {}
         self._uv: bpy.types.NodeSocket | None = None
         self._compilers: dict[type, Callable] = {
@@ -149,7 +149,7 @@ class ShaderGraph:
 
     def _picture(self, e: ImageTexture) -> bpy.types.NodeSocket:
         node = self.node("ShaderNodeTexImage")
-        node.image, node.interpolation, node.extension = self._own.picture(e.sha256), "Linear", "REPEAT"
+        node.image, node.interpolation, node.extension = self._user_images.picture(e.sha256), "Linear", "REPEAT"
         (width, height), (u, v) = e.size_m, e.at_m
         self.feed(node.inputs["Vector"], self._placed((1 / width, 1 / height), (-u / width, -v / height)))
         return node.outputs["Color"]
@@ -178,11 +178,11 @@ class ShaderGraph:
         return node.outputs[2]
 
 
-def material(surface: Surface, own: UserImages | None = None) -> bpy.types.Material:
+def material(surface: Surface, user_images: UserImages | None = None) -> bpy.types.Material:
     """The Blender material of a surface."""
     made = bpy.data.materials.new(surface.name)
     made.use_nodes = True
-    graph = ShaderGraph(made.node_tree, own)
+    graph = ShaderGraph(made.node_tree, user_images)
     values = {
         "Base Color": surface.base_color,
         "Roughness": surface.roughness,

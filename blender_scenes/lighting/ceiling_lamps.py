@@ -28,37 +28,37 @@ def ceiling_lamps(look: LookConfig, room: RoomModel) -> Lights:
 
     Of the same flux they are shorter and narrower where the room's share for each is.
     """
-    own = look.lamps
-    if own.rows * own.columns == 0:
+    config = look.lamps
+    if config.rows * config.columns == 0:
         return Lights()
-    length, width = _fitting(own, room)
-    luminance = own.flux_klm / (math.pi * length * width)
-    radiance: RGB = scaled(light_rgb(own.color_temperature_K), luminance)
-    z = max(room.height_m - own.drop_m, min(_LOWEST_M, room.height_m - 0.06))
+    length, width = _fitting(config, room)
+    luminance = config.flux_klm / (math.pi * length * width)
+    radiance: RGB = scaled(light_rgb(config.color_temperature_K), luminance)
+    z = max(room.height_m - config.drop_m, min(_LOWEST_M, room.height_m - 0.06))
     (x0, y0), (x1, y1) = room.low, room.high
     panels, meshes = [], []
-    for row in range(own.rows):
-        for column in range(own.columns):
-            x = x0 + (x1 - x0) * (column + 0.5) / own.columns
-            y = y0 + (y1 - y0) * (row + 0.5) / own.rows
+    for row in range(config.rows):
+        for column in range(config.columns):
+            x = x0 + (x1 - x0) * (column + 0.5) / config.columns
+            y = y0 + (y1 - y0) * (row + 0.5) / config.rows
             name, center = f"lamp_{row}_{column}", (x, y, z)
-            if own.flux_klm > 0:
+            if config.flux_klm > 0:
                 panels.append(Panel(name, center, (1, 0, 0), (0, -1, 0), length, width, radiance, on_mains=True))
-            if own.housing != "none":
-                body = _batten if own.housing == "batten" else _shade
+            if config.housing != "none":
+                body = _batten if config.housing == "batten" else _shade
                 meshes.append(body(name, center, (length, width), room.height_m))
     surfaces = (moulded("lamp_housing", (0.72, 0.72, 0.7), 0.4),) if meshes else ()
     return Lights(panels=tuple(panels), meshes=tuple(meshes), surfaces=surfaces)
 
 
-def _fitting(own: LampsLook, room: RoomModel) -> tuple[float, float]:
+def _fitting(config: LampsLook, room: RoomModel) -> tuple[float, float]:
     """Length along x and width [m] that leave a lamp's body clear of the walls and of its neighbours."""
-    share = np.maximum(np.subtract(room.high, room.low) / (own.columns, own.rows) - _APART_M, _MIN_M)
-    if own.housing == "shade":
+    share = np.maximum(np.subtract(room.high, room.low) / (config.columns, config.rows) - _APART_M, _MIN_M)
+    if config.housing == "shade":
         # Its rim is wider than the bulb, by which it is told.
-        side = min(own.width_m, max((float(share.min()) - 1.4 * _SHADE_M) / 1.5, _MIN_M))
+        side = min(config.width_m, max((float(share.min()) - 1.4 * _SHADE_M) / 1.5, _MIN_M))
         return side, side
-    return min(own.length_m, float(share[0])), min(own.width_m, float(share[1]))
+    return min(config.length_m, float(share[0])), min(config.width_m, float(share[1]))
 
 
 def _batten(name: str, lamp: Point3, size_m: tuple[float, float], ceiling_m: float) -> Mesh:

@@ -25,14 +25,18 @@ def daylight(look: LookConfig, room: RoomModel) -> Lights:
 
     Behind a sheer curtain the panel is the curtain itself, which passes on the sun's light too and is seen.
     """
-    own = look.sky
-    mean = np.array(mean_color(own.panorama))
+    config = look.sky
+    mean = np.array(mean_color(config.panorama))
     grey = float(mean @ LUMINANCE)
-    gain = own.luminance_kcd_m2 / grey
-    named = (own.panorama.sha256, own.panorama.mean_rgb) if isinstance(own.panorama, Asset) else (own.panorama, None)
-    skies = (Sky(named[0], math.radians(own.yaw_deg), gain, _BRIGHTEST * grey, own.saturation, named[1]),)
+    gain = config.luminance_kcd_m2 / grey
+    named = (
+        (config.panorama.sha256, config.panorama.mean_rgb)
+        if isinstance(config.panorama, Asset)
+        else (config.panorama, None)
+    )
+    skies = (Sky(named[0], math.radians(config.yaw_deg), gain, _BRIGHTEST * grey, config.saturation, named[1]),)
     sheer = look.window.covering == "sheer"
-    radiance = _seen_in_the_window(gain * (grey + own.saturation * (mean - grey)))
+    radiance = _seen_in_the_window(gain * (grey + config.saturation * (mean - grey)))
     if sheer:
         radiance = look.window.curtain_transmittance * (radiance + _sun_on_the_window(look, room) / math.pi)
     if not radiance.any():

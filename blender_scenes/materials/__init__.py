@@ -56,7 +56,7 @@ SURFACES: dict[str, Callable[[LookConfig, SurfacePatch], Surface]] = {
 
 def body_material(look: LookConfig, surface: str, patch: SurfacePatch) -> Surface:
     """A face of a wall or obstacle: the user's own picture where the look has one for that surface."""
-    own = getattr(look.images, surface, None)
-    if isinstance(own, ImageLook) and own.file is not None:
-        return image(own, own.file, patch)
+    config = getattr(look.images, surface, None)
+    if isinstance(config, ImageLook) and config.file is not None:
+        return image(config, config.file, patch)
     return SURFACES[surface](look, patch)

@@ -19,8 +19,8 @@ def image_floor(look: FloorLook, patch: SurfacePatch) -> Surface:
     return image(look.image, look.image.file, patch)
 
 
-def image(own: ImageLook, file: Asset, patch: SurfacePatch) -> Surface:
+def image(config: ImageLook, file: Asset, patch: SurfacePatch) -> Surface:
     """The picture at its size in metres; what it shows of gloss or depth is painted, not there."""
-    size = own.width_m, own.width_m * file.height_px / file.width_px
-    picture = ImageTexture(file.sha256, size, (own.right_m, own.up_m), file.mean_rgb)
-    return Surface(patch.name, Mix(Constant(own.white_reflectance), _BLACK, picture), roughness=own.roughness)
+    size = config.width_m, config.width_m * file.height_px / file.width_px
+    picture = ImageTexture(file.sha256, size, (config.right_m, config.up_m), file.mean_rgb)
+    return Surface(patch.name, Mix(Constant(config.white_reflectance), _BLACK, picture), roughness=config.roughness)

@@ -3,9 +3,15 @@
 import math
 
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.scene.shading import Arithmetic, Cells, NoiseTexture, Step, Texture
+from blender_scenes.scene.shading import Arithmetic, Cells, Mix, NoiseTexture, Step, Texture, paint_color
+from configs.schema.paint import Paint
 
 _SEAM = 0.274
+
+
+def shaded(tone: Texture, paint: Paint, spread: float) -> Mix:
+    """Return the paint from `1 - spread` of its reflectance, where `tone` is 0, to `1 + spread`, where it is 1."""
+    return Mix(tone, paint_color(paint, times=1 - spread), paint_color(paint, times=1 + spread))
 
 
 def specks(patch: SurfacePatch, name: str, *, size_m: float, share: float) -> Texture:

@@ -33,8 +33,8 @@ def furnished(  # noqa: PLR0917 - the room, what is in it already, and what the 
         arena: Its bounds; the look's clearance is kept around them.
         seed: Of the run; each piece draws from a stream keyed by its kind and number.
     """
-    own = look.room.furniture
-    clear = 2 * own.clearance_m
+    config = look.room.furniture
+    clear = 2 * config.clearance_m
     walls: dict[WallSide, RoomWall] = {side: wall(side, low, high) for side in SIDES}
     faces: dict[WallSide, WallFace] = {side: WallFace(walls[side], look.room.height_m) for side in SIDES}
     kept_free = Rectangle(arena.center, (arena.size[0] + clear, arena.size[1] + clear), 0.0)
@@ -48,14 +48,14 @@ def _fixtures(
     look: LookConfig, faces: dict[WallSide, WallFace], ground: Ground, window: Opening, seed: int
 ) -> Iterator[PlacedPiece]:
     """What hangs on the walls: door and radiator with the floor before them, sockets, posters."""
-    own = look.room.furniture
+    config = look.room.furniture
     sill = window.center[2] - 0.5 * window.height_m
     found: list[tuple[PlacedPiece | None, float]] = []
-    if own.radiator and sill >= MIN_SILL_M:
+    if config.radiator and sill >= MIN_SILL_M:
         draw = partial(drawn_radiator, window_m=window.width_m, sill_m=sill)
         piece = draw("radiator", stream(seed, "room", "radiator"))
         found.append((hang_at(piece, faces[look.window.side], 0.0), piece.size_m[1]))
-    if own.door:
+    if config.door:
         rng = stream(seed, "room", "door")
         elsewhere: dict[WallSide, WallFace] = {side: face for side, face in faces.items() if side != look.window.side}
         found.append((hang(drawn_door("door", rng), elsewhere, rng), 2 * _DOORWAY_M))
@@ -63,7 +63,7 @@ def _fixtures(
         if standing is not None:
             ground.taken.append(Rectangle(standing.pose[:2], (standing.piece.size_m[0], depth), standing.pose[2]))
             yield standing
-    for name, count, draw in (("socket", own.sockets, drawn_wall_socket), ("poster", own.posters, drawn_poster)):
+    for name, count, draw in (("socket", config.sockets, drawn_wall_socket), ("poster", config.posters, drawn_poster)):
         for number in range(count):
             rng = stream(seed, "room", name, number)
             standing = hang(draw(f"{name}_{number}", rng), faces, rng)

@@ -39,9 +39,9 @@ class PlacedPiece:
         return None if height is None else Top(self.pose, self.piece.size_m, height)
 
     @property
-    def told(self) -> Furnishing:
-        own = self.piece
-        return Furnishing(own.mesh.name, self.pose, own.size_m, own.height_m, own.numbers)
+    def furnishing(self) -> Furnishing:
+        piece = self.piece
+        return Furnishing(piece.mesh.name, self.pose, piece.size_m, piece.height_m, piece.numbers)
 
 
 @dataclass
@@ -72,10 +72,11 @@ def find_place(piece: Piece, kind: FurnitureKind, ground: Ground, rng: np.random
     """The piece in the first free one of some places drawn for it, with a finger's breadth around it."""
     for _ in range(_TRIES):
         standing = PlacedPiece(piece, _proposed(piece, kind, ground, rng))
-        own = standing.footprint
-        grown = Rectangle(own.center, (own.size[0] + _APART_M, own.size[1] + _APART_M), own.yaw_rad)
+        footprint = standing.footprint
+        width, depth = footprint.size
+        grown = Rectangle(footprint.center, (width + _APART_M, depth + _APART_M), footprint.yaw_rad)
         if ground.is_free(grown):
-            ground.taken.append(own)
+            ground.taken.append(footprint)
             return standing
     return None
 
@@ -140,8 +141,8 @@ def hang(piece: Piece, faces: dict[WallSide, WallFace], rng: np.random.Generator
 def hang_at(piece: Piece, face: WallFace, along_m: float) -> PlacedPiece | None:
     """The piece at one place of a wall, or nothing where that is taken."""
     low, high = piece.height_m
-    own = Rectangle((along_m, 0.5 * (low + high)), (piece.size_m[0], high - low), 0.0)
-    if not face.is_free(own):
+    outline = Rectangle((along_m, 0.5 * (low + high)), (piece.size_m[0], high - low), 0.0)
+    if not face.is_free(outline):
         return None
-    face.taken.append(own)
+    face.taken.append(outline)
     return PlacedPiece(piece, face.wall.pose(along_m, 0.0))

@@ -37,7 +37,7 @@ def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> S
     parts += [_box(box, look, seed) for box in arena.boxes if box.motion is None]
     moving = [_box(_in_its_frame(box), look, seed) for box in arena.moving]
     lights = [light(look, room) for light in LIGHTS.values()]
-    surfaces = [s for _, own in parts + moving for s in own] + list(room.surfaces) + list(robot_surfaces())
+    surfaces = [s for _, of_mesh in parts + moving for s in of_mesh] + list(room.surfaces) + list(robot_surfaces())
     surfaces += [surface for light in lights for surface in light.surfaces]
     suns = [sun for light in lights for sun in light.suns]
     (sky,) = [sky for light in lights for sky in light.skies]
@@ -100,25 +100,25 @@ def _line(arena: Arena, look: LookConfig, seed: int) -> list[MeshAndSurfaces]:
     return _taped(arena.line, look.tape, bed_m, seed)
 
 
-def _taped(line: Line, own: TapeLook, bed_m: float, seed: int) -> list[MeshAndSurfaces]:
+def _taped(line: Line, look: TapeLook, bed_m: float, seed: int) -> list[MeshAndSurfaces]:
     surfaces = []
     for i, piece in enumerate(line.pieces):
-        size = line_mesh.taped_length_m(piece, own.gap_m), line.width_m
-        surfaces.append(tape(own, SurfacePatch(f"tape_{i}", size, seed), piece.curvature_per_m, bed_m))
+        size = line_mesh.taped_length_m(piece, look.gap_m), line.width_m
+        surfaces.append(tape(look, SurfacePatch(f"tape_{i}", size, seed), piece.curvature_per_m, bed_m))
     meshes = line_mesh.tapes(
         line,
         [surface.name for surface in surfaces],
-        thickness_m=own.thickness_m,
-        gap_m=own.gap_m,
-        lift_m=own.lift_m,
+        thickness_m=look.thickness_m,
+        gap_m=look.gap_m,
+        lift_m=look.lift_m,
         seed=seed,
     )
     return [(mesh, (surface,)) for mesh, surface in zip(meshes, surfaces, strict=True)]
 
 
-def _painted(line: Line, own: LinePaintLook, seed: int) -> list[MeshAndSurfaces]:
-    surface = line_paint(own, SurfacePatch("line_paint", (line.length_m, line.width_m), seed))
-    meshes = line_mesh.paint(line, surface.name, thickness_m=own.thickness_m, bleeding_m=own.bleeding_m, seed=seed)
+def _painted(line: Line, look: LinePaintLook, seed: int) -> list[MeshAndSurfaces]:
+    surface = line_paint(look, SurfacePatch("line_paint", (line.length_m, line.width_m), seed))
+    meshes = line_mesh.paint(line, surface.name, thickness_m=look.thickness_m, bleeding_m=look.bleeding_m, seed=seed)
     return [(mesh, (surface,) if number == 0 else ()) for number, mesh in enumerate(meshes)]
 
 

@@ -24,20 +24,20 @@ class Radiator:
     """Of its lower edge above the floor."""
 
 
-def radiator(name: str, own: Radiator) -> Piece:
+def radiator(name: str, spec: Radiator) -> Piece:
     """A ribbed plate with a grille on top, and two pipes that come out of the floor."""
-    middle, z = -_GAP_M - 0.5 * _DEPTH_M, own.lift_m + 0.5 * own.height_m
+    middle, z = -_GAP_M - 0.5 * _DEPTH_M, spec.lift_m + 0.5 * spec.height_m
     front = middle - 0.5 * _DEPTH_M
-    parts = [block("body", (0, middle, z), (own.length_m, _DEPTH_M, own.height_m), f"{name}_enamel")]
-    ribs = int((own.length_m - 0.06) / _RIB_PITCH_M)
+    parts = [block("body", (0, middle, z), (spec.length_m, _DEPTH_M, spec.height_m), f"{name}_enamel")]
+    ribs = int((spec.length_m - 0.06) / _RIB_PITCH_M)
     for i in range(ribs):
         x = (i - 0.5 * (ribs - 1)) * _RIB_PITCH_M
-        parts.append(block("rib", (x, front, z), (0.026, 0.012, own.height_m - 0.06), f"{name}_enamel"))
-    for x in (0.5 * own.length_m - 0.03, 0.5 * own.length_m - 0.08):
-        foot, head = (x, middle, 0.0), (x, middle, own.lift_m)
+        parts.append(block("rib", (x, front, z), (0.026, 0.012, spec.height_m - 0.06), f"{name}_enamel"))
+    for x in (0.5 * spec.length_m - 0.03, 0.5 * spec.length_m - 0.08):
+        foot, head = (x, middle, 0.0), (x, middle, spec.lift_m)
         parts.append(rod("pipe", (foot, head), (0.008, 0.008), f"{name}_pipes"))
     surfaces = moulded(f"{name}_enamel", (0.76, 0.75, 0.71), 0.25), bare_metal(f"{name}_pipes", (0.7, 0.45, 0.32), 0.35)
-    return Piece(joined(name, parts), surfaces, own)
+    return Piece(joined(name, parts), surfaces, spec)
 
 
 def drawn_radiator(name: str, rng: np.random.Generator, *, window_m: float, sill_m: float) -> Piece:

@@ -22,12 +22,12 @@ class Sheets:
     paper: Paint
 
 
-def sheets(name: str, own: Sheets) -> Piece:
+def sheets(name: str, spec: Sheets) -> Piece:
     parts = []
-    for i, pose in enumerate(own.poses):
+    for i, pose in enumerate(spec.poses):
         sheet = block("sheet", (0, 0, 0.5 * _THICKNESS_M), (*_A4_M, _THICKNESS_M), f"{name}_paper")
         parts.append(moved(stood(sheet, pose), (0, 0, i * _THICKNESS_M)))
-    return Piece(joined(name, parts), (painted(f"{name}_paper", own.paper, 0.8),), own)
+    return Piece(joined(name, parts), (painted(f"{name}_paper", spec.paper, 0.8),), spec)
 
 
 def drawn_sheets(name: str, rng: np.random.Generator) -> Piece:
