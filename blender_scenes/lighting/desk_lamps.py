@@ -1,4 +1,4 @@
-"""Lamps on the tables: a small warm bulb in a hood, turned towards the middle of the room."""
+"""Lamps on the tables: a bulb in a hood, turned towards the middle of the room."""
 
 import math
 
@@ -18,18 +18,18 @@ from symolo.core.arrays import Array
 _BULB_M = 0.07
 _NECK_M, _RIM_M, _HOOD_M = 0.052, 0.085, 0.11
 _BULB_DEPTH_M = 0.06
-"""Behind the plane of the rim."""
+"""Distance of the bulb behind the plane of the rim."""
 _FROM_EDGE_M = 0.12
 _REACH_M = 0.14
 _AT_THE_MIDDLE_M = 1e-6
-"""Of the arm towards the middle."""
+"""Distance from the room's middle below which the direction towards it is undefined."""
 
 
 def desk_lamps(look: LookConfig, room: RoomModel) -> Lights:
-    """One on each of the first tables, at the place of its top that is nearest to the room's middle.
+    """Return a lamp on each of the first tables, at the place of the top that is nearest to the room's middle.
 
-    The bulb is a Lambertian square of luminance flux / (pi area), deep in the hood, which cuts off its light sideways.
-    A lamp that is off has its body alone.
+    The bulb is a Lambertian square of luminance flux / (pi area), deep in the hood, which blocks its light sideways.
+    A lamp that is off has only its body.
     """
     config = look.desk_lamps
     radiance = scaled(light_rgb(config.color_temperature_K), config.flux_klm / (math.pi * _BULB_M**2))
@@ -49,7 +49,7 @@ def desk_lamps(look: LookConfig, room: RoomModel) -> Lights:
 
 
 def _stand(top: Top, middle: Array) -> tuple[Array, Array]:
-    """Where the lamp stands, and the level direction from there to the middle; along the table where it is there."""
+    """Return the foot of the lamp and the horizontal direction to the room's middle; along the table if it is there."""
     x, y, yaw = top.pose
     R_WT = np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]])
     half = np.maximum(0.5 * np.array(top.size_m) - _FROM_EDGE_M, 0.0)
@@ -61,7 +61,7 @@ def _stand(top: Top, middle: Array) -> tuple[Array, Array]:
 
 
 def _head(foot: Array, towards: Array, config: DeskLampsLook) -> tuple[Array, Array]:
-    """Middle of the hood's rim, and its axes: right, up and the way of the light."""
+    """Return the middle of the hood's rim, and its axes as columns: right, up and the direction of the light."""
     tilt = math.radians(config.tilt_deg)
     axis = math.sin(tilt) * towards - math.cos(tilt) * np.array([0.0, 0.0, 1.0])
     right = np.cross(towards, (0.0, 0.0, 1.0))

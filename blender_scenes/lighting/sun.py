@@ -10,7 +10,7 @@ from sensors.camera.colour import light_rgb, scaled
 
 
 def sun(look: LookConfig, room: RoomModel) -> Lights:
-    """The sun as it stands to the window's outward normal; none where it gives no light or a curtain spreads it."""
+    """Return the sun; none where it gives no light or a sheer curtain scatters it."""
     config = look.sun
     if config.illuminance_klx == 0 or look.window.covering == "sheer":
         return Lights()
@@ -19,7 +19,7 @@ def sun(look: LookConfig, room: RoomModel) -> Lights:
 
 
 def towards_sun(look: LookConfig, room: RoomModel) -> Point3:
-    """Unit vector."""
+    """Return the unit vector to the sun; its azimuth counts from the window's outward normal."""
     config = look.sun
     outward = math.atan2(-room.window.inward[1], -room.window.inward[0])
     azimuth, elevation = outward + math.radians(config.azimuth_from_window_deg), math.radians(config.elevation_deg)

@@ -9,10 +9,10 @@ from configs.schema.look import LookConfig, Paint
 
 
 def board(reflectance: float) -> Callable[[LookConfig, SurfacePatch], Surface]:
-    """The material of boards painted to `reflectance`."""
+    """Return the material of boards painted to `reflectance`."""
 
     def painted(look: LookConfig, patch: SurfacePatch) -> Surface:
-        """Boards that meet every half metre or so, scuffs and grime along the floor."""
+        """Return boards with joints, and with scuffs and grime along the floor."""
         config = look.boards
         paint = Paint(reflectance=reflectance, hue_deg=config.tint_hue_deg, saturation=config.tint_saturation)
         cloud = NoiseTexture((5.0, 5.0), patch.offset("clouds"), octaves=3)

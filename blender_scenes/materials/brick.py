@@ -7,7 +7,7 @@ from configs.schema.look import LookConfig
 
 
 def brick(look: LookConfig, patch: SurfacePatch) -> Surface:
-    """Courses that begin at the floor, each brick fired otherwise; mortar set back, sandy and lighter."""
+    """Return courses that begin at the floor: bricks of different shades, and lighter, sandy mortar, set back."""
     config = look.brick
     size = config.length_m + config.joint_m, config.height_m + config.joint_m
     offset = size[0] * patch.draw("first brick"), 0.0

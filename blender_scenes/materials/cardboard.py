@@ -11,9 +11,9 @@ _FLUTE_PITCH_M = 0.0065
 
 
 def cardboard(look: LookConfig, patch: SurfacePatch) -> Surface:
-    """Kraft liner with fibres, the flutes' faint ribs upright beneath it, worn edges and a strip of packing tape.
+    """Return kraft liner with fibres, faint upright ribs of the flutes, worn edges and a strip of packing tape.
 
-    The strip runs over the top and down the middle of the sides that it reaches.
+    The strip runs over the top and down the middle of the sides.
     """
     config = look.cardboard
     width, height = patch.size_m
@@ -37,7 +37,7 @@ def cardboard(look: LookConfig, patch: SurfacePatch) -> Surface:
 
 
 def _strip(u: SurfaceCoordinate, width: float, strip: float) -> Arithmetic:
-    """1 within `strip` of the face's middle [m]; at most two thirds of the face."""
+    """Return 1 on a strip of that width in the middle of the face, at most two thirds of the face; 0 elsewhere."""
     half = 0.5 * min(strip, 0.66 * width)
     return Step(u, 0.5 * width - half, 0.5 * width - half + 0.0003) * (
         1 - Step(u, 0.5 * width + half - 0.0003, 0.5 * width + half)

@@ -7,7 +7,7 @@ from configs.schema.floors import FloorLook
 
 
 def carpet(look: FloorLook, patch: SurfacePatch) -> Surface:
-    """Round loops of yarn of mixed shades in rows, trodden down in places, the tiles' seams a little deeper."""
+    """Return rows of round loops of yarn of mixed shades, trodden down in places, with slightly deeper seams."""
     config = look.carpet
     size = (config.tile_size_m, config.tile_size_m)
     offset = patch.offset("tiles")
@@ -20,7 +20,7 @@ def carpet(look: FloorLook, patch: SurfacePatch) -> Surface:
     trodden = NoiseTexture((3.5, 3.5), patch.offset("trodden"), octaves=3)
     tone = 0.5 * yarn + 0.25 * bands + 0.15 * trodden + 0.1 * tile
     pile = shaded(tone, config.paint, config.mottling)
-    # Between the loops the light is lost: what is dark there is depth more than dye.
+    # Little light leaves the gaps between loops: they are dark because they are deep.
     deep = 0.55 * from_top + 0.5 * seam - 0.22
     pile = Mix(deep, pile, paint_color(config.paint, times=0.25))
     height = config.loop_m * (0.25 * (1 - from_top) + 0.1 * trodden - 0.4 * seam)

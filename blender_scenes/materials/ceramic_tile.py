@@ -9,9 +9,9 @@ _ROUNDED_M = 0.0012
 
 
 def ceramic_tile(look: FloorLook, patch: SurfacePatch) -> Surface:
-    """Square tiles in straight courses, each of a slightly different batch and cloud, their edges rounded.
+    """Return square tiles in straight courses, each of a slightly different shade, with rounded edges.
 
-    Joints lie lower, are rough and sandy, and hold the dirt of the years in patches.
+    Joints are lower, rough and sandy, with patches of dirt.
     """
     config = look.ceramic_tile
     size, offset = (config.size_m, config.size_m), patch.offset("courses")

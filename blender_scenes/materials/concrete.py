@@ -7,7 +7,7 @@ from configs.schema.floors import FloorLook
 
 
 def concrete(look: FloorLook, patch: SurfacePatch) -> Surface:
-    """Clouds of decimetres, sand grain of a millimetre, pores, and hairline cracks metres apart."""
+    """Return concrete with clouds of decimetres, sand grain of a millimetre, pores, and hairline cracks."""
     config = look.concrete
     clouds = NoiseTexture((2.6, 2.6), patch.offset("clouds"), octaves=6, gain=0.62)
     grain = NoiseTexture((650.0, 650.0), patch.offset("grain"), octaves=2)

@@ -7,7 +7,7 @@ from configs.schema.look import LinePaintLook
 
 
 def line_paint(look: LinePaintLook, patch: SurfacePatch) -> Surface:
-    """Brushed paint with the brush's streaks, thin where it ran dry and at its edges, scuffed and dusty with use."""
+    """Return brushed paint with streaks, thin at its edges and in places, scuffed and dusty with use."""
     brush = NoiseTexture((14.0, 900.0), patch.offset("brush"), octaves=3, gain=0.6)
     clouds = NoiseTexture((25.0, 40.0), patch.offset("clouds"), octaves=4, gain=0.6)
     base = shaded(0.5 * brush + 0.5 * clouds, look.paint, 0.3)

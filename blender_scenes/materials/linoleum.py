@@ -7,7 +7,7 @@ from configs.schema.floors import FloorLook
 
 
 def linoleum(look: FloorLook, patch: SurfacePatch) -> Surface:
-    """Streaks of a few centimetres along the sheet, flecks of two shades, a wax gloss worn in clouds."""
+    """Return streaks of a few centimetres along the sheet, flecks of two shades, and an unevenly worn wax gloss."""
     config = look.linoleum
     depth = config.marbling
     streaks = NoiseTexture((9.0, 38.0), patch.offset("streaks"), octaves=4, gain=0.6, warp=0.6)

@@ -7,7 +7,7 @@ from configs.schema.look import LookConfig
 
 
 def paper(look: LookConfig, patch: SurfacePatch) -> Surface:
-    """Matt sheet with a fine tooth, faintly buckled."""
+    """Return a matt sheet with a fine grain, slightly buckled."""
     config = look.paper
     cloud = NoiseTexture((30.0, 30.0), patch.offset("formation"), octaves=4)
     buckles = NoiseTexture((9.0, 5.0), patch.offset("buckles"), octaves=2)

@@ -9,7 +9,7 @@ _OVERLAP_M = 0.012
 
 
 def paper_sheets(look: FloorLook, patch: SurfacePatch) -> Surface:
-    """Sheets a little over each other, each of its own white, waved, folded here and there, taped along the seams."""
+    """Return sheets that overlap a little, of different whites, waved, folded in places and taped along the seams."""
     config = look.paper_sheets
     size, offset = (config.sheet_length_m, config.sheet_width_m), patch.offset("sheets")
     beside = offset[0] + 0.5 * _OVERLAP_M, offset[1] + 0.5 * _OVERLAP_M

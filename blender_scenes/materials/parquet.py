@@ -7,7 +7,7 @@ from configs.schema.floors import FloorLook
 
 
 def parquet(look: FloorLook, patch: SurfacePatch) -> Surface:
-    """Planks in ship's-deck bond, each of its own tone and growth rings, with pores along the grain and dark gaps."""
+    """Return staggered planks of different tones with growth rings, pores along the grain, and dark gaps."""
     config = look.parquet
     size, offset = (config.plank_length_m, config.plank_width_m), patch.offset("planks")
     gap = Tiles(size, config.gap_m, 0.37, offset, "joint", softness=0.5)

@@ -7,7 +7,7 @@ from configs.schema.look import LookConfig
 
 
 def plastic(look: LookConfig, patch: SurfacePatch) -> Surface:
-    """One colour, a spark-eroded grain, light scratches."""
+    """Return plastic of one colour with a fine grain and light scratches."""
     config = look.plastic
     scratches = streaks(patch, "scratches", length_m=0.03, width_m=0.0006, share=0.25)
     grain = NoiseTexture((1100.0, 1100.0), patch.offset("grain"), octaves=2)

@@ -22,17 +22,17 @@ from configs.schema.paint import Paint
 
 _PLY_M = 0.0015
 _THICKEST_EDGE_M = 0.03
-"""A face so narrow is a sheet's sawn edge; a wider one belongs to a body with veneer all around."""
+"""Maximum width of a face that counts as the sawn edge of a sheet; wider faces have veneer."""
 
 
 def plywood_floor(look: FloorLook, patch: SurfacePatch) -> Surface:
-    """Sheets side by side, their ends staggered by half, each its own veneer; seams open and dark."""
+    """Return sheets side by side, staggered by half, each with different veneer; the seams are open and dark."""
     config = look.plywood
     size, offset = (config.sheet_length_m, config.sheet_width_m), patch.offset("sheets")
     sheet = Tiles(size, config.seam_m, 0.5, offset, "random")
     face, fibres = _veneer(patch, config.paint, config.variation, sheet)
     seam = Tiles(size, config.seam_m, 0.5, offset, "joint", softness=0.5)
-    # Sawn edges are broken a little and hold dirt.
+    # Sawn edges are slightly rounded and hold dirt.
     worn = Tiles(size, config.seam_m + 0.006, 0.5, offset, "joint", softness=1.0)
     face = Mix(0.3 * worn, face, paint_color(config.paint, times=0.5))
     return Surface(
@@ -44,7 +44,7 @@ def plywood_floor(look: FloorLook, patch: SurfacePatch) -> Surface:
 
 
 def plywood(look: LookConfig, patch: SurfacePatch) -> Surface:
-    """Veneer on the faces, the cut plies on the edges of sheets."""
+    """Return veneer for a face, or the cut plies for the edge of a sheet."""
     config = look.plywood
     if min(patch.size_m) <= _THICKEST_EDGE_M:
         return _sawn_edge(look, patch)
@@ -53,7 +53,7 @@ def plywood(look: LookConfig, patch: SurfacePatch) -> Surface:
 
 
 def _veneer(patch: SurfacePatch, paint: Paint, variation: float, sheet: Texture) -> tuple[Texture, Texture]:
-    """Colour and fibres of a peeled face; growth lines wander as the contours of a hilly map."""
+    """Return colour and fibres of a peeled face; growth lines wander like the contours of a hilly map."""
     hills = NoiseTexture((0.55, 4.5), patch.offset("hills"), octaves=2, gain=0.35, warp=0.15, shift=30 * sheet)
     fibres = NoiseTexture((18.0, 850.0), patch.offset("fibres"), octaves=2, gain=0.6, shift=30 * sheet)
     clouds = NoiseTexture((1.6, 9.0), patch.offset("clouds"), octaves=3, shift=30 * sheet)
@@ -67,7 +67,7 @@ def _veneer(patch: SurfacePatch, paint: Paint, variation: float, sheet: Texture)
 
 
 def _sawn_edge(look: LookConfig, patch: SurfacePatch) -> Surface:
-    """Plies light and dark in turn, along the face's long side."""
+    """Return alternating light and dark plies along the long side of the face."""
     config = look.plywood
     across, grain = ("u", (600.0, 40.0)) if patch.size_m[0] < patch.size_m[1] else ("v", (40.0, 600.0))
     ply = Step(Arithmetic("sine", SurfaceCoordinate(across) * (math.pi / _PLY_M)), -0.3, 0.3)

@@ -1,4 +1,4 @@
-"""Cushioned vinyl with a printed picture of planks or of terrazzo."""
+"""Cushioned vinyl with a print of planks or of terrazzo."""
 
 from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.materials.patterns import shaded, worn_gloss
@@ -7,7 +7,7 @@ from configs.schema.floors import FloorLook, Vinyl
 
 
 def vinyl(look: FloorLook, patch: SurfacePatch) -> Surface:
-    """The print under a clear coat that follows the cushion's dents; joints are printed, without depth."""
+    """Return the print under a clear coat that follows the dents; joints are printed and have no depth."""
     config = look.vinyl
     base = _planks(config, patch) if config.print == "planks" else _terrazzo(config, patch)
     dents = NoiseTexture((7.0, 7.0), patch.offset("dents"), octaves=2)
@@ -34,7 +34,7 @@ def _planks(config: Vinyl, patch: SurfacePatch) -> Texture:
 
 
 def _terrazzo(config: Vinyl, patch: SurfacePatch) -> Texture:
-    """Angular chips of three sizes in a grey ground, some lighter, some darker, some reddish."""
+    """Return angular chips of three sizes in grey, some lighter, some darker, some reddish."""
     sand = NoiseTexture((500.0, 500.0), patch.offset("sand"), octaves=2)
     ground = shaded(sand, config.paint, 0.04)
     for number, size_m in enumerate((0.1 * config.repeat_m, 0.045 * config.repeat_m, 0.02 * config.repeat_m)):

@@ -8,7 +8,7 @@ from configs.schema.look import LookConfig
 
 
 def wood(look: LookConfig, patch: SurfacePatch) -> Surface:
-    """Growth rings along u, close and dark where the year ended, fibres, a varnish left matt."""
+    """Return wood with growth rings along u, fibres and a matt varnish."""
     config = look.wood
     stem = NoiseTexture((0.8, 11.0), patch.offset("stem"), octaves=2, gain=0.3)
     rings = Step(Arithmetic("sine", (24 * math.tau) * stem), -0.6, 1.0)

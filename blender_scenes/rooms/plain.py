@@ -1,4 +1,4 @@
-"""A rectangular room with painted walls, skirting, ceiling, one window with bars, and what stands in it."""
+"""A rectangular room with painted walls, skirting, ceiling, one window with bars, and furniture."""
 
 from collections.abc import Iterator
 
@@ -21,7 +21,7 @@ WALL_DEPTH_M = 0.25
 
 
 def plain_room(look: LookConfig, arena_low: Point2, arena_high: Point2, seed: int) -> RoomModel:
-    """The room whose walls keep the look's margins from the arena's bounds; its furniture is drawn by `seed`."""
+    """Return the room whose walls keep the look's margins from the arena's bounds; `seed` draws its furniture."""
     config = look.room
     low, high = room_bounds(config, arena_low, arena_high)
     window = _opening(look, low, high)
@@ -52,7 +52,7 @@ def plain_room(look: LookConfig, arena_low: Point2, arena_high: Point2, seed: in
 
 
 def room_bounds(config: RoomLook, arena_low: Point2, arena_high: Point2) -> tuple[Point2, Point2]:
-    """Corners of the rectangle between the walls."""
+    """Return the south-west and north-east corners of the floor."""
     low = arena_low[0] - config.margin_west_m, arena_low[1] - config.margin_south_m
     return low, (arena_high[0] + config.margin_east_m, arena_high[1] + config.margin_north_m)
 
@@ -79,11 +79,11 @@ def _ceiling(low: Point2, high: Point2, height: float) -> Mesh:
 
 
 def _wall(place: RoomWall, config: RoomLook, window: Opening | None) -> Iterator[Mesh]:
-    """Slabs of the wall around the window, and its skirting."""
+    """Yield the skirting of a wall and its slabs around the window."""
     foot, right, outward, side = place.foot, place.right, place.outward, place.side
 
     def slab(name: str, along: Point2, upward: Point2, outwards: Point2, surface: str) -> Mesh:
-        """A block between two places each along the wall, upward, and along the outward normal."""
+        """Return a block between two places each along the wall, upward, and along the outward normal."""
         (a, b), (inner, outer) = along, outwards
         lower = np.array([foot + right * s + outward * d for s, d in ((a, inner), (b, inner), (b, outer), (a, outer))])
         corners = np.concatenate([np.add(lower, (0.0, 0.0, height)) for height in upward])
@@ -103,7 +103,7 @@ def _wall(place: RoomWall, config: RoomLook, window: Opening | None) -> Iterator
 
 
 def _bars(window: Opening, panes: int) -> Iterator[Mesh]:
-    """Frame and bars, 60 mm wide, in the middle of the wall's depth."""
+    """Yield frame and bars, 60 mm wide, in the middle of the wall's depth."""
     right, up, inward = np.array(window.right), np.array(window.up), np.array(window.inward)
     half_w, half_h, half = 0.5 * window.width_m, 0.5 * window.height_m, 0.03
     middle = np.array(window.center) - inward * 0.5 * WALL_DEPTH_M

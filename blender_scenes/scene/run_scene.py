@@ -1,4 +1,4 @@
-"""The scene of a run: arena, room, light and robot put together from configuration and seed."""
+"""The scene of a run: arena, room, light and robot from configuration and seed."""
 
 import math
 from dataclasses import replace
@@ -27,11 +27,11 @@ from symolo.arena.geometry import Arena, Box, Line
 from symolo.arena.obstacle_motion import ObstacleMotion
 
 _GLASS_BEVEL_M = 0.0001
-"""Of polished edges; through a wider one the path tracer would see black, where light goes to and fro inside."""
+"""Bevel of polished glass; a wider one would be black, because light is reflected inside it again and again."""
 
 
 def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> Scene:
-    """The scene that the run's camera sees; the same arguments give the same scene."""
+    """Return the scene of a run; the same arguments give the same scene."""
     room = room_around(arena, look, seed)
     parts = [_floor(look, room, seed), *_line(arena, look, seed)]
     parts += [_box(box, look, seed) for box in arena.boxes if box.motion is None]
@@ -56,13 +56,13 @@ def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> S
 
 
 def room_around(arena: Arena, look: LookConfig, seed: int) -> RoomModel:
-    """The room of the scene, with its furniture."""
+    """Return the room of the scene with its furniture."""
     low, high = arena_bounds(arena)
     return ROOMS["plain"](look, low, high, seed)
 
 
 def arena_bounds(arena: Arena) -> tuple[Point2, Point2]:
-    """Corners of the rectangle that holds line and boxes, on all of their way; a square metre for an empty arena."""
+    """Return the corners of the rectangle around line and boxes, wherever these move; a square metre without any."""
     points = [np.concatenate(edges) for edges in arena.line.edges()]
     points += [box.footprint() if box.motion is None else _reach(box, box.motion) for box in arena.boxes]
     everything = np.concatenate(points) if points else np.array([[-0.5, -0.5], [0.5, 0.5]])
@@ -71,12 +71,12 @@ def arena_bounds(arena: Arena) -> tuple[Point2, Point2]:
 
 
 def floor_bounds(arena: Arena, look: LookConfig) -> tuple[Point2, Point2]:
-    """Corners of the rectangle of floor, which ends at the walls of the room."""
+    """Return the corners of the floor, which ends at the walls of the room."""
     return room_bounds(look.room, *arena_bounds(arena))
 
 
 def _reach(box: Box, motion: ObstacleMotion) -> np.ndarray:
-    """Points (N, 2) whose bounds hold a box on all of its way, however it is turned."""
+    """Return points (N, 2) whose bounds contain a moving box everywhere, at any yaw."""
     places, half = np.array(motion.poses)[:, :2], 0.5 * math.hypot(*box.size[:2])
     return np.concatenate([places - half, places + half])
 

@@ -21,7 +21,7 @@ class Bag:
 
 
 def bag(name: str, spec: Bag) -> Piece:
-    """A full body, a pocket in front, a handle, and two straps that trail behind it."""
+    """Return a full bag with a pocket in front, a handle, and two straps that lie behind it."""
     width, depth, height = spec.size_m
     parts = [
         cushion("body", (0, 0, 0.5 * height), spec.size_m, f"{name}_cloth"),

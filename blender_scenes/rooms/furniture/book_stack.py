@@ -17,20 +17,20 @@ _COVER_M = 0.002
 @dataclass(frozen=True)
 class Book:
     size_m: tuple[float, float, float]
-    """Width, height of the page, thickness."""
+    """Width, height of the page, and thickness."""
     pose: tuple[float, float, float]
-    """In the stack."""
+    """Pose in the frame of the stack: x [m], y [m], yaw [rad]."""
     cover: Paint
 
 
 @dataclass(frozen=True)
 class BookStack:
     books: tuple[Book, ...]
-    """The lowest first."""
+    """Books from the lowest to the highest."""
 
 
 def book_stack(name: str, spec: BookStack) -> Piece:
-    """Each a block of pages between two covers with a spine."""
+    """Return books, each a block of pages between two covers with a spine."""
     parts, z = [], 0.0
     for i, book in enumerate(spec.books):
         (w, d, t), cover = book.size_m, f"{name}_cover_{i}"

@@ -15,13 +15,13 @@ from configs.schema.paint import Paint
 class Bottle:
     radius_m: float
     height_m: float
-    """With the cap."""
+    """Height with the cap."""
     body: Paint
     cap: Paint
 
 
 def bottle(name: str, spec: Bottle) -> Piece:
-    """Body, shoulder and a screw cap."""
+    """Return a bottle of body, shoulder and screw cap."""
     r, shoulder = spec.radius_m, spec.height_m - 0.06
     body = [(0.9 * r, 0.0), (r, 0.006), (r, shoulder), (0.8 * r, shoulder + 0.018), (0.45 * r, shoulder + 0.028)]
     cap = [(0.5 * r, shoulder + 0.028), (0.5 * r, spec.height_m - 0.003), (0.4 * r, spec.height_m)]

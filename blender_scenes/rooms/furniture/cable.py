@@ -17,15 +17,15 @@ _SOCKETS = 3
 @dataclass(frozen=True)
 class Cable:
     length_m: float
-    """From end to end, not along the cable."""
+    """Straight distance from end to end."""
     radius_m: float
     waves_m: tuple[float, ...]
-    """Amplitudes of one, two, three ... half waves to the side."""
+    """Amplitudes [m] of one, two, three ... half waves to the side."""
     white: bool
 
 
 def cable(name: str, spec: Cable) -> Piece:
-    """It lies along y, the strip at its front end."""
+    """Return a cable along y with a power strip at its front end."""
     share = np.linspace(0.0, 1.0, 40)
     aside = sum(a * np.sin(np.pi * (i + 1) * share) for i, a in enumerate(spec.waves_m))
     y = spec.length_m * (share - 0.5)

@@ -18,13 +18,13 @@ class Carton:
     size_m: tuple[float, float, float]
     board: Paint
     tape_drop_m: float
-    """How far the packing tape comes down the ends."""
+    """Length of the packing tape on both ends, from the top edge down."""
     label_m: float
-    """Side of the label on the front; 0 without."""
+    """Width of the label on the front; 0 for no label."""
 
 
 def carton(name: str, spec: Carton) -> Piece:
-    """The box, a strip of tape over its seam and down both ends, and a label."""
+    """Return a box with a strip of tape over its seam and down both ends, and a label."""
     length, width, height = spec.size_m
     parts = [block("box", (0, 0, 0.5 * height), spec.size_m, f"{name}_board")]
     parts.append(block("tape", (0, 0, height), (length + 0.0006, _TAPE_M, 0.0006), f"{name}_tape"))

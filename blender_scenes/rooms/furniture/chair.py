@@ -21,16 +21,16 @@ class Chair:
     depth_m: float
     seat_height_m: float
     back_height_m: float
-    """Of its upper edge above the floor."""
+    """Height of the back's upper edge above the floor."""
     leg_radius_m: float
     splay_m: float
-    """How much further out a leg stands at the floor than at the seat."""
+    """Distance outwards from the top of a leg to its foot."""
     seat: Paint
     frame: Paint
 
 
 def chair(name: str, spec: Chair) -> Piece:
-    """Round splayed legs with rubber feet, a rail on each side, seat and back rest."""
+    """Return a chair with round splayed legs on rubber feet, a rail on each side, seat and back rest."""
     half_w, half_d, seat, radius = 0.5 * spec.width_m, 0.5 * spec.depth_m, spec.seat_height_m, spec.leg_radius_m
     inner = np.array([half_w - spec.splay_m - radius, half_d - spec.splay_m - radius])
     parts = []

@@ -1,4 +1,4 @@
-"""A door in its frame, shut."""
+"""A closed door in its frame."""
 
 from dataclasses import dataclass
 
@@ -13,20 +13,20 @@ from configs.schema.paint import Paint
 
 _FRAME_M = 0.07
 _PROUD_M = 0.03
-"""Frame before the wall; it covers the skirting."""
+"""Depth of the frame in front of the wall; it covers the skirting."""
 
 
 @dataclass(frozen=True)
 class Door:
     width_m: float
-    """Of the leaf."""
+    """Width of the leaf."""
     height_m: float
     leaf: Paint
     frame: Paint
 
 
 def door(name: str, spec: Door) -> Piece:
-    """Leaf, frame, threshold gap and handle."""
+    """Return leaf, frame and handle, with a gap above the threshold."""
     width, height = spec.width_m, spec.height_m
     parts = [block("leaf", (0, -0.01, 0.5 * height + 0.004), (width, 0.02, height - 0.008), f"{name}_leaf")]
     for sign in (-1, 1):

@@ -13,7 +13,7 @@ from configs.schema.paint import Paint
 
 _CASTOR_M = 0.025
 _HUB_M = 0.09
-"""Height at which the arms leave the column."""
+"""Height of the upper end of the star's arms."""
 
 
 @dataclass(frozen=True)
@@ -22,12 +22,12 @@ class OfficeChair:
     seat_height_m: float
     seat_width_m: float
     turn_rad: float
-    """Of the star against the seat."""
+    """Angle of the star relative to the seat."""
     cover: Paint
 
 
 def office_chair(name: str, spec: OfficeChair) -> Piece:
-    """Star of five arms, twin castors, gas spring, padded seat and back."""
+    """Return a star of five arms with twin castors, a gas spring, padded seat and back."""
     parts = []
     reach = spec.base_radius_m - 1.4 * _CASTOR_M
     for arm in range(5):

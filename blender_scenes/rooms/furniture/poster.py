@@ -16,7 +16,7 @@ _FORMATS_M = ((0.42, 0.594), (0.594, 0.841), (0.841, 0.594))
 
 @dataclass(frozen=True)
 class Field:
-    """A printed rectangle, as shares of the poster."""
+    """A printed rectangle in shares of the poster's size."""
 
     center: tuple[float, float]
     size: tuple[float, float]
@@ -27,12 +27,12 @@ class Field:
 class Poster:
     size_m: tuple[float, float]
     sill_m: float
-    """Height of its lower edge."""
+    """Height of its lower edge above the floor."""
     fields: tuple[Field, ...]
 
 
 def poster(name: str, spec: Poster) -> Piece:
-    """Paper with coloured fields, each a hair above the one before."""
+    """Return paper with coloured fields, each 0.4 mm above the one before."""
     width, height = spec.size_m
     parts = [block("paper", (0, -0.0005, spec.sill_m + 0.5 * height), (width, 0.001, height), f"{name}_paper")]
     for i, field in enumerate(spec.fields):

@@ -12,13 +12,13 @@ from configs.schema.paint import Paint
 
 _A4_M = (0.210, 0.297)
 _THICKNESS_M = 0.0004
-"""Of a sheet with the air below it."""
+"""Thickness of a sheet with the air below it."""
 
 
 @dataclass(frozen=True)
 class Sheets:
     poses: tuple[tuple[float, float, float], ...]
-    """Of each sheet in the heap, the lowest first."""
+    """Poses of the sheets, x [m], y [m], yaw [rad], from the lowest to the highest."""
     paper: Paint
 
 

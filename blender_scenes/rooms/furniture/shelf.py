@@ -23,7 +23,7 @@ class Item:
 
     board: int
     x_m: float
-    """Of its left side from the left end of the board."""
+    """Distance of its left side from the left end of the board."""
     size_m: tuple[float, float, float]
     color: int
 
@@ -31,9 +31,9 @@ class Item:
 @dataclass(frozen=True)
 class Shelf:
     size_m: tuple[float, float, float]
-    """Width, depth, height."""
+    """Width, depth and height."""
     boards: int
-    """From the lowest one on its plinth to the lid."""
+    """Number of boards, from the lowest one on the plinth to the lid."""
     body: Paint
     items: tuple[Item, ...]
     colors: tuple[Paint, ...]
@@ -43,7 +43,7 @@ class Shelf:
 
 
 def shelf(name: str, spec: Shelf) -> Piece:
-    """Two sides, back, plinth and boards, with what stands on them."""
+    """Return a shelf of two sides, back, plinth and boards, with the items on it."""
     surfaces = [painted(f"{name}_body", spec.body, 0.45)]
     surfaces += [painted(f"{name}_item_{i}", paint, 0.6) for i, paint in enumerate(spec.colors)]
     return Piece(joined(name, [*_case(spec, f"{name}_body"), *_contents(spec, f"{name}_item")]), tuple(surfaces), spec)
@@ -80,7 +80,7 @@ def drawn_shelf(name: str, rng: np.random.Generator) -> Piece:
 
 
 def _row(spec: Shelf, board: int, rng: np.random.Generator) -> Iterator[Item]:
-    """Books of a hand's breadth and boxes from left to right, with gaps, until the board is full."""
+    """Draw books and boxes from left to right, with gaps, until the board is full."""
     width, depth, _ = spec.size_m
     clear = spec.board_top_m(board + 1) - spec.board_top_m(board) - _BOARD_M
     full, x = width - 2 * _BOARD_M, between(rng, 0.0, 0.15)

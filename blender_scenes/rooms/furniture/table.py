@@ -19,10 +19,10 @@ _CAP_M = 0.022
 @dataclass(frozen=True)
 class WorkTable:
     size_m: tuple[float, float, float]
-    """Length, depth, height."""
+    """Length, depth and height."""
     leg_m: float
     inset_m: float
-    """Of the legs from the edge of the top."""
+    """Distance of the legs from the edge of the top."""
     top: Paint
     legs: Paint
     gloss: float
@@ -30,7 +30,7 @@ class WorkTable:
 
 
 def table(name: str, spec: WorkTable) -> Piece:
-    """Top, rails below it, and square legs in black caps."""
+    """Return a top with rails below it and square legs in black caps."""
     (length, depth, height), leg = spec.size_m, spec.leg_m
     x, y = 0.5 * length - spec.inset_m - 0.5 * leg, 0.5 * depth - spec.inset_m - 0.5 * leg
     under = height - _TOP_M

@@ -10,20 +10,20 @@ from blender_scenes.scene.meshes import block
 from blender_scenes.scene.solids import joined
 
 _PLATE_M = 0.081
-"""Frame of DIN 49073 boxes, and the distance of two in a row less their play."""
+"""Width of a frame for boxes of DIN 49073."""
 _PITCH_M = 0.071
 
 
 @dataclass(frozen=True)
 class WallSocket:
     count: int
-    """Outlets side by side."""
+    """Number of outlets side by side."""
     height_m: float
-    """Of their middle."""
+    """Height of their middle above the floor."""
 
 
 def wall_socket(name: str, spec: WallSocket) -> Piece:
-    """Plate, and for each outlet a dark well."""
+    """Return a plate with a dark well for each outlet."""
     width = _PLATE_M + (spec.count - 1) * _PITCH_M
     parts = [block("plate", (0, -0.005, spec.height_m), (width, 0.01, _PLATE_M), f"{name}_plate")]
     for i in range(spec.count):

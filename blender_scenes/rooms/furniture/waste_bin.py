@@ -22,7 +22,7 @@ class WasteBin:
 
 
 def waste_bin(name: str, spec: WasteBin) -> Piece:
-    """An open cone with a rolled rim."""
+    """Return an open cone with a rolled rim."""
     foot, rim, height = spec.foot_radius_m, spec.rim_radius_m, spec.height_m
     outside = [(foot, 0.0), (rim, height - 0.01), (rim + 0.005, height - 0.008), (rim + 0.005, height)]
     inside = [(rim - _WALL_M, height), (foot - _WALL_M, 0.004)]
