@@ -1,4 +1,4 @@
-"""The scene's description built in Blender: meshes, lights, sky and camera."""
+"""The scene in Blender: meshes, lights, sky and camera."""
 
 import itertools
 from pathlib import Path
@@ -18,16 +18,16 @@ CAMERA = "C"
 
 
 def start() -> None:
-    """An empty file with nobody's preferences."""
+    """Load an empty file with factory settings."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
 
 
 def build(scene: Scene, camera: Intrinsics, user_files: Path | None = None) -> None:
-    """Fills an empty Blender file; the robot hangs on an empty called `R`, the camera is called `C`.
+    """Fill an empty Blender file. The robot's parts are children of an empty called `R`; the camera is called `C`.
 
-    Moving obstacles are called as `moving_name` says, to be placed for each view. Every mesh has its number, among
-    the scene's meshes, the robot's and the moving ones, as its `pass_index`, from 1. `user_files` is the folder that
-    holds the user's files by their SHA-256.
+    Moving obstacles have the names of `moving_name` and are placed for each view. The `pass_index` of a mesh is its
+    number from 1, among the scene's meshes, the robot's and the moving ones in this order. `user_files` is the folder
+    of the user's files by their SHA-256.
     """
     user_images = UserImages(user_files)
     materials = {surface.name: material(surface, user_images) for surface in scene.surfaces}
@@ -76,7 +76,7 @@ def _mesh(mesh: Mesh, materials: dict[str, bpy.types.Material]) -> bpy.types.Obj
 
 
 def _axes(right: tuple, up: tuple, center: tuple) -> Matrix:
-    """A light's local frame: it shines along its own -z, which is right x up."""
+    """Return the pose of a light, which shines along its local -z, the direction of right x up."""
     x, y = np.array(right, float), -np.array(up, float)
     pose = np.eye(4)
     pose[:3, :3] = np.stack([x, y, np.cross(x, y)], axis=1)
@@ -93,7 +93,7 @@ def _panel(panel: Panel) -> None:
     light.energy = peak * np.pi * panel.width_m * panel.height_m
     made = _place(panel.name, light)
     made.matrix_world = _axes(panel.right, panel.up, panel.center)
-    # A pane of glass hands the camera's ray on as one of transmission; shadow rays, which light the floor, are others.
+    # Behind glass a camera ray counts as a transmission ray; the shadow rays that light the floor are another kind.
     made.visible_camera = made.visible_transmission = panel.seen
 
 
@@ -143,7 +143,7 @@ def _camera(camera: Intrinsics) -> None:
     data.sensor_fit, data.sensor_width = "HORIZONTAL", 36.0
     pinhole = pinhole_image(camera).camera
     data.lens = 36.0 * pinhole.fx_px / pinhole.width_px
-    # Both in widths of the picture; Blender moves the frame over the view, so the axis the other way.
+    # Both are in widths of the image; Blender shifts the frame over the view, so the axis moves the other way.
     data.shift_x = (0.5 * (pinhole.width_px - 1) - pinhole.cx_px) / pinhole.width_px
     data.shift_y = (pinhole.cy_px - 0.5 * (pinhole.height_px - 1)) / pinhole.width_px
     data.clip_start, data.clip_end = 0.001, 1000.0

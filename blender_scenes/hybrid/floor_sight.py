@@ -57,7 +57,7 @@ def filter_points(width_px: float, squares: int = 1) -> tuple[FilterPoint, ...]:
 
 class FloorSight:
     def __init__(self, camera: Intrinsics, view: FrameView, row_share: float) -> None:
-        """Take a camera without distortion, any view, for its pose on the robot, and `row_share` of `shutter.Window`."""
+        """Take a camera without distortion, a view for its pose on the robot, and `row_share` of `shutter.Window`."""
         self._camera, self._row_share = camera, row_share
         self._X_RC = np.linalg.inv(pose_X_WR(*view.robot_pose)) @ np.array(view.X_WC)
         self._cache: dict[tuple[float, float], Image] = {}
@@ -99,7 +99,7 @@ class FloorSight:
         return np.interp(at, known, x), np.interp(at, known, y), np.interp(at, known, np.unwrap(yaw))
 
     def _in_robot(self, right_px: float, down_px: float, rows: slice) -> Image:
-        """Return x and y in R (2, rows, W), equal in every frame; for large images only those of some points are kept."""
+        """Return x and y in R (2, rows, W), equal in every frame; large images keep those of some points only."""
         at = right_px, down_px
         if at not in self._cache and len(self._cache) < self._max_cached:
             self._cache[at] = self._seen_in_robot(*at, slice(None))

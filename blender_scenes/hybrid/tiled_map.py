@@ -205,7 +205,7 @@ def _spread(weighted: Image, weight: Image) -> Image:
 
 
 def normals(height_m: Image, surfaces: Image, texel_m: float) -> Image:
-    """Return unit normals (N-2, N-2, 3) of a relief (N, N) of several `surfaces` (N, N); flat where two of them meet."""
+    """Return unit normals (N-2, N-2, 3) of a relief (N, N) of several `surfaces` (N, N); flat where two meet."""
     slopes = []
     for axis in (1, 0):
         before, after = (np.roll(height_m, shift, axis) for shift in (1, -1))
