@@ -1,10 +1,10 @@
-"""What no single field can show: geometry that cannot be, and settings that contradict each other."""
+"""Checks over several fields: impossible geometry, and settings that contradict each other."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
-from configs.faults import Fault
+from configs.faults import ConfigFault
 from configs.motion_checks import motion_faults
 from configs.schema.arena import ArcPiece, ArenaConfig, StraightPiece
 from configs.schema.look import LookConfig
@@ -18,7 +18,7 @@ from symolo.core.lens import lens_problem
 from symolo.core.yaml_tree import FieldPath, Node, dotted
 
 LINTEL_M = 0.1
-"""Least height of wall between a window and the ceiling; a window that is too high for it is made lower."""
+"""Smallest height of wall between a window and the ceiling; a window that is too high is made lower."""
 MIN_WINDOW_M = 0.2
 
 
@@ -32,13 +32,13 @@ def check_scenario(scenario: Scenario, root: Node) -> None:
 
 
 def check_run(scenario: Scenario, root: Node, route: int, run: int) -> None:
-    """The same for the values drawn for one run of the route with this index."""
+    """Refuse contradictions in the values that were drawn for one run of the route with this index."""
     note = f"drawn for {scenario.routes[route].name} run {run}; narrow the distributions or take another seed"
     _refuse(_scenario_faults(scenario, [route]), root, note)
 
 
 def check_kinds(placed: Mapping[FieldPath, Placed], root: Node) -> None:
-    """Refuse distributions whose draws would nearly all break a rule that their ends keep."""
+    """Refuse distributions whose ends are valid while nearly all draws are not."""
     for path, item in placed.items():
         timing = len(path) == 3 and path[0] == "robot" and path[-1] in {"period_s", "delay_s"}
         if timing and not isinstance(item.distribution, Choice):
@@ -58,12 +58,12 @@ def check_look(look: LookConfig, root: Node) -> None:
     _refuse(_look_faults(look), root)
 
 
-def _refuse(faults: Iterable[Fault], root: Node, note: str = "") -> None:
+def _refuse(faults: Iterable[ConfigFault], root: Node, note: str = "") -> None:
     for fault in faults:
         raise fault.error(root, note)
 
 
-def _scenario_faults(scenario: Scenario, routes: Iterable[int]) -> Iterator[Fault]:
+def _scenario_faults(scenario: Scenario, routes: Iterable[int]) -> Iterator[ConfigFault]:
     yield from _route_name_faults(scenario.routes)
     yield from _arena_faults(scenario.arena)
     yield from robot_faults(scenario.robot, in_simulation=True)
@@ -74,28 +74,28 @@ def _scenario_faults(scenario: Scenario, routes: Iterable[int]) -> Iterator[Faul
         yield from _start_faults(scenario.arena, scenario.robot, scenario.routes[index], ("routes", index, "start"))
 
 
-def _route_name_faults(routes: tuple[Route, ...]) -> Iterator[Fault]:
+def _route_name_faults(routes: tuple[Route, ...]) -> Iterator[ConfigFault]:
     seen: dict[str, int] = {}
     for index, route in enumerate(routes):
         first = seen.setdefault(route.name.lower(), index)
         if first != index:
-            cure = "give each route a name of its own, different in more than upper and lower case"
-            yield Fault(("routes", index, "name"), f"the same name as routes.{first}", got=route.name, cure=cure)
+            cure = "give each route another name, different in more than upper and lower case"
+            yield ConfigFault(("routes", index, "name"), f"the same name as routes.{first}", got=route.name, cure=cure)
 
 
-def _period_faults(rates: Rates, robot: RobotConfig) -> Iterator[Fault]:
+def _period_faults(rates: Rates, robot: RobotConfig) -> Iterator[ConfigFault]:
     sensors = {"tof": robot.tof, "line_sensor": robot.line_sensor, "encoder": robot.encoder}
     for name, sensor in sensors.items():
-        for field, value_s, fewest in (("period_s", sensor.period_s, 1), ("delay_s", sensor.delay_s, 0)):
+        for field, value_s, min_steps in (("period_s", sensor.period_s, 1), ("delay_s", sensor.delay_s, 0)):
             steps = value_s * rates.physics_hz
-            if round(steps) < fewest or not math.isclose(steps, round(steps), rel_tol=1e-9):
-                near = max(fewest, round(steps)) / rates.physics_hz
+            if round(steps) < min_steps or not math.isclose(steps, round(steps), rel_tol=1e-9):
+                near = max(min_steps, round(steps)) / rates.physics_hz
                 step_s = 1 / rates.physics_hz
                 allowed = f"a whole number of physics steps of {step_s:.9g} s (rates.physics_hz {rates.physics_hz})"
-                yield Fault(("robot", name, field), got=value_s, allowed=allowed, cure=f"write {near:.9g}")
+                yield ConfigFault(("robot", name, field), got=value_s, allowed=allowed, cure=f"write {near:.9g}")
 
 
-def _arena_faults(arena: ArenaConfig) -> Iterator[Fault]:
+def _arena_faults(arena: ArenaConfig) -> Iterator[ConfigFault]:
     line: FieldPath = ("arena", "line", "pieces")
     for index, piece in enumerate(arena.line.pieces):
         yield from _piece_faults(piece, arena.line.width_m, (*line, index))
@@ -105,17 +105,22 @@ def _arena_faults(arena: ArenaConfig) -> Iterator[Fault]:
             path: FieldPath = ("arena", kind, index)
             first = names.setdefault(item.name, path)
             if first != path:
-                cure = "contacts and drawn values go by name; give each its own"
-                yield Fault((*path, "name"), f"the same name as {dotted(first)}", got=item.name, cure=cure)
+                cure = "contacts and drawn values refer to names; give each another name"
+                yield ConfigFault((*path, "name"), f"the same name as {dotted(first)}", got=item.name, cure=cure)
     for index, wall in enumerate(arena.walls):
         if math.dist(wall.start, wall.end) < 1e-3:
-            yield Fault(("arena", "walls", index), "a wall of no length", got=wall.end, allowed="an end off its start")
+            yield ConfigFault(
+                ("arena", "walls", index),
+                "a wall of no length",
+                got=wall.end,
+                allowed="an end that differs from the start",
+            )
     yield from _outside_faults(arena)
     yield from motion_faults(arena)
     yield from _generator_faults(arena)
 
 
-def _generator_faults(arena: ArenaConfig) -> Iterator[Fault]:
+def _generator_faults(arena: ArenaConfig) -> Iterator[ConfigFault]:
     placed: tuple[tuple[FieldPath, int], ...] = (
         (("arena", "line", "pieces"), len(arena.line.pieces)),
         (("arena", "walls"), len(arena.walls)),
@@ -125,25 +130,29 @@ def _generator_faults(arena: ArenaConfig) -> Iterator[Fault]:
         if arena.generate is not None and count:
             cure = f"write {dotted(path)}: [], or generate: null"
             problem = f"{count} of them beside arena.generate, which draws them"
-            yield Fault(path, problem, allowed="an empty list", against=("arena", "generate"), cure=cure)
+            yield ConfigFault(path, problem, allowed="an empty list", against=("arena", "generate"), cure=cure)
 
 
-def _piece_faults(piece: StraightPiece | ArcPiece, width_m: float, path: FieldPath) -> Iterator[Fault]:
+def _piece_faults(piece: StraightPiece | ArcPiece, width_m: float, path: FieldPath) -> Iterator[ConfigFault]:
     if isinstance(piece, StraightPiece):
         if math.dist(piece.start, piece.end) < 1e-3:
-            yield Fault(path, "a straight piece of no length", got=piece.end, allowed="an end off its start")
+            yield ConfigFault(
+                path, "a straight piece of no length", got=piece.end, allowed="an end that differs from the start"
+            )
         return
     sweep_deg = abs(piece.end_deg - piece.start_deg)
     if sweep_deg < 0.1:
-        yield Fault(path, "an arc of no length", got=piece.end_deg, allowed="end_deg other than start_deg")
+        yield ConfigFault(path, "an arc of no length", got=piece.end_deg, allowed="end_deg other than start_deg")
     if sweep_deg > 360:
-        yield Fault(path, "the arc overlaps itself", got=sweep_deg, allowed="at most 360 from start_deg to end_deg")
+        yield ConfigFault(
+            path, "the arc overlaps itself", got=sweep_deg, allowed="at most 360 from start_deg to end_deg"
+        )
     if piece.radius_m <= width_m / 2:
         allowed = f"more than half the line's width of {width_m}"
-        yield Fault((*path, "radius_m"), got=piece.radius_m, allowed=allowed)
+        yield ConfigFault((*path, "radius_m"), got=piece.radius_m, allowed=allowed)
 
 
-def _outside_faults(arena: ArenaConfig) -> Iterator[Fault]:
+def _outside_faults(arena: ArenaConfig) -> Iterator[ConfigFault]:
     limit = arena.floor.half_extent_m
     points: list[tuple[FieldPath, Point]] = []
     for index, piece in enumerate(arena.line.pieces):
@@ -159,11 +168,11 @@ def _outside_faults(arena: ArenaConfig) -> Iterator[Fault]:
         if max(abs(point[0]), abs(point[1])) > limit:
             allowed = f"points on the floor, within {limit} m of the origin along x and y"
             cure = "move it or enlarge arena.floor.half_extent_m"
-            yield Fault(path, "beyond the edge of the floor", got=point, allowed=allowed, cure=cure)
+            yield ConfigFault(path, "beyond the edge of the floor", got=point, allowed=allowed, cure=cure)
 
 
 def _outermost(arc: ArcPiece) -> list[Point]:
-    """Points of an arc among which are those furthest along x and y: its ends, and where it heads along an axis."""
+    """Return points of an arc that include its extremes along x and y: the ends, and where it runs along an axis."""
     low, high = sorted((arc.start_deg, arc.end_deg))
     quarters = range(math.ceil(low / 90), math.floor(high / 90) + 1)
     directions = [math.radians(deg) for deg in (low, high, *(90 * quarter for quarter in quarters))]
@@ -171,7 +180,7 @@ def _outermost(arc: ArcPiece) -> list[Point]:
     return [(x + r * math.cos(direction), y + r * math.sin(direction)) for direction in directions]
 
 
-def robot_faults(robot: RobotConfig, *, in_simulation: bool) -> Iterator[Fault]:
+def robot_faults(robot: RobotConfig, *, in_simulation: bool) -> Iterator[ConfigFault]:
     """Yield what is wrong with a robot in any arena.
 
     Args:
@@ -187,35 +196,37 @@ def robot_faults(robot: RobotConfig, *, in_simulation: bool) -> Iterator[Fault]:
         path: FieldPath = ("robot", "controller", "corner")
         allowed = f"less than front_clear_m, which is {corner.front_clear_m}"
         against = (*path, "front_clear_m")
-        yield Fault((*path, "front_below_m"), got=corner.front_below_m, allowed=allowed, against=against)
+        yield ConfigFault((*path, "front_below_m"), got=corner.front_below_m, allowed=allowed, against=against)
 
 
-def _effect_faults(robot: RobotConfig, *, in_simulation: bool) -> Iterator[Fault]:
+def _effect_faults(robot: RobotConfig, *, in_simulation: bool) -> Iterator[ConfigFault]:
     for effect in robot.effects:
         for fault in effect.faults(in_simulation=in_simulation):
             yield replace(fault, path=("robot", "effects", effect.name, *fault.path))
 
 
-def _lens_faults(scenario: Scenario) -> Iterator[Fault]:
+def _lens_faults(scenario: Scenario) -> Iterator[ConfigFault]:
     camera, render = scenario.robot.camera, scenario.render
     if problem := lens_problem(camera, render.width_px, render.height_px):
         got = ", ".join(f"{name} {value:g}" for name, value in camera.distortion if value)
         cure = "take smaller coefficients, a longer focal_length_mm or a smaller sensor_width_mm"
-        yield Fault(("robot", "camera", "distortion"), problem, got=got, cure=cure)
+        yield ConfigFault(("robot", "camera", "distortion"), problem, got=got, cure=cure)
 
 
-def _range_faults(robot: RobotConfig) -> Iterator[Fault]:
+def _range_faults(robot: RobotConfig) -> Iterator[ConfigFault]:
     tof = robot.tof
     path: FieldPath = ("robot", "tof")
     if tof.min_range_m >= tof.max_range_m:
         allowed = f"less than max_range_m, which is {tof.max_range_m}"
-        yield Fault((*path, "min_range_m"), got=tof.min_range_m, allowed=allowed, against=(*path, "max_range_m"))
+        yield ConfigFault((*path, "min_range_m"), got=tof.min_range_m, allowed=allowed, against=(*path, "max_range_m"))
     if tof.min_range_m < tof.no_target_m < tof.max_range_m:
         ends = f"up to {tof.min_range_m} (min_range_m) or from {tof.max_range_m} (max_range_m)"
-        yield Fault((*path, "no_target_m"), got=tof.no_target_m, allowed=f"values outside the valid range, {ends}")
+        yield ConfigFault(
+            (*path, "no_target_m"), got=tof.no_target_m, allowed=f"values outside the valid range, {ends}"
+        )
 
 
-def _stall_faults(robot: RobotConfig) -> Iterator[Fault]:
+def _stall_faults(robot: RobotConfig) -> Iterator[ConfigFault]:
     motor = robot.motor
     voltage = min(robot.power.battery_voltage_V, robot.power.motor_voltage_limit_V)
     stall_N_m = motor.torque_constant_N_m_A * voltage / motor.winding_resistance_ohm
@@ -224,61 +235,65 @@ def _stall_faults(robot: RobotConfig) -> Iterator[Fault]:
         problem = "the motor cannot overcome its friction"
         allowed = f"less than {stall_N_m:.3g}, its torque at {voltage} V and {motor.winding_resistance_ohm} ohm"
         against = (*path, "winding_resistance_ohm")
-        yield Fault((*path, "coulomb_friction_N_m"), problem, motor.coulomb_friction_N_m, allowed, against=against)
+        yield ConfigFault(
+            (*path, "coulomb_friction_N_m"), problem, motor.coulomb_friction_N_m, allowed, against=against
+        )
 
 
-def _body_faults(robot: RobotConfig) -> Iterator[Fault]:
+def _body_faults(robot: RobotConfig) -> Iterator[ConfigFault]:
     chassis, drive = robot.chassis, robot.drive
     chassis_path: FieldPath = ("robot", "chassis")
     drive_path: FieldPath = ("robot", "drive")
-    widest = chassis.width_m - drive.wheel_width_m
-    if drive.track_m > widest + 1e-9:
-        allowed = f"at most {widest:.6g}, chassis.width_m less drive.wheel_width_m, which covers the wheels"
-        yield Fault((*drive_path, "track_m"), got=drive.track_m, allowed=allowed, against=(*chassis_path, "width_m"))
+    max_track_m = chassis.width_m - drive.wheel_width_m
+    if drive.track_m > max_track_m + 1e-9:
+        allowed = f"at most {max_track_m:.6g}, chassis.width_m less drive.wheel_width_m, which covers the wheels"
+        yield ConfigFault(
+            (*drive_path, "track_m"), got=drive.track_m, allowed=allowed, against=(*chassis_path, "width_m")
+        )
     if not chassis.clearance_m < drive.wheel_diameter_m <= chassis.length_m:
         allowed = f"more than chassis.clearance_m ({chassis.clearance_m}), up to chassis.length_m ({chassis.length_m})"
-        yield Fault((*drive_path, "wheel_diameter_m"), got=drive.wheel_diameter_m, allowed=allowed)
+        yield ConfigFault((*drive_path, "wheel_diameter_m"), got=drive.wheel_diameter_m, allowed=allowed)
     if chassis.clearance_m >= chassis.base_height_m:
         allowed = f"less than base_height_m, which is {chassis.base_height_m}"
         against = (*chassis_path, "base_height_m")
-        yield Fault((*chassis_path, "clearance_m"), got=chassis.clearance_m, allowed=allowed, against=against)
+        yield ConfigFault((*chassis_path, "clearance_m"), got=chassis.clearance_m, allowed=allowed, against=against)
     if abs(drive.caster_x_m) > chassis.length_m / 2:
         allowed = f"at most {chassis.length_m / 2:.6g}, half of chassis.length_m, before or behind the axle"
         against = (*chassis_path, "length_m")
-        yield Fault((*drive_path, "caster_x_m"), got=drive.caster_x_m, allowed=allowed, against=against)
+        yield ConfigFault((*drive_path, "caster_x_m"), got=drive.caster_x_m, allowed=allowed, against=against)
     low, high = sorted((0.0, drive.caster_x_m))
     if not low <= chassis.center_of_mass_x_m <= high or low == high:
         allowed = f"between the axle at 0 and the caster at {drive.caster_x_m}, or the robot tips over"
         got, against = chassis.center_of_mass_x_m, (*drive_path, "caster_x_m")
-        yield Fault((*chassis_path, "center_of_mass_x_m"), got=got, allowed=allowed, against=against)
+        yield ConfigFault((*chassis_path, "center_of_mass_x_m"), got=got, allowed=allowed, against=against)
 
 
-def _look_faults(look: LookConfig) -> Iterator[Fault]:
+def _look_faults(look: LookConfig) -> Iterator[ConfigFault]:
     if look.floor.material == "image" and look.floor.image.file is None:
         cure = "name a picture in the folder of look.assets, or choose another look.floor.material"
-        yield Fault(("look", "floor", "image", "file"), "missing, for the floor is an image", cure=cure)
-    highest = look.room.height_m - LINTEL_M - MIN_WINDOW_M
-    if look.window.sill_m > highest + 1e-9:
-        problem = "there is no room for the window below the ceiling"
-        allowed = f"at most {highest:.6g}, room.height_m less {MIN_WINDOW_M} of window and {LINTEL_M} of wall"
+        yield ConfigFault(("look", "floor", "image", "file"), "missing, because the floor is an image", cure=cure)
+    max_sill_m = look.room.height_m - LINTEL_M - MIN_WINDOW_M
+    if look.window.sill_m > max_sill_m + 1e-9:
+        problem = "the window does not fit below the ceiling"
+        allowed = f"at most {max_sill_m:.6g}, room.height_m less {MIN_WINDOW_M} of window and {LINTEL_M} of wall"
         against: FieldPath = ("look", "room", "height_m")
-        yield Fault(("look", "window", "sill_m"), problem, look.window.sill_m, allowed, against=against)
+        yield ConfigFault(("look", "window", "sill_m"), problem, look.window.sill_m, allowed, against=against)
     lamps = look.lamps.rows * look.lamps.flux_klm
     lamps += min(look.desk_lamps.count, look.room.furniture.tables) * look.desk_lamps.flux_klm
     if not (lamps or look.sun.illuminance_klx or look.sky.luminance_kcd_m2):
         allowed = "a value above 0 for lamps.rows and lamps.flux_klm, sun.illuminance_klx or sky.luminance_kcd_m2, "
         allowed += "or a desk lamp and a table for it"
-        yield Fault(("look", "lamps"), "there is no light on", allowed=allowed)
+        yield ConfigFault(("look", "lamps"), "there is no light", allowed=allowed)
 
 
-def _start_faults(arena: ArenaConfig, robot: RobotConfig, route: Route, path: FieldPath) -> Iterator[Fault]:
+def _start_faults(arena: ArenaConfig, robot: RobotConfig, route: Route, path: FieldPath) -> Iterator[ConfigFault]:
     start = route.start
     at = (start.x_m, start.y_m)
     body = Rectangle(at, (robot.chassis.length_m, robot.chassis.width_m), math.radians(start.yaw_deg))
     limit = arena.floor.half_extent_m
     if any(max(abs(x), abs(y)) > limit for x, y in body.corners()):
         allowed = f"poses on the floor, within {limit} m of the origin along x and y"
-        yield Fault(path, "the robot stands beyond the edge of the floor", got=at, allowed=allowed)
+        yield ConfigFault(path, "the robot stands beyond the edge of the floor", got=at, allowed=allowed)
     for wall in arena.walls:
         if math.dist(wall.start, wall.end) > 0 and overlap(body, wall_footprint(wall)):
             yield _blocked(route, path, f"wall {wall.name}")
@@ -287,6 +302,8 @@ def _start_faults(arena: ArenaConfig, robot: RobotConfig, route: Route, path: Fi
             yield _blocked(route, path, f"obstacle {obstacle.name}")
 
 
-def _blocked(route: Route, path: FieldPath, name: str) -> Fault:
+def _blocked(route: Route, path: FieldPath, name: str) -> ConfigFault:
     problem = f"the robot of route {route.name} would start inside {name}"
-    return Fault(path, problem, got=(route.start.x_m, route.start.y_m), cure="move the start or what stands there")
+    return ConfigFault(
+        path, problem, got=(route.start.x_m, route.start.y_m), cure="move the start or what stands there"
+    )

@@ -1,4 +1,4 @@
-"""Draw first, build later: the only step that sees distributions. What it returns holds numbers alone."""
+"""Random draws: the only step that sees distributions. Its results contain numbers only."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -8,7 +8,7 @@ import numpy as np
 from configs.arena_generation.generate import NoArenaError, generate_arena
 from configs.arena_generation.track import Pose
 from configs.checks import check_run
-from configs.faults import Fault
+from configs.faults import ConfigFault
 from configs.loader import ArenaAlone, LoadedScenario, LoadedSection, LookAlone, RobotAlone
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
@@ -44,23 +44,23 @@ STREAM_NAMES = (
     }
     | {"effects": "effects"}
 )
-"""Names of fields in the keys of streams, where they are not the fields' own: a seed keeps the numbers that it gave
-before version 0.2.0 renamed the field."""
+"""Parts of field paths that have another name in the keys of random streams, so that a seed gives the same numbers as
+before version 0.2.0 renamed them."""
 
 
 def draw_run(loaded: LoadedScenario, route: str, run: int) -> RunSpec:
-    """The specification of one run.
+    """Return the specification of one run.
 
-    A value's stream is keyed by seed, route, run and its field path within the specification, so that neither
-    other fields nor other runs nor the order in the file change it.
+    The random stream of a value is keyed by seed, route, run and its field path within the specification, so that
+    neither other fields nor other runs nor the order in the file change it.
 
     Args:
         loaded: The checked scenario.
         route: Name of one of its routes.
-        run: 1 to the number of runs of that route, or beyond it.
+        run: Number of the run, from 1; it may exceed the number of runs of the route.
 
     Raises:
-        InputError: When the drawn values make an impossible world, such as an obstacle on the start.
+        InputError: The drawn values are impossible together, such as an obstacle on the start.
     """
     names = [item.name for item in loaded.routes]
     if route not in names:
@@ -69,10 +69,10 @@ def draw_run(loaded: LoadedScenario, route: str, run: int) -> RunSpec:
     values: dict[FieldPath, Scalar] = {}
     drawn: dict[str, Scalar] = {}
     for path, item in loaded.placed.items():
-        own = ("start", *path[3:]) if path[:3] == start else path
+        spec_path = ("start", *path[3:]) if path[:3] == start else path
         values[path] = item.ends()[0]
-        if own[0] != "routes":
-            values[path] = drawn[dotted(own)] = item.draw(_field_stream(own, loaded.seed, route, run))
+        if spec_path[0] != "routes":
+            values[path] = drawn[dotted(spec_path)] = item.draw(_field_stream(spec_path, loaded.seed, route, run))
     scenario = validated(loaded.root, Scenario, values)
     chosen = scenario.routes[names.index(route)]
     if scenario.arena.generate is not None:
@@ -100,12 +100,12 @@ def draw_run(loaded: LoadedScenario, route: str, run: int) -> RunSpec:
 
 
 def draw_all(loaded: LoadedScenario) -> list[RunSpec]:
-    """Every run of a scenario: routes in their order, runs from 1."""
+    """Return all runs of a scenario: routes in their order, runs from 1."""
     return list(draw_each(loaded))
 
 
 def draw_each(loaded: LoadedScenario) -> Iterator[RunSpec]:
-    """The same one by one, each drawn when it is asked for."""
+    """Yield all runs of a scenario, each drawn when it is needed."""
     for route in loaded.routes:
         for run in range(1, route.runs + 1):
             yield draw_run(loaded, route.name, run)
@@ -114,20 +114,20 @@ def draw_each(loaded: LoadedScenario) -> Iterator[RunSpec]:
 def draw_arena(
     section: LoadedSection, seed: int, *key: str | int, start: Pose = (0.0, 0.0, 0.0)
 ) -> tuple[ArenaConfig, dict[str, Scalar]]:
-    """An arena alone, with its drawn values by path; a generated line passes the start straight on."""
+    """Return an arena with its drawn values by path; a generated line is straight at the start."""
     values = _draws(section.placed, seed, key)
     arena = validated(section.root, ArenaAlone, values).arena
     return _generated(arena, start, stream(seed, *key, GENERATE), section.root), _by_name(values)
 
 
 def draw_robot(section: LoadedSection, seed: int, *key: str | int) -> tuple[RobotConfig, dict[str, Scalar]]:
-    """A robot alone, with its drawn values by path."""
+    """Return a robot with its drawn values by path."""
     values = _draws(section.placed, seed, key)
     return validated(section.root, RobotAlone, values).robot, _by_name(values)
 
 
 def draw_look(section: LoadedSection, seed: int, *key: str | int) -> tuple[LookConfig, dict[str, Scalar]]:
-    """A look alone, with its drawn values by path.
+    """Return a look with its drawn values by path.
 
     With the scenario's seed and `(route, run)` as key, the values are those of the run itself.
     """
@@ -136,7 +136,7 @@ def draw_look(section: LoadedSection, seed: int, *key: str | int) -> tuple[LookC
 
 
 def draw_render(loaded: LoadedScenario, seed: int, *key: str | int) -> Render:
-    """The picture settings of a scenario alone.
+    """Return the image settings of a scenario.
 
     With the scenario's seed and `(route, run)` as key, the values are those of the run itself.
     """
@@ -146,9 +146,9 @@ def draw_render(loaded: LoadedScenario, seed: int, *key: str | int) -> Render:
 
 
 def _drawn_about(loaded: LoadedScenario, start: FieldPath, values: Mapping[FieldPath, Scalar]) -> Scenario:
-    """The scenario with the start in the middle of what its numbers are drawn from.
+    """Return the scenario with the start in the middle of its distributions.
 
-    A generated line lies there, so that the start drawn for the run is as far off it as its distribution says.
+    A generated line passes there, so that the drawn start is as far off the line as its distribution says.
     """
     middle: dict[FieldPath, Scalar] = {}
     for path, item in loaded.placed.items():
@@ -162,8 +162,8 @@ def _generated(arena: ArenaConfig, start: Pose, rng: np.random.Generator, root: 
     try:
         return generate_arena(arena, start, rng)
     except NoArenaError as error:
-        cure = "ask for fewer corners or obstacles, smaller bends, another radius_m or a larger floor"
-        raise Fault(("arena", "generate"), str(error), cure=cure).error(root, note) from None
+        cure = "take fewer corners or obstacles, smaller bends, another radius_m or a larger floor"
+        raise ConfigFault(("arena", "generate"), str(error), cure=cure).error(root, note) from None
 
 
 def _draws(placed: Mapping[FieldPath, Placed], seed: int, key: tuple[str | int, ...]) -> dict[FieldPath, Scalar]:

@@ -1,4 +1,4 @@
-"""A fault of a configuration, told by its field path and the place where the field was written."""
+"""Faults of a configuration, with the field path and the place where the field was written."""
 
 from dataclasses import dataclass
 
@@ -7,24 +7,24 @@ from symolo.core.yaml_tree import FieldPath, Node, dotted
 
 
 @dataclass(frozen=True)
-class Fault:
+class ConfigFault:
     path: FieldPath
     problem: str = ""
-    """What is wrong where the value alone does not tell."""
+    """What is wrong, if the value alone does not show it."""
     got: object = ...
-    """The value found; left out by default."""
+    """Value at fault; not shown by default."""
     allowed: str = ""
     nearest: str = ""
     against: FieldPath = ()
-    """The other field that it does not go with; its place is told too."""
+    """Other field that it contradicts, whose place is shown too."""
     cure: str = ""
 
     def error(self, root: Node, note: str = "") -> InputError:
-        """The fault as one line.
+        """Return the fault as an error of one line.
 
         Args:
-            root: The tree that it was found in.
-            note: Said at the end.
+            root: Tree with the fault.
+            note: Text for the end of the line.
         """
         other = f" (given at {root.place_of(self.against)})" if self.against else ""
         drawn = [_cure_of_distribution(path, root) for path in (self.path, self.against)]
@@ -39,7 +39,7 @@ class Fault:
 
 
 def _cure_of_distribution(path: FieldPath, root: Node) -> str:
-    """What to do about a faulty value that a distribution can take; empty where none stands at the path."""
+    """Return what to do about a faulty value of a distribution; empty if there is no distribution at the path."""
     node = root.at(path)
     if node is None or not node.is_distribution:
         return ""

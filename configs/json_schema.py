@@ -1,7 +1,7 @@
-"""JSON Schema of a scenario file, for editors: what the models say, and what a file may write instead.
+"""JSON Schema of a scenario file, for editors: the models, and what a file may contain in addition.
 
-Beyond the models, a file may name its arena, robot and look, build on another by `extends:`, leave out what that one
-gives, and hold a distribution at any leaf that may be drawn.
+In addition to the models, a file may name its arena, robot and look, extend another by `extends:`, leave out what that
+one contains, and have a distribution at any leaf that may be drawn.
 """
 
 from collections.abc import Iterator, Mapping
@@ -20,12 +20,12 @@ _NORMAL = {
     "additionalProperties": False,
 }
 _OPTIONS = {"type": "array", "items": {"type": ["number", "string", "boolean"]}, "minItems": 1}
-_FOLDER = {"type": "string", "description": "folder of your own pictures and panoramas, relative to this file"}
+_FOLDER = {"type": "string", "description": "folder of your images and panoramas, relative to this file"}
 _KINDS = {"uniform": _NUMBERS, "log_uniform": _NUMBERS, "normal": {"anyOf": [_NUMBERS, _NORMAL]}, "choice": _OPTIONS}
 
 
 def scenario_json_schema() -> dict[str, Any]:
-    """The schema as plain data, draft 2020-12."""
+    """Return the schema as plain data, draft 2020-12."""
     shape = Shape.of(Scenario)
     in_lists = set(_below_lists(shape.schema, shape))
     definitions = {
@@ -55,10 +55,10 @@ def _reference(kind: str) -> dict[str, Any]:
 
 
 def _mapping(schema: Mapping[str, Any], shape: Shape, *, required: bool) -> dict[str, Any]:
-    """A model's schema whose fields may be drawn and, outside lists, left to what the file extends."""
-    kept = {key: value for key, value in schema.items() if key != "$defs" and (required or key != "required")}
-    kept["properties"] = {key: _field(inner, shape) for key, inner in schema.get("properties", {}).items()}
-    return kept
+    """Return a model's schema whose fields may be drawn and, outside lists, left out."""
+    mapping = {key: value for key, value in schema.items() if key != "$defs" and (required or key != "required")}
+    mapping["properties"] = {key: _field(inner, shape) for key, inner in schema.get("properties", {}).items()}
+    return mapping
 
 
 def _field(schema: dict[str, Any], shape: Shape) -> dict[str, Any]:
@@ -77,7 +77,7 @@ def _field(schema: dict[str, Any], shape: Shape) -> dict[str, Any]:
 
 
 def _below_lists(schema: Any, shape: Shape, *, inside: bool = False) -> Iterator[str]:  # noqa: ANN401 - plain JSON
-    """Names of the definitions that stand in lists: a list replaces, so its items must be whole."""
+    """Yield the definitions that occur in lists: a list replaces another, so that its items must be complete."""
     if isinstance(schema, list):
         for item in schema:
             yield from _below_lists(item, shape, inside=inside)

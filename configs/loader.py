@@ -32,10 +32,10 @@ class LoadedScenario:
 
     root: Node
     placed: Mapping[FieldPath, Placed]
-    """The distributions by path."""
+    """Distributions by field path."""
     source_files: tuple[Path, ...]
     assets: Mapping[str, Path]
-    """Where the files of the user's own lie that the look names, by SHA-256."""
+    """Paths of the user's files that the look names, by SHA-256."""
     name: str
     description: str
     licence: str
@@ -46,7 +46,7 @@ class LoadedScenario:
 
     @property
     def tree(self) -> dict[str, Any]:
-        """The whole scenario as plain values, distributions as written."""
+        """The whole scenario as plain values, with distributions as written."""
         return self.root.plain()
 
     @property
@@ -57,14 +57,14 @@ class LoadedScenario:
 
 @dataclass(frozen=True)
 class LoadedSection:
-    """An arena, robot or look alone; field paths begin with its kind, as in a scenario."""
+    """An arena, robot or look without a scenario; field paths begin with its kind, as in a scenario."""
 
     kind: str
     root: Node
     placed: Mapping[FieldPath, Placed]
     source_files: tuple[Path, ...]
     assets: Mapping[str, Path]
-    """As in a scenario."""
+    """Paths of the user's files that the look names, by SHA-256."""
 
     @property
     def tree(self) -> dict[str, Any]:
@@ -100,7 +100,7 @@ def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSce
         overrides: Texts such as `look.sun.elevation_deg=30`, applied in this order.
 
     Raises:
-        InputError: For the first thing that is wrong, before anything is drawn.
+        InputError: Something is wrong; nothing has been drawn yet.
     """
     reader = Reader()
     root = reader.read("scenario", locate("scenario", name_or_path, folder=Path(), what="scenario"))
@@ -109,10 +109,10 @@ def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSce
 
 
 def load_resolved(tree: Mapping[str, Any], where: str) -> LoadedScenario:
-    """The scenario whose `tree` this is, as metadata.json of a dataset holds it; no file is read.
+    """Return the scenario with this `tree`, as metadata.json of a dataset contains it; no file is read.
 
     Raises:
-        InputError: It is none of this version's; `where` stands for the places of its fields.
+        InputError: It does not fit this version; `where` is shown as the place of its fields.
     """
     return _checked(node_of(tree, where), (), {})
 
@@ -123,7 +123,7 @@ def _checked(root: Node, source_files: tuple[Path, ...], assets: Mapping[str, Pa
     probed = [validated(root, Scenario, values) for values in probes(placed)]
     for scenario in probed:
         check_scenario(scenario, root)
-    scenario = probed[0]  # what is read of it below is the same in all
+    scenario = probed[0]  # the fields below are the same in all
     return LoadedScenario(
         root=root,
         placed=placed,
@@ -146,7 +146,7 @@ def load_section(kind: str, name_or_path: str, overrides: Sequence[str] = (), op
         kind: arena, robot or look.
         name_or_path: The name of a shipped file, or a path.
         overrides: Texts such as `look.sun.elevation_deg=30`.
-        option: Where the name was given, for errors; `--<kind>` by default.
+        option: Origin of the name, for errors; `--<kind>` by default.
     """
     reader = Reader()
     node = reader.read(kind, locate(kind, name_or_path, folder=Path(), what=option or f"--{kind}"))
@@ -168,7 +168,7 @@ def _overridden(root: Node, model: type[Section], overrides: Sequence[str], read
     shape = Shape.of(model)
     root = with_defaults(root, shape)
     for text in overrides:
-        # Defaults again, because a new list item or section may leave fields out.
+        # Add defaults again, because a new list item or section may lack fields.
         root = with_defaults(apply_override(root, text, reader), shape)
     return root
 

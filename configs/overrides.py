@@ -1,4 +1,4 @@
-"""Values given on the command line: `--set look.sun.elevation_deg=30`."""
+"""Values from the command line: `--set look.sun.elevation_deg=30`."""
 
 from pathlib import Path
 
@@ -10,10 +10,10 @@ from symolo.core.yaml_tree import FieldPath, Node, dotted, merge
 
 
 def apply_override(root: Node, text: str, reader: Reader) -> Node:
-    """The tree with one `field.path=value` laid over it; the value is YAML, list items go by index or name.
+    """Return the tree with one `field.path=value` merged over it: YAML, with list items by index or name.
 
     Raises:
-        InputError: When the text has another form, or the path runs through a value that has no fields.
+        InputError: The text has another form, or the path leads through a value without fields.
     """
     name, equals, value = text.partition("=")
     name = name.strip()
@@ -35,13 +35,13 @@ def apply_override(root: Node, text: str, reader: Reader) -> Node:
 
 
 def replaced_section(text: str) -> str:
-    """The section that an override puts another one in place of, by a name or `extends`; none where it sets fields."""
+    """Return the section that an override replaces by a name or `extends`; empty if it sets fields."""
     name, _, value = text.partition("=")
     name = name.strip()
     if name not in SECTIONS:
         return ""
-    given = parse_yaml(value, f"--set {name}", with_lines=False).value
-    return name if isinstance(given, str) or (isinstance(given, dict) and "extends" in given) else ""
+    content = parse_yaml(value, f"--set {name}", with_lines=False).value
+    return name if isinstance(content, str) or (isinstance(content, dict) and "extends" in content) else ""
 
 
 def _set(node: Node, rest: list[str], path: FieldPath, value: Node, where: str) -> Node:

@@ -1,4 +1,4 @@
-"""Names and paths of scenarios, arenas, robots and looks, and the files that build on others by `extends:`."""
+"""Names and paths of scenarios, arenas, robots and looks, and files that extend others by `extends:`."""
 
 import os
 from dataclasses import dataclass, field
@@ -11,29 +11,29 @@ from symolo.core.yaml_tree import FieldPath, Node, dotted, merge
 
 FOLDERS = {"scenario": "scenarios", "arena": "arenas", "robot": "robots", "look": "looks"}
 SECTIONS = ("arena", "robot", "look")
-_LONGEST_CHAIN = 32
+_MAX_CHAIN = 32
 _SHIPPED = Path(__file__).parent
 
 
 def shipped_names(kind: str) -> tuple[str, ...]:
-    """Names of the files that come with the project, for example `("classroom", "lab")` of `look`."""
+    """Return the names of the shipped files of a kind, for example `("classroom", "lab")` for `look`."""
     return tuple(sorted(path.stem for path in (_SHIPPED / FOLDERS[kind]).glob("*.yaml")))
 
 
 def locate(kind: str, reference: str, *, folder: Path, what: str, where: str = "") -> Path:
-    """The file that a name or a path means.
+    """Return the file for a name or a path.
 
     Args:
         kind: scenario, arena, robot or look.
         reference: The name of a shipped file, or a path, which has a slash or ends in .yaml.
-        folder: Where a relative path starts.
-        what: Field path or argument that holds the reference, for the message.
-        where: `file:line` of it.
+        folder: Start of relative paths.
+        what: Field path or argument with the reference, for the message.
+        where: `file:line` of the reference.
     """
     names = shipped_names(kind)
     if reference in names:
         return _SHIPPED / FOLDERS[kind] / f"{reference}.yaml"
-    # os.path tells no file from a name that the system refuses; pathlib raises there.
+    # For names that the system refuses, os.path returns False, while pathlib raises.
     if "/" in reference or reference.endswith((".yaml", ".yml")):
         path = folder / os.path.expanduser(reference)  # noqa: PTH111 - as above
         if os.path.isfile(path):  # noqa: PTH113 - as above
@@ -53,7 +53,7 @@ def _references(kind: str) -> str:
 
 
 def _nearest_file(path: Path, reference: str, names: tuple[str, ...]) -> str:
-    """The shipped name or the file beside `path` that is most like it."""
+    """Return the shipped name or the file in the folder of `path` that is most similar to it."""
     try:
         beside = {entry.stem: entry.name for entry in path.parent.iterdir() if entry.suffix in {".yaml", ".yml"}}
     except (OSError, ValueError):
@@ -65,12 +65,12 @@ def _nearest_file(path: Path, reference: str, names: tuple[str, ...]) -> str:
 
 @dataclass
 class Reader:
-    """Reads files with all that they build on, and remembers which ones they were."""
+    """Reads files with all files that they extend, and records which ones they were."""
 
     sources: list[Path] = field(default_factory=list)
 
     def read(self, kind: str, path: Path, chain: tuple[Path, ...] = ()) -> Node:
-        """The file's tree with `extends:` and, of a scenario, the named sections resolved."""
+        """Return the tree of a file with `extends:` and, for a scenario, named sections resolved."""
         document = read_yaml(path)
         if path not in self.sources:
             self.sources.append(path)
@@ -80,35 +80,35 @@ class Reader:
     def resolve(
         self, kind: str, root: Node, folder: Path, chain: tuple[Path, ...] = (), prefix: FieldPath = ()
     ) -> Node:
-        """A mapping laid over what it extends; relative paths in it start at `folder`."""
+        """Return a mapping merged over what it extends; relative paths in it start at `folder`."""
         root = anchored(root, folder) if kind == "look" else root
-        own = {str(key): node for key, node in root.children()}
+        fields = {str(key): node for key, node in root.children()}
         whole = set()
         if kind == "scenario":
             for section in SECTIONS:
-                if section in own:
-                    own[section], is_whole = self.section(section, own[section], folder)
+                if section in fields:
+                    fields[section], is_whole = self.section(section, fields[section], folder)
                     whole |= {section} if is_whole else set()
-        base = own.pop("extends", None)
+        base = fields.pop("extends", None)
         if base is None:
-            return Node(own, root.where)
+            return Node(fields, root.where)
         what = dotted((*prefix, "extends"))
         if not isinstance(base.value, str):
             allowed = f"the name or path of one {kind}"
             raise InputError(what, where=base.where, got=base.plain(), allowed=allowed)
-        if len(chain) > _LONGEST_CHAIN:
-            raise InputError(f"{what}: too many files on each other", where=base.where, allowed=str(_LONGEST_CHAIN))
+        if len(chain) > _MAX_CHAIN:
+            raise InputError(f"{what}: too many files extend each other", where=base.where, allowed=str(_MAX_CHAIN))
         path = locate(kind, base.value, folder=folder, what=what, where=base.where)
         if path.resolve() in chain:
             turns = [displayed(file) for file in (*chain[chain.index(path.resolve()) :], path)]
             cure = "remove one of these 'extends:'"
             raise InputError(f"{what}: files extend each other, {' -> '.join(turns)}", where=base.where, cure=cure)
         beneath = self.read(kind, path, chain)
-        kept = {str(key): node for key, node in beneath.children() if key not in whole}
-        return merge(Node(kept, beneath.where), Node(own, root.where))
+        inherited = {str(key): node for key, node in beneath.children() if key not in whole}
+        return merge(Node(inherited, beneath.where), Node(fields, root.where))
 
     def section(self, kind: str, node: Node, folder: Path) -> tuple[Node, bool]:
-        """A section with its name or `extends:` resolved, and whether it thereby stands on its own."""
+        """Return a section with its name or `extends:` resolved, and whether it then needs nothing else."""
         if isinstance(node.value, str):
             path = locate(kind, node.value, folder=folder, what=kind, where=node.where)
             return self.read(kind, path), True

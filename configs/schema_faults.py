@@ -1,11 +1,11 @@
-"""What pydantic found wrong, told as this project tells it: place, field, what was got, what is allowed, cure."""
+"""Faults that pydantic reports, as errors of this project: place, field, value, what is allowed, cure."""
 
 import re
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from configs.faults import Fault
+from configs.faults import ConfigFault
 from configs.schema.base import FIELDS_DISAGREE
 from configs.shapes import Shape, shown_names
 from symolo.core.errors import InputError, nearest
@@ -17,13 +17,13 @@ _UNITS = {
     "g": ("kg", 1e-3), "kg": ("kg", 1.0), "mV": ("V", 1e-3), "V": ("V", 1.0), "deg": ("deg", 1.0), "°": ("deg", 1.0),
     "Hz": ("hz", 1.0), "kHz": ("hz", 1e3), "px": ("px", 1.0), "ohm": ("ohm", 1.0),
 }  # fmt: skip
-"""Unit of a value written as text -> the ending of a field's name, and the factor to it."""
+"""Unit of a value written as text -> unit at the end of the field's name, and the factor to it."""
 
 
 def explained(error: ValidationError, root: Node, shape: Shape) -> InputError:
-    """The first fault as one line, with the number of further ones.
+    """Return the first fault as an error of one line, with the number of further ones.
 
-    Unknown keys come first: they are the cause where a missing field is the effect.
+    Unknown keys come first, since a misspelt key also causes a missing field.
     """
     faults = [fault for fault in error.errors(include_url=False) if not _is_echo(fault)]
     faults.sort(key=lambda fault: fault["type"] != "extra_forbidden")
@@ -33,17 +33,17 @@ def explained(error: ValidationError, root: Node, shape: Shape) -> InputError:
 
 
 def _is_echo(fault: ErrorDetails) -> bool:
-    """A list with a faulty item is reported a second time, as too short."""
+    """Return whether a fault repeats another: a list with a faulty item is also reported as too short."""
     return fault["type"] == "too_short" and len(fault["input"]) >= fault.get("ctx", {})["min_length"]
 
 
 def _path(fault: ErrorDetails, root: Node, shape: Shape) -> FieldPath:
-    """Where the fault lies: pydantic's location without the names of union members that it puts between the keys."""
+    """Return the path of a fault: pydantic's location without the names of union members between the keys."""
     path: FieldPath = ()
     node: Node | None = root
     here: Shape | None = shape
-    own = fault.get("ctx", {}).get("field")
-    for part in (*fault["loc"], own) if own else fault["loc"]:
+    field = fault.get("ctx", {}).get("field")
+    for part in (*fault["loc"], field) if field else fault["loc"]:
         inner = node.child(part) if node else None
         if inner is None and (here is None or here.child(part, node) is None):
             continue
@@ -52,28 +52,28 @@ def _path(fault: ErrorDetails, root: Node, shape: Shape) -> FieldPath:
     return path
 
 
-def _fault(path: FieldPath, fault: ErrorDetails, root: Node, shape: Shape) -> Fault:
+def _fault(path: FieldPath, fault: ErrorDetails, root: Node, shape: Shape) -> ConfigFault:
     here = shape.at(path, root)
     if fault["type"] == "extra_forbidden":
         return _unknown_key(path, root, shape)
-    if here is None:  # no field of ours; pydantic's own words are better than none
-        return Fault(path, fault["msg"])
+    if here is None:  # not a field of ours; pydantic's message is better than none
+        return ConfigFault(path, fault["msg"])
     if fault["type"] == "missing":
-        return Fault(path, "missing", allowed=here.words())
+        return ConfigFault(path, "missing", allowed=here.words())
     context = fault.get("ctx", {})
     if fault["type"] == FIELDS_DISAGREE:
-        return Fault(path, got=context["got"], allowed=context["allowed"])
+        return ConfigFault(path, got=context["got"], allowed=context["allowed"])
     got = fault["input"]
     if here.tag_key and isinstance(got, dict):
         tag, tags = got.get(here.tag_key), f"one of {shown_names(here.tags)}"
         if tag is None:
-            return Fault((*path, here.tag_key), "missing", allowed=tags)
-        return Fault((*path, here.tag_key), got=tag, allowed=tags, nearest=nearest(tag, here.tags))
+            return ConfigFault((*path, here.tag_key), "missing", allowed=tags)
+        return ConfigFault((*path, here.tag_key), got=tag, allowed=tags, nearest=nearest(tag, here.tags))
     close = nearest(got, [str(option) for option in here.schema.get("enum", [])])
-    return Fault(path, got=got, allowed=here.words(), nearest=close, cure=_cure(path, got, here))
+    return ConfigFault(path, got=got, allowed=here.words(), nearest=close, cure=_cure(path, got, here))
 
 
-def _unknown_key(path: FieldPath, root: Node, shape: Shape) -> Fault:
+def _unknown_key(path: FieldPath, root: Node, shape: Shape) -> ConfigFault:
     above, key = path[:-1], str(path[-1])
     parent, node = shape.at(above, root) or shape, root.at(above) or root
     known = list(parent.known_keys(node))
@@ -81,14 +81,14 @@ def _unknown_key(path: FieldPath, root: Node, shape: Shape) -> Fault:
     close = nearest(key, missing) or nearest(key, known)
     cure = ""
     if key == "extends":
-        cure = "'extends' may stand at the top of a file and directly in arena, robot and look"
+        cure = "'extends' is allowed at the top of a file and directly in arena, robot and look"
     elif not close:
         close = next((dotted(place) for place in shape.paths() if place[-1] == key), "")
-    return Fault(path, "unknown key", allowed=shown_names(known), nearest=close, cure=cure)
+    return ConfigFault(path, "unknown key", allowed=shown_names(known), nearest=close, cure=cure)
 
 
 def _cure(path: FieldPath, got: object, shape: Shape) -> str:
-    """What to do about a value of the wrong type, or an empty string."""
+    """Return what to do about a value of the wrong type, or an empty string."""
     if (shape.is_number or shape.is_integer) and isinstance(got, str):
         return _cure_of_text(str(path[-1]), got)
     if shape.is_integer and isinstance(got, float) and got.is_integer():
@@ -105,21 +105,21 @@ def _cure(path: FieldPath, got: object, shape: Shape) -> str:
 
 
 def _cure_of_text(field: str, text: str) -> str:
-    """What to write instead of a text that was meant as a number."""
+    """Return what to write instead of a text that was meant as a number."""
     if re.fullmatch(r"\s*[-+]?[0-9]+,[0-9]+\s*", text):
         return "write decimals with a point, " + text.strip().replace(",", ".")
     if re.fullmatch(r"[0-9]{1,3}([_' ][0-9]{3})+", text):
         return "write the digits without separators, " + re.sub(r"[_' ]", "", text)
-    found = _NUMBER_AND_UNIT.fullmatch(text)
+    match = _NUMBER_AND_UNIT.fullmatch(text)
     try:
-        number = float(found[1]) if found else None
+        number = float(match[1]) if match else None
     except ValueError:
         number = None
-    if not found or number is None:
+    if not match or number is None:
         return ""
-    if not found[2]:
+    if not match[2]:
         return f"write the number without quotes or leading zeros, {number:.12g}"
-    ending, factor = _UNITS.get(found[2], ("", 0.0))
+    ending, factor = _UNITS.get(match[2], ("", 0.0))
     if ending and field.lower().endswith(f"_{ending.lower()}"):
         return f"write the number alone, in the unit of the field's name: {number * factor:.12g}"
     return "write the number alone, in the unit of the field's name"

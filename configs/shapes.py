@@ -1,6 +1,6 @@
-"""The schema seen from a file: what may stand at a field path, in words, and whether it may be drawn.
+"""The schema from the view of a file: what is allowed at a field path, in words, and whether it may be drawn.
 
-Everything is read off the JSON Schema that pydantic makes of the models, so that the models stay the only source.
+Everything is derived from the JSON Schema that pydantic makes of the models, so that the models are the only source.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -23,7 +23,7 @@ _MAX_NAMES = 12
 @dataclass(frozen=True)
 class Shape:
     schema: Mapping[str, Any]
-    """A JSON Schema whose own `$ref` is resolved; those further inside are not."""
+    """JSON Schema whose `$ref` at the top is resolved; those inside it are not."""
     definitions: Mapping[str, Any]
 
     @classmethod
@@ -33,12 +33,12 @@ class Shape:
 
     @property
     def fields(self) -> dict[str, Any]:
-        """JSON Schema of each field, empty where this is no mapping of known fields."""
+        """JSON Schema of each field; empty if this is not a mapping with known fields."""
         return self.schema.get("properties", {})
 
     @property
     def tag_key(self) -> str:
-        """The field that decides between several mappings, or an empty string."""
+        """Field that selects one of several mappings, or an empty string."""
         return self.schema.get("discriminator", {}).get("propertyName", "")
 
     @property
@@ -64,7 +64,7 @@ class Shape:
 
     @property
     def not_drawn(self) -> str:
-        """Why no distribution may stand here; empty where one may."""
+        """Reason why no distribution is allowed; empty if one is."""
         if FIXED_KEY in self.schema:
             return self.schema[FIXED_KEY]
         if FILE_KEY in self.schema:
@@ -76,7 +76,7 @@ class Shape:
         return ""
 
     def child(self, key: str | int, node: Node | None = None) -> "Shape | None":
-        """What may stand under a key; `node` is the mapping itself, whose tag decides between several."""
+        """Return the shape below a key; `node` is the mapping, whose tag selects one of several shapes."""
         here = self._variant(node)
         if here is None:
             return None
@@ -89,7 +89,7 @@ class Shape:
         return self._resolved(inner) if inner else None
 
     def at(self, path: FieldPath, root: Node) -> "Shape | None":
-        """What may stand at a path below this shape."""
+        """Return the shape at a path below this one."""
         shape: Shape | None = self
         node: Node | None = root
         for key in path:
@@ -104,7 +104,7 @@ class Shape:
         yield from here.fields if here else (self.tag_key,)
 
     def paths(self, above: FieldPath = ()) -> Iterator[FieldPath]:
-        """Every field below this one, but for those inside lists."""
+        """Yield the paths of all fields below this shape, except those inside lists."""
         for key in self.fields:
             yield (*above, key)
             inner = self.child(key)
@@ -112,7 +112,7 @@ class Shape:
                 yield from inner.paths((*above, key))
 
     def words(self) -> str:
-        """What is allowed, for a message."""
+        """Return in words what is allowed, for a message."""
         schema = self.schema
         if self.tag_key:
             return f"a mapping whose '{self.tag_key}' is one of {', '.join(self.tags)}"
@@ -141,8 +141,9 @@ class Shape:
             kind = "number" if schema["type"] == "number" else "whole number"
             bounds = [f"{sign} {schema[key]}" for key, sign in _BOUNDS.items() if key in schema]
             return f"{kind} {' and '.join(bounds)}".strip()
-        least = schema.get("minItems")
-        return _PLAIN_WORDS.get(schema.get("type", ""), "a mapping") + (f" with at least {least} item" if least else "")
+        min_items = schema.get("minItems")
+        ending = f" with at least {min_items} item" if min_items else ""
+        return _PLAIN_WORDS.get(schema.get("type", ""), "a mapping") + ending
 
     def _variant(self, node: Node | None) -> "Shape | None":
         if not self.tag_key:
@@ -153,7 +154,7 @@ class Shape:
         return None if reference is None else self._resolved({"$ref": reference})
 
     def _resolved(self, schema: Mapping[str, Any]) -> "Shape":
-        if "anyOf" in schema:  # `X | None` is X where it is no leaf
+        if "anyOf" in schema:  # `X | None` is X if X is not a leaf
             solid = [option for option in schema["anyOf"] if option.get("type") != "null"]
             if len(solid) == 1:
                 schema = {**{k: v for k, v in schema.items() if k != "anyOf"}, **solid[0]}
@@ -171,9 +172,9 @@ def _shape(model: type[BaseModel], effects: tuple[type[Effect], ...]) -> Shape:
 
 
 def with_defaults(node: Node, shape: Shape) -> Node:
-    """The node with every field that was left out, below mappings and lists alike, at the place of its mapping.
+    """Return the node with defaults for all missing fields, below mappings and lists, at the place of its mapping.
 
-    A mapping that gives some fields of a default keeps the others: `tape: {paint: {reflectance: 0.1}}` has the
+    A mapping that sets some fields of a default keeps the others: `tape: {paint: {reflectance: 0.1}}` has the
     tape's tint.
     """
     if isinstance(node.value, tuple):

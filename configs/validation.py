@@ -1,4 +1,4 @@
-"""A tree of values and distributions held against the schema; the first fault is told in one line."""
+"""Validation of a tree of values and distributions against the schema; the first fault is one line."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ Model = TypeVar("Model", bound=BaseModel)
 
 @dataclass(frozen=True)
 class Placed:
-    """A distribution at the field that it serves."""
+    """A distribution with the type of its field."""
 
     distribution: Distribution
     is_integer: bool
@@ -27,7 +27,7 @@ class Placed:
 
     @property
     def has_options(self) -> bool:
-        """Whether it takes one of a few values, with nothing in between."""
+        """Whether it chooses one of a few values."""
         return isinstance(self.distribution, Choice)
 
     def draw(self, rng: np.random.Generator) -> Scalar:
@@ -36,12 +36,12 @@ class Placed:
         return self._of_field(self.distribution.draw(rng))
 
     def ends(self) -> tuple[Scalar, ...]:
-        """The values at which the schema's constraints are checked, lowest first and highest last."""
+        """Return the values at which the schema's constraints are checked, from lowest to highest."""
         ends = [self._of_field(end) for end in self.distribution.extremes()]
         return tuple(sorted(ends, key=lambda end: (isinstance(end, str), end)))
 
     def _of_field(self, value: Scalar) -> Scalar:
-        """As the field's own type: a real field has no whole numbers, a whole-number field no fractions."""
+        """Return a value in the type of the field: float for a number, int for a whole number."""
         if isinstance(value, bool) or not isinstance(value, int | float):
             return value
         if self.is_number:
@@ -50,20 +50,19 @@ class Placed:
 
 
 def distributions_of(root: Node, model: type[BaseModel]) -> dict[FieldPath, Placed]:
-    """The distributions of a tree, by path, once their places and kinds are known to be right.
+    """Return the distributions of a tree by path, after a check of their places and kinds.
 
     Raises:
-        InputError: For the first distribution that is malformed or stands where none may.
+        InputError: A distribution is malformed, or its field takes none.
     """
-    found = _distributions(root, Shape.of(model), ())
-    return dict(sorted(found, key=lambda item: dotted(item[0])))
+    return dict(sorted(_distributions(root, Shape.of(model), ()), key=lambda item: dotted(item[0])))
 
 
 def probes(placed: Mapping[FieldPath, Placed]) -> Iterator[Values]:
-    """Sets of values under which any two distributions meet at all four pairs of their ends.
+    """Yield sets of values in which any two distributions take all four combinations of their ends.
 
-    The n-th distribution takes its high end where a bit of n is set, and once the other way round; any two numbers
-    differ in some bit. Options of a choice that are no ends follow, each once.
+    For each bit, the n-th distribution takes its high end if that bit of n is set, and once the opposite; any two
+    numbers differ in some bit. The remaining options of choices follow, each once.
     """
     ends = {path: item.ends() for path, item in placed.items()}
     yield {path: values[0] for path, values in ends.items()}
@@ -78,7 +77,7 @@ def probes(placed: Mapping[FieldPath, Placed]) -> Iterator[Values]:
 
 
 def validated(root: Node, model: type[Model], values: Values) -> Model:
-    """The model made of a tree with these values in place of its distributions."""
+    """Return the model of a tree with these values in place of its distributions."""
     try:
         return model.model_validate(filled(root, values))
     except ValidationError as error:
@@ -86,7 +85,7 @@ def validated(root: Node, model: type[Model], values: Values) -> Model:
 
 
 def filled(node: Node, values: Values, path: FieldPath = ()) -> Any:  # noqa: ANN401 - whatever the file holds
-    """The plain tree with values in place of distributions."""
+    """Return the plain tree with values in place of distributions."""
     if path in values:
         return values[path]
     if isinstance(node.value, dict):
@@ -103,7 +102,7 @@ def _distributions(node: Node, shape: Shape, path: FieldPath) -> Iterator[tuple[
     tag = node.child(shape.tag_key)
     if tag is not None and tag.is_distribution:
         what, allowed = dotted((*path, shape.tag_key)), f"one of {', '.join(shape.tags)}"
-        cure = "no distribution may stand here, because the other fields follow it"
+        cure = "no distribution is allowed here, because the other fields depend on it"
         raise InputError(what, where=tag.where, got=tag.plain(), allowed=allowed, cure=cure)
     for key, child in node.children():
         inner = shape.child(key, node)
@@ -113,9 +112,9 @@ def _distributions(node: Node, shape: Shape, path: FieldPath) -> Iterator[tuple[
 
 def _placed(node: Node, shape: Shape, path: FieldPath) -> Placed:
     refusal = partial(InputError, dotted(path), where=node.where, got=node.plain(), allowed=shape.words())
-    reason = shape.not_drawn if shape.is_leaf else "a distribution stands for one value"
+    reason = shape.not_drawn if shape.is_leaf else "a distribution replaces one value"
     if reason:
-        raise refusal(cure=f"no distribution may stand here, because {reason}" if node.is_distribution else "")
+        raise refusal(cure=f"no distribution is allowed here, because {reason}" if node.is_distribution else "")
     distribution = parse(node, path)
     if not isinstance(distribution, Choice) and not (shape.is_number or shape.is_integer):
         raise refusal(cure="only {choice: [...]} may draw it")

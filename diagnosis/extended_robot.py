@@ -1,14 +1,14 @@
-"""The extended model as a robot file: what a diagnosis found, as keys that every simulation takes.
+"""The extended model as a robot file, with keys that every simulation accepts.
 
-The file builds on the shipped robot `nominal` and contains only what differs: the case's parameters, the nuisances as
-fitted, and the named effects, each number with its source and standard error in a comment. It reads back equal.
+The file extends the shipped robot `nominal` and contains only differences: the parameters of the case, the fitted
+nuisances and the named effects, each number with its source and standard error in a comment. It reads back equal.
 
-A second file draws the effects again in each run, within what the fit leaves open. A scenario draws every number
+A second file draws the effects for each run within the uncertainty of the fit. A scenario draws every number
 independently, while fitted numbers are correlated: a torque constant that is a little too high and a scale that is a
-little too low predict the same. Hence the nuisances stay as fitted, and the spread of an effect's number is its
-conditional spread for fixed nuisances, from the inverse of the effects' part of the information matrix (Bishop, Pattern
-Recognition and Machine Learning, 2006, eq. 2.73): narrower than the standard error of the number alone, and as true to
-the data.
+little too low give the same predictions. Therefore the nuisances stay as fitted, and the spread of an effect's number
+is its conditional spread for fixed nuisances, from the inverse of the effects' part of the information matrix (Bishop,
+Pattern Recognition and Machine Learning, 2006, eq. 2.73). It is narrower than the standard error of the number alone,
+and the drawn robots agree with the data as well.
 """
 
 import json
@@ -33,9 +33,9 @@ from symolo.core.yaml_tree import FieldPath
 BASE = "nominal"
 FILE, VARIED_FILE = "extended.yaml", "extended_varied.yaml"
 DIGITS = 7
-"""Of a number in the file: the seventh is far below any standard error."""
+"""Digits of a number in the file; the last is far below any standard error."""
 UNTOUCHED = 5e-3
-"""Tolerances by which a fit without data may be off by rounding."""
+"""Deviation in tolerances that may be rounding error of a parameter without data."""
 REACH_SD = 3.0
 """Standard deviations up to which a varied number is drawn."""
 
@@ -50,19 +50,21 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class ExtendedRobot:
+    """The fitted robot and its files."""
+
     config: RobotConfig
-    """What the file says, the effects that are left out missing."""
+    """Robot of the file, without the effects that are left out."""
     text: str
-    """Of extended.yaml."""
+    """Content of extended.yaml."""
     varied_text: str
-    """Of extended_varied.yaml, which stands beside it; empty where no number can be varied."""
+    """Content of extended_varied.yaml, which needs extended.yaml beside it; empty if no number can be varied."""
     left_out: tuple[LeftOut, ...]
     problem: str
-    """Why no simulation takes the robot even so, such as a motor that cannot turn; empty if one does."""
+    """Why no simulation accepts the robot, such as a motor that cannot turn; empty if one does."""
 
 
 def extended_robot(diagnosis: Diagnosis) -> ExtendedRobot:
-    """The extended model of a diagnosis as robot files."""
+    """Return the extended model of a diagnosis as robot files."""
     config = _enclosing(_within_bounds(diagnosis))
     left_out: list[LeftOut] = []
     problem = ""
@@ -72,20 +74,20 @@ def extended_robot(diagnosis: Diagnosis) -> ExtendedRobot:
             left_out.append(LeftOut(str(fault.path[2]), why))
         elif not problem:
             problem = ".".join(map(str, fault.path)) + f": {why}"
-    for gone in left_out:
-        config = config.model_copy(update={"effects": config.effects.without(gone.name)})
+    for effect in left_out:
+        config = config.model_copy(update={"effects": config.effects.without(effect.name)})
     measured = diagnosis.measurement
-    told = f"{measured.name} ({measured.kind})"
-    named = ", ".join(f.name for f in diagnosis.named) or "no effect"
+    source = f"{measured.name} ({measured.kind})"
+    named = ", ".join(effect.name for effect in diagnosis.named) or "no effect"
     config = config.model_copy(
-        update={"name": _slug(measured.name), "description": f"Fitted to {told}: {named} beside the nominal model"}
+        update={"name": _slug(measured.name), "description": f"Fitted to {source}: the nominal model with {named}"}
     )
     config, moved = _rounded(config, diagnosis.nominal)
     head = [
-        f"# The robot that symolo diagnose fitted to {told}. What is not here is that of the shipped robot {BASE}.",
-        "# Standard errors are those of each number with all others fitted anew.",
-        *(f"# LEFT OUT, for no drive can simulate it: {gone.name} ({gone.why})" for gone in left_out),
-        *([f"# NOT YET A ROBOT THAT DRIVES: {problem}"] if problem else []),
+        f"# The robot that symolo diagnose fitted to {source}. Everything else is as in the shipped robot {BASE}.",
+        "# Standard errors are those of a number with all other numbers fitted too.",
+        *(f"# LEFT OUT, since no drive can simulate it: {effect.name} ({effect.why})" for effect in left_out),
+        *([f"# THIS ROBOT CANNOT DRIVE YET: {problem}"] if problem else []),
         f"extends: {BASE}",
     ]
     tree = _difference(config)
@@ -95,7 +97,7 @@ def extended_robot(diagnosis: Diagnosis) -> ExtendedRobot:
 
 
 def _within_bounds(diagnosis: Diagnosis) -> RobotConfig:
-    """The fitted robot; a logarithm and back may leave a bound by a rounding."""
+    """Return the fitted robot within the bounds, which the rounding of a logarithm and back may exceed."""
     config = diagnosis.extended
     for named in diagnosis.named:
         kind = named.effect.kind
@@ -106,7 +108,7 @@ def _within_bounds(diagnosis: Diagnosis) -> RobotConfig:
 
 
 def _enclosing(config: RobotConfig) -> RobotConfig:
-    """With a chassis that covers the wheels: a case tells their distance, and not how wide the body is."""
+    """Return the robot with a chassis that covers the wheels; a case does not state the width of the body."""
     needed_m = config.drive.track_m + config.drive.wheel_width_m
     if config.chassis.width_m >= needed_m:
         return config
@@ -115,24 +117,24 @@ def _enclosing(config: RobotConfig) -> RobotConfig:
 
 
 def _rounded(config: RobotConfig, nominal: RobotConfig) -> tuple[RobotConfig, dict[FieldPath, str]]:
-    """With as many digits in what differs as any fit can hold, for people to read, and within the schema's bounds.
+    """Return the robot with rounded differences within the bounds of the schema.
 
     Args:
-        config: As fitted; a tolerance has no bounds, so that friction may have come out below zero.
-        nominal: Whose number stands in for one that has no nearest value within its bounds.
+        config: The fitted robot; a nuisance has no bounds, so friction may be below zero.
+        nominal: The robot whose number is used if there is no nearest value within the bounds.
 
     Returns:
-        The robot, and by field what was done to a number beyond its bounds.
+        The robot, and a comment by field for each number that was outside its bounds.
     """
 
     def shortened(tree: Mapping[str, Any], differing: Mapping[str, Any]) -> dict[str, Any]:
-        found = dict(tree)
+        short = dict(tree)
         for key, value in differing.items():
             if isinstance(value, Mapping):
-                found[key] = shortened(tree[key], value)
+                short[key] = shortened(tree[key], value)
             elif isinstance(value, float):
-                found[key] = float(f"{value:.{DIGITS}g}")
-        return found
+                short[key] = float(f"{value:.{DIGITS}g}")
+        return short
 
     tree = shortened(_tree(config), _difference(config))
     moved: dict[FieldPath, str] = {}
@@ -140,28 +142,28 @@ def _rounded(config: RobotConfig, nominal: RobotConfig) -> tuple[RobotConfig, di
         return RobotConfig.model_validate(tree), moved
     except ValidationError as error:
         for fault in error.errors():
-            section, own = tree, _tree(nominal)
+            section, nominal_section = tree, _tree(nominal)
             *above, last = map(str, fault["loc"])
             for key in above:
-                section, own = section[key], own[key]
+                section, nominal_section = section[key], nominal_section[key]
             if fault["type"] == "int_type":
-                moved[*above, last] = f"the whole number next to {section[last]:g}"
+                moved[*above, last] = f"the nearest integer to {section[last]:g}"
                 section[last] = round(section[last])
                 continue
             limits = fault.get("ctx", {})
-            moved[*above, last] = f"moved within its bounds; the fit asks for {section[last]:.3g}"
-            section[last] = float(limits.get("ge", limits.get("le", own[last])))
+            moved[*above, last] = f"moved to its bound; the fitted value is {section[last]:.3g}"
+            section[last] = float(limits.get("ge", limits.get("le", nominal_section[last])))
     return RobotConfig.model_validate(tree), moved
 
 
 def _tree(config: RobotConfig) -> dict[str, Any]:
-    """Counts of a turn may be no whole number in a nominal robot, which is no fault of the file's."""
+    """Return a robot as plain data."""
+    # The counts of a turn need not be an integer in a nominal robot, of which pydantic would warn.
     return config.model_dump(mode="json", warnings=False)
 
 
 def _slug(name: str) -> str:
-    found = re.sub(r"[^A-Za-z0-9_-]+", "_", name).strip("_-")[:64]
-    return found or "measured"
+    return re.sub(r"[^A-Za-z0-9_-]+", "_", name).strip("_-")[:64] or "measured"
 
 
 def _difference(config: RobotConfig) -> dict[str, Any]:
@@ -169,47 +171,47 @@ def _difference(config: RobotConfig) -> dict[str, Any]:
     return _differing(_tree(config), _tree(base))
 
 
-def _differing(found: Mapping[str, Any], base: Mapping[str, Any]) -> dict[str, Any]:
-    """Keys of `found` that `base` has not, or has with other values; keys of the base alone become null."""
-    kept: dict[str, Any] = {}
-    for key, value in found.items():
+def _differing(tree: Mapping[str, Any], base: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the keys of `tree` that `base` lacks or has with other values; keys that only `base` has become null."""
+    differing: dict[str, Any] = {}
+    for key, value in tree.items():
         other = base.get(key)
         if isinstance(value, Mapping) and isinstance(other, Mapping):
             if inner := _differing(value, other):
-                kept[key] = inner
+                differing[key] = inner
         elif key not in base or value != other:
-            kept[key] = value
-    return kept | {key: None for key in base if key not in found}
+            differing[key] = value
+    return differing | {key: None for key in base if key not in tree}
 
 
 def _comments(diagnosis: Diagnosis) -> dict[FieldPath, str]:
-    """By field path: where a number comes from, and how far it is known."""
+    """Return a comment by field path: where a number comes from, and its standard error."""
     hypothesis, fit = diagnosis.fit.hypothesis, diagnosis.fit
     errors = np.sqrt(np.diag(fit.covariance)).tolist()
-    found: dict[FieldPath, str] = {}
+    comments: dict[FieldPath, str] = {}
     bare = hypothesis.nominal
     for k, nuisance in enumerate(hypothesis.nuisances):
         at = nuisance.value + 3.0 * nuisance.tolerance
         moved = _differing(_tree(nuisance.applied(bare, at)), _tree(bare))
-        told = _nuisance_told(nuisance, float(fit.x[k]), errors[k])
-        found |= {path: told if path[-1] == nuisance.name else f"{nuisance.name}: {told}" for path in _paths(moved)}
+        text = _nuisance_text(nuisance, float(fit.x[k]), errors[k])
+        comments |= {path: text if path[-1] == nuisance.name else f"{nuisance.name}: {text}" for path in _paths(moved)}
     for named in diagnosis.named:
         for name in named.effect.kind.parameters():
             error = named.std[name]
-            known = f"standard error {error:.2g}" if isfinite(error) and error > 0.0 else "not held by these data"
-            found["effects", named.effect.kind.name, name] = f"named by the diagnosis; {known}"
+            known = f"standard error {error:.2g}" if isfinite(error) and error > 0.0 else "not determined by these data"
+            comments["effects", named.effect.kind.name, name] = f"named by the diagnosis; {known}"
         for name, _ in named.effect.choices:
-            found["effects", named.effect.kind.name, name] = "named by the diagnosis"
-    found["chassis", "width_m"] = "widened to cover the wheels"
-    return found
+            comments["effects", named.effect.kind.name, name] = "named by the diagnosis"
+    comments["chassis", "width_m"] = "widened to cover the wheels"
+    return comments
 
 
-def _nuisance_told(nuisance: Nuisance, off: float, error: float) -> str:
-    """Its prior and what was fitted; offset and standard error in tolerances."""
+def _nuisance_text(nuisance: Nuisance, off: float, error: float) -> str:
+    """Return prior and fitted value of a nuisance; deviation and standard error are in tolerances."""
     prior = f"nominal {nuisance.value:g}, tolerance {nuisance.tolerance:g}"
     if error > 1.0 - UNTOUCHED and abs(off) < UNTOUCHED:
-        return f"{prior}; held by its tolerance alone"
-    return f"{prior}; fitted {off:+.2f} tolerances off, standard error {error * nuisance.tolerance:.2g}"
+        return f"{prior}; determined by its tolerance only"
+    return f"{prior}; fitted {off:+.2f} tolerances away, standard error {error * nuisance.tolerance:.2g}"
 
 
 def _paths(tree: Mapping[str, Any], above: FieldPath = ()) -> Iterator[FieldPath]:
@@ -221,7 +223,7 @@ def _paths(tree: Mapping[str, Any], above: FieldPath = ()) -> Iterator[FieldPath
 
 
 def _lines(tree: Mapping[str, Any], comments: Mapping[FieldPath, str], above: FieldPath = ()) -> Iterator[str]:
-    """YAML, two spaces a level, a comment after each leaf that has one."""
+    """Yield YAML with an indentation of two spaces, and a comment after each leaf that has one."""
     for key, value in tree.items():
         path = (*above, key)
         indent = "  " * len(above)
@@ -234,7 +236,7 @@ def _lines(tree: Mapping[str, Any], comments: Mapping[FieldPath, str], above: Fi
 
 
 def _varied(diagnosis: Diagnosis, config: RobotConfig) -> str:
-    """Of each number of an effect that is left, a Gaussian about its value."""
+    """Return the file that draws each number of the effects from a normal distribution about its fitted value."""
     effects: dict[str, Any] = {}
     for effect, spreads in _spreads(diagnosis):
         section = config.effects.get(effect.kind)
@@ -252,8 +254,8 @@ def _varied(diagnosis: Diagnosis, config: RobotConfig) -> str:
     if not effects:
         return ""
     head = [
-        f"# {FILE} beside this file, its effects drawn again in each run as far as the fit leaves them open, with all",
-        f"# nominal parameters held as fitted. Limits lie at {REACH_SD:g} standard deviations, or at the bounds.",
+        f"# The robot of {FILE}, with effects that are drawn for each run within the uncertainty of the fit. All",
+        f"# nominal parameters stay as fitted. Limits are at {REACH_SD:g} standard deviations, or at the bounds.",
         f"extends: {FILE}",
         f"name: {json.dumps(_slug(config.name[:57] + '_varied'))}",
     ]
@@ -261,7 +263,7 @@ def _varied(diagnosis: Diagnosis, config: RobotConfig) -> str:
 
 
 def _spreads(diagnosis: Diagnosis) -> Iterator[tuple[CandidateEffect, Sequence[float]]]:
-    """Standard deviation of each number of each effect, the nuisances held."""
+    """Yield the standard deviations of the numbers of each effect for fixed nuisances."""
     fit, hypothesis = diagnosis.fit, diagnosis.fit.hypothesis
     first = len(hypothesis.nuisances)
     variance = np.diag(np.linalg.pinv(fit.information[first:, first:], rcond=1e-12, hermitian=True))

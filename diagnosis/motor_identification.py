@@ -1,8 +1,8 @@
 """Motor parameters from steady-state measurements by least squares (paper Eq. 21 and 22, Tables 1 and 2).
 
-The recipe as printed, on all 21 rows of Table 1, gives values that do not all round to the printed Table 2. A fit that
-does is beside it. The recipe is what the nominal robot runs, unrounded: Table 2 as printed, with its viscous friction
-of 0.002, puts the current at 5 V 11 % low.
+The printed recipe, applied to all 21 rows of Table 1, gives values that do not all round to the printed Table 2;
+`identify_as_printed` does. The nominal robot uses the unrounded results of the recipe, since Table 2 as printed, with
+its viscous friction of 0.002, gives a current at 5 V that is 11 % too low.
 """
 
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from symolo.core.arrays import Array
 
 @dataclass(frozen=True)
 class SteadyStates:
-    """Measured once the speed has settled, one row per voltage, (N,) each."""
+    """Measurements in steady state, one row for each voltage, (N,) each."""
 
     voltage_V: Array
     current_A: Array
@@ -23,7 +23,7 @@ class SteadyStates:
 
     @classmethod
     def from_rows(cls, rows: Sequence[tuple[float, float, float]]) -> "SteadyStates":
-        """Voltage, current and speed in each row."""
+        """Return the states from rows of voltage, current and speed."""
         columns = np.array(rows).T
         columns.flags.writeable = False
         return cls(*columns)
@@ -31,7 +31,7 @@ class SteadyStates:
 
 @dataclass(frozen=True)
 class MotorParameters:
-    """At the wheel shaft, as in `configs.schema.robot.Motor`."""
+    """Parameters at the wheel shaft, as in `configs.schema.robot.Motor`."""
 
     winding_resistance_ohm: float
     torque_constant_N_m_A: float
@@ -71,13 +71,13 @@ TABLE_2 = MotorParameters(3.03, 0.31, 0.002, 0.02)
 
 
 def identify(table: SteadyStates) -> MotorParameters:
-    """The literal recipe: u = R i + K w for R and K, then K i = B w + Tq for B and Tq, on all rows."""
+    """Return the result of the recipe: u = R i + K w for R and K, then K i = B w + Tq for B and Tq, on all rows."""
     resistance, constant = least_squares([table.current_A, table.speed_rad_s], table.voltage_V)
     return MotorParameters(resistance, constant, *_friction(table, constant))
 
 
 def identify_as_printed(table: SteadyStates) -> MotorParameters:
-    """What comes out as Table 2: R and K beside an intercept on all rows, B and Tq without the rows of no voltage."""
+    """Return Table 2: R and K with an intercept on all rows, B and Tq without the rows at 0 V."""
     one = np.ones_like(table.voltage_V)
     resistance, constant, _ = least_squares([table.current_A, table.speed_rad_s, one], table.voltage_V)
     driven = table.voltage_V != 0.0
@@ -92,6 +92,6 @@ def _friction(table: SteadyStates, torque_constant: float) -> tuple[float, float
 
 
 def least_squares(regressors: list[Array], target: Array) -> tuple[float, ...]:
-    """Eq. 22: (H^T H)^-1 H^T u, with one column of H for each regressor."""
+    """Return (H^T H)^-1 H^T u of Eq. 22, with one column of H for each regressor."""
     H = np.stack(regressors, axis=1)
     return tuple(float(value) for value in np.linalg.solve(H.T @ H, H.T @ target))

@@ -1,4 +1,4 @@
-"""The robot of a textbook simulation of a measured case: a shipped robot with the case's nominal parameters in it."""
+"""The nominal robot of a measured case: a shipped robot with the nominal parameters of the case."""
 
 from collections.abc import Mapping
 from math import degrees
@@ -29,9 +29,9 @@ PLAIN_RANGE: Mapping[str, float] = MappingProxyType(
 
 
 def nominal_robot(nominal: Nominal, carrier: RobotConfig) -> RobotConfig:
-    """The robot that the case speaks of, and otherwise `carrier`, without that one's effects.
+    """Return `carrier` without its effects and with the parameters that the case defines.
 
-    A range sensor is a bare ray with the case's offset and scale, without the cone of the shipped one and its error.
+    A range sensor is a single ray with the offset and scale of the case, without the cone and the error of `carrier`.
     """
     robot = carrier.model_copy(update={"effects": RobotEffects()})
     match nominal:

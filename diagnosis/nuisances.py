@@ -1,7 +1,7 @@
-"""Numbers in which one robot of many differs from the nominal one without anything being wrong with it.
+"""Nuisances: parameters in which each unit differs from the nominal robot without a fault.
 
-A measured case gives them as a value and a tolerance, the standard deviation between units. A fit has each of them as a
-parameter with that prior, beside whatever effect it looks for.
+A measured case states each as a value and a tolerance, which is the standard deviation between units. A fit has each of
+them as a parameter with that prior, in addition to the effects that it tests.
 """
 
 from collections.abc import Callable, Iterator
@@ -31,28 +31,30 @@ Number = float | NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Nuisance:
+    """One parameter with its tolerance."""
+
     name: str
-    """As in nominal.yaml."""
+    """Name of the parameter in nominal.yaml."""
     value: float
-    """Of the nominal robot."""
+    """Value of the nominal robot."""
     tolerance: float
     """Standard deviation between units."""
     unit: str
     change: Callable[[RobotConfig, Number], RobotConfig]
 
     def applied(self, robot: RobotConfig, value: Number) -> RobotConfig:
-        """The robot as that unit; what its effects add or scale stays on top of it.
+        """Return the robot with another value of the parameter; what its effects add or scale applies on top of it.
 
         Args:
-            robot: Nominal, with the effects of all effects: one of the same name, added later, would take its place.
+            robot: The robot with all its effects; an effect of the same name, added later, would replace this one.
             value: A number, or an array for many robots at once (`physics.robot.stack`).
         """
         return self.change(robot, value)
 
 
 def nuisances(nominal: Nominal) -> tuple[Nuisance, ...]:
-    """Every number of a case that has a tolerance above 0."""
-    return tuple(of for of in _all(nominal) if of.tolerance > 0.0)
+    """Return every parameter of a case with a tolerance above 0."""
+    return tuple(nuisance for nuisance in _all(nominal) if nuisance.tolerance > 0.0)
 
 
 def _all(nominal: Nominal) -> Iterator[Nuisance]:
@@ -87,12 +89,12 @@ def _wheel_asymmetry(spread: Spread) -> Nuisance:
 
 
 TIMING_S = 5e-4
-"""How much later than logged a voltage may act without anything being wrong: rounded times, a loop between two samples,
-and in a simulation the way of integrating. A delay that matters in rows of 50 ms is many times that."""
+"""Time by which a voltage may act later than logged without a fault, because of rounded times, a control loop between
+two samples, or the integration steps of a simulation. A delay that matters with rows of 50 ms is much longer."""
 
 
 def command_timing() -> Nuisance:
-    """Of a drive's voltages."""
+    """Return the nuisance for the timing of a drive's voltages."""
 
     def change(robot: RobotConfig, value: Number) -> RobotConfig:
         present = robot.effects.get(InputDelay) or InputDelay.null()
@@ -105,7 +107,7 @@ UNITS = {"ohm": "ohm", "N_m_A": "N m/A", "N_m_s_rad": "N m s/rad", "N_m": "N m",
 
 
 def _number(section: str, key: str, name: str, spread: PositiveSpread | Spread, factor: float) -> Nuisance:
-    """A number of the robot's configuration, which is `factor` times that of the case."""
+    """Return the nuisance of a robot parameter, which is `factor` times that of the case."""
 
     def change(robot: RobotConfig, value: Number) -> RobotConfig:
         changed: Section = getattr(robot, section).model_copy(update={key: factor * value})

@@ -1,4 +1,4 @@
-"""What a robot would do in runs whose inputs alone are known, in the columns in which it would be measured."""
+"""Predictions of a robot in runs with known inputs and unknown readings, in the columns of a measurement."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -13,7 +13,7 @@ from diagnosis.predictors.motor_step import MotorStep
 from diagnosis.predictors.pose import Pose
 from diagnosis.predictors.ranges import Ranges
 from diagnosis.predictors.rows import given
-from diagnosis.predictors.tof_bench import TofBench
+from diagnosis.predictors.tof_bench import TofBenchStage
 from diagnosis.predictors.wheels import Wheels
 from symolo.core.arrays import Array
 
@@ -23,27 +23,27 @@ DIGITS = 7
 
 
 def unseen_runs(measurement: Measurement, robot: RobotConfig, unseen: Mapping[str, Measurement]) -> dict[str, Columns]:
-    """Predictions by the stages of the simulator, each from the inputs of its file.
+    """Return predictions by the stages of the simulator, each from the inputs of its file.
 
     Args:
         measurement: The case, with its nominal parameters; the unseen runs have the same noise and world.
-        robot: That is to be believed.
-        unseen: Runs by file name, as `read_blind` gives them.
+        robot: The robot.
+        unseen: Runs by file name, as `read_blind` returns them.
 
     Returns:
-        By file name, `CASE.csv` or of a drive `CASE_wheels.csv`, `CASE_pose.csv`, `CASE_tof.csv`: columns (n,) for the
-        n rows of the inputs; NaN where nothing follows from them.
+        By file name `CASE.csv`, or `CASE_wheels.csv`, `CASE_pose.csv`, `CASE_tof.csv` for a drive: columns (n,) for the
+        n rows of the inputs; NaN where they determine nothing.
     """
-    found: dict[str, Columns] = {}
+    predictions: dict[str, Columns] = {}
     for name, inputs in unseen.items():
         part = name.removeprefix("blind_").removesuffix("inputs.csv").rstrip("_")
         whole = replace(inputs, nominal=measurement.nominal)
-        found[f"{measurement.name}{'_' * bool(part)}{part}.csv"] = _predicted(part, whole, robot)
-    return found
+        predictions[f"{measurement.name}{'_' * bool(part)}{part}.csv"] = _predicted(part, whole, robot)
+    return predictions
 
 
 def csv_text(columns: Columns) -> str:
-    """A header and a line for each row, empty where there is no prediction."""
+    """Return a header and a line for each row; cells without a prediction are empty."""
     rows = zip(*columns.values(), strict=True)
     lines = (",".join(f"{value:.{DIGITS}g}" if np.isfinite(value) else "" for value in row) for row in rows)
     return "\n".join([",".join(columns), *lines]) + "\n"
@@ -65,10 +65,10 @@ def _predicted(part: str, inputs: Measurement, robot: RobotConfig) -> Columns:
         case _, Kind.MOTOR_STEP:
             return _of_stage(MotorStep(inputs, robot), robot)
         case _, Kind.TOF_BENCH:
-            return _of_stage(TofBench(inputs, robot), robot)
+            return _of_stage(TofBenchStage(inputs, robot), robot)
     raise ValueError(f"no stage predicts {part} of {inputs.kind}")
 
 
-def _of_stage(stage: MotorSteady | MotorStep | TofBench | Wheels | Ranges, robot: RobotConfig) -> Columns:
+def _of_stage(stage: MotorSteady | MotorStep | TofBenchStage | Wheels | Ranges, robot: RobotConfig) -> Columns:
     predicted = stage.predict([robot])
-    return {of.name: mean.mean[0] for of, mean in zip(stage.observed, predicted, strict=True)}
+    return {observed.name: p.mean[0] for observed, p in zip(stage.observed, predicted, strict=True)}

@@ -1,7 +1,7 @@
-"""How far a robot may be from its nominal parameters where nobody stated it.
+"""Usual tolerances of nominal parameters, if the source does not state them.
 
-Shares of the nominal value, one standard deviation between units: those of small brushed gear motors and of printed or
-laser-cut bodies with rubber tyres. A source that knows better says so in its nominal.yaml.
+They are standard deviations between units, as shares of the nominal value, for small brushed gear motors and for
+printed or laser-cut bodies with rubber tyres. A source can state better ones in its nominal.yaml.
 """
 
 from collections.abc import Mapping
@@ -19,16 +19,17 @@ SHARES: Mapping[str, float] = {
     "rotor_inertia_kg_m2": 0.10,
 }
 WHEEL_SHARE = 0.006
-"""Of a radius: half a millimetre of a diameter of some centimetres, to which a rubber tyre is measured."""
+"""Tolerance of a radius: the diameter of a rubber tyre of some centimetres can be measured to half a millimetre."""
 PAIR_SHARE = 0.003
-"""Of the mean radius, by which two wheels of one make differ: rubber yields, and one side carries more (as below)."""
+"""Difference of two wheels of the same type, as a share of the mean radius: rubber yields, and one side carries more
+weight (source: see below)."""
 TRACK_SHARE = 0.01
-"""Of the wheel separation: a tyre touches the floor along a line, and where on it the wheel turns about nobody knows
-(Borenstein and Feng, IEEE Trans. Robotics and Automation 12 (1996) 869-880)."""
+"""Tolerance of the wheel separation: a tyre touches the floor along a line, and the point on it about which the wheel
+turns is not known (Borenstein and Feng, IEEE Trans. Robotics and Automation 12 (1996) 869-880)."""
 
 
 def usual(robot: RobotConfig) -> tuple[Nuisance, ...]:
-    """Of the motor."""
+    """Return the nuisances of the motor of a robot."""
     values = {name: float(getattr(robot.motor, name)) for name in SHARES}
     return tuple(
         Nuisance(name, value, SHARES[name] * value, _unit(name), partial(_motor, name))
@@ -37,7 +38,7 @@ def usual(robot: RobotConfig) -> tuple[Nuisance, ...]:
 
 
 def usual_wheels(*, diameter_m: float, track_m: float, counts_per_turn: float) -> KnownWheels:
-    """Of a driven robot of which its drawing alone is known."""
+    """Return the wheels of a robot of which only the drawing is known."""
     radius_m = 0.5 * diameter_m
     return KnownWheels(
         robot=NominalRobot(

@@ -1,4 +1,4 @@
-"""Compiles the firmware: for the board with avr-gcc, for this machine with gcc, and as a sketch for the Arduino IDE."""
+"""Builds the firmware: for the board with avr-gcc, for this machine with gcc, and as a sketch for the Arduino IDE."""
 
 import hashlib
 import os
@@ -19,7 +19,7 @@ from symolo.core.atomic_files import make_folder, move, remove_folder, write_fil
 from symolo.core.errors import EnvironmentLacking, InputError
 
 BAUDS = (115_200, 250_000, 500_000, 1_000_000)
-"""A board says in its hello at which place of this table its baud rate stands."""
+"""Baud rates. A board's hello holds the index of its baud rate in this table."""
 
 _SOURCES = Path(firmware.__file__).parent
 _SKETCH_MAIN = "symolo.ino"
@@ -36,36 +36,36 @@ class FirmwareBuild:
 
     elf: Path
     hex: Path
-    """For avrdude."""
+    """Firmware in the format that avrdude flashes."""
     id: str
-    """16 hex digits: the first eight bytes of the SHA-256 of sources and settings, told by the board's hello."""
+    """First eight bytes of the SHA-256 of sources and settings, as 16 hexadecimal digits; a hello holds it."""
 
 
 @dataclass(frozen=True)
 class FirmwareSize:
-    """What a firmware takes of the board's memory."""
+    """Memory of the board that a firmware uses."""
 
     flash_bytes: int
-    """Of 262144, of which a boot loader may hold 8192."""
+    """Flash memory [byte] of 262144, of which a boot loader may use 8192."""
     ram_bytes: int
-    """Of 8192, before the stack."""
+    """RAM [byte] of 8192, without the stack."""
 
 
 def student_tasks() -> tuple[str, ...]:
-    """The functions of student.c, in its order, which may be left to be written."""
+    """Return the functions of student.c that students can write themselves, in the order of the file."""
     return tuple(name.lower() for name in _TASK.findall(_hand_written()["student.c"]))
 
 
 def firmware_sources(
     robot: RobotConfig, framing: FramingName, baud: int, student: str | None = None
 ) -> tuple[dict[str, str], str]:
-    """All files that the firmware is made of, text by name, and its id.
+    """Return all source files of the firmware, text by name, and its id.
 
     Args:
-        robot: Whose numbers and paths it gets.
-        framing: Of the messages.
+        robot: Robot whose numbers and paths it gets.
+        framing: Framing of the messages.
         baud: One of `BAUDS`.
-        student: Text of a student.c to take in place of the reference.
+        student: Text of a student.c in place of the reference solution.
 
     Raises:
         InputError: The robot's numbers do not fit the board, or there is no such baud rate.
@@ -86,17 +86,17 @@ def firmware_sources(
 def build_firmware(
     robot: RobotConfig, framing: FramingName, baud: int, out_dir: Path, student: str | None = None
 ) -> FirmwareBuild:
-    """Firmware for the board in a folder of its own within `out_dir`; compiled if it is not there.
+    """Return the firmware for the board, in a folder within `out_dir`; compile it if it is missing.
 
     Args:
-        robot: Whose controller it is.
-        framing: Of the messages.
+        robot: Robot whose controller it is.
+        framing: Framing of the messages.
         baud: One of `BAUDS`.
-        out_dir: Holds every firmware by its id.
-        student: Text of a student.c to take in place of the reference.
+        out_dir: Folder that holds every firmware by its id.
+        student: Text of a student.c in place of the reference solution.
 
     Raises:
-        InputError: The robot's numbers do not fit the board, or the compiler does not take the student's text.
+        InputError: The robot's numbers do not fit the board, or the student's code does not compile.
         EnvironmentLacking: There is no avr-gcc; names the line that installs it.
     """
     files, identity = firmware_sources(robot, framing, baud, student)
@@ -109,7 +109,7 @@ def build_firmware(
         _compile(["avr-gcc", *_AVR_FLAGS, "-o", str(elf)], files, Path(scratch), AVR_PACKAGES)
         _run(["avr-objcopy", "-O", "ihex", "-R", ".eeprom", str(elf), str(hex_file)], AVR_PACKAGES)
         make_folder(place)
-        move(elf, build.elf)  # over one of another process, which is the same
+        move(elf, build.elf)  # it may replace that of another process, which is the same
         move(hex_file, build.hex)
     return build
 
@@ -117,7 +117,7 @@ def build_firmware(
 def build_native(
     robot: RobotConfig, out_dir: Path, framing: FramingName = "framed", student: str | None = None
 ) -> Path:
-    """The same firmware as a shared library of this machine, in `out_dir`; native.c says what it exports.
+    """Return the same firmware as a shared library for this machine in `out_dir`; native.c names its functions.
 
     Raises:
         InputError: As `build_firmware`.
@@ -127,14 +127,14 @@ def build_native(
     place = out_dir / f"firmware-{identity}-{_short_hash(_NATIVE_FLAGS)}.so"
     if not place.is_file():
         with _scratch(files, out_dir) as scratch:
-            made = Path(scratch) / place.name
-            _compile(["gcc", *_NATIVE_FLAGS, "-o", str(made)], files, Path(scratch), NATIVE_PACKAGES)
-            move(made, place)
+            library = Path(scratch) / place.name
+            _compile(["gcc", *_NATIVE_FLAGS, "-o", str(library)], files, Path(scratch), NATIVE_PACKAGES)
+            move(library, place)
     return place
 
 
 def firmware_size(build: FirmwareBuild) -> FirmwareSize:
-    """Read off the program's sections."""
+    """Return the memory that the sections of the program use."""
     listing = _run(["avr-size", "-A", str(build.elf)], AVR_PACKAGES)
     sizes = {name: int(size) for name, size in re.findall(r"^(\.\w+)\s+(\d+)", listing, re.MULTILINE)}
     data, text, bss = (sizes.get(name, 0) for name in (".data", ".text", ".bss"))
@@ -142,27 +142,31 @@ def firmware_size(build: FirmwareBuild) -> FirmwareSize:
 
 
 def write_sketch(
-    robot: RobotConfig, folder: Path, framing: FramingName = "framed", baud: int = 500_000, todo: Sequence[str] = ()
+    robot: RobotConfig,
+    folder: Path,
+    framing: FramingName = "framed",
+    baud: int = 500_000,
+    exercises: Sequence[str] = (),
 ) -> str:
-    """A complete sketch for the Arduino IDE in `folder`, made new; returns the firmware's id.
+    """Write a complete sketch for the Arduino IDE into a new folder, and return the firmware's id.
 
     Args:
-        robot: Whose controller it is.
-        folder: Not there yet; its name becomes that of the sketch.
-        framing: Of the messages.
+        robot: Robot whose controller it is.
+        folder: New folder; its name becomes that of the sketch.
+        framing: Framing of the messages.
         baud: One of `BAUDS`.
-        todo: Functions of student.c that are left to be written, of `student_tasks()`.
+        exercises: Functions of `student_tasks()` that students write themselves.
 
     Raises:
-        InputError: The folder is there already, has a name that is none for a sketch, or there is no such function.
+        InputError: The folder exists, its name is not allowed for a sketch, or there is no such function.
     """
     if folder.exists():
-        raise InputError(f"{folder}: is there already", cure="name a new folder, so that nobody's work is overwritten")
+        raise InputError(f"{folder}: the folder exists", cure="name a new folder, so that nobody's work is overwritten")
     if not re.fullmatch(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,62}", folder.name):
         raise InputError("name of a sketch", got=folder.name, allowed="letters, digits, '_', '.' and '-'")
-    student = student_version(todo) if todo else None
+    student = student_version(exercises) if exercises else None
     files, identity = firmware_sources(robot, framing, baud, student)
-    if "next_state" in todo:
+    if "next_state" in exercises:
         del files["transitions.h"]  # it is the solution
     sketch = {name: text for name, text in files.items() if name not in {"main.c", "native.c", _SKETCH_MAIN}}
     sketch[f"{folder.name}.ino"] = files[_SKETCH_MAIN]
@@ -175,28 +179,28 @@ def write_sketch(
     return identity
 
 
-def student_version(todo: Sequence[str]) -> str:
-    """student.c with a TODO in place of the solution of each function named, and nothing else to choose from.
+def student_version(exercises: Sequence[str]) -> str:
+    """Return student.c with a TODO in place of the solution of each of these functions.
 
     Raises:
         InputError: There is no such function.
     """
     tasks = student_tasks()
-    for name in todo:
+    for name in exercises:
         if name not in tasks:
-            raise InputError("function to be written", got=name, allowed=f"one of {', '.join(tasks)}")
-    kept: list[str] = []
-    keep = [True]
+            raise InputError("exercise", got=name, allowed=f"one of {', '.join(tasks)}")
+    lines: list[str] = []
+    conditions = [True]
     for line in _hand_written()["student.c"].splitlines():
-        if found := re.fullmatch(r"#if(n?)def TODO_(\w+)", line):
-            keep.append((found[2].lower() in todo) is not bool(found[1]))
+        if match := re.fullmatch(r"#if(n?)def TODO_(\w+)", line):
+            conditions.append((match[2].lower() in exercises) is not bool(match[1]))
         elif line == "#else":
-            keep[-1] = not keep[-1]
+            conditions[-1] = not conditions[-1]
         elif line == "#endif":
-            keep.pop()
-        elif all(keep):
-            kept.append(line)
-    return re.sub(r"\n{3,}", "\n\n", "\n".join(kept) + "\n")
+            conditions.pop()
+        elif all(conditions):
+            lines.append(line)
+    return re.sub(r"\n{3,}", "\n\n", "\n".join(lines) + "\n")
 
 
 def _hand_written() -> dict[str, str]:
@@ -226,7 +230,7 @@ def _short_hash(flags: Sequence[str]) -> str:
 
 
 def _scratch(files: Mapping[str, str], out_dir: Path) -> tempfile.TemporaryDirectory[str]:
-    """A folder within `out_dir` with the sources in it, gone at the end."""
+    """Return a temporary folder within `out_dir` that holds the sources."""
     make_folder(out_dir)
     scratch = tempfile.TemporaryDirectory(prefix="firmware-", dir=out_dir)
     for name, text in files.items():
@@ -240,11 +244,11 @@ def _compile(command: Sequence[str], files: Mapping[str, str], folder: Path, pac
 
 
 def _run(command: Sequence[str], packages: str) -> str:
-    """What a tool of the compiler says.
+    """Run a tool of the compiler and return its output.
 
     Raises:
-        EnvironmentLacking: It is not there, or lacks its library.
-        InputError: It does not take what it is given; ends with the first error that it names.
+        EnvironmentLacking: The tool or its library is missing.
+        InputError: The sources do not compile; the text ends with the first error.
     """
     program = shutil.which(command[0])
     if program is None:

@@ -1,11 +1,11 @@
-"""Things that are let go of."""
+"""A base class for context managers that close themselves."""
 
 from types import TracebackType
 from typing import Self
 
 
 class Closing:
-    """A context that ends with `close`, which may be called again."""
+    """A context manager that calls `close` at its end; `close` may be called more than once."""
 
     def __enter__(self) -> Self:
         return self

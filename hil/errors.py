@@ -1,7 +1,7 @@
-"""How a run with a board ends when the board does not do its part."""
+"""The error that ends a run when the board fails."""
 
 from symolo.core.errors import RunFailed
 
 
 class BoardLost(RunFailed):
-    """The board is gone, silent, re-booted, or not the one that is needed; the text is one line that says which."""
+    """The board is unplugged, silent, re-booted, or has the wrong firmware; the text is one line that says which."""

@@ -1,63 +1,63 @@
-"""What simulator and board tell each other, in SI units, whatever the framing on the wire."""
+"""Frames that simulator and board exchange, in SI units, independent of the framing on the wire."""
 
 from dataclasses import dataclass
 
 from symolo.dataset.codes import State
 
 CHANNELS = 8
-"""Of the line sensor."""
+"""Number of channels of the line sensor."""
 MAX_INCREMENT = 32767
-"""That 16 bits hold either way."""
+"""Largest encoder increment, forwards or backwards, in 16 bits."""
 
 
 @dataclass(frozen=True)
 class SensorFrame:
-    """What the robot's sensors say at one tick, for the board.
+    """The readings of the robot's sensors at one tick, for the board.
 
-    On the wire a channel of the line is one byte, a range a whole number of millimetres, an encoder increment 16 bits.
+    On the wire a channel of the line is one byte, a range is in whole millimetres, an encoder increment has 16 bits.
     """
 
     encoder_increments: tuple[int, int]
-    """Counts right and left since the frame before, each at most `MAX_INCREMENT` either way."""
+    """Encoder counts right and left since the frame before, each at most `MAX_INCREMENT` forwards or backwards."""
     line: tuple[float, ...]
     """Normalised reflectance L0 to L7, right to left, 0 to 1."""
     front_m: float | None
     left_m: float | None
     right_m: float | None
-    """Ranges as the sensors give them, with the no-target value where there is no target; None where a sensor is
-    missing."""
+    """Ranges [m] as the sensors report them, with the no-target value where there is no target; None for a missing
+    sensor."""
     run: bool = True
-    """False: the board is to stand still; it keeps state and odometry."""
+    """Whether the robot may drive; else it stands still and keeps state and odometry."""
     start: bool = False
-    """True: the board is to forget state, odometry and counters first."""
+    """Whether the board resets state, odometry and counters first."""
 
 
 @dataclass(frozen=True)
 class CommandFrame:
-    """What the board answers to one `SensorFrame`. None where the framing has no place for it."""
+    """The board's answer to one `SensorFrame`. A field is None where the framing has no place for it."""
 
     state: State
     right_rad_s: float
     left_rad_s: float
-    """Set points of the wheels."""
+    """Set points [rad/s] of the wheels."""
     v_m_s: float | None = None
     w_rad_s: float | None = None
-    """Speeds from which the set points were made."""
+    """Forward speed [m/s] and yaw rate [rad/s] that the set points follow from."""
     line_lost: int | None = None
-    """Ticks in the line state without a channel on the line."""
+    """Number of ticks in the line state without a channel on the line."""
     ticks: int | None = None
-    """Sensor frames that the board took since it booted, at most 65535."""
+    """Number of sensor frames that the board received since it booted, at most 65535."""
     dropped: int | None = None
-    """Damaged frames that the board heard since its last answer, at most 255."""
+    """Number of damaged frames that the board received since its last answer, at most 255."""
 
 
 @dataclass(frozen=True)
 class HelloFrame:
-    """Who is at the other end."""
+    """Which board and firmware is at the other end."""
 
     protocol: int
     """Version of the wire format."""
     firmware_id: str
-    """The first eight bytes of the SHA-256 of what the firmware was built from, as 16 hexadecimal digits."""
+    """First eight bytes of the SHA-256 of the firmware's sources, as 16 hexadecimal digits."""
     baud_index: int
-    """Into the table of baud rates that firmware is built for."""
+    """Index into the table of baud rates that firmware is built for."""

@@ -1,6 +1,6 @@
-"""The parts of the firmware that are made: the state machine's table, the robot's numbers, and its paths in flash.
+"""The generated part of the firmware: the table of the state machine, the robot's numbers, and its paths in flash.
 
-All is a pure function of the robot's configuration and the shipped table; the rest of the firmware is hand-written C.
+It is a pure function of the robot's configuration and the shipped table; the rest of the firmware is hand-written C.
 """
 
 import math
@@ -19,11 +19,11 @@ from symolo.core.errors import InputError
 from symolo.dataset.codes import State
 
 WHITE = 255
-"""A channel of the line on the wire at full reflectance."""
+"""Value of a line channel on the wire at full reflectance."""
 MAX_POINTS = 8000
-"""Of one path: x and y in 16 bits each stay below the 32 KB that avr-gcc allows a table."""
+"""Largest number of points of a path: with 16 bits each for x and y they fit into the 32 KB of a table of avr-gcc."""
 MAX_SET_POINT_RAD_S = 32.767
-"""Set points of the wheels travel as 16 bits of mrad/s."""
+"""Largest set point of a wheel, sent as 16 bits in mrad/s."""
 _COUNTS_PER_LINE = 16
 
 # Fields of the controller's configuration that are compared with a range: (path, whether readings below it count).
@@ -43,7 +43,7 @@ _RANGES_ABOVE = ("wall.lost_beyond_m", "corner.front_clear_m")
 
 
 def generate(robot: RobotConfig) -> dict[str, str]:
-    """The made files, text by name: states.h, transitions.h, settings.h and paths.h.
+    """Return the generated files, text by name: states.h, transitions.h, settings.h and paths.h.
 
     Raises:
         InputError: The robot's numbers do not fit the board or the wire.
@@ -136,13 +136,13 @@ def _settings(robot: RobotConfig) -> str:
 
 
 def _facing(controller: Controller) -> list[str]:
-    """Between which readings an obstacle is at the distance that the curve paths begin at."""
+    """Return the readings between which an obstacle is at the distance where the curve paths begin."""
     avoidance, curves = controller.avoidance, controller.avoidance.curves
     if curves is None:
         return []
     middle, tolerance = avoidance.front_below_m, curves.face.tolerance_m
-    most = _millimetres_below(middle + 2.0 * tolerance) + 1
-    within = [n for n in range(most) if abs(n * 0.001 - middle) < tolerance] or [_millimetres_below(middle)]
+    stop = _millimetres_below(middle + 2.0 * tolerance) + 1
+    within = [n for n in range(stop) if abs(n * 0.001 - middle) < tolerance] or [_millimetres_below(middle)]
     return [
         f"#define AVOIDANCE_CURVES_FACE_EDGE_MM {math.floor(curves.face.edge_m / 0.001 + 1e-9)}",
         f"#define FACING_NEAREST_MM {within[0]}",
@@ -151,7 +151,7 @@ def _facing(controller: Controller) -> list[str]:
 
 
 def _numbers(section: BaseModel, path: str = "") -> Iterator[tuple[str, float]]:
-    """Every number of the controller's configuration, by its path."""
+    """Yield every number of the controller's configuration with its path."""
     for name in type(section).model_fields:
         value = getattr(section, name)
         if isinstance(value, BaseModel):
@@ -173,7 +173,7 @@ def _millimetres_below(limit_m: float) -> int:
 
 
 def _whole_below(limit: float, step: float) -> int:
-    """How many whole steps from 0 on lie below the limit, in the arithmetic of the controller in Python."""
+    """Return how many whole steps from 0 lie below the limit, in the arithmetic of the controller in Python."""
     count = math.ceil(limit / step) + 2
     while count > 0 and not (count - 1) * step < limit:
         count -= 1

@@ -1,4 +1,6 @@
-"""The loop with the controller outside: sensors out, wheel commands in, and a safe stop when none come."""
+"""The control loop with the controller on a board: it sends sensor readings, receives wheel commands, and stops the
+robot safely when no commands come.
+"""
 
 from collections import deque
 from dataclasses import dataclass, field, replace
@@ -14,11 +16,11 @@ from hil.plausible import DriveLimits, TickCount, check_encoders
 from symolo.dataset.codes import State
 
 PROTOCOL = 1
-"""Version of the wire format that is spoken here."""
+"""Version of the wire format."""
 _CAUSES = frozenset({"damaged", "refused", "stale"})
-"""Of a missing command, where one is known."""
-_DAMAGE_TOLD = 3
-"""Reasons of one tick's damage that its event spells out."""
+"""Kinds of event that explain a missing command."""
+_MAX_REASONS = 3
+"""Largest number of reasons that the event about the damage of a tick names."""
 
 Kind = Literal[
     "damaged",
@@ -36,7 +38,7 @@ Kind = Literal[
 
 @dataclass(frozen=True)
 class BoardEvent:
-    """Something that went wrong, or right again, at one tick."""
+    """A fault, or the end of a fault, at one tick."""
 
     tick: int
     kind: Kind
@@ -45,19 +47,19 @@ class BoardEvent:
 
 @dataclass(frozen=True)
 class LoopSettings:
-    """How the loop deals with time and with a board that does not answer."""
+    """Timing, and what happens when the board does not answer."""
 
     tick_s: float = 0.05
     delay_ticks: int = 1
-    """Ticks between the sensors and the motion that a command made of them causes; 1 as in SimTwo."""
+    """Number of ticks between the sensor readings and the motion that their command causes; 1 as in SimTwo."""
     timeout_ticks: int = 3
-    """Ticks in a row without a command after which the wheels are told to stand still."""
+    """Number of ticks in a row without a command after which the wheels are stopped."""
     give_up_s: float = 2.0
-    """Without a command after which the run ends."""
+    """Time [s] without a command after which the run ends."""
     hello_s: float = 5.0
-    """In which a board must answer at first; an Arduino that resets when its port is opened takes two of them."""
+    """Time [s] for the first answer; an Arduino, which resets when its port is opened, needs 2 s."""
     on_reboot: Literal["stop", "go on"] = "stop"
-    """Whether the run ends when the board starts afresh within it, or goes on with what it then commands."""
+    """Whether the run ends when the board re-boots, or goes on with the commands that follow."""
 
 
 @dataclass(frozen=True)
@@ -70,17 +72,17 @@ class Orders:
     v_m_s: float
     w_rad_s: float
     line_lost: int
-    """Ticks in the line state without a channel on the line; 0 where the framing does not say."""
+    """Number of ticks in the line state without a channel on the line; 0 where the framing does not transmit it."""
     stopped: bool
-    """The wheels stand because no command has come for too long."""
+    """Whether the wheels stand still because no command has come for too long."""
 
 
 @dataclass
 class BoardPilot(Closing):
-    """Drives the robot by what a board answers.
+    """Drives the robot by the answers of a board.
 
-    Call `start` once, `step` at each tick, `close` at the end, which leaving a `with` does too. What went wrong is in
-    `events`, also after an error.
+    Call `start` once, `step` at each tick and `close` at the end; leaving a `with` block calls it too. `events` lists
+    all faults, also after an error.
     """
 
     link: BoardLink
@@ -89,10 +91,10 @@ class BoardPilot(Closing):
     settings: LoopSettings = field(default_factory=LoopSettings)
     events: list[BoardEvent] = field(default_factory=list)
     board: HelloFrame | None = None
-    """Who has answered; None before `start`, and where the framing cannot ask."""
+    """The answer to the hello; None before `start`, and where the framing has no hello."""
 
     def __post_init__(self) -> None:
-        self._ears = self.framing.from_board()
+        self._decoder = self.framing.from_board()
         self._tick = -1
         self._seq = 0
         self._count = TickCount()
@@ -105,7 +107,7 @@ class BoardPilot(Closing):
     def for_robot(
         cls, link: BoardLink, framing: Framing, robot: RobotConfig, settings: LoopSettings | None = None
     ) -> Self:
-        """The pilot of a robot as it is configured.
+        """Return the pilot of a robot.
 
         Raises:
             InputError: Its encoders count more in a tick than a frame holds.
@@ -115,10 +117,10 @@ class BoardPilot(Closing):
         return cls(link, framing, DriveLimits.from_robot(robot), settings)
 
     def start(self) -> HelloFrame | None:
-        """Wait until the board answers, and ask who it is where the framing can.
+        """Wait until the board answers, and return its hello where the framing has one.
 
         Raises:
-            BoardLost: Nobody answers, or another wire format.
+            BoardLost: No board answers, or its wire format has another version.
         """
         at_rest = SensorFrame((0, 0), (1.0,) * 8, None, None, None, run=False)
         for _ in range(max(1, round(self.settings.hello_s / self.settings.tick_s))):
@@ -126,42 +128,42 @@ class BoardPilot(Closing):
             seq = self._next_seq()
             hello = self.framing.hello(seq)
             self.link.write(hello or self.framing.sensors(seq, at_rest))
-            while heard := self.link.read():
-                for found in self._ears.feed(heard):
-                    if isinstance(found, HelloFrame):
-                        return self._greeted(found)
-                    if isinstance(found, CommandMessage) and not hello:
-                        return self._drained()
+            while data := self.link.read():
+                for message in self._decoder.decode(data):
+                    if isinstance(message, HelloFrame):
+                        return self._check_hello(message)
+                    if isinstance(message, CommandMessage) and not hello:
+                        return self._drain()
         raise BoardLost(
             f"no answer from {self.link.name} in {self.settings.hello_s:g} s: is the firmware on it, built for the"
             f" framing {self.framing.name} and this baud rate?"
         )
 
     def step(self, sensors: SensorFrame) -> Orders:
-        """Tell the board what the sensors say, and return what the robot is to do until the next tick.
+        """Send the sensor readings to the board, and return what the robot does until the next tick.
 
-        Increments of frames that the board did not take are told again with the next one, so that its odometry holds.
+        Encoder increments of frames that the board lost are added to the next frame, so that its odometry stays right.
 
         Raises:
-            BoardLost: No command for longer than `give_up_s`, a re-boot, or nobody at the other end any more.
+            BoardLost: No command came for longer than `give_up_s`, the board re-booted, or it was unplugged.
         """
         self._tick += 1
         late_s = self.link.start_tick(self.settings.tick_s)
         if late_s > self.settings.tick_s:
             self._note("late", f"the tick begins {1000.0 * late_s:.0f} ms late")
         sent = replace(
-            sensors, encoder_increments=self._count.owed(sensors.encoder_increments), start=not self._answered
+            sensors, encoder_increments=self._count.with_lost(sensors.encoder_increments), start=not self._answered
         )
         self._count.sent(sent.encoder_increments)
         self.link.write(self.framing.sensors(self._next_seq(), sent))
         command = self._answer()
-        self._mind(command)
+        self._count_misses(command)
         self._pending.append(command)
         self._acting = self._pending.popleft() or self._acting
         return self._orders()
 
     def close(self) -> None:
-        """Tell the board to stand still, and let go of the line; may be called again."""
+        """Stop the robot and close the line; may be called again."""
         if self._closed:
             return
         self._closed = True
@@ -171,7 +173,7 @@ class BoardPilot(Closing):
             self.link.write(self.framing.sensors(self._next_seq(), at_rest))
             self.link.read()
         except BoardLost:
-            pass  # it stands still by itself when nobody talks to it
+            pass  # without frames the firmware stops the robot by itself
         finally:
             self.link.close()
 
@@ -179,37 +181,37 @@ class BoardPilot(Closing):
         self._seq = (self._seq + 1) & 0xFF
         return self._seq
 
-    def _greeted(self, hello: HelloFrame) -> HelloFrame:
+    def _check_hello(self, hello: HelloFrame) -> HelloFrame:
         if hello.protocol != PROTOCOL:
             raise BoardLost(
-                f"{self.link.name} speaks version {hello.protocol} of the wire format, this program {PROTOCOL}:"
-                " build and flash the firmware anew"
+                f"{self.link.name} uses version {hello.protocol} of the wire format, this program version {PROTOCOL}:"
+                " build and flash the firmware again"
             )
         self.board = hello
         return hello
 
-    def _drained(self) -> None:
-        """Let a tick pass, lest an answer to the greeting be taken for one to what comes next."""
+    def _drain(self) -> None:
+        """Let a tick pass, so that a late answer to the hello is not mistaken for one to the next frame."""
         self.link.start_tick(self.settings.tick_s)
-        while heard := self.link.read():
-            self._ears.feed(heard)
+        while data := self.link.read():
+            self._decoder.decode(data)
 
     def _answer(self) -> CommandFrame | None:
-        """The command to the frame just sent, or None when the tick ends without a good one."""
+        """Return the command that answers the last frame, or None when the tick ends without a good one."""
         command: CommandFrame | None = None
         damage: list[str] = []
-        while command is None and (heard := self.link.read()):
-            for found in self._ears.feed(heard):
-                if isinstance(found, Damaged):
-                    damage.append(found.reason)
-                elif isinstance(found, CommandMessage):
-                    command = self._judged(found, command)
+        while command is None and (data := self.link.read()):
+            for message in self._decoder.decode(data):
+                if isinstance(message, Damaged):
+                    damage.append(message.reason)
+                elif isinstance(message, CommandMessage):
+                    command = self._checked(message, command)
         if damage:
-            self._note("damaged", f"{len(damage)} from the board: {', '.join(damage[:_DAMAGE_TOLD])}")
+            self._note("damaged", f"{len(damage)} from the board: {', '.join(damage[:_MAX_REASONS])}")
         return command
 
-    def _judged(self, answer: CommandMessage, accepted: CommandFrame | None) -> CommandFrame | None:
-        """The command that holds for this tick when one more answer has come in."""
+    def _checked(self, answer: CommandMessage, accepted: CommandFrame | None) -> CommandFrame | None:
+        """Return the command for this tick after one more answer."""
         command = answer.command
         if answer.seq is not None and answer.seq != self._seq:
             self._note("stale", f"an answer to frame {answer.seq}, the last is {self._seq}")
@@ -228,11 +230,11 @@ class BoardPilot(Closing):
         if command.dropped:
             self._note("damaged at the board", f"{command.dropped} frames")
         if rebooted:
-            self._note("re-boot", f"the board has started afresh and counts {command.ticks} frames")
+            self._note("re-boot", f"the board re-booted and counts {command.ticks} frames")
             if self.settings.on_reboot == "stop":
                 raise BoardLost(f"the board re-booted {self._when()}; the robot was stopped")
 
-    def _mind(self, command: CommandFrame | None) -> None:
+    def _count_misses(self, command: CommandFrame | None) -> None:
         """Count ticks without a command, and end the run when there are too many."""
         settings = self.settings
         if command is not None:
@@ -243,8 +245,8 @@ class BoardPilot(Closing):
         self._misses += 1
         self._note("no answer", "no command to this tick's frame")
         if self._misses == settings.timeout_ticks:
-            self._note("stopped", f"{self._misses} ticks without a command: the wheels are told to stand still")
-            # Nor does an old command act again when the next one comes but does not act yet.
+            self._note("stopped", f"{self._misses} ticks without a command: the wheels are stopped")
+            # An old command must not act again when the next one has come but does not act yet.
             self._pending = deque([None] * settings.delay_ticks)
             self._acting = self._acting and replace(self._acting, right_rad_s=0.0, left_rad_s=0.0)
         if self._misses * settings.tick_s >= settings.give_up_s:

@@ -1,4 +1,4 @@
-"""A board at the other end of a serial line as the pilot of a run."""
+"""A board at a serial line as the pilot of a run."""
 
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
@@ -21,11 +21,11 @@ from physics.run.pilot import Decision
 
 @dataclass(frozen=True)
 class PilotFromBoard:
-    """Asks the board for each decision."""
+    """The board takes each decision."""
 
     loop: BoardPilot
     firmware_id: str
-    """Of the firmware that answers; empty where the framing cannot ask a real board."""
+    """Identity of the firmware; empty for a real board whose framing has no hello."""
 
     @property
     def events(self) -> tuple[BoardEvent, ...]:
@@ -41,18 +41,18 @@ class PilotFromBoard:
 
 @contextmanager
 def pilot_from_board(robot: RobotConfig, board: Board, control_hz: int, port: str = "") -> Iterator[PilotFromBoard]:
-    """A board that has answered; told to stand still at the end.
+    """Connect to a board, wait for its answer, and stop it at the end.
 
     Args:
-        robot: Whose controller the firmware is.
-        board: How it is spoken to.
+        robot: Robot whose controller the firmware is.
+        board: Settings of the serial line.
         control_hz: Rate of the decisions.
-        port: Of the serial line to a real board; the simulated one if it is empty.
+        port: Serial port of a real board; empty for the simulated one.
 
     Raises:
         InputError: The port cannot be opened, or the robot's numbers do not fit the firmware.
         EnvironmentLacking: A compiler or a library is missing; names the line that installs it.
-        RunFailed: Nobody answers.
+        RunFailed: No board answers.
     """
     link, firmware_id = _line(robot, board, port)
     settings = LoopSettings(
@@ -67,12 +67,12 @@ def pilot_from_board(robot: RobotConfig, board: Board, control_hz: int, port: st
 
 
 def firmware_id_of(robot: RobotConfig, board: Board) -> str:
-    """Of the firmware that the simulated board is given."""
+    """Return the identity of the firmware for the simulated board."""
     return firmware_sources(robot, board.framing, board.bits_per_s)[1]
 
 
 def build_for(robot: RobotConfig, board: Board) -> FirmwareBuild:
-    """Board and firmware, as files of the user's cache.
+    """Build the simulated board and its firmware as files in the user's cache, and return the firmware.
 
     Raises:
         InputError: The robot's numbers do not fit the firmware.

@@ -1,4 +1,4 @@
-"""What happened on the line to the board at each control tick, in numbers: the columns of side/board.csv."""
+"""Counts of what happened on the line to the board at each control tick: the columns of side/board.csv."""
 
 from collections import Counter
 from collections.abc import Iterable
@@ -8,10 +8,10 @@ from symolo.dataset.codes import BOARD_EVENT_COLUMNS
 
 
 def tally(events: Iterable[BoardEvent], *, stopped: bool) -> tuple[int, ...]:
-    """The numbers of one tick, in the order of `BOARD_COLUMNS`.
+    """Return the counts of one tick, in the order of `BOARD_COLUMNS`.
 
     Args:
-        events: Of that tick.
+        events: Events of that tick.
         stopped: Whether the wheels stand still because no command has come.
     """
     kinds = Counter(event.kind for event in events)

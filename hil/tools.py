@@ -1,22 +1,21 @@
-"""What a machine needs for firmware and the simulated board, as Debian packages; nothing else in the project does."""
+"""Debian packages that the firmware and the simulated board need; nothing else in the project needs them."""
 
 import shutil
 from pathlib import Path
 
 AVR_PACKAGES = "gcc-avr avr-libc"
-"""To build firmware for a board."""
+"""Packages that build firmware for a board."""
 NATIVE_PACKAGES = "gcc libc6-dev"
-"""To build it for this machine, as some tests do."""
+"""Packages that build the firmware for this machine, as some tests do."""
 BOARD_PACKAGES = "gcc libc6-dev simavr libsimavr-dev libelf-dev"
-"""To build the simulated board."""
+"""Packages that build the simulated board."""
 HIL_PACKAGES = "gcc libc6-dev gcc-avr avr-libc simavr libsimavr-dev libelf-dev"
-"""All of them."""
+"""All packages for hardware in the loop."""
 
 _SIMAVR = Path("/usr/include/simavr/sim_avr.h")
 
 
 def has_compiler() -> bool:
-    """For this machine."""
     return shutil.which("gcc") is not None
 
 
@@ -25,5 +24,5 @@ def has_avr_compiler() -> bool:
 
 
 def has_board() -> bool:
-    """Whether the simulated board can be built and given firmware."""
+    """Return whether the simulated board and its firmware can be built."""
     return has_compiler() and has_avr_compiler() and _SIMAVR.is_file()

@@ -1,8 +1,8 @@
 """The robot without an engine: the same chain from voltages to poses and counts, for many trials of one robot at once.
 
-Motors are stepped exactly, wheels roll without slip, each step's path is an arc. Only the wheels' speeds are worked out
-step by step; voltages, poses and counts of all steps at once. What PyBullet has and this has not:
-contacts with walls, wheels that slide, tilting, and the shift of load between wheels and caster.
+Motors take exact steps, wheels roll without slip, and the path of each step is an arc. Wheel speeds are computed step
+by step; voltages, poses and counts of all steps at once. In contrast to PyBullet there are no contacts with walls, no
+sliding wheels, no tilting, and no shift of load between wheels and caster.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from configs.effects.base import Slot
-from physics.arena.rays import Hits, RayScene
+from physics.arena.rays import RayHits, RayScene
 from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.motor import HeldWheel
 from physics.drivetrain.motor_arrays import HeldDrive
@@ -23,8 +23,8 @@ from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.finite import require_finite
 
-FEW = 16
-"""Trials of bare motors up to which one after the other in plain numbers is faster than all at once in arrays."""
+MAX_SCALAR_TRIALS = 16
+"""Number of trials of bare motors up to which a loop over plain floats is faster than arrays."""
 
 
 @dataclass(frozen=True)
@@ -36,11 +36,11 @@ class TwinRun:
     pose: Array
     """(T + 1, N, 3), x [m], y [m], yaw [rad] in W, yaw unwrapped."""
     wheel_speed_rad_s: Array
-    """(T + 1, N, 2)."""
+    """(T + 1, N, 2), true wheel speeds."""
     current_A: Array
-    """(T + 1, N, 2), at the voltage of the step before."""
+    """(T + 1, N, 2), winding currents at the voltage of the previous step."""
     counts: NDArray[np.int64]
-    """(T + 1, N, 2), of the encoders since the start."""
+    """(T + 1, N, 2), encoder counts since the start."""
 
 
 class KinematicTwin:
@@ -65,14 +65,14 @@ class KinematicTwin:
         self._counts_per_rad = model.counts_per_revolution / (2.0 * pi)
 
     def drive(self, voltages_V: Array, starts: Array) -> TwinRun:
-        """Open loop from rest.
+        """Return open-loop drives from rest.
 
         Args:
-            voltages_V: (T, N, 2), right and left, each held for one step.
-            starts: (N, 3), x [m], y [m], yaw [rad].
+            voltages_V: (T, N, 2), right and left, each constant for one step.
+            starts: (N, 3), poses at the start, x [m], y [m], yaw [rad].
 
         Raises:
-            ValueError: A voltage is no finite number.
+            ValueError: A voltage is not a finite number.
         """
         require_finite(voltages_V, "voltages_V", ("step", "trial", "wheel"))
         steps, lanes, _ = voltages_V.shape
@@ -81,7 +81,7 @@ class KinematicTwin:
         commands = np.concatenate([late, commands[: steps - len(late)]])
         voltage, speed, turned = (np.zeros((steps + 1, lanes, 2)) for _ in range(3))
         voltage[1:] = self._voltages(commands)
-        if self._driveline.is_bare and lanes <= FEW:
+        if self._driveline.is_bare and lanes <= MAX_SCALAR_TRIALS:
             for lane in range(lanes):
                 speed[1:, lane], turned[1:, lane] = self._turned_alone(voltage[1:, lane])
         else:
@@ -96,7 +96,7 @@ class KinematicTwin:
         )
 
     def _voltages(self, commands_V: Array) -> Array:
-        """At the motors, (T, N, 2), at every step."""
+        """Return the voltages at the motors at every step, (T, N, 2)."""
         time_s = np.arange(len(commands_V)) * self._step_s
         if not self._driveline.lags:
             return self._driveline.voltage_V(commands_V, commands_V, time_s[:, None, None], self._step_s)[1]
@@ -106,9 +106,9 @@ class KinematicTwin:
         return voltage_V
 
     def _turned_together(self, voltage_V: Array) -> tuple[Array, Array]:
-        """Speeds after each step, and angles turned in it, (T, N, 2) each.
+        """Return speeds after each step and angles turned in it, (T, N, 2) each.
 
-        What one wheel asks of the other is that of the step before.
+        The coupling between the wheels uses the acceleration of the previous step.
         """
         driveline, body = self._driveline, self._body
         speeds, turned = np.zeros_like(voltage_V), np.zeros_like(voltage_V)
@@ -127,10 +127,10 @@ class KinematicTwin:
         return speeds, turned
 
     def _turned_alone(self, voltage_V: Array) -> tuple[Array, Array]:
-        """The same for one trial of bare motors, (T, 2) each."""
+        """Return the same for one trial of bare motors, (T, 2) each."""
         driveline, load_N_m, step_s = self._driveline, self._body.load_N_m, self._step_s
         numbers = np.stack([driveline.damping_N_m_s_rad, driveline.coulomb_N_m, self._inertia], axis=1).tolist()
-        step_right, step_left = (HeldWheel(*of_wheel, duration_s=step_s).step for of_wheel in numbers)
+        step_right, step_left = (HeldWheel(*wheel, duration_s=step_s).step for wheel in numbers)
         coupling = float(self._coupling[0, 1])
         right = left = faster_right = faster_left = 0.0
         rows = []
@@ -147,7 +147,7 @@ class KinematicTwin:
         return both[..., 0], both[..., 1]
 
     def _path(self, starts: Array, turned_rad: Array) -> Array:
-        """Poses along the arcs of the wheels' travel, with the share of each turn that slip leaves."""
+        """Return poses along the arcs of the wheels' travel, with the share of each turn that slip leaves."""
         travel = turned_rad @ self._body.to_twist.T
         forward_m, turn_rad = travel[..., 0], travel[..., 1]
         ones = np.ones_like(turn_rad)
@@ -161,7 +161,7 @@ class KinematicTwin:
 
 
 class ReplayedWorld:
-    """One trial of a twin's run, for sensors to look at: the arena's rays from its poses, its counts, its time."""
+    """One trial of a twin's run as a world for sensors: rays of the arena from its poses, its counts, its time."""
 
     def __init__(self, run: TwinRun, trial: int, arena: Arena, physics_hz: int) -> None:
         self._run = run
@@ -172,7 +172,7 @@ class ReplayedWorld:
 
     @property
     def steps(self) -> int:
-        """As the sensors count them; the run's own steps may be longer, between them the pose is interpolated."""
+        """Number of the sensors' steps; the steps of the run may be longer, and poses are interpolated between them."""
         return self._steps
 
     @property
@@ -180,22 +180,24 @@ class ReplayedWorld:
         return self._steps / self._physics_hz
 
     def advance(self, steps: int) -> None:
-        """Go on by so many steps of the sensors.
+        """Advance by a number of the sensors' steps.
 
         Raises:
-            ValueError: Beyond the end of the run, where nothing is known.
+            ValueError: The run ends before that.
         """
         self._steps += steps
         end_s = float(self._run.t_s[-1])
         if self.time_s > end_s + 1e-9:
-            raise ValueError(f"asked for {self.time_s:g} s of a run that ends at {end_s:g} s; drive it for longer")
+            raise ValueError(
+                f"the time {self.time_s:g} s is after the end of the run at {end_s:g} s; drive it for longer"
+            )
 
     def pose(self) -> tuple[float, float, float]:
         poses = self._run.pose[:, self._trial]
         x, y, yaw = (float(np.interp(self.time_s, self._run.t_s, column)) for column in poses.T)
         return x, y, yaw
 
-    def cast(self, origins: Array, ends: Array) -> Hits:
+    def cast(self, origins: Array, ends: Array) -> RayHits:
         return self._rays.cast(origins, ends, self.time_s)
 
     def encoder_counts(self) -> tuple[int, int]:

@@ -23,6 +23,7 @@ from pipeline.commands.preview import preview
 from pipeline.commands.report import report
 from pipeline.commands.storage import download, upload
 from symolo.core.errors import EnvironmentLacking, InputError, RunFailed, one_line
+from symolo.core.extras import EXTRA_OF, extra_is_missing
 from symolo.core.os_errors import lacking
 
 EPILOG = """Exit codes: 0 done; 1 a bug; 2 bad input or usage, nothing written; 3 a run failed, the others are finished;
@@ -125,10 +126,16 @@ def _run(arguments: Sequence[str] | None, interrupted: threading.Event) -> int:
     except Exception as error:  # noqa: BLE001 - the last line of defence gives a bug its exit code
         if interrupted.is_set():
             return _interrupted()
-        if told := lacking(error):
-            return _fail(5, one_line(told))
+        if problem := _machine_lacks(error):
+            return _fail(5, one_line(problem))
         return _bug()
     return _interrupted() if code == INTERRUPTED else int(code or 0)
+
+
+def _machine_lacks(error: Exception) -> str:
+    """Return what the machine lacks and what to do about it; empty where the error is not the machine's."""
+    package = (error.name or "").partition(".")[0] if isinstance(error, ModuleNotFoundError) else ""
+    return str(extra_is_missing(package)) if package in EXTRA_OF else lacking(error)
 
 
 @contextmanager

@@ -32,7 +32,7 @@ TOOLS = {
 RECORDINGS = (
     "tests marked `recordings` read recordings of real robots, which are not part of the repository: type"
     " `python -m pytest -m recordings --recordings=DIR`, where DIR is the folder of the sets that"
-    " docs/real_sets.md names"
+    " docs/diagnosis_evaluation.md names"
 )
 
 

@@ -18,9 +18,10 @@ from configs.schema.scenario import RunSpec
 from pipeline.cli import main
 from pipeline.stages.simulate import Outcome, simulate
 from pipeline.work.supervisor import UnitFailure, cores
-from pipeline.work.units import AnyUnit, Finished, RenderUnit
+from pipeline.work.units import AnyUnit, RenderUnit
 from pipeline.work.worker_main import do
 from sensors.camera.response import encode_jpeg
+from symolo.core.child_process import Finished
 from symolo.core.file_hashes import sha256_of
 from symolo.dataset.layout import frame_name
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest

@@ -13,7 +13,7 @@ from pathlib import Path
 from ray.cluster_utils import Cluster
 
 from pipeline.executors import ray as on_ray
-from pipeline.work.supervisor import BY_LIMITS
+from pipeline.work.supervisor import DEFAULT_LIMITS
 from pipeline.work.units import RenderUnit
 
 FRAMES = tuple(range(1, 26))
@@ -41,7 +41,7 @@ def main() -> None:
     ]
     heard: list[str] = []
     begin, begin_cpu = time.perf_counter(), time.process_time()
-    failures = on_ray.OnRay(cluster.address, BY_LIMITS).do(units, lambda unit, _event: heard.append(unit.name))
+    failures = on_ray.OnRay(cluster.address, DEFAULT_LIMITS).do(units, lambda unit, _event: heard.append(unit.name))
     wall_s, cpu_s = time.perf_counter() - begin, time.process_time() - begin_cpu
     cluster.shutdown()
     assert not failures and len(heard) == asked.blocks  # noqa: PT018, S101 - every one came back

@@ -2,8 +2,8 @@
 
     python benchmarks/diagnosis/real_sets.py --measured DIR --out DIR [--only drives,motors,range,table-1]
 
-DIR of --measured holds the sets as docs/real_sets.md names them. Written are real_sets.md with all tables, drives.json
-with every run, and plots. One core needs some ten minutes, most of it for the drives.
+DIR of --measured holds the sets that docs/diagnosis_evaluation.md names. The output is real_sets.md with all tables,
+drives.json with every run, and plots. One core needs some ten minutes, most of it for the drives.
 """
 
 import argparse

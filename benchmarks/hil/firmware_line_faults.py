@@ -41,13 +41,13 @@ class NativeFirmware:
 
 def disagreements(firmware: NativeFirmware, framing: Framing, pieces: list[bytes]) -> int:
     """Of so many pieces of a stream, those of which the two hear different frames."""
-    ears, back = framing.to_board(), framing.from_board()
+    decoder, back = framing.to_board(), framing.from_board()
     different = 0
     firmware.exchange(b"\0")  # ends what it may have half heard before
     for piece in pieces:
-        heard = [found for found in ears.feed(piece) if isinstance(found, SensorsMessage | HelloRequest)]
+        heard = [found for found in decoder.decode(piece) if isinstance(found, SensorsMessage | HelloRequest)]
         answers = [
-            found for found in back.feed(firmware.exchange(piece)) if isinstance(found, CommandMessage | HelloFrame)
+            found for found in back.decode(firmware.exchange(piece)) if isinstance(found, CommandMessage | HelloFrame)
         ]
         asked = [found.seq if isinstance(found, SensorsMessage) else None for found in heard]
         answered = [found.seq if isinstance(found, CommandMessage) else None for found in answers]

@@ -112,7 +112,7 @@ def drawn_sensors(draw: np.random.Generator) -> SensorFrame:
 
 def to_simulator(framing: Framing, kind: str, count: int, limits: DriveLimits, draw: np.random.Generator) -> Tally:
     """Damage of one kind to commands on their way from the board."""
-    ears, tally, older = framing.from_board(), Tally(), [b"\0"] * 4
+    decoder, tally, older = framing.from_board(), Tally(), [b"\0"] * 4
     frames, tick = TickCount(), 0
 
     def tell(damage: Callable[[bytes, list[bytes]], bytes]) -> tuple[CommandFrame, list[CommandMessage]]:
@@ -120,7 +120,7 @@ def to_simulator(framing: Framing, kind: str, count: int, limits: DriveLimits, d
         tick += 1
         sent = drawn_command(limits, min(tick, 65535), draw)
         data = framing.command(tick & 0xFF, sent)
-        heard = ears.feed(damage(data, older))
+        heard = decoder.decode(damage(data, older))
         older.insert(0, data)
         older.pop()
         frames.sent((0, 0))
@@ -161,13 +161,13 @@ def to_simulator(framing: Framing, kind: str, count: int, limits: DriveLimits, d
 
 def to_board(framing: Framing, kind: str, count: int, draw: np.random.Generator) -> Tally:
     """Damage of one kind to sensor frames on their way to the board, which obeys all that pass."""
-    ears, tally, older = framing.to_board(), Tally(), [b"\0"] * 4
+    decoder, tally, older = framing.to_board(), Tally(), [b"\0"] * 4
     for number in range(count):
         for place in ("damaged", "first_lost", "second_lost"):
             sent = drawn_sensors(draw)
             data = framing.sensors((3 * number) & 0xFF, sent)
             spoilt = damaged(data, older, kind, draw) if place == "damaged" else data
-            heard = [found for found in ears.feed(spoilt) if not isinstance(found, HelloRequest)]
+            heard = [found for found in decoder.decode(spoilt) if not isinstance(found, HelloRequest)]
             older = [data, *older[:-1]]
             said = [found.sensors for found in heard if isinstance(found, SensorsMessage)]
             if place == "damaged":

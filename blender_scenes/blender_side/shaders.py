@@ -203,7 +203,7 @@ def material(surface: Surface, user_images: UserImages | None = None) -> bpy.typ
         clear = graph.node("ShaderNodeBsdfTransparent", Color=surface.base_color)
         lit = _instead(graph, lit, clear, rays.outputs["Is Shadow Ray"])
     else:
-        # Light that is reflected to another surface does not need the texture of this one: this saves a quarter of time.
+        # Light that is reflected to another surface needs no texture of this one: that saves a quarter of the time.
         plain = graph.node("ShaderNodeBsdfDiffuse", Color=(*typical_color(surface), 1.0))
         lit = _instead(graph, lit, plain, rays.outputs["Is Diffuse Ray"])
     graph.node("ShaderNodeOutputMaterial", Surface=lit).is_active_output = True

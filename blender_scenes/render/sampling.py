@@ -1,4 +1,4 @@
-"""Samples and denoiser of each quality of rendering; docs/render_benchmarks.md compares their times and errors."""
+"""Samples and denoiser of each quality of rendering; docs/rendering.md compares their times and errors."""
 
 import math
 from dataclasses import dataclass, replace

@@ -3,7 +3,7 @@
 import numpy as np
 
 from configs.arena_generation.rejection import BEYOND_THE_FLOOR, Rejected
-from configs.schema.arena import Wall
+from configs.schema.arena import WallConfig
 from configs.schema.arena_generator import ArenaGenerator
 from configs.schema.surface import SurfaceName
 from symolo.core.arrays import Array
@@ -14,7 +14,9 @@ UNEVEN = 0.25
 """Share of the even angle between two sides by which each may be turned; a rectangle stays one."""
 
 
-def draw_walls(recipe: ArenaGenerator, line: Array, half_extent_m: float, rng: np.random.Generator) -> tuple[Wall, ...]:
+def draw_walls(
+    recipe: ArenaGenerator, line: Array, half_extent_m: float, rng: np.random.Generator
+) -> tuple[WallConfig, ...]:
     """Walls counter-clockwise around the points (N, 2) of the line, their faces inwards.
 
     Raises:
@@ -38,7 +40,7 @@ def draw_walls(recipe: ArenaGenerator, line: Array, half_extent_m: float, rng: n
     if np.abs(corners).max() > half_extent_m:
         raise Rejected(BEYOND_THE_FLOOR)
     return tuple(
-        Wall(
+        WallConfig(
             name=f"Wall_{i + 1}",
             start=_point(corners[i]),
             end=_point(corners[(i + 1) % count]),

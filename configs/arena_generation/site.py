@@ -10,7 +10,7 @@ from configs.arena_generation import clearance as room
 from configs.arena_generation.outline import START_AHEAD_M, START_BEHIND_M
 from configs.arena_generation.rejection import Rejected
 from configs.arena_generation.track import Pose, Track
-from configs.schema.arena import Obstacle, Wall
+from configs.schema.arena import Obstacle, WallConfig
 from configs.schema.arena_generator import Clearance
 from symolo.arena.footprints import Rectangle, obstacle_footprint, overlap, wall_footprint
 from symolo.core.arrays import Array
@@ -46,7 +46,7 @@ class Passing:
 class Site:
     """Line and walls of an arena with the boxes that stand there so far."""
 
-    def __init__(self, track: Track, walls: tuple[Wall, ...], half_extent_m: float, limits: Clearance) -> None:
+    def __init__(self, track: Track, walls: tuple[WallConfig, ...], half_extent_m: float, limits: Clearance) -> None:
         """Look whether line and walls alone leave room, on a floor that holds them.
 
         Raises:

@@ -7,19 +7,19 @@ are what the simulation does; `cause` and `excitation` are what report and docum
 
 import re
 from collections.abc import Iterator, Mapping
-from enum import StrEnum
 from functools import cache
 from types import MappingProxyType
 from typing import Any, ClassVar, Self, TypeVar, get_args
 
 from configs.effects.parameter import Parameter, Plausible
-from configs.faults import Fault
+from configs.faults import ConfigFault
 from configs.schema.base import Section
+from symolo.core.text_enum import TextEnum
 
 Metadata = TypeVar("Metadata")
 
 
-class Slot(StrEnum):
+class Slot(TextEnum):
     """The places of the signal chain, with what `apply` takes there and what it returns.
 
     Arrays of wheels have the wheels as their last axis, right and left; a single motor on a bench has one of length 1.
@@ -75,7 +75,7 @@ class Slot(StrEnum):
     """delay [s] -> delay [s]."""
 
 
-class Setup(StrEnum):
+class Setup(TextEnum):
     """What is measured: a motor alone, a range sensor alone, or a robot that drives."""
 
     MOTOR_BENCH = "motor bench"
@@ -106,7 +106,7 @@ class Effect(Section):
         """Return the first argument as it is with this effect; a pure function, whose arguments the slot says."""
         raise NotImplementedError
 
-    def faults(self, *, in_simulation: bool) -> Iterator[Fault]:
+    def faults(self, *, in_simulation: bool) -> Iterator[ConfigFault]:
         """Yield what no robot can have, or no simulation can do, with these values; paths start at the effect's fields.
 
         Args:

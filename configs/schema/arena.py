@@ -27,10 +27,10 @@ class ArcPiece(Section):
 LinePiece = Annotated[StraightPiece | ArcPiece, Field(discriminator="kind")]
 
 
-class Line(Section):
+class LineConfig(Section):
     width_m: float = Field(default=0.015, ge=0.004, le=0.1)
     reflectance: float = Field(default=0.05, ge=0, le=1)
-    """At the line sensor's infrared wavelength; 0 black, 1 white."""
+    """Reflectance at the line sensor's infrared wavelength; 0 black, 1 white."""
     pieces: Annotated[tuple[LinePiece, ...], FromList] = ()
 
 
@@ -39,7 +39,7 @@ class Floor(Section):
     reflectance: float = Field(default=0.85, ge=0, le=1)
 
 
-class Wall(Section):
+class WallConfig(Section):
     """A straight wall given by the face that the robot sees; the body lies to the right of start -> end."""
 
     name: Slug
@@ -51,21 +51,21 @@ class Wall(Section):
 
 
 class Waypoint(Section):
-    """Where an obstacle is at one time, told from its place at t = 0, so that a drawn place moves the whole path."""
+    """Place of an obstacle at one time, relative to its place at t = 0, so that a drawn place moves the whole path."""
 
     t_s: float = Field(gt=0, le=36_000)
-    """Since the start of the run."""
+    """Time since the start of the run."""
     offset: Point2 = (0.0, 0.0)
     turn_deg: float = Field(default=0.0, ge=-36_000, le=36_000)
-    """Counter-clockwise; 360 is a whole turn on the way there."""
+    """Turn since t = 0, counter-clockwise; 360 is a whole turn."""
 
 
-class Motion(Section):
+class MotionConfig(Section):
     """A timed path, at constant speed from each waypoint to the next; the first leg begins at t = 0 with offset 0."""
 
     waypoints: Annotated[tuple[Waypoint, ...], FromList, Field(min_length=1)]
     repeat: Literal["once", "loop", "back_and_forth"] = "once"
-    """After the last waypoint: stay there, begin anew (a closed path), or return the same way and so on."""
+    """After the last waypoint: stay there, start again (a closed path), or go back and forth along the path."""
 
 
 class Obstacle(Section):
@@ -74,16 +74,16 @@ class Obstacle(Section):
     size: Size3 = (0.08, 0.08, 0.12)
     yaw_deg: float = Field(default=0.0, ge=-360, le=360)
     surface: SurfaceName = "cardboard"
-    motion: Motion | None = Field(default_factory=absent, exclude_if=lambda motion: motion is None)
-    """Without it the obstacle stands still; with it `center` and `yaw_deg` are where it is at t = 0."""
+    motion: MotionConfig | None = Field(default_factory=absent, exclude_if=lambda motion: motion is None)
+    """Path of the obstacle, from `center` and `yaw_deg` at t = 0; without it the obstacle does not move."""
 
 
 class ArenaConfig(Section):
     name: Slug
     description: str = ""
     floor: Floor = Floor()
-    line: Line
-    walls: Annotated[tuple[Wall, ...], FromList] = ()
+    line: LineConfig
+    walls: Annotated[tuple[WallConfig, ...], FromList] = ()
     obstacles: Annotated[tuple[Obstacle, ...], FromList] = ()
     generate: ArenaGenerator | None = Field(default_factory=absent, exclude=True)
-    """Draws line, walls and obstacles for each run. No specification holds it: what was drawn stands there instead."""
+    """Recipe that draws line, walls and obstacles for each run. A specification has the drawn ones in its place."""

@@ -1,4 +1,4 @@
-"""What a generated arena is to be like: numbers that each run may draw, and the room that is always kept."""
+"""Recipe of a generated arena: numbers that each run may draw, and the room that is always kept."""
 
 from typing import Annotated
 
@@ -9,94 +9,94 @@ from configs.schema.surface import SurfaceName
 
 
 class Clearance(Section):
-    """Room that every generated arena keeps, from the line's middle where nothing else is said.
+    """Room that every generated arena keeps, measured from the line's middle unless stated otherwise.
 
     The defaults are for robot `nominal`, 0.18 x 0.17 m, with its straight avoidance path of 0.68 m, 0.19 m to the side.
     """
 
     stretches_m: float = Field(default=0.25, ge=0.02, le=5)
-    """Between two stretches of line: the sensor row's 67 mm, and as much again for the robot's wander on either."""
+    """Distance between two parts of the line: the sensor row's 67 mm, and as much again for deviations on both."""
     beside_m: float = Field(default=0.16, ge=0.02, le=5)
-    """To whatever is not to be touched: half the robot's width, 35 mm that its corners swing out, 40 mm to spare."""
+    """Distance to everything that must not be touched: half the robot's width, 35 mm for its corners, 40 mm reserve."""
     ahead_m: float = Field(default=0.32, ge=0.02, le=5)
-    """Before the front sensor to what is not in the way; from 0.20 m on it counts as an obstacle to be passed."""
+    """Distance from the front sensor to things beside the line; below 0.20 m they would count as obstacles."""
     before_m: float = Field(default=0.50, ge=0.02, le=5)
-    """Straight line before an obstacle's middle: 0.33 m from which it is passed, and some to come in straight."""
+    """Straight line before an obstacle's middle: 0.33 m at which passing begins, and some to approach straight."""
     after_m: float = Field(default=0.62, ge=0.02, le=5)
-    """Straight line behind an obstacle's middle: the rest of the path, and some to settle on the line."""
+    """Straight line after an obstacle's middle: the rest of the path, and some to settle on the line."""
     obstacle_reach_m: float = Field(default=0.10, ge=0.005, le=5)
-    """From the line to the outermost of an obstacle: the path's 0.19 m less half the robot's width."""
+    """Distance from the line to the far edge of an obstacle: the path's 0.19 m minus half the robot's width."""
     passing_m: float = Field(default=0.35, ge=0.02, le=5)
-    """On the side where an obstacle is passed: the path's 0.19 m, the robot's half diagonal, and 35 mm to spare."""
+    """Room on the side of the passing: the path's 0.19 m, half the robot's diagonal, and 35 mm reserve."""
     other_side_m: float = Field(default=0.20, ge=0.02, le=5)
-    """On the other side, for a robot that meets the line at 45 degrees and swings over it."""
+    """Room on the other side, for a robot that meets the line at 45 degrees and overshoots it."""
     free_side_m: float = Field(default=0.52, ge=0.02, le=5)
-    """All that the side sensor sees there is further off, where an obstacle is passed; the robot asks for 0.42 m."""
+    """Smallest reading of the side sensor on the side of the passing; the robot requires 0.42 m."""
     blocked_side_m: float = Field(default=0.36, ge=0.02, le=5)
-    """All that the left sensor sees is nearer, where an obstacle is passed on the right."""
+    """Largest reading of the left sensor where an obstacle is passed on the right."""
     regained_side_m: float = Field(default=0.38, ge=0.02, le=5)
-    """Every box that a side sensor sees is further off, where the robot swings over the line that it meets again behind
-    an obstacle: what it sees within 0.34 m in a moment without a line it follows like a wall."""
+    """Smallest distance of boxes from a side sensor where the robot overshoots the line after an obstacle: without a
+    line it follows anything within 0.34 m like a wall."""
 
 
 class ArenaGenerator(Section):
-    """A closed line of straights and arcs round a random polygon, walls around it, boxes on it and beside it.
+    """A closed line of straights and arcs around a random polygon, walls around it, boxes on it and beside it.
 
-    The line passes the start of the route straight on. Each number may be a distribution, drawn per run; what differs
-    within one arena is drawn between `least_` and `most_`.
+    The line is straight at the start of the route. Each number may be a distribution, drawn per run; what differs
+    within one arena is drawn between `min_` and `max_`.
     """
 
     corners: int = Field(default=5, ge=3, le=12)
-    """Of the polygon that the line rounds off."""
+    """Number of corners of the polygon that the line follows with rounded corners."""
     radius_m: float = Field(default=1.1, ge=0.3, le=20)
-    """Mean distance of the corners from the polygon's middle."""
+    """Mean distance of the corners from the middle of the polygon."""
     irregularity: float = Field(default=0.3, ge=0, le=0.9)
-    """Share by which a corner may lie further in or out, and by which its direction may be off the even one."""
+    """Largest relative deviation of a corner's distance, and of its direction from even spacing."""
     elongation: float = Field(default=1.0, ge=1, le=4)
-    """Length over width."""
+    """Ratio of length to width."""
     clockwise: bool = False
-    """Which way round the robot goes."""
+    """Whether the robot drives clockwise."""
     min_bend_radius_m: float = Field(default=0.22, ge=0.05, le=5)
     max_bend_radius_m: float = Field(default=0.60, ge=0.05, le=5)
     walls: int = Field(default=4, ge=0, le=12)
-    """Sides of the enclosure; 4 make a rectangle, 0 leave it out."""
+    """Number of walls of the enclosure; 4 make a rectangle, 0 is no enclosure."""
     min_wall_clearance_m: float = Field(default=0.35, ge=0.02, le=10)
-    """From the line to the wall on the side where they are nearest."""
+    """Smallest distance between the line and a wall."""
     max_wall_clearance_m: float = Field(default=0.90, ge=0.02, le=10)
     wall_height_m: float = Field(default=0.15, ge=0.01, le=3)
     min_obstacles: int = Field(default=0, ge=0, le=12)
     max_obstacles: int = Field(default=1, ge=0, le=12)
-    """Boxes on straight stretches of the line, to be passed; fewer where there is no room for more."""
+    """Largest number of boxes to be passed, on straight parts of the line; fewer if there is no room."""
     min_obstacle_m: float = Field(default=0.08, ge=0.01, le=1)
     max_obstacle_m: float = Field(default=0.10, ge=0.01, le=1)
     max_obstacle_offset_m: float = Field(default=0.01, ge=0, le=1)
-    """From the line's middle to the obstacle's."""
+    """Largest distance between the middles of line and obstacle."""
     max_obstacle_yaw_deg: float = Field(default=15, ge=0, le=45)
-    """Turned against the line."""
+    """Largest rotation of an obstacle against the line."""
     max_decoys: int = Field(default=3, ge=0, le=40)
-    """Boxes beside the line, not to be touched; fewer where there is no room for more."""
+    """Largest number of boxes beside the line, not to be touched; fewer if there is no room."""
     min_decoy_m: float = Field(default=0.05, ge=0.01, le=1)
     max_decoy_m: float = Field(default=0.15, ge=0.01, le=1)
     max_decoy_distance_m: float = Field(default=0.60, ge=0.05, le=10)
-    """From the line to a decoy's middle."""
+    """Largest distance from the line to the middle of a decoy."""
     surfaces: Annotated[tuple[SurfaceName, ...], FromList, Field(min_length=1)] = ("white_board", "cardboard", "wood")
-    """Of walls and boxes, each as likely."""
+    """Surfaces of walls and boxes, all equally likely."""
     clearance: Clearance = Clearance()
 
     @model_validator(mode="after")
     def _ranges_and_sides(self) -> "ArenaGenerator":
-        for least, most in (
+        for lower, upper in (
             ("min_bend_radius_m", "max_bend_radius_m"),
             ("min_wall_clearance_m", "max_wall_clearance_m"),
             ("min_obstacles", "max_obstacles"),
             ("min_obstacle_m", "max_obstacle_m"),
             ("min_decoy_m", "max_decoy_m"),
         ):
-            low, high = getattr(self, least), getattr(self, most)
+            low, high = getattr(self, lower), getattr(self, upper)
             if low > high:
-                raise disagreement(least, low, f"at most {most}, which is {high}")
+                raise disagreement(lower, low, f"at most {upper}, which is {high}")
         if self.walls in {1, 2}:
-            raise disagreement("walls", self.walls, "0 or 3 and more, because fewer enclose nothing")
+            raise disagreement("walls", self.walls, "0, or 3 or more, because 1 or 2 enclose nothing")
         if self.min_bend_radius_m < 0.5 * self.clearance.stretches_m:
             allowed = f"at least half of clearance.stretches_m, which is {self.clearance.stretches_m}"
             raise disagreement("min_bend_radius_m", self.min_bend_radius_m, allowed)

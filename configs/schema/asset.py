@@ -1,6 +1,6 @@
-"""The user's own files: pictures for surfaces and panoramas for the sky, from the folder that `look.assets` names.
+"""Files of the user: images for surfaces and panoramas for the sky, from the folder that `look.assets` names.
 
-A file of YAML names them; what comes of it, a run's specification, knows each by its content.
+A YAML file refers to them by name; the specification of a run refers to each by its content.
 """
 
 from dataclasses import dataclass
@@ -18,21 +18,21 @@ _Component = Annotated[float, Field(ge=0, le=1e12)]
 
 
 class Asset(Section):
-    """A file and what its light amounts to, so that a scene can be described without opening it."""
+    """A file and its mean light, so that a scene can be described without opening it."""
 
     name: str = Field(pattern=r"^[^\x00-\x1f\x7f]{1,255}$")
-    """Path within the folder."""
+    """Path relative to the folder."""
     sha256: str = Field(pattern=r"^[0-9a-f]{64}$")
-    """Of the file's bytes."""
+    """SHA-256 of the file's bytes."""
     width_px: int = Field(ge=1, le=1_000_000)
     height_px: int = Field(ge=1, le=1_000_000)
     mean_rgb: Annotated[tuple[_Component, _Component, _Component], FromList]
-    """Linear Rec. 709: of a picture all over, white 1; of a panorama above the horizon by solid angle, without suns."""
+    """Mean linear Rec. 709 colour: of an image (white is 1), or of a panorama's sky by solid angle, without suns."""
 
 
 @dataclass(frozen=True)
-class Named:
-    """Marks a field that takes the name of such a file, or one of the names that are known without a folder."""
+class NamedFile:
+    """Marks a field that takes the name of such a file, or one of the shipped names."""
 
     kind: AssetKind
     known: tuple[str, ...] = ()
@@ -43,26 +43,26 @@ class Named:
 
 
 class ImageLook(Section):
-    """A picture of the user's own on a surface, repeated along both of its axes; seams are as the picture's edges are.
+    """An image of the user on a surface, repeated along both axes; seams follow from the image's edges.
 
-    On a floor that is not turned the picture's right is +x and its top +y.
+    On a floor without rotation the image's right is +x and its top +y.
     """
 
-    file: Annotated[Asset | None, Named("picture")] = Field(default_factory=absent)
-    """A PNG or JPEG picture in the folder that `look.assets` names; none is the surface's own material."""
+    file: Annotated[Asset | None, NamedFile("picture")] = Field(default_factory=absent)
+    """PNG or JPEG file in the folder that `look.assets` names; without it the surface has its usual material."""
     width_m: float = Field(default=1.0, ge=0.01, le=50)
-    """Of one repeat; the height follows from the picture's shape."""
+    """Width of one repetition; the height follows from the aspect ratio."""
     right_m: float = Field(default=0.0, ge=-50, le=50)
-    """Where the lower left corner of one repeat lies: from the origin of W on a floor, from the lower left corner on
-    a wall's or obstacle's face."""
+    """Offset of the lower left corner of one repetition: on a floor from the origin of W, on a face of a wall or
+    obstacle from its lower left corner."""
     up_m: float = Field(default=0.0, ge=-50, le=50)
     roughness: float = Field(default=0.5, ge=0.05, le=1)
     white_reflectance: float = Field(default=0.85, ge=0.05, le=0.95)
-    """What the picture's white returns; everything else in proportion."""
+    """Reflectance of white in the image; other colours are scaled with it."""
 
 
 class SurfaceImages(Section):
-    """Pictures on walls and obstacles of a surface; the surface stays what the range sensors see."""
+    """Images on walls and obstacles by surface; range sensors still see the surface."""
 
     white_board: ImageLook = ImageLook()
     light_grey_board: ImageLook = ImageLook()

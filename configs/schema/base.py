@@ -1,4 +1,4 @@
-"""The base of every configuration section, and the field shorthands that carry unit and bounds."""
+"""Base of all configuration sections, and types of fields with unit and bounds."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -10,12 +10,12 @@ from pydantic_core import CoreSchema, PydanticCustomError
 from symolo.dataset.layout import NAME_PATTERN
 
 FIXED_KEY = "x-fixed"
-"""Under this key the JSON Schema of a field says why no distribution may stand there."""
+"""Key of a field's JSON Schema with the reason why it takes no distribution."""
 
 
 @dataclass(frozen=True)
 class Fixed:
-    """Marks a field in which no distribution may stand, with the reason that the refusal quotes."""
+    """Marks a field that takes no distribution, with the reason that the error message quotes."""
 
     reason: str
 
@@ -24,26 +24,26 @@ class Fixed:
 
 
 FILE_KEY = "x-file"
-"""Under this key the JSON Schema of a field says what kind of file of the user's own its name may stand for."""
+"""Key of a field's JSON Schema with the kind of user file that the field may name."""
 
 
 FIELDS_DISAGREE = "fields_disagree"
 
 
 def disagreement(field: str, got: float | str, allowed: str) -> PydanticCustomError:
-    """What a section's validator raises when one of its fields does not go with another.
+    """Return the error that a section's validator raises when one of its fields contradicts another.
 
     Args:
-        field: The field at fault; empty where it is what the validator stands at.
+        field: The field at fault; empty for the validated field itself.
         got: Its value.
-        allowed: What would go, in words.
+        allowed: Allowed values, in words.
     """
     context = {"field": field, "got": got, "allowed": allowed}
     return PydanticCustomError(FIELDS_DISAGREE, "{field}: got {got}, allowed: {allowed}", context)
 
 
 def absent() -> None:
-    """A default that JSON Schema does not show, so that no file is filled up with what it leaves out."""
+    """Return a default that JSON Schema does not show, so that files are not completed with it."""
 
 
 PLANNED = Fixed("the plan needs it before anything is drawn")
@@ -59,7 +59,7 @@ Slug = Annotated[str, Field(pattern=NAME_PATTERN), Fixed("a name is text")]
 
 
 class Section(BaseModel):
-    """A frozen mapping with known keys only; numbers are finite and never text."""
+    """A frozen mapping with known keys only; numbers are finite and cannot be written as text."""
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, strict=True, allow_inf_nan=False, use_attribute_docstrings=True

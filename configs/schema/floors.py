@@ -76,41 +76,41 @@ class PlywoodFloor(Section):
 
 
 class PaperSheets(Section):
-    """White sheets side by side, each a little over the next, held along the seams by clear tape."""
+    """White sheets side by side with a small overlap, held along the seams by clear tape."""
 
     paint: Paint = Paint(reflectance=0.8, hue_deg=50, saturation=0.03)
     sheet_length_m: float = Field(default=0.841, ge=0.1, le=5)
-    """The long side; that of A1 by default."""
+    """Length of a sheet; by default that of A1."""
     sheet_width_m: float = Field(default=0.594, ge=0.1, le=5)
     variation: float = Field(default=0.03, ge=0, le=0.5)
     """Spread of reflectance from sheet to sheet."""
     buckling: float = Field(default=0.4, ge=0, le=1)
-    """Waves and folds of the sheets; 0 for sheets glued flat."""
+    """Amount of waves and folds of the sheets; 0 for sheets that are glued flat."""
     tape_width_m: float = Field(default=0.019, ge=0, le=0.1)
-    """Of the clear tape on the seams; 0 for none."""
+    """Width of the clear tape on the seams; 0 for none."""
     roughness: float = Field(default=0.8, ge=0.05, le=1)
 
 
 class Vinyl(Section):
-    """Cushioned sheet with a printed picture of another floor, embossed and shiny."""
+    """Cushioned sheet with a printed image of another floor, embossed and shiny."""
 
     paint: Paint = Paint(reflectance=0.4, hue_deg=32, saturation=0.3)
     print: Literal["planks", "terrazzo"] = "planks"
     variation: float = Field(default=0.3, ge=0, le=1)
     """Contrast of the print, relative to the mean reflectance."""
     repeat_m: float = Field(default=0.18, ge=0.05, le=1)
-    """Width of a printed plank; ten of the terrazzo's largest chips."""
+    """Width of a printed plank, or ten times the largest chip of terrazzo."""
     roughness: float = Field(default=0.32, ge=0.05, le=1)
 
 
 class FloorLook(Section):
     material: FloorName = "linoleum"
     yaw_deg: float = Field(default=0.0, ge=-360, le=360)
-    """Turns the pattern under the arena."""
+    """Rotation of the pattern under the arena."""
     dirt: float = Field(default=0.3, ge=0, le=1)
-    """Scuffs, dust and smudges; 0 for a floor just laid."""
+    """Amount of scuffs, dust and smudges; 0 for a new floor."""
     stains: float = Field(default=0.0, ge=0, le=1)
-    """Patches of centimetres to decimetres, paler or darker, and the rims of dried spills; 0 for an even floor."""
+    """Amount of paler or darker patches of centimetres to decimetres and of rims of dried spills; 0 for none."""
     linoleum: Linoleum = Linoleum()
     ceramic_tile: CeramicTile = CeramicTile()
     parquet: Parquet = Parquet()
@@ -120,4 +120,4 @@ class FloorLook(Section):
     paper_sheets: PaperSheets = PaperSheets()
     vinyl: Vinyl = Vinyl()
     image: ImageLook = ImageLook()
-    """A picture of the user's own."""
+    """An image of the user on the floor."""

@@ -17,7 +17,7 @@ from configs.schema.paint import Paint
 from configs.schema.room import RoomLook, WindowLook
 
 LineKind = Literal["tape", "paint"]
-"""What the line was made with; where it lies is the arena's affair."""
+"""Material of the line; the arena defines its course."""
 
 
 class TapeLook(Section):
@@ -25,18 +25,18 @@ class TapeLook(Section):
 
     paint: Paint = Paint(reflectance=0.035, hue_deg=30, saturation=0.05)
     roughness: float = Field(default=0.5, ge=0.05, le=1)
-    """0.5 a matt cloth or crepe tape, 0.2 a glossy PVC tape."""
+    """Roughness: 0.5 for a matt cloth or crepe tape, 0.2 for a glossy PVC tape."""
     thickness_m: float = Field(default=0.00013, ge=0.00001, le=0.001)
     wear: float = Field(default=0.4, ge=0, le=1)
-    """Scuffs, dust and glossy spots."""
+    """Amount of scuffs, dust and glossy spots."""
     gap_m: float = Field(default=0.0004, ge=0, le=0.002)
-    """Between the ends of two pieces that meet; 0 where they touch."""
+    """Gap between the ends of two pieces; 0 if they touch."""
     lift_m: float = Field(default=0.0003, ge=0, le=0.002)
-    """How far corners and edges come off the floor here and there; 0 where the tape sticks all over."""
+    """Height to which corners and edges come off the floor in places; 0 if the tape sticks everywhere."""
     wrinkles: float = Field(default=0.3, ge=0, le=1)
-    """Folds, most of them along the inner edge of bends."""
+    """Amount of folds, most of them along the inner edge of bends."""
     streaks: float = Field(default=0.0, ge=0, le=1)
-    """Scuffs along the tape, some millimetres long and in patches, that shine and are paler; 0 for none."""
+    """Amount of pale, shiny scuffs along the tape, in patches and a few millimetres long; 0 is none."""
 
 
 class LinePaintLook(Section):
@@ -46,9 +46,9 @@ class LinePaintLook(Section):
     roughness: float = Field(default=0.65, ge=0.05, le=1)
     thickness_m: float = Field(default=0.00005, ge=0.00001, le=0.001)
     bleeding_m: float = Field(default=0.0004, ge=0, le=0.0009)
-    """How far the paint crept under the masking tape at most; its mean edge stays that of the line."""
+    """Largest distance that the paint crept under the masking tape; the mean edge is that of the line."""
     wear: float = Field(default=0.3, ge=0, le=1)
-    """Scuffs, dust and thin places."""
+    """Amount of scuffs, dust and thin places."""
 
 
 class BoardLook(Section):
@@ -59,7 +59,7 @@ class BoardLook(Section):
     tint_saturation: float = Field(default=0.04, ge=0, le=1)
     wear: float = Field(default=0.3, ge=0, le=1)
     length_m: float = Field(default=0.6, ge=0.05, le=10)
-    """Of one board; a wall is made of several that meet in narrow seams."""
+    """Length of one board; a wall consists of several with narrow seams."""
 
 
 class CardboardLook(Section):
@@ -67,7 +67,7 @@ class CardboardLook(Section):
     wear: float = Field(default=0.3, ge=0, le=1)
     tape: Paint = Paint(reflectance=0.26, hue_deg=28, saturation=0.6)
     tape_drop_m: float = Field(default=0.035, ge=0, le=1)
-    """How far the packing tape comes down the sides."""
+    """Length of the packing tape on the sides."""
 
 
 class BrickLook(Section):
@@ -90,55 +90,53 @@ class PaintedLook(Section):
 
 
 class GlossLook(Section):
-    """A material whose colour is its nature."""
+    """A material of fixed colour."""
 
     roughness: float = Field(ge=0.0, le=1)
 
 
 class CameraLook(Section):
-    """From the light on the sensor to the numbers in the picture."""
+    """Camera response, from the light on the sensor to the numbers in the image."""
 
     brightness: float = Field(default=0.25, ge=0.01, le=0.9)
-    """What the exposure makes of the median luminance, linear; 0.18 is a photographer's middle grey."""
+    """Linear value to which the exposure brings the median luminance; 0.18 is a photographer's middle grey."""
     compensation_ev: float = Field(default=0.0, ge=-6, le=6)
     exposure_adaption: float = Field(default=0.5, ge=0, le=1)
-    """0: one exposure for the whole run, metered on a few of its views; 1: each frame is exposed by its own light."""
+    """Adaption of the exposure: 0 is one exposure per run, metered on a few of its views; 1 meters each frame."""
     exposure_time_s: float = Field(default=0.0, ge=0, le=0.1)
-    """How long each pixel sees, which blurs what moves and evens out lamps that flicker; 0 is an instant.
-
-    Else brightness and noise do not depend on it."""
+    """Exposure time of each pixel, which causes motion blur and averages flicker; 0 is an instant. Brightness and noise
+    do not depend on it otherwise."""
     white_balance_K: float = Field(default=5000.0, ge=1500, le=15000)
-    """The light that is rendered neutral where the white balance is not automatic."""
+    """Colour temperature that is rendered neutral without automatic white balance."""
     white_balance_adaption: float = Field(default=0.8, ge=0, le=1)
-    """0: `white_balance_K` holds; 1: the mixed light of lamps and window over the arena is rendered neutral."""
+    """Adaption of the white balance: 0 uses `white_balance_K`; 1 renders the mixed light over the arena neutral."""
     contrast: float = Field(default=1.15, ge=0.5, le=2)
     saturation: float = Field(default=1.1, ge=0, le=2)
     vignetting: float = Field(default=0.25, ge=0, le=1)
-    """Share of light lost in the corner."""
+    """Share of light that is lost in the corners."""
     lens_blur_px: float = Field(default=0.0, ge=0, le=5)
-    """Standard deviation of what the lens makes of a point; a cheap one has 0.5 to 1 at 160 x 120."""
+    """Standard deviation of the lens' point spread; a cheap lens has 0.5 to 1 at 160 x 120."""
     veiling_glare: float = Field(default=0.0, ge=0, le=0.3)
-    """Share of the picture's light that the lens spreads evenly over it, which lifts the blacks."""
+    """Share of the light that the lens spreads evenly over the image, which raises the black level."""
     shot_noise: float = Field(default=0.012, ge=0, le=0.5)
-    """Standard deviation at full white, falling as the root of the light."""
+    """Standard deviation at full white, proportional to the root of the light."""
     read_noise: float = Field(default=0.003, ge=0, le=0.5)
     sharpening: float = Field(default=0.0, ge=0, le=3)
-    """How much of what a blurred copy lacks is added to the picture, an unsharp mask; 0 is none."""
+    """Strength of an unsharp mask; 0 is none."""
     sharpening_radius_px: float = Field(default=1.0, ge=0.3, le=10)
-    """Standard deviation of that blur."""
+    """Standard deviation of the blur of the unsharp mask."""
 
 
-_NAMES_A_FILE = {"file": frozenset[str](), "panorama": frozenset(get_args(PanoramaName))}
-"""Fields, and the names that stand for no file in each."""
+_SHIPPED_NAMES = {"file": frozenset[str](), "panorama": frozenset(get_args(PanoramaName))}
+"""Fields that may name a file, with the names that are not files."""
 
 
 class LookConfig(Section):
     name: Slug
     description: str = ""
     assets: Annotated[tuple[Asset, ...], FromList] | None = Field(default_factory=absent, exclude=True)
-    """The folder of the user's own pictures and panoramas, relative to the file that names it.
-
-    Once loaded, the files of it that the look names; what is drawn holds those that it took in their places."""
+    """Folder of the user's images and panoramas, relative to the file that names it. After loading, the files that the
+    look names; a specification has these files in the places of their names."""
     floor: FloorLook = FloorLook()
     line: LineKind = "tape"
     tape: TapeLook = TapeLook()
@@ -163,28 +161,28 @@ class LookConfig(Section):
 
     @model_validator(mode="before")
     @classmethod
-    def _by_content(cls, given: Any) -> Any:  # noqa: ANN401 - whatever is to be validated
-        """Names of files give way to what `assets` tells of them."""
-        assets = given.get("assets") if isinstance(given, dict) else None
+    def _by_content(cls, value: Any) -> Any:  # noqa: ANN401 - whatever is to be validated
+        """Replace names of files by their entries in `assets`."""
+        assets = value.get("assets") if isinstance(value, dict) else None
         if not isinstance(assets, list | tuple) or not all(isinstance(asset, dict) for asset in assets):
-            return given
+            return value
         known = {str(asset.get("name")): asset for asset in assets}
-        return _told({key: value for key, value in given.items() if key != "assets"}, known)
+        return _with_files({key: item for key, item in value.items() if key != "assets"}, known)
 
     @property
     def files(self) -> tuple[Asset, ...]:
-        """The user's own files that this look shows, each once."""
+        """Files of the user that this look shows, each once."""
         return tuple(dict.fromkeys(_assets(self)))
 
 
-def _told(given: dict[str, Any], known: dict[str, Any]) -> dict[str, Any]:
-    def told(key: str, value: Any) -> Any:  # noqa: ANN401 - likewise
+def _with_files(section: dict[str, Any], known: dict[str, Any]) -> dict[str, Any]:
+    def with_file(key: str, value: Any) -> Any:  # noqa: ANN401 - as above
         if isinstance(value, dict):
-            return _told(value, known)
-        names_a_file = key in _NAMES_A_FILE and isinstance(value, str) and value not in _NAMES_A_FILE[key]
+            return _with_files(value, known)
+        names_a_file = key in _SHIPPED_NAMES and isinstance(value, str) and value not in _SHIPPED_NAMES[key]
         return known.get(value, value) if names_a_file else value
 
-    return {key: told(key, value) for key, value in given.items()}
+    return {key: with_file(key, value) for key, value in section.items()}
 
 
 def _assets(section: Section) -> Iterator[Asset]:

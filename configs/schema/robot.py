@@ -10,14 +10,14 @@ from configs.schema.base import FromList, Point2, Section, Slug
 
 
 class Chassis(Section):
-    """A box centred on the axle that encloses the wheels, so that its footprint is the robot's."""
+    """A box centred on the axle that encloses the wheels, so that its footprint is that of the robot."""
 
     length_m: float = Field(ge=0.05, le=1)
     width_m: float = Field(ge=0.05, le=1)
     clearance_m: float = Field(ge=0.002, le=0.2)
-    """Underside of the chassis above the floor."""
+    """Height of the chassis' underside above the floor."""
     base_height_m: float = Field(ge=0.01, le=0.5)
-    """Top of the base plate above the floor; the camera's height counts from here."""
+    """Height of the base plate's top above the floor, from which the height of the camera is measured."""
     mass_kg: float = Field(gt=0.05, le=20)
     center_of_mass_x_m: float = Field(ge=-0.2, le=0.2)
     center_of_mass_z_m: float = Field(ge=0.0, le=0.5)
@@ -47,28 +47,28 @@ class Motor(Section):
     rotor_inertia_kg_m2: float = Field(ge=0, le=1)
     """Rotor and gearbox, reflected to the wheel shaft."""
     motor_side_inertia_fraction: float = Field(default=0.9, ge=0.01, le=0.99)
-    """Share of that inertia before the gearbox's play; matters with backlash alone."""
+    """Share of that inertia on the motor side of the gearbox's play; used only with the effect `gear_backlash`."""
     motor_side_friction_fraction: float = Field(default=0.5, ge=0, le=1)
-    """Likewise, of all friction."""
+    """Share of all friction on the motor side of the gearbox's play; used only with the effect `gear_backlash`."""
 
 
 class Power(Section):
     battery_voltage_V: float = Field(gt=0, le=60)
     motor_voltage_limit_V: float = Field(gt=0, le=60)
-    """The H-bridge never applies more, whatever the battery holds."""
+    """Largest voltage that the H-bridge applies, at any battery voltage."""
 
 
 class Encoder(Section):
     counts_per_revolution: int = Field(ge=4, le=1_000_000)
     period_s: float = Field(gt=0, le=1)
-    """Between two readings by the controller; the wheel loop reads at its own rate."""
+    """Period of the readings by the controller; the wheel loop reads at its own rate."""
     delay_s: float = Field(ge=0, le=1)
     dropout_probability: float = Field(ge=0, le=1)
-    """Of a reading that fails, so that the controller keeps the one before."""
+    """Probability that a reading fails, so that the controller keeps the previous one."""
 
 
 class WheelLoop(Section):
-    """Wheel-speed controller on the encoders, one per wheel: feed-forward plus PI on the speed error."""
+    """Wheel-speed controller on the encoder counts, one per wheel: feed-forward plus PI on the speed error."""
 
     speed_filter_s: float = Field(ge=0, le=1)
     feedforward_V_s_rad: float = Field(ge=0, le=10)
@@ -85,18 +85,18 @@ class LineSensor(Section):
     channels: Literal[8] = 8
     pitch_m: float = Field(ge=0.001, le=0.05)
     spot_diameter_at_floor_m: float = Field(ge=0, le=0.05)
-    """Spot of one channel at zero height."""
+    """Diameter of one channel's spot at zero height."""
     spot_growth: float = Field(ge=0, le=5)
     """Growth of the spot's diameter per metre of height [m/m]."""
     period_s: float = Field(gt=0, le=1)
     delay_s: float = Field(ge=0, le=1)
     gain_sd: float = Field(ge=0, le=0.5)
-    """Spread of the channels' gains, drawn once per run."""
+    """Standard deviation of the channels' gains, drawn once per run."""
     offset_sd: float = Field(ge=0, le=0.5)
     noise_sd: float = Field(ge=0, le=0.5)
     adc_bits: int = Field(ge=1, le=16)
     threshold: float = Field(gt=0, lt=1)
-    """A channel reading below this is on the line."""
+    """Reading below which a channel is on the line."""
     dropout_probability: float = Field(ge=0, le=1)
 
 
@@ -123,23 +123,23 @@ class TofSensor(Section):
     beam_sigma_deg: float = Field(gt=0, le=90)
     """Standard deviation of the Gaussian beam profile that weighs the rays."""
     signal_threshold: float = Field(ge=0, le=1)
-    """Weighted share of the light returned, relative to a wall met head-on, below which there is no target."""
+    """Weighted share of returned light, relative to a wall at right angles, below which there is no target."""
     period_s: float = Field(gt=0, le=1)
     delay_s: float = Field(ge=0, le=1)
     min_range_m: float = Field(ge=0, le=1)
     max_range_m: float = Field(gt=0, le=10)
     no_target_m: float = Field(ge=0, le=10)
-    """What data.csv holds where the device says "no target"."""
+    """Range in data.csv when the device reports "no target"."""
     error_scale: float = Field(ge=-2, le=2)
     """Factor on Eq. 24 in the form 59.77 mm ln(x / 0.18 m)."""
     noise_scale: float = Field(ge=0, le=10)
     quantisation_m: float = Field(ge=0, le=0.1)
     temperature_C: float = Field(default=25.0, ge=-40, le=125)
-    """Of the device; matters with a temperature drift alone."""
+    """Temperature of the device; used only with the effect `temperature_drift`."""
     reference_temperature_C: float = Field(default=25.0, ge=-40, le=125)
-    """At which it was calibrated."""
+    """Temperature at which the device was calibrated."""
     ambient_lux: float = Field(default=500.0, ge=0, le=200_000)
-    """Light at the device; matters with an effect of ambient noise alone."""
+    """Illuminance at the device; used only with the effect `ambient_noise`."""
     dropout_probability: float = Field(ge=0, le=1)
 
 
@@ -147,7 +147,7 @@ class LensDistortion(Section):
     """Radial (k) and tangential (p) distortion in OpenCV's model; all 0 is a pinhole."""
 
     k1: float = Field(default=0.0, ge=-1, le=1)
-    """Below 0 barrel, above 0 pincushion."""
+    """Radial coefficient; below 0 barrel, above 0 pincushion."""
     k2: float = Field(default=0.0, ge=-1, le=1)
     p1: float = Field(default=0.0, ge=-0.1, le=0.1)
     p2: float = Field(default=0.0, ge=-0.1, le=0.1)
@@ -155,27 +155,27 @@ class LensDistortion(Section):
 
 
 class Camera(Section):
-    """Looking forward and down; z counts from the base plate (paper section 8.1)."""
+    """Camera that looks forward and down; heights are measured from the base plate (paper section 8.1)."""
 
     x_m: float = Field(ge=-0.5, le=0.5)
     y_m: float = Field(ge=-0.5, le=0.5)
     height_above_base_m: float = Field(ge=0, le=1)
     pitch_down_deg: float = Field(ge=-10, le=90)
-    """Optical axis below the horizon: 90 minus the paper's 60 degrees from straight down."""
+    """Angle of the optical axis below the horizon: 90 degrees minus the paper's 60 degrees from straight down."""
     yaw_left_deg: float = Field(default=0.0, ge=-180, le=180)
-    """Optical axis to the left of straight ahead."""
+    """Angle of the optical axis to the left of straight ahead."""
     roll_deg: float = Field(default=0.0, ge=-180, le=180)
-    """Turn about the optical axis, clockwise as seen from behind the camera."""
+    """Rotation about the optical axis, clockwise as seen from behind the camera."""
     focal_length_mm: float = Field(ge=1, le=500)
     sensor_width_mm: float = Field(ge=1, le=100)
     principal_point_right_mm: float = Field(default=0.0, ge=-10, le=10)
-    """Of the optical axis from the sensor's middle, as seen in the picture."""
+    """Offset of the optical axis from the middle of the sensor, to the right in the image."""
     principal_point_down_mm: float = Field(default=0.0, ge=-10, le=10)
     distortion: LensDistortion = LensDistortion()
     read_out_s: float = Field(default=0.0, ge=0, le=0.1)
-    """Rolling shutter: how much later the bottom of the picture is exposed than its top; 0 is a global shutter."""
+    """Rolling shutter: delay of the exposure of the image's bottom after its top; 0 is a global shutter."""
     sees_robot: bool = Field(default=False, exclude_if=lambda sees: not sees)
-    """Whether pictures show the robot's own body but for the camera; they show its shadow either way."""
+    """Whether images show the robot's body, without the camera; they always show its shadow."""
 
 
 class FollowGains(Section):
@@ -191,13 +191,13 @@ class WallFollowing(Section):
     target_distance_m: float = Field(gt=0, le=1)
     """Perpendicular distance of the sensor from the wall (paper Eq. 14)."""
     error_scale_per_m: float = Field(gt=0, le=1000)
-    """Brings the wall error to the line error's range."""
+    """Factor from the wall error to the range of the line error."""
     far_error_limit: float = Field(gt=0, le=3.5)
-    """Saturation when too far: gentle, so that the mixed range at a wall's end does not turn the robot around it."""
+    """Limit of the error when too far: small, so that mixed ranges at a wall's end do not turn the robot around it."""
     lost_beyond_m: float = Field(gt=0, le=2)
-    """The side sensor no longer sees the wall that is followed."""
+    """Reading of the side sensor above which the followed wall is lost."""
     found_within_m: float = Field(gt=0, le=2)
-    """The side sensor sees a wall that can be followed from now on."""
+    """Reading of the side sensor below which a wall can be followed."""
 
 
 class Corner(Section):
@@ -207,34 +207,34 @@ class Corner(Section):
 
 
 class CurvePath(Section):
-    """A spline in the frame of the robot where avoidance began, x forward, y left, drawn for a bend to the left."""
+    """A spline in the frame of the robot where avoidance began, x forward, y left, for a bend to the left."""
 
     points: Annotated[tuple[Point2, ...], FromList, Field(min_length=4, max_length=100)]
     """Control points; the first is the robot itself."""
 
 
 class FaceObstacle(Section):
-    """How the robot turns to an obstacle on a bend, so that a stored path fits wherever it met it."""
+    """How the robot turns to an obstacle on a bend, so that a stored path fits every encounter."""
 
     speed_m_s: float = Field(gt=0, le=2)
     turn_rate_rad_s: float = Field(gt=0, le=20)
     back_below_m: float = Field(ge=0, le=2)
-    """Where the sensor that has seen the obstacle reads less, the robot backs off first, for room to turn."""
+    """Reading of the sensor that detected the obstacle below which the robot first backs off, for room to turn."""
     back_m: float = Field(ge=0, le=0.5)
     seen_below_m: float = Field(gt=0, le=2)
-    """The front sensor looks at the obstacle where it reads less than this."""
+    """Reading of the front sensor below which it sees the obstacle."""
     max_out_rad: float = Field(gt=0, le=3.2)
-    """Most that it turns away from the inside of the bend to find the obstacle's outer edge."""
+    """Largest turn away from the inside of the bend in the search for the obstacle's outer edge."""
     max_in_rad: float = Field(gt=0, le=3.2)
-    """Most that it turns towards the inside."""
+    """Largest turn towards the inside of the bend."""
     edge_m: float = Field(gt=0, le=1)
-    """Readings within this of the nearest belong to the middle of the obstacle."""
+    """Readings within this distance of the smallest belong to the middle of the obstacle."""
     face_gain_1_s: float = Field(gt=0, le=20)
-    """Yaw rate per angle off the obstacle's middle."""
+    """Yaw rate per angle between the heading and the obstacle's middle."""
     tolerance_rad: float = Field(gt=0, le=1)
     tolerance_m: float = Field(gt=0, le=0.1)
     max_trim_m: float = Field(gt=0, le=0.5)
-    """Most that it drives to bring the obstacle to the distance that the paths begin at."""
+    """Longest drive that brings the obstacle to the distance at which the paths begin."""
 
 
 class CurveAvoidance(Section):
@@ -244,26 +244,26 @@ class CurveAvoidance(Section):
     """
 
     side_below_m: float = Field(gt=0, le=2)
-    """A side sensor sees an obstacle further along a bend nearer than this, where the front sensor cannot."""
+    """Reading of a side sensor below which it sees an obstacle on a bend that the front sensor cannot see."""
     ahead_below_m: float = Field(gt=0, le=2)
-    """On a straight, something ahead nearer than this is an obstacle; partly in the beam it reads too far."""
+    """Front reading below which a thing ahead on a straight is an obstacle; partly in the beam it reads too far."""
     both_below_m: float = Field(ge=0, le=2)
-    """On a straight, an obstacle between two beams shows in both: the front and a side sensor read less than this."""
+    """Reading of the front and of a side sensor below which, on a straight, an obstacle is between the two beams."""
     memory_m: float = Field(gt=0, le=10)
-    """Length of the recent path over which the turn is judged."""
+    """Length of the recent path over which the turn is measured."""
     straight_below_rad: float = Field(gt=0, le=3.2)
-    """A recent path that turned by less is straight."""
+    """Turn below which the recent path is straight."""
     face: FaceObstacle
     inner: CurvePath
     outer: CurvePath
     turn_rate_rad_s: float = Field(gt=0, le=20)
-    """Of turns on the spot, and most that is turned at on the path; sharper bends of it are driven slower."""
+    """Yaw rate of turns on the spot and largest yaw rate on the path; sharper bends are driven more slowly."""
     turn_above_rad: float = Field(gt=0, le=3.2)
-    """The robot turns on the spot to a path that lies further off its heading than this."""
+    """Angle between heading and path above which the robot turns on the spot."""
     line_after_m: float = Field(gt=0, le=2)
-    """The line counts again once the robot has come so far without seeing it."""
+    """Distance without the line after which the robot follows it again when it sees it."""
     cross_m: float = Field(gt=0, le=0.5)
-    """How far the robot drives on where it meets the line, before it turns into it."""
+    """Distance that the robot drives on after it meets the line, before it turns into it."""
 
 
 class Avoidance(Section):
@@ -279,7 +279,7 @@ class Avoidance(Section):
     speed_m_s: float = Field(gt=0, le=2)
     look_ahead_m: float = Field(gt=0, le=0.5)
     behind_beyond_m: float = Field(gt=0, le=2)
-    """The obstacle is behind once the side sensor that faced it reads more than this."""
+    """Reading of the side sensor towards the obstacle above which the obstacle is passed."""
     curves: CurveAvoidance | None = None
     """With these, obstacles on a line are passed by the curve paths; without, by the straight one."""
 

@@ -26,7 +26,7 @@ class Route(Section):
 
 
 class Stop(Section):
-    """When a run ends. A lap that is not finished within the time limit is an error of the run."""
+    """When a run ends. A lap that is not finished within the time limit fails the run."""
 
     lap: Annotated[bool, PLANNED] = True
     time_limit_s: Annotated[float, PLANNED] = Field(default=90.0, ge=0.1, le=36_000)
@@ -38,7 +38,7 @@ class Rates(Section):
     physics_hz: Annotated[int, PLANNED] = Field(default=1000, ge=50, le=100_000)
     wheel_loop_hz: Annotated[int, PLANNED] = Field(default=100, ge=1, le=100_000)
     control_hz: Annotated[int, PLANNED] = Field(default=20, ge=1, le=1000)
-    """Also the rate of the rows of data.csv."""
+    """Rate of the controller and of the rows of data.csv."""
     camera_hz: Annotated[int, PLANNED] = Field(default=5, ge=1, le=1000)
 
     @model_validator(mode="after")
@@ -59,7 +59,7 @@ def _each_once(names: tuple[str, ...]) -> tuple[str, ...]:
 
 
 RenderQuality = Literal["draft", "standard", "high", "reference"]
-"""`blender_scenes.render.sampling` says what each is."""
+"""`blender_scenes.render.sampling` defines each."""
 RenderDevice = Literal["auto", "cpu", "gpu"]
 RenderMethod = Literal["auto", "full", "hybrid"]
 """`blender_scenes.render.sampling` says which of the two `auto` chooses."""
@@ -67,7 +67,7 @@ _HYBRID_QUALITIES: tuple[RenderQuality, ...] = ("draft", "standard")
 
 
 def _is_auto(method: RenderMethod) -> bool:
-    """Such a run's specification is the same bytes as one that knows of no method."""
+    """Return whether the method is left out of a specification, which keeps the bytes of those without a method."""
     return method == "auto"
 
 
@@ -80,16 +80,16 @@ class Render(Section):
     """`full` traces every image whole. `hybrid` combines maps of the floor with light of few samples: several times
     faster, with small errors. `auto` is `hybrid` for `standard` quality and 320 pixels or more on the processor."""
     samples: int | None = Field(default=None, ge=1, le=65_536)
-    """Light paths per pixel, in place of those of the quality."""
-    device: Annotated[RenderDevice, Fixed("it is the machine's, for the whole command")] = "cpu"
-    """`auto` takes a graphics card where Cycles lists one; the CPU alone gives the same bytes on every machine."""
+    """Light paths per pixel, instead of those of the quality."""
+    device: Annotated[RenderDevice, Fixed("it belongs to the machine, for the whole command")] = "cpu"
+    """Device: `auto` takes a graphics card if Cycles lists one; only the CPU gives the same bytes on every machine."""
     denoise: bool = True
-    """Off only for many samples, or to measure noise."""
+    """Whether images are denoised; off only for many samples, or to measure noise."""
     jpeg_quality: int = Field(default=92, ge=1, le=100)
     annotations: Annotated[
         tuple[Annotated[AnnotationName, PLANNED], ...], FromList, AfterValidator(_each_once), PLANNED
     ] = ()
-    """What is known exactly of each image, in files of their own beside the images, which stay as they are without."""
+    """Exact annotations of each image, in separate files; the images do not depend on them."""
 
     @model_validator(mode="after")
     def _hybrid_images_are_denoised(self) -> "Render":
@@ -117,7 +117,7 @@ class Scenario(Section):
     arena: ArenaConfig
     robot: RobotConfig
     board: Board | None = Field(default_factory=absent, exclude_if=lambda board: board is None)
-    """Drives the robot in place of the built-in controller."""
+    """Board that drives the robot instead of the built-in controller."""
     look: LookConfig
 
 
@@ -137,8 +137,8 @@ class RunSpec(Section):
     board: Board | None = Field(default_factory=absent, exclude_if=lambda board: board is None)
     look: LookConfig
     drawn: dict[str, float | int | str | bool]
-    """By field path within this specification, for example `look.sun.elevation_deg`; those of a generated arena by
-    their path within its recipe, which the specification no longer has."""
+    """Drawn values by field path within this specification, for example `look.sun.elevation_deg`; those of a generated
+    arena by their path within its recipe, which the specification no longer has."""
 
     @property
     def key(self) -> str:

@@ -1,4 +1,4 @@
-"""What walls and boxes are made of."""
+"""Surfaces of walls and boxes."""
 
 from typing import Literal
 
@@ -16,4 +16,4 @@ SurfaceName = Literal[
     "plastic",
     "brick",
 ]
-"""What a wall or obstacle is made of; decides its range reading and its look alike (`physics.arena.surfaces`)."""
+"""Surface of a wall or obstacle, which determines its range reading (`physics.arena.surfaces`) and its look."""

@@ -19,7 +19,7 @@ from diagnosis.camera.case import Ints, Mask
 from diagnosis.camera.parameter import Number
 from diagnosis.inference.likelihood import CORNER, robust_weight
 from diagnosis.inference.rivals import AS_GOOD
-from diagnosis.inference.selection import MOST, THRESHOLD
+from diagnosis.inference.selection import MAX_EFFECTS, THRESHOLD
 from symolo.core.arrays import Array
 
 LOOSE = 30.0
@@ -208,7 +208,7 @@ class _Refitted:
 def _best_set(costs: _Costs, namable: Sequence[int]) -> tuple[int, ...]:
     best: tuple[int, ...] = ()
     cost = costs.of(best)
-    for size in range(1, min(MOST, len(namable)) + 1):
+    for size in range(1, min(MAX_EFFECTS, len(namable)) + 1):
         tried = {freed: costs.of(freed) for freed in combinations(namable, size)}
         freed = min(tried, key=lambda of: tried[of])
         # Two that only together explain anything enter together.

@@ -1,1 +1,1 @@
-"""Before and after by the engine itself: robots driven open loop in PyBullet by what was measured."""
+"""Errors of the nominal and the extended robot in PyBullet, driven open loop by the measured voltages."""

@@ -1,4 +1,4 @@
-"""Who drives the robots: PyBullet, or the twin that fits are made with."""
+"""Drivers of the robots: PyBullet, or the fast twin that is used for fits."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -14,36 +14,36 @@ from physics.twin import KinematicTwin
 from symolo.core.arrays import Array
 
 MIN_SHARE = 0.05
-"""Of a motor's inertia and friction, that is left to it when those of a body are taken out."""
+"""Least share of a motor's inertia and friction that remains when those of the body are subtracted."""
 TWIN_STEP_S = 0.005
 
 
 @dataclass(frozen=True)
-class Driven:
-    """At the ends of T rows, and before the first."""
+class DrivenStates:
+    """States at the ends of T rows, and before the first."""
 
     pose: Array
-    """(T + 1, 3), x [m], y [m], yaw [rad] from where it began."""
+    """(T + 1, 3), x [m], y [m], yaw [rad] relative to the start."""
     counts: NDArray[np.int64]
-    """(T + 1, 2), right and left."""
+    """(T + 1, 2), counts of the right and the left encoder."""
 
 
-Driver = Callable[[RobotConfig, Array, float], Driven]
-"""Drives a robot from rest by voltages (T, 2), right and left, each held for a row of that length [s]."""
+Driver = Callable[[RobotConfig, Array, float], DrivenStates]
+"""Function that drives a robot from rest by voltages (T, 2), right and left, each held for a row of a length [s]."""
 
 
-def by_pybullet(robot: RobotConfig, voltage_V: Array, row_s: float) -> Driven:
-    from physics.bullet.open_loop import open_loop  # noqa: PLC0415 - loads pybullet, where it is asked for
+def by_pybullet(robot: RobotConfig, voltage_V: Array, row_s: float) -> DrivenStates:
+    from physics.bullet.open_loop import open_loop  # noqa: PLC0415 - loads pybullet, which only this needs
 
-    found = open_loop(robot, voltage_V, row_s)
-    return Driven(found.pose, found.counts)
+    states = open_loop(robot, voltage_V, row_s)
+    return DrivenStates(states.pose, states.counts)
 
 
-def by_twin(robot: RobotConfig, voltage_V: Array, row_s: float) -> Driven:
+def by_twin(robot: RobotConfig, voltage_V: Array, row_s: float) -> DrivenStates:
     parts = max(1, round(row_s / TWIN_STEP_S))
     twin = KinematicTwin(RobotModel.from_config(robot), row_s / parts)
-    found = twin.drive(np.repeat(voltage_V, parts, axis=0)[:, None], np.zeros((1, 3)))
-    return Driven(found.pose[::parts, 0], found.counts[::parts, 0])
+    states = twin.drive(np.repeat(voltage_V, parts, axis=0)[:, None], np.zeros((1, 3)))
+    return DrivenStates(states.pose[::parts, 0], states.counts[::parts, 0])
 
 
 PYBULLET, TWIN = "PyBullet", "twin"
@@ -51,9 +51,9 @@ DRIVERS: Mapping[str, Driver] = MappingProxyType({PYBULLET: by_pybullet, TWIN: b
 
 
 def without_body(robot: RobotConfig) -> RobotConfig:
-    """The robot whose motors' numbers hold its body, with that taken out of them, for an engine that adds it.
+    """Return a robot without the inertia and friction of its body in the motors, for an engine that adds them.
 
-    A measured case gives inertia and friction as they show at the motor, the whole robot with them.
+    The inertia and friction of a measured case are those at the motor, which include the whole robot.
     """
     body, motor = BodyOnWheels.from_model(RobotModel.from_config(robot)), robot.motor
     inertia = float(body.wheel_inertia_kg_m2[0, 0])
@@ -66,5 +66,5 @@ def without_body(robot: RobotConfig) -> RobotConfig:
 
 
 def less(whole: float, part: float) -> float:
-    """What is left of a motor's number, and never nothing."""
+    """Return a motor parameter without the part of the body, at least MIN_SHARE of it."""
     return max(whole - part, MIN_SHARE * whole)

@@ -1,8 +1,8 @@
-"""Voltages -> wheel speeds and pose increments of a whole drive, open loop from rest, as its log would have them.
+"""Voltages -> wheel speeds and pose increments of a whole drive, open loop from rest, as they would be logged.
 
-The pose follows from the voltages alone, as in a simulation, and not from the ticks that were measured, as in the stage
-`pose`: an error of the motors shows in it. Increments over ten rows are asked for, not places: of an open loop those
-say where an error began, for ever after.
+The pose follows from the voltages alone, as in a simulation, and not from the measured ticks as in the stage `pose`, so
+errors of the motors show in it. Increments over ten rows are compared instead of places, because in an open loop every
+place contains all earlier errors.
 """
 
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ import numpy as np
 
 from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
-from diagnosis.engine.base import Driven, Driver, without_body
+from diagnosis.engine.base import Driver, without_body
 from diagnosis.importers.drive_log import ROW_S
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
@@ -30,24 +30,24 @@ from symolo.core.arrays import Array
 
 @dataclass(frozen=True)
 class DrivenPath:
-    """One trial, from its start on, by voltages alone; poses are x [m], y [m], yaw [rad]."""
+    """Paths of one trial from its start, by the voltages alone; poses are x [m], y [m], yaw [rad]."""
 
     t_s: Array
-    """(n,)."""
+    """(n,), times of the rows."""
     measured: Array
-    """(n, 3), NaN where the camera saw nothing."""
+    """(n, 3), measured poses; NaN where the camera did not see the robot."""
     nominal: Array
-    """(n, 3), of the nominal robot."""
+    """(n, 3), poses of the nominal robot."""
     extended: Array
-    """(n, 3), of the extended robot."""
+    """(n, 3), poses of the extended robot."""
 
     def off_m(self, path: Array) -> Array:
-        """(n,), how far a path is from the measured place."""
+        """Return the distances (n,) of a path from the measured places."""
         return np.hypot(*(path - self.measured)[:, :2].T)
 
 
 class EngineDrive:
-    """Trials with held-out rows, by one driver; the others are not driven."""
+    """Trials with held-out rows, simulated by one driver; the other trials are not simulated."""
 
     name = "drive"
     at_once = 2
@@ -76,11 +76,11 @@ class EngineDrive:
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
         each = [self._predicted(robot) for robot in robots]
         return tuple(
-            Predicted(np.stack([of[k] for of in each]), observed.sd) for k, observed in enumerate(self.observed)
+            Predicted(np.stack([means[k] for means in each]), observed.sd) for k, observed in enumerate(self.observed)
         )
 
     def _predicted(self, robot: RobotConfig) -> tuple[Array, ...]:
-        """Of each observed quantity, (n,)."""
+        """Return the means (n,) of each observed quantity."""
         rows = self._sampled(robot)
         angle_rad = 2.0 * pi / self._counts * rows[:2]
         first, after = self._next
@@ -89,27 +89,27 @@ class EngineDrive:
             speed = np.full(rows.shape[1], np.nan)
             speed[first] = (angle_rad[wheel, after] - angle_rad[wheel, first]) / self._lasts_s
             speeds.append(speed)
-        path, seen = rows[2:].T, self._logged(robot, rows[2:].T)
+        path, logged = rows[2:].T, self._logged(robot, rows[2:].T)
         first, last = self._windows
-        increments = seen_from_body(path[first, 2], seen[last] - seen[first])
+        increments = seen_from_body(path[first, 2], logged[last] - logged[first])
         return (*speeds, *increments.T)
 
     def path(self, nominal: RobotConfig, extended: RobotConfig) -> "DrivenPath":
-        """The first trial with held-out rows, from its first measured pose on."""
+        """Return the paths of the first trial with held-out rows, from its first measured pose."""
         trial = self._wanted.index(True)
         begin = sum(self._rows[:trial])
-        of = slice(begin, begin + self._rows[trial])
-        measured = self._measured[of]
+        rows = slice(begin, begin + self._rows[trial])
+        measured = self._measured[rows]
         known = np.flatnonzero(np.isfinite(measured).all(axis=1))[0]
         paths = []
         for robot in (nominal, extended):
-            seen = self._logged(robot, self._sampled(robot)[2:].T)[of]
-            turn = measured[known, 2] - seen[known, 2]
-            paths.append(measured[known] + seen_from_body(np.full(len(seen), -turn), seen - seen[known]))
-        return DrivenPath(self._t_s[of], measured, paths[0], paths[1])
+            logged = self._logged(robot, self._sampled(robot)[2:].T)[rows]
+            turn = measured[known, 2] - logged[known, 2]
+            paths.append(measured[known] + seen_from_body(np.full(len(logged), -turn), logged - logged[known]))
+        return DrivenPath(self._t_s[rows], measured, paths[0], paths[1])
 
     def _sampled(self, robot: RobotConfig) -> Array:
-        """(5, n), counts right and left and pose in the rows of all trials; each robot is driven once."""
+        """Return counts right and left and pose in the rows of all trials, (5, n); each robot is driven once."""
         key = robot.model_dump_json()
         if key not in self._known:
             samples = np.full((len(self._voltage_V) + 1, 5, len(self._rows)), np.nan)
@@ -120,17 +120,17 @@ class EngineDrive:
         return self._known[key]
 
     def _driven(self, robot: RobotConfig, trial: int) -> Array:
-        """(T + 1, 5), counts right and left, pose; NaN after the trial's last row."""
+        """Return counts right and left and pose, (T + 1, 5); NaN after the last row of the trial."""
         rows = int(self._grid.places[trial][-1])
-        found: Driven = self._driver(
+        states = self._driver(
             without_body(robot) if self._is_case else robot, self._voltage_V[:rows, trial], self._grid.period_s
         )
         samples = np.full((len(self._voltage_V) + 1, 5), np.nan)
-        samples[: rows + 1] = np.concatenate([found.counts, found.pose], axis=1)
+        samples[: rows + 1] = np.concatenate([states.counts, states.pose], axis=1)
         return samples
 
     def _logged(self, robot: RobotConfig, pose: Array) -> Array:
-        """What the log says of poses (n, 3), by the effects of whoever tracks them."""
+        """Return poses (n, 3) as they would be logged, with the delay and the tracked point of the camera."""
         effects = stacked_effects([robot], axes=0)
         pose = earlier(pose, self._t_s, self._rows, through(effects.functions(Slot.POSE_DELAY), 0.0))
         return through(effects.functions(Slot.POSE_POINT), pose)

@@ -1,4 +1,4 @@
-"""Errors on held-out rows in physical units, before and after, by PyBullet and beside it by the twin."""
+"""Errors on held-out rows in physical units, of the nominal and the extended robot, in PyBullet and in the twin."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,20 +21,20 @@ from symolo.core.errors import InputError
 
 @dataclass(frozen=True)
 class EngineError:
-    """Of one observed quantity by one engine."""
+    """Errors of one observed quantity in one engine."""
 
     quantity: str
     unit: str
     before: float
-    """Root mean square over the held-out rows, without the largest 3 %, by the nominal robot, in `unit`."""
+    """Root mean square error of the nominal robot over the held-out rows, without the largest 3 %, in `unit`."""
     after: float
-    """By the extended robot."""
+    """The same error of the extended robot."""
     gain: Gain
 
 
 @dataclass(frozen=True)
 class EngineGain:
-    """Of one engine."""
+    """Gains in one engine."""
 
     engine: str
     whole: Gain
@@ -43,23 +43,23 @@ class EngineGain:
 
 @dataclass(frozen=True)
 class EngineComparison:
-    """What PyBullet says of the extended robot."""
+    """Comparison of both robots in PyBullet and in the twin."""
 
     engines: tuple[EngineGain, ...]
-    """PyBullet and the twin."""
+    """Results of PyBullet and of the twin."""
     apart: tuple[tuple[str, str, float], ...]
-    """Of each quantity its unit, and how far PyBullet and twin are apart by the extended robot, root mean square."""
+    """Name and unit of each quantity, and root mean square difference of PyBullet and twin for the extended robot."""
     path: DrivenPath | None = None
-    """Of a drive, by PyBullet."""
+    """Paths of a drive in PyBullet."""
     why_not: str = ""
-    """Why there is nothing; empty where there is."""
+    """Why there is no result; empty if there is one."""
 
 
 def compare_engines(measurement: Measurement, nominal: RobotConfig, extended: RobotConfig) -> EngineComparison:
-    """Held-out rows of a measurement, from its voltages on, by both robots and both engines."""
+    """Simulate the held-out rows of a measurement from its voltages, with both robots and both engines."""
     if why_not := _why_not(measurement):
         return EngineComparison((), (), why_not=why_not)
-    found, of_extended, path = [], [], None
+    gains, extended_means, path = [], [], None
     for engine, stage in _engines(measurement, nominal):
         evidence = Evidence([stage])
         try:
@@ -69,18 +69,18 @@ def compare_engines(measurement: Measurement, nominal: RobotConfig, extended: Ro
         whole = gain_of(evidence, mean)
         if whole is None:
             return EngineComparison((), (), why_not="no row that is held out can be predicted")
-        found.append(EngineGain(engine, whole, tuple(_errors(evidence, mean))))
-        of_extended.append((evidence, mean[1]))
+        gains.append(EngineGain(engine, whole, tuple(_errors(evidence, mean))))
+        extended_means.append((evidence, mean[1]))
         if engine == PYBULLET and isinstance(stage, EngineDrive):
             path = stage.path(nominal, extended)
-    return EngineComparison(tuple(found), tuple(_apart(*of_extended)), path)
+    return EngineComparison(tuple(gains), tuple(_apart(*extended_means)), path)
 
 
 def _why_not(measurement: Measurement) -> str:
     if measurement.kind is Kind.TOF_BENCH:
-        return "nothing moves on a range bench, and its bare ray to a flat target is as long in every engine"
+        return "nothing moves on a range bench, and a ray to a flat target has the same length in every engine"
     if measurement.kind is Kind.DRIVE_LOG and not set(VOLTAGES) <= set(measurement.channel_names()):
-        return "no voltages were logged, by which a robot could be driven"
+        return "no voltages were logged that could drive a robot"
     return "" if measurement.heldout_rows else "no row is held out"
 
 
@@ -94,17 +94,16 @@ def _engines(measurement: Measurement, nominal: RobotConfig) -> Iterator[tuple[s
 
 
 def _errors(evidence: Evidence, mean: Array) -> Iterator[EngineError]:
-    for of, place in zip(evidence.observed, evidence.places, strict=True):
-        found = gain_of(of_quantity(evidence, place), mean)
-        if found is not None:
-            rows = evidence.heldout[place]
-            before, after = np.abs(evidence.values[place] - mean[:, place])[:, rows]
-            yield EngineError(of.name, of.unit, trimmed_rms(before), trimmed_rms(after), found)
+    for observed, place in zip(evidence.observed, evidence.places, strict=True):
+        gain = gain_of(of_quantity(evidence, place), mean)
+        if gain is not None:
+            before, after = np.abs(evidence.values[place] - mean[:, place])[:, evidence.heldout[place]]
+            yield EngineError(observed.name, observed.unit, trimmed_rms(before), trimmed_rms(after), gain)
 
 
 def _apart(pybullet: tuple[Evidence, Array], twin: tuple[Evidence, Array]) -> Iterator[tuple[str, str, float]]:
     evidence, mean = pybullet
-    for of, place in zip(evidence.observed, evidence.places, strict=True):
+    for observed, place in zip(evidence.observed, evidence.places, strict=True):
         rows = evidence.heldout[place]
         if rows.any():
-            yield of.name, of.unit, trimmed_rms(np.abs(mean - twin[1])[place][rows])
+            yield observed.name, observed.unit, trimmed_rms(np.abs(mean - twin[1])[place][rows])

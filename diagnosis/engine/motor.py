@@ -1,7 +1,7 @@
-"""Voltage -> current and speed of a motor on a bench in PyBullet: the robot held off the floor, its right wheel driven.
+"""Voltage -> current and speed of a motor on a bench in PyBullet: the robot is lifted, and its right wheel is driven.
 
-The wheel itself spins with the motor there, and is taken out of the motor's inertia, which a bench gives with all that
-turns.
+PyBullet simulates the inertia of the wheel, so it is subtracted from the motor's inertia, which on a bench includes
+everything that turns.
 """
 
 from collections.abc import Sequence
@@ -21,12 +21,12 @@ from sensors.instruments import read_current_A, read_settled_speed_rad_s, read_s
 from symolo.core.arrays import Array
 
 SETTLING = 12.0
-"""Time constants in which a motor settles, to 6e-6 of its speed."""
-LONGEST_S = 5.0
+"""Number of time constants after which a motor is in steady state, to 6e-6 of its speed."""
+MAX_DURATION_S = 5.0
 
 
 class MotorOnBench:
-    """Held-out rows of a bench, by PyBullet; the others are not driven."""
+    """Held-out rows of a bench in PyBullet; the other rows are not simulated."""
 
     name = "bench"
     at_once = 2
@@ -40,15 +40,17 @@ class MotorOnBench:
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
         each = [self._means(robot) for robot in robots]
-        return tuple(Predicted(np.stack([of[k] for of in each]), seen.sd) for k, seen in enumerate(self.observed))
+        return tuple(
+            Predicted(np.stack([means[k] for means in each]), observed.sd) for k, observed in enumerate(self.observed)
+        )
 
     def _settled(self, robot: RobotConfig) -> tuple[Array, Array]:
-        """Current [A] and speed [rad/s], (n,)."""
+        """Return current [A] and speed [rad/s] in steady state, (n,) each."""
         trials = self._measurement.trials
         voltage_V = joined(trial["u_cmd_V"].values for trial in trials)
         wanted = joined(trial.holdout for trial in trials) & np.isfinite(voltage_V)
         current, speed = (np.full(len(voltage_V), np.nan) for _ in range(2))
-        duration_s = min(SETTLING * _time_constant_s(robot), LONGEST_S)
+        duration_s = min(SETTLING * _time_constant_s(robot), MAX_DURATION_S)
         for volts in np.unique(voltage_V[wanted]).tolist():
             amperes, rad_s = _turned(robot, np.array([volts]), duration_s)
             rows = wanted & (voltage_V == volts)
@@ -56,7 +58,7 @@ class MotorOnBench:
         return read_current_A(robot.effects, current), read_settled_speed_rad_s(robot.effects, speed)
 
     def _of_steps(self, robot: RobotConfig) -> tuple[Array, Array]:
-        """The same against time."""
+        """Return current [A] and speed [rad/s] against time, (n,) each."""
         measurement = self._measurement
         rate_hz = measurement.nominal.sample_rate_Hz if isinstance(measurement.nominal, NominalStep) else None
         grid = Grid.of(measurement, rate_hz)
@@ -72,19 +74,19 @@ class MotorOnBench:
 
 
 def _turned(robot: RobotConfig, voltage_V: Array, row_s: float) -> tuple[Array, Array]:
-    """Current and speed of the right wheel at the ends of rows, (T + 1,) each, the left one at rest."""
-    from physics.bullet.open_loop import open_loop  # noqa: PLC0415 - loads pybullet, where it is asked for
+    """Return current and speed of the right wheel at the ends of rows, (T + 1,) each; the left wheel is at rest."""
+    from physics.bullet.open_loop import open_loop  # noqa: PLC0415 - loads pybullet, which only this needs
 
     motor, drive = robot.motor, robot.drive
     spin = 0.5 * drive.wheel_mass_kg * (0.5 * drive.wheel_diameter_m) ** 2
     bare = motor.model_copy(update={"rotor_inertia_kg_m2": less(motor.rotor_inertia_kg_m2, spin)})
     both = np.stack([voltage_V, np.zeros_like(voltage_V)], axis=1)
-    found = open_loop(robot.model_copy(update={"motor": bare}), both, row_s, lifted=True)
-    return found.current_A[:, 0], found.wheel_speed_rad_s[:, 0]
+    states = open_loop(robot.model_copy(update={"motor": bare}), both, row_s, lifted=True)
+    return states.current_A[:, 0], states.wheel_speed_rad_s[:, 0]
 
 
 def _time_constant_s(robot: RobotConfig) -> float:
-    """R J / (K^2 + R B)."""
+    """Return R J / (K^2 + R B)."""
     motor = robot.motor
     resistance, constant = motor.winding_resistance_ohm, motor.torque_constant_N_m_A
     damping = constant**2 + resistance * motor.viscous_friction_N_m_s_rad

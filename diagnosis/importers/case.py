@@ -10,13 +10,14 @@ import numpy as np
 from diagnosis.importers.base import Importer, is_file
 from diagnosis.importers.trials import KnownNoise, trials_of
 from diagnosis.measured.case_format import COLUMNS, DATA, HOLDOUT, SPLIT, channel_columns
-from diagnosis.measured.csv_table import Table, read_csv
+from diagnosis.measured.csv_table import read_csv
 from diagnosis.measured.measurement import Kind, Measurement, Source
 from diagnosis.measured.nominal import NOMINAL, Nominal, kind_of, read_nominal
 from diagnosis.measured.scale import mixed_up_unit
 from symolo.core.errors import InputError
+from symolo.core.table import CsvTable
 
-NoiseOf = Callable[[Nominal, Table, str], KnownNoise | None]
+NoiseOf = Callable[[Nominal, CsvTable, str], KnownNoise | None]
 """Known noise of a channel in every row of the table, or None."""
 NotesOf = Callable[[Nominal, Measurement], Sequence[str]]
 """What is odd about the data beside their nominal parameters."""

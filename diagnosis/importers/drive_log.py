@@ -7,11 +7,11 @@ import numpy as np
 from diagnosis.importers.case import case_importer, scale_note
 from diagnosis.importers.motor_step import check_rate
 from diagnosis.importers.trials import KnownNoise
-from diagnosis.measured.csv_table import Table
 from diagnosis.measured.measurement import Kind, Measurement, Trial
 from diagnosis.measured.nominal import Nominal, NominalDrive
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.table import CsvTable
 
 ROW_S = 0.05
 WRAP_WITHIN_RAD = 1.0
@@ -20,7 +20,7 @@ LONGEST_STEP_S = 0.25
 """Over which a robot does not turn about."""
 
 
-def _noise(nominal: Nominal, table: Table, name: str) -> KnownNoise | None:
+def _noise(nominal: Nominal, table: CsvTable, name: str) -> KnownNoise | None:
     """Of the pose alone: that of a range depends on the true distance, which is not logged."""
     if not isinstance(nominal, NominalDrive):
         return None

@@ -15,14 +15,15 @@ import numpy as np
 from diagnosis.importers.base import Importer, first_line
 from diagnosis.importers.order import check_increasing
 from diagnosis.measured.channel import Channel, Mask, Role
-from diagnosis.measured.csv_table import Column, Table, check_header, table_of
+from diagnosis.measured.csv_table import MeasuredColumn, table_of
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.nominal import KnownMotor, Nominal, NominalMotor, PositiveSpread, Spread
 from diagnosis.measured.scale import Reach
-from diagnosis.measured.text_file import read_text
 from diagnosis.usual_tolerances import SHARES
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.table import CsvTable, check_header
+from symolo.core.text_file import read_text
 from symolo.core.time_series import TimeSeries
 
 FULL_COMMAND = 255.0
@@ -60,19 +61,19 @@ def nominal_motor() -> KnownMotor:
     )
 
 
-_TIME = Column("time", "", Role.INPUT, Reach(0.0, 1e9), may_be_empty=False)
+_TIME = MeasuredColumn("time", "", Role.INPUT, Reach(0.0, 1e9), may_be_empty=False)
 _COMMAND = Reach(-256.0, 256.0)
 _RPM = Reach(-3000.0, 3000.0)
 _COUNT = Reach(-1e9, 1e9)
-_BATTERY = Column("batteryVoltage", "", Role.READING, Reach(0.0, 30_000.0))
+_BATTERY = MeasuredColumn("batteryVoltage", "", Role.READING, Reach(0.0, 30_000.0))
 
 
-def _set(name: str, reach: Reach) -> Column:
-    return Column(name, "", Role.INPUT, reach)
+def _set(name: str, reach: Reach) -> MeasuredColumn:
+    return MeasuredColumn(name, "", Role.INPUT, reach)
 
 
-def _read_out(name: str, reach: Reach) -> Column:
-    return Column(name, "", Role.READING, reach)
+def _read_out(name: str, reach: Reach) -> MeasuredColumn:
+    return MeasuredColumn(name, "", Role.READING, reach)
 
 
 _SPEEDS = (_read_out("leftSpeedRpm", _RPM), _read_out("rightSpeedRpm", _RPM))
@@ -83,15 +84,15 @@ _MODES = (_set("leftMode", Reach(0.0, 10.0)), _set("rightMode", Reach(0.0, 10.0)
 class _Form:
     """One kind of file, by the start of its name."""
 
-    columns: tuple[Column, ...]
-    trials: Callable[[Table, Array, int], tuple[Trial, ...]]
+    columns: tuple[MeasuredColumn, ...]
+    trials: Callable[[CsvTable, Array, int], tuple[Trial, ...]]
     """From the table, its times [s] and the number in the file's name."""
     kind: Kind = Kind.OTHER
     notes: tuple[str, ...] = ()
     nominal: Callable[[], Nominal] | None = None
 
 
-def _steady(table: Table, t_s: Array, number: int) -> tuple[Trial, ...]:
+def _steady(table: CsvTable, t_s: Array, number: int) -> tuple[Trial, ...]:
     """A trial for each wheel."""
     duty = table.numbers["motorCommand"] / FULL_COMMAND
     battery_V = 1e-3 * table.numbers.get("batteryVoltage", np.full(len(t_s), np.nan))
@@ -135,11 +136,11 @@ _NAMES: Mapping[str, tuple[str, str, float]] = {
     "leftCommand": ("duty_left", "", 1.0 / FULL_COMMAND),
     "rightCommand": ("duty_right", "", 1.0 / FULL_COMMAND),
 }
-"""Column of a file -> channel, its unit, and the factor to it."""
+"""MeasuredColumn of a file -> channel, its unit, and the factor to it."""
 
 
-def _as_it_is(form_columns: tuple[Column, ...]) -> Callable[[Table, Array, int], tuple[Trial, ...]]:
-    def trials(table: Table, t_s: Array, number: int) -> tuple[Trial, ...]:
+def _as_it_is(form_columns: tuple[MeasuredColumn, ...]) -> Callable[[CsvTable, Array, int], tuple[Trial, ...]]:
+    def trials(table: CsvTable, t_s: Array, number: int) -> tuple[Trial, ...]:
         del number
         channels = []
         for column in form_columns[1:]:

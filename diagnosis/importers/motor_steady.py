@@ -3,12 +3,12 @@
 from diagnosis.importers.case import case_importer
 from diagnosis.importers.motor_scale import motor_scale_notes
 from diagnosis.importers.trials import KnownNoise
-from diagnosis.measured.csv_table import Table
 from diagnosis.measured.measurement import Kind
 from diagnosis.measured.nominal import Nominal, NominalSteady
+from symolo.core.table import CsvTable
 
 
-def _noise(nominal: Nominal, table: Table, name: str) -> KnownNoise | None:
+def _noise(nominal: Nominal, table: CsvTable, name: str) -> KnownNoise | None:
     if not isinstance(nominal, NominalSteady) or name == "u_cmd_V":
         return None
     noise = nominal.noise

@@ -7,13 +7,13 @@ import numpy as np
 from diagnosis.importers.case import case_importer
 from diagnosis.importers.motor_scale import motor_scale_notes
 from diagnosis.importers.trials import KnownNoise
-from diagnosis.measured.csv_table import Table
 from diagnosis.measured.measurement import Kind, Measurement
 from diagnosis.measured.nominal import Nominal, NominalStep
 from symolo.core.errors import InputError
+from symolo.core.table import CsvTable
 
 
-def _noise(nominal: Nominal, table: Table, name: str) -> KnownNoise | None:
+def _noise(nominal: Nominal, table: CsvTable, name: str) -> KnownNoise | None:
     if not isinstance(nominal, NominalStep) or name == "u_cmd_V":
         return None
     noise = nominal.noise

@@ -16,13 +16,14 @@ import numpy as np
 from diagnosis.importers.base import Importer, is_file, is_folder
 from diagnosis.importers.order import check_increasing
 from diagnosis.measured.channel import Channel, Role
-from diagnosis.measured.csv_table import Column, table_of
+from diagnosis.measured.csv_table import MeasuredColumn, table_of
 from diagnosis.measured.holdout import EVERY
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.scale import Reach
-from diagnosis.measured.text_file import number, read_text
 from diagnosis.usual_tolerances import usual_wheels
 from symolo.core.errors import InputError
+from symolo.core.table import number
+from symolo.core.text_file import read_text
 from symolo.core.time_series import TimeSeries
 
 _RUN = re.compile(r"(\d+)_run-(\d+)\.csv")
@@ -30,12 +31,12 @@ _METADATA = "*_metadata.csv"
 _PLACE = Reach(-50.0, 50.0)
 _COUNTS = Reach(-10_000.0, 10_000.0)
 COLUMNS = (
-    Column("t_s", "s", Role.INPUT, Reach(0.0, 1e6), may_be_empty=False),
-    Column("x_m", "m", Role.READING, _PLACE),
-    Column("y_m", "m", Role.READING, _PLACE),
-    Column("theta_rad", "rad", Role.READING, Reach(-1e4, 1e4)),
-    Column("ticks_right", "ticks", Role.READING, _COUNTS, 0, may_be_empty=False),
-    Column("ticks_left", "ticks", Role.READING, _COUNTS, 0, may_be_empty=False),
+    MeasuredColumn("t_s", "s", Role.INPUT, Reach(0.0, 1e6), may_be_empty=False),
+    MeasuredColumn("x_m", "m", Role.READING, _PLACE),
+    MeasuredColumn("y_m", "m", Role.READING, _PLACE),
+    MeasuredColumn("theta_rad", "rad", Role.READING, Reach(-1e4, 1e4)),
+    MeasuredColumn("ticks_right", "ticks", Role.READING, _COUNTS, 0, may_be_empty=False),
+    MeasuredColumn("ticks_left", "ticks", Role.READING, _COUNTS, 0, may_be_empty=False),
 )
 
 WHEEL_DIAMETER_M = 0.084
@@ -120,7 +121,7 @@ def _metadata(session: Path) -> Mapping[str, tuple[float, ...]]:
         for row, line in enumerate(read_text(file).lines, 1):
             key, *cells = line.split(",")
             if key in {"Li", "Di"}:
-                found[key] = tuple(number(cell, file, row, "2") for cell in cells if cell.strip())
+                found[key] = tuple(number(cell, "2", f"{file}: row {row}") for cell in cells if cell.strip())
     for key in ("Li", "Di"):
         if not found.get(key):
             raise InputError(

@@ -5,16 +5,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from diagnosis.measured.channel import Mask
-from diagnosis.measured.csv_table import Table
 from diagnosis.measured.scale import mixed_up_unit
 from diagnosis.measured.screening import GAP, usual
 from symolo.core.errors import InputError
+from symolo.core.table import CsvTable
 
 LATEST_START = 5.0
 """Periods after rest, at which the first row of a trial may come."""
 
 
-def check_increasing(table: Table, column: str, within: Mask | None = None) -> None:
+def check_increasing(table: CsvTable, column: str, within: Mask | None = None) -> None:
     """Refuse a column that does not increase from each row to the next.
 
     Args:
@@ -35,7 +35,7 @@ def check_increasing(table: Table, column: str, within: Mask | None = None) -> N
         raise InputError(what, where=table.where(i), cure="put the rows in order, and keep one of each time")
 
 
-def check_session(table: Table, within: Mask) -> None:
+def check_session(table: CsvTable, within: Mask) -> None:
     """Refuse a trial in which `session_time_s` and `t_s` drift apart by more than about a period.
 
     Args:
@@ -68,7 +68,7 @@ def check_session(table: Table, within: Mask) -> None:
     raise InputError(what, where=table.where(i), cure="count both by one clock, or make it a trial of its own")
 
 
-def check_from_rest(table: Table, starts: Sequence[int], within: Mask) -> None:
+def check_from_rest(table: CsvTable, starts: Sequence[int], within: Mask) -> None:
     """Refuse a trial that does not begin at rest at `t_s` = 0, or a few periods after it.
 
     Args:

@@ -14,11 +14,12 @@ import numpy as np
 from diagnosis.importers.base import Importer, first_line, is_folder
 from diagnosis.importers.order import check_increasing
 from diagnosis.measured.channel import Channel, Role
-from diagnosis.measured.csv_table import Column, check_header, table_of
+from diagnosis.measured.csv_table import MeasuredColumn, table_of
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
 from diagnosis.measured.scale import Reach
-from diagnosis.measured.text_file import TextFile, read_text
 from symolo.core.errors import InputError
+from symolo.core.table import check_header
+from symolo.core.text_file import TextFile, read_text
 from symolo.core.time_series import TimeSeries
 
 HEADER_ROWS = 3
@@ -38,8 +39,8 @@ class _Quantity:
     reach: Reach
     """In the file's unit."""
 
-    def column(self, symbol: str) -> Column:
-        return Column(symbol, self.unit, self.role, self.reach)
+    def column(self, symbol: str) -> MeasuredColumn:
+        return MeasuredColumn(symbol, self.unit, self.role, self.reach)
 
 
 def _speed(channel: str, role: Role = Role.INPUT) -> _Quantity:
@@ -85,7 +86,7 @@ _TRACKED: Mapping[str, _Quantity] = {
 FORMS = (_MOTORS, _ROBOT, _TRACKED)
 """What files have, beside their time: motors alone, with the robot's commands, with a camera."""
 _CAMERA = tuple(name for name in _TRACKED if name not in _ROBOT)
-_TIME = Column("t", "ms", Role.INPUT, Reach(0.0, 1e9), may_be_empty=False)
+_TIME = MeasuredColumn("t", "ms", Role.INPUT, Reach(0.0, 1e9), may_be_empty=False)
 
 
 def _is_log(path: Path) -> bool:

@@ -7,13 +7,13 @@ import numpy as np
 from diagnosis.importers.case import case_importer, scale_note
 from diagnosis.importers.trials import KnownNoise
 from diagnosis.measured.channel import Quality
-from diagnosis.measured.csv_table import Table
 from diagnosis.measured.measurement import Kind, Measurement
 from diagnosis.measured.nominal import NOMINAL, Nominal, NominalTof
 from symolo.core.errors import InputError, nearest
+from symolo.core.table import CsvTable
 
 
-def _noise(nominal: Nominal, table: Table, name: str) -> KnownNoise | None:
+def _noise(nominal: Nominal, table: CsvTable, name: str) -> KnownNoise | None:
     if not isinstance(nominal, NominalTof) or name != "reading_m":
         return None
     known = tuple(nominal.tof.reflectance)

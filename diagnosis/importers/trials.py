@@ -9,10 +9,11 @@ import numpy as np
 from diagnosis.importers.order import check_from_rest, check_increasing, check_session
 from diagnosis.measured.case_format import CAMERA_CHANNELS, NO_TARGET_FROM_M, RANGES
 from diagnosis.measured.channel import Channel, Label, Mask
-from diagnosis.measured.csv_table import Column, Table
+from diagnosis.measured.csv_table import MeasuredColumn
 from diagnosis.measured.measurement import Trial
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.table import CsvTable
 from symolo.core.time_series import TimeSeries
 
 
@@ -24,13 +25,18 @@ class KnownNoise:
     correlation: float = 0.0
 
     @classmethod
-    def constant(cls, sd: float, table: Table, correlation: float = 0.0) -> "KnownNoise":
+    def constant(cls, sd: float, table: CsvTable, correlation: float = 0.0) -> "KnownNoise":
         """The same in every row."""
         return cls(np.full(len(table.row), sd), correlation)
 
 
 def trials_of(
-    table: Table, channels: Sequence[Column], holdout: Mask, noise: Mapping[str, KnownNoise], *, from_rest: bool
+    table: CsvTable,
+    channels: Sequence[MeasuredColumn],
+    holdout: Mask,
+    noise: Mapping[str, KnownNoise],
+    *,
+    from_rest: bool,
 ) -> tuple[Trial, ...]:
     """One trial for each sweep or trial of a table, or one for all of it where it has no such column.
 
@@ -55,7 +61,7 @@ def trials_of(
     )
 
 
-def _check_order(table: Table, numbers: Array, group: str) -> None:
+def _check_order(table: CsvTable, numbers: Array, group: str) -> None:
     """Rows of a trial belong together, and time goes forward within each."""
     changes = np.flatnonzero(np.diff(numbers)) + 1
     seen = {numbers[0]}
@@ -80,8 +86,8 @@ def _check_order(table: Table, numbers: Array, group: str) -> None:
 
 
 def _trial(
-    table: Table,
-    channels: Sequence[Column],
+    table: CsvTable,
+    channels: Sequence[MeasuredColumn],
     holdout: Mask,
     noise: Mapping[str, KnownNoise],
     *,
@@ -95,7 +101,7 @@ def _trial(
     return Trial(name, t_s, holdout[rows].copy(), logged, labels, begins_s)
 
 
-def _channel(column: Column, t_s: Array, table: Table, rows: slice, noise: KnownNoise | None) -> Channel:
+def _channel(column: MeasuredColumn, t_s: Array, table: CsvTable, rows: slice, noise: KnownNoise | None) -> Channel:
     values = table.numbers[column.name][rows].copy()
     return Channel.logged(
         TimeSeries(column.name, column.unit, t_s, values),

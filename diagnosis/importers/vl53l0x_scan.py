@@ -13,7 +13,7 @@ from symolo.core.time_series import TimeSeries
 
 
 def _is_log(path: Path) -> bool:
-    return set(COLUMNS) <= set(first_line(path).split(","))
+    return {column.name for column in COLUMNS} <= set(first_line(path).split(","))
 
 
 def _read(path: Path) -> Measurement:

@@ -1,7 +1,7 @@
-"""Which effects can be the cause: every registered effect that changes what is measured, with each of its choices.
+"""Candidate effects: every registered effect that changes the predictions of a measurement, with each of its choices.
 
-The registry is the only list. Which effects act is found by trying: an effect whose start values change no prediction
-of these data can neither be found nor excluded by them, and is reported as untestable.
+The registries are the only list of effects. Whether an effect matters is found by trying it: if its start values change
+no prediction of the data, the data can neither show nor exclude it, and it is reported as untestable.
 """
 
 from collections.abc import Iterator
@@ -22,52 +22,51 @@ SETUPS = {
     Kind.TOF_BENCH: Setup.RANGE_BENCH,
     Kind.DRIVE_LOG: Setup.DRIVE,
 }
-"""What is measured, by kind of measurement. An effect names the setups in which it is looked for: a drive has range
-effects of its own, by sensor, since those of the bench would be the same under another name."""
+"""Setup of each kind of measurement. An effect names the setups to which it applies: a drive has range effects of its
+own, by sensor, since those of the bench would be the same under another name."""
 VISIBLE = 1e-3
-"""Sigmas by which a prediction must move, at the start values, for an effect to be testable."""
+"""Change of a prediction in sigmas, at the start values, from which an effect is testable."""
 
 
 @dataclass(frozen=True)
 class Candidates:
+    """The effects that may explain a measurement."""
+
     testable: tuple[CandidateEffect, ...]
     untestable: tuple[str, ...]
-    """Names of effects that these data cannot show."""
+    """Names of effects that the data cannot show."""
 
 
 def candidates(measurement: Measurement, evidence: Evidence, hypothesis: Hypothesis) -> Candidates:
-    """Of the measurement, beside the nuisances of a hypothesis without effects."""
-    effects = tuple(
+    """Return the candidate effects of a measurement; `hypothesis` has the nuisances and no effects."""
+    effects = [
         CandidateEffect(effect, choices)
         for effect in effect_classes()
         if SETUPS[measurement.kind] in effect.setups
         for choices in _choices(effect, measurement)
-    )
-    nominal = evidence.of(hypothesis.robots(hypothesis.null()[None]))
-    robots = []
+    ]
+    robots = [hypothesis.robot(hypothesis.null())]
     for effect in effects:
-        having = hypothesis.with_effect(effect)
-        x = np.array([c.start for c in having.coordinates])
-        robots += having.robots(x[None])
-    found = evidence.of(robots)
-    moves = np.abs((found.mean - nominal.mean) / evidence.sd)[:, evidence.fit].max(axis=1, initial=0.0)
-    spreads = np.abs(np.log(found.sd / nominal.sd))[:, evidence.fit].max(axis=1, initial=0.0)
-    seen = (moves > VISIBLE) | (spreads > VISIBLE)
-    names = [effect.name for effect in effects]
+        extended = hypothesis.with_effect(effect)
+        robots.append(extended.robot(np.array([c.start for c in extended.coordinates])))
+    prediction = evidence.of(robots)
+    moves = np.abs((prediction.mean[1:] - prediction.mean[:1]) / evidence.sd)[:, evidence.fit].max(axis=1, initial=0.0)
+    spreads = np.abs(np.log(prediction.sd[1:] / prediction.sd[:1]))[:, evidence.fit].max(axis=1, initial=0.0)
+    visible = ((moves > VISIBLE) | (spreads > VISIBLE)).tolist()
     return Candidates(
-        tuple(effect for effect, is_seen in zip(effects, seen.tolist(), strict=True) if is_seen),
-        tuple(name for name, is_seen in zip(names, seen.tolist(), strict=True) if not is_seen),
+        tuple(effect for effect, is_visible in zip(effects, visible, strict=True) if is_visible),
+        tuple(effect.name for effect, is_visible in zip(effects, visible, strict=True) if not is_visible),
     )
 
 
 def _choices(effect: type[Effect], measurement: Measurement) -> Iterator[tuple[tuple[str, str], ...]]:
-    """Every combination of discrete parameters; where any name goes, those that the rows name."""
+    """Yield every combination of discrete parameters; a parameter without options takes the labels of the rows."""
     options = effect.options()
-    values = [options[name] or _named(name, measurement) for name in options]
-    for chosen in product(*values):
-        yield tuple(zip(options, chosen, strict=True))
+    values = [fixed or _labels(name, measurement) for name, fixed in options.items()]
+    for combination in product(*values):
+        yield tuple(zip(options, combination, strict=True))
 
 
-def _named(label: str, measurement: Measurement) -> tuple[str, ...]:
-    found = {value for trial in measurement.trials for of in trial.labels if of.name == label for value in of.values}
-    return tuple(sorted(found - {""}))
+def _labels(name: str, measurement: Measurement) -> tuple[str, ...]:
+    labels = (label for trial in measurement.trials for label in trial.labels if label.name == name)
+    return tuple(sorted({value for label in labels for value in label.values} - {""}))

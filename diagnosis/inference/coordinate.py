@@ -1,8 +1,8 @@
-"""One number of a model as the fit sees it: a coordinate about 1 wide, bounded, with the step of a derivative.
+"""One parameter of a model as the fit sees it: a bounded coordinate about 1 wide.
 
-What is positive by nature (factors, time constants, speeds) is fitted by its logarithm, so that a half and a double are
-alike; what may have either sign is fitted as it is, in units of its start value. A fit in well-scaled coordinates needs
-neither line searches over decades nor damping by units.
+Parameters that are positive by nature (factors, time constants, speeds) are fitted by their logarithm, so that half and
+double are equally far away. Parameters of either sign are fitted linearly, in units of their start value. In such
+well-scaled coordinates a fit needs neither line searches over decades nor damping by units.
 """
 
 from dataclasses import dataclass
@@ -14,65 +14,57 @@ from configs.effects.parameter import Parameter
 from symolo.core.arrays import Array
 
 STEP = 1e-3
-"""Of a derivative, in coordinates: small beside what a fit resolves, large beside rounding."""
-SMALLEST = 1e-4
-"""Of a bound at zero on a logarithmic axis, as a share of the start value."""
+"""Step of a derivative, in coordinates: far below what a fit resolves, far above rounding errors."""
+MIN_LOG_SHARE = 1e-4
+"""Lower bound of a logarithmic coordinate whose parameter is bounded by zero, as a share of the start value."""
 
 
 @dataclass(frozen=True)
 class Coordinate:
+    """The coordinate of one parameter."""
+
     name: str
     low: float
     high: float
     null: float | None
-    """Coordinate without effect; None of a shape, which does nothing by itself."""
+    """Coordinate at which the effect is absent; None for a shape parameter, which does nothing by itself."""
     start: float
     is_log: bool
     unit: float
-    """Value of one unit of a linear coordinate; 1 of a logarithmic one."""
+    """Value of one unit of a linear coordinate; 1 for a logarithmic one."""
     is_time: bool = False
-    """Of a delay or a lag, which in a fast log shows at a fraction of what a slow one needs."""
+    """Whether the parameter is a delay or a lag. Fast logs show much shorter ones than slow logs."""
 
     @classmethod
     def of_parameter(cls, name: str, parameter: Parameter) -> "Coordinate":
-        """Of an effect's number."""
-        shape = parameter.null is None
-        far = parameter.null is not None and parameter.null == parameter.high
-        if shape or far or parameter.low > 0.0:
-            low = max(parameter.low, SMALLEST * parameter.start)
+        """Return the coordinate of an effect's parameter."""
+        is_ceiling = parameter.null is not None and parameter.null == parameter.high
+        if parameter.null is None or is_ceiling or parameter.low > 0.0:
+            low = log(max(parameter.low, MIN_LOG_SHARE * parameter.start))
             null = None if parameter.null is None else log(parameter.null)
-            return cls(name, log(low), log(parameter.high), null, log(parameter.start), is_log=True, unit=1.0)
-        null_value = 0.0 if parameter.null is None else parameter.null
-        unit = abs(parameter.start - null_value)
-        return cls(
-            name,
-            parameter.low / unit,
-            parameter.high / unit,
-            null_value / unit,
-            parameter.start / unit,
-            is_log=False,
-            unit=unit,
-            is_time=parameter.unit == "s",
-        )
+            return cls(name, low, log(parameter.high), null, log(parameter.start), is_log=True, unit=1.0)
+        unit = abs(parameter.start - parameter.null)
+        low, high, null, start = (x / unit for x in (parameter.low, parameter.high, parameter.null, parameter.start))
+        return cls(name, low, high, null, start, is_log=False, unit=unit, is_time=parameter.unit == "s")
 
     @classmethod
     def of_spread(cls, name: str, tolerance: float) -> "Coordinate":
-        """Of a nominal parameter, in standard deviations of its tolerance about its value."""
+        """Return the coordinate of a nominal parameter: its deviation in standard deviations of its tolerance."""
         return cls(name, -np.inf, np.inf, 0.0, 0.0, is_log=False, unit=tolerance)
 
     def value(self, x: Array) -> Array:
-        """Of coordinates, of the same shape."""
+        """Return the values of the parameter for coordinates of any shape."""
         return np.exp(x) if self.is_log else x * self.unit
 
     def slope(self, x: float) -> float:
-        """Change of the value for that of the coordinate."""
+        """Return the derivative of the value by the coordinate."""
         return exp(x) if self.is_log else self.unit
 
     def coordinate(self, value: float) -> float:
-        """Of a value."""
+        """Return the coordinate of a value."""
         return log(value) if self.is_log else value / self.unit
 
     @property
     def is_ceiling(self) -> bool:
-        """Whether the effect is absent at the upper bound, as of a limit."""
+        """Whether the effect is absent at the upper bound, as a limit is."""
         return self.null is not None and self.null == self.high

@@ -1,9 +1,9 @@
 """Maximum a posteriori fits of many hypotheses side by side, by damped scoring.
 
-Each step solves the normal equations of the robust weights (iteratively reweighted Gauss-Newton; of noise effects the
-Fisher information of log sd) under several dampings, predicts them all at once and takes the best: a batch of
-predictions costs little more than one. So the slopes where the full step leads are predicted along with it, for mostly
-it is taken. Bounds hold by projection, and a coordinate that a bound holds is left out.
+Each step solves the normal equations with robust weights (iteratively reweighted Gauss-Newton; for noise effects with
+the Fisher information of log sd) under several dampings, predicts all results at once and takes the best, since a batch
+of predictions costs little more than one. The slopes at the end of the full step are predicted in the same batch,
+because that step is usually taken. Coordinates are clipped to their bounds, and one that a bound holds is left out.
 """
 
 from collections.abc import Sequence
@@ -20,127 +20,127 @@ from diagnosis.inference.likelihood import SPREAD, cost, residuals, robust_weigh
 from symolo.core.arrays import Array
 
 DAMPINGS = ((0.0, 1.0), (0.0, 0.4), (0.0, 0.1), (0.03, 1.0), (1.0, 1.0))
-"""Of the diagonal, and the share of the step that is taken: the full step first, parts of it for bent valleys, and
-steps nearer to steepest descent."""
+"""Damping of the diagonal, and share of the step: the full step first, parts of it for bent valleys, and steps nearer
+to steepest descent."""
 SETTLED = 0.02
-"""Change of the cost at which a fit ends; chances of a name change at some units."""
-STEPS = 15
+"""Change of the cost at which a fit ends; far below the changes that affect the choice of effects."""
+MAX_STEPS = 15
 FAR = 40.0
-"""Cost above the best of the fits side by side, from which one is given up that would not get there at its pace: no
-rival at that distance, its exact cost tells nobody anything."""
+"""Cost above the best simultaneous fit from which a slow fit is stopped: it is no rival, so its exact cost is not
+needed."""
 STRETCHES = (0.4, 0.7, 0.85, 1.2, 1.4, 2.2)
-"""Times as large, that an effect is tried where no step helps any more."""
+"""Factors on the size of an effect that are tried where no step lowers the cost any more."""
 NUISANCE_STEP = 0.05
-"""Of a derivative, in standard deviations of the tolerance."""
+"""Step of a derivative by a nuisance, in standard deviations of its tolerance."""
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class HypothesisFit:
+    """A hypothesis with its coordinates, and all that the tests of the residuals need."""
+
     hypothesis: Hypothesis
     x: Array
     """(P,), coordinates."""
     cost: float
-    """Over the rows of the fit, priors included."""
+    """Cost over the rows of the fit, priors included."""
     z: Array
-    """(N,), standardised residuals at x, held-out rows too."""
+    """(N,), standardised residuals at x, including held-out rows."""
     sd: Array
-    """(N,), of the noise at x."""
+    """(N,), standard deviation of the noise at x."""
     slopes: Array
-    """(P, N), change of the mean in sigmas for each coordinate."""
+    """(P, N), derivatives of the mean by the coordinates, in sigmas."""
     spreads: Array
-    """(P, N), change of log sd."""
+    """(P, N), derivatives of log sd by the coordinates."""
     information: Array
-    """(P, P), of the coordinates, priors included, of the rows of the fit."""
+    """(P, P), information about the coordinates from the rows of the fit and the priors."""
     shared: Array | None = None
-    """(P, P), covariance of the coordinates by errors that samples have in common, which the information leaves out."""
+    """(P, P), covariance of the coordinates by errors that samples share, which the information does not include."""
 
     @property
     def prior_cost(self) -> float:
         return float((self.hypothesis.prior(self.x) ** 2).sum())
 
     def tangents(self, root: Array) -> Array:
-        """(N + P, P): directions of all that is fitted, by samples weighted with `root` (N,), then rows of priors."""
+        """Return the tangents of all coordinates (N + P, P): samples weighted with `root` (N,), then the priors."""
         nuisances = len(self.hypothesis.nuisances)
         return np.concatenate([(self.slopes * root).T, np.diag(np.arange(len(self.x)) < nuisances).astype(float)])
 
     def left(self, z: Array, root: Array) -> Array:
-        """(N + P,): residuals z (N,) so weighted, then those of the priors."""
-        of_prior = np.zeros(len(self.x))
-        of_prior[: len(self.hypothesis.nuisances)] = -self.hypothesis.prior(self.x)
-        return np.concatenate([root * z, of_prior])
+        """Return the residuals z (N,) with the same weights, followed by those of the priors, (N + P,)."""
+        priors = np.zeros(len(self.x))
+        priors[: len(self.hypothesis.nuisances)] = -self.hypothesis.prior(self.x)
+        return np.concatenate([root * z, priors])
 
     @cached_property
     def covariance(self) -> Array:
-        """(P, P), of the coordinates; infinite along what the data do not hold."""
-        found = np.linalg.pinv(self.information, rcond=1e-12, hermitian=True)
-        found = found if self.shared is None else found + self.shared
-        found[np.diag_indices_from(found)] = np.where(np.diag(self.information) > 0.0, np.diag(found), np.inf)
-        return found
+        """(P, P), covariance of the coordinates; infinite variances where the data do not determine them."""
+        covariance = np.linalg.pinv(self.information, rcond=1e-12, hermitian=True)
+        if self.shared is not None:
+            covariance += self.shared
+        np.fill_diagonal(covariance, np.where(np.diag(self.information) > 0.0, np.diag(covariance), np.inf))
+        return covariance
 
     def std(self, effect: CandidateEffect) -> dict[str, float]:
-        """Standard errors of an effect's numbers, in their units."""
-        places = self.hypothesis.parameters(effect)
-        errors = np.sqrt(np.diag(self.covariance)[places]).tolist()
-        at = self.x[places].tolist()
-        return {c.name: abs(c.slope(x)) * e for c, x, e in zip(effect.coordinates, at, errors, strict=True)}
+        """Return the standard errors of an effect's parameters, in their units."""
+        return self.hypothesis.std(effect, self.x, self.covariance)
 
 
 @dataclass(eq=False)
 class _State:
-    """A fit under way."""
+    """A fit in progress."""
 
     hypothesis: Hypothesis
     x: Array
     cost: float = np.inf
-    fit: Fit | None = None
-    """At x, once its slopes are known."""
+    fit: HypothesisFit | None = None
+    """The fit at x; None until its slopes are known."""
 
     @property
     def around(self) -> tuple[Hypothesis, Array]:
-        """What is to be predicted for the slopes at x: there, and beside it along each coordinate."""
+        """What must be predicted for the slopes at x: x itself, and a step along each coordinate."""
         return self.hypothesis, _around(self.hypothesis, self.x)
 
 
-def fits(evidence: Evidence, starts: Sequence[tuple[Hypothesis, Array]], goal: float = np.inf) -> list[Fit]:
-    """The best fit from each start: a hypothesis and its coordinates, (P,).
+def fits(evidence: Evidence, starts: Sequence[tuple[Hypothesis, Array]], goal: float = np.inf) -> list[HypothesisFit]:
+    """Return the best fit from each start, which is a hypothesis and its coordinates (P,).
 
     Args:
-        evidence: What was observed.
-        starts: Of fits side by side.
-        goal: Cost from which down a fit matters; one that would not get there at its pace is given up.
+        evidence: The observations.
+        starts: Starts of the fits.
+        goal: Cost that a fit must reach to matter; a fit that is too slow to reach it is stopped.
     """
     states = [_State(hypothesis, hypothesis.clipped(x)) for hypothesis, x in starts]
     active = states
-    for _ in range(STEPS):
+    for _ in range(MAX_STEPS):
         if not active:
             break
         known = _linearised(evidence, active)
         falls = _stepped(evidence, active, known)
-        # The cost of play and of limits ripples, and slopes lead into the nearest trough.
-        further = _stretched(evidence, active, [fall <= SETTLED for fall in falls])
-        least = min(state.cost for state in states)
-        wholes = [max(fall, 0.0) + more for fall, more in zip(falls, further, strict=True)]
+        # Gear play and limits make the cost ripple, and slopes lead only into the nearest minimum.
+        more_falls = _stretched(evidence, active, [fall <= SETTLED for fall in falls])
+        best_cost = min(state.cost for state in states)
+        total_falls = [max(fall, 0.0) + more for fall, more in zip(falls, more_falls, strict=True)]
         active = [
             state
-            for state, fall in zip(active, wholes, strict=True)
-            if _goes_on(fall, state.cost - least, FAR) and _goes_on(fall, state.cost - goal, 0.0)
+            for state, fall in zip(active, total_falls, strict=True)
+            if _continues(fall, state.cost - best_cost, FAR) and _continues(fall, state.cost - goal, 0.0)
         ]
     return _linearised(evidence, states)
 
 
-def _goes_on(fall: float, behind: float, far: float) -> bool:
-    """Whether a fit is worth another step after a fall of its cost, that much behind what it should reach."""
-    return fall > SETTLED and not (behind > far and fall < behind / STEPS)
+def _continues(fall: float, behind: float, far: float) -> bool:
+    """Return whether a fit gets another step after a fall of its cost, if it is `behind` the cost to reach."""
+    return fall > SETTLED and not (behind > far and fall < behind / MAX_STEPS)
 
 
-def at(evidence: Evidence, hypothesis: Hypothesis, x: Array) -> Fit:
-    """A hypothesis at given coordinates (P,), wherever the best are."""
-    (found,) = _linearised(evidence, [_State(hypothesis, x)])
-    return found
+def at(evidence: Evidence, hypothesis: Hypothesis, x: Array) -> HypothesisFit:
+    """Return a hypothesis at given coordinates (P,), without fitting them."""
+    (fit,) = _linearised(evidence, [_State(hypothesis, x)])
+    return fit
 
 
-def _linearised(evidence: Evidence, states: Sequence[_State]) -> list[Fit]:
-    """Residuals and derivatives of each at its coordinates, predicted where they are not known yet."""
+def _linearised(evidence: Evidence, states: Sequence[_State]) -> list[HypothesisFit]:
+    """Return residuals and derivatives of each state at its coordinates; they are predicted if not known yet."""
     unknown = [state for state in states if state.fit is None]
     for state, prediction in zip(unknown, _predicted(evidence, [state.around for state in unknown]), strict=True):
         state.fit = _fit(evidence, state.hypothesis, state.x, prediction)
@@ -148,16 +148,16 @@ def _linearised(evidence: Evidence, states: Sequence[_State]) -> list[Fit]:
     return [state.fit for state in states if state.fit is not None]
 
 
-def _stepped(evidence: Evidence, states: Sequence[_State], known: Sequence[Fit]) -> list[float]:
-    """Falls of the cost by the best step of each, which it takes if the cost does fall."""
+def _stepped(evidence: Evidence, states: Sequence[_State], known: Sequence[HypothesisFit]) -> list[float]:
+    """Return the fall of the cost by the best step of each state, which is taken if the cost falls."""
     trials = [_steps(evidence, fit) for fit in known]
-    asked = [
+    requests = [
         (state.hypothesis, np.concatenate([tried, _around(state.hypothesis, tried[0])[1:]]))
         for state, tried in zip(states, trials, strict=True)
     ]
     falls = []
-    for state, tried, prediction in zip(states, trials, _predicted(evidence, asked), strict=True):
-        best, fall = _tried(evidence, state, tried, prediction.some(slice(len(tried))))
+    for state, tried, prediction in zip(states, trials, _predicted(evidence, requests), strict=True):
+        best, fall = _take_best(evidence, state, tried, prediction.some(slice(len(tried))))
         if fall > 0.0 and best == 0:
             beside = prediction.some([0, *range(len(tried), len(prediction.mean))])
             state.fit = _fit(evidence, state.hypothesis, state.x, beside)
@@ -165,27 +165,27 @@ def _stepped(evidence: Evidence, states: Sequence[_State], known: Sequence[Fit])
     return falls
 
 
-def _stretched(evidence: Evidence, states: Sequence[_State], rests: Sequence[bool]) -> list[float]:
-    """Falls of the cost where resting fits try their effects larger and smaller; others learn their slopes."""
-    asked = [
-        (state.hypothesis, _stretches(state.hypothesis, state.x)) if rest else state.around
-        for state, rest in zip(states, rests, strict=True)
-        if rest or state.fit is None
+def _stretched(evidence: Evidence, states: Sequence[_State], settled: Sequence[bool]) -> list[float]:
+    """Return the falls of the cost where settled fits try their effects larger and smaller; others get their slopes."""
+    requests = [
+        (state.hypothesis, _stretches(state.hypothesis, state.x)) if is_settled else state.around
+        for state, is_settled in zip(states, settled, strict=True)
+        if is_settled or state.fit is None
     ]
-    predictions = iter(_predicted(evidence, asked))
+    predictions = iter(_predicted(evidence, requests))
     falls = []
-    for state, rest in zip(states, rests, strict=True):
+    for state, is_settled in zip(states, settled, strict=True):
         fall = 0.0
-        if rest:
-            fall = _tried(evidence, state, _stretches(state.hypothesis, state.x), next(predictions))[1]
+        if is_settled:
+            fall = _take_best(evidence, state, _stretches(state.hypothesis, state.x), next(predictions))[1]
         elif state.fit is None:
             state.fit = _fit(evidence, state.hypothesis, state.x, next(predictions))
         falls.append(fall)
     return falls
 
 
-def _tried(evidence: Evidence, state: _State, tried: Array, prediction: Prediction) -> tuple[int, float]:
-    """Which of the coordinates (M, P) is the best, and the fall of the cost by it, which is taken if it does fall."""
+def _take_best(evidence: Evidence, state: _State, tried: Array, prediction: Prediction) -> tuple[int, float]:
+    """Take the best of coordinates (M, P) if the cost falls; return its index and the fall of the cost."""
     if not len(tried):
         return -1, 0.0
     costs = cost(evidence, prediction, state.hypothesis.prior(tried), evidence.fit)
@@ -197,63 +197,60 @@ def _tried(evidence: Evidence, state: _State, tried: Array, prediction: Predicti
 
 
 def _stretches(hypothesis: Hypothesis, x: Array) -> Array:
-    """(M, P), each effect so many times as large, all else as it is."""
-    found = []
+    """Return coordinates (M, P) with each effect scaled by STRETCHES and everything else unchanged."""
+    stretched = []
     for effect in hypothesis.effects:
         places = hypothesis.parameters(effect)
         for factor in STRETCHES:
             tried = x.copy()
-            for place, c in zip(range(places.start, places.stop), effect.coordinates, strict=True):
+            for place, c in enumerate(effect.coordinates, places.start):
                 if c.is_ceiling:
                     tried[place] += log(factor)
                 elif c.null is not None:
                     tried[place] = c.null + factor * (x[place] - c.null)
-            found.append(tried)
-    return hypothesis.clipped(np.array(found).reshape(len(found), len(x)))
+            stretched.append(tried)
+    return hypothesis.clipped(np.array(stretched).reshape(len(stretched), len(x)))
 
 
 def _around(hypothesis: Hypothesis, x: Array) -> Array:
-    """(1 + P, P), coordinates, and those a little further along each axis."""
+    """Return the coordinates, and those a small step further along each axis, (1 + P, P)."""
     return np.concatenate([x[None], x + np.diag(_offsets(hypothesis, x))])
 
 
 def _offsets(hypothesis: Hypothesis, x: Array) -> Array:
-    """(P,), steps of the derivatives, back where a bound is near."""
-    nuisances = len(hypothesis.nuisances)
+    """Return the steps (P,) of the derivatives, backwards where an upper bound is near."""
     steps = np.full(len(x), STEP)
-    steps[:nuisances] = NUISANCE_STEP
-    high = np.array([c.high for c in hypothesis.coordinates])
-    return np.where(x + steps > high, -steps, steps)
+    steps[: len(hypothesis.nuisances)] = NUISANCE_STEP
+    return np.where(x + steps > hypothesis.bounds[1], -steps, steps)
 
 
-def _fit(evidence: Evidence, hypothesis: Hypothesis, x: Array, prediction: Prediction) -> Fit:
-    """At coordinates (P,), from the predictions around them."""
+def _fit(evidence: Evidence, hypothesis: Hypothesis, x: Array, prediction: Prediction) -> HypothesisFit:
+    """Return the fit at coordinates (P,), from the predictions around them."""
     offsets = _offsets(hypothesis, x)[:, None]
     here = prediction.some(slice(1))
     z = residuals(evidence, here)[0]
     slopes = (prediction.mean[1:] - prediction.mean[0]) / (prediction.sd[0] * offsets)
     spreads = np.log(prediction.sd[1:] / prediction.sd[0]) / offsets
-    slopes, spreads = (np.where(np.isfinite(of), of, 0.0) for of in (slopes, spreads))
+    slopes, spreads = (np.where(np.isfinite(d), d, 0.0) for d in (slopes, spreads))
     rows = evidence.fit
     weight = evidence.weight[rows]
-    of_mean = slopes[:, rows] * (weight * robust_weight(z[rows]))
-    information = of_mean @ slopes[:, rows].T + 2.0 * SPREAD * (spreads[:, rows] * weight) @ spreads[:, rows].T
+    weighted = slopes[:, rows] * (weight * robust_weight(z[rows]))
+    information = weighted @ slopes[:, rows].T + 2.0 * SPREAD * (spreads[:, rows] * weight) @ spreads[:, rows].T
     nuisances = len(hypothesis.nuisances)
     information[range(nuisances), range(nuisances)] += 1.0
-    whole = float(cost(evidence, here, hypothesis.prior(x)[None], rows)[0])
-    return Fit(hypothesis, x.copy(), whole, z, prediction.sd[0], slopes, spreads, information)
+    total = float(cost(evidence, here, hypothesis.prior(x)[None], rows)[0])
+    return HypothesisFit(hypothesis, x.copy(), total, z, prediction.sd[0], slopes, spreads, information)
 
 
-def _steps(evidence: Evidence, fit: Fit) -> Array:
-    """(len(DAMPINGS), P), coordinates to try next."""
+def _steps(evidence: Evidence, fit: HypothesisFit) -> Array:
+    """Return the coordinates (len(DAMPINGS), P) to try next."""
     rows, hypothesis, x = evidence.fit, fit.hypothesis, fit.x
     z, weight = fit.z[rows], evidence.weight[rows]
     pull = robust_weight(z) * z
     downhill = fit.slopes[:, rows] @ (weight * pull) + fit.spreads[:, rows] @ (weight * (pull * z - SPREAD))
     nuisances = len(hypothesis.nuisances)
     downhill[:nuisances] -= hypothesis.prior(x)
-    low = np.array([c.low for c in hypothesis.coordinates])
-    high = np.array([c.high for c in hypothesis.coordinates])
+    low, high = hypothesis.bounds
     free = ~(((x <= low) & (downhill < 0.0)) | ((x >= high) & (downhill > 0.0)))
     diagonal = np.diag(fit.information)
     free &= diagonal > 0.0
@@ -265,10 +262,10 @@ def _steps(evidence: Evidence, fit: Fit) -> Array:
     return hypothesis.clipped(tried)
 
 
-def _predicted(evidence: Evidence, asked: Sequence[tuple[Hypothesis, Array]]) -> list[Prediction]:
-    """Of each hypothesis at several coordinates (M, P), all in one go."""
-    if not asked:
+def _predicted(evidence: Evidence, requests: Sequence[tuple[Hypothesis, Array]]) -> list[Prediction]:
+    """Return the predictions of each hypothesis at several coordinates (M, P), computed in one batch."""
+    if not requests:
         return []
-    whole = evidence.of([robot for hypothesis, x in asked for robot in hypothesis.robots(x)])
-    ends = np.cumsum([len(x) for _, x in asked]).tolist()
-    return [whole.some(slice(end - len(x), end)) for (_, x), end in zip(asked, ends, strict=True)]
+    batch = evidence.of([robot for hypothesis, x in requests for robot in hypothesis.robots(x)])
+    ends = np.cumsum([len(x) for _, x in requests]).tolist()
+    return [batch.some(slice(end - len(x), end)) for (_, x), end in zip(requests, ends, strict=True)]

@@ -1,8 +1,8 @@
-"""A hypothesis: the nominal robot with its tolerances, and the effects that the real one is said to have.
+"""A hypothesis: the nominal robot with the tolerances of its parameters, and the effects of the real robot.
 
-Its numbers are one vector: first the nominal parameters that differ from unit to unit, each with a normal prior of its
-tolerance, then those of the effects, without a prior. A deviation within tolerance is thereby no discovery: the
-nuisances are fitted beside every effect, and take it.
+All parameters form one vector of coordinates. First come the nuisances, the nominal parameters that differ from unit to
+unit, each with a normal prior of its tolerance. Then come the parameters of the effects, without a prior. A deviation
+within its tolerance is therefore no discovery: the nuisances are fitted together with every effect, and explain it.
 """
 
 from collections.abc import Mapping
@@ -20,20 +20,20 @@ from diagnosis.inference.coordinate import Coordinate
 from diagnosis.nuisances import Nuisance
 from symolo.core.arrays import Array
 
-RELATIVE = 3.0
-"""Tolerances from which a value is positive by nature."""
+POSITIVE_TOLERANCES = 3.0
+"""Value of a nominal parameter in tolerances from which it counts as positive by nature."""
 
 
 @dataclass(frozen=True)
 class CandidateEffect:
-    """An effect that may be the cause: its class and its choices, with open numbers."""
+    """A registered effect with its discrete choices; its parameters are free."""
 
     kind: type[Effect]
     choices: tuple[tuple[str, str], ...] = ()
 
     @property
     def name(self) -> str:
-        """Canonical, `tof_mount_yaw[left]` where it has a choice."""
+        """Name with the choices, such as `tof_mount_yaw[left]`."""
         choice = ",".join(value for _, value in self.choices)
         return f"{self.kind.name}[{choice}]" if choice else self.kind.name
 
@@ -42,7 +42,7 @@ class CandidateEffect:
         return tuple(Coordinate.of_parameter(name, number) for name, number in self.kind.parameters().items())
 
     def on(self, robot: RobotConfig, values: Mapping[str, float]) -> RobotConfig:
-        """The robot with this effect. Bounds are those of the coordinates, so that nothing is checked again."""
+        """Return the robot with this effect. The coordinates hold the bounds, so values are not validated again."""
         numbers: dict[str, Any] = {**dict(self.choices), **values}
         present = robot.effects.get(self.kind)
         if present is not None:
@@ -58,57 +58,60 @@ class CandidateEffect:
 
 @dataclass(frozen=True)
 class Hypothesis:
+    """A nominal robot, its nuisances and its effects."""
+
     nominal: RobotConfig
     nuisances: tuple[Nuisance, ...]
     effects: tuple[CandidateEffect, ...] = ()
     held: tuple[int, float] | None = None
-    """Place of a coordinate that no fit may move, and where it stays."""
+    """Index of a coordinate that no fit may change, and its value."""
 
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """(P,), nuisances first."""
-        spreads = (Coordinate.of_spread(n.name, n.tolerance) for n in self.nuisances)
-        found = [*spreads, *(c for effect in self.effects for c in effect.coordinates)]
+        """The P coordinates, nuisances first."""
+        nuisances = (Coordinate.of_spread(n.name, n.tolerance) for n in self.nuisances)
+        coordinates = [*nuisances, *(c for effect in self.effects for c in effect.coordinates)]
         if self.held is not None:
             place, x = self.held
-            found[place] = replace(found[place], low=x, high=x)
-        return tuple(found)
+            coordinates[place] = replace(coordinates[place], low=x, high=x)
+        return tuple(coordinates)
+
+    @cached_property
+    def bounds(self) -> tuple[Array, Array]:
+        """Lower and upper bounds of the coordinates, (P,) each."""
+        return np.array([c.low for c in self.coordinates]), np.array([c.high for c in self.coordinates])
 
     @property
     def size(self) -> int:
         return len(self.coordinates)
 
     def prior(self, x: Array) -> Array:
-        """Standardised deviations of the nuisances, (..., number of nuisances), of coordinates (..., P)."""
+        """Return the standardised deviations of the nuisances, (..., number of nuisances), for coordinates (..., P)."""
         return x[..., : len(self.nuisances)]
 
     def clipped(self, x: Array) -> Array:
-        """Coordinates (..., P) within their bounds."""
-        low = np.array([c.low for c in self.coordinates])
-        high = np.array([c.high for c in self.coordinates])
-        return np.clip(x, low, high)
+        """Return coordinates (..., P) within their bounds."""
+        return np.clip(x, *self.bounds)
 
     def null(self) -> Array:
-        """(P,), of no effect; shapes at their start."""
+        """Return the coordinates (P,) without effect; shape parameters have their start value."""
         return np.array([c.start if c.null is None else c.null for c in self.coordinates])
 
     def robot(self, x: Array) -> RobotConfig:
-        """Of one vector of coordinates, (P,)."""
-        robot, k = self.nominal, len(self.nuisances)
+        """Return the robot with coordinates (P,)."""
+        robot = self.nominal
         for effect in self.effects:
-            numbers = {c.name: float(c.value(x[k + i])) for i, c in enumerate(effect.coordinates)}
-            k += len(numbers)
-            robot = effect.on(robot, numbers)
+            robot = effect.on(robot, self.values(effect, x))
         for nuisance, deviation in zip(self.nuisances, x.tolist(), strict=False):
             robot = nuisance.applied(robot, deviated(nuisance, deviation))
         return robot
 
     def robots(self, x: Array) -> list[RobotConfig]:
-        """Of vectors (M, P)."""
+        """Return the robots with coordinates (M, P)."""
         return [self.robot(row) for row in x]
 
     def parameters(self, effect: CandidateEffect) -> slice:
-        """Where an effect's numbers stand in the vector."""
+        """Return where the parameters of an effect stand in the vector."""
         k = len(self.nuisances)
         for other in self.effects:
             if other == effect:
@@ -117,38 +120,55 @@ class Hypothesis:
         raise KeyError(effect.name)
 
     def values(self, effect: CandidateEffect, x: Array) -> Mapping[str, float]:
-        """An effect's numbers in their units."""
-        found = x[self.parameters(effect)]
-        return MappingProxyType({c.name: float(c.value(v)) for c, v in zip(effect.coordinates, found, strict=True)})
+        """Return the parameters of an effect in their units."""
+        values = x[self.parameters(effect)]
+        return MappingProxyType({c.name: float(c.value(v)) for c, v in zip(effect.coordinates, values, strict=True)})
+
+    def std(self, effect: CandidateEffect, x: Array, covariance: Array) -> dict[str, float]:
+        """Return the standard errors of an effect's parameters in their units.
+
+        Args:
+            effect: One of the effects.
+            x: (P,), coordinates.
+            covariance: (P, P), of the coordinates.
+        """
+        places = self.parameters(effect)
+        errors = np.sqrt(np.diag(covariance)[places]).tolist()
+        columns = zip(effect.coordinates, x[places].tolist(), errors, strict=True)
+        return {c.name: abs(c.slope(value)) * error for c, value, error in columns}
 
     def with_effect(self, effect: CandidateEffect) -> "Hypothesis":
         return Hypothesis(self.nominal, self.nuisances, (*self.effects, effect))
 
     def with_held(self, place: int, x: float) -> "Hypothesis":
-        """With one coordinate held."""
+        """Return the hypothesis with one coordinate fixed."""
         return replace(self, held=(place, x))
 
     def without(self, effect: CandidateEffect) -> "Hypothesis":
         return Hypothesis(self.nominal, self.nuisances, tuple(e for e in self.effects if e != effect))
 
+    def added_to(self, base: "Hypothesis") -> CandidateEffect:
+        """Return the one effect that this hypothesis has and `base` lacks."""
+        (effect,) = (effect for effect in self.effects if effect not in base.effects)
+        return effect
+
 
 def deviated(nuisance: Nuisance, deviation: float) -> float:
-    """A nominal parameter that is so many tolerances off.
+    """Return a nominal parameter with a deviation in tolerances.
 
-    What is positive by nature goes by its logarithm, as a factor on it does: of a parameter and its factor the data
-    hold the product alone, and only along a straight valley does a fit find to the end of it.
+    Parameters that are positive by nature deviate by a factor, like the effects that scale them: the data determine
+    only the product of a parameter and its factor, and a fit follows such a valley to its end only if it is straight.
     """
-    if nuisance.value > RELATIVE * nuisance.tolerance:
+    if nuisance.value > POSITIVE_TOLERANCES * nuisance.tolerance:
         return nuisance.value * exp(deviation * nuisance.tolerance / nuisance.value)
     return nuisance.value + deviation * nuisance.tolerance
 
 
 def moved(x: Array, of: Hypothesis, to: Hypothesis) -> Array:
-    """Coordinates of one hypothesis as those of another; effects that it lacked at their null."""
-    found = to.null()
-    nuisances = len(to.nuisances)
-    found[:nuisances] = x[:nuisances]
+    """Return coordinates of the hypothesis `of` as those of `to`; effects that `of` lacks are absent."""
+    y = to.null()
+    y[: len(to.nuisances)] = x[: len(to.nuisances)]
     for effect in to.effects:
         if effect in of.effects:
-            found[to.parameters(effect)] = x[of.parameters(effect)]
-    return found
+            y[to.parameters(effect)] = x[of.parameters(effect)]
+    return y

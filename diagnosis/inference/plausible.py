@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from configs.effects.base import Effect
 
-SURE = 3.0
+MIN_STANDARD_ERRORS = 3.0
 """Standard errors by which a size must lie beyond its limit."""
 
 
@@ -33,8 +33,8 @@ def beyond(effect: type[Effect], values: Mapping[str, float], std: Mapping[str, 
     impossible = []
     for parameter, plausible in effect.plausible_sizes().items():
         value, error = values[parameter], std.get(parameter, float("inf"))
-        if value - SURE * error > plausible.high:
+        if value - MIN_STANDARD_ERRORS * error > plausible.high:
             impossible.append(Beyond(parameter, value, error, plausible.high, plausible.why))
-        elif value + SURE * error < plausible.low:
+        elif value + MIN_STANDARD_ERRORS * error < plausible.low:
             impossible.append(Beyond(parameter, value, error, plausible.low, plausible.why))
     return tuple(impossible)

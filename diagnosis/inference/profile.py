@@ -1,10 +1,11 @@
-"""Intervals of an effect's numbers from the profile of the cost: how far a number may go, all else fitted anew.
+"""Profile intervals of an effect's parameters: how far a parameter may move with all else fitted again.
 
-A standard error speaks of a parabola. Where the cost rises faster to one side, as near a bound or along a bent valley,
-the interval is that of the numbers whose cost, minimised over everything else, rises by no more than a quantile of
+A standard error describes a parabola. Where the cost rises faster on one side, as near a bound or along a bent valley,
+the interval holds the values whose cost, minimised over everything else, rises by no more than a quantile of
 chi-squared with one degree of freedom (Venzon and Moolgavkar, Appl. Statist. 37 (1988) 87-94). The cost is a robust
-one; of M-estimators the rise is distributed as chi-squared times E psi^2 / E psi' (Heritier and Ronchetti, J. Am. Stat.
-Assoc. 89 (1994) 897-904), here over standard normal residuals; that of the priors, which are squares, as it is.
+one; for M-estimators the rise is distributed as chi-squared times E psi^2 / E psi' (Heritier and Ronchetti, J. Am.
+Stat. Assoc. 89 (1994) 897-904), here over standard normal residuals. The rise of the priors, which are squares, is not
+scaled.
 """
 
 from collections.abc import Sequence
@@ -15,17 +16,18 @@ from scipy.special import chdtri
 
 from diagnosis.inference.coordinate import Coordinate
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import Fit, fits
+from diagnosis.inference.fit import HypothesisFit, fits
+from diagnosis.inference.hypothesis import Hypothesis
 from diagnosis.inference.likelihood import CORNER, mean_over_normal
 from symolo.core.arrays import Array
 
 LEVELS = (0.68, 0.95)
 ROUNDS = 4
-"""Fits of each end: the first where a parabola has it, the others where a parabola through what was found has it."""
-CLOSE = 0.05
-"""Share of the rise to which an end is found: a fortieth of the interval's half width."""
-FURTHEST = 3.0
-"""Times the last distance, to which an end is looked for next."""
+"""Fits for each end: the first where a parabola has it, the others where a parabola through the last result has it."""
+TOLERANCE = 0.05
+"""Share of the rise to which an end is determined: a fortieth of the interval's half width."""
+MAX_FACTOR = 3.0
+"""Largest change of an end from one fit to the next, as a factor."""
 
 
 ROBUST: float = mean_over_normal(lambda z: (z / (1.0 + (z / CORNER) ** 2)) ** 2) / mean_over_normal(
@@ -36,109 +38,106 @@ ROBUST: float = mean_over_normal(lambda z: (z / (1.0 + (z / CORNER) ** 2)) ** 2)
 
 @dataclass(frozen=True)
 class Interval:
-    """Of one number of an effect, in its unit."""
+    """Interval of one parameter of an effect, in its unit."""
 
     level: float
     low: float
     high: float
     is_open: bool
-    """Whether an end is the number's own bound, which the data do not rule out."""
+    """Whether an end is the bound of the parameter, which the data do not rule out."""
 
 
 @dataclass
 class _End:
-    """One end that is looked for."""
+    """One end of an interval that is being determined."""
 
     place: int
     level: float
     direction: float
     rise: float
-    """Wanted."""
+    """Rise of the cost at the end."""
     reach: float
-    """Coordinates from the fit, at which it is tried next."""
+    """Distance from the fit, in coordinates, at which the next fit is made."""
     bound: float
-    """Reach of the number's bound."""
+    """Distance of the parameter's bound from the fit."""
     is_done: bool = False
     is_open: bool = False
 
+    def update(self, rise: float) -> None:
+        """Set the next reach from the rise at the last one."""
+        if abs(rise - self.rise) < TOLERANCE * self.rise:
+            self.is_done = True
+        elif rise < self.rise and self.reach >= self.bound:
+            self.is_done = self.is_open = True
+        else:
+            factor = float(np.clip(np.sqrt(self.rise / max(rise, 1e-9)), 1.0 / MAX_FACTOR, MAX_FACTOR))
+            self.reach = min(self.reach * factor, self.bound)
 
-def profiles(evidence: Evidence, fit: Fit) -> dict[str, dict[str, tuple[Interval, ...]]]:
-    """By effect and number, an interval of each of LEVELS; only of numbers that the data hold."""
-    places = {place: of for effect in fit.hypothesis.effects for place, of in _numbers(fit, effect.name)}
+
+def profiles(evidence: Evidence, fit: HypothesisFit) -> dict[str, dict[str, tuple[Interval, ...]]]:
+    """Return an interval for each of LEVELS by effect and parameter, for the parameters that the data determine."""
+    hypothesis = fit.hypothesis
+    places = {
+        place: (effect.name, coordinate)
+        for effect in hypothesis.effects
+        for place, coordinate in enumerate(effect.coordinates, hypothesis.parameters(effect).start)
+    }
     ends = [end for place in places for end in _ends(fit, place)]
     for _ in range(ROUNDS):
-        wanted = [end for end in ends if not end.is_done]
-        if not wanted:
+        open_ends = [end for end in ends if not end.is_done]
+        if not open_ends:
             break
-        found = fits(evidence, [_start(fit, end) for end in wanted])
-        for end, held in zip(wanted, found, strict=True):
-            _learn(end, _rise(held, fit))
-    made: dict[str, dict[str, tuple[Interval, ...]]] = {}
+        held_fits = fits(evidence, [_start(fit, end) for end in open_ends])
+        for end, held in zip(open_ends, held_fits, strict=True):
+            end.update(_rise(held, fit))
+    intervals: dict[str, dict[str, tuple[Interval, ...]]] = {}
     for place, (effect, coordinate) in places.items():
-        own = [end for end in ends if end.place == place]
-        if own:
-            made.setdefault(effect, {})[coordinate.name] = tuple(_intervals(fit, coordinate, own))
-    return made
+        if own := [end for end in ends if end.place == place]:
+            intervals.setdefault(effect, {})[coordinate.name] = tuple(_intervals(fit, coordinate, own))
+    return intervals
 
 
-def _numbers(fit: Fit, name: str) -> list[tuple[int, tuple[str, Coordinate]]]:
-    (effect,) = (e for e in fit.hypothesis.effects if e.name == name)
-    first = fit.hypothesis.parameters(effect).start
-    return [(first + k, (name, of)) for k, of in enumerate(effect.coordinates)]
-
-
-def _ends(fit: Fit, place: int) -> list[_End]:
-    """Both ends at each level, where a parabola has them."""
+def _ends(fit: HypothesisFit, place: int) -> list[_End]:
+    """Return both ends at each level, where a parabola has them."""
     variance = float(fit.covariance[place, place])
     if not 0.0 < variance < np.inf:
         return []
     coordinate, x = fit.hypothesis.coordinates[place], float(fit.x[place])
-    found = []
+    ends = []
     for level in LEVELS:
         quantile = float(chdtri(1, 1.0 - level))
         for direction, bound in ((-1.0, x - coordinate.low), (1.0, coordinate.high - x)):
-            reach = min(np.sqrt(quantile * variance), bound)
-            end = _End(place, level, direction, quantile, float(reach), bound)
-            end.is_done = end.is_open = bound <= 0.0
-            found.append(end)
-    return found
+            reach = float(min(np.sqrt(quantile * variance), bound))
+            at_bound = bound <= 0.0
+            ends.append(_End(place, level, direction, quantile, reach, bound, is_done=at_bound, is_open=at_bound))
+    return ends
 
 
-def _start(fit: Fit, end: _End) -> tuple:
-    """The hypothesis with one number held, and the coordinates to which a parabola moves the others."""
+def _start(fit: HypothesisFit, end: _End) -> tuple[Hypothesis, Array]:
+    """Return the hypothesis with one coordinate fixed, and the coordinates to which a parabola moves the others."""
     covariance = np.where(np.isfinite(fit.covariance), fit.covariance, 0.0)
     step = end.direction * end.reach
-    x: Array = fit.x + covariance[end.place] / covariance[end.place, end.place] * step
+    x = fit.x + covariance[end.place] / covariance[end.place, end.place] * step
     return fit.hypothesis.with_held(end.place, float(fit.x[end.place] + step)), x
 
 
-def _rise(held: Fit, fit: Fit) -> float:
-    """Of the cost, as chi-squared."""
-    of_prior = held.prior_cost - fit.prior_cost
-    return (held.cost - fit.cost - of_prior) / ROBUST + of_prior
+def _rise(held: HypothesisFit, fit: HypothesisFit) -> float:
+    """Return the rise of the cost, scaled to be distributed as chi-squared."""
+    prior_rise = held.prior_cost - fit.prior_cost
+    return (held.cost - fit.cost - prior_rise) / ROBUST + prior_rise
 
 
-def _learn(end: _End, rise: float) -> None:
-    """From the rise at the reach that was tried, where to try next."""
-    if abs(rise - end.rise) < CLOSE * end.rise:
-        end.is_done = True
-    elif rise < end.rise and end.reach >= end.bound:
-        end.is_done = end.is_open = True
-    else:
-        share = np.sqrt(end.rise / max(rise, 1e-9))
-        end.reach = min(end.reach * float(np.clip(share, 1.0 / FURTHEST, FURTHEST)), end.bound)
-
-
-def _intervals(fit: Fit, coordinate: Coordinate, ends: Sequence[_End]) -> list[Interval]:
-    found = []
+def _intervals(fit: HypothesisFit, coordinate: Coordinate, ends: Sequence[_End]) -> list[Interval]:
+    intervals = []
     for level in LEVELS:
-        below, above = (end for end in ends if end.level == level)
-        x = float(fit.x[below.place])
-        shared = 0.0 if fit.shared is None else float(fit.shared[below.place, below.place])
-        reaches = [min(np.hypot(end.reach, np.sqrt(end.rise * max(shared, 0.0))), end.bound) for end in (below, above)]
+        both = [end for end in ends if end.level == level]
+        x, place = float(fit.x[both[0].place]), both[0].place
+        # Errors that samples share are no part of the cost; their variance is added to the squared reach.
+        shared = 0.0 if fit.shared is None else max(float(fit.shared[place, place]), 0.0)
+        reaches = [min(np.hypot(end.reach, np.sqrt(end.rise * shared)), end.bound) for end in both]
         values = [
             float(coordinate.value(np.array(x + end.direction * reach)))
-            for end, reach in zip((below, above), reaches, strict=True)
+            for end, reach in zip(both, reaches, strict=True)
         ]
-        found.append(Interval(level, min(values), max(values), below.is_open or above.is_open))
-    return found
+        intervals.append(Interval(level, min(values), max(values), any(end.is_open for end in both)))
+    return intervals

@@ -1,15 +1,15 @@
-"""Spans of directions, and what of other directions lies beyond them."""
+"""Orthonormal bases of spans, and of what lies outside a span."""
 
 import numpy as np
 
 from symolo.core.arrays import Array
 
-NOTHING = 1e-10
-"""Share of a column's square that lies beyond a span, up to which it is rounding's."""
+MIN_SHARE = 1e-10
+"""Share of a column's square outside a span, below which it is only rounding error."""
 
 
 def orthonormal(columns: Array) -> Array:
-    """A basis of their span; columns that add nothing are left out."""
+    """Return an orthonormal basis of the span of columns; dependent columns are left out."""
     if columns.shape[1] == 0:
         return columns
     left, sizes, _ = np.linalg.svd(columns, full_matrices=False)
@@ -17,20 +17,20 @@ def orthonormal(columns: Array) -> Array:
 
 
 def beyond(columns: Array, taken: Array) -> Array:
-    """How to combine columns so that what of them lies beyond a span is orthonormal.
+    """Return how to combine columns so that their parts outside a span are orthonormal.
 
-    Works on products alone, so that a few rows of a long basis are enough.
+    It uses inner products only, so that a few rows of a long basis are enough.
 
     Args:
-        columns: (n, k), 0 in the basis's other rows.
-        taken: (p, k), the products of an orthonormal basis with them.
+        columns: (n, k), 0 in the other rows of the basis.
+        taken: (p, k), inner products of the span's orthonormal basis with the columns.
 
     Returns:
-        (k, r), so that the parts of `columns @ result` beyond the span are orthonormal; r at most k.
+        (k, r) with r at most k: the parts of `columns @ result` outside the span are orthonormal.
     """
     length = np.sqrt((columns**2).sum(axis=0))
     unit = np.divide(1.0, length, out=np.zeros_like(length), where=length > 0.0)
     inner = (columns.T @ columns - taken.T @ taken) * unit * unit[:, None]
     sizes, vectors = np.linalg.eigh(inner)
-    some = sizes > NOTHING
+    some = sizes > MIN_SHARE
     return unit[:, None] * vectors[:, some] / np.sqrt(sizes[some])

@@ -1,9 +1,10 @@
-"""Which other names explain the data as well, and how sure a name is.
+"""Alternatives to a named effect, and the confidence in its name.
 
-Every promising candidate is fitted in the place of a named effect, all else fitted anew. What costs at most AS_GOOD
-more cannot be told apart by these data, and is said. That nothing is there is a rival too, as good as the effect where
-the fall of the cost is just what names one. The confidence of a name is its weight among all that were tried, each by
-exp(-cost/2) (Akaike weights: Burnham and Anderson, Model Selection and Multimodel Inference, 2nd ed., section 2.9).
+Every promising candidate is fitted in place of the effect, with all else fitted again. Effects that cost at most
+AS_GOOD more cannot be distinguished by the data, and are reported. That there is no effect at all is an alternative
+too; it is as good as the effect if the fall of the cost is just the threshold for naming one. The confidence in a name
+is its weight among all alternatives, each by exp(-cost/2) (Akaike weights: Burnham and Anderson, Model Selection and
+Multimodel Inference, 2nd ed., section 2.9).
 """
 
 from collections.abc import Sequence
@@ -11,22 +12,24 @@ from dataclasses import dataclass
 from math import exp
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import Fit
+from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.selection import TOLL, is_negligible, needed, refusal, replaced, without
 
 AS_GOOD = 6.0
-"""Cost more, three units of log-likelihood, up to which a rival explains the data as well."""
+"""Increase of the cost, three units of log-likelihood, up to which a rival explains the data as well."""
 
 
 @dataclass(frozen=True)
 class Rival:
+    """Another effect in place of the named one."""
+
     effect: CandidateEffect
     worse: float
-    """Cost more than with the named effect, numbers counted."""
-    fit: Fit
+    """Increase of the cost over the named effect, with a toll for each parameter."""
+    fit: HypothesisFit
     refused: str
-    """Why it would not be believed though it explains more; empty if it would, or if it explains no more."""
+    """Why the rival is not accepted although it explains more; empty if it is, or if it does not explain more."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +39,7 @@ class RivalComparison:
     effect: CandidateEffect
     confidence: float
     rivals: tuple[Rival, ...]
-    """All that were tried, the closest first."""
+    """All rivals that were tried, the closest first."""
 
     @property
     def ambiguous_with(self) -> tuple[str, ...]:
@@ -44,20 +47,19 @@ class RivalComparison:
 
 
 def compare_rivals(
-    evidence: Evidence, fit: Fit, effect: CandidateEffect, effects: Sequence[CandidateEffect]
+    evidence: Evidence, fit: HypothesisFit, effect: CandidateEffect, effects: Sequence[CandidateEffect]
 ) -> RivalComparison:
-    """Of one effect of a fit, among all candidates."""
-    tried = []
+    """Compare one effect of a fit with all candidates."""
+    rivals = []
     base = without(evidence, fit, effect)
-    for found in replaced(evidence, fit, effect, base, effects):
-        (other,) = (e for e in found.hypothesis.effects if e not in fit.hypothesis.effects)
-        if is_negligible(found, other):
+    for candidate in replaced(evidence, fit, effect, base, effects):
+        other = candidate.hypothesis.added_to(fit.hypothesis)
+        if is_negligible(candidate, other):
             continue
-        more = len(other.coordinates) - len(effect.coordinates)
-        worse = found.cost - fit.cost + TOLL * more
-        tried.append(Rival(other, worse, found, refusal(evidence, base, found, other) if worse < 0.0 else ""))
-    weights = [exp(-0.5 * max(rival.worse, -50.0)) for rival in tried]
-    nothing = exp(-0.5 * max(base.cost - fit.cost - needed(effect), 0.0))
-    return RivalComparison(
-        effect, 1.0 / (1.0 + sum(weights) + nothing), tuple(sorted(tried, key=lambda rival: rival.worse))
-    )
+        worse = candidate.cost - fit.cost + TOLL * (len(other.coordinates) - len(effect.coordinates))
+        refused = refusal(evidence, base, candidate, other) if worse < 0.0 else ""
+        rivals.append(Rival(other, worse, candidate, refused))
+    weights = [exp(-0.5 * max(rival.worse, -50.0)) for rival in rivals]
+    no_effect = exp(-0.5 * max(base.cost - fit.cost - needed(effect), 0.0))
+    confidence = 1.0 / (1.0 + sum(weights) + no_effect)
+    return RivalComparison(effect, confidence, tuple(sorted(rivals, key=lambda rival: rival.worse)))

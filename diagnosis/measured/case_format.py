@@ -4,9 +4,10 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from diagnosis.measured.channel import Role
-from diagnosis.measured.csv_table import AnyColumn, Column, WordColumn
+from diagnosis.measured.csv_table import CaseColumn, MeasuredColumn
 from diagnosis.measured.measurement import Kind
 from diagnosis.measured.scale import Reach
+from symolo.core.table import WordColumn
 
 DATA = "data.csv"
 HOLDOUT = "holdout"
@@ -22,28 +23,28 @@ _RANGE = Reach(-0.1, 8.2)
 _PLACE = Reach(-50.0, 50.0)
 
 
-def _number(name: str, decimals: int = 0) -> Column:
+def _number(name: str, decimals: int = 0) -> MeasuredColumn:
     """A column that orders the rows."""
-    return Column(name, "", Role.INPUT, _COUNT, decimals, may_be_empty=False)
+    return MeasuredColumn(name, "", Role.INPUT, _COUNT, decimals, may_be_empty=False)
 
 
-def _time(name: str, decimals: int) -> Column:
-    return Column(name, "s", Role.INPUT, _TIME, decimals, may_be_empty=False)
+def _time(name: str, decimals: int) -> MeasuredColumn:
+    return MeasuredColumn(name, "s", Role.INPUT, _TIME, decimals, may_be_empty=False)
 
 
-def _set(name: str, unit: str, reach: Reach, decimals: int) -> Column:
+def _set(name: str, unit: str, reach: Reach, decimals: int) -> MeasuredColumn:
     """What was set or known and is in every row."""
-    return Column(name, unit, Role.INPUT, reach, decimals, may_be_empty=False)
+    return MeasuredColumn(name, unit, Role.INPUT, reach, decimals, may_be_empty=False)
 
 
 _MOTOR = (
     _set("u_cmd_V", "V", _VOLTAGE, 4),
-    Column("current_A", "A", Role.READING, Reach(-50.0, 50.0), 6),
-    Column("omega_rad_s", "rad/s", Role.READING, Reach(-1000.0, 1000.0), 5),
+    MeasuredColumn("current_A", "A", Role.READING, Reach(-50.0, 50.0), 6),
+    MeasuredColumn("omega_rad_s", "rad/s", Role.READING, Reach(-1000.0, 1000.0), 5),
 )
 """Digits are never fewer than a log of this kind has."""
 
-COLUMNS: Mapping[Kind, tuple[AnyColumn, ...]] = MappingProxyType(
+COLUMNS: Mapping[Kind, tuple[CaseColumn, ...]] = MappingProxyType(
     {
         Kind.MOTOR_STEADY: (_number("row"), _number("sweep"), SPLIT, _time("t_s", 4), *_MOTOR),
         Kind.MOTOR_STEP: (_number("trial"), SPLIT, _time("session_time_s", 4), _time("t_s", 4), *_MOTOR),
@@ -53,28 +54,28 @@ COLUMNS: Mapping[Kind, tuple[AnyColumn, ...]] = MappingProxyType(
             _time("t_s", 4),
             _set("distance_m", "m", Reach(0.0, 10.0), 5),
             WordColumn("material", may_be_empty=True),
-            Column("incidence_rad", "rad", Role.INPUT, Reach(-1.58, 1.58), 5),
-            Column("temperature_C", "degC", Role.INPUT, Reach(-60.0, 150.0), 3),
-            Column("ambient_lux", "lx", Role.INPUT, Reach(0.0, 200_000.0), 2),
-            Column("reading_m", "m", Role.READING, _RANGE, 5),
+            MeasuredColumn("incidence_rad", "rad", Role.INPUT, Reach(-1.58, 1.58), 5),
+            MeasuredColumn("temperature_C", "degC", Role.INPUT, Reach(-60.0, 150.0), 3),
+            MeasuredColumn("ambient_lux", "lx", Role.INPUT, Reach(0.0, 200_000.0), 2),
+            MeasuredColumn("reading_m", "m", Role.READING, _RANGE, 5),
         ),
         Kind.DRIVE_LOG: (
             _number("trial"),
             SPLIT,
             _time("session_time_s", 4),
             _time("t_s", 4),
-            Column("v_cmd_m_s", "m/s", Role.INPUT, Reach(-5.0, 5.0), 5),
-            Column("w_cmd_rad_s", "rad/s", Role.INPUT, Reach(-50.0, 50.0), 5),
-            Column("u_left_V", "V", Role.INPUT, _VOLTAGE, 5),
-            Column("u_right_V", "V", Role.INPUT, _VOLTAGE, 5),
-            Column("enc_left_ticks", "ticks", Role.READING, _COUNT, 0),
-            Column("enc_right_ticks", "ticks", Role.READING, _COUNT, 0),
-            Column("tof_front_m", "m", Role.READING, _RANGE, 5),
-            Column("tof_left_m", "m", Role.READING, _RANGE, 5),
-            Column("tof_right_m", "m", Role.READING, _RANGE, 5),
-            Column("x_m", "m", Role.READING, _PLACE, 6),
-            Column("y_m", "m", Role.READING, _PLACE, 6),
-            Column("theta_rad", "rad", Role.READING, Reach(-1e4, 1e4), 6),
+            MeasuredColumn("v_cmd_m_s", "m/s", Role.INPUT, Reach(-5.0, 5.0), 5),
+            MeasuredColumn("w_cmd_rad_s", "rad/s", Role.INPUT, Reach(-50.0, 50.0), 5),
+            MeasuredColumn("u_left_V", "V", Role.INPUT, _VOLTAGE, 5),
+            MeasuredColumn("u_right_V", "V", Role.INPUT, _VOLTAGE, 5),
+            MeasuredColumn("enc_left_ticks", "ticks", Role.READING, _COUNT, 0),
+            MeasuredColumn("enc_right_ticks", "ticks", Role.READING, _COUNT, 0),
+            MeasuredColumn("tof_front_m", "m", Role.READING, _RANGE, 5),
+            MeasuredColumn("tof_left_m", "m", Role.READING, _RANGE, 5),
+            MeasuredColumn("tof_right_m", "m", Role.READING, _RANGE, 5),
+            MeasuredColumn("x_m", "m", Role.READING, _PLACE, 6),
+            MeasuredColumn("y_m", "m", Role.READING, _PLACE, 6),
+            MeasuredColumn("theta_rad", "rad", Role.READING, Reach(-1e4, 1e4), 6),
         ),
     }
 )
@@ -115,6 +116,6 @@ CAMERA_CHANNELS = frozenset(_POSE)
 """Stamped by the clock of the camera outside that tracks the robot."""
 
 
-def channel_columns(kind: Kind) -> tuple[Column, ...]:
+def channel_columns(kind: Kind) -> tuple[MeasuredColumn, ...]:
     """The columns of a kind that are channels."""
-    return tuple(c for c in COLUMNS[kind] if isinstance(c, Column) and c.name not in ORDERING)
+    return tuple(c for c in COLUMNS[kind] if isinstance(c, MeasuredColumn) and c.name not in ORDERING)

@@ -6,7 +6,7 @@ import numpy as np
 import yaml
 
 from diagnosis.measured.case_format import COLUMNS, DATA, HOLDOUT
-from diagnosis.measured.csv_table import AnyColumn, Column
+from diagnosis.measured.csv_table import CaseColumn, MeasuredColumn
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.measured.nominal import NOMINAL, KnownMotor, KnownWheels
 from symolo.core.arrays import Array
@@ -48,9 +48,9 @@ def csv_of(measurement: Measurement) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _cells(column: AnyColumn, trial: Trial, number: int, before: int) -> list[str]:
+def _cells(column: CaseColumn, trial: Trial, number: int, before: int) -> list[str]:
     rows = len(trial.t_s)
-    if not isinstance(column, Column):
+    if not isinstance(column, MeasuredColumn):
         if column.name == "split":
             return [HOLDOUT if held else "fit" for held in trial.holdout]
         return list(trial.label(column.name).values)

@@ -1,4 +1,4 @@
-"""Stages of the simulator driven by measured inputs; one file per member, one line here for each."""
+"""Stages of the simulator with measured inputs; one file and one line here for each kind of measurement."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -18,4 +18,4 @@ STAGES: Mapping[Kind, Binder] = MappingProxyType(
         Kind.DRIVE_LOG: drive_log_stages,
     }
 )
-"""Of each kind of measurement that can be predicted."""
+"""Stages of each kind of measurement that can be predicted."""

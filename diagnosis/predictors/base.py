@@ -1,11 +1,11 @@
-"""What a stage is: one link of the signal chain, simulated from what was *measured* at its input.
+"""The interface of a stage: one link of the signal chain, simulated from what was *measured* at its input.
 
-A wrong motor then does not spoil the poses, errors do not add up along a drive, and where measurement and prediction
-part tells where the fault is. The stages run the simulator's own models, so that what a diagnosis finds is a fault of
-the robot and not of a second model.
+A wrong motor then does not spoil the poses, errors do not add up along a drive, and the stage at which measurement and
+prediction differ shows where the fault is. The stages use the simulator's own models, so that a diagnosis finds a fault
+of the robot and not of a second model.
 
-A stage is bound to one measurement: it keeps what was observed, flat over all trials, and predicts the same samples by
-any number of robots at once, for a fit asks for thousands of predictions.
+A stage belongs to one measurement: it holds what was observed, flat over all trials, and predicts the same samples by
+any number of robots at once, since a fit needs thousands of predictions.
 """
 
 from collections.abc import Callable, Sequence
@@ -22,67 +22,67 @@ from diagnosis.measured.measurement import Measurement
 from symolo.core.arrays import Array
 
 ROW_TIME = "t_s"
-"""Name of the covariate that is the time of a row: rows of a trial follow one another in it."""
+"""Name of the covariate with the time of a row, in which the rows of a trial are in order."""
 
 
 class CovariateShape(StrEnum):
-    """How a residual may depend on a covariate."""
+    """Ways in which a residual may depend on a covariate."""
 
     SMOOTH = "smooth"
     SINCE = "since"
-    """Time since an event, after which things settle: finer the nearer, and as much as the event was large."""
+    """Time since an event: the dependence is finer near the event and in proportion to its size."""
     PERIODIC = "periodic"
-    """An angle [rad]."""
+    """Dependence on an angle [rad]."""
     CATEGORY = "category"
-    """Numbers that only name, such as a trial or a wall."""
+    """Numbers that are only names, such as that of a trial or a wall."""
 
 
 @dataclass(frozen=True)
 class Covariate:
-    """A quantity on which a residual may depend; from inputs or a prediction, never from the channel under test."""
+    """A quantity on which a residual may depend, from inputs or a prediction and never from the tested channel."""
 
     name: str
     values: Array
-    """(n,), NaN where it is not known."""
+    """(n,), NaN where the value is not known."""
     shape: CovariateShape = CovariateShape.SMOOTH
     second: Array | None = None
-    """(n,), the other coordinate where the covariate is a place in a plane."""
+    """(n,), second coordinate of a place in a plane; None for other covariates."""
     labels: tuple[str, ...] = ()
-    """Of the categories 0, 1, ..., where they have names."""
+    """Names of the categories 0, 1, ..., if they have names."""
     size: Array | None = None
-    """(n,), signed, of the event since which a time is counted, or of what turns: the larger, the more shows."""
+    """(n,), signed size of the event since which a time is counted, or of what turns; the effect grows with it."""
     beside: str = ""
-    """Name of the covariate with which it acts together: what depends on the value before depends on the one now."""
+    """Name of a covariate that acts together with this one, as the current value does with the previous one."""
 
 
 @dataclass(frozen=True)
 class Observed:
-    """One measured quantity that a stage predicts, its n samples in the order of trials and time."""
+    """One measured quantity that a stage predicts, with n samples in the order of trials and time."""
 
     name: str
-    """Unique in a measurement, such as `current_A` or `wheel_left_rad_s`."""
+    """Unique name in a measurement, such as `current_A` or `wheel_left_rad_s`."""
     channel: str
-    """By which an answer speaks of it, such as `wheel_speed_rad_s` of both wheels."""
+    """Name in an answer, such as `wheel_speed_rad_s` for both wheels."""
     unit: str
     values: Array
-    """(n,); NaN where not usable."""
+    """(n,), measured values; NaN where not usable."""
     sd: Array
-    """(n,), standard deviation of the noise of a good sample by the nominal robot."""
+    """(n,), standard deviation of the noise of a good sample, by the nominal robot."""
     correlation: float | None
-    """Of the noise of a sample with that of the next; None where nobody knows, to be found from what a model leaves."""
+    """Correlation of the noise of successive samples; None if it must be estimated from the residuals."""
     trial: NDArray[np.int64]
-    """(n,), index of the trial in the measurement."""
+    """(n,), index of the trial."""
     t_s: Array
-    """(n,), since the trial began."""
+    """(n,), time since the start of the trial."""
     holdout: Mask
-    """(n,)."""
+    """(n,), samples that are held out."""
     usable: Mask
-    """(n,), false for missing samples and codes, and where the nominal prediction is not one-valued."""
+    """(n,), false for missing samples and codes, and where the nominal prediction is ambiguous."""
     covariates: tuple[Covariate, ...] = field(default=())
     resolution: float = 0.0
-    """Step to which the values are rounded, in their unit; 0 where none is known."""
+    """Step to which the values are rounded, in their unit; 0 if it is not known."""
     noise_is_stated: bool = True
-    """Whether `sd` and `correlation` are the source's; else they are a guess, to be found from what a model leaves."""
+    """Whether the source states `sd`; else it is a guess, and the noise is estimated from the residuals."""
 
     def __post_init__(self) -> None:
         rows = len(self.values)
@@ -93,27 +93,27 @@ class Observed:
 
 @dataclass(frozen=True)
 class Predicted:
-    """Of one observed quantity, by M robots."""
+    """Predictions of one observed quantity by M robots."""
 
     mean: Array
-    """(M, n); NaN where an input misses."""
+    """(M, n), NaN where an input is missing."""
     sd: Array
-    """(M, n) or broadcast to it: standard deviation of the noise, which some effects change."""
+    """(M, n) or broadcast to it, standard deviation of the noise, which some effects change."""
 
 
 class Stage(Protocol):
-    """One link, bound to a measurement."""
+    """One link of the signal chain of a measurement."""
 
     name: str
-    """`motor`, `wheels`, `pose`, `tof`."""
+    """Name of the stage: `motor`, `wheels`, `pose` or `tof`."""
     observed: tuple[Observed, ...]
     at_once: int
-    """Robots in one pass: more of them save nothing and take memory."""
+    """Number of robots in one pass; more would need memory and save no time."""
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
-        """One for each observed quantity, in their order, by robots that may differ in numbers and in effects."""
+        """Return the predictions of each observed quantity, in order; robots may differ in numbers and effects."""
         ...
 
 
 Binder = Callable[[Measurement, RobotConfig], tuple[Stage, ...]]
-"""The stages of a measurement, along the signal chain; the robot is the nominal one."""
+"""Function that returns the stages of a measurement along the signal chain, with the nominal robot."""

@@ -1,7 +1,7 @@
-"""Robots that a stage cannot tell apart are predicted once.
+"""Robots that are equal for a stage, which then predicts them once.
 
-Most robots that a fit asks for differ in one number each, and most numbers act on one stage of several: a range
-sensor's offset moves no wheel.
+Most robots of a fit differ in one number each, and most numbers act on one of several stages: the offset of a range
+sensor moves no wheel.
 """
 
 from collections.abc import Collection, Iterator, Sequence
@@ -17,7 +17,7 @@ from configs.schema.robot import RobotConfig
 def distinct(
     robots: Sequence[RobotConfig], parts: Collection[str], slots: Collection[Slot]
 ) -> tuple[list[RobotConfig], NDArray[np.int64]]:
-    """Robots that differ in some parts of theirs, or in effects of some slots.
+    """Return the robots that differ in some of their parts, or in effects of some slots.
 
     Args:
         robots: At least one.
@@ -28,20 +28,20 @@ def distinct(
         One of each, and for every robot given which of those it is like, (M,).
     """
     numbers: dict[tuple[object, ...], int] = {}
-    found: list[RobotConfig] = []
+    different: list[RobotConfig] = []
     which = []
     for robot in robots:
         key = tuple(_values([*(getattr(robot, part) for part in parts), *robot.effects.in_slots(slots)]))
         if key not in numbers:
-            numbers[key] = len(found)
-            found.append(robot)
+            numbers[key] = len(different)
+            different.append(robot)
         which.append(numbers[key])
-    return found, np.array(which)
+    return different, np.array(which)
 
 
-def _values(of: Collection[object]) -> Iterator[object]:
-    """Flat, with the kinds of sections before what they hold."""
-    for value in of:
+def _values(nested: Collection[object]) -> Iterator[object]:
+    """Yield nested values one by one, each section after its type."""
+    for value in nested:
         if isinstance(value, Section):
             yield type(value)
             yield from _values(vars(value).values())

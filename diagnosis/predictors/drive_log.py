@@ -1,4 +1,4 @@
-"""The stages of a drive: wheels, pose and ranges, each where the log has what it needs."""
+"""The stages of a drive: wheels, pose and ranges, as far as the log has their inputs."""
 
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement
@@ -14,18 +14,18 @@ POSE = ("x_m", "y_m", "theta_rad")
 
 
 def drive_log_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[Stage, ...]:
-    """Wheels with voltages, pose with ticks, ranges with poses and a known room.
+    """Return wheels if there are voltages, pose if there are ticks, and ranges if there are poses and a known room.
 
-    What a stage is held against may miss, as in unseen runs; it is then predicted and nothing is observed.
+    The readings may be missing, as in unseen runs; then they are predicted and nothing is observed.
     """
-    found: list[Stage] = []
+    stages: list[Stage] = []
     if _offers(measurement, VOLTAGES):
-        found.append(Wheels(measurement, nominal))
+        stages.append(Wheels(measurement, nominal))
     if _offers(measurement, TICKS):
-        found.append(Pose(measurement, nominal))
+        stages.append(Pose(measurement, nominal))
     if isinstance(measurement.nominal, NominalDrive) and _offers(measurement, POSE):
-        found.append(Ranges(measurement, measurement.nominal, nominal))
-    return tuple(stage for stage in found if all(len(of.values) for of in stage.observed))
+        stages.append(Ranges(measurement, measurement.nominal, nominal))
+    return tuple(stage for stage in stages if all(len(observed.values) for observed in stage.observed))
 
 
 def _offers(measurement: Measurement, names: tuple[str, ...]) -> bool:

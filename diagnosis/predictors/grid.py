@@ -1,4 +1,4 @@
-"""Rows of a log on one grid of samples, all trials side by side, for models that go step by step."""
+"""Rows of a log on a regular grid of samples, all trials side by side, for models with time steps."""
 
 from dataclasses import dataclass
 
@@ -11,23 +11,23 @@ from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 
 OFF_GRID = 0.25
-"""Periods, root mean square, at which the rows of a log are not on the grid of a rate: a quarter is half a period off,
-evenly spread, less rounding."""
+"""Root mean square distance in periods, from which the rows of a log are not on the grid of a rate. Evenly spread
+distances of up to half a period would give 0.29."""
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Samples 0 ... T - 1, a period apart, of N trials; at sample 0, time 0, all is at rest."""
+    """Samples 0 to T - 1 of N trials, one period apart; at sample 0, which is time 0, everything is at rest."""
 
     period_s: float
     places: tuple[NDArray[np.int64], ...]
-    """Of the rows of each trial."""
+    """Indices of the samples of the rows of each trial."""
     begins_s: Array
-    """(N,), time of sample 0 since the session began."""
+    """(N,), time of sample 0 since the start of the session."""
 
     @classmethod
     def of(cls, measurement: Measurement, rate_hz: float | None) -> "Grid":
-        """The grid of the nominal rate where the rows are on it, else that which fits them.
+        """Return the grid of the nominal rate if the rows are on it, else the grid that fits the rows best.
 
         Raises:
             InputError: Two rows of a trial fall on the same sample.
@@ -41,7 +41,7 @@ class Grid:
         return max(1, *(int(place[-1]) for place in self.places)) + 1
 
     def held(self, trials: tuple[Trial, ...], name: str) -> Array:
-        """A channel at every sample, (T, N): where a row misses or has no value that of the row before, at first 0."""
+        """Return a channel at every sample, (T, N); missing values are those of the row before, and 0 at the start."""
         columns = []
         for trial, place in zip(trials, self.places, strict=True):
             values = np.full(self.samples, np.nan)
@@ -52,15 +52,12 @@ class Grid:
         return np.stack(columns, axis=1)
 
     def of_rows(self, samples: Array) -> Array:
-        """Samples (T, ..., N) at the rows of all trials, (..., n)."""
+        """Return samples (T, ..., N) at the rows of all trials, (..., n)."""
         return np.concatenate([samples[place, ..., k].T for k, place in enumerate(self.places)], axis=-1)
 
 
 def _period_s(measurement: Measurement, rate_hz: float | None) -> float:
-    """Of the log: that of the nominal rate where the rows are on its grid, else the one that fits them.
-
-    Times of a log are rounded, so that the usual step would drift away from the rows.
-    """
+    """Return the period of the nominal rate if the rows are on its grid, else the one that fits them best."""
     t_s = np.concatenate([trial.t_s for trial in measurement.trials])
     if rate_hz is not None:
         places = t_s * rate_hz
@@ -70,9 +67,10 @@ def _period_s(measurement: Measurement, rate_hz: float | None) -> float:
 
 
 def _fitted_period_s(trials: tuple[Trial, ...]) -> float:
-    """Slope of times over sample numbers by least squares, each trial with a start of its own.
+    """Return the least-squares slope of times over sample numbers, with a separate start for each trial.
 
-    The first row's time where no trial has two rows.
+    The median step would not do: the times of a log are rounded, and it would drift away from the rows. If no trial has
+    two rows, the time of the first row is returned.
     """
     steps = np.concatenate([np.diff(trial.t_s) for trial in trials])
     if not len(steps):
@@ -88,7 +86,7 @@ def _fitted_period_s(trials: tuple[Trial, ...]) -> float:
 
 
 def _places(trial: Trial, period_s: float, measurement: Measurement) -> NDArray[np.int64]:
-    """Of each row on the grid, (N,); the state at rest is 0."""
+    """Return the sample of each row, (n,); sample 0 is the state at rest."""
     place = np.maximum(np.rint(trial.t_s / period_s).astype(np.int64), 0)
     same = np.flatnonzero(np.diff(place) == 0).tolist()
     if same:

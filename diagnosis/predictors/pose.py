@@ -1,9 +1,8 @@
-"""Encoder ticks -> what the pose changes by over ten rows, seen from the body at the first of them.
+"""Encoder ticks -> changes of the pose over ten rows, in the frame of the body at the first row.
 
-Windows begin at every fifth row, so that each half is in two of them: twice as many measured poses are used as by
-windows end to end, and neighbours have no pose in common. What they share is half of the slip's noise, a few per cent
-of all; a window and the next but one have a pose in common, which makes slow structure stand out more than it is held
-to, never less.
+Windows begin at every fifth row, so that each row is in two of them: twice as many measured poses are used as with
+adjacent windows, and neighbours have no pose in common. They share half of the slip noise, which is a few per cent of
+the total. A window and the next but one share a pose, which can only make slow structure more visible, not less.
 """
 
 from collections.abc import Sequence
@@ -20,7 +19,7 @@ from diagnosis.measured.nominal import KnownWheels, NominalDrive
 from diagnosis.measured.screening import noise_of
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.distinct import distinct
-from diagnosis.predictors.rows import bridged, given, joined, rows_after, session_time_s, trial_of_rows
+from diagnosis.predictors.rows import bridged, given, joined, rows_after, session_time_s, trial_covariate, trial_of_rows
 from diagnosis.predictors.window_noise import window_noise
 from physics.drivetrain.wheel_turns import uncounted
 from physics.robot.model import RobotModel, through
@@ -29,27 +28,29 @@ from symolo.core.arrays import Array
 
 WINDOW, STRIDE = 10, 5
 SHARE_NO_POSE = WINDOW // STRIDE + 1
-"""Windows from one to the next that begins after its end."""
+"""Number of windows to the next one that begins after the end of this one."""
 LEVER_M = 0.12
-"""At which noise of the heading counts as noise of the place."""
+"""Lever arm by which noise of the heading is noise of the place."""
 PARTS = ("drive", "encoder")
 SLOTS = frozenset({Slot.GEOMETRY, Slot.GROUND, Slot.ENCODER, Slot.COUNTING, Slot.POSE_POINT, Slot.POSE_DELAY})
-"""What acts between the counts and the logged poses."""
+"""Slots of the effects between the counts and the logged poses."""
 UNSTATED_SLIP = 1e-3
-"""Noise of travel [m / sqrt m] where nobody states it: a millimetre in a metre."""
+"""Noise of the travelled distance [m / sqrt m] if it is not stated: a millimetre per metre."""
 SIDES = ("right", "left")
 COMPONENTS = (("pose_dx_m", "m"), ("pose_dy_m", "m"), ("pose_dtheta_rad", "rad"))
 
 
 @dataclass(frozen=True)
 class PoseNoise:
+    """Noise of the logged poses and of the wheels."""
+
     xy_m: float
     theta_rad: float
     slip_m_per_sqrt_m: float
 
     @classmethod
     def of(cls, measurement: Measurement) -> "PoseNoise":
-        """As the case states it, else of the camera as its channels show it."""
+        """Return the noise that the case states, else that of the camera, estimated from its channels."""
         if isinstance(measurement.nominal, NominalDrive):
             noise = measurement.nominal.noise
             return cls(noise.pose_xy_m, noise.pose_theta_rad, noise.travel_m_per_sqrt_m)
@@ -58,7 +59,7 @@ class PoseNoise:
 
 
 class Pose:
-    """The format's windows: mid-point rule, slip in turns, tracked point and age of the pose by the robot's effects."""
+    """The windows of the case format: mid-point rule, and effects for slip, tracked point and pose delay."""
 
     name = "pose"
     at_once = 48
@@ -71,7 +72,7 @@ class Pose:
         self._ticks = bridged(ticks, self._t_s, self._trials)
         self._steps_s = np.maximum(np.diff(self._t_s, prepend=self._t_s[0]), 0.0)
         self._starts = np.cumsum([0, *self._trials[:-1]])
-        # The first row of a trial has no row before it; any time will do, since its wheels have not turned.
+        # The first row of a trial has no row before it. Any positive time will do, since its wheels have not turned.
         self._steps_s[self._starts] = 1.0
         self._first, self._last = rows_after(measurement, WINDOW, STRIDE)
         missing = np.concatenate([[0], np.cumsum(~whole)])
@@ -80,20 +81,20 @@ class Pose:
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
         distinct_robots, which = distinct(robots, PARTS, SLOTS)
-        found = np.empty((len(distinct_robots), len(self._first), 3))
+        increments = np.empty((len(distinct_robots), len(self._first), 3))
         for group in alike(distinct_robots):
             path, seen = self._paths([distinct_robots[k] for k in group])
-            found[group] = seen_from_body(
+            increments[group] = seen_from_body(
                 path[..., self._first, 2], seen[..., self._last, :] - seen[..., self._first, :]
             )
-        return tuple(Predicted(found[which, :, k], of.sd) for k, of in enumerate(self.observed))
+        return tuple(Predicted(increments[which, :, k], observed.sd) for k, observed in enumerate(self.observed))
 
     def path(self, robot: RobotConfig, starts: Array) -> Array:
-        """Poses of all rows as the log would have them, (n, 3), from the first one of each trial and the ticks.
+        """Return the poses of all rows as logged, (n, 3), predicted from the first pose of each trial and the ticks.
 
         Args:
-            robot: One.
-            starts: (N, 3), logged pose x [m], y [m], yaw [rad] in the first row of each trial.
+            robot: The robot.
+            starts: (N, 3), logged x [m], y [m], yaw [rad] in the first row of each trial.
         """
         _, seen = self._paths([robot])
         begin = np.repeat(seen[self._starts], self._trials, axis=0)
@@ -101,17 +102,17 @@ class Pose:
         return from_w + seen_from_body(-from_w[:, 2], seen - begin)
 
     def _paths(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
-        """Of axle and tracked point at the times that the log says, (n, 3) or (M, n, 3) each."""
+        """Return the poses of axle and tracked point at the logged times, (n, 3) or (M, n, 3) each."""
         steps = self._steps(robots)
         pose = np.zeros((*steps.shape[:-1], 3))
         for start, rows in zip(self._starts.tolist(), self._trials, strict=True):
-            of = slice(start, start + rows)
-            forward, turn = steps[..., of, 0], steps[..., of, 1]
+            part = slice(start, start + rows)
+            forward, turn = steps[..., part, 0], steps[..., part, 1]
             yaw = np.cumsum(turn, axis=-1)
             middle = yaw - 0.5 * turn
-            pose[..., of, 0] = np.cumsum(forward * np.cos(middle), axis=-1)
-            pose[..., of, 1] = np.cumsum(forward * np.sin(middle), axis=-1)
-            pose[..., of, 2] = yaw
+            pose[..., part, 0] = np.cumsum(forward * np.cos(middle), axis=-1)
+            pose[..., part, 1] = np.cumsum(forward * np.sin(middle), axis=-1)
+            pose[..., part, 2] = yaw
         effects = stacked_effects(robots, axes=1)
         delay_s = through(effects.functions(Slot.POSE_DELAY), 0.0)
         pose = earlier(pose, self._t_s, self._trials, delay_s)
@@ -119,7 +120,7 @@ class Pose:
         return pose, through(point, pose)
 
     def _steps(self, robots: Sequence[RobotConfig]) -> Array:
-        """Way forward [m] and turn [rad] of each row since the one before, (n, 2) or (M, n, 2)."""
+        """Return distance forward [m] and turn [rad] of each row since the previous one, (n, 2) or (M, n, 2)."""
         model = RobotModel.from_config(stacked(robots, axes=2))
         counted = np.diff(self._ticks, axis=0, prepend=self._ticks[:1])
         counted[self._starts] = 0.0
@@ -147,20 +148,19 @@ class Pose:
             Covariate("position", log[first, 0], second=log[first, 1]),
             Covariate("t_s", self._t_s[middle]),
             Covariate("session_time_s", session_time_s(measurement)[middle]),
-            Covariate(
-                "trial", trial.astype(float), CovariateShape.CATEGORY, labels=tuple(t.name for t in measurement.trials)
-            ),
+            trial_covariate(measurement, first),
             Covariate("wheel_angle_rad[left]", angle_rad[:, 1], CovariateShape.PERIODIC),
             Covariate("wheel_angle_rad[right]", angle_rad[:, 0], CovariateShape.PERIODIC),
         )
         sds, correlations = self._noise(measurement, nominal)
-        holdout = joined(t.holdout for t in measurement.trials)
+        holdout = joined(trial.holdout for trial in measurement.trials)
+        holdout = holdout[first] | holdout[last]
         usable: Mask = self._complete & np.isfinite(values).all(axis=-1)
         if isinstance(measurement.nominal, KnownWheels):
-            # A real camera's noise; of runs that we made ourselves nothing scatters, and the guess stands.
-            rows = usable & ~(holdout[first] | holdout[last])
-            found = [window_noise(values[:, k] - predicted[:, k], trial, rows, SHARE_NO_POSE) for k in range(3)]
-            sds = tuple(sd if of is None else np.full(len(sd), of) for sd, of in zip(sds, found, strict=True))
+            # The noise of a real camera. Simulated runs do not scatter, and then the guess stays.
+            rows = usable & ~holdout
+            noises = [window_noise(values[:, k] - predicted[:, k], trial, rows, SHARE_NO_POSE) for k in range(3)]
+            sds = tuple(sd if noise is None else np.full(len(sd), noise) for sd, noise in zip(sds, noises, strict=True))
         return tuple(
             Observed(
                 name=name,
@@ -171,7 +171,7 @@ class Pose:
                 correlation=correlations[k],
                 trial=trial,
                 t_s=self._t_s[first],
-                holdout=holdout[first] | holdout[last],
+                holdout=holdout,
                 usable=usable,
                 covariates=covariates,
             )
@@ -179,61 +179,61 @@ class Pose:
         )
 
     def _noise(self, measurement: Measurement, nominal: RobotConfig) -> tuple[tuple[Array, ...], tuple[float, ...]]:
-        """Of each component its standard deviations (m,) and the correlation of a window with the next."""
+        """Return the standard deviations (m,) of each component and the correlations of successive windows."""
         noise, radius_m = PoseNoise.of(measurement), 0.5 * nominal.drive.wheel_diameter_m
         turned = 2.0 * pi / nominal.encoder.counts_per_revolution * np.abs(np.diff(self._ticks, axis=0, prepend=0.0))
         turned[self._starts] = 0.0
         travel_m = np.cumsum(radius_m * turned.mean(axis=-1))
         q = noise.slip_m_per_sqrt_m**2 * (travel_m[self._last] - travel_m[self._first])
-        of_place, of_heading = 0.5 * q, 2.0 * q / nominal.drive.track_m**2
-        place = 2.0 * noise.xy_m**2 + (LEVER_M * noise.theta_rad) ** 2 + of_place
-        heading = 2.0 * noise.theta_rad**2 + of_heading
-        # Half of a window's travel, and so of its slip, is the next one's too.
+        slip_place, slip_heading = 0.5 * q, 2.0 * q / nominal.drive.track_m**2
+        place = 2.0 * noise.xy_m**2 + (LEVER_M * noise.theta_rad) ** 2 + slip_place
+        heading = 2.0 * noise.theta_rad**2 + slip_heading
+        # Half of the travel of a window, and so of its slip, belongs to the next window too.
         shared = (
-            0.5 * float(of_place.sum() / (place.sum() or 1.0)),
-            0.5 * float(of_heading.sum() / (heading.sum() or 1.0)),
+            0.5 * float(slip_place.sum() / (place.sum() or 1.0)),
+            0.5 * float(slip_heading.sum() / (heading.sum() or 1.0)),
         )
         sd = np.sqrt(place)
         return (sd, sd, np.sqrt(heading)), (shared[0], shared[0], shared[1])
 
 
 def seen_from_body(yaw_rad: Array, change: Array) -> Array:
-    """Changes of pose (..., 3) in W, their places turned into the frame of a body at this yaw (...)."""
+    """Return changes of pose (..., 3) in W with their places in the frame of a body with this yaw (...)."""
     c, s = np.cos(yaw_rad), np.sin(yaw_rad)
     x, y, turn = change[..., 0], change[..., 1], change[..., 2]
     return np.stack([c * x + s * y, c * y - s * x, turn], axis=-1)
 
 
 def earlier(pose: Array, t_s: Array, trials: Sequence[int], delay_s: float | Array) -> Array:
-    """Poses (..., n, 3) as they were so much before the times of their rows, on lines between rows.
+    """Return poses (..., n, 3) a delay before the times of their rows, interpolated between rows.
 
     Args:
-        pose: Of all trials.
-        t_s: (n,).
-        trials: How many rows each has; beyond its ends its first or last pose stands.
-        delay_s: One, or (M, 1).
+        pose: Poses of all trials.
+        t_s: (n,), times of the rows.
+        trials: Number of rows of each trial; outside a trial its first or last pose is used.
+        delay_s: One delay, or (M, 1).
     """
     if np.all(np.equal(delay_s, 0.0)):
         return pose
     parts, begin = [], 0
     for rows in trials:
-        times, of = t_s[begin : begin + rows], pose[..., begin : begin + rows, :]
+        times, poses = t_s[begin : begin + rows], pose[..., begin : begin + rows, :]
         begin += rows
         if rows < 2:
-            parts.append(of)
+            parts.append(poses)
             continue
         wanted_s = np.clip(times - delay_s, times[0], times[-1])
         after = np.clip(np.searchsorted(times, wanted_s), 1, rows - 1)
         share = ((wanted_s - times[after - 1]) / (times[after] - times[after - 1]))[..., None]
-        shape = np.broadcast_shapes(of.shape[:-1], after.shape)
-        of, index = np.broadcast_to(of, (*shape, 3)), np.broadcast_to(after, shape)[..., None]
-        before, later = (np.take_along_axis(of, place, axis=-2) for place in (index - 1, index))
+        shape = np.broadcast_shapes(poses.shape[:-1], after.shape)
+        poses, index = np.broadcast_to(poses, (*shape, 3)), np.broadcast_to(after, shape)[..., None]
+        before, later = (np.take_along_axis(poses, place, axis=-2) for place in (index - 1, index))
         parts.append(before + share * (later - before))
     shape = max((part.shape[:-2] for part in parts), key=len)
     return np.concatenate([np.broadcast_to(part, (*shape, *part.shape[-2:])) for part in parts], axis=-2)
 
 
 def _camera_noise(measurement: Measurement, name: str) -> float:
-    found = [noise_of(channel) for channel in measurement.across(name)]
-    known = [noise.sd for noise in found if noise is not None and noise.sd > 0.0]
+    noises = [noise_of(channel) for channel in measurement.across(name)]
+    known = [noise.sd for noise in noises if noise is not None and noise.sd > 0.0]
     return float(np.median(known)) if known else 1e-3

@@ -1,4 +1,4 @@
-"""Logged pose -> readings of the three range sensors, to the walls of an empty room."""
+"""Logged pose -> readings of the three range sensors in an empty room."""
 
 from collections.abc import Sequence
 
@@ -13,7 +13,7 @@ from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predi
 from diagnosis.predictors.distinct import distinct
 from diagnosis.predictors.pose import earlier
 from diagnosis.predictors.room_ranges import WALLS, RoomRanges, near_corner, room_ranges
-from diagnosis.predictors.rows import bridged, given, joined, session_time_s, trial_of_rows
+from diagnosis.predictors.rows import bridged, given, joined, session_time_s, trial_covariate, trial_of_rows
 from physics.robot.model import through
 from physics.robot.stack import alike, stacked, stacked_effects
 from sensors.range_effects import RangeEffects
@@ -33,14 +33,14 @@ SLOTS = frozenset(
         Slot.RANGE_DELAY,
     }
 )
-"""What acts between the logged poses and the readings."""
+"""Slots of the effects between the logged poses and the readings."""
 CORNER_M, CORNER_RAD, END_M = 0.02, 0.05, 0.03
-"""Nearer to a corner, or to the end of the range, a row is left out (the format's)."""
+"""Distances from a corner, and from the end of the range, within which a row is left out (case format)."""
 WALL_REFLECTANCE = 1.0
 
 
 class Ranges:
-    """Rays from where the axle was when the readings were taken, by the logged pose, its age and its tracked point."""
+    """Rays from the pose of the axle at the time of the readings, computed from the logged pose and its effects."""
 
     name = "tof"
     at_once = 48
@@ -76,7 +76,6 @@ class Ranges:
         name = f"tof_{SENSORS[k]}_m"
         values = given(measurement, name)
         usable = clear & np.isfinite(values)
-        trial = trial_of_rows(measurement)
         covariates = (
             Covariate("distance_m", nominal.mean),
             Covariate("incidence_rad", seen.incidence_rad[:, k]),
@@ -85,9 +84,7 @@ class Ranges:
             Covariate("theta_rad", self._log[:, 2], CovariateShape.PERIODIC),
             Covariate("t_s", self._t_s),
             Covariate("session_time_s", self._since_on_s),
-            Covariate(
-                "trial", trial.astype(float), CovariateShape.CATEGORY, labels=tuple(t.name for t in measurement.trials)
-            ),
+            trial_covariate(measurement),
         )
         return Observed(
             name=name,
@@ -96,7 +93,7 @@ class Ranges:
             values=np.where(usable, values, np.nan),
             sd=nominal.sd,
             correlation=0.0,
-            trial=trial,
+            trial=trial_of_rows(measurement),
             t_s=self._t_s,
             holdout=joined(t.holdout for t in measurement.trials),
             usable=usable,
@@ -104,24 +101,28 @@ class Ranges:
         )
 
     def _seen(self, robots: Sequence[RobotConfig]) -> RoomRanges:
-        """By one robot (n, 3), by M of them (M, n, 3)."""
+        """Return the ranges of one robot (n, 3), or of M robots (M, n, 3)."""
         several, effects = stacked(robots, axes=2), stacked_effects(robots, axes=2)
         mounts = [getattr(several.tof.mounts, sensor) for sensor in SENSORS]
-        x_m, y_m, yaw_deg = (_side_by_side([getattr(m, of) for m in mounts]) for of in ("x_m", "y_m", "yaw_deg"))
+        x_m, y_m, yaw_deg = (
+            _side_by_side([getattr(mount, key) for mount in mounts]) for key in ("x_m", "y_m", "yaw_deg")
+        )
         askew = through(effects.functions(Slot.RANGE_MOUNT), np.zeros(len(SENSORS)))
         return room_ranges(self._case.world, self._axle(robots), x_m, y_m, np.radians(yaw_deg) + askew)
 
     def _axle(self, robots: Sequence[RobotConfig]) -> Array:
-        """Pose of the axle at the times of the readings, (n, 3) or (M, n, 3)."""
+        """Return the pose of the axle at the times of the readings, (n, 3) or (M, n, 3)."""
         effects = stacked_effects(robots, axes=1)
-        of_ranges, of_pose = (through(effects.functions(slot), 0.0) for slot in (Slot.RANGE_DELAY, Slot.POSE_DELAY))
-        # The pose that stands in the log now was true a while ago, and will be logged a while from now.
-        tracked = earlier(self._log, self._t_s, self._trials, of_ranges - of_pose)
+        range_delay_s, pose_delay_s = (
+            through(effects.functions(slot), 0.0) for slot in (Slot.RANGE_DELAY, Slot.POSE_DELAY)
+        )
+        # The logged pose is older than its row by the pose delay, the reading by the range delay.
+        tracked = earlier(self._log, self._t_s, self._trials, range_delay_s - pose_delay_s)
         point = stacked_effects(robots, axes=2).functions(Slot.POSE_POINT)
         return 2.0 * tracked - through(point, tracked)
 
     def _expected(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
-        """Mean and standard deviation, (M, n, 3) each."""
+        """Return mean and standard deviation, (M, n, 3) each."""
         mean, sd = (np.empty((len(robots), len(self._t_s), len(SENSORS))) for _ in range(2))
         for group in alike(robots):
             several = [robots[k] for k in group]

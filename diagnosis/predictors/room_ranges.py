@@ -1,4 +1,4 @@
-"""Distances from range sensors on a robot to the walls of an empty rectangular room, along each sensor's axis."""
+"""Distances from the range sensors of a robot to the walls of an empty rectangular room, along each sensor's axis."""
 
 from dataclasses import dataclass
 
@@ -11,22 +11,24 @@ from symolo.core.arrays import Array
 
 WALLS = ("x = 0", "x = room_x_m", "y = 0", "y = room_y_m")
 PARALLEL = 1e-12
-"""Sine of the angle to a wall below which an axis runs along it."""
+"""Sine of the angle to a wall below which an axis is parallel to it."""
 
 
 @dataclass(frozen=True)
 class RoomRanges:
-    """Of S sensors; all (..., n, S)."""
+    """Where the axes of S sensors hit the walls; all arrays are (..., n, S)."""
 
     distance_m: Array
     incidence_rad: Array
-    """Between axis and normal of the wall."""
+    """Angle between the axis and the normal of the wall."""
     wall: NDArray[np.int64]
-    """Index in WALLS."""
+    """Index of the wall in WALLS."""
     by_x: Array
-    """Change of the distance with the robot's place along x [m/m]; so along y, and with its heading [m/rad]."""
+    """Derivative of the distance by the robot's x [m/m]."""
     by_y: Array
+    """Derivative of the distance by the robot's y [m/m]."""
     by_yaw: Array
+    """Derivative of the distance by the robot's heading [m/rad]."""
     hit_x_m: Array
     hit_y_m: Array
     axis_rad: Array
@@ -34,26 +36,26 @@ class RoomRanges:
 
 
 def room_ranges(room: Room, pose: Array, mount_x_m: Array, mount_y_m: Array, mount_yaw_rad: Array) -> RoomRanges:
-    """Walls as the axes meet them.
+    """Return where the axes of the sensors hit the walls.
 
     Args:
         room: 0 <= x <= room_x_m, 0 <= y <= room_y_m.
-        pose: (..., n, 3) of the axle: x [m], y [m], yaw [rad].
-        mount_x_m: (S,) or broadcast: forward of the axle.
-        mount_y_m: (S,) or broadcast: to the left.
-        mount_yaw_rad: (S,) or broadcast: counter-clockwise from straight ahead.
+        pose: (..., n, 3), x [m], y [m], yaw [rad] of the axle.
+        mount_x_m: (S,) or broadcast, forward of the axle.
+        mount_y_m: (S,) or broadcast, to the left.
+        mount_yaw_rad: (S,) or broadcast, counter-clockwise from straight ahead.
     """
     yaw = pose[..., 2:]
     cos_yaw, sin_yaw = np.cos(yaw), np.sin(yaw)
     ahead_x, ahead_y = cos_yaw * mount_x_m - sin_yaw * mount_y_m, sin_yaw * mount_x_m + cos_yaw * mount_y_m
     x, y, axis = pose[..., :1] + ahead_x, pose[..., 1:2] + ahead_y, yaw + mount_yaw_rad
-    # An axis along a wall meets it so far away that another one is taken.
-    c, s = (np.where(np.abs(of) < PARALLEL, PARALLEL, of) for of in (np.cos(axis), np.sin(axis)))
+    # An axis parallel to a wall would hit it far away, so that another wall is nearer.
+    c, s = (np.where(np.abs(x) < PARALLEL, PARALLEL, x) for x in (np.cos(axis), np.sin(axis)))
     to_x = (np.where(c > 0.0, room.room_x_m, 0.0) - x) / c
     to_y = (np.where(s > 0.0, room.room_y_m, 0.0) - y) / s
     is_x = ~(to_y < to_x)
     distance = np.where(is_x, to_x, to_y)
-    # The mount swings with the robot, and the axis sweeps the wall.
+    # A turn of the robot moves the mount and sweeps the axis along the wall.
     swing = np.where(is_x, (ahead_y + distance * s) / c, -(ahead_x + distance * c) / s)
     zero = np.zeros_like(distance)
     return RoomRanges(
@@ -70,13 +72,13 @@ def room_ranges(room: Room, pose: Array, mount_x_m: Array, mount_y_m: Array, mou
 
 
 def near_corner(room: Room, ranges: RoomRanges, within_m: float, within_rad: float) -> Mask:
-    """Whether a ray ends so near a corner, or points so nearly at one, (..., n, S)."""
+    """Return whether a ray ends near a corner or points almost at one, (..., n, S)."""
     c, s = np.cos(ranges.axis_rad), np.sin(ranges.axis_rad)
-    found = np.zeros(ranges.distance_m.shape, dtype=bool)
+    near = np.zeros(ranges.distance_m.shape, dtype=bool)
     for corner_x in (0.0, room.room_x_m):
         for corner_y in (0.0, room.room_y_m):
             off_x, off_y = corner_x - ranges.hit_x_m, corner_y - ranges.hit_y_m
-            found |= np.hypot(off_x, off_y) < within_m
+            near |= np.hypot(off_x, off_y) < within_m
             to_x, to_y = off_x + ranges.distance_m * c, off_y + ranges.distance_m * s
-            found |= np.abs(np.arctan2(c * to_y - s * to_x, c * to_x + s * to_y)) < within_rad
-    return found
+            near |= np.abs(np.arctan2(c * to_y - s * to_x, c * to_x + s * to_y)) < within_rad
+    return near

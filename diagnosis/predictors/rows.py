@@ -1,4 +1,4 @@
-"""Rows of all trials as one array, and channels of a log as what a stage observed."""
+"""Rows of all trials as one array, and channels of a log as observations of a stage."""
 
 from collections.abc import Iterable, Sequence
 from typing import TypeVar
@@ -9,70 +9,50 @@ from numpy.typing import NDArray
 from diagnosis.measured.channel import Channel, Mask
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.screening import noise_of
-from diagnosis.predictors.base import Covariate, Observed
+from diagnosis.predictors.base import Covariate, CovariateShape, Observed
 from symolo.core.arrays import Array
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 
 
 def joined(parts: Iterable[NDArray[Scalar]]) -> NDArray[Scalar]:
-    """Arrays of all trials one after the other."""
+    """Return the arrays of all trials in one."""
     return np.concatenate(list(parts))
 
 
 def observed_channel(
     measurement: Measurement, name: str, predictable: Mask, covariates: tuple[Covariate, ...]
 ) -> Observed:
-    """A channel of the log that is predicted sample by sample.
+    """Return a channel of the log that is predicted sample by sample; in an unseen run it has no values.
 
     Args:
-        measurement: All of its trials are taken.
-        name: Of the channel.
-        predictable: (n,), where a stage has a prediction to hold against it.
-        covariates: (n,) each.
+        measurement: All trials are used.
+        name: Name of the channel.
+        predictable: (n,), where the stage has a prediction.
+        covariates: Covariates with (n,) values.
     """
-    if name not in measurement.channel_names():
-        return _unobserved(measurement, name, covariates)
-    channels, trials = measurement.across(name), measurement.trials
-    usable = joined(channel.good for channel in channels) & predictable
-    values = joined(channel.values for channel in channels)
+    rows = len(predictable)
+    channels = measurement.across(name) if name in measurement.channel_names() else ()
+    usable = joined(channel.good for channel in channels) & predictable if channels else np.zeros(rows, dtype=bool)
+    values = joined(channel.values for channel in channels) if channels else np.full(rows, np.nan)
     return Observed(
         name=name,
         channel=name,
-        unit=channels[0].unit,
+        unit=channels[0].unit if channels else "",
         values=np.where(usable, values, np.nan),
-        sd=joined(_sd(channel) for channel in channels),
-        correlation=channels[0].noise_correlation,
+        sd=joined(_sd(channel) for channel in channels) if channels else np.ones(rows),
+        correlation=channels[0].noise_correlation if channels else 0.0,
         trial=trial_of_rows(measurement),
-        t_s=joined(trial.t_s for trial in trials),
-        holdout=joined(trial.holdout for trial in trials),
+        t_s=joined(trial.t_s for trial in measurement.trials),
+        holdout=joined(trial.holdout for trial in measurement.trials),
         usable=usable,
         covariates=covariates,
         noise_is_stated=all(channel.noise_sd is not None for channel in channels),
     )
 
 
-def _unobserved(measurement: Measurement, name: str, covariates: tuple[Covariate, ...]) -> Observed:
-    """A channel that an unseen run has not, so that it can be predicted all the same."""
-    trial = trial_of_rows(measurement)
-    nothing = np.full(len(trial), np.nan)
-    return Observed(
-        name=name,
-        channel=name,
-        unit="",
-        values=nothing,
-        sd=np.ones(len(trial)),
-        correlation=0.0,
-        trial=trial,
-        t_s=joined(of.t_s for of in measurement.trials),
-        holdout=joined(of.holdout for of in measurement.trials),
-        usable=np.zeros(len(trial), dtype=bool),
-        covariates=covariates,
-    )
-
-
 def given(measurement: Measurement, name: str) -> Array:
-    """Good samples of a channel at the rows of all trials, (n,); NaN elsewhere, and where there is no such channel."""
+    """Return the good samples of a channel in the rows of all trials, (n,); NaN elsewhere, or without the channel."""
     parts = []
     for trial in measurement.trials:
         channels = [channel for channel in trial.channels if channel.name == name]
@@ -82,17 +62,26 @@ def given(measurement: Measurement, name: str) -> Array:
 
 
 def trial_of_rows(measurement: Measurement) -> NDArray[np.int64]:
-    """Index of each row's trial, (n,)."""
+    """Return the index of the trial of each row, (n,)."""
     return np.repeat(np.arange(len(measurement.trials)), [len(trial.t_s) for trial in measurement.trials])
 
 
+def trial_covariate(measurement: Measurement, rows: NDArray[np.int64] | None = None) -> Covariate:
+    """Return the covariate with the trial of all rows, or of some."""
+    trial = trial_of_rows(measurement)
+    names = tuple(trial.name for trial in measurement.trials)
+    return Covariate(
+        "trial", (trial if rows is None else trial[rows]).astype(float), CovariateShape.CATEGORY, labels=names
+    )
+
+
 def session_time_s(measurement: Measurement) -> Array:
-    """Of each row, (n,), as far as it was noted; else that of its trial."""
+    """Return the time of each row since the start of the session, (n,); since the start of its trial if not known."""
     return joined(trial.t_s + (trial.begins_s or 0.0) for trial in measurement.trials)
 
 
 def rows_after(measurement: Measurement, step: int, stride: int = 1) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Rows, every `stride`th of each trial, that have one `step` later in it, and those, (m,) each."""
+    """Return every `stride`th row of each trial that has a row `step` later, and the later rows, (m,) each."""
     firsts, begin = [], 0
     for trial in measurement.trials:
         rows = len(trial.t_s)
@@ -103,23 +92,23 @@ def rows_after(measurement: Measurement, step: int, stride: int = 1) -> tuple[ND
 
 
 def bridged(values: Array, t_s: Array, trials: Sequence[int]) -> Array:
-    """Values (n, k) with straight lines over what is missing within a trial; 0 in a trial that has none."""
-    found, begin = np.zeros_like(values), 0
+    """Return values (n, k) with gaps within a trial interpolated; 0 in a trial without values."""
+    filled, begin = np.zeros_like(values), 0
     for rows in trials:
-        of = slice(begin, begin + rows)
+        part = slice(begin, begin + rows)
         for column in range(values.shape[1]):
-            known = np.isfinite(values[of, column])
+            known = np.isfinite(values[part, column])
             if known.any():
-                found[of, column] = np.interp(t_s[of], t_s[of][known], values[of, column][known])
+                filled[part, column] = np.interp(t_s[part], t_s[part][known], values[part, column][known])
         begin += rows
-    return found
+    return filled
 
 
 def _sd(channel: Channel) -> Array:
-    """As the source states it, else as the channel's own scatter shows it; (N,)."""
+    """Return the standard deviation (n,) that the source states, or an estimate from the scatter of the channel."""
     if channel.noise_sd is not None:
         return channel.noise_sd
-    found = noise_of(channel)
+    noise = noise_of(channel)
     usable = channel.values[channel.good]
-    sd = found.sd if found is not None and found.sd > 0.0 else float(np.std(usable)) if len(usable) else 1.0
+    sd = noise.sd if noise is not None and noise.sd > 0.0 else float(np.std(usable)) if len(usable) else 1.0
     return np.full(len(channel.values), sd or 1.0)

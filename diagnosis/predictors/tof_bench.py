@@ -1,6 +1,6 @@
-"""Distance, target and surroundings -> reading of a range sensor on its bench.
+"""Distance, target and environment -> reading of a range sensor on its bench.
 
-The nominal sensor is the format's, offset and scale alone: neither the paper's Eq. 24 nor the cone of the shipped one.
+The nominal sensor of the case format has an offset and a scale only, without the paper's Eq. 24 and without a cone.
 """
 
 from collections.abc import Sequence
@@ -20,10 +20,10 @@ from sensors.tof import NOISE_AT_NEAR_MM, noise_sd_m
 from symolo.core.arrays import Array
 
 UNKNOWN_REFLECTANCE = 1.0
-"""Of a material that the case has no reflectance of."""
+"""Reflectance of a material that the case does not list."""
 
 
-class TofBench:
+class TofBenchStage:
     """All rows of a bench at once."""
 
     name = "tof"
@@ -37,7 +37,7 @@ class TofBench:
             given(measurement, name) for name in ("distance_m", "incidence_rad", "temperature_C", "ambient_lux")
         )
         self._distance_m = distance_m
-        # What nobody noted is as it was when the sensor was calibrated.
+        # What was not logged is assumed to be as during the calibration of the sensor.
         self._incidence_rad, self._temperature_C, self._ambient_lux = (
             np.where(np.isfinite(values), values, neutral)
             for values, neutral in (
@@ -63,10 +63,10 @@ class TofBench:
             Covariate("row", np.arange(1.0, len(materials) + 1.0)),
             Covariate("previous_distance_m", _previous_m(trials), beside="distance_m"),
         )
-        # A row without an input that other rows have could show its effect or not.
-        noted = [of for of in (incidence_rad, temperature_C, ambient_lux) if np.isfinite(of).any()]
-        predictable = np.isfinite(distance_m) & np.all([np.isfinite(of) for of in noted], axis=0)
-        offered = tuple(of for of in covariates if np.isfinite(of.values).any())
+        # A row without an input that other rows have may or may not show its effect.
+        logged = [x for x in (incidence_rad, temperature_C, ambient_lux) if np.isfinite(x).any()]
+        predictable = np.isfinite(distance_m) & np.all([np.isfinite(x) for x in logged], axis=0)
+        offered = tuple(covariate for covariate in covariates if np.isfinite(covariate.values).any())
         reading = observed_channel(measurement, "reading_m", predictable, offered)
         sd = self._expected([nominal])[1][0]
         known_sd = np.where(np.isfinite(distance_m), sd, reading.sd)
@@ -76,7 +76,7 @@ class TofBench:
         return (Predicted(*self._expected(robots)),)
 
     def _expected(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
-        """Mean and standard deviation, (M, n) each."""
+        """Return mean and standard deviation, (M, n) each."""
         mean, sd = (np.empty((len(robots), len(self._distance_m))) for _ in range(2))
         for group in alike(robots):
             several = [robots[k] for k in group]
@@ -105,12 +105,12 @@ def _materials(trial: Trial) -> tuple[str, ...]:
 
 
 def _previous_m(trials: Sequence[Trial]) -> Array:
-    """Distance of the row before, of all trials one after the other."""
+    """Return the distance in the previous row of the trial, for all trials; NaN in the first row."""
     return joined(np.concatenate([[np.nan], trial["distance_m"].values[:-1]]) for trial in trials)
 
 
 def _noise_sd_m(measurement: Measurement, distance_m: Array) -> Array:
-    """As the case states it, else as the paper's Eq. 23 has it; (n,)."""
+    """Return the noise (n,) that the case or the channel states, or that of the paper's Eq. 23."""
     if isinstance(measurement.nominal, NominalTof):
         return measurement.nominal.noise.sd_m(distance_m)
     by_paper_m = noise_sd_m(np.full(len(distance_m), 1e-3 * NOISE_AT_NEAR_MM), distance_m)
@@ -123,5 +123,5 @@ def _noise_sd_m(measurement: Measurement, distance_m: Array) -> Array:
 
 
 def tof_bench_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[Stage, ...]:
-    """The one stage of the bench."""
-    return (TofBench(measurement, nominal),)
+    """Return the only stage of the bench."""
+    return (TofBenchStage(measurement, nominal),)

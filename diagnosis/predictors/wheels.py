@@ -1,4 +1,4 @@
-"""Voltages -> mean speeds of both wheels between rows, as the encoders count them."""
+"""Voltages -> mean speeds of both wheels between rows, as counted by the encoders."""
 
 from collections.abc import Sequence
 from math import pi
@@ -13,7 +13,7 @@ from diagnosis.measured.nominal import NominalDrive
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.distinct import distinct
 from diagnosis.predictors.grid import Grid
-from diagnosis.predictors.rows import given, joined, rows_after, session_time_s, trial_of_rows
+from diagnosis.predictors.rows import given, joined, rows_after, session_time_s, trial_covariate, trial_of_rows
 from physics.drivetrain.wheel_turns import NO_LOAD, WheelLoad, counted_turns
 from physics.robot.model import RobotModel
 from physics.robot.stack import alike, stacked
@@ -36,13 +36,13 @@ SLOTS = frozenset(
         Slot.COUNTING,
     }
 )
-"""What acts between the voltages and the counts."""
+"""Slots of the effects between the voltages and the counts."""
 UNSTATED_RAD_S = 0.05
-"""Noise where nobody states it."""
+"""Noise if it is not stated."""
 
 
 class Wheels:
-    """One motor for each wheel, from rest at the start of each trial. Row k speaks of the time from it to row k + 1."""
+    """One motor for each wheel, at rest at the start of each trial. Row k is about the time from row k to row k + 1."""
 
     name = "wheels"
     at_once = 96
@@ -50,7 +50,7 @@ class Wheels:
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         is_case = isinstance(measurement.nominal, NominalDrive)
         self._grid = Grid.of(measurement, 1.0 / ROW_S if is_case else None)
-        # A case has the whole robot in its motor's numbers, a robot's own file has not.
+        # The motor of a case includes the inertia and friction of the whole robot, that of a robot file does not.
         self._load = NO_LOAD if is_case else WheelLoad.of_body(RobotModel.from_config(nominal))
         held = [self._grid.held(measurement.trials, f"u_{side}_V") for side in SIDES]
         self._voltage_V = np.stack([held[1], held[0]], axis=-1)[:-1]
@@ -58,7 +58,7 @@ class Wheels:
         self._first, self._next = rows_after(measurement, 1)
         numbers = np.concatenate(self._grid.places)
         self._lasts_s = self._grid.period_s * (numbers[self._next] - numbers[self._first])
-        speeds = [of[0] for of in self._speeds([nominal])]
+        speeds = [mean[0] for mean in self._speeds([nominal])]
         sd = measurement.nominal.noise.wheel_speed_rad_s if isinstance(measurement.nominal, NominalDrive) else None
         self.observed: tuple[Observed, ...] = tuple(
             self._observed(measurement, side, speed, sd or UNSTATED_RAD_S)
@@ -70,21 +70,18 @@ class Wheels:
         angle_rad = 2.0 * pi / self._counts * given(measurement, f"enc_{side}_ticks")
         speed = np.full(len(predicted), np.nan)
         speed[self._first] = (angle_rad[self._next] - angle_rad[self._first]) / self._lasts_s
-        split = joined(of.holdout for of in measurement.trials)
+        split = joined(trial.holdout for trial in measurement.trials)
         holdout = split.copy()
-        # A mean speed is made of two rows, and held out if one of them is.
+        # A mean speed is computed from two rows, and held out if one of them is.
         holdout[self._first] = split[self._first] | split[self._next]
         usable = np.isfinite(speed) & np.isfinite(voltage_V)
-        trial = trial_of_rows(measurement)
         covariates = (
             Covariate("omega_rad_s", predicted),
             Covariate("u_V", voltage_V),
             Covariate("wheel_angle_rad", angle_rad, CovariateShape.PERIODIC),
-            Covariate("t_s", joined(of.t_s for of in measurement.trials)),
+            Covariate("t_s", joined(trial.t_s for trial in measurement.trials)),
             Covariate("session_time_s", session_time_s(measurement)),
-            Covariate(
-                "trial", trial.astype(float), CovariateShape.CATEGORY, labels=tuple(t.name for t in measurement.trials)
-            ),
+            trial_covariate(measurement),
             Covariate("theta_rad", given(measurement, "theta_rad"), CovariateShape.PERIODIC),
         )
         return Observed(
@@ -93,34 +90,35 @@ class Wheels:
             unit="rad/s",
             values=np.where(usable, speed, np.nan),
             sd=np.full(len(speed), sd),
-            # Rounded ticks make it negative from row to row, disturbances of torque positive over some.
+            # Rounded ticks make it negative from row to row, torque disturbances positive over some rows.
             correlation=None,
-            trial=trial,
-            t_s=joined(of.t_s for of in measurement.trials),
+            trial=trial_of_rows(measurement),
+            t_s=joined(trial.t_s for trial in measurement.trials),
             holdout=holdout,
             usable=usable,
-            covariates=tuple(of for of in covariates if np.isfinite(of.values).any()),
+            covariates=tuple(covariate for covariate in covariates if np.isfinite(covariate.values).any()),
         )
 
     def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
         several, which = distinct(robots, PARTS, SLOTS)
         return tuple(
-            Predicted(mean[which], of.sd) for mean, of in zip(self._speeds(several), self.observed, strict=True)
+            Predicted(mean[which], observed.sd)
+            for mean, observed in zip(self._speeds(several), self.observed, strict=True)
         )
 
     def _speeds(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:
-        """Of the left and the right wheel, (M, n) each; NaN in the last row of a trial."""
+        """Return the speeds of the left and the right wheel, (M, n) each; NaN in the last row of a trial."""
         rows = sum(len(place) for place in self._grid.places)
         left, right = (np.full((len(robots), rows), np.nan) for _ in SIDES)
         for group in alike(robots):
             model = RobotModel.from_config(stacked([robots[k] for k in group], axes=2))
             turned = counted_turns(model, self._voltage_V, self._grid.period_s, self._grid.begins_s, self._load)
-            # Speeds are worked out from ticks by the nominal number of them in a turn.
+            # Measured speeds were computed from ticks with the nominal number of ticks per turn.
             scale = np.asarray(model.counts_per_revolution / self._counts)
             turned = (turned[:, None] if scale.ndim > turned.ndim - 1 else turned) * scale
             counted = np.concatenate([np.zeros_like(turned[:1]), np.cumsum(turned, axis=0)])
-            for of_side, wheel in ((left, 1), (right, 0)):
+            for speeds, wheel in ((left, 1), (right, 0)):
                 angle = self._grid.of_rows(counted[..., wheel])
                 speed = (angle[..., self._next] - angle[..., self._first]) / self._lasts_s
-                of_side[np.ix_(np.array(group), self._first)] = speed
+                speeds[np.ix_(np.array(group), self._first)] = speed
         return left, right

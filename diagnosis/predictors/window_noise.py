@@ -1,8 +1,8 @@
-"""The noise of changes over windows, where no source states it, from what the nominal robot leaves of them.
+"""The noise of changes over windows, estimated from the residuals of the nominal robot if no source states it.
 
-Windows that overlap, or that end where another begins, share poses, so that their noise is correlated in a way that is
-no decay from row to row. Differences of windows that lie too far apart to share any have twice the variance of one, and
-what a missing effect bends slowly drops out of them.
+Windows that overlap, or that end where another begins, share poses, so the correlation of their noise does not decay
+from row to row. The difference of two windows that share no pose has twice the variance of one window, and the slow
+changes by a missing effect cancel in it.
 """
 
 from math import sqrt
@@ -16,16 +16,16 @@ from symolo.core.arrays import Array
 
 
 def window_noise(left: Array, trial: NDArray[np.int64], rows: Mask, apart: int) -> float | None:
-    """Standard deviation of the noise of one window.
+    """Return the standard deviation of the noise of one window.
 
     Args:
-        left: (n,), measured less predicted, windows of a trial in the order of time; NaN where not usable.
-        trial: (n,), which trial a window is of.
-        rows: (n,), windows that may be looked at.
-        apart: Windows from one to the next that shares no pose with it.
+        left: (n,), measured minus predicted, windows of a trial in the order of time; NaN where not usable.
+        trial: (n,), trial of each window.
+        rows: (n,), windows that may be used.
+        apart: Number of windows to the next one that shares no pose.
 
     Returns:
-        None with too few pairs of windows, or where they do not scatter at all.
+        None if there are too few pairs of windows, or no scatter at all.
     """
     together = (trial[apart:] == trial[:-apart]) & rows[apart:] & rows[:-apart]
     differences = (left[apart:] - left[:-apart])[together]

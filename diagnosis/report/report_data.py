@@ -11,7 +11,7 @@ from diagnosis.diagnose import Diagnosis
 from diagnosis.engine.gain import EngineComparison, compare_engines
 from diagnosis.extended_robot import ExtendedRobot, extended_robot
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import Fit, fits
+from diagnosis.inference.fit import HypothesisFit, fits
 from diagnosis.inference.gain import Gain, gain, of_quantity
 from diagnosis.inference.hypothesis import moved
 from diagnosis.inference.profile import Interval, profiles
@@ -28,7 +28,7 @@ class Ablation:
     """The extended model without one of its effects; all other parameters are fitted again."""
 
     name: str
-    fit: Fit
+    fit: HypothesisFit
     cost_rise: float
     gain: Gain | None
     """Gain over the nominal robot without the effect."""
@@ -109,7 +109,7 @@ def calibrated(diagnosis: Diagnosis) -> RobotConfig:
     return nominal.hypothesis.robot(nominal.x)
 
 
-def _strongest(evidence: Evidence, fit: Fit) -> Iterator[Structure]:
+def _strongest(evidence: Evidence, fit: HypothesisFit) -> Iterator[Structure]:
     """Yield one structure for each observed quantity: of the significant ones that which explains most."""
     structures = adequacy(evidence, fit).structures
     for observed in evidence.observed:

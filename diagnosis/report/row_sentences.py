@@ -7,7 +7,7 @@ import numpy as np
 from diagnosis.diagnose import Diagnosis, NamedEffect
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.evidence.stuck_rows import StuckRow, stuck_rows
-from diagnosis.inference.fit import Fit
+from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.plausible import beyond
 from diagnosis.inference.unexplained.leave_one_out import MAX_ROWS, leave_one_out
 from diagnosis.measured.measurement import Kind
@@ -55,7 +55,7 @@ def _stuck(row: StuckRow, diagnosis: Diagnosis) -> str:
     return text + "."
 
 
-def _rms(evidence: Evidence, fit: Fit) -> dict[str, float]:
+def _rms(evidence: Evidence, fit: HypothesisFit) -> dict[str, float]:
     """Return the root mean square error of rows left out, by quantity, for quantities with usable rows."""
     errors = {name: e[np.isfinite(e)] for name, e in leave_one_out(evidence, fit).items()}
     return {name: float(np.sqrt(np.mean(e**2))) for name, e in errors.items() if len(e)}

@@ -17,7 +17,7 @@ import numpy as np
 
 from diagnosis.inference.coordinate import Coordinate
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import Fit
+from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.inference.likelihood import SPREAD
 from diagnosis.inference.selection import needed
@@ -56,7 +56,7 @@ class Signatures:
     """Names of two effects whose changes point in the same direction, and their cosine."""
 
 
-def signatures(evidence: Evidence, nominal: Fit, effects: Sequence[CandidateEffect]) -> Signatures:
+def signatures(evidence: Evidence, nominal: HypothesisFit, effects: Sequence[CandidateEffect]) -> Signatures:
     """Return the signatures of effects, in addition to a fit of the nuisances alone.
 
     Args:
@@ -103,7 +103,7 @@ def signatures(evidence: Evidence, nominal: Fit, effects: Sequence[CandidateEffe
 class _NuisanceProjection:
     """Projection of a change onto the part that the nuisances cannot explain."""
 
-    def __init__(self, evidence: Evidence, nominal: Fit) -> None:
+    def __init__(self, evidence: Evidence, nominal: HypothesisFit) -> None:
         self._root = np.sqrt(evidence.weight) * evidence.fit
         tangents = np.concatenate([(nominal.slopes * self._root).T, np.eye(nominal.hypothesis.size)])
         self._basis, _ = np.linalg.qr(tangents)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import ceil, log10
 
 from diagnosis.diagnose import Diagnosis, NamedEffect
-from diagnosis.inference.fit import Fit
+from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.profile import Interval
 from diagnosis.inference.selection import needed
 from diagnosis.inference.unexplained.adequacy import Structure
@@ -135,14 +135,14 @@ class BentParameter:
     tolerances: float
 
 
-def bent_parameters(fit: Fit) -> list[BentParameter]:
+def bent_parameters(fit: HypothesisFit) -> list[BentParameter]:
     """Return the nominal parameters that a fit moves further than their tolerances allow, the furthest first."""
     deviations = zip(fit.hypothesis.nuisances, fit.hypothesis.prior(fit.x).tolist(), strict=True)
     bent = [BentParameter(nuisance.name, deviation) for nuisance, deviation in deviations if abs(deviation) >= MIN_BENT]
     return sorted(bent, key=lambda parameter: -abs(parameter.tolerances))
 
 
-def _bent_text(fit: Fit) -> str:
+def _bent_text(fit: HypothesisFit) -> str:
     """Return, for example, `track_m by 5 tolerances`; empty if no parameter is bent."""
     names = ", ".join(f"{bent.name} by {abs(bent.tolerances):.0f}" for bent in bent_parameters(fit))
     return f"{names} tolerances" if names else ""

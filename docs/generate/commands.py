@@ -9,7 +9,8 @@ from typer.main import get_command
 
 from pipeline.cli import command_line
 
-ABOUT = "What `symolo COMMAND --help` says, of all commands. Exit codes and first steps: [README](../../README.md)."
+ABOUT = """What `symolo COMMAND --help` says, of all commands. An overview with examples and exit codes is on the page
+[commands](../commands.md)."""
 
 
 def commands() -> str:

@@ -13,7 +13,7 @@ from configs.schema.base import FIXED_KEY
 
 ABOUT = """What may stand in a scenario, with bounds and defaults; units are in the names. A key is written below its
 section, `render: {width_px: 320}`, or on the command line, `--set render.width_px=320`. *fixed*: no
-[distribution](../../README.md#scenarios) may stand there. Sections without a path of their own stand wherever a key
+[distribution](../scenarios.md#distributions) may stand there. Sections without a path of their own stand wherever a key
 refers to them."""
 
 OFTEN = 3

@@ -14,21 +14,20 @@ from symolo.core.errors import EnvironmentLacking
 SOURCE = Path(__file__).with_name("board.c")
 _FLAGS = ("-O2", "-std=gnu11", "-Wall")
 _LIBRARIES = ("-lsimavr", "-lelf")
-_SIGNS_OF_LACK = ("No such file", "cannot find -l", "cannot find crt")
+_SIGNS_OF_MISSING_FILES = ("No such file", "cannot find -l", "cannot find crt")
 
 
 def cache_folder() -> Path:
-    """Where built programs are kept: `symolo` in the user's cache folder."""
-    kept = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
-    return Path(kept).expanduser() / "symolo"
+    """Return the folder for built programs: `symolo` in the user's cache folder."""
+    return Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser() / "symolo"
 
 
 def build_board(folder: Path | None = None) -> Path:
-    """The simulated board as a program in `folder`, by default the user's cache; made if it is not there.
+    """Return the simulated board as a program in `folder`, by default the user's cache; build it if it is missing.
 
     Raises:
         EnvironmentLacking: There is no C compiler, or simavr or libelf is missing; names the line that installs them.
-        RuntimeError: The compiler does not take the source; ends with what it says.
+        RuntimeError: The source does not compile; the text ends with the compiler's messages.
     """
     folder = folder or cache_folder()
     source = SOURCE.read_bytes()
@@ -41,20 +40,20 @@ def build_board(folder: Path | None = None) -> Path:
         raise EnvironmentLacking(_lacking("there is no C compiler"))
     make_folder(folder)
     with tempfile.TemporaryDirectory(prefix="board-", dir=folder) as scratch:
-        made = Path(scratch) / "board"
-        command = [compiler, *_FLAGS, str(SOURCE), "-o", str(made), *_LIBRARIES]
+        program = Path(scratch) / "board"
+        command = [compiler, *_FLAGS, str(SOURCE), "-o", str(program), *_LIBRARIES]
         compiled = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False)
         if compiled.returncode:
             raise _failure(compiled.stderr)
-        move(made, place)
+        move(program, place)
     return place
 
 
-def _failure(said: str) -> Exception:
-    for line in said.splitlines():
-        if any(sign in line for sign in _SIGNS_OF_LACK):
+def _failure(messages: str) -> Exception:
+    for line in messages.splitlines():
+        if any(sign in line for sign in _SIGNS_OF_MISSING_FILES):
             return EnvironmentLacking(_lacking(line.strip()))
-    return RuntimeError(f"the simulated board does not compile: {said[-2000:]}")
+    return RuntimeError(f"the simulated board does not compile: {messages[-2000:]}")
 
 
 def _lacking(what: str) -> str:

@@ -1,4 +1,4 @@
-"""The simulated board as a child process, which never outlives its owner: it ends when its standard input does."""
+"""The simulated board as a child process. It ends when its standard input closes, so it never outlives its owner."""
 
 import contextlib
 import os
@@ -15,12 +15,12 @@ from symolo.core.errors import one_line
 
 Mode = Literal["lockstep", "pty"]
 MCU, CLOCK_HZ = "atmega2560", 16_000_000
-"""Of the Arduino Mega 2560."""
+"""Processor of the Arduino Mega 2560."""
 _PATIENCE_S = 30.0
-"""For one answer, of which the slowest firmware takes a hundredth of that."""
+"""Longest wait for one answer; the slowest firmware needs a hundredth of it."""
 _END_S = 2.0
-_MOST = 1 << 16
-"""Bytes that are read at once."""
+_MAX_READ = 1 << 16
+"""Largest number of bytes in one read."""
 
 
 class BoardProcess(Closing):
@@ -30,10 +30,10 @@ class BoardProcess(Closing):
         """Start a board.
 
         Args:
-            mode: Whether it runs when told to, or in real time behind a pty.
+            mode: Whether it runs tick by tick on request, or in real time behind a pty.
             elf: The firmware.
-            baud: Bits per second at this end of the serial line; the firmware sets those at its own.
-            program: The simulated board; built if not given.
+            baud: Bits per second at this end of the serial line; the firmware sets its own.
+            program: The simulated board; None builds it.
 
         Raises:
             EnvironmentLacking: The board is not built and cannot be.
@@ -46,14 +46,14 @@ class BoardProcess(Closing):
         except BaseException:
             self._log.close()
             raise
-        self._heard = b""
+        self._buffer = b""
         self._pipes = [pipe for pipe in (self._child.stdin, self._child.stdout) if pipe is not None]
 
     @property
     def pid(self) -> int:
         return self._child.pid
 
-    def say(self, request: bytes) -> None:
+    def write(self, request: bytes) -> None:
         to_board = self._pipes[0]
         try:
             to_board.write(request)
@@ -61,49 +61,49 @@ class BoardProcess(Closing):
         except (OSError, ValueError):
             raise self._gone() from None
 
-    def hear(self, length: int) -> bytes:
-        """So many bytes of the board's answer.
+    def read(self, length: int) -> bytes:
+        """Return that many bytes of the board's answer.
 
         Raises:
             BoardLost: The firmware crashed, or the process ended or hangs.
         """
         out = self._pipes[1].fileno()
-        while len(self._heard) < length:
+        while len(self._buffer) < length:
             ready, _, _ = select.select([out], [], [], _PATIENCE_S)
             if not ready:
-                raise BoardLost(f"the simulated board gives no answer for {_PATIENCE_S:.0f} s")
-            piece = os.read(out, _MOST)
+                raise BoardLost(f"the simulated board has not answered for {_PATIENCE_S:.0f} s")
+            piece = os.read(out, _MAX_READ)
             if not piece:
                 raise self._gone()
-            self._heard += piece
-        data, self._heard = self._heard[:length], self._heard[length:]
+            self._buffer += piece
+        data, self._buffer = self._buffer[:length], self._buffer[length:]
         return data
 
     def expect(self, kind: bytes) -> None:
-        """The letter with which the answer must begin.
+        """Read the letter with which the answer must begin.
 
         Raises:
-            BoardLost: The board says instead why it stopped.
+            BoardLost: The answer is another one, such as why the board stopped.
         """
-        found = self._first()
-        if found != kind:
-            raise BoardLost(f"the simulated board answers {found!r} where {kind!r} is due")
+        letter = self._first()
+        if letter != kind:
+            raise BoardLost(f"the simulated board answers {letter!r} in place of {kind!r}")
 
-    def hear_line(self) -> str:
-        """One line of text.
+    def read_line(self) -> str:
+        """Return one line of text.
 
         Raises:
-            BoardLost: The board says instead why it stopped.
+            BoardLost: The board reports why it stopped.
         """
         line = self._first()
         while not line.endswith(b"\n"):
-            line += self.hear(1)
+            line += self.read(1)
         return line.decode().strip()
 
     def close(self) -> None:
         """End the process; may be called again."""
         for pipe in self._pipes:
-            with contextlib.suppress(OSError):  # of what a dead child did not take
+            with contextlib.suppress(OSError):  # a dead child has not read everything
                 pipe.close()
         try:
             self._child.wait(_END_S)
@@ -113,22 +113,22 @@ class BoardProcess(Closing):
         self._log.close()
 
     def _first(self) -> bytes:
-        first = self.hear(1)
+        first = self.read(1)
         if first == b"E":
-            raise _stopped(self.hear(int.from_bytes(self.hear(2), "little")))
+            raise _stopped(self.read(int.from_bytes(self.read(2), "little")))
         return first
 
     def _gone(self) -> BoardLost:
-        """What a process that is not there any more can still say."""
+        """Return why a process that is gone has ended, from its last output."""
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._child.wait(_END_S)
-            left = self._heard + os.read(self._pipes[1].fileno(), _MOST)
+            left = self._buffer + os.read(self._pipes[1].fileno(), _MAX_READ)
             if left.startswith(b"E"):
                 return _stopped(left[3:])
         self._log.seek(0)
         last = self._log.read().decode(errors="replace").splitlines()[-1:]
         return BoardLost(
-            one_line(f"the simulated board ended with status {self._child.poll()}: {last[0] if last else 'no word'}")
+            one_line(f"the simulated board ended with status {self._child.poll()}: {last[0] if last else 'no message'}")
         )
 
 

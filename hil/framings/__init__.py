@@ -1,4 +1,4 @@
-"""How frames become bytes on the serial line: one file per framing, and this table."""
+"""How frames are encoded on the serial line: one file for each framing, and this table."""
 
 from hil.framings.base import Framing
 from hil.framings.framed import Framed

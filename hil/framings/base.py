@@ -1,14 +1,15 @@
-"""What a framing is: how frames become bytes on the line, and bytes of a bad line become frames again."""
+"""What a framing is: it encodes frames as bytes on the serial line and decodes the bytes of a bad line."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Generic, Protocol, TypeVar
 
 from hil.frames import CommandFrame, HelloFrame, SensorFrame
 
 
 @dataclass(frozen=True)
 class Damaged:
-    """Bytes of which nothing could be made."""
+    """Bytes that are no frame."""
 
     reason: str
 
@@ -19,12 +20,12 @@ class CommandMessage:
 
     command: CommandFrame
     seq: int | None
-    """Of the sensor frame that it answers; None where the framing does not say."""
+    """Sequence number of the sensor frame that it answers; None where the framing has no numbers."""
 
 
 @dataclass(frozen=True)
 class SensorsMessage:
-    """A sensor frame as the board hears it."""
+    """A sensor frame as the board receives it."""
 
     sensors: SensorFrame
     seq: int | None
@@ -32,7 +33,7 @@ class SensorsMessage:
 
 @dataclass(frozen=True)
 class HelloRequest:
-    """The simulator wants to know who is there."""
+    """The simulator asks which board and firmware is there."""
 
     seq: int | None
 
@@ -40,43 +41,61 @@ class HelloRequest:
 FromBoard = CommandMessage | HelloFrame | Damaged
 ToBoard = SensorsMessage | HelloRequest | Damaged
 
-
-class BoardDecoder(Protocol):
-    """Makes frames of what comes from the board, in pieces of any length; never raises, whatever comes."""
-
-    def feed(self, data: bytes) -> list[FromBoard]: ...
+Piece = TypeVar("Piece")
+Received = TypeVar("Received")
 
 
-class SimulatorDecoder(Protocol):
-    """The same at the board's end; what the fake board hears with."""
+class Splitter(Protocol[Piece]):
+    """Cuts a stream of bytes into frames."""
 
-    def feed(self, data: bytes) -> list[ToBoard]: ...
+    def split(self, data: bytes) -> list[Piece | Damaged]:
+        """Return the frames that these bytes complete; the rest waits for further bytes."""
+        ...
+
+
+class Decoder(Generic[Received]):
+    """Decodes bytes that arrive in pieces of any length. It never raises: bad bytes become `Damaged`."""
+
+    def __init__(self, splitter: Splitter[Piece], parse: Callable[[Piece], Received | Damaged]) -> None:
+        self._decode: Callable[[bytes], list[Received | Damaged]] = lambda data: [
+            piece if isinstance(piece, Damaged) else parse(piece) for piece in splitter.split(data)
+        ]
+
+    def decode(self, data: bytes) -> list[Received | Damaged]:
+        """Return what these bytes complete."""
+        return self._decode(data)
+
+
+BoardDecoder = Decoder[CommandMessage | HelloFrame]
+"""Decodes what the board sends."""
+SimulatorDecoder = Decoder[SensorsMessage | HelloRequest]
+"""Decodes what the simulator sends, at the board's end."""
 
 
 class Framing(Protocol):
-    """One way to put frames on a serial line. Holds no state: what was heard so far is in the ears."""
+    """One way to put frames on a serial line. It has no state; a decoder has."""
 
     @property
     def name(self) -> str: ...
 
     @property
     def baud(self) -> int:
-        """The rate at which it is used by default."""
+        """Default baud rate."""
         ...
 
     @property
     def numbers_frames(self) -> bool:
-        """Whether an answer says which frame it answers, and a hello is understood."""
+        """Whether an answer names the frame that it answers, and a board can answer a hello."""
         ...
 
     def hello(self, seq: int) -> bytes:
-        """Asks who is there; empty where the framing cannot."""
+        """Encode the question which board is there; empty where the framing has none."""
         ...
 
     def sensors(self, seq: int, frame: SensorFrame) -> bytes: ...
 
     def command(self, seq: int, frame: CommandFrame) -> bytes:
-        """The board's answer, for boards that are not firmware."""
+        """Encode the board's answer, for boards without the firmware."""
         ...
 
     def hello_answer(self, seq: int, frame: HelloFrame) -> bytes: ...

@@ -1,11 +1,11 @@
 """Consistent overhead byte stuffing: bytes without a zero, so that a zero ends a frame (Cheshire and Baker 1999)."""
 
 _BLOCK = 254
-"""Most bytes other than zero that one code byte can lead."""
+"""Largest number of bytes other than zero after one code byte."""
 
 
 def stuffed(data: bytes) -> bytes:
-    """The data without zeros; at most one byte longer for each 254, and at least one."""
+    """Return the data without zeros; it is longer by one byte, and by one more for each 254 bytes."""
     out = bytearray()
     # A phantom zero ends the last block; what follows it is never sent.
     for block in bytes(data + b"\0").split(b"\0")[:-1]:
@@ -18,7 +18,7 @@ def stuffed(data: bytes) -> bytes:
 
 
 def unstuffed(data: bytes) -> bytes | None:
-    """What was stuffed, or None where `data`, which holds no zero, cannot be that."""
+    """Return the data before stuffing, or None where `data`, which holds no zero, is no stuffed data."""
     out = bytearray()
     at = 0
     while at < len(data):

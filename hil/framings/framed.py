@@ -1,7 +1,7 @@
-"""The default framing: length fixed by type, sequence number, CRC-16, byte stuffing, zeros between frames.
+"""The default framing: a length fixed by the type, sequence number, CRC-16, byte stuffing, zeros between frames.
 
 Frame: COBS(type u8, seq u8, payload, crc u16) 0x00, little endian; the CRC is CRC-16/IBM-3740 over type to payload. A
-zero goes before it too, so that what noise left on the line is no part of it; nothing between two zeros is no frame.
+zero precedes it too, so that noise on the line does not become part of it; two zeros in a row are no empty frame.
 """
 
 import binascii
@@ -14,6 +14,7 @@ from hil.framings.base import (
     BoardDecoder,
     CommandMessage,
     Damaged,
+    Decoder,
     FromBoard,
     HelloRequest,
     SensorsMessage,
@@ -30,17 +31,17 @@ _HELLO_ANSWER = struct.Struct("<B8sB")
 _CRC_INITIAL = 0xFFFF
 _LENGTHS = {SENSORS: _SENSORS.size, COMMAND: _COMMAND.size, HELLO: 0, HELLO_ANSWER: _HELLO_ANSWER.size}
 _LONGEST = max(_LENGTHS.values()) + 2 + 2 + 1
-"""Of a stuffed frame without its zero."""
+"""Largest length [byte] of a stuffed frame without its zero."""
 
 
 def crc16(data: bytes) -> int:
-    """CRC-16/IBM-3740: polynomial 0x1021, initial value 0xFFFF, nothing reflected."""
+    """Return CRC-16/IBM-3740: polynomial 0x1021, initial value 0xFFFF, nothing reflected."""
     return binascii.crc_hqx(data, _CRC_INITIAL)
 
 
 @dataclass(frozen=True)
 class Framed:
-    """Frames that are right or dropped; see docs/hil.md for how often damage goes unseen."""
+    """Frames with a checksum; docs/hil_protocol.md says how often damage goes unnoticed."""
 
     name: str = "framed"
     baud: int = 500_000
@@ -67,14 +68,14 @@ class Framed:
         return _frame(HELLO_ANSWER, seq, payload)
 
     def from_board(self) -> BoardDecoder:
-        return _BoardEars()
+        return Decoder(_Splitter(), _from_board)
 
     def to_board(self) -> SimulatorDecoder:
-        return _SimulatorEars()
+        return Decoder(_Splitter(), _to_board)
 
 
 def _sum(seq: int, rest: bytes) -> int:
-    """Six bits more against damage, for the board has nothing else to judge sensors by."""
+    """Return six more bits against damage: the board has nothing else to judge sensor readings by."""
     return (seq + sum(rest)) & 0x3F
 
 
@@ -91,28 +92,28 @@ class _Whole:
 
 
 class _Splitter:
-    """Cuts the stream at its zeros; what lies between two of them is a frame or is dropped."""
+    """Cuts the stream at its zeros; what lies between two zeros is a frame or is dropped."""
 
     def __init__(self) -> None:
-        self._held = bytearray()
+        self._buffer = bytearray()
         self._too_long = False
 
-    def feed(self, data: bytes) -> list[_Whole | Damaged]:
+    def split(self, data: bytes) -> list[_Whole | Damaged]:
         *ended, rest = data.split(b"\0")
-        found = [self._end(piece) for piece in ended]
-        self._hold(rest)
-        return [frame for frame in found if frame is not None]
+        frames = [self._end(piece) for piece in ended]
+        self._append(rest)
+        return [frame for frame in frames if frame is not None]
 
-    def _hold(self, piece: bytes) -> None:
-        self._held += piece
-        if len(self._held) > _LONGEST:
+    def _append(self, piece: bytes) -> None:
+        self._buffer += piece
+        if len(self._buffer) > _LONGEST:
             self._too_long = True
-            self._held.clear()
+            self._buffer.clear()
 
     def _end(self, piece: bytes) -> _Whole | Damaged | None:
-        self._hold(piece)
-        stuffed_frame, too_long = bytes(self._held), self._too_long
-        self._held.clear()
+        self._append(piece)
+        stuffed_frame, too_long = bytes(self._buffer), self._too_long
+        self._buffer.clear()
         self._too_long = False
         if too_long:
             return Damaged("longer than any frame")
@@ -130,50 +131,30 @@ def _unpacked(stuffed_frame: bytes) -> _Whole | Damaged:
     return _Whole(body[0], body[1], body[2:-2])
 
 
-class _BoardEars:
-    def __init__(self) -> None:
-        self._splitter = _Splitter()
-
-    def feed(self, data: bytes) -> list[FromBoard]:
-        return [_from_board(found) for found in self._splitter.feed(data)]
-
-
-def _from_board(found: _Whole | Damaged) -> FromBoard:
-    if isinstance(found, Damaged):
-        return found
-    if found.kind == HELLO_ANSWER:
-        protocol, identity, baud_index = _HELLO_ANSWER.unpack(found.payload)
+def _from_board(frame: _Whole) -> FromBoard:
+    if frame.kind == HELLO_ANSWER:
+        protocol, identity, baud_index = _HELLO_ANSWER.unpack(frame.payload)
         return HelloFrame(protocol, identity.hex(), baud_index)
-    if found.kind != COMMAND:
+    if frame.kind != COMMAND:
         return Damaged("a frame that a board does not send")
-    number, right, left, v, w, line_lost, ticks, dropped = _COMMAND.unpack(found.payload)
+    number, right, left, v, w, line_lost, ticks, dropped = _COMMAND.unpack(frame.payload)
     state = wire.state_from(number)
     if state is None:
         return Damaged(f"there is no state {number}")
     speeds = (right / 1000.0, left / 1000.0, v / 1000.0, w / 1000.0)
-    return CommandMessage(CommandFrame(state, *speeds, line_lost, ticks, dropped), found.seq)
+    return CommandMessage(CommandFrame(state, *speeds, line_lost, ticks, dropped), frame.seq)
 
 
-class _SimulatorEars:
-    def __init__(self) -> None:
-        self._splitter = _Splitter()
-
-    def feed(self, data: bytes) -> list[ToBoard]:
-        return [_to_board(found) for found in self._splitter.feed(data)]
-
-
-def _to_board(found: _Whole | Damaged) -> ToBoard:
-    if isinstance(found, Damaged):
-        return found
-    if found.kind == HELLO:
-        return HelloRequest(found.seq)
-    if found.kind != SENSORS:
+def _to_board(frame: _Whole) -> ToBoard:
+    if frame.kind == HELLO:
+        return HelloRequest(frame.seq)
+    if frame.kind != SENSORS:
         return Damaged("a frame that a simulator does not send")
-    flags, right, left, line, *ranges = _SENSORS.unpack(found.payload)
-    if flags >> _SUM_FROM != _sum(found.seq, found.payload[1:]):
+    flags, right, left, line, *ranges = _SENSORS.unpack(frame.payload)
+    if flags >> _SUM_FROM != _sum(frame.seq, frame.payload[1:]):
         return Damaged("sensors that do not add up")
     front_m, left_m, right_m = (wire.range_from(mm) for mm in ranges)
-    frame = SensorFrame(
+    sensors = SensorFrame(
         (right, left), wire.line_from(line), front_m, left_m, right_m, bool(flags & _RUN), bool(flags & _START)
     )
-    return SensorsMessage(frame, found.seq)
+    return SensorsMessage(sensors, frame.seq)

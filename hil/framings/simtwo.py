@@ -1,6 +1,6 @@
 """SimTwo's framing: one channel letter and eight upper-case hexadecimal digits, without number or checksum.
 
-Letters are those that are no hexadecimal digit, so a letter always begins a frame. Big endian. To the board R (encoder
+The letters are no hexadecimal digits, so a letter always begins a frame. Big endian. To the board R (encoder
 increments right and left), I and J (line L0 to L3, L4 to L7), H (front and left range), K (right range, 0) and,
 last, G (flags); from it s (state), M and Q (set points right and left), in that order.
 """
@@ -15,6 +15,7 @@ from hil.framings.base import (
     BoardDecoder,
     CommandMessage,
     Damaged,
+    Decoder,
     FromBoard,
     SensorsMessage,
     SimulatorDecoder,
@@ -31,7 +32,7 @@ _RUN, _START = 1, 2
 
 @dataclass(frozen=True)
 class SimTwo:
-    """For users of SimTwo; damage that leaves digits digits goes unseen, see docs/hil.md for how much."""
+    """For users of SimTwo. Damage from digit to digit goes unnoticed; docs/hil_protocol.md says how often."""
 
     name: str = "simtwo"
     baud: int = 115_200
@@ -65,10 +66,10 @@ class SimTwo:
         return b""
 
     def from_board(self) -> BoardDecoder:
-        return _BoardEars()
+        return Decoder(_Channels(_FROM_BOARD), _from_board)
 
     def to_board(self) -> SimulatorDecoder:
-        return _SimulatorEars()
+        return Decoder(_Channels(_TO_BOARD), _to_board)
 
 
 def _frame(letter: str, value: bytes) -> bytes:
@@ -76,7 +77,7 @@ def _frame(letter: str, value: bytes) -> bytes:
 
 
 class _Channels:
-    """Finds single frames in the stream, and collects those of one tick, which end with the last letter."""
+    """Cuts the stream into single frames and collects those of one tick, which end with the last letter."""
 
     def __init__(self, letters: str) -> None:
         self._letters = letters.encode()
@@ -85,12 +86,9 @@ class _Channels:
         self._values: dict[int, bytes] = {}
         self._lost = False
 
-    def feed(self, data: bytes) -> list[tuple[bytes, ...] | Damaged]:
-        """The values of each tick that is complete, in the order of the letters."""
-        found: list[tuple[bytes, ...] | Damaged] = []
-        for byte in data:
-            found += self._take(byte)
-        return found
+    def split(self, data: bytes) -> list[tuple[bytes, ...] | Damaged]:
+        """Return the values of each tick that is complete, in the order of the letters."""
+        return [piece for byte in data for piece in self._take(byte)]
 
     def _take(self, byte: int) -> list[tuple[bytes, ...] | Damaged]:
         damage: list[tuple[bytes, ...] | Damaged] = []
@@ -116,7 +114,7 @@ class _Channels:
     def _whole(self) -> list[tuple[bytes, ...] | Damaged]:
         letter, self._letter = self._letter, 0
         if letter not in self._letters:
-            return []  # a channel of somebody else's
+            return []  # a channel that is not ours
         place = self._letters.index(letter)
         if place == 0:
             self._values.clear()
@@ -131,36 +129,16 @@ class _Channels:
         return [whole]
 
 
-class _BoardEars:
-    def __init__(self) -> None:
-        self._channels = _Channels(_FROM_BOARD)
-
-    def feed(self, data: bytes) -> list[FromBoard]:
-        return [_from_board(found) for found in self._channels.feed(data)]
-
-
-def _from_board(found: tuple[bytes, ...] | Damaged) -> FromBoard:
-    if isinstance(found, Damaged):
-        return found
-    number, right, left = (int.from_bytes(value, "big", signed=True) for value in found)
+def _from_board(values: tuple[bytes, ...]) -> FromBoard:
+    number, right, left = (int.from_bytes(value, "big", signed=True) for value in values)
     state = wire.state_from(number)
     if state is None:
         return Damaged(f"there is no state {number}")
     return CommandMessage(CommandFrame(state, right / 1000.0, left / 1000.0), None)
 
 
-class _SimulatorEars:
-    def __init__(self) -> None:
-        self._channels = _Channels(_TO_BOARD)
-
-    def feed(self, data: bytes) -> list[ToBoard]:
-        return [_to_board(found) for found in self._channels.feed(data)]
-
-
-def _to_board(found: tuple[bytes, ...] | Damaged) -> ToBoard:
-    if isinstance(found, Damaged):
-        return found
-    increments, line_low, line_high, front_left, right_range, flag_bits = found
+def _to_board(values: tuple[bytes, ...]) -> ToBoard:
+    increments, line_low, line_high, front_left, right_range, flag_bits = values
     front_mm, left_mm = struct.unpack(">HH", front_left)
     right_mm, _ = struct.unpack(">HH", right_range)
     front_m, left_m, right_m = (wire.range_from(mm) for mm in (front_mm, left_mm, right_mm))

@@ -1,40 +1,36 @@
-"""What a serial line to a board is to the loop: bytes out, bytes in, and when a tick begins."""
+"""What a serial line to a board is: it sends bytes, receives bytes and knows when a tick begins."""
 
 from typing import Protocol
 
 
 class BoardLink(Protocol):
-    """A line to a board. Ticks begin at equal distances; whether of real time is the link's affair."""
+    """A line to a board. Ticks begin at equal distances of real or simulated time, as the link decides."""
 
     @property
     def name(self) -> str:
-        """Of the other end, for messages."""
+        """Name of the board in messages."""
         ...
 
     def start_tick(self, tick_s: float) -> float:
-        """Wait until a tick of that length begins.
-
-        Returns:
-            By how much [s] it begins too late.
-        """
+        """Wait until a tick of that length begins, and return by how much [s] it begins too late."""
         ...
 
     def write(self, data: bytes) -> None:
         """Send the data.
 
         Raises:
-            BoardLost: There is nobody at the other end any more.
+            BoardLost: The board is gone.
         """
         ...
 
     def read(self) -> bytes:
-        """Wait for what comes next of this tick; empty when an answer to it would come too late.
+        """Wait for the next bytes of this tick; empty when an answer would come too late.
 
         Raises:
-            BoardLost: There is nobody at the other end any more.
+            BoardLost: The board is gone.
         """
         ...
 
     def close(self) -> None:
-        """Let go of the line; may be called again."""
+        """Close the line; may be called again."""
         ...

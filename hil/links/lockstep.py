@@ -1,4 +1,4 @@
-"""The simulated board in lock-step: it runs exactly a tick's cycles a tick, faster than real time, always the same."""
+"""The simulated board in lock-step: it runs the cycles of a tick in each tick, always alike, faster than real time."""
 
 import struct
 from pathlib import Path
@@ -11,7 +11,7 @@ _ANSWER = struct.Struct("<QIIH")
 
 
 class LockstepLink:
-    """Runs the board for one tick when its answer is first asked for.
+    """Runs the board for one tick at the first `read` in it.
 
     The same bytes in the same ticks give the same bytes at the same cycles.
     """
@@ -24,20 +24,20 @@ class LockstepLink:
         self._to_send = b""
         self._cycles_due = 0
         self.cycle = 0
-        """At the end of the last tick that was run, since the board was switched on."""
+        """Number of cycles since the board was switched on, at the end of the last tick."""
         self.arrivals: tuple[int, ...] = ()
-        """Cycles since the tick began at which the bytes of the last tick had come in."""
+        """Cycles from the beginning of the last tick to the arrival of each of its bytes."""
         self.overrun = 0
-        """Bytes that the firmware lost because it read too late."""
+        """Number of bytes that the firmware lost because it read too late."""
         self.unheard = 0
-        """Bytes that came while the firmware's receiver was off."""
+        """Number of bytes that came while the firmware's receiver was off."""
 
     @property
     def pid(self) -> int:
         return self._board.pid
 
     def start_tick(self, tick_s: float) -> float:
-        """Begin a tick; what the board still has to run of the last one it runs now, and what it said then is lost."""
+        """Begin a tick. If the last one has not been run, run it now and drop what the board sends in it."""
         if self._cycles_due:
             self._run()
         self._cycles_due = round(tick_s * CLOCK_HZ)
@@ -47,12 +47,12 @@ class LockstepLink:
         self._to_send += data
 
     def read(self) -> bytes:
-        """All that the board says in this tick; empty when asked again."""
+        """Return all bytes that the board sends in this tick; empty at the next call."""
         return self._run() if self._cycles_due else b""
 
     def reset(self) -> None:
         """Press the board's reset button; bytes under way are lost."""
-        self._board.say(b"R")
+        self._board.write(b"R")
         self._board.expect(b"R")
 
     def close(self) -> None:
@@ -61,10 +61,10 @@ class LockstepLink:
     def _run(self) -> bytes:
         sent, cycles = self._to_send, self._cycles_due
         self._to_send, self._cycles_due = b"", 0
-        self._board.say(struct.pack("<cIH", b"T", cycles, len(sent)) + sent)
+        self._board.write(struct.pack("<cIH", b"T", cycles, len(sent)) + sent)
         self._board.expect(b"T")
-        began = self.cycle
-        self.cycle, self.overrun, self.unheard, length = _ANSWER.unpack(self._board.hear(_ANSWER.size))
-        heard = self._board.hear(9 * length)
-        self.arrivals = tuple(int(at) - began for at in np.frombuffer(heard[: 8 * length], dtype="<u8"))
-        return heard[8 * length :]
+        begin = self.cycle
+        self.cycle, self.overrun, self.unheard, length = _ANSWER.unpack(self._board.read(_ANSWER.size))
+        received = self._board.read(9 * length)
+        self.arrivals = tuple(int(cycle) - begin for cycle in np.frombuffer(received[: 8 * length], dtype="<u8"))
+        return received[8 * length :]

@@ -1,4 +1,4 @@
-"""The simulated board in real time, with a pty for a serial port, for whatever program talks to a board."""
+"""The simulated board in real time, with a pty as its serial port, for any program that talks to a board."""
 
 from pathlib import Path
 
@@ -7,13 +7,13 @@ from hil.closing import Closing
 
 
 class PtyBoard(Closing):
-    """A board that runs while this object lives; `port` is opened like that of a real one."""
+    """A board that runs while this object lives; `port` is opened like the serial port of a real board."""
 
     def __init__(self, elf: Path, baud: int, *, program: Path | None = None) -> None:
         """Start a board; see `BoardProcess` for arguments and errors."""
         self._board = BoardProcess("pty", elf, baud, program=program)
         try:
-            self.port = self._board.hear_line()
+            self.port = self._board.read_line()
         except BaseException:
             self._board.close()
             raise
@@ -24,7 +24,7 @@ class PtyBoard(Closing):
 
     def reset(self) -> None:
         """Press the board's reset button."""
-        self._board.say(b"R")
+        self._board.write(b"R")
 
     def close(self) -> None:
         self._board.close()

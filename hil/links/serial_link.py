@@ -1,4 +1,4 @@
-"""A board at a serial port or pty, in real time, by pyserial."""
+"""A board at a serial port or pty in real time, through pyserial."""
 
 import errno
 import importlib
@@ -9,27 +9,25 @@ from typing import Any
 
 from hil.errors import BoardLost
 from symolo.core.errors import EnvironmentLacking, InputError
+from symolo.core.extras import how_to_install
 
-INSTALL = "run `.venv/bin/pip install pyserial`, or ./setup in the repository"
+INSTALL = how_to_install("generate")
 _WRITE_S = 1.0
 _WHY = {
     errno.ENOENT: ("there is no such port", "`ls /dev/ttyACM* /dev/ttyUSB*` lists the boards that are plugged in"),
-    errno.EACCES: ("no right to open the port", "`usermod -a -G dialout USER` as root gives it, from the next login"),
+    errno.EACCES: ("you may not open the port", "run `usermod -a -G dialout USER` as root, and log in again"),
     errno.EBUSY: ("another program has the port", "close its serial monitor"),
     errno.EAGAIN: ("another program has the port", "close its serial monitor"),
     errno.ENODEV: ("there is no device behind the port", "plug the board in"),
     errno.ENXIO: ("there is no device behind the port", "plug the board in"),
     errno.EIO: ("there is no device behind the port", "plug the board in"),
-    errno.ENOTTY: ("this is no serial port", "give one such as /dev/ttyACM0"),
-    errno.EISDIR: ("this is no serial port", "give one such as /dev/ttyACM0"),
+    errno.ENOTTY: ("this is no serial port", "name one, such as /dev/ttyACM0"),
+    errno.EISDIR: ("this is no serial port", "name one, such as /dev/ttyACM0"),
 }
 
 
 class SerialLink:
-    """Sends at the beginning of each tick and takes answers until a share of it is over.
-
-    The rest of the tick is the simulation's.
-    """
+    """Sends at the beginning of each tick and accepts answers during a share of it; the simulation needs the rest."""
 
     def __init__(self, port: str, baud: int, *, answer_within: float = 0.5) -> None:
         """Open a port, which resets an Arduino that is plugged in.
@@ -37,7 +35,7 @@ class SerialLink:
         Args:
             port: Path of the device.
             baud: Bits per second.
-            answer_within: Share of a tick until whose end an answer is waited for.
+            answer_within: Share of a tick in which answers are accepted.
 
         Raises:
             EnvironmentLacking: pyserial is not installed.
@@ -50,7 +48,7 @@ class SerialLink:
         self._answer_by_s = 0.0
 
     def start_tick(self, tick_s: float) -> float:
-        """Sleep until the next tick is due. One that is due for longer than a tick moves all that come after it."""
+        """Sleep until the next tick is due. A tick that is late by more than a tick shifts all later ones."""
         now_s = time.monotonic()
         self._due_s = now_s if self._due_s is None else self._due_s + tick_s
         if self._due_s > now_s:

@@ -1,4 +1,4 @@
-"""A board that is none: a function from sensors to command behind a framing, for tests and for trying things out."""
+"""A stand-in for a board: a function from sensors to command behind a framing, for tests and experiments."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -10,7 +10,7 @@ Controller = Callable[[SensorFrame], CommandFrame]
 
 
 class StandInBoard:
-    """Answers each frame in the tick in which it comes, as firmware does."""
+    """Answers each frame in the same tick, as the firmware does."""
 
     name = "stand-in board"
 
@@ -18,12 +18,12 @@ class StandInBoard:
         self._framing = framing
         self._controller = controller
         self._hello = HelloFrame(1, firmware_id, 0)
-        self._said = b""
+        self._output = b""
         self.boot()
 
     def boot(self) -> None:
-        """Start afresh, as after a reset; the controller's state is its own affair."""
-        self._ears = self._framing.to_board()
+        """Reset the counters, as after a re-boot; the state of the controller stays."""
+        self._decoder = self._framing.to_board()
         self._ticks = 0
         self._dropped = 0
 
@@ -32,23 +32,23 @@ class StandInBoard:
         return 0.0
 
     def write(self, data: bytes) -> None:
-        for heard in self._ears.feed(data):
-            if isinstance(heard, SensorsMessage):
-                self._said += self._answer(heard)
-            elif isinstance(heard, HelloRequest):
-                self._said += self._framing.hello_answer(heard.seq or 0, self._hello)
+        for message in self._decoder.decode(data):
+            if isinstance(message, SensorsMessage):
+                self._output += self._answer(message)
+            elif isinstance(message, HelloRequest):
+                self._output += self._framing.hello_answer(message.seq or 0, self._hello)
             else:
                 self._dropped = min(self._dropped + 1, 255)
 
     def read(self) -> bytes:
-        said, self._said = self._said, b""
-        return said
+        output, self._output = self._output, b""
+        return output
 
     def close(self) -> None:
-        self._said = b""
+        self._output = b""
 
-    def _answer(self, asked: SensorsMessage) -> bytes:
+    def _answer(self, message: SensorsMessage) -> bytes:
         self._ticks = min(self._ticks + 1, 65535)
-        command = replace(self._controller(asked.sensors), ticks=self._ticks, dropped=self._dropped)
+        command = replace(self._controller(message.sensors), ticks=self._ticks, dropped=self._dropped)
         self._dropped = 0
-        return self._framing.command(asked.seq or 0, command)
+        return self._framing.command(message.seq or 0, command)

@@ -1,7 +1,7 @@
 """Ray casts against floor, walls and obstacles in closed form.
 
-The robot is no part of the scene and cannot be hit. PyBullet's own ray test walks to the surface in steps: on these
-boxes it is up to 3 mm off and its normals by tens of degrees near edges, at three times the cost.
+The robot is not part of the scene and cannot be hit. PyBullet's ray test approaches surfaces in steps: on these boxes
+it is wrong by up to 3 mm, and its normals by tens of degrees near edges, at three times the cost.
 """
 
 from dataclasses import dataclass
@@ -13,25 +13,25 @@ from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 
 PARALLEL = 1e-30
-"""Added to every direction [m], so that a ray along a face divides by something; lost in all others."""
+"""Added to every direction [m], so that a ray along a face does not divide by zero; negligible otherwise."""
 FLOOR_SIZE_M = (1e6, 1e6, 1.0)
-"""The floor is a box like the others, in row 0, with its lid at height 0."""
+"""Size of the floor, which is a box like the others, in row 0, with its top at height 0."""
 
 
 @dataclass(frozen=True)
-class Hits:
-    """The first thing each ray meets."""
+class RayHits:
+    """The first surface that each ray meets."""
 
     fraction: Array
-    """(N,), of the way from origin to end; 1 where nothing was met."""
+    """(N,), fraction of the distance from origin to end; 1 without a hit."""
     surface: NDArray[np.int64]
-    """(N,), -1 nothing, 0 the floor, 1 + i for box i of the arena."""
+    """(N,), -1 for no hit, 0 for the floor, 1 + i for box i of the arena."""
     normal: Array
-    """(N, 3), unit normal of what was met, in W; zero where nothing was."""
+    """(N, 3), unit normal of the surface in W; zero without a hit."""
 
 
 class RayScene:
-    """The boxes as they stand at one time; those that move are put in place when another time is asked for."""
+    """The boxes at one time; a cast at another time moves those that have a path."""
 
     def __init__(self, arena: Arena) -> None:
         self._moving = [(1 + index, box) for index, box in enumerate(arena.boxes) if box.motion is not None]
@@ -48,7 +48,7 @@ class RayScene:
         axes = np.stack([np.stack(axis, axis=-1) for axis in ([c, s, zero], [-s, c, zero], [zero, zero, one])])
         self._to_boxes = axes.reshape(-1, 3)
         self._center = np.einsum("abk,bk->ab", axes, self._middle)[..., None]
-        # (2, 3, B, 3): of the faces met on the way up each axis, and of those met on the way down.
+        # (2, 3, B, 3): normals of the faces that rays along +axis meet, and of those that rays along -axis meet.
         self._outward = np.stack([-axes, axes])
 
     def _move(self, time_s: float) -> None:
@@ -58,20 +58,20 @@ class RayScene:
         self._time_s = time_s
         self._orient()
 
-    def cast(self, origins: Array, ends: Array, time_s: float = 0.0) -> Hits:
+    def cast(self, origins: Array, ends: Array, time_s: float = 0.0) -> RayHits:
         """Cast rays from `origins` to `ends`, (N, 3) each, in W. A ray that starts inside a box does not meet it.
 
         Args:
-            origins: Where the rays begin.
-            ends: How far they reach.
-            time_s: Since the start of the run; moving obstacles are where they are then.
+            origins: Beginnings of the rays.
+            ends: Ends of the rays.
+            time_s: Time since the start of the run, at which moving obstacles are placed.
         """
         if self._moving and time_s != self._time_s:
             self._move(time_s)
         shape = (*self._center.shape[:2], len(origins))
         along = (self._to_boxes @ (ends - origins).T).reshape(shape)
         along += PARALLEL
-        # Slab method: between which fractions of the way each ray is within each pair of faces.
+        # Slab method: the range of fractions in which each ray is within each pair of faces.
         per_metre = 1.0 / along
         middle = (self._center - (self._to_boxes @ origins.T).reshape(shape)) * per_metre
         half = self._half_size * np.abs(per_metre)
@@ -84,4 +84,4 @@ class RayScene:
         normal = self._outward[(along[axis, surface, ray] < 0.0).astype(np.int64), axis, surface]
         (nothing,) = (fraction > 1.0).nonzero()
         fraction[nothing], surface[nothing], normal[nothing] = 1.0, -1, 0.0
-        return Hits(fraction, surface, normal)
+        return RayHits(fraction, surface, normal)

@@ -1,6 +1,6 @@
-"""What each surface does to a range reading, at 100 mm (paper Tables 3 and 4).
+"""Effect of each surface on a range reading at 100 mm (paper Tables 3 and 4).
 
-One name serves the range sensor and the picture: `blender_scenes.materials` has a member for every key here.
+Range sensor and image use the same names: `blender_scenes.materials` has a member for every key here.
 """
 
 from dataclasses import dataclass
@@ -11,15 +11,15 @@ class RangeSurface:
     mean_at_100_mm_mm: float
     sd_at_100_mm_mm: float
     reflectance: float
-    """At the sensor's 940 nm. Not in the paper: usual values of such surfaces."""
+    """Reflectance at the sensor's 940 nm. Not from the paper: usual values of such surfaces."""
 
     @property
     def offset_m(self) -> float:
         return 1e-3 * (self.mean_at_100_mm_mm - 100.0)
 
 
-# The paper measured neither cardboard nor plywood nor brick. Brown paper board is read as paper, raw plywood as wood.
-# Brick is matt and grainy as paper is, so it is read as paper too: an assumption that no measurement backs.
+# The paper measured neither cardboard nor plywood nor brick. Cardboard is treated as paper, plywood as wood.
+# Brick, matt and grainy as paper is, is treated as paper too: an assumption without a measurement.
 SURFACES: dict[str, RangeSurface] = {
     "white_board": RangeSurface(100.25, 0.84, 0.85),
     "light_grey_board": RangeSurface(100.21, 0.82, 0.5),

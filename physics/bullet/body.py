@@ -14,11 +14,11 @@ from physics.robot.model import RobotModel
 from physics.robot.urdf import robot_urdf
 
 MAX_JOINT_SPEED_RAD_S = 1000.0
-"""Bullet caps joint speeds, at 100 rad/s unless told otherwise."""
+"""Limit of joint speeds; Bullet's default of 100 rad/s is too low."""
 
 
 def add_robot(client: int, robot: RobotConfig, start: tuple[float, float, float]) -> tuple[int, list[int]]:
-    """Put the robot on the floor at x [m], y [m], yaw [rad]; its body id, and the wheel joints, right and left."""
+    """Put the robot on the floor at x [m], y [m], yaw [rad]; return its body id and wheel joints, right and left."""
     body = _load(client, robot_urdf(robot), start)
     pybullet.changeDynamics(
         body,
@@ -67,7 +67,7 @@ def _tread(client: int, body: int, link: int, friction: float) -> None:
 
 
 def _motor(client: int, body: int, wheel: int, motor: MotorModel) -> None:
-    # URDF has no word for a reflected rotor, and no body could have so much inertia about one axis alone.
+    # URDF cannot express a reflected rotor, and no rigid body has so much inertia about one axis alone.
     across, spin, _ = pybullet.getDynamicsInfo(body, wheel, physicsClientId=client)[2]
     inertia = [across, spin + motor.inertia_kg_m2, across]
     pybullet.changeDynamics(body, wheel, localInertiaDiagonal=inertia, physicsClientId=client)

@@ -15,12 +15,12 @@ from symolo.arena.geometry import Arena
 from symolo.arena.obstacle_motion import ObstacleMotion
 
 _BLOCK_STEPS = 500
-"""Poses are worked out for so many steps at once."""
+"""Number of steps for which poses are computed at once."""
 
 
 class MovingBoxes:
     def __init__(self, client: int, paths: Sequence[tuple[int, float, ObstacleMotion]], physics_hz: int) -> None:
-        """Take over bodies, each by its id, the height of its middle [m] and its path."""
+        """Take over bodies, each given by its id, the height of its middle [m] and its path."""
         self._client = client
         self._paths = tuple(paths)
         self._physics_hz = physics_hz
@@ -29,20 +29,20 @@ class MovingBoxes:
 
     @classmethod
     def of(cls, client: int, arena: Arena, surface_of_body: Mapping[int, int], physics_hz: int) -> "MovingBoxes | None":
-        """None for an arena in which nothing moves, which so costs nothing."""
-        found = [(body, arena.boxes[surface - 1]) for body, surface in surface_of_body.items() if surface > 0]
-        paths = [(body, box.center[2], box.motion) for body, box in found if box.motion is not None]
+        """Return the moving boxes of an arena, or None if nothing moves, which then costs nothing."""
+        boxes = [(body, arena.boxes[surface - 1]) for body, surface in surface_of_body.items() if surface > 0]
+        paths = [(body, box.center[2], box.motion) for body, box in boxes if box.motion is not None]
         return cls(client, paths, physics_hz) if paths else None
 
     def place(self, step: int) -> None:
-        """Put every box where it is when this step begins, with the velocity that it has then."""
+        """Set every box to its pose and velocity at the beginning of a step."""
         if not self._first <= step < self._first + len(self._block):
-            self._work_out(step)
+            self._compute_block(step)
         for body, position, turn, velocity, spin in self._block[step - self._first]:
             pybullet.resetBasePositionAndOrientation(body, position, turn, self._client)
             pybullet.resetBaseVelocity(body, velocity, spin, self._client)
 
-    def _work_out(self, first: int) -> None:
+    def _compute_block(self, first: int) -> None:
         t_s = np.arange(first, first + _BLOCK_STEPS) / self._physics_hz
         self._first = first
         self._block = [[] for _ in t_s]

@@ -1,4 +1,4 @@
-"""A robot driven in PyBullet by given voltages, on an empty floor or held above it, its wheels free as on a bench."""
+"""Open-loop drives in PyBullet by voltages, on an empty floor or lifted above it with free wheels."""
 
 from dataclasses import dataclass
 
@@ -13,37 +13,37 @@ from symolo.core.arrays import Array
 from symolo.core.finite import require_finite
 
 PHYSICS_HZ = 1000.0
-"""That of the shipped scenarios, at about which rows of any length are cut into steps."""
+"""Physics rate of the shipped scenarios; rows of any length are divided into steps of about this rate."""
 STEPS_PER_LOOK = 10
-"""At contacts and yaw."""
+"""Physics steps between two checks of contacts and yaw."""
 EMPTY = Arena("empty", 1.0, 0.5, Line((), 0.015, 0.05), ())
 
 
 @dataclass(frozen=True)
 class OpenLoopDrive:
-    """At the ends of T rows, and before the first; wheels are right and left."""
+    """State before the first of T rows and at the end of each; wheels are right and left."""
 
     pose: Array
     """(T + 1, 3), x [m], y [m], yaw [rad] in W, yaw unwrapped."""
     counts: NDArray[np.int64]
-    """(T + 1, 2), of the encoders since the start."""
+    """(T + 1, 2), encoder counts since the start."""
     wheel_speed_rad_s: Array
-    """(T + 1, 2)."""
+    """(T + 1, 2), true wheel speeds."""
     current_A: Array
-    """(T + 1, 2), at the voltage of the row that ends."""
+    """(T + 1, 2), winding currents at the voltage of the row that ends."""
 
 
 def open_loop(robot: RobotConfig, voltage_V: Array, row_s: float, *, lifted: bool = False) -> OpenLoopDrive:
-    """From rest at the origin.
+    """Return the drive of a robot from rest at the origin.
 
     Args:
-        robot: With its effects.
-        voltage_V: (T, 2), right and left, each held for a row.
-        row_s: Length of a row; the engine's steps are those of PHYSICS_HZ, rounded to whole ones in a row.
+        robot: The robot with its effects.
+        voltage_V: (T, 2), right and left, each constant for a row.
+        row_s: Duration of a row; a row has a whole number of physics steps, at about PHYSICS_HZ.
         lifted: Whether the body is held above the floor.
 
     Raises:
-        ValueError: A voltage is no finite number.
+        ValueError: A voltage is not a finite number.
         InputError: The robot has play in its gears.
     """
     require_finite(voltage_V, "voltage_V", ("row", "wheel"))
@@ -59,5 +59,5 @@ def open_loop(robot: RobotConfig, voltage_V: Array, row_s: float, *, lifted: boo
                 world.set_voltages(right_V, left_V)
                 world.advance(steps)
             rows.append((world.pose(), world.encoder_counts(), world.wheel_speeds(), world.currents()))
-    pose, counts, speed, current = (np.array(of) for of in zip(*rows, strict=True))
+    pose, counts, speed, current = (np.array(column) for column in zip(*rows, strict=True))
     return OpenLoopDrive(pose, counts.astype(np.int64), speed, current)

@@ -1,12 +1,12 @@
-"""One robot in one arena, stepped by PyBullet; the wheel-speed loop runs inside at its own rate.
+"""One robot in one arena, stepped by PyBullet, with the wheel-speed loop at its own rate.
 
-Back-EMF and viscous friction are linear in speed and stand as joint damping in the robot's URDF, so that a step
-needs the stall torque of the present voltages alone. Coulomb friction is the joint's velocity motor at zero speed with
-limited force: true stick. Both together are the paper's Eq. 18 and 20.
+Back-EMF and viscous friction are linear in speed and are joint damping in the robot's URDF, so that a step needs only
+the stall torque of the present voltages. Coulomb friction is the joint's velocity motor at zero speed with limited
+force, which sticks truly. Both together are the paper's Eq. 18 and 20.
 
-The rotor stands as inertia of the wheel, geared up. Its spin-up would push the body back with the geared torque and
-lift the wheels at a hard start, though the real rotor turns behind the gears and pushes next to nothing: that torque is
-given back to the body.
+The rotor is part of the wheel's inertia, reflected through the gear. In the engine its acceleration would push the body
+back with the geared torque and lift the wheels at a hard start, while the real rotor, behind the gear, hardly pushes at
+all. The simulation therefore returns that torque to the body.
 """
 
 from math import atan2, floor, pi
@@ -17,7 +17,7 @@ import pybullet
 
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates
-from physics.arena.rays import Hits, RayScene
+from physics.arena.rays import RayHits, RayScene
 from physics.bullet.body import add_robot
 from physics.bullet.moving_boxes import MovingBoxes
 from physics.bullet.wheels_with_effects import WheelsWithEffects, needs_every_step
@@ -30,12 +30,12 @@ from symolo.core.arrays import Array
 LIFT_M = 0.1
 REACTION_PERIOD_S = 0.002
 REACTION_SMOOTHING = 0.5
-"""How often the wheels' spin-up is looked at, and how much smoothed: it is known late, and taken as it comes a heavy
-rotor would shake a light body."""
+"""Period and smoothing of the torque that is returned to the body: it is known with a delay, and without smoothing a
+heavy rotor would shake a light body."""
 
 
 class BulletSimulation:
-    """A client of its own; several live side by side in one process. Close it, or use it as a context manager."""
+    """A PyBullet client, of which one process may have several. Close it, or use it as a context manager."""
 
     def __init__(self, robot: RobotConfig, arena: Arena, start: tuple[float, float, float], rates: Rates) -> None:
         self._rates = rates
@@ -51,7 +51,7 @@ class BulletSimulation:
         self._set_points: tuple[float, float] | None = (0.0, 0.0)
         self._voltages = (0.0, 0.0)
         self._volt_steps = np.zeros(2)
-        """Sum over the steps since the last mean was taken, as far as the voltages were counted."""
+        """Sum of the voltages over the steps since the last mean, up to `_counted_until`."""
         self._mean_since = self._counted_until = 0
         self._torques = [0.0, 0.0]
         self._look_every = max(1, round(REACTION_PERIOD_S * rates.physics_hz))
@@ -59,13 +59,13 @@ class BulletSimulation:
         self._reaction_gain = REACTION_SMOOTHING * model.motors.right.inertia_kg_m2 * looks_hz
         self._reaction = [0.0, 0.0, 0.0]
         self._speed_sum = 0.0
-        # Of the chassis' centre of mass, which is what PyBullet reports, to the middle of the axle.
+        # From the chassis' centre of mass, whose pose PyBullet reports, to the middle of the axle.
         chassis = robot.chassis
         axle_height = 0.5 * (model.geometry.right_radius_m + model.geometry.left_radius_m)
         self._to_axle = (-chassis.center_of_mass_x_m, 0.0, axle_height - chassis.center_of_mass_z_m)
         self._box_names = tuple(box.name for box in arena.boxes)
         self._touched: set[int] = set()
-        self._seen_at = self._joints_at = -1
+        self._pose_step = self._joints_step = -1
         self._rays = RayScene(arena)
         self._client = connect(rates.physics_hz)
         self._surface_of_body = add_arena(self._client, arena)
@@ -92,19 +92,19 @@ class BulletSimulation:
         return self._steps / self._rates.physics_hz
 
     def set_wheel_speeds(self, right_rad_s: float, left_rad_s: float) -> None:
-        """Set points of the wheel loop, from its next update on."""
+        """Set the set points of the wheel loop, from its next update on."""
         if self._set_points is None:
             for loop, counts in zip(self._loops, self.encoder_counts(), strict=True):
                 loop.restart(counts)
         self._set_points = (right_rad_s, left_rad_s)
 
     def set_voltages(self, right_V: float, left_V: float) -> None:
-        """Open loop: these voltages within the driver's limit, until wheel speeds are set again."""
+        """Apply voltages within the driver's limit without the wheel loop, until wheel speeds are set again."""
         self._set_points = None
         self._drive(right_V, left_V)
 
     def lift(self) -> None:
-        """Hold the body where it is, LIFT_M higher, so that the wheels turn in the air."""
+        """Hold the body LIFT_M above its place, so that the wheels turn in the air."""
         position, turn = pybullet.getBasePositionAndOrientation(self._robot, physicsClientId=self._client)
         above = [position[0], position[1], position[2] + LIFT_M]
         pybullet.resetBasePositionAndOrientation(self._robot, above, turn, physicsClientId=self._client)
@@ -113,7 +113,7 @@ class BulletSimulation:
         )
 
     def advance(self, steps: int) -> None:
-        """Take so many physics steps."""
+        """Take a number of physics steps."""
         per_update = self._rates.physics_hz // self._rates.wheel_loop_hz
         end = self._steps + steps
         while self._steps < end:
@@ -131,7 +131,7 @@ class BulletSimulation:
             self._steps += count
 
     def _step(self, count: int) -> None:
-        """The innermost loop, about 3 us around a step of the engine of 20 us."""
+        """Take steps without effects: the innermost loop, about 3 us in addition to the engine's 20 us per step."""
         client, robot, wheels, torques = self._client, self._robot, self._wheels, self._torques
         read, step = pybullet.getJointStates, pybullet.stepSimulation
         drive, mode = pybullet.setJointMotorControlArray, pybullet.TORQUE_CONTROL
@@ -139,7 +139,7 @@ class BulletSimulation:
         gain, speed, reaction, look_every = self._reaction_gain, self._speed_sum, self._reaction, self._look_every
         for number in range(self._steps, self._steps + count):
             if number % look_every == 0:
-                # Where the wheel loop has just been at work they have been read already.
+                # If the wheel loop has just run, the states have been read already.
                 right, left = self._wheel_states() if number == self._steps else read(robot, wheels, client)
                 reaction[1] += gain * (right[1] + left[1] - speed) - REACTION_SMOOTHING * reaction[1]
                 speed = right[1] + left[1]
@@ -149,7 +149,7 @@ class BulletSimulation:
         self._speed_sum = speed
 
     def _step_with(self, effects: WheelsWithEffects, count: int) -> None:
-        """The same for a robot with effects that act at every step."""
+        """Take steps of a robot with effects that act at every step."""
         client, robot, wheels, reaction = self._client, self._robot, self._wheels, self._reaction
         for number in range(self._steps, self._steps + count):
             right, left = pybullet.getJointStates(robot, wheels, client)
@@ -177,7 +177,7 @@ class BulletSimulation:
             effects.turn_back(client, robot, self._to_axle, speeds)
 
     def _update(self) -> None:
-        """Once per wheel-loop period: the loop, the contacts, and the turns of the yaw."""
+        """Update the loop, the contacts and the unwrapped yaw, once per wheel-loop period."""
         self._watch()
         if self._set_points is not None:
             right, left = self.encoder_counts()
@@ -196,14 +196,14 @@ class BulletSimulation:
 
     def _watch(self) -> None:
         contacts = pybullet.getContactPoints(bodyA=self._robot, linkIndexA=-1, physicsClientId=self._client)
-        # Bullet lists near pairs too; touching is a distance of zero or less.
+        # Bullet lists near pairs too; a contact has a distance of zero or less.
         self._touched.update(self._surface_of_body[contact[2]] - 1 for contact in contacts if contact[8] <= 0.0)
         self.pose()
 
     def pose(self) -> tuple[float, float, float]:
-        """X_WR: x [m], y [m], yaw [rad] of the middle of the axle; yaw counts whole turns."""
-        if self._seen_at != self._steps:
-            self._seen_at, self._pose = self._steps, self._look()
+        """Return X_WR: x [m], y [m], yaw [rad, unwrapped] of the middle of the axle."""
+        if self._pose_step != self._steps:
+            self._pose_step, self._pose = self._steps, self._look()
         return self._pose
 
     def _look(self) -> tuple[float, float, float]:
@@ -217,7 +217,7 @@ class BulletSimulation:
         return x, y, self._yaw
 
     def twist(self) -> tuple[float, float]:
-        """Forward speed [m/s] of the middle of the axle and yaw rate [rad/s]."""
+        """Return the forward speed [m/s] of the middle of the axle and the yaw rate [rad/s]."""
         velocity, spin = pybullet.getBaseVelocity(self._robot, physicsClientId=self._client)
         _, turn = pybullet.getBasePositionAndOrientation(self._robot, physicsClientId=self._client)
         r = pybullet.getMatrixFromQuaternion(turn)
@@ -227,30 +227,30 @@ class BulletSimulation:
         return forward + pitch_rate * self._to_axle[2], yaw_share * spin[2]
 
     def _wheel_states(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Of both wheels: angle [rad], speed [rad/s], and what the engine gives besides."""
-        if self._joints_at != self._steps:
-            self._joints_at = self._steps
+        """Return the engine's joint states of both wheels: angle [rad], speed [rad/s] and more."""
+        if self._joints_step != self._steps:
+            self._joints_step = self._steps
             self._joints = pybullet.getJointStates(self._robot, self._wheels, self._client)
         return self._joints
 
     def encoder_counts(self) -> tuple[int, int]:
-        """Quadrature counts, right and left, since the start, which lies in the middle between two edges."""
+        """Return quadrature counts, right and left, since the start, which lies midway between two edges."""
         right, left = (state[0] for state in self._wheel_states())
         if self._effects is not None:
             right, left = right - float(self._effects.lost_rad[0]), left - float(self._effects.lost_rad[1])
         return floor(right * self._rad_to_counts + 0.5), floor(left * self._rad_to_counts + 0.5)
 
     def wheel_speeds(self) -> tuple[float, float]:
-        """True speeds, right and left [rad/s]."""
+        """Return the true wheel speeds, right and left [rad/s]."""
         right, left = self._wheel_states()
         return right[1], left[1]
 
     def voltages(self) -> tuple[float, float]:
-        """As commanded to the driver, right and left [V]; at the motors where no effect is in between."""
+        """Return the voltages commanded to the driver, right and left [V]; effects may change them at the motors."""
         return self._voltages
 
     def take_mean_voltages(self) -> tuple[float, float]:
-        """Means of the commanded voltages since the last call, right and left [V]; the present ones over no time."""
+        """Return the mean commanded voltages since the last call, right and left [V]."""
         self._count_voltages()
         steps = self._steps - self._mean_since
         right_V, left_V = (self._volt_steps / steps).tolist() if steps else self._voltages
@@ -263,19 +263,19 @@ class BulletSimulation:
         self._counted_until = self._steps
 
     def currents(self) -> tuple[float, float]:
-        """Through the windings, right and left [A]."""
+        """Return the winding currents, right and left [A]."""
         right, left = self.wheel_speeds()
         if self._effects is not None:
             return self._effects.currents_A(np.array((right, left)))
         motors = self._motors
         return motors.right.current_A(self._voltages[0], right), motors.left.current_A(self._voltages[1], left)
 
-    def cast(self, origins: Array, ends: Array) -> Hits:
-        """Cast rays from `origins` to `ends`, (N, 3) each, in W, past the robot itself."""
+    def cast(self, origins: Array, ends: Array) -> RayHits:
+        """Cast rays from `origins` to `ends`, (N, 3) each, in W; they pass through the robot."""
         return self._rays.cast(origins, ends, self.time_s)
 
     def touching(self) -> tuple[str, ...]:
-        """Names of walls and obstacles touched now, or at an update of the wheel loop since the last call."""
+        """Return the names of walls and obstacles touched now or at a wheel-loop update since the last call."""
         self._watch()
         names = tuple(self._box_names[index] for index in sorted(self._touched))
         self._touched.clear()

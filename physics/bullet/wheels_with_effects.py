@@ -1,7 +1,7 @@
-"""What a robot's effects do to its wheels at every step of the engine; made only for a robot that has such effects.
+"""Effects that act on the wheels at every step of the engine, for robots that have such effects.
 
-The engine keeps the linear part, damping and stall torque. Effects add a torque to it, move the limit of the dry
-friction, hold commands back, lose counts, and let turns fall short; each adds exactly nothing at its null value.
+The engine computes the linear part, damping and stall torque. Effects add a torque, change the limit of the dry
+friction, delay commands, lose counts and shorten turns; each adds exactly nothing at its null value.
 """
 
 from collections import deque
@@ -16,7 +16,7 @@ from physics.robot.model import RobotModel, through
 from symolo.core.arrays import Array
 
 REST_RAD_S = 1e-4
-"""Below it a wheel counts as at rest; the solver's own rest is 5e-9 rad/s."""
+"""Speed below which a wheel is at rest; the solver leaves 5e-9 rad/s."""
 
 
 class WheelsWithEffects:
@@ -35,13 +35,13 @@ class WheelsWithEffects:
         self.lost_rad = np.zeros(2)
         """Angles, right and left, that the encoders have not counted."""
         self.yaw_share = 1.0
-        """Of the wheels' yaw rate, what the body turns."""
+        """Yaw rate of the body as a share of that of the wheels."""
 
     def command(self, step: int, voltages_V: tuple[float, float]) -> None:
         self._coming.append((step + self._delay_steps, np.array(voltages_V)))
 
     def torques_N_m(self, step: int, angles_rad: Array, speeds_rad_s: Array) -> list[float]:
-        """Driving torques, right and left, for this step of the engine; `friction_to_set` goes with them."""
+        """Return the driving torques, right and left [N m], for this step; call `friction_to_set` after it."""
         while self._coming and self._coming[0][0] <= step:
             self._command_V = self._coming.popleft()[1]
         self._count(angles_rad)
@@ -54,7 +54,7 @@ class WheelsWithEffects:
         return torque.tolist()
 
     def friction_to_set(self) -> list[float] | None:
-        """Limits of the dry friction [N m] where they have changed."""
+        """Return the limits of the dry friction, right and left [N m], or None if they have not changed."""
         if np.array_equal(self._wanted_friction_N_m, self._friction_N_m):
             return None
         self._friction_N_m = self._wanted_friction_N_m
@@ -71,9 +71,9 @@ class WheelsWithEffects:
         return right, left
 
     def turn_back(self, client: int, body: int, to_axle: tuple[float, float, float], speeds_rad_s: Array) -> None:
-        """Take from the body's last step of yaw what slip takes of it, about the middle of the axle.
+        """Reduce the yaw of the body's last step by slip, about the middle of the axle.
 
-        Bullet's contacts hold a rolling wheel without any slip, so this cannot come from a force.
+        Bullet's contacts hold a rolling wheel without any slip, so that a force cannot do this.
         """
         if not self._ground:
             return
@@ -103,8 +103,8 @@ def _turn_about_axle(client: int, body: int, to_axle: tuple[float, float, float]
 
 
 def needs_every_step(model: RobotModel) -> bool:
-    """Whether an effect of this robot acts at every step, or all are in numbers that the engine is given once."""
+    """Return whether an effect of this robot acts at every step, beyond numbers that the engine receives once."""
     slots = (Slot.ACTUATOR, Slot.BATTERY, Slot.BRIDGE, Slot.SUPPLY, Slot.CURRENT_LIMIT, Slot.FRICTION)
-    # The gearbox cannot act at all: it is here so that play in it is refused.
+    # The gearbox cannot act at all; it is listed so that its play is refused.
     slots += (Slot.COMMAND_DELAY, Slot.COUNTING, Slot.GROUND, Slot.GEARBOX)
     return any(model.functions(slot) for slot in slots)

@@ -1,4 +1,4 @@
-"""Bodies of an arena in a PyBullet client, and the collision groups that say what may touch what."""
+"""Bodies of an arena in a PyBullet client, and the collision groups that decide what may touch what."""
 
 from math import cos, sin
 
@@ -9,17 +9,17 @@ from symolo.arena.geometry import Arena, Box
 RAYS, BOXES, CHASSIS, TREADS, FLOOR = 1, 2, 4, 8, 16
 """Collision groups: treads (wheels and caster) meet the floor only, the chassis meets walls and obstacles only.
 
-Bullet puts its own rays into group 1, with which the tests compare `physics.arena.rays`; the robot does not admit them.
+Bullet puts its rays into group 1; tests compare them with `physics.arena.rays`. They pass through the robot.
 """
 
 
 GRAVITY_M_S2 = 9.81
 SOLVER_RESIDUAL = 1e-16
-"""Bullet's own 1e-7 stops so early that a straight drive of 1 m drifts 0.5 mm to one side."""
+"""Residual at which the solver stops; Bullet's default 1e-7 lets a straight drive of 1 m drift 0.5 mm to one side."""
 
 
 def connect(physics_hz: int) -> int:
-    """A client with an engine of its own, in this process and without a window."""
+    """Return a new client with its engine in this process, without a window."""
     client = int(pybullet.connect(pybullet.DIRECT))
     pybullet.setGravity(0, 0, -GRAVITY_M_S2, physicsClientId=client)
     pybullet.setPhysicsEngineParameter(
@@ -32,7 +32,7 @@ def connect(physics_hz: int) -> int:
 
 
 def add_arena(client: int, arena: Arena) -> dict[int, int]:
-    """Floor and boxes as fixed bodies; the surface number (0 floor, 1 + i box i) of each body's id."""
+    """Add floor and boxes as fixed bodies; return the surface number (0 floor, 1 + i box i) by body id."""
     shape = pybullet.createCollisionShape(pybullet.GEOM_PLANE, planeNormal=[0, 0, 1], physicsClientId=client)
     floor = pybullet.createMultiBody(0, shape, physicsClientId=client)
     pybullet.changeDynamics(floor, -1, lateralFriction=1.0, restitution=0.0, physicsClientId=client)

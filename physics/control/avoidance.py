@@ -9,10 +9,10 @@ from physics.control.paths import AvoidancePath
 
 
 class PathFollower:
-    """Pure pursuit along an avoidance path from where the robot stands, on odometry.
+    """Pure pursuit along an avoidance path that starts at the robot's pose, based on odometry.
 
-    While the obstacle is still beside the robot at the end of the stretch along it, the way back is put off: the rest
-    of the path moves forward with the robot.
+    If the obstacle is still beside the robot at the end of the stretch along it, the return is delayed: the rest of the
+    path moves forward with the robot.
     """
 
     def __init__(self, path: AvoidancePath, start: Pose, look_ahead_m: float) -> None:
@@ -27,25 +27,25 @@ class PathFollower:
         return self._nearest >= len(self._path.points) - 2
 
     @property
-    def on_the_way_back(self) -> bool:
+    def is_returning(self) -> bool:
         return self._nearest >= self._path.back_begins
 
     def step(self, odometry: Pose, *, obstacle_beside: bool) -> float:
-        """Curvature [1/m] to drive at, positive to the left, for the robot's pose by odometry."""
+        """Return the curvature [1/m] to drive at, positive to the left, for a pose from odometry."""
         ahead = self._goal(odometry, obstacle_beside=obstacle_beside)
         yaw = odometry[2] - self._start[2]
         lateral = -math.sin(yaw) * ahead[0] + math.cos(yaw) * ahead[1]
         return 2.0 * lateral / max(ahead[0] ** 2 + ahead[1] ** 2, 1e-6)
 
     def bearing(self, odometry: Pose) -> float:
-        """Direction [rad] in which the robot sees the point of the path that it steers for, positive to the left."""
+        """Return the direction [rad] of the goal point relative to the robot's heading, positive to the left."""
         ahead = self._goal(odometry, obstacle_beside=False)
         return math.remainder(math.atan2(ahead[1], ahead[0]) - odometry[2] + self._start[2], 2.0 * math.pi)
 
     def _goal(self, odometry: Pose, *, obstacle_beside: bool) -> tuple[float, float]:
-        """From the robot to the point of the path a look-ahead further on, in the frame of the start [m]."""
+        """Return the vector [m] from the robot to the point one look-ahead further along the path, in path axes."""
         x, y = self._in_path_frame(odometry)
-        if obstacle_beside and not self.on_the_way_back:
+        if obstacle_beside and not self.is_returning:
             at_back_begins = self._path.points[self._path.back_begins, 0] + self._shift_m
             self._shift_m += max(0.0, x - at_back_begins + self._look_ahead_m)
         points = self._path.points

@@ -1,4 +1,4 @@
-"""What the controller reads and what it commands."""
+"""Inputs and outputs of the controller."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -15,22 +15,22 @@ def other(side: Side) -> Side:
 
 
 def sign_of(side: Side) -> float:
-    """+1 left, -1 right: the direction in which y and yaw grow."""
+    """Return +1 for left and -1 for right, as y and yaw grow to the left."""
     return 1.0 if side == "left" else -1.0
 
 
 @dataclass(frozen=True)
 class ControlInput:
-    """What the robot knows at one control tick."""
+    """Sensor readings and odometry at one control tick."""
 
     line: tuple[float, ...]
-    """Normalised reflectance L0...L7, right to left."""
+    """(8,), normalised reflectance of the channels L0 to L7, from right to left."""
     front_m: float
     left_m: float
     right_m: float
-    """Ranges; the no-target value where there is none."""
+    """Range of each sensor; the configured no-target value if it sees nothing."""
     odometry: Pose
-    """By the wheels, in the frame of the start."""
+    """Pose estimated from the wheels, in the frame of the start."""
 
     def side_m(self, side: Side) -> float:
         return self.left_m if side == "left" else self.right_m
@@ -38,7 +38,7 @@ class ControlInput:
 
 @dataclass(frozen=True)
 class Command:
-    """What the robot wants to do until the next tick."""
+    """Motion that the controller commands until the next tick."""
 
     v_m_s: float
     w_rad_s: float

@@ -1,4 +1,4 @@
-"""Which curve path goes round an obstacle on a bending line, told from the ranges and the recent path by odometry."""
+"""Choice of the curve path around an obstacle on a bend, from the ranges and the recent path by odometry."""
 
 import math
 from collections import deque
@@ -17,17 +17,17 @@ class CurvePass:
     """How an obstacle is to be passed."""
 
     side: Side
-    """Of the obstacle on which the robot passes."""
+    """Side of the obstacle on which the robot passes."""
     variant: Variant
     bend: Side
-    """To which the line bends."""
+    """Side to which the line bends."""
     near_m: float
-    """What the sensor that has seen it reads."""
+    """Reading of the sensor that detected the obstacle; 0 if it lies between two beams."""
 
 
 @dataclass(frozen=True)
 class CurveBook:
-    """The pre-computed curve paths."""
+    """The pre-computed curve paths, by variant and side of the bend."""
 
     paths: dict[tuple[Variant, Side], AvoidancePath]
 
@@ -42,14 +42,14 @@ class CurveBook:
 
 @dataclass
 class BendMemory:
-    """How the path has turned lately, and to which side it last bent."""
+    """How much the recent path has turned, and to which side it last bent."""
 
     length_m: float
     straight_below_rad: float
     bend: Side | None = None
-    """The side of the last bend; None before the first."""
+    """Side of the last bend; None before the first."""
     turned_rad: float = 0.0
-    """Over the last `length_m` of the path."""
+    """Change of the heading over the last `length_m` of the path."""
     _travelled_m: float = 0.0
     _recent: deque[tuple[float, Pose]] = field(default_factory=deque)
 
@@ -70,10 +70,10 @@ class BendMemory:
 
 
 def curve_pass(seen: ControlInput, bends: BendMemory, config: Avoidance) -> CurvePass | None:
-    """The way past the obstacle that is in the way now, or None where none is.
+    """Return how to pass the obstacle that is now in the way, or None without one.
 
-    One straight ahead or at the end of the present bend is passed on the inside, where a tight line leaves most room;
-    one beside a robot that has gone straight stands on the bend to come and is passed on the outside.
+    An obstacle straight ahead or at the end of the present bend is passed on the inside, where a tight line leaves most
+    room. An obstacle beside a robot that has gone straight stands on the next bend and is passed on the outside.
     """
     curves = config.curves
     if curves is None:
@@ -90,6 +90,6 @@ def curve_pass(seen: ControlInput, bends: BendMemory, config: Avoidance) -> Curv
             passed = other(side) if bends.is_straight else side
             return CurvePass(passed, "outer" if bends.is_straight else "inner", side, side_m)
         if bends.is_straight and max(side_m, seen.front_m) < curves.both_below_m:
-            # Between the beams it is nearer than either says.
+            # An obstacle between the beams is nearer than either of them reads.
             return CurvePass(other(side), "outer", side, 0.0)
     return None

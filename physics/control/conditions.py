@@ -1,4 +1,4 @@
-"""What the state machine's table may ask: named conditions on what the robot sees and remembers."""
+"""Named conditions of the state machine's table, on what the robot senses and remembers."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -13,8 +13,8 @@ from symolo.dataset.codes import State
 
 
 @dataclass(frozen=True)
-class View:
-    """What the conditions look at: the input, the settings, and what is remembered."""
+class ControlView:
+    """Everything that conditions depend on: the input, the settings and the controller's memory."""
 
     seen: ControlInput
     config: Controller
@@ -22,7 +22,7 @@ class View:
     follower: PathFollower | CurveFollower | None
     return_state: State
     curve: CurvePass | None
-    """The curve path for the obstacle that is in the way now; None without one, or without curve paths."""
+    """Curve path for the obstacle that is now in the way; None without an obstacle or without curve paths."""
 
     def on_line(self) -> bool:
         return self.line_error is not None
@@ -56,8 +56,8 @@ class View:
         return self.seen.front_m > self.config.corner.front_clear_m and self.wall_found(wall_side)
 
     def line_met_on_the_way_back(self) -> bool:
-        on_the_way_back = isinstance(self.follower, PathFollower) and self.follower.on_the_way_back
-        return on_the_way_back and self.return_state is State.LINE and self.on_line()
+        is_returning = isinstance(self.follower, PathFollower) and self.follower.is_returning
+        return is_returning and self.return_state is State.LINE and self.on_line()
 
     def avoided(self, into: State) -> bool:
         return self.follower is not None and self.follower.finished and self.return_state is into
@@ -65,42 +65,42 @@ class View:
 
 @dataclass(frozen=True)
 class Condition:
-    """A question of the table that can be asked by name."""
+    """A condition that the table refers to by name."""
 
     arguments: tuple[str, ...]
-    """What may stand in its brackets; without any it takes no argument."""
-    holds: Callable[[View, str], bool]
+    """Allowed values of its argument; empty if it takes none."""
+    holds: Callable[[ControlView, str], bool]
 
 
 SIDES = ("left", "right")
 STATES = tuple(State.__members__)
 
 
-def _plain(holds: Callable[[View], bool]) -> Condition:
+def _plain(holds: Callable[[ControlView], bool]) -> Condition:
     return Condition((), lambda view, _: holds(view))
 
 
-def _of_side(holds: Callable[[View, Side], bool]) -> Condition:
+def _of_side(holds: Callable[[ControlView, Side], bool]) -> Condition:
     return Condition(SIDES, lambda view, side: holds(view, "left" if side == "left" else "right"))
 
 
-def _of_state(holds: Callable[[View, State], bool]) -> Condition:
+def _of_state(holds: Callable[[ControlView, State], bool]) -> Condition:
     return Condition(STATES, lambda view, state: holds(view, State[state]))
 
 
 CONDITIONS: Mapping[str, Condition] = MappingProxyType(
     {
-        "on_line": _plain(View.on_line),
-        "line_ended_by_wall": _of_side(View.line_ended_by_wall),
-        "wall_lost": _of_side(View.wall_lost),
-        "wall_back": _of_side(View.wall_back),
-        "wall_goes_on_opposite": _of_side(View.wall_goes_on_opposite),
-        "obstacle_ahead": _of_side(View.obstacle_ahead),
-        "curve_beside": _of_side(View.curve_beside),
-        "corner_ahead": _plain(View.corner_ahead),
-        "corner_turned": _of_side(View.corner_turned),
-        "line_met_on_the_way_back": _plain(View.line_met_on_the_way_back),
-        "avoided": _of_state(View.avoided),
+        "on_line": _plain(ControlView.on_line),
+        "line_ended_by_wall": _of_side(ControlView.line_ended_by_wall),
+        "wall_lost": _of_side(ControlView.wall_lost),
+        "wall_back": _of_side(ControlView.wall_back),
+        "wall_goes_on_opposite": _of_side(ControlView.wall_goes_on_opposite),
+        "obstacle_ahead": _of_side(ControlView.obstacle_ahead),
+        "curve_beside": _of_side(ControlView.curve_beside),
+        "corner_ahead": _plain(ControlView.corner_ahead),
+        "corner_turned": _of_side(ControlView.corner_turned),
+        "line_met_on_the_way_back": _plain(ControlView.line_met_on_the_way_back),
+        "avoided": _of_state(ControlView.avoided),
     }
 )
-"""Condition by name. The firmware has a function of the same name for each."""
+"""Conditions by name. The firmware has a function of the same name for each."""

@@ -1,6 +1,6 @@
-"""The state machine: which behaviour drives the robot, and when it hands over to another.
+"""The state machine: which behaviour drives the robot, and when another takes over.
 
-configs/state_machine.yaml is the whole table; the first row whose condition holds is taken, one per tick.
+configs/state_machine.yaml is the whole table. In each tick the first row whose condition holds is taken.
 """
 
 import math
@@ -9,7 +9,7 @@ from configs.schema.robot import Controller
 from physics.control.avoidance import PathFollower
 from physics.control.base import Command, ControlInput, Pose, Side
 from physics.control.bends import BendMemory, CurveBook, CurvePass, curve_pass
-from physics.control.conditions import View
+from physics.control.conditions import ControlView
 from physics.control.curves import CurveFollower
 from physics.control.following import MAX_ERROR, follow, line_error, wall_error
 from physics.control.paths import AvoidancePath, straight_path
@@ -18,7 +18,7 @@ from symolo.dataset.codes import State
 
 
 class RobotController:
-    """One robot's controller; call `step` once a control tick."""
+    """Controller of one robot; call `step` once per control tick."""
 
     def __init__(self, config: Controller, line_threshold: float) -> None:
         self._config = config
@@ -37,17 +37,17 @@ class RobotController:
         self._entered_at: Pose = (0.0, 0.0, 0.0)
         self._last_line_error = 0.0
         self.line_lost_count = 0
-        """Ticks in the line state without any channel on the line."""
+        """Number of ticks in the line state without any channel on the line."""
 
     @property
     def state(self) -> State:
         return self._state
 
     def step(self, seen: ControlInput) -> Command:
-        """Choose the state for this tick, then drive by it."""
+        """Choose the state for this tick and return its command."""
         error = line_error(seen.line, self._line_threshold)
         curve = self._curve_pass(seen)
-        view = View(seen, self._config, error, self._follower, self._return_state, curve)
+        view = ControlView(seen, self._config, error, self._follower, self._return_state, curve)
         for row in self._transitions:
             if row.taken(self._state, view):
                 self._enter(row.to, seen, curve)
@@ -67,7 +67,7 @@ class RobotController:
 
     def _enter(self, state: State, seen: ControlInput, curve: CurvePass | None) -> None:
         if isinstance(self._follower, CurveFollower):
-            # Where the path ends without a line, the line is on the side of the obstacle.
+            # If the path ends without a line, the line is on the side of the obstacle.
             self._last_line_error = -MAX_ERROR if self._state is State.AVOID_LEFT else MAX_ERROR
         if self._curves is not None and curve is not None:
             self._return_state = self._state
@@ -81,7 +81,7 @@ class RobotController:
         self._entered_at = seen.odometry
 
     def _drive(self, seen: ControlInput, error: float | None) -> tuple[float, float]:
-        """Forward speed [m/s] and yaw rate [rad/s]."""
+        """Return the forward speed [m/s] and the yaw rate [rad/s]."""
         config = self._config
         match self._state:
             case State.LINE:
@@ -102,10 +102,10 @@ class RobotController:
                 return self._drive_path(seen, error)
 
     def _search_rate(self, seen: ControlInput) -> float:
-        """Yaw rate towards the side of a lost wall [rad/s]."""
+        """Return the yaw rate [rad/s] towards the side of a lost wall."""
         lost = self._config.lost
-        gone_m = math.hypot(seen.odometry[0] - self._entered_at[0], seen.odometry[1] - self._entered_at[1])
-        return lost.gap_turn_rate_rad_s if gone_m < lost.gap_m else lost.turn_rate_rad_s
+        travelled_m = math.hypot(seen.odometry[0] - self._entered_at[0], seen.odometry[1] - self._entered_at[1])
+        return lost.gap_turn_rate_rad_s if travelled_m < lost.gap_m else lost.turn_rate_rad_s
 
     def _drive_path(self, seen: ControlInput, error: float | None) -> tuple[float, float]:
         if isinstance(self._follower, CurveFollower):

@@ -1,4 +1,4 @@
-"""Driving a curve path, and from its end onto the line whatever the angle at which the two meet."""
+"""Driving a curve path, and from its end onto the line at whatever angle the two meet."""
 
 import math
 from enum import Enum, auto
@@ -10,13 +10,13 @@ from physics.control.bends import CurveBook, CurvePass
 from physics.control.facing import ObstacleFacing
 
 FULL_SEARCH_RAD = math.radians(200.0)
-"""A line that was met and is not seen again within this turn is not there."""
+"""Turn on the spot after which the search for a line that was crossed is given up."""
 
 IN_THE_MIDDLE = 2.2
-"""The turn into the line ends when the line is so near to the middle of the row [channels]."""
+"""Line error below which the turn into the line ends [channels]."""
 
 
-class _Phase(Enum):
+class _CurvePhase(Enum):
     FACE = auto()
     PATH = auto()
     CROSS = auto()
@@ -25,10 +25,10 @@ class _Phase(Enum):
 
 
 class CurveFollower:
-    """Face the obstacle, path, straight on until the axle is over the line, then a turn on the spot into the line.
+    """Face the obstacle, follow the path, drive straight until the axle is over the line, turn on the spot into it.
 
-    A robot that has passed an obstacle on its left meets the line from the left and goes on along it by turning left,
-    at whatever angle the path has brought it there.
+    A robot that has passed an obstacle on its left meets the line from the left and continues along it by turning left,
+    at whatever angle it arrives.
     """
 
     def __init__(self, book: CurveBook, chosen: CurvePass, start: Pose, config: Avoidance) -> None:
@@ -40,36 +40,36 @@ class CurveFollower:
         self._follower = PathFollower(self._path, start, config.look_ahead_m)
         self._turn = sign_of(chosen.side)
         self._facing = ObstacleFacing(config.curves.face, config.front_below_m, start, chosen.bend, chosen.near_m)
-        self._phase = _Phase.FACE
+        self._phase = _CurvePhase.FACE
         self._line_seen_at: Pose = start
         self._met_error = 0.0
-        """Line error where the line was met."""
+        """Line error at the place where the line was met."""
         self._since: Pose = start
-        """Where the phase began."""
+        """Pose at which the present phase began."""
 
     @property
     def finished(self) -> bool:
-        return self._phase is _Phase.DONE
+        return self._phase is _CurvePhase.DONE
 
     def step(self, seen: ControlInput, line_error: float | None) -> tuple[float, float]:
-        """Forward speed [m/s] and yaw rate [rad/s] for this tick; `line_error` is None where no line is seen."""
+        """Return the forward speed [m/s] and yaw rate [rad/s] for this tick; `line_error` is None without a line."""
         odometry = seen.odometry
         facing = self._facing.step(seen)
-        if (following := self._next_phase(odometry, line_error)) is not self._phase:
-            self._phase, self._since = following, odometry
+        if (next_phase := self._next_phase(odometry, line_error)) is not self._phase:
+            self._phase, self._since = next_phase, odometry
             self._line_seen_at, self._met_error = odometry, line_error or 0.0
-            if following is _Phase.PATH:
+            if next_phase is _CurvePhase.PATH:
                 self._follower = PathFollower(self._path, odometry, self._config.look_ahead_m)
         if line_error is not None:
             self._line_seen_at = odometry
         match self._phase:
-            case _Phase.FACE:
+            case _CurvePhase.FACE:
                 return facing
-            case _Phase.PATH:
+            case _CurvePhase.PATH:
                 return self._drive_path(odometry)
-            case _Phase.CROSS:
+            case _CurvePhase.CROSS:
                 return self._config.speed_m_s, 0.0
-            case _Phase.TURN | _Phase.DONE:
+            case _CurvePhase.TURN | _CurvePhase.DONE:
                 return 0.0, self._turn * self._curves.turn_rate_rad_s
 
     def _drive_path(self, odometry: Pose) -> tuple[float, float]:
@@ -80,25 +80,25 @@ class CurveFollower:
         speed = min(self._config.speed_m_s, rate / max(abs(curvature), 1e-6))
         return speed, speed * curvature
 
-    def _next_phase(self, odometry: Pose, line_error: float | None) -> _Phase:
+    def _next_phase(self, odometry: Pose, line_error: float | None) -> _CurvePhase:
         on_line = line_error is not None
         in_the_middle = line_error is not None and abs(line_error) < IN_THE_MIDDLE
-        # A line still on the side that the robot heads for is not crossed yet, or bends back under the robot.
+        # A line on the side that the robot heads for is not crossed yet, or bends back under the robot.
         ahead = line_error is not None and self._turn * line_error <= -IN_THE_MIDDLE
         travelled_m = _apart_m(odometry, self._since)
         match self._phase:
-            case _Phase.FACE if self._facing.done:
-                return _Phase.PATH
-            case _Phase.PATH if on_line and _apart_m(odometry, self._line_seen_at) > self._curves.line_after_m:
-                return _Phase.CROSS
-            case _Phase.PATH if self._follower.finished:
-                return _Phase.DONE
-            case _Phase.CROSS if travelled_m >= self._curves.cross_m * (4.0 if ahead else 1.0):
-                # Met at a small angle, the line comes in from ahead; one that moves out there lies across.
+            case _CurvePhase.FACE if self._facing.done:
+                return _CurvePhase.PATH
+            case _CurvePhase.PATH if on_line and _apart_m(odometry, self._line_seen_at) > self._curves.line_after_m:
+                return _CurvePhase.CROSS
+            case _CurvePhase.PATH if self._follower.finished:
+                return _CurvePhase.DONE
+            case _CurvePhase.CROSS if travelled_m >= self._curves.cross_m * (4.0 if ahead else 1.0):
+                # A line met at a small angle moves towards the middle; one that moves outwards lies across.
                 came_in = line_error is not None and self._turn * (line_error - self._met_error) > 0.0
-                return _Phase.DONE if in_the_middle and came_in else _Phase.TURN
-            case _Phase.TURN if in_the_middle or abs(odometry[2] - self._since[2]) > FULL_SEARCH_RAD:
-                return _Phase.DONE
+                return _CurvePhase.DONE if in_the_middle and came_in else _CurvePhase.TURN
+            case _CurvePhase.TURN if in_the_middle or abs(odometry[2] - self._since[2]) > FULL_SEARCH_RAD:
+                return _CurvePhase.DONE
             case _:
                 return self._phase
 

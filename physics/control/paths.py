@@ -1,4 +1,4 @@
-"""Pre-computed paths beside an obstacle: evenly spaced points of a spline (paper section 4.3, Fig. 7)."""
+"""Pre-computed avoidance paths: evenly spaced points of a spline (paper section 4.3, Fig. 7)."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from physics.control.base import Side, sign_of
 from symolo.core.arrays import Array
 
 FINE = 8
-"""How many times finer a spline is evaluated than it is stored."""
+"""Points of a spline that are evaluated per stored point."""
 
 
 @dataclass(frozen=True)
@@ -21,11 +21,11 @@ class AvoidancePath:
     """(N, 2) [m], evenly spaced along the path."""
     spacing_m: float
     back_begins: int
-    """Index of the first point of the way back; the number of points where there is none."""
+    """Index of the first point of the return to the line; the number of points if there is none."""
 
 
 def straight_path(config: Avoidance, side: Side) -> AvoidancePath:
-    """Out to the side, along the obstacle, back to the line or wall; mirrored for the right-hand side (Fig. 7a)."""
+    """Return the path out to a side, along the obstacle and back to the line or wall (Fig. 7a)."""
     x_out = config.out_length_m
     x_back = x_out + config.along_length_m
     x_end = x_back + config.back_length_m
@@ -42,11 +42,11 @@ def straight_path(config: Avoidance, side: Side) -> AvoidancePath:
 
 
 def curve_path(config: CurvePath, count: int, bend: Side) -> AvoidancePath:
-    """A path through control points (Fig. 7b, 7c), drawn for a bend to the left and mirrored for one to the right.
+    """Return a path through control points (Fig. 7b, 7c); they describe a left bend and are mirrored for a right one.
 
     Args:
         config: The control points.
-        count: How many points the path is stored in.
+        count: Number of stored points.
         bend: The side to which the line bends.
     """
     knots = np.array(config.points)

@@ -1,6 +1,6 @@
 """The state machine's table, read from configs/state_machine.yaml: which state follows which, and when.
 
-The firmware's table is made from the same rows (hil/generate.py).
+hil/generate.py writes the firmware's table from the same rows.
 """
 
 import re
@@ -11,7 +11,7 @@ from typing import Annotated, NamedTuple
 import configs
 from configs.schema.base import FromList, Section
 from configs.validation import validated
-from physics.control.conditions import CONDITIONS, STATES, View
+from physics.control.conditions import CONDITIONS, STATES, ControlView
 from symolo.core.errors import InputError, nearest
 from symolo.core.yaml_reader import read_yaml
 from symolo.core.yaml_tree import Node
@@ -23,16 +23,16 @@ _CALL = re.compile(r"(?P<name>\w+)(\((?P<argument>\w*)\))?")
 
 
 class Transition(NamedTuple):
-    """From one of `states` to `to` where the condition holds."""
+    """A change from any of `states` to `to` if the condition holds."""
 
     states: tuple[State, ...]
     condition: str
-    """A name of `CONDITIONS`."""
+    """Name in `CONDITIONS`."""
     argument: str
-    """Empty where the condition takes none."""
+    """Argument of the condition; empty if it takes none."""
     to: State
 
-    def taken(self, state: State, view: View) -> bool:
+    def taken(self, state: State, view: ControlView) -> bool:
         return state in self.states and CONDITIONS[self.condition].holds(view, self.argument)
 
 
@@ -48,10 +48,10 @@ class _Table(Section):
 
 @cache
 def load_transitions(path: Path = TABLE) -> tuple[Transition, ...]:
-    """The rows in the order in which they are tried.
+    """Return the rows in the order in which they are tried.
 
     Raises:
-        InputError: The file is no table of known states and conditions.
+        InputError: The file is not a table of known states and conditions.
     """
     root = read_yaml(path).root
     table = validated(root, _Table, {})
@@ -76,7 +76,7 @@ def _checked(root: Node, index: int, row: _Row) -> Transition:
 
 
 def _called(when: str, what: str, where: str) -> tuple[str, str]:
-    """Name and argument of a condition."""
+    """Return name and argument of a condition."""
     call = _CALL.fullmatch(when)
     if call is None:
         allowed = "a condition such as on_line or wall_lost(left)"
@@ -99,12 +99,12 @@ def _known(name: str, names: tuple[str, ...], what: str, where: str) -> str:
 
 
 def _refuse_dead(root: Node, index: int, row: Transition, earlier: list[Transition]) -> None:
-    """A row whose every state asks the same question further up is a slip: it could never be taken."""
-    asked = {(state, above.condition, above.argument) for above in earlier for state in above.states}
-    if all((state, row.condition, row.argument) in asked for state in row.states):
+    """Refuse a row that can never be taken, since earlier rows have its condition for all of its states."""
+    covered = {(state, above.condition, above.argument) for above in earlier for state in above.states}
+    if all((state, row.condition, row.argument) in covered for state in row.states):
         cure = "remove it, or move it up"
         raise InputError(
-            f"transitions.{index}: never taken, rows above ask the same",
+            f"transitions.{index}: never taken, because rows above have the same condition",
             where=_place(root, index, "when"),
             cure=cure,
         )

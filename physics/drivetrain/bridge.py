@@ -8,17 +8,17 @@ from symolo.core.arrays import Array
 
 @dataclass(frozen=True)
 class Bridge:
-    """Motors along the last axis."""
+    """One supply with its windings; motors along the last axis."""
 
     supply_V: float
-    """Off load."""
+    """Supply voltage without load."""
     duty: Array
-    """With its sign."""
+    """Signed duty cycle of each motor."""
     resistance_ohm: Array
-    """Of the windings."""
+    """Resistance of each winding."""
     driving_V: Callable[[Array], Array]
-    """What is left of u - K w behind the transistors."""
+    """Function from u - K w [V] to the part of it that remains after the transistors [V]."""
 
     def current_A(self, emf_V: Array) -> Array:
-        """Through the windings at this u - K w [V]."""
+        """Return the winding currents at u - K w [V]."""
         return self.driving_V(emf_V) / self.resistance_ohm

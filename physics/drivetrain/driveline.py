@@ -1,8 +1,8 @@
-"""From the commanded voltages to the torques at the wheels, with everything that voltage, supply and friction may do.
+"""From commanded voltages to wheel torques, with all effects on voltage, supply and friction.
 
-Motors lie along the last axis of every array: right and left of a robot, or one alone on a bench. Numbers of many
-robots at once are stacked along an axis before it. The winding's own current is linear in the speed, and whoever
-integrates treats that part exactly; effects add an extra torque, which is exactly zero where they change nothing.
+Motors lie along the last axis of every array: right and left of a robot, or a single one on a bench. Numbers of several
+robots are stacked along an axis before it. The current of the bare winding is linear in the speed, and integrators
+treat that part exactly; effects add an extra torque, which is exactly zero where they change nothing.
 """
 
 from collections.abc import Sequence
@@ -11,19 +11,19 @@ import numpy as np
 
 from configs.effects.base import Slot
 from physics.drivetrain.bridge import Bridge
-from physics.drivetrain.motion import Motion
+from physics.drivetrain.motion import ShaftMotion
 from physics.drivetrain.motor import MotorModel
 from physics.robot.model import RobotModel, through
 from symolo.core.arrays import Array
 
 _GAUSS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
 NODES, WEIGHTS = (0.5 * (1.0 + _GAUSS)).tolist(), (0.5 * _GAUSS_WEIGHTS).tolist()
-"""Of Gauss's rule on 0 to 1, for the mean of a voltage that lags."""
+"""Nodes and weights of Gauss's rule on 0 to 1, for the mean of a lagging voltage."""
 MIN_INERTIA_KG_M2 = 1e-12
 
 
 class Driveline:
-    """The motors of a robot with its effects; pure, the voltage that a lag holds is the caller's to keep."""
+    """The motors of a robot with its effects. All methods are pure: the caller keeps the state of a lag."""
 
     def __init__(self, model: RobotModel, motors: Sequence[MotorModel]) -> None:
         self.resistance_ohm = _along_wheels([motor.resistance_ohm for motor in motors])
@@ -42,17 +42,17 @@ class Driveline:
 
     @classmethod
     def of_robot(cls, model: RobotModel) -> "Driveline":
-        """Both motors, right and left."""
+        """Return the driveline of both motors, right and left."""
         return cls(model, (model.motors.right, model.motors.left))
 
     @classmethod
     def of_bench(cls, model: RobotModel) -> "Driveline":
-        """One motor alone."""
+        """Return the driveline of the right motor alone, as on a bench."""
         return cls(model, (model.motors.right,))
 
     @property
     def lags(self) -> bool:
-        """Whether the voltage depends on what it was before."""
+        """Whether the voltage depends on its own past."""
         return bool(self._actuator)
 
     @property
@@ -68,23 +68,23 @@ class Driveline:
     def voltage_V(
         self, held_V: Array, command_V: Array, time_s: float | Array, duration_s: float
     ) -> tuple[Array, Array]:
-        """What a lag holds after `duration_s`, and the voltage at the motors."""
+        """Return the state of a lag after `duration_s`, and the voltage at the motors."""
         held_V = self.held_V(held_V, command_V, duration_s)
         return held_V, self.of_battery_V(held_V, time_s)
 
     def held_V(self, held_V: Array, command_V: Array, duration_s: float | Array) -> Array:
-        """What a lag holds after `duration_s`; the command where nothing lags."""
+        """Return the state of a lag after `duration_s`; the command if nothing lags."""
         for lag in self._actuator:
             held_V = lag(held_V, command_V, duration_s)
         return held_V if self._actuator else command_V
 
     def of_battery_V(self, voltage_V: Array, time_s: float | Array) -> Array:
-        """What is left of a voltage at the motors."""
+        """Return the part of a voltage that reaches the motors from a battery that runs down."""
         return through(self._battery, voltage_V, time_s)
 
     def lagged_V(self, held_V: Array, command_V: Array, duration_s: float | Array) -> tuple[Array, Array]:
-        """What a lag holds after `duration_s`, and the mean voltage until then, by which a bare motor comes to the same
-        speed; both without the battery.
+        """Return the state of a lag after `duration_s`, and the constant voltage that brings a bare motor to the same
+        speed; both before the battery.
         """
         if not self._actuator:
             return command_V, command_V
@@ -98,7 +98,7 @@ class Driveline:
         return lag(held_V, command_V, duration_s), command_V + weighed / weights
 
     def current_A(self, voltage_V: Array, speed_rad_s: Array) -> Array:
-        """Through the windings, at the voltage that the bridge would give from a full supply."""
+        """Return the winding currents, at the voltage that the bridge would give from a full supply."""
         emf_V = voltage_V - self.torque_constant_N_m_A * speed_rad_s
         if self._supply:
             (sag,) = self._supply
@@ -113,28 +113,28 @@ class Driveline:
         return through(self._bridge, emf_V)
 
     def extra_torque_N_m(self, voltage_V: Array, speed_rad_s: Array) -> Array:
-        """By effects, on top of that of the bare winding at this voltage and speed."""
+        """Return the torque that effects add to that of the bare winding at this voltage and speed."""
         if not self.adds_torque:
             return np.zeros_like(speed_rad_s)
         bare_A = (voltage_V - self.torque_constant_N_m_A * speed_rad_s) / self.resistance_ohm
         return self.torque_constant_N_m_A * (self.current_A(voltage_V, speed_rad_s) - bare_A)
 
     def stall_torque_N_m(self, voltage_V: Array) -> Array:
-        """Of the bare windings at rest."""
+        """Return the torque of the bare windings at rest."""
         return self.torque_constant_N_m_A * voltage_V / self.resistance_ohm
 
     def friction_N_m(self, torque_N_m: Array, speed_rad_s: Array, time_s: float | Array) -> Array:
-        """Dry friction against the motion, or against the torque on a wheel at rest, up to which it holds.
+        """Return the dry friction against the motion; at rest the largest torque that it can hold.
 
-        Of the motors alone, to be broadcast, where no effect makes it differ in time.
+        Without an effect on friction this is the motors' constant, to be broadcast.
         """
         if not self._friction:
             return self.coulomb_N_m
         direction = np.sign(np.where(speed_rad_s == 0.0, torque_N_m, speed_rad_s))
-        motion = Motion(direction, speed_rad_s, time_s)
+        motion = ShaftMotion(direction, speed_rad_s, time_s)
         return through(self._friction, self.coulomb_N_m, motion)
 
 
 def _along_wheels(values: Sequence[float | Array]) -> Array:
-    """Of each motor; with a last axis for them where they are those of many robots, (M, 1, ..., 1) each."""
+    """Return one number per motor along a last axis; numbers of many robots are (M, 1, ..., 1) each."""
     return np.concatenate([np.atleast_1d(value) for value in values], axis=-1)

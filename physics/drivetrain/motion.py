@@ -1,4 +1,4 @@
-"""What friction looks at."""
+"""State of a shaft that friction depends on."""
 
 from dataclasses import dataclass
 
@@ -6,9 +6,9 @@ from symolo.core.arrays import Array
 
 
 @dataclass(frozen=True)
-class Motion:
+class ShaftMotion:
     direction: Array
-    """Of the motion, or at rest of the torque that would set the wheel in motion: -1, 0 or +1."""
+    """Direction of the motion, at rest of the torque that would start it: -1, 0 or +1."""
     speed_rad_s: Array
     time_s: float | Array
-    """Since the motor was first switched on."""
+    """Time since the motor was first switched on."""

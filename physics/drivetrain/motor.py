@@ -19,7 +19,7 @@ class MotorModel:
     viscous_N_m_s_rad: float
     coulomb_N_m: float
     inertia_kg_m2: float
-    """Of rotor and gearbox, seen at the wheel shaft."""
+    """Inertia of rotor and gearbox, reflected to the wheel shaft."""
 
     @classmethod
     def from_config(cls, config: Motor) -> "MotorModel":
@@ -33,18 +33,18 @@ class MotorModel:
 
     @property
     def damping_N_m_s_rad(self) -> float:
-        """What back-EMF and viscous friction together take off the torque per unit of speed."""
+        """Loss of torque per unit of speed by back-EMF and viscous friction together."""
         return self.torque_constant_N_m_A**2 / self.resistance_ohm + self.viscous_N_m_s_rad
 
     def stall_torque_N_m(self, voltage_V: float) -> float:
-        """Electrical torque of a wheel at rest."""
+        """Return the electrical torque on a wheel at rest."""
         return self.torque_constant_N_m_A * voltage_V / self.resistance_ohm
 
     def current_A(self, voltage_V: float, speed_rad_s: float) -> float:
         return (voltage_V - self.torque_constant_N_m_A * speed_rad_s) / self.resistance_ohm
 
     def steady_state(self, voltage_V: float) -> tuple[float, float]:
-        """Current [A] and speed [rad/s] off load: stuck below breakaway, Eq. 20 without its derivative above."""
+        """Return current [A] and speed [rad/s] without load: 0 below breakaway, Eq. 20 without derivative above."""
         stall = self.stall_torque_N_m(voltage_V)
         if abs(stall) <= self.coulomb_N_m:
             return self.current_A(voltage_V, 0.0), 0.0
@@ -54,56 +54,57 @@ class MotorModel:
     def step(
         self, voltage_V: float, speed_rad_s: float, duration_s: float, load_inertia_kg_m2: float = 0.0
     ) -> tuple[float, float]:
-        """Speed [rad/s] after `duration_s` at constant voltage, and the angle [rad] turned meanwhile; exact."""
+        """Return speed [rad/s] after `duration_s` at constant voltage, and turned angle [rad]; exact."""
         inertia = self.inertia_kg_m2 + load_inertia_kg_m2
         wheel = HeldWheel(self.damping_N_m_s_rad, self.coulomb_N_m, inertia, duration_s)
         return wheel.step(self.stall_torque_N_m(voltage_V), speed_rad_s)
 
 
 class HeldWheel:
-    """One wheel in exact steps of one length, torque at rest held over each; `motor_arrays` has the same for arrays."""
+    """One wheel in exact steps of one duration at constant stall torque; `motor_arrays` does the same for arrays."""
 
     def __init__(self, damping_N_m_s_rad: float, friction_N_m: float, inertia_kg_m2: float, duration_s: float) -> None:
         self._damping = damping_N_m_s_rad
         self._friction = friction_N_m
         self._duration_s = duration_s
         self._time_constant_s = inertia_kg_m2 / damping_N_m_s_rad
-        self._lost = self._lost_after(duration_s)
+        self._covered = self._covered_after(duration_s)
 
     def step(self, torque_N_m: float, speed_rad_s: float) -> tuple[float, float]:
-        """Speed [rad/s] after the step and angle [rad] turned meanwhile, through a stop and a start within it."""
-        angle, left_s, lost = 0.0, self._duration_s, self._lost
+        """Return speed [rad/s] after the step and turned angle [rad], through a stop and a start within it."""
+        angle, left_s, covered = 0.0, self._duration_s, self._covered
         if speed_rad_s != 0.0:
             final = (torque_N_m - copysign(self._friction, speed_rad_s)) / self._damping
-            # By sign: the product of a speed that is nearly nothing would vanish, and the wheel be driven by friction.
+            # Compare signs: the product with a tiny speed would underflow to zero, and friction would drive the wheel.
             if (final >= 0.0) if speed_rad_s > 0.0 else (final <= 0.0):
-                return self._relaxed(speed_rad_s, final, left_s, lost)
+                return self._relaxed(speed_rad_s, final, left_s, covered)
             stops_s = self._time_constant_s * log1p(-speed_rad_s / final)
             if stops_s > left_s:
-                return self._relaxed(speed_rad_s, final, left_s, lost)
-            angle = self._relaxed(speed_rad_s, final, stops_s, self._lost_after(stops_s))[1]
+                return self._relaxed(speed_rad_s, final, left_s, covered)
+            angle = self._relaxed(speed_rad_s, final, stops_s, self._covered_after(stops_s))[1]
             left_s -= stops_s
-            lost = self._lost_after(left_s)
+            covered = self._covered_after(left_s)
         if abs(torque_N_m) <= self._friction:
             return 0.0, angle
         final = (torque_N_m - copysign(self._friction, torque_N_m)) / self._damping
-        speed, further = self._relaxed(0.0, final, left_s, lost)
+        speed, further = self._relaxed(0.0, final, left_s, covered)
         return speed, angle + further
 
-    def _lost_after(self, duration_s: float) -> float:
-        """Share of its way to the final speed that is behind the wheel."""
+    def _covered_after(self, duration_s: float) -> float:
+        """Return the share of the difference to the final speed that is covered after a time."""
         return -expm1(-duration_s / self._time_constant_s)
 
-    def _relaxed(self, start: float, final: float, duration_s: float, lost: float) -> tuple[float, float]:
-        return start + (final - start) * lost, final * duration_s + (start - final) * self._time_constant_s * lost
+    def _relaxed(self, start: float, final: float, duration_s: float, covered: float) -> tuple[float, float]:
+        return start + (final - start) * covered, final * duration_s + (start - final) * self._time_constant_s * covered
 
 
 @dataclass(frozen=True)
 class Motors:
-    """The motors of a robot, or twice the same one on a bench."""
+    """The motors of a robot, or the same one twice on a bench."""
 
     right: MotorModel
     left: MotorModel
 
     def each(self, change: Callable[[MotorModel], MotorModel]) -> "Motors":
+        """Return both motors changed by a function."""
         return Motors(change(self.right), change(self.left))

@@ -1,7 +1,7 @@
 """One motor on a bench with the effects of its robot: steady states and step responses, without noise.
 
-What the bench's own instruments make of current and speed is `sensors.instruments`. The numbers of many robots may be
-stacked, (M, 1, 1) each (`physics.robot.stack`): results then are those of all of them at once.
+`sensors.instruments` turns current and speed into the readings of the bench. The numbers of many robots may be stacked,
+(M, 1, 1) each (`physics.robot.stack`); results are then those of all of them.
 """
 
 from collections.abc import Callable
@@ -18,20 +18,20 @@ from symolo.core.arrays import Array
 from symolo.core.finite import require_finite
 
 SETTLED = 1e-11
-"""Of the highest speed, to which a steady speed is found."""
+"""Accuracy of a steady speed, relative to the highest speed."""
 MAX_STEPS = 200
 
 
 def steady_states(model: RobotModel, voltage_V: Array, time_s: Array) -> tuple[Array, Array]:
-    """Current [A] and speed [rad/s], (N,) or (M, N) each, reached from rest at these voltages.
+    """Return current [A] and speed [rad/s], (N,) or (M, N) each, reached from rest at constant voltages.
 
     Args:
         model: The robot, or M of them, whose right motor is on the bench.
-        voltage_V: (N,).
-        time_s: (N,), since the motor was first switched on.
+        voltage_V: (N,), constant voltages.
+        time_s: (N,), time since the motor was first switched on.
 
     Raises:
-        ValueError: A voltage is no finite number.
+        ValueError: A voltage is not a finite number.
     """
     require_finite(voltage_V, "voltage_V", ("trial",))
     driveline = Driveline.of_bench(model)
@@ -57,10 +57,10 @@ def steady_states(model: RobotModel, voltage_V: Array, time_s: Array) -> tuple[A
 
 
 def _root(function: Callable[[Array], Array], at_0: Array, top: Array, wanted: NDArray[np.bool_]) -> Array:
-    """Where a function that falls from `at_0` at 0 to below 0 at `top` is 0, by the Illinois method, where `wanted`.
+    """Return the zero of a function that falls from `at_0` at 0 to below 0 at `top`, by the Illinois method.
 
-    One step finds the zero of a straight line; kinks and bends take about ten. Every third step halves the bracket,
-    which bounds their number.
+    One step finds the zero of a straight line; kinks and curves take about ten. Every third step halves the bracket,
+    which bounds the number of steps. Elements that are not `wanted` are not iterated to the end.
     """
     low: Array = np.zeros_like(at_0)
     high, at_low, at_high = low + top, at_0, function(top)
@@ -70,13 +70,13 @@ def _root(function: Callable[[Array], Array], at_0: Array, top: Array, wanted: N
         share = np.clip(at_low / np.where(spread > 0.0, spread, 1.0), 0.0, 1.0)
         halves = step % 3 == 2
         before, root = root, low + (high - low) * (np.full_like(share, 0.5) if halves else share)
-        found = function(root)
-        if not halves and np.all((np.abs(root - before) <= SETTLED * top) | (found == 0.0) | ~wanted):
+        value = function(root)
+        if not halves and np.all((np.abs(root - before) <= SETTLED * top) | (value == 0.0) | ~wanted):
             break
-        above = found > 0.0
-        # An end that stays a second time counts half, so that it is not kept for ever.
+        above = value > 0.0
+        # The value at an end that stays twice is halved, so that the end does not stay for ever.
         again = np.where(above == was_above, 0.5, 1.0)
-        at_low, at_high = np.where(above, found, again * at_low), np.where(above, again * at_high, found)
+        at_low, at_high = np.where(above, value, again * at_low), np.where(above, again * at_high, value)
         low, high, was_above = np.where(above, root, low), np.where(above, high, root), above
     return root
 
@@ -84,20 +84,20 @@ def _root(function: Callable[[Array], Array], at_0: Array, top: Array, wanted: N
 def step_responses(
     model: RobotModel, voltage_V: Array, row_s: float, begin_s: Array | None = None
 ) -> tuple[Array, Array]:
-    """Current [A] and speed [rad/s] on the motor side of the gearbox at the end of each row, from rest.
+    """Return current [A] and speed [rad/s] on the motor side of the gearbox at the end of each row, from rest.
 
     Args:
         model: The robot, or M of them, whose right motor is on the bench.
-        voltage_V: (T, N), each held for the row that ends at its sample.
-        row_s: Length of a row.
+        voltage_V: (T, N), each constant for the row that ends at its sample.
+        row_s: Duration of a row.
         begin_s: (N,), time of each trial's start since the motor was first switched on; 0 by default.
 
     Returns:
-        (T, N) or (T, M, N) each. The current is at the mean voltage of the row's last half millisecond, in which a
-        delayed command may come to act.
+        (T, N) or (T, M, N) each. The current is that at the mean voltage of the last half millisecond of the row, in
+        which a delayed command may take effect.
 
     Raises:
-        ValueError: A voltage is no finite number.
+        ValueError: A voltage is not a finite number.
     """
     require_finite(voltage_V, "voltage_V", ("row", "trial"))
     driveline = Driveline.of_bench(model)
@@ -111,7 +111,7 @@ def step_responses(
             state = shaft.moved(part, state)
         voltages.append(row.last_V)
         speeds.append(state.motor_rad_s)
-    voltage, speed = (np.stack(np.broadcast_arrays(*of)) for of in (voltages, speeds))
+    voltage, speed = (np.stack(np.broadcast_arrays(*rows)) for rows in (voltages, speeds))
     if voltage.ndim < speed.ndim:
         voltage = voltage[:, None]
     return driveline.current_A(voltage, speed)[..., 0], speed[..., 0]

@@ -1,8 +1,9 @@
-"""Wheels that are one mass each with their motors and feel each other through the supply alone, over stretches of time.
+"""Wheels that are one mass each with their motors and affect each other through the supply alone.
 
-Bare motors take one exact step. What effects add to torque and friction is the mean of both ends of a step, by the
-speed that a step with the first end's alone comes to (Heun's method about the exact step; of second order). Where the
-two differ by more than the tolerance, the stretch is taken in quarters; at null values they are equal to the bit.
+Bare motors take one exact step. What effects add to torque and friction is averaged over both ends of a step; the end
+is predicted by a step with the values of the beginning (Heun's method around the exact step, of second order). Where
+prediction and result differ by more than the tolerance, the step is divided into quarters. At null values both are
+identical to the bit.
 """
 
 from collections.abc import Callable
@@ -11,58 +12,58 @@ import numpy as np
 
 from physics.drivetrain.driveline import Driveline
 from physics.drivetrain.held_rows import HeldPart
-from physics.drivetrain.motor_arrays import HeldDrive, share_behind
+from physics.drivetrain.motor_arrays import HeldDrive, covered_share
 from symolo.core.arrays import Array
 
 TOLERANCE_RAD_S = 0.02
 TOLERANCE = 2e-3
-"""Of the speed."""
+"""Relative to the speed, in addition to `TOLERANCE_RAD_S`."""
 PARTS = 4
-DEEPEST = 6
+MAX_DEPTH = 6
 
 
 class RigidWheels:
     def __init__(self, driveline: Driveline, load_N_m: Callable[[Array], Array] | None = None) -> None:
         """
         Args:
-            driveline: Of the motors.
-            load_N_m: Torques from outside, (..., wheels) at speeds (..., wheels); None for none.
+            driveline: The motors.
+            load_N_m: External torques, (..., wheels), as a function of speeds (..., wheels); None without any.
         """
         self._driveline = driveline
         self._load_N_m = load_N_m
         self._time_constant_s = driveline.inertia_kg_m2 / driveline.damping_N_m_s_rad
-        self._known: dict[float, Array] = {}
+        self._covered_by_duration: dict[float, Array] = {}
 
     def moved(self, part: HeldPart, speed_rad_s: Array) -> tuple[Array, Array]:
-        """Speed [rad/s] after a stretch and angle [rad] turned in it."""
+        """Return speed [rad/s] after a period and the angle [rad] turned in it."""
         driveline = self._driveline
         stall = driveline.stall_torque_N_m(part.voltage_V)
         if driveline.is_bare and self._load_N_m is None:
-            behind = self._behind(part.duration_s)
-            return self._held(stall, driveline.coulomb_N_m).step(speed_rad_s, part.duration_s, behind)
-        # What a body asks changes little in a row, and needs no finer steps.
-        return self._with_effects(part, stall, speed_rad_s, 0 if driveline.is_bare else DEEPEST)
+            covered = self._covered(part.duration_s)
+            return self._held(stall, driveline.coulomb_N_m).step(speed_rad_s, part.duration_s, covered)
+        # The load of a body changes little within a row and needs no finer steps.
+        return self._with_effects(part, stall, speed_rad_s, 0 if driveline.is_bare else MAX_DEPTH)
 
-    def _behind(self, duration_s: float | Array) -> Array:
-        """Worked out once for each length of a step that comes again and again."""
+    def _covered(self, duration_s: float | Array) -> Array:
+        """Return the covered share of a step, computed once per duration."""
         if isinstance(duration_s, np.ndarray):
-            return share_behind(duration_s, self._time_constant_s)
-        if duration_s not in self._known:
-            self._known[duration_s] = share_behind(duration_s, self._time_constant_s)
-        return self._known[duration_s]
+            return covered_share(duration_s, self._time_constant_s)
+        if duration_s not in self._covered_by_duration:
+            self._covered_by_duration[duration_s] = covered_share(duration_s, self._time_constant_s)
+        return self._covered_by_duration[duration_s]
 
     def _held(self, torque_N_m: Array, friction_N_m: Array) -> HeldDrive:
         return HeldDrive(torque_N_m, self._driveline.damping_N_m_s_rad, friction_N_m, self._driveline.inertia_kg_m2)
 
-    def _with_effects(self, part: HeldPart, stall: Array, speed_rad_s: Array, deeper: int) -> tuple[Array, Array]:
+    def _with_effects(self, part: HeldPart, stall: Array, speed_rad_s: Array, depth: int) -> tuple[Array, Array]:
         torque, friction = self._loads(part.voltage_V, stall, speed_rad_s, part.begin_s)
-        behind = self._behind(part.duration_s)
-        ahead, _ = self._held(torque, friction).step(speed_rad_s, part.duration_s, behind)
+        covered = self._covered(part.duration_s)
+        ahead, _ = self._held(torque, friction).step(speed_rad_s, part.duration_s, covered)
         torque_ahead, friction_ahead = self._loads(part.voltage_V, stall, ahead, part.begin_s + part.duration_s)
         both = self._held(0.5 * (torque + torque_ahead), 0.5 * (friction + friction_ahead))
-        speed, angle = both.step(speed_rad_s, part.duration_s, behind)
+        speed, angle = both.step(speed_rad_s, part.duration_s, covered)
         off = np.abs(speed - ahead)
-        if not deeper or off.max() <= TOLERANCE_RAD_S:
+        if not depth or off.max() <= TOLERANCE_RAD_S:
             return speed, angle
         rough = off > TOLERANCE_RAD_S + TOLERANCE * np.abs(speed)
         if not rough.any():
@@ -71,12 +72,12 @@ class RigidWheels:
         duration_s = part.duration_s / PARTS
         for k in range(PARTS):
             quarter = HeldPart(part.voltage_V, part.begin_s + k * duration_s, duration_s)
-            fine_speed, further = self._with_effects(quarter, stall, fine_speed, deeper - 1)
+            fine_speed, further = self._with_effects(quarter, stall, fine_speed, depth - 1)
             fine_angle = fine_angle + further
         return np.where(rough, fine_speed, speed), np.where(rough, fine_angle, angle)
 
     def _loads(self, voltage_V: Array, stall: Array, speed_rad_s: Array, time_s: Array) -> tuple[Array, Array]:
-        """Torque at rest and dry friction [N m]."""
+        """Return torque at rest and dry friction [N m]."""
         driveline = self._driveline
         torque = stall + driveline.extra_torque_N_m(voltage_V, speed_rad_s) if driveline.adds_torque else stall
         torque = torque if self._load_N_m is None else torque + self._load_N_m(speed_rad_s)

@@ -13,19 +13,19 @@ from physics.drivetrain.two_mass import Load, TwoMass
 from physics.robot.model import RobotModel
 from symolo.core.arrays import Array
 
-LONGEST_S, SHARE = 5e-3, 0.25
-"""Longest step with play, in which the sides meet or part at most once; also in time constants of the motor side.
+MAX_STEP_S, MAX_STEP_SHARE = 5e-3, 0.25
+"""Longest step with play, in seconds and in time constants of the motor side; the sides meet or part once at most.
 At 5 ms speeds are within 0.006 rad/s of those at 0.02 ms, for a motor of 60 ms and a gap of 0.05 rad."""
 
 
 class Shaft(Protocol):
     def moved(self, part: HeldPart, state: TwoMass) -> TwoMass:
-        """The state after a stretch of time."""
+        """Return the state after a period."""
         ...
 
 
 def shaft_of(model: RobotModel, driveline: Driveline) -> Shaft:
-    """With play where the robot has any."""
+    """Return the shaft of a robot, with play if the robot has any."""
     return PlayingShaft(model, driveline) if model.has_play else RigidShaft(driveline)
 
 
@@ -48,10 +48,12 @@ class PlayingShaft:
         share = self._config.motor_side_friction_fraction
         winding = driveline.damping_N_m_s_rad - viscous
         self._dampings = winding + share * viscous, (1.0 - share) * viscous
-        self._longest_s = min(LONGEST_S, SHARE * float(np.min(self._inertias[0] / driveline.damping_N_m_s_rad)))
+        self._max_step_s = min(
+            MAX_STEP_S, MAX_STEP_SHARE * float(np.min(self._inertias[0] / driveline.damping_N_m_s_rad))
+        )
 
     def moved(self, part: HeldPart, state: TwoMass) -> TwoMass:
-        substeps = max(1, ceil(float(np.max(part.duration_s)) / self._longest_s - 1e-9))
+        substeps = max(1, ceil(float(np.max(part.duration_s)) / self._max_step_s - 1e-9))
         duration_s = part.duration_s / substeps
         for k in range(substeps):
             state = self._step(part.voltage_V, state, part.begin_s + k * duration_s, duration_s)
@@ -63,9 +65,9 @@ class PlayingShaft:
         torque = torque + driveline.extra_torque_N_m(voltage_V, speed) if driveline.adds_torque else torque
         friction = driveline.friction_N_m(torque, speed, time_s)
         share = self._config.motor_side_friction_fraction
-        of_load = (1.0 - share) * driveline.friction_N_m(torque, state.load_rad_s, time_s)
+        load_friction = (1.0 - share) * driveline.friction_N_m(torque, state.load_rad_s, time_s)
         motor_side = Load(torque, self._dampings[0], share * friction, self._inertias[0])
-        load_side = Load(np.zeros_like(torque), self._dampings[1], of_load, self._inertias[1])
+        load_side = Load(np.zeros_like(torque), self._dampings[1], load_friction, self._inertias[1])
         for play in self._play:
             state = play(state, motor_side, load_side, duration_s)
         return state

@@ -1,4 +1,4 @@
-"""A gearbox with play: motor side and load side, at the wheel shaft, that push each other at the ends of the gap."""
+"""A gearbox with play: motor side and load side, at the wheel shaft, push each other at the ends of the gap."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from physics.drivetrain.motor_arrays import HeldDrive
 from symolo.core.arrays import Array
 
 MIN_DAMPING_N_M_S_RAD = 1e-12
-"""Stands for none."""
+"""Replaces a damping of 0, which would divide by zero."""
 
 
 @dataclass(frozen=True)
@@ -21,22 +21,22 @@ class TwoMass:
 
 @dataclass(frozen=True)
 class Load:
-    """What acts on a mass, and its inertia."""
+    """Torques on a mass, and its inertia."""
 
     torque_N_m: Array
-    """At rest."""
+    """Torque at rest."""
     damping_N_m_s_rad: Array
     friction_N_m: Array
     inertia_kg_m2: Array
 
     def moved(self, speed_rad_s: Array, duration_s: float | Array) -> tuple[Array, Array]:
-        """Speed [rad/s] after a while and angle [rad] turned meanwhile; exact, through a stop and a start."""
+        """Return speed [rad/s] after a time and turned angle [rad]; exact, through a stop and a start."""
         damping = np.maximum(self.damping_N_m_s_rad, MIN_DAMPING_N_M_S_RAD)
         held = HeldDrive(self.torque_N_m, damping, self.friction_N_m, self.inertia_kg_m2)
         return held.step(speed_rad_s, duration_s)
 
     def __add__(self, other: "Load") -> "Load":
-        """Both as one mass."""
+        """Return both as one mass."""
         return Load(
             self.torque_N_m + other.torque_N_m,
             self.damping_N_m_s_rad + other.damping_N_m_s_rad,

@@ -17,19 +17,19 @@ class WheelSpeedLoop:
         self.restart(0)
 
     def restart(self, counts: int) -> None:
-        """Begin anew at these encoder counts, as for a wheel at rest."""
+        """Start again at these encoder counts, as for a wheel at rest."""
         self._counts = counts
         self._integral_V = 0.0
         self.speed_rad_s = 0.0
-        """As the board measures it."""
+        """Speed as the board measures it."""
 
     def update(self, counts: int, set_point_rad_s: float) -> float:
-        """Voltage [V] until the next update."""
+        """Return the voltage [V] until the next update."""
         turned = counts - self._counts
         self._counts = counts
         self.speed_rad_s += self._smoothing * (turned * self._rad_s_per_count - self.speed_rad_s)
         if set_point_rad_s == 0.0 and turned == 0:
-            # Friction holds a wheel that stands; what the integral still remembers must not creep it on.
+            # Friction holds the wheel at rest; the remaining integral must not make it creep.
             self._integral_V = 0.0
             return 0.0
         loop, limit = self._loop, self._limit_V
@@ -39,12 +39,12 @@ class WheelSpeedLoop:
             feed_forward += copysign(loop.feedforward_static_V, set_point_rad_s)
         voltage = feed_forward + loop.proportional_V_s_rad * error + self._integral_V
         clipped = min(max(voltage, -limit), limit)
-        # Against a limit the integral may only move back from it.
+        # At a limit the integral may only change away from it.
         if voltage == clipped or (voltage - clipped) * error < 0.0:
             self._integral_V += loop.integral_V_rad * error * self._period_s
         return clipped
 
 
 def voltage_limit_V(power: Power) -> float:
-    """The most the H-bridge applies to a motor, either way round."""
+    """Return the largest voltage that the H-bridge applies to a motor, in either direction."""
     return min(power.battery_voltage_V, power.motor_voltage_limit_V)

@@ -1,7 +1,7 @@
-"""Both wheels of a robot from their commanded voltages, each with an inertia of its own, as the encoders count them.
+"""Turned angles of both wheels from their commanded voltages, with separate inertias, as the encoders count them.
 
-What a body adds to the inertia may be in the motors' already, as on a stand or in a log whose motor parameters were
-found with the whole robot. `physics.twin` has wheels that feel each other through the body.
+The inertia of the body may already be part of the motors' inertia, as on a stand or in a log whose motor parameters
+were identified with the whole robot. In `physics.twin` wheels affect each other through the body.
 """
 
 from dataclasses import dataclass
@@ -20,20 +20,20 @@ from symolo.core.finite import require_finite
 
 @dataclass(frozen=True)
 class WheelLoad:
-    """What a body asks of each wheel, on top of its motor's own."""
+    """Load of the body on each wheel, in addition to its motor."""
 
     inertia_kg_m2: float = 0.0
     body: BodyOnWheels | None = None
-    """Whose centrifugal forces and caster the wheels feel."""
+    """Body whose centrifugal forces and caster act on the wheels; None without."""
 
     @classmethod
     def of_body(cls, model: RobotModel) -> "WheelLoad":
-        """Of the robot's body, but for inertia that one wheel feels of the other: little where mass is spread out."""
+        """Return the load of the robot's body, without the coupling of the wheels, small for a wide body."""
         body = BodyOnWheels.from_model(model)
         return cls(float(body.wheel_inertia_kg_m2[0, 0]), body)
 
     def torque_N_m(self, speed_rad_s: Array) -> Array:
-        """On the wheels, right and left along the last axis, at their speeds (..., 2)."""
+        """Return the torques (..., 2) on the wheels, right and left, at their speeds (..., 2)."""
         if self.body is None:
             return np.zeros_like(speed_rad_s)
         return np.stack(self.body.load_N_m(speed_rad_s[..., 0], speed_rad_s[..., 1]), axis=-1)
@@ -45,17 +45,17 @@ NO_LOAD = WheelLoad()
 def counted_turns(
     model: RobotModel, voltage_V: Array, row_s: float, begin_s: Array, load: WheelLoad = NO_LOAD
 ) -> Array:
-    """Angles [rad] that the encoders count in each row, from rest; (T, N, 2) or (T, M, N, 2), right and left.
+    """Return the angles [rad] that the encoders count in each row from rest, (T, N, 2) or (T, M, N, 2), right and left.
 
     Args:
         model: The robot, or M of them whose numbers are stacked, (M, 1, 1) each.
-        voltage_V: (T, N, 2), right and left, each held for a row.
-        row_s: Length of a row.
+        voltage_V: (T, N, 2), right and left, each constant for a row.
+        row_s: Duration of a row.
         begin_s: (N,), time of each trial's start since the robot was switched on.
-        load: By the body, as far as it is not in the motors' numbers.
+        load: Load of the body, as far as it is not part of the motors' numbers.
 
     Raises:
-        ValueError: A voltage is no finite number.
+        ValueError: A voltage is not a finite number.
         InputError: The robot has play in its gears.
     """
     require_finite(voltage_V, "voltage_V", ("row", "trial", "wheel"))
@@ -75,24 +75,23 @@ def counted_turns(
     return np.stack(np.broadcast_arrays(*rows))
 
 
-SOLVED_AFTER = 16
-"""Steps in which the share that is counted is found for an unknown speed; with a tenth lost, each leaves a third of the
-error or less."""
+ITERATIONS = 16
+"""Iterations for the counted share of an unknown speed; with a tenth lost, each leaves a third of the error or less."""
 
 
 def uncounted(model: RobotModel, counted_rad: Array, row_s: Array) -> Array:
-    """Angles [rad] that the wheels have turned where the encoders counted so much in each row.
+    """Return the angles [rad] that the wheels turned, from the angles that the encoders counted in each row.
 
-    Where two speeds give the same counts, for so many are lost at the faster one, it is the slower one.
+    If two speeds give the same counts, because the faster one loses more, the result is the slower one.
 
     Args:
         model: The robot, or M of them whose numbers are stacked, (M, 1, 1) each.
-        counted_rad: (..., n, 2), right and left.
-        row_s: (n, 1), length of each row.
+        counted_rad: (..., n, 2), counted angles, right and left.
+        row_s: (n, 1), duration of each row.
     """
     counting = model.functions(Slot.COUNTING)
     turned = counted_rad
-    for _ in range(SOLVED_AFTER if counting else 0):
+    for _ in range(ITERATIONS if counting else 0):
         again = through(counting, turned, row_s)
         turned = turned * np.divide(counted_rad, again, out=np.ones(again.shape), where=again != 0.0)
     return turned

@@ -2,7 +2,7 @@
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import Asymmetry
-from physics.drivetrain.motion import Motion
+from physics.drivetrain.motion import ShaftMotion
 from symolo.core.arrays import Array
 
 
@@ -15,5 +15,5 @@ class FrictionAsymmetry(Effect):
     asymmetry: Asymmetry
     """Tc (1 - asymmetry) forward, Tc (1 + asymmetry) in reverse."""
 
-    def apply(self, friction_N_m: Array, motion: Motion) -> Array:
+    def apply(self, friction_N_m: Array, motion: ShaftMotion) -> Array:
         return friction_N_m * (1.0 - self.asymmetry * motion.direction)

@@ -6,7 +6,7 @@ import numpy as np
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import DriftTime, Parameter
-from physics.drivetrain.motion import Motion
+from physics.drivetrain.motion import ShaftMotion
 from symolo.core.arrays import Array
 
 
@@ -20,5 +20,5 @@ class FrictionWarmup(Effect):
     """Tc (1 + amplitude * exp(-t / time_constant)), t since the motor was first switched on."""
     time_constant_s: DriftTime
 
-    def apply(self, friction_N_m: Array, motion: Motion) -> Array:
+    def apply(self, friction_N_m: Array, motion: ShaftMotion) -> Array:
         return friction_N_m * (1.0 + self.amplitude * np.exp(-motion.time_s / self.time_constant_s))

@@ -7,7 +7,7 @@ import numpy as np
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import Parameter
-from configs.faults import Fault
+from configs.faults import ConfigFault
 from physics.drivetrain.two_mass import Load, TwoMass
 from symolo.core.arrays import Array
 
@@ -47,8 +47,8 @@ class GearBacklash(Effect):
             np.minimum(np.maximum(slack_rad, -half), half),
         )
 
-    def faults(self, *, in_simulation: bool) -> Iterator[Fault]:
+    def faults(self, *, in_simulation: bool) -> Iterator[ConfigFault]:
         if in_simulation and self.gap_rad > 0:
             problem = "PyBullet's wheel is one mass, without play"
             cure = "leave the effect out; it acts on the motor bench alone"
-            yield Fault(("gap_rad",), problem, got=self.gap_rad, allowed="0", cure=cure)
+            yield ConfigFault(("gap_rad",), problem, got=self.gap_rad, allowed="0", cure=cure)

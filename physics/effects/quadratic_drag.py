@@ -4,7 +4,7 @@ from typing import Annotated
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import Parameter
-from physics.drivetrain.motion import Motion
+from physics.drivetrain.motion import ShaftMotion
 from symolo.core.arrays import Array
 
 
@@ -17,5 +17,5 @@ class QuadraticDrag(Effect):
     coefficient_N_m_s2_rad2: Annotated[float, Parameter("N m s2/rad2", null=0.0, start=1e-4, low=0.0, high=0.1)]
     """Friction + coefficient * w |w|."""
 
-    def apply(self, friction_N_m: Array, motion: Motion) -> Array:
+    def apply(self, friction_N_m: Array, motion: ShaftMotion) -> Array:
         return friction_N_m + self.coefficient_N_m_s2_rad2 * motion.speed_rad_s**2

@@ -6,7 +6,7 @@ import numpy as np
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import Parameter
-from physics.drivetrain.motion import Motion
+from physics.drivetrain.motion import ShaftMotion
 from symolo.core.arrays import Array
 
 
@@ -20,6 +20,6 @@ class StribeckFriction(Effect):
     """Friction + extra_torque * exp(-(w / stribeck_speed)^2), against the motion; breakaway at Tc + extra_torque."""
     stribeck_speed_rad_s: Annotated[float, Parameter("rad/s", null=None, start=2.0, low=0.05, high=50.0)]
 
-    def apply(self, friction_N_m: Array, motion: Motion) -> Array:
+    def apply(self, friction_N_m: Array, motion: ShaftMotion) -> Array:
         falling = np.exp(-((motion.speed_rad_s / self.stribeck_speed_rad_s) ** 2))
         return friction_N_m + self.extra_torque_N_m * falling

@@ -1,6 +1,6 @@
-"""What the robot's body asks of its wheels: inertia, centrifugal forces, friction of the caster.
+"""Load of the robot's body on its wheels: inertia, centrifugal forces, friction of the caster.
 
-Rolling without slip makes the body two coordinates, the wheel angles. Everything is referred to them.
+Without slip the body has two coordinates, the wheel angles. Everything is referred to them.
 """
 
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from symolo.core.arrays import Array
 
 GRAVITY_M_S2 = 9.81
 CREEP_M_S = 1e-3
-"""Width of the caster's friction around rest; the wheels' own dry friction does the sticking."""
+"""Speed below which the caster's friction fades; the dry friction of the wheels is what makes them stick."""
 
 
 @dataclass(frozen=True)
@@ -22,9 +22,9 @@ class BodyOnWheels:
     to_twist: Array
     """(2, 2): forward speed [m/s] and yaw rate [rad/s] from wheel speeds, right and left [rad/s]."""
     wheel_inertia_kg_m2: Array
-    """(2, 2), of body and wheels, without rotors; off the diagonal what one wheel's spin-up asks of the other."""
+    """(2, 2), of body and wheels, without rotors; off the diagonal the coupling of the wheels' accelerations."""
     moment_kg_m: float
-    """Mass times its distance ahead of the axle."""
+    """Mass times its distance in front of the axle."""
     caster_force_N: float
     caster_x_m: float
 
@@ -54,7 +54,7 @@ class BodyOnWheels:
     @overload
     def load_N_m(self, right_rad_s: Array, left_rad_s: Array) -> tuple[Array, Array]: ...
     def load_N_m(self, right_rad_s: float | Array, left_rad_s: float | Array) -> tuple[Any, Any]:
-        """Torque on the wheels, right and left, by forces that depend on their present speeds; floats or arrays."""
+        """Return the torques on the wheels, right and left, that depend on their speeds; floats or arrays."""
         (right_m, left_m), (right_share, left_share) = self._rows
         v = right_m * right_rad_s + left_m * left_rad_s
         w = right_share * right_rad_s + left_share * left_rad_s
@@ -66,5 +66,5 @@ class BodyOnWheels:
 
     @cached_property
     def _rows(self) -> list[list[float]]:
-        """Of `to_twist`, as floats, with which Python is ten times as fast as with numpy's own."""
+        """Rows of `to_twist` as floats, with which Python is ten times as fast as with numpy scalars."""
         return self.to_twist.tolist()

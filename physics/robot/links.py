@@ -1,7 +1,8 @@
-"""The rigid bodies of the robot and how they hang together: what the engine simulates and what model files tell.
+"""The rigid bodies of the robot and their joints, for the engine and for model files.
 
-The base's frame is R put down on the floor: x forward, y left, origin under the middle of the axle. The wheels touch
-the floor in the middle of their treads, so that the track between the contact points is exactly the configured one.
+The frame of the base is R moved down to the floor: x forward, y left, origin below the middle of the axle. The wheels
+touch the floor in the middle of their treads, so that the track between the contact points is exactly that of the
+configuration.
 """
 
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ from physics.robot.model import RobotModel
 
 BASE, RIGHT_WHEEL, LEFT_WHEEL, CASTER = "base", "right_wheel", "left_wheel", "caster"
 CASTER_MASS_KG = 1e-3
-"""Of the ball alone; the chassis carries the rest."""
+"""Mass of the ball; the rest is part of the chassis."""
 
 Vector = tuple[float, float, float]
 
@@ -28,28 +29,28 @@ class SphereShape:
 
 
 @dataclass(frozen=True)
-class Link:
+class RobotLink:
     """A rigid body; its frame has the axes of R."""
 
     name: str
     origin: Vector
-    """(3,) [m], of its frame in R."""
+    """(3,) [m], origin of its frame in R."""
     mass_kg: float
     center_of_mass: Vector
     """(3,) [m], in its frame."""
     inertia_kg_m2: Vector
-    """(3,), about the axes of its frame through the centre of mass; the others are 0. Without the reflected rotor."""
+    """(3,), principal moments about the axes of its frame through the centre of mass, without rotor."""
     shape: BoxShape | SphereShape
-    """That touches things."""
+    """Shape for collisions."""
     shape_center: Vector
     friction: float | None
-    """Coulomb coefficient of its surface; None for the chassis, with which nothing goes on once it touches."""
+    """Coulomb coefficient of its surface; None for the chassis, whose contacts end a run."""
     motor: MotorModel | None = None
-    """That turns it about y; None where it is fixed to the base."""
+    """Motor that turns it about y; None if it is fixed to the base."""
 
 
-def robot_links(robot: RobotConfig) -> tuple[Link, ...]:
-    """Base first, then right wheel, left wheel and caster, which are joined to it."""
+def robot_links(robot: RobotConfig) -> tuple[RobotLink, ...]:
+    """Return the base, then right wheel, left wheel and caster, which are joined to it."""
     model = RobotModel.from_config(robot)
     geometry, motors = model.geometry, model.motors
     half_track = 0.5 * geometry.track_m
@@ -61,12 +62,12 @@ def robot_links(robot: RobotConfig) -> tuple[Link, ...]:
     )
 
 
-def _base(robot: RobotConfig) -> Link:
+def _base(robot: RobotConfig) -> RobotLink:
     chassis = robot.chassis
     size = (chassis.length_m, chassis.width_m, chassis.base_height_m - chassis.clearance_m)
     xx, yy, zz = (size[1] ** 2 + size[2] ** 2, size[0] ** 2 + size[2] ** 2, size[0] ** 2 + size[1] ** 2)
     twelfth = chassis.mass_kg / 12.0
-    return Link(
+    return RobotLink(
         BASE,
         origin=(0.0, 0.0, 0.0),
         mass_kg=chassis.mass_kg,
@@ -78,13 +79,13 @@ def _base(robot: RobotConfig) -> Link:
     )
 
 
-def _wheel(name: str, robot: RobotConfig, y_m: float, radius: float, motor: MotorModel) -> Link:
-    """A disc that meets the floor as a sphere of the same radius: one contact, in the middle of the tread."""
+def _wheel(name: str, robot: RobotConfig, y_m: float, radius: float, motor: MotorModel) -> RobotLink:
+    """Return a disc that touches the floor as a sphere of the same radius: one contact, in the middle of the tread."""
     drive = robot.drive
     mass = drive.wheel_mass_kg
     across = mass * (3.0 * radius**2 + drive.wheel_width_m**2) / 12.0
     spin = 0.5 * mass * radius**2
-    return Link(
+    return RobotLink(
         name,
         origin=(0.0, y_m, radius),
         mass_kg=mass,
@@ -97,10 +98,10 @@ def _wheel(name: str, robot: RobotConfig, y_m: float, radius: float, motor: Moto
     )
 
 
-def _caster(robot: RobotConfig) -> Link:
+def _caster(robot: RobotConfig) -> RobotLink:
     drive = robot.drive
     inertia = 0.4 * CASTER_MASS_KG * drive.caster_radius_m**2
-    return Link(
+    return RobotLink(
         CASTER,
         origin=(drive.caster_x_m, 0.0, drive.caster_radius_m),
         mass_kg=CASTER_MASS_KG,

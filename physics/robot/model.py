@@ -1,6 +1,6 @@
-"""The robot as it is: its configuration with all of its effects, part by part of the signal chain.
+"""The real robot: its configuration with all of its effects, for each part of the signal chain.
 
-The board on the robot knows nothing of the effects: wheel loop, odometry and controller go by the configuration.
+The board on the robot does not know the effects: wheel loop, odometry and controller use the configuration alone.
 """
 
 from collections.abc import Callable
@@ -20,7 +20,7 @@ Value = TypeVar("Value")
 
 
 def through(functions: tuple[Callable[..., Any], ...], value: Value, *context: object) -> Value:
-    """The value after one function after the other, each with the same context."""
+    """Return the value after applying the functions in turn, each with the same context."""
     for function in functions:
         value = function(value, *context)
     return value
@@ -32,7 +32,7 @@ class RobotModel:
     motors: Motors
     geometry: WheelGeometry
     counts_per_revolution: float
-    """That the encoders truly give."""
+    """True counts per revolution of the encoders."""
     input_delay_s: float
 
     @classmethod
@@ -62,7 +62,7 @@ class RobotModel:
         return backlash is not None and bool(np.any(backlash.gap_rad > 0.0))
 
     def require_rigid_gears(self, place: str) -> None:
-        """Refuse play in the gears where a wheel is one mass, so that it is never left out in silence.
+        """Refuse play in the gears where a wheel is one mass, so that it is never ignored silently.
 
         Raises:
             InputError: The robot has `gear_backlash` with a gap.

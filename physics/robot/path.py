@@ -1,4 +1,4 @@
-"""Where the robot is between the rows of its trajectory."""
+"""Pose of the robot between the rows of its trajectory."""
 
 from dataclasses import dataclass
 
@@ -11,8 +11,8 @@ from symolo.core.arrays import Array
 class RobotPath:
     """Cubic Hermite curves through the rows' poses with the rows' speeds; there is no lateral speed on wheels.
 
-    A simulation read out every 5 ms is met from its rows at 20 Hz to 1 um and 0.02 mrad rms, 0.03 mm and 0.5 mrad at
-    most; by straight lines to 40 um and 0.8 mrad rms, 0.6 mm and 12 mrad at most.
+    From rows at 20 Hz they match a simulation that is read every 5 ms within 1 um and 0.02 mrad rms, 0.03 mm and
+    0.5 mrad at most; straight lines match it within 40 um and 0.8 mrad rms, 0.6 mm and 12 mrad at most.
     """
 
     t_s: Array
@@ -23,7 +23,7 @@ class RobotPath:
     """(N, 2), forward speed [m/s], yaw rate [rad/s]."""
 
     def poses_at(self, t_s: Array) -> Array:
-        """(M, 3), x [m], y [m], yaw [rad, unwrapped] at times (M,) [s]; beyond the rows at the speed of the last."""
+        """Return (M, 3), x [m], y [m], yaw [rad, unwrapped] at times (M,) [s]; outside the rows at the end's speed."""
         pose = self.pose.copy()
         pose[:, 2] = np.unwrap(pose[:, 2])
         v, w = self.twist.T

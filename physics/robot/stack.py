@@ -1,4 +1,4 @@
-"""Many robots as one configuration whose numbers are arrays, for one pass of numpy over all of them."""
+"""Many robots as one configuration whose numbers are arrays, so that numpy computes all of them at once."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -39,19 +39,19 @@ def alike(robots: Sequence[RobotConfig]) -> list[list[int]]:
 
 
 def stacked(robots: Sequence[RobotConfig], axes: int, times: int = 1) -> RobotConfig:
-    """One configuration for M robots that are alike.
+    """Return one configuration for M robots that are alike.
 
     Args:
         robots: At least one.
-        axes: How many axes follow that of the robots in what the numbers meet.
-        times: Length of the first of them, if numpy is to run over it and the robots in one loop.
+        axes: Number of axes after that of the robots in the arrays that the numbers are combined with.
+        times: Length of the first of these axes, if numpy is to run over it and the robots in one loop.
 
     Returns:
-        Numbers in which the robots differ are (M, times, 1, ...); the others stay as they are. It is not valid by its
-        schema and serves to be computed with alone.
+        Numbers in which the robots differ are (M, times, 1, ...); the others stay as they are. The configuration is not
+        valid by its schema and serves computations only.
 
     Raises:
-        ValueError: They differ in something that is no number.
+        ValueError: They differ in something that is not a number.
     """
     changed = {
         name: _joined([getattr(robot, name) for robot in robots], axes, times, f"robot.{name}")

@@ -1,23 +1,23 @@
 """The robot as URDF, written from its links; the same text for the same numbers.
 
-The reflected rotor inertia is not in it: URDF has no word for it.
+It lacks the reflected rotor inertia, which URDF cannot express.
 """
 
 from xml.etree import ElementTree as ET
 
 from configs.schema.robot import RobotConfig
-from physics.robot.links import BASE, BoxShape, Link, SphereShape, Vector, robot_links
+from physics.robot.links import BASE, BoxShape, RobotLink, SphereShape, Vector, robot_links
 
 _NOWHERE = (0.0, 0.0, 0.0)
 
 
 def robot_urdf(robot: RobotConfig) -> str:
-    """URDF 1.0, as the engine reads it."""
+    """Return the robot as URDF 1.0."""
     return urdf_text(robot_element(robot))
 
 
 def robot_element(robot: RobotConfig) -> ET.Element:
-    """The same as elements. The joints' damping is back-EMF and viscous friction; Coulomb friction is the engine's."""
+    """Return the robot as XML elements. Joint damping is back-EMF and viscous friction, without dry friction."""
     root = ET.Element("robot", name=robot.name)
     for link in robot_links(robot):
         _link(root, link)
@@ -27,7 +27,7 @@ def robot_element(robot: RobotConfig) -> ET.Element:
 
 
 def urdf_text(root: ET.Element) -> str:
-    """Of a finished tree, which is indented by it."""
+    """Return the text of a finished tree, and indent the tree."""
     ET.indent(root)
     return '<?xml version="1.0"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
 
@@ -42,7 +42,7 @@ def add_shape(parent: ET.Element, shape: BoxShape | SphereShape) -> None:
 
 
 def numbers(vector: Vector) -> str:
-    """As many digits as it takes to read the same numbers again."""
+    """Return numbers with as many digits as are needed to read the same ones again."""
     return " ".join(repr(value) for value in vector)
 
 
@@ -54,7 +54,7 @@ def add_inertial(parent: ET.Element, mass_kg: float, center: Vector, inertia_kg_
     ET.SubElement(inertial, "inertia", ixx=xx, iyy=yy, izz=zz, ixy="0", ixz="0", iyz="0")
 
 
-def _link(root: ET.Element, link: Link) -> None:
+def _link(root: ET.Element, link: RobotLink) -> None:
     element = ET.SubElement(root, "link", name=link.name)
     add_inertial(element, link.mass_kg, link.center_of_mass, link.inertia_kg_m2)
     collision = ET.SubElement(element, "collision")
@@ -63,7 +63,7 @@ def _link(root: ET.Element, link: Link) -> None:
     add_shape(collision, link.shape)
 
 
-def _joint(root: ET.Element, link: Link) -> None:
+def _joint(root: ET.Element, link: RobotLink) -> None:
     kind = "fixed" if link.motor is None else "continuous"
     joint = ET.SubElement(root, "joint", name=f"{link.name}_joint", type=kind)
     ET.SubElement(joint, "parent", link=BASE)

@@ -1,4 +1,4 @@
-"""What turns wheel speeds into the motion of the body."""
+"""Wheel radii and track, which relate wheel speeds to the motion of the body."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ class WheelGeometry:
     right_radius_m: float
     left_radius_m: float
     track_m: float
-    """Between the two ground contact points (paper Eq. 2)."""
+    """Distance between the two ground contact points (paper Eq. 2)."""
 
     @classmethod
     def from_config(cls, drive: Drive) -> "WheelGeometry":

@@ -2,12 +2,13 @@
 
 from configs.schema.arena import Obstacle
 from configs.schema.scenario import RunSpec
-from pipeline.assembly.scene_record import SCENE
 from symolo.core.lens import coefficients
 from symolo.dataset.annotations import DOCUMENT, ENCODINGS
 from symolo.dataset.camera_model import INTRINSICS
 from symolo.dataset.description import columns_part, frames_part, markdown_table, plain_text, runs_part
 from symolo.dataset.metadata import Metadata, side_tables
+from symolo.dataset.run_document import RunDocument
+from symolo.dataset.scene_record import SCENE
 
 
 def markdown(metadata: Metadata, example: RunSpec) -> bytes:
@@ -48,7 +49,7 @@ def _layout(metadata: Metadata) -> str:
 
 def _side_tables(metadata: Metadata, example: RunSpec) -> str:
     rows = []
-    for table in side_tables(example):
+    for table in (*side_tables(RunDocument.model_validate(example)), *metadata.sensor_tables):
         columns = metadata.columns[f"side/{table.file}"]
         rows.append((table.file, table.meaning, ", ".join(f"{c.name} [{c.unit}]" for c in columns)))
     meaning = "camera matrix K, distortion D, size, exposure; poses X_RC of the optical frame, X_CB of the body frame"

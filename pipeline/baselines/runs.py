@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from configs.schema.scenario import RunSpec
+from pipeline.assembly.run_spec import read_run_spec
 from pipeline.baselines.base import TrainingRun
 from pipeline.baselines.robot_knowledge import RobotKnowledge, RunImages, Start
 from pipeline.stages.simulate_runs import TRAJECTORY, read_recording
@@ -105,4 +106,4 @@ def _released(run: Run) -> LoggedRun:
     images = run.images
     rows = np.array([image.row for image in images], dtype=np.int64)
     pictures = RunImages(rows, lambda index: images[index].pixels()) if images else None
-    return LoggedRun(run.name, run.spec, run.table, wheels, tof, pictures)
+    return LoggedRun(run.name, read_run_spec(run.folder), run.table, wheels, tof, pictures)

@@ -1,12 +1,12 @@
 """Commands that look at data or at the machine: verify, contact-sheet, schema, doctor."""
 
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from pipeline.commands.options import OutPicture, checked_input
+from symolo.core.text_enum import TextEnum
 
 FAULTS = 4
 LACKING = 5
@@ -25,11 +25,12 @@ def verify(
     Example: symolo verify data
     """
     from configs.assets.quiet import unsaid
+    from pipeline.assembly.run_spec import spec_problem
     from symolo.verification.verify import verify as findings_of
 
     count = 0
     with unsaid():
-        for finding in findings_of(folder):
+        for finding in findings_of(folder, spec_problem):
             typer.echo(str(finding))
             count += 1
     typer.echo(f"{folder}: {count} faults" if count else f"{folder}: no fault", err=bool(count))
@@ -97,7 +98,7 @@ def contact_sheet(
     typer.echo(str(out))
 
 
-class SchemaOf(StrEnum):
+class SchemaOf(TextEnum):
     """What there is a schema of."""
 
     SCENARIO = "scenario"

@@ -1,6 +1,5 @@
 """Commands for a controller that runs on a board: hil, firmware."""
 
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -20,9 +19,10 @@ from pipeline.commands.options import (
 )
 from pipeline.commands.stages import conclude
 from symolo.core.errors import InputError
+from symolo.core.text_enum import TextEnum
 
 
-class FramingChoice(StrEnum):
+class FramingChoice(TextEnum):
     """How the bytes are put together."""
 
     FRAMED = "framed"

@@ -1,7 +1,6 @@
 """Arguments and options that several commands share."""
 
 from collections.abc import Callable, Sequence
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -9,6 +8,7 @@ import typer
 
 from symolo.core.errors import InputError
 from symolo.core.paths import BELOW_CHARS, check_new_path, check_path
+from symolo.core.text_enum import TextEnum
 
 
 def checked_input(path: Path) -> Path:
@@ -95,7 +95,7 @@ Part = Annotated[
 ]
 
 
-class ExecutorName(StrEnum):
+class ExecutorName(TextEnum):
     """Where work is done."""
 
     LOCAL = "local"
@@ -136,7 +136,7 @@ AllowHttp = Annotated[
 ]
 
 
-class Device(StrEnum):
+class Device(TextEnum):
     """What renders."""
 
     AUTO = "auto"

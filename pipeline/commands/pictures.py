@@ -41,7 +41,7 @@ def pictures(
     would see them from the poses of data.csv, and floor and edges against
     simulated images of the same places; names what differs, with value and
     standard error. Every fourth image fits nothing and says what that gains.
-    See docs/picture_diagnosis.md.
+    See docs/camera_identification.md.
 
     Written into DIR: report.html, answer.json, summary.txt, plots/, and
     robot.yaml and look.yaml with the camera that was found.

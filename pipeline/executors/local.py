@@ -7,7 +7,7 @@ from typing import Self
 
 from blender_scenes.render.devices import DeviceKind, one_card_each
 from pipeline.executors.base import OnEvent
-from pipeline.work.supervisor import BY_LIMITS, UnitFailure, cores, run_units
+from pipeline.work.supervisor import DEFAULT_LIMITS, UnitFailure, cores, run_units
 from pipeline.work.units import AnyUnit
 from pipeline.work.worker_process import Limits, limits_of
 
@@ -16,7 +16,7 @@ from pipeline.work.worker_process import Limits, limits_of
 class Local:
     workers: int
     """At a time."""
-    limits: Limits = BY_LIMITS
+    limits: Limits = DEFAULT_LIMITS
     """Of each worker."""
     cards: tuple[Mapping[str, str], ...] = ()
     """Variables for each graphics card with which a worker sees that one alone; workers take them in turn."""
@@ -49,4 +49,4 @@ class Local:
         return True
 
     def do(self, units: Sequence[AnyUnit], on_event: OnEvent) -> list[UnitFailure]:
-        return run_units(units, self.workers, on_event, limits=self.limits, of_slots=self.cards)
+        return run_units(units, self.workers, on_event, limits=self.limits, slot_environments=self.cards)

@@ -20,12 +20,14 @@ from pydantic import BaseModel, ConfigDict
 from blender_scenes.render.devices import DeviceKind
 from pipeline.executors.base import OnEvent
 from pipeline.executors.part import BLOCK_FRAMES
-from pipeline.work.supervisor import AnyEvent, Retried, SetAside, UnitFailure, WorkerError, run_units
-from pipeline.work.units import UNITS, AnyUnit, Finished, RenderUnit
+from pipeline.work.supervisor import AnyEvent, FrameGivenUp, Retried, UnitFailure, WorkerError, run_units
+from pipeline.work.units import UNITS, AnyUnit, RenderUnit
 from pipeline.work.worker_process import Limits
+from symolo.core.child_process import Finished
 from symolo.core.errors import EnvironmentLacking, InputError
+from symolo.core.extras import how_to_install
 
-CURE = "install the extra: pip install 'symolo[cluster]'"
+CURE = how_to_install("cluster")
 CLIENT = "ray://"
 REACHED_WITHIN_S = 10.0
 OWN_SETTINGS = {
@@ -174,7 +176,7 @@ class _Tasks:
         if record.error == "bug":
             self._bugs.append(f"{unit.name}: {record.text}")
         for text in record.failures:
-            self._on_event(unit, SetAside(text))
+            self._on_event(unit, FrameGivenUp(text))
             self._failures.append(UnitFailure(unit, text))
         self._on_event(unit, Finished())
 

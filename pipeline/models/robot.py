@@ -9,7 +9,7 @@ from blender_scenes.scene.robot_body import robot_body
 from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig, TofMount, TofMounts
 from configs.schema.scenario import RunSpec
-from physics.robot.links import BASE, CASTER, LEFT_WHEEL, RIGHT_WHEEL, BoxShape, Link, robot_links
+from physics.robot.links import BASE, CASTER, LEFT_WHEEL, RIGHT_WHEEL, BoxShape, RobotLink, robot_links
 from physics.robot.model import through
 from pipeline.models.colours import colours, scene_of
 from pipeline.models.geometry import CylinderShape, Placement, Visual, bounding_box
@@ -39,7 +39,7 @@ class NamedFrame:
 @dataclass(frozen=True)
 class RobotParts:
     config: RobotConfig
-    links: tuple[Link, ...]
+    links: tuple[RobotLink, ...]
     visuals: dict[str, tuple[Visual, ...]]
     """By link."""
     frames: tuple[NamedFrame, ...]
@@ -95,7 +95,7 @@ def tof_frames(robot: RobotConfig) -> tuple[NamedFrame, ...]:
     )
 
 
-def _visuals(spec: RunSpec, links: tuple[Link, ...]) -> dict[str, tuple[Visual, ...]]:
+def _visuals(spec: RunSpec, links: tuple[RobotLink, ...]) -> dict[str, tuple[Visual, ...]]:
     colour = colours(scene_of(spec))
     found: dict[str, list[Visual]] = {link.name: [] for link in links}
     for mesh in robot_body(spec.robot):

@@ -4,7 +4,7 @@ from math import ceil, pi, radians, sqrt
 from xml.etree import ElementTree as ET
 
 from blender_scenes.scene.robot_body import CAMERA_BODY
-from physics.robot.links import BASE, BoxShape, Link, SphereShape
+from physics.robot.links import BASE, BoxShape, RobotLink, SphereShape
 from pipeline.models.geometry import CylinderShape, Placement, Shape, Visual
 from pipeline.models.robot import CAMERA, CAMERA_OPTICAL, RobotParts
 from sensors.tof import NOISE_AT_NEAR_MM
@@ -87,7 +87,7 @@ def robot_model(parts: RobotParts, placement: Placement = Placement()) -> ET.Ele
     return model
 
 
-def _link(model: ET.Element, link: Link, visuals: tuple[Visual, ...], *, sees_robot: bool) -> ET.Element:
+def _link(model: ET.Element, link: RobotLink, visuals: tuple[Visual, ...], *, sees_robot: bool) -> ET.Element:
     element = child(model, "link", name=link.name)
     add_pose(element, Placement(link.origin))
     inertial = child(element, "inertial")
@@ -112,7 +112,7 @@ def _link(model: ET.Element, link: Link, visuals: tuple[Visual, ...], *, sees_ro
     return element
 
 
-def _joint(model: ET.Element, link: Link) -> None:
+def _joint(model: ET.Element, link: RobotLink) -> None:
     joint = child(model, "joint", name=f"{link.name}_joint", type="fixed" if link.motor is None else "revolute")
     child(joint, "parent", BASE)
     child(joint, "child", link.name)

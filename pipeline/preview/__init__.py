@@ -1,9 +1,9 @@
 """`symolo preview`: what the pictures of a scenario would look like, before anything is simulated."""
 
-from enum import StrEnum
+from symolo.core.text_enum import TextEnum
 
 
-class Engine(StrEnum):
+class Engine(TextEnum):
     """What makes the pictures."""
 
     CYCLES = "cycles"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from configs.schema.arena import Wall
+from configs.schema.arena import WallConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import RunSpec
 from symolo.arena.footprints import Rectangle, overlap
@@ -95,7 +95,7 @@ def _is_closed(line: Line) -> bool:
     return True
 
 
-def _beside(wall: Wall, robot: RobotConfig) -> Straight:
+def _beside(wall: WallConfig, robot: RobotConfig) -> Straight:
     """The track along the robot's side of a wall, the side sensor at the distance that the controller holds."""
     (x0, y0), (x1, y1) = wall.start, wall.end
     length = math.hypot(x1 - x0, y1 - y0)

@@ -15,8 +15,9 @@ from pipeline.stages.annotate import AnnotationTask
 from pipeline.stages.assemble import DATA
 from pipeline.stages.render import IMAGES, JOB, Appearance, FrameTask, Order, RenderTask, blocks
 from pipeline.work.supervisor import AnyEvent, AnyUnit
-from pipeline.work.units import Finished, Progress, RenderUnit
+from pipeline.work.units import Progress, RenderUnit
 from symolo.core.atomic_files import make_folder, write_file
+from symolo.core.child_process import Finished
 from symolo.core.errors import InputError
 from symolo.core.file_hashes import sha256_of
 from symolo.dataset.annotations import DOCUMENT, RECORD_KINDS

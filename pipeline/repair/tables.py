@@ -13,7 +13,8 @@ from pipeline.stages.assemble import tables
 from pipeline.stages.render import IMAGES
 from pipeline.stages.simulate_runs import read_recording, simulation_key
 from pipeline.work.supervisor import AnyEvent, AnyUnit
-from pipeline.work.units import Finished, Progress, SimulateUnit
+from pipeline.work.units import Progress, SimulateUnit
+from symolo.core.child_process import Finished
 from symolo.core.time_series import Recording
 from symolo.dataset.layout import ANNOTATIONS
 

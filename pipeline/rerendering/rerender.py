@@ -17,7 +17,7 @@ from configs.overrides import replaced_section
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec
-from pipeline.assembly.scene_record import scene_file
+from pipeline.assembly.scene_file import scene_file
 from pipeline.executors.base import Executor
 from pipeline.planning.plan import BYTES_PER_JOB, pictures_bytes
 from pipeline.rerendering.unit_checks import check_on_the_floor, check_radians

@@ -11,7 +11,6 @@ from pydantic import ValidationError
 
 from blender_scenes.render.frame_files import Ledger
 from configs.schema.scenario import RunSpec
-from pipeline.assembly.scene_record import SCENE
 from pipeline.planning.plan import ScenarioPlan
 from pipeline.run_folder.changes import changes, told
 from pipeline.run_folder.workspace import FAILED, StageFolder, Workspace
@@ -26,6 +25,7 @@ from symolo.dataset.folder_kind import Kind, kind_of
 from symolo.dataset.layout import ANNOTATIONS, SIDE, STAGES
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST
 from symolo.dataset.metadata import read_metadata
+from symolo.dataset.scene_record import SCENE
 from symolo.verification.inventory import Inventory
 
 OF_RUNS = ("simulate", "render", "annotate", "assemble")

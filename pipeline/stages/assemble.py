@@ -7,7 +7,7 @@ from typing import Any
 
 from configs.schema.scenario import RunSpec
 from pipeline.assembly.description import markdown
-from pipeline.assembly.scene_record import scene_file
+from pipeline.assembly.scene_file import scene_file
 from pipeline.run_folder.workspace import Workspace, input_key, mark_done
 from pipeline.stages.annotate import copy_released, processors
 from pipeline.stages.render import Rendered, picture_seed

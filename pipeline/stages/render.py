@@ -23,11 +23,12 @@ from pipeline.executors.base import Executor
 from pipeline.run_folder.workspace import FAILED, StageFolder, input_key, mark_done
 from pipeline.stages.simulate_runs import failed_runs
 from pipeline.work.processors import cpu_class
-from pipeline.work.supervisor import AnyEvent, AnyUnit, Retried, SetAside
-from pipeline.work.units import Failed, Finished, Progress, RenderUnit
+from pipeline.work.supervisor import AnyEvent, AnyUnit, FrameGivenUp, Retried
+from pipeline.work.units import Progress, RenderUnit
 from sensors.camera.exposure_guard import Extremes, all_black, exposure_warnings
 from symolo.arena.geometry import Arena
 from symolo.core.atomic_files import make_folder, remove_file, remove_folder, write_file
+from symolo.core.child_process import Failed, Finished
 from symolo.core.file_hashes import canonical_json, sha256_of
 from symolo.core.file_locks import held
 from symolo.core.progress import Report
@@ -265,7 +266,7 @@ class _Finishing:
         self._failed: list[FailedRun] = []
 
     def hear(self, unit: AnyUnit, event: AnyEvent) -> None:
-        if isinstance(event, Failed | SetAside):
+        if isinstance(event, Failed | FrameGivenUp):
             self._tasks.pop(unit.name, None)
         elif isinstance(event, Finished):
             self._left[unit.name] -= 1

@@ -16,8 +16,9 @@ from pipeline.executors.base import Executor
 from pipeline.run_folder.workspace import StageFolder, Workspace, input_key, mark_done
 from pipeline.work.processors import cpu_class
 from pipeline.work.supervisor import AnyEvent, AnyUnit, Retried, UnitFailure
-from pipeline.work.units import Finished, Progress, SimulateUnit
+from pipeline.work.units import Progress, SimulateUnit
 from symolo.core.atomic_files import write_file
+from symolo.core.child_process import Finished
 from symolo.core.errors import InputError, RunFailed
 from symolo.core.file_hashes import canonical_json
 from symolo.core.progress import Report

@@ -1,7 +1,7 @@
-"""The supervisor: units of work over long-lived child processes, one at a time in each of N slots.
+"""The supervisor: units of work over long-lived child processes, one unit at a time in each of N slots.
 
-A child that is killed, hangs or takes too much memory is replaced and its unit tried again; what fails again and again
-is set aside, and the rest goes on.
+A child that is killed, hangs or uses too much memory is replaced and its unit is tried again. A frame that fails in
+every try is given up, and the rest goes on.
 """
 
 import os
@@ -14,15 +14,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from pipeline.work.units import AnyUnit, Failed, Finished, Progress
-from pipeline.work.worker_process import COMMAND, SCRATCH, Limits, WorkerProcess
+from pipeline.work.units import AnyUnit, Progress
+from pipeline.work.worker_process import COMMAND, Limits, WorkerProcess
+from symolo.core.child_process import SCRATCH, Failed, Finished
 from symolo.core.errors import EnvironmentLacking, InputError
 from symolo.core.os_errors import lacking
 
-SECONDS_BETWEEN_LOOKS = 0.2
-AGAIN = frozenset({"killed", "engine"})
-"""Kinds of failure that another try may mend."""
-BY_LIMITS = Limits()
+WORTH_ANOTHER_TRY = frozenset({"killed", "engine"})
+"""Kinds of failure after which another try may succeed."""
+DEFAULT_LIMITS = Limits()
 
 
 @dataclass(frozen=True)
@@ -30,30 +30,32 @@ class Retried:
     """A unit failed and is tried again."""
 
     text: str
-    """What failed, why, and which try comes next."""
+    """What failed, why, and the number of the next try."""
 
 
 @dataclass(frozen=True)
-class SetAside:
-    """A part of a unit failed in every try, and the unit goes on without it."""
+class FrameGivenUp:
+    """A frame failed in every try, and its unit goes on without it."""
 
     text: str
 
 
-AnyEvent = Progress | Finished | Failed | Retried | SetAside
+AnyEvent = Progress | Finished | Failed | Retried | FrameGivenUp
 
 
 class WorkerError(Exception):
-    """A worker ended by an error that is not the user's; the text is its traceback."""
+    """A worker met a bug; the text is its traceback."""
 
 
 def cores() -> int:
-    """Cores that this process may use."""
+    """Return the number of cores that this process may use."""
     return len(os.sched_getaffinity(0))
 
 
 @dataclass(frozen=True)
 class UnitFailure:
+    """A unit that failed, as a whole or in part."""
+
     unit: AnyUnit
     text: str
 
@@ -64,39 +66,40 @@ def run_units(
     on_event: Callable[[AnyUnit, AnyEvent], None],
     environment: Mapping[str, str] = MappingProxyType({}),
     *,
-    limits: Limits = BY_LIMITS,
+    limits: Limits = DEFAULT_LIMITS,
     command: Sequence[str] = COMMAND,
-    of_slots: Sequence[Mapping[str, str]] = (),
+    slot_environments: Sequence[Mapping[str, str]] = (),
 ) -> list[UnitFailure]:
     """Do all units, at most `workers` at once, and return those that failed, as a whole or in part.
 
     Args:
-        units: In the order in which they are started; the result must not depend on it.
+        units: Units in the order in which they are started; the result must not depend on it.
         workers: Number of children at a time.
-        on_event: Called in this thread for each thing that a worker says, with the unit as given.
-        environment: Variables of the children beside those of this process.
-        limits: Of each child, and of what is tried again.
-        command: What a child runs; it is told units, and tells what comes of them, as `pipeline.work.worker_main` does.
-        of_slots: Further variables, such as of a graphics card: dealt out in turn to the children at a time, and kept
-            by the one that replaces another.
+        on_event: Called in this thread for each message of a worker, with the unit as passed in `units`.
+        environment: Environment variables of the children beside those of this process.
+        limits: Limits for each child and number of tries.
+        command: What a child runs; it must speak the protocol of `pipeline.work.worker_main`.
+        slot_environments: Further variables, such as that of a graphics card. They are dealt out in turn to the slots;
+            a child that replaces another one keeps its slot.
 
     Raises:
-        EnvironmentLacking, InputError: As soon as one worker says so; it would hit every unit.
-        WorkerError: After the other units are done.
+        EnvironmentLacking, InputError: As soon as one worker reports it, because it would hit every unit.
+        WorkerError: A worker met a bug; raised after the other units are done.
     """
     with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as scratch:
         variables = {**environment, "TMPDIR": scratch, SCRATCH: scratch}
-        slots = _Slots(deque(_Try(unit, unit) for unit in units), variables, limits, command, of_slots or ({},))
-        return _supervised(slots, units, workers, on_event)
+        attempts = deque(_Attempt(unit, unit) for unit in units)
+        slots = _Slots(attempts, variables, limits, command, slot_environments or ({},))
+        return _supervise(slots, units, workers, on_event)
 
 
-def _supervised(
+def _supervise(
     slots: "_Slots", units: Sequence[AnyUnit], workers: int, on_event: Callable[[AnyUnit, AnyEvent], None]
 ) -> list[UnitFailure]:
-    found = _Found()
+    failures: list[UnitFailure] = []
+    bugs: list[str] = []
     count = max(1, min(workers, len(units)))
     threads = [threading.Thread(target=slots.work, args=(slot,), daemon=True) for slot in range(count)]
-    threads.append(threading.Thread(target=slots.watch, daemon=True))
     try:
         for thread in threads:
             thread.start()
@@ -105,171 +108,145 @@ def _supervised(
             unit, event = slots.events.get()
             on_event(unit, event)
             left -= isinstance(event, Finished | Failed)
-            found.note(unit, event)
+            if isinstance(event, Failed) and event.error == "environment":
+                raise EnvironmentLacking(event.text)
+            if isinstance(event, Failed) and event.error == "input":
+                raise InputError(event.text)
+            if isinstance(event, Failed) and event.error == "bug":
+                bugs.append(f"{unit.name}: {event.text}")
+            elif isinstance(event, Failed | FrameGivenUp):
+                failures.append(UnitFailure(unit, event.text))
     finally:
         slots.stop()
         for thread in threads:
             if thread.is_alive():  # an interrupt may come before all of them are started
                 thread.join()
         slots.close()
-    if found.bugs:
-        raise WorkerError("\n".join(found.bugs))
-    return found.failures
+    if bugs:
+        raise WorkerError("\n".join(bugs))
+    return failures
 
 
 @dataclass
-class _Found:
-    """What went wrong so far."""
-
-    failures: list[UnitFailure] = field(default_factory=list)
-    bugs: list[str] = field(default_factory=list)
-
-    def note(self, unit: AnyUnit, event: AnyEvent) -> None:
-        """Keep what fails one unit; raise what would fail every one."""
-        if isinstance(event, SetAside):
-            self.failures.append(UnitFailure(unit, event.text))
-        if not isinstance(event, Failed):
-            return
-        if event.error == "environment":
-            raise EnvironmentLacking(event.text)
-        if event.error == "input":
-            raise InputError(event.text)
-        if event.error == "bug":
-            self.bugs.append(f"{unit.name}: {event.text}")
-        else:
-            self.failures.append(UnitFailure(unit, event.text))
-
-
-@dataclass
-class _Try:
-    """A unit on its way: what is left of it, and how often which of its parts has failed."""
+class _Attempt:
+    """A unit under way: what is left of it, and how often each of its frames has failed."""
 
     unit: AnyUnit
     left: AnyUnit
-    failed: Counter[int | None] = field(default_factory=Counter)
-    """By frame; None for what comes before the first and between two, which starts afresh with each that is begun."""
+    failures: Counter[int | None] = field(default_factory=Counter)
+    """Number of failures by frame. None stands for the time before the first frame and between two frames; its count
+    starts again with each frame that is begun."""
     at: int | None = None
-    """The frame that is being made."""
+    """Number of the frame that is being made."""
 
 
 @dataclass
 class _Slots:
     """State shared by the threads, one of which stands behind each child."""
 
-    waiting: deque[_Try]
+    waiting: deque[_Attempt]
     environment: Mapping[str, str]
     limits: Limits
     command: Sequence[str]
-    of_slots: Sequence[Mapping[str, str]]
+    slot_environments: Sequence[Mapping[str, str]]
     events: "queue.SimpleQueue[tuple[AnyUnit, AnyEvent]]" = field(default_factory=queue.SimpleQueue)
     running: set[WorkerProcess] = field(default_factory=set)
     stopped: threading.Event = field(default_factory=threading.Event)
     lock: threading.Lock = field(default_factory=threading.Lock)
 
     def work(self, slot: int) -> None:
+        """Do waiting units one after the other, until there are none."""
         worker: WorkerProcess | None = None
         try:
-            while (tried := self._next()) is not None:
+            while (attempt := self._next()) is not None:
                 try:
-                    worker = self._do(tried, worker, slot)
+                    worker = self._do(attempt, worker, slot)
                 except Exception as error:  # noqa: BLE001 - a thread must not end in silence: `run_units` waits
-                    self.events.put((tried.unit, _supervisor_failed(error)))
+                    cause = lacking(error)
+                    failed = Failed(error="environment", text=cause) if cause else None
+                    self.events.put((attempt.unit, failed or Failed(error="bug", text=traceback.format_exc())))
         finally:
             if worker is not None:
-                self._let_go(worker)
-
-    def watch(self) -> None:
-        """See to it that no child hangs or takes more than it may."""
-        while not self.stopped.wait(SECONDS_BETWEEN_LOOKS):
-            with self.lock:
-                running = list(self.running)
-            for worker in running:
-                worker.watch(self.limits)
+                self._release(worker)
 
     def stop(self) -> None:
-        """Start nothing more and end what runs, whole process groups at once."""
+        """Start nothing more, and kill all workers with their process groups."""
         with self.lock:
             self.waiting.clear()
             self.stopped.set()
             for worker in self.running:
-                worker.end_group()
+                worker.kill()
 
     def close(self) -> None:
-        """Wait for what a thread that met a bug has left behind."""
+        """Wait for the workers that a thread with a bug has left behind."""
         for worker in list(self.running):
-            self._let_go(worker)
+            self._release(worker)
 
-    def _next(self) -> _Try | None:
+    def _next(self) -> _Attempt | None:
         with self.lock:
             return self.waiting.popleft() if self.waiting else None
 
-    def _do(self, tried: _Try, worker: WorkerProcess | None, slot: int) -> WorkerProcess | None:
-        """Try a unit until it is done or given up, in this worker or a new one; the worker for the next unit."""
+    def _do(self, attempt: _Attempt, worker: WorkerProcess | None, slot: int) -> WorkerProcess | None:
+        """Try a unit until it is done or given up, and return the worker for the next unit."""
         while True:
-            if worker is None or not worker.alive or not tried.left.shares_a_worker:
+            if worker is None or not worker.alive or not attempt.left.shares_a_worker:
                 if worker is not None:
-                    self._let_go(worker)
-                worker = self._started(slot)
+                    self._release(worker)
+                worker = self._start(slot)
                 if worker is None:
                     return None
-            last = self._once(tried, worker)
-            if not isinstance(last, Failed) or last.error not in AGAIN:
-                self.events.put((tried.unit, last))
-                return worker
-            tried.left.clear(worker.writer)
-            if self.stopped.is_set():
-                return worker
-            if (end := self._after(tried, last)) is not None:
-                self.events.put((tried.unit, end))
+            end = self._try_once(attempt, worker)
+            if isinstance(end, Failed) and end.error in WORTH_ANOTHER_TRY:
+                attempt.left.clear(worker.writer)
+                if self.stopped.is_set():
+                    return worker
+                end = self._after(attempt, end)
+            if end is not None:
+                self.events.put((attempt.unit, end))
                 return worker
 
-    def _started(self, slot: int) -> WorkerProcess | None:
+    def _start(self, slot: int) -> WorkerProcess | None:
         with self.lock:
             if self.stopped.is_set():
                 return None
-            own = self.of_slots[slot % len(self.of_slots)]
-            worker = WorkerProcess({**self.environment, **own}, self.command)
+            slot_environment = self.slot_environments[slot % len(self.slot_environments)]
+            worker = WorkerProcess({**self.environment, **slot_environment}, self.command)
             self.running.add(worker)
             return worker
 
-    def _let_go(self, worker: WorkerProcess) -> None:
+    def _release(self, worker: WorkerProcess) -> None:
         worker.close()
         with self.lock:
             self.running.discard(worker)
 
-    def _once(self, tried: _Try, worker: WorkerProcess) -> Finished | Failed:
-        tried.at = None
-        for message in worker.do(tried.left):
+    def _try_once(self, attempt: _Attempt, worker: WorkerProcess) -> Finished | Failed:
+        attempt.at = None
+        for message in worker.do(attempt.left, self.limits):
             if isinstance(message, Finished | Failed):
                 return message
             if isinstance(message, Progress):
                 if message.at is not None:
-                    tried.failed[None] = 0
-                tried.at = message.at
-                self.events.put((tried.unit, message))
-        raise AssertionError("a worker's words end with what came of the unit")
+                    attempt.failures[None] = 0
+                attempt.at = message.at
+                self.events.put((attempt.unit, message))
+        raise AssertionError("the messages about a unit end with Finished or Failed")
 
-    def _after(self, tried: _Try, failed: Failed) -> Finished | Failed | None:
-        """Count a failure: nothing where the unit is to be tried again, else what is to be said of it."""
-        at = tried.at
-        tried.failed[at] += 1
-        count, most = tried.failed[at], self.limits.tries
-        what = tried.unit.name if at is None else f"{tried.unit.name}, image {at}"
-        if count < most:
-            self.events.put((tried.unit, Retried(f"{what}: {failed.text}; trying again ({count + 1} of {most})")))
+    def _after(self, attempt: _Attempt, failed: Failed) -> Finished | Failed | None:
+        """Count a failure and return the end of the unit, or None where it is to be tried again."""
+        at = attempt.at
+        attempt.failures[at] += 1
+        count, tries = attempt.failures[at], self.limits.tries
+        name = attempt.unit.name if at is None else f"{attempt.unit.name}, image {at}"
+        if count < tries:
+            text = f"{name}: {failed.text}; trying again ({count + 1} of {tries})"
+            self.events.put((attempt.unit, Retried(text)))
             return None
         if at is None:
-            return Failed(
-                error=failed.error, text=f"given up after {most} tries; the same command tries it again: {failed.text}"
-            )
-        self.events.put((tried.unit, SetAside(tried.left.given_up(at, most, failed.text))))
-        rest = tried.left.without(at)
+            text = f"given up after {tries} tries; the same command tries it again: {failed.text}"
+            return Failed(error=failed.error, text=text)
+        self.events.put((attempt.unit, FrameGivenUp(attempt.left.given_up(at, tries, failed.text))))
+        rest = attempt.left.without(at)
         if rest is None:
             return Finished()
-        tried.left = rest
+        attempt.left = rest
         return None
-
-
-def _supervisor_failed(error: Exception) -> Failed:
-    told = lacking(error)
-    return Failed(error="environment", text=told) if told else Failed(error="bug", text=traceback.format_exc())

@@ -1,18 +1,13 @@
-"""Units of work as plain data, such as a run to simulate or a block of frames to render, and what a worker answers."""
+"""Units of work as plain data, such as a run to simulate or a block of frames to render, and messages about them."""
 
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
+from pydantic import Field, TypeAdapter
 
 from blender_scenes.render.protocol import Work
 from symolo.core.atomic_files import remove_leftovers
-
-
-class Message(BaseModel):
-    """One line of JSON between the supervisor and a worker."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
+from symolo.core.child_process import Alive, Failed, Finished, Message
 
 
 class UnitOfWork(Message):
@@ -117,7 +112,6 @@ class DiagnoseUnit(UnitOfWork):
 
 
 AnyUnit = SimulateUnit | RenderUnit | DiagnoseUnit
-Unit = Annotated[AnyUnit, Field(discriminator="kind")]
 
 
 class Progress(Message):
@@ -130,29 +124,7 @@ class Progress(Message):
     """Number of the frame that is begun."""
 
 
-class Alive(Message):
-    """A sign of life, sent every few seconds."""
-
-    kind: Literal["alive"] = "alive"
-
-
-class Finished(Message):
-    """The unit is done."""
-
-    kind: Literal["finished"] = "finished"
-
-
-class Failed(Message):
-    """The unit failed."""
-
-    kind: Literal["failed"] = "failed"
-    error: Literal["input", "environment", "run", "bug", "killed", "engine"]
-    text: str
-    """Message of the error; the traceback of a bug."""
-
-
 AnyMessage = Progress | Alive | Finished | Failed
-Event = Annotated[AnyMessage, Field(discriminator="kind")]
 
-UNITS: TypeAdapter[AnyUnit] = TypeAdapter(Unit)
-EVENTS: TypeAdapter[AnyMessage] = TypeAdapter(Event)
+UNITS: TypeAdapter[AnyUnit] = TypeAdapter(Annotated[AnyUnit, Field(discriminator="kind")])
+MESSAGES: TypeAdapter[AnyMessage] = TypeAdapter(Annotated[AnyMessage, Field(discriminator="kind")])

@@ -1,40 +1,19 @@
-"""The worker process: `python -m pipeline.work.worker_main` reads one unit a line, does it and reports its progress.
+"""The worker process: `python -m pipeline.work.worker_main` reads one unit of work a line, does it and reports.
 
-Its input stays open as long as the supervisor lives and needs it. When the input closes, the worker kills itself and
-its children.
+`symolo.core.child_process` describes the channel to the supervisor.
 """
 
-import os
-import queue
-import shutil
-import signal
-import sys
-import threading
-import time
 import traceback
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
-from typing import Any, Protocol, TextIO
+from typing import Any, Protocol
 
 from pipeline.work.processors import cpu_class
-from pipeline.work.units import (
-    UNITS,
-    Alive,
-    AnyUnit,
-    DiagnoseUnit,
-    Failed,
-    Finished,
-    Message,
-    Progress,
-    RenderUnit,
-    SimulateUnit,
-)
-from pipeline.work.worker_process import SCRATCH
+from pipeline.work.units import UNITS, AnyUnit, DiagnoseUnit, Progress, RenderUnit, SimulateUnit
 from symolo.core.atomic_files import make_folder, write_file
+from symolo.core.child_process import Failed, Finished, Owner
 from symolo.core.errors import EnvironmentLacking, InputError, RunFailed
 from symolo.core.os_errors import lacking
-
-SECONDS_BETWEEN_BEATS = 5.0
 
 
 class EngineFailed(Exception):  # noqa: N818 - an outcome with a name, as `RunFailed` is
@@ -116,34 +95,11 @@ WORK: Mapping[type[AnyUnit], Callable[[Any, OnProgress], None]] = MappingProxyTy
 )
 
 
-class Answers:
-    """The stream of messages to the supervisor, one a line; several threads write to it."""
-
-    def __init__(self, stream: TextIO) -> None:
-        self._stream = stream
-        self._writing = threading.Lock()
-
-    def send(self, message: Message) -> None:
-        with self._writing:
-            self._stream.write(message.model_dump_json() + "\n")
-            self._stream.flush()
-
-    def send_signs_of_life(self) -> None:
-        while True:
-            time.sleep(SECONDS_BETWEEN_BEATS)
-            self.send(Alive())
-
-
 def main() -> None:
-    # Engines print to file descriptor 1 whatever Python's sys.stdout is, so the messages get a descriptor of their own.
-    answers = Answers(os.fdopen(os.dup(1), "w", encoding="utf-8"))
-    os.dup2(2, 1)
-    lines: queue.SimpleQueue[str] = queue.SimpleQueue()
-    threading.Thread(target=_receive, args=(lines,), daemon=True).start()
-    threading.Thread(target=answers.send_signs_of_life, daemon=True).start()
+    owner = Owner()
     while True:
-        unit = UNITS.validate_json(lines.get())
-        answers.send(do(unit, lambda share, at=None: answers.send(Progress(share=share, at=at))))
+        unit = UNITS.validate_json(owner.next_request())
+        owner.send(do(unit, lambda share, at=None: owner.send(Progress(share=share, at=at))))
 
 
 def do(unit: AnyUnit, on_progress: OnProgress) -> Finished | Failed:
@@ -163,15 +119,6 @@ def do(unit: AnyUnit, on_progress: OnProgress) -> Finished | Failed:
             return Failed(error="environment", text=cause)
         return Failed(error="bug", text=traceback.format_exc())
     return Finished()
-
-
-def _receive(lines: "queue.SimpleQueue[str]") -> None:
-    """Pass units on, and kill all when the supervisor is gone: its end of the pipe closes even when it is killed."""
-    for line in sys.stdin:
-        lines.put(line)
-    if scratch := os.environ.get(SCRATCH):
-        shutil.rmtree(scratch, ignore_errors=True)
-    os.killpg(0, signal.SIGKILL)
 
 
 if __name__ == "__main__":

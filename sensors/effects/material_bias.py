@@ -7,7 +7,7 @@ import numpy as np
 
 from configs.effects.base import Effect, Setup, Slot
 from configs.effects.parameter import RangeShift
-from configs.faults import Fault
+from configs.faults import ConfigFault
 from configs.schema.arena import SurfaceName
 from configs.schema.base import Fixed, Slug
 from sensors.range_view import RangeView
@@ -30,9 +30,9 @@ class MaterialBias(Effect):
         share = view.material_share.get(self.material, np.zeros_like(reading_m))
         return reading_m + self.offset_m * share
 
-    def faults(self, *, in_simulation: bool) -> Iterator[Fault]:
+    def faults(self, *, in_simulation: bool) -> Iterator[ConfigFault]:
         del in_simulation
         names = get_args(SurfaceName)
         if self.material not in names:
             allowed, close = f"one of {', '.join(names)}", nearest(self.material, names)
-            yield Fault(("material",), "no such surface", got=self.material, allowed=allowed, nearest=close)
+            yield ConfigFault(("material",), "no such surface", got=self.material, allowed=allowed, nearest=close)

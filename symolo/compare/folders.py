@@ -1,6 +1,5 @@
 """Two folders, file by file: identical, equal within so many decibels, different, or only in one of them."""
 
-import enum
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
@@ -8,6 +7,7 @@ from pathlib import Path, PurePosixPath
 from symolo.compare import documents, pictures, tables
 from symolo.compare.likeness import EQUAL, Likeness, shown_db
 from symolo.core.errors import InputError, one_line
+from symolo.core.text_enum import TextEnum
 from symolo.dataset.bag import BAG_INFO, DECLARATION
 from symolo.dataset.layout import DESCRIPTION, STAGES
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST
@@ -25,7 +25,7 @@ FOLLOWS = frozenset({DESCRIPTION, MANIFEST, TAG_MANIFEST, BAG_INFO, DECLARATION}
 _CHUNK_BYTES = 1 << 20
 
 
-class Verdict(enum.StrEnum):
+class Verdict(TextEnum):
     IDENTICAL = "identical"
     CLOSE = "equal within"
     """Other bytes whose values are as like as was asked for."""

@@ -14,6 +14,7 @@ import shutil
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from symolo.core.file_hashes import sha256_of
 from symolo.core.file_locks import lock
 
 UNFINISHED = re.compile(r"\.(.+)\.([0-9a-f]{1,16})\.tmp")
@@ -21,6 +22,8 @@ WRITER = "SYMOLO_WRITER"
 """Variable with the first half of the chance in all such names of a process and its children, once they are given it:
 whoever ends them can then tell what they left from what others are writing beside them."""
 DROPPED = re.compile(r"\..+\.dropped")
+_FLAGS = getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
+"""Windows writes bytes as they are only with `O_BINARY`; descriptors are not inherited there anyway."""
 
 
 def write_file(path: Path, data: bytes) -> None:
@@ -51,8 +54,7 @@ def write_chunks(path: Path, chunks: Iterable[bytes]) -> str:
 
     with _whole(path) as beside:
         _write_beside(beside, noted())
-        with beside.open("rb") as file:
-            kept = hashlib.file_digest(file, "sha256").hexdigest()
+        kept = sha256_of(beside)
         if kept != written.hexdigest():
             raise OSError(errno.EIO, "what is on the disk is not what was written", str(path))
     return kept
@@ -89,7 +91,7 @@ def place_of(unfinished: Path) -> Path | None:
 
 
 def _write_beside(beside: Path, chunks: Iterable[bytes]) -> None:
-    descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW, 0o666)
+    descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _FLAGS | getattr(os, "O_NOFOLLOW", 0), 0o666)
     try:
         for chunk in chunks:
             _write_all(descriptor, chunk)
@@ -121,11 +123,12 @@ def append_line(path: Path, line: bytes) -> None:
         OSError: The disk did not take it; what it took of the line is taken away again.
     """
     new = not path.exists()
-    descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o666)
+    descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | _FLAGS, 0o666)
     try:
         lock(descriptor)
         end = os.fstat(descriptor).st_size
-        cut = end > 0 and os.pread(descriptor, 1, end - 1) != b"\n"
+        os.lseek(descriptor, max(end - 1, 0), os.SEEK_SET)  # what is written is appended wherever this stands
+        cut = os.read(descriptor, 1) not in {b"", b"\n"}
         try:
             _write_all(descriptor, b"\n" * cut + line + b"\n")
             os.fsync(descriptor)
@@ -140,8 +143,13 @@ def append_line(path: Path, line: bytes) -> None:
 
 
 def sync_folder(path: Path) -> None:
-    """Make the names in a folder durable; a rename alone may be lost when the power fails."""
-    descriptor = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    """Make the names in a folder durable; a rename alone may be lost when the power fails.
+
+    Systems without `O_DIRECTORY`, such as Windows, do not open folders and do without.
+    """
+    if not hasattr(os, "O_DIRECTORY"):
+        return
+    descriptor = os.open(path, os.O_RDONLY | os.O_DIRECTORY | _FLAGS)
     try:
         os.fsync(descriptor)
     finally:

@@ -10,10 +10,16 @@ from pathlib import Path
 from symolo.core.errors import EnvironmentLacking
 from symolo.core.os_errors import NOT_THERE
 
+_BLOCK_BYTES = 1 << 18
+
 
 def sha256_of(path: Path) -> str:
+    """Return the SHA-256 of a file, which is read in blocks."""
+    digest = hashlib.sha256()
     with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+        while block := file.read(_BLOCK_BYTES):
+            digest.update(block)
+    return digest.hexdigest()
 
 
 def hashes_of(folder: Path, skip: Collection[str] = ()) -> dict[str, str]:

@@ -48,11 +48,18 @@ def check_new_path(path: Path, where: str, below_chars: int = 0) -> None:
             what = f"{part} is a link to something that is not there"
             raise InputError(what, where=where, cure="remove the link or choose another name")
     nearest = nearest_existing(absolute)
-    longest = os.pathconf(nearest, "PC_NAME_MAX") - TEMPORARY_CHARS
-    whole = os.pathconf(nearest, "PC_PATH_MAX") - TEMPORARY_CHARS - below_chars
+    name_max, path_max = _name_and_path_max(nearest)
+    longest, whole = name_max - TEMPORARY_CHARS, path_max - TEMPORARY_CHARS - below_chars
     made = absolute.relative_to(nearest).parts
     if any(len(os.fsencode(name)) > longest for name in made) or len(os.fsencode(absolute)) > whole:
         raise InputError("is too long", where=where, got=str(path), cure="choose a shorter name")
+
+
+def _name_and_path_max(folder: Path) -> tuple[int, int]:
+    """Return the longest name and the longest path on a folder's disk, in bytes."""
+    if not hasattr(os, "pathconf"):  # Windows without the setting for long paths
+        return 255, 260
+    return os.pathconf(folder, "PC_NAME_MAX"), os.pathconf(folder, "PC_PATH_MAX")
 
 
 def nearest_existing(path: Path) -> Path:

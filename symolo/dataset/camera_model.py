@@ -3,19 +3,16 @@
 import json
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from configs.schema.look import LookConfig
-from configs.schema.robot import RobotConfig
-from configs.schema.scenario import Render
 from symolo.core.file_hashes import canonical_json
 from symolo.core.pinhole import Shutter, intrinsics, matrix_K, pose_X_RC
 from symolo.core.poses import pose_X_WR
 from symolo.dataset.layout import SIDE
 from symolo.dataset.rows import Rows
+from symolo.dataset.run_document import ImagingDocument
 from symolo.dataset.side_reading import read_record
 from symolo.dataset.side_tables import CAMERA
 
@@ -26,17 +23,6 @@ _DECIMALS = 9
 
 Row3 = tuple[float, float, float]
 Row4 = tuple[float, float, float, float]
-
-
-class Taken(Protocol):
-    """What decides how pictures are taken: the specification of a run, or what `rerender` was asked for."""
-
-    @property
-    def robot(self) -> RobotConfig: ...
-    @property
-    def look(self) -> LookConfig: ...
-    @property
-    def render(self) -> Render: ...
 
 
 class CameraModel(BaseModel):
@@ -59,7 +45,9 @@ class CameraModel(BaseModel):
     X_CB: tuple[Row4, Row4, Row4, Row4]
 
     @classmethod
-    def of(cls, spec: Taken) -> "CameraModel":
+    def of(cls, imaging: object) -> "CameraModel":
+        """Return the model of a camera; `imaging` has the sections of an `ImagingDocument`."""
+        spec = ImagingDocument.model_validate(imaging)
         camera = intrinsics(spec.robot.camera, spec.render.width_px, spec.render.height_px)
         numbers = {
             "K": _rounded(matrix_K(camera)),
@@ -85,14 +73,20 @@ def read_camera_model(path: Path) -> CameraModel:
     return read_record(path, CameraModel)
 
 
-def camera_files(spec: Taken, rows: Rows) -> Iterator[tuple[str, bytes]]:
-    """What tells a user of the pictures of their camera, by its path in their folder."""
-    yield f"{SIDE}/{CAMERA.file}", CAMERA.to_csv(camera_table(spec, rows))
-    yield f"{SIDE}/{INTRINSICS}", CameraModel.of(spec).to_json()
+def camera_files(imaging: object, rows: Rows) -> Iterator[tuple[str, bytes]]:
+    """Yield the files that describe the camera of some images, by their path in the folder of the images.
+
+    Args:
+        imaging: Any object with the sections of an `ImagingDocument`.
+        rows: Where the robot was.
+    """
+    yield f"{SIDE}/{CAMERA.file}", CAMERA.to_csv(camera_table(imaging, rows))
+    yield f"{SIDE}/{INTRINSICS}", CameraModel.of(imaging).to_json()
 
 
-def camera_table(spec: Taken, rows: Rows) -> np.ndarray:
-    """The columns of side/camera.csv, (images, 16)."""
+def camera_table(imaging: object, rows: Rows) -> np.ndarray:
+    """Return the columns of side/camera.csv, (images, 16); `imaging` as for `camera_files`."""
+    spec = ImagingDocument.model_validate(imaging)
     X_RC = pose_X_RC(spec.robot.camera, spec.robot.chassis.base_height_m)
     shutter = Shutter(spec.look.camera.exposure_time_s, spec.robot.camera.read_out_s)
     opens_ms = 1000 * shutter.row_opens_s(0, spec.render.height_px)

@@ -1,6 +1,10 @@
 """The numbers that columns hold in place of names: states of the controller, statuses of a range sensor, events."""
 
 from enum import IntEnum
+from typing import Literal
+
+BoardKind = Literal["simulated", "serial"]
+FramingName = Literal["framed", "simtwo"]
 
 
 class State(IntEnum):

@@ -4,21 +4,22 @@ import platform
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from configs.schema.board import BoardKind, FramingName
-from configs.schema.scenario import Rates, RunSpec, StartPose
 from symolo.arena.geometry import Arena
 from symolo.core.file_hashes import canonical_json
 from symolo.core.os_errors import NOT_THERE
 from symolo.core.versions import versions
 from symolo.dataset.annotations import AnnotationName
-from symolo.dataset.codes import State
+from symolo.dataset.codes import BoardKind, FramingName, State
+from symolo.dataset.column import Column
 from symolo.dataset.obstacles import obstacle_table
 from symolo.dataset.rows import COLUMNS, HEADER, Rows
+from symolo.dataset.run_document import RunDocument
+from symolo.dataset.sensor_tables import SENSOR_NAME, TAKEN_NAMES, TIME
 from symolo.dataset.side_tables import BOARD, CAMERA, TOF, WHEELS, SideTable
 
 METADATA = "metadata.json"
@@ -48,7 +49,33 @@ FRAMES = {
 
 
 class Record(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, from_attributes=True, use_attribute_docstrings=True)
+
+
+class StartRecord(Record):
+    """Pose of the robot in W at the start of a run."""
+
+    x_m: float
+    y_m: float
+    yaw_deg: float
+
+
+class RatesRecord(Record):
+    """Rates of a run; each slower one is a whole number of periods of the next faster one."""
+
+    physics_hz: int = Field(ge=1)
+    wheel_loop_hz: int = Field(ge=1)
+    control_hz: int = Field(ge=1)
+    """Rate of the controller and of the rows of data.csv."""
+    camera_hz: int = Field(ge=1)
+
+    @model_validator(mode="after")
+    def _whole_multiples(self) -> "RatesRecord":
+        if self.physics_hz % self.wheel_loop_hz or self.wheel_loop_hz % self.control_hz:
+            raise ValueError("control_hz is no whole fraction of wheel_loop_hz, or that none of physics_hz")
+        if self.control_hz % self.camera_hz:
+            raise ValueError("camera_hz is no whole fraction of control_hz")
+        return self
 
 
 class BoardRecord(Record):
@@ -72,8 +99,8 @@ class RunRecord(Record):
     run: str
     """Its folder, for example `CW/test_1`."""
     seed: int
-    start: StartPose
-    rates: Rates
+    start: StartRecord
+    rates: RatesRecord
     image_width_px: int
     image_height_px: int
     render_device: str = "CPU"
@@ -101,7 +128,7 @@ class RunRecord(Record):
     @classmethod
     def of(
         cls,
-        spec: RunSpec,
+        specification: object,
         rows: Rows,
         lap_time_s: float | None,
         warnings: Sequence[str] = (),
@@ -110,6 +137,18 @@ class RunRecord(Record):
         cpus: Sequence[str] = (),
         board: BoardRecord | None = None,
     ) -> "RunRecord":
+        """Return the facts of a run.
+
+        Args:
+            specification: Any object with the fields of a `RunDocument`.
+            rows: The content of data.csv.
+            lap_time_s: None where the run is no lap.
+            warnings: What a user of the images should know.
+            render_device: What the images were rendered on, as Cycles calls it.
+            cpus: Classes of the processors that made images and annotations.
+            board: The board that drove, if any did.
+        """
+        spec = RunDocument.model_validate(specification)
         changes = np.flatnonzero(np.diff(rows.state)) + 1
         steps = np.linalg.norm(np.diff(rows.pose[:, :2], axis=0), axis=1)
         # Limits may be drawn; data.csv holds them to the digits of its columns, and `verify` compares with these.
@@ -117,8 +156,8 @@ class RunRecord(Record):
         return cls(
             run=spec.key,
             seed=spec.seed,
-            start=spec.start,
-            rates=spec.rates,
+            start=StartRecord.model_validate(spec.start),
+            rates=RatesRecord.model_validate(spec.rates),
             image_width_px=spec.render.width_px,
             image_height_px=spec.render.height_px,
             render_device=render_device,
@@ -158,6 +197,8 @@ class ColumnRecord(Record):
     name: str
     unit: str
     meaning: str = ""
+    decimals: int | None = Field(default=None, ge=0, exclude_if=lambda decimals: decimals is None)
+    """Digits after the point in the table of a sensor of `sensors`; a column of 0 digits holds whole numbers."""
 
 
 class Metadata(Record):
@@ -175,16 +216,43 @@ class Metadata(Record):
     states: dict[int, str]
     columns: dict[str, list[ColumnRecord]]
     """Columns by file name."""
+    sensors: dict[Annotated[str, Field(pattern=SENSOR_NAME)], str] = Field(
+        default_factory=dict, exclude_if=lambda sensors: not sensors
+    )
+    """Sensors of `robot.sensors`, each with the meaning of its table `side/<name>.csv`."""
     scenario: dict[str, Any]
     """The resolved scenario with arena, robot and look; a mapping such as {uniform: [a, b]} is a distribution."""
     runs: list[RunRecord] = Field(min_length=1)
     failed_runs: list[FailedRun]
 
+    @model_validator(mode="after")
+    def _sensors_have_columns(self) -> "Metadata":
+        for name in self.sensors:
+            file = f"side/{name}.csv"
+            columns = self.columns.get(file, [])
+            if name in TAKEN_NAMES:
+                raise ValueError(f"sensors: {file} is not the table of a sensor")
+            if len(columns) < 2 or columns[0].name != TIME.name or any(c.decimals is None for c in columns):
+                raise ValueError(f"columns: {file} has not the columns of a sensor: t, and each with its decimals")
+        return self
+
+    @property
+    def sensor_tables(self) -> tuple[SideTable, ...]:
+        """Tables of the sensors of `robot.sensors`."""
+        return tuple(
+            SideTable(
+                f"{name}.csv",
+                meaning,
+                tuple(Column(c.name, c.unit, c.decimals or 0, c.meaning) for c in self.columns[f"side/{name}.csv"]),
+            )
+            for name, meaning in self.sensors.items()
+        )
+
     def to_json(self) -> bytes:
         return canonical_json(self.model_dump(mode="json"))
 
 
-def side_tables(spec: RunSpec) -> tuple[SideTable, ...]:
+def side_tables(spec: RunDocument) -> tuple[SideTable, ...]:
     """The tables that every run of the scenario has; which obstacles move is not drawn."""
     obstacles = obstacle_table(Arena.from_config(spec.arena))
     return (WHEELS, TOF, CAMERA, *([BOARD] if spec.board else []), *([obstacles] if obstacles else []))
@@ -196,21 +264,39 @@ def made_with() -> dict[str, str]:
 
 
 def describe(
-    tree: dict[str, Any], specs: Sequence[RunSpec], runs: Sequence[RunRecord], failed: Sequence[FailedRun]
+    tree: dict[str, Any],
+    specifications: Sequence[object],
+    runs: Sequence[RunRecord],
+    failed: Sequence[FailedRun],
+    sensors: Sequence[SideTable] = (),
 ) -> Metadata:
-    """Metadata of a dataset; `tree` is the scenario as loaded, before anything is drawn."""
+    """Return the metadata of a dataset.
+
+    Args:
+        tree: The scenario as loaded, before anything is drawn.
+        specifications: Specifications of the runs: objects with the fields of a `RunDocument`.
+        runs: The released runs.
+        failed: The runs that are not released.
+        sensors: Tables of the sensors of `robot.sensors`.
+    """
+    first = RunDocument.model_validate(specifications[0])
     columns = {"data.csv": [ColumnRecord(name=c.name, unit=c.unit, meaning=c.meaning) for c in COLUMNS]}
-    for table in side_tables(specs[0]):
+    for table in side_tables(first):
         columns[f"side/{table.file}"] = [ColumnRecord(name=c.name, unit=c.unit) for c in table.columns]
+    for table in sensors:
+        columns[f"side/{table.file}"] = [
+            ColumnRecord(name=c.name, unit=c.unit, meaning=c.meaning, decimals=c.decimals) for c in table.columns
+        ]
     return Metadata(
-        name=specs[0].scenario,
+        name=first.scenario,
         description=str(tree.get("description", "")),
         licence=str(tree.get("licence", "CC-BY-4.0")),
-        seed=specs[0].seed,
+        seed=first.seed,
         made_with=made_with(),
         frames=FRAMES,
         states=STATES,
         columns=columns,
+        sensors={table.name: table.meaning for table in sensors},
         scenario=tree,
         runs=list(runs),
         failed_runs=list(failed),

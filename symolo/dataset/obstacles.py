@@ -7,8 +7,9 @@ import numpy as np
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.time_series import Recording, TimeSeries
+from symolo.dataset.column import Column
 from symolo.dataset.rows import Rows, heading, wrapped
-from symolo.dataset.side_tables import SideColumn, SideTable
+from symolo.dataset.side_tables import SideTable
 
 SERIES = "obstacle_{name}"
 TOLERANCE = 1e-6
@@ -25,12 +26,12 @@ def obstacle_table(arena: Arena) -> SideTable | None:
     if not arena.moving:
         return None
     columns = [
-        SideColumn(f"{box.name}_{field}", unit, 6)
+        Column(f"{box.name}_{field}", unit, 6)
         for box in arena.moving
         for field, unit in (("x", "m"), ("y", "m"), ("theta", "rad"))
     ]
     meaning = "pose of the middle of each moving obstacle in W at each row of data.csv"
-    return SideTable("obstacles.csv", meaning, (SideColumn("t", "ms", 0), *columns))
+    return SideTable("obstacles.csv", meaning, (Column("t", "ms", 0), *columns))
 
 
 def obstacles_csv(table: SideTable, arena: Arena, recording: Recording) -> bytes:

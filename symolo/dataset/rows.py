@@ -10,41 +10,37 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symolo.core.arrays import Array
-from symolo.core.errors import InputError, nearest
+from symolo.core.errors import InputError
+from symolo.core.table import NumberColumn, header_fault, table_of
+from symolo.core.text_file import LineFault, decode_text
 from symolo.core.time_series import Recording
 from symolo.dataset.codes import State
+from symolo.dataset.column import Column
 
 Ints = NDArray[np.int64]
 Numbers = NDArray[np.float64 | np.int64]
 
 MAX_BYTES = 512 * 2**20
 STATES = tuple(state.value for state in State)
+WHOLE = frozenset({"state", "img"})
+"""Columns of whole numbers."""
 _LARGEST = 2**53
 """Up to here a float holds every whole number, and no square of a reading overflows."""
 
 
-@dataclass(frozen=True)
-class Column:
-    name: str
-    unit: str
-    meaning: str
-    decimals: int
-    """Digits after the point in the file; 0 is an integer."""
-
-
 COLUMNS = (
-    Column("t", "ms", "time since the first row", 0),
-    Column("x", "m", "position of the middle of the axle in the world frame W", 6),
-    Column("y", "m", "position of the middle of the axle in the world frame W", 6),
-    Column("theta", "rad", "heading from +x of W, counter-clockwise, from -3.141592 to 3.141593", 6),
-    Column("state", "-", "state of the controller, see below", 0),
-    Column("v", "m/s", "forward speed", 6),
-    Column("w", "rad/s", "yaw rate, counter-clockwise positive", 6),
-    Column("d_f", "m", "range of the front ToF sensor", 4),
-    Column("d_l", "m", "range of the left ToF sensor", 4),
-    Column("d_r", "m", "range of the right ToF sensor", 4),
-    *(Column(f"L{i}", "-", f"reflectance of line sensor channel {i}, 0 black, 1 white", 5) for i in range(8)),
-    Column("img", "-", "number of the image taken at this row, 0 for none", 0),
+    Column("t", "ms", 0, "time since the first row"),
+    Column("x", "m", 6, "position of the middle of the axle in the world frame W"),
+    Column("y", "m", 6, "position of the middle of the axle in the world frame W"),
+    Column("theta", "rad", 6, "heading from +x of W, counter-clockwise, from -3.141592 to 3.141593"),
+    Column("state", "-", 0, "state of the controller, see below"),
+    Column("v", "m/s", 6, "forward speed"),
+    Column("w", "rad/s", 6, "yaw rate, counter-clockwise positive"),
+    Column("d_f", "m", 4, "range of the front ToF sensor"),
+    Column("d_l", "m", 4, "range of the left ToF sensor"),
+    Column("d_r", "m", 4, "range of the right ToF sensor"),
+    *(Column(f"L{i}", "-", 5, f"reflectance of line sensor channel {i}, 0 black, 1 white") for i in range(8)),
+    Column("img", "-", 0, "number of the image taken at this row, 0 for none"),
 )
 HEADER = tuple(column.name for column in COLUMNS)
 
@@ -140,6 +136,8 @@ class Fault:
 
     line: int
     what: str
+    cure: str = "repair or remove the row"
+    """What to do about it."""
     kind: Literal["form", "time", "state", "image"] = "form"
 
     def __str__(self) -> str:
@@ -162,82 +160,42 @@ def read_rows(path: Path) -> Rows:
     table, faults = parse_table(data, HEADER)
     faults = faults or [fault for fault in semantic_faults(Rows.from_table(table)) if fault.kind in ("time", "image")]
     if faults:
-        cure = "mend or remove the row" if faults[0].line > 1 else ""
-        raise InputError(faults[0].what, where=f"{path}:{faults[0].line}", cure=cure)
+        raise InputError(faults[0].what, where=f"{path}:{faults[0].line}", cure=faults[0].cure)
     return Rows.from_table(table)
 
 
 def parse_table(data: bytes, header: Sequence[str], separator: str = ",") -> tuple[Array, list[Fault]]:
-    """The numbers of a table with exactly this header, (N, columns), and every fault of its form."""
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        return _empty(header), [Fault(data.count(b"\n", 0, error.start) + 1, "is not UTF-8 text")]
-    if not text.strip():
-        return _empty(header), [Fault(1, "is empty")]
-    lines = [line.split(separator) for line in text.replace("\r\n", "\n").removesuffix("\n").split("\n")]
-    if tuple(lines[0]) != tuple(header):
-        return _empty(header), [Fault(1, _header_fault(lines[0], header))]
-    if len(lines) == 1:
-        return _empty(header), [Fault(1, "has no rows below the header")]
-    rows, faults = [], []
-    for number, cells in enumerate(lines[1:], start=2):
-        values, fault = _row(cells, header)
-        rows.append(values)
-        if fault:
-            faults.append(Fault(number, fault))
-    return (_empty(header) if faults else np.array(rows)), faults
+    """Return the numbers of a table with exactly this header, (N, columns), and every fault of its form."""
+    text = decode_text(data, Path())
+    if isinstance(text, LineFault):
+        return _empty(header), [Fault(max(text.line, 1), text.message, text.cure)]
+    if fault := header_fault(text.lines[0].split(separator), header, separator, is_ordered=True):
+        return _empty(header), [Fault(1, fault.message, fault.cure)]
+    columns = [NumberColumn(name, is_whole=name in WHOLE, low=-_LARGEST, high=_LARGEST) for name in header]
+    table = table_of(text, columns, range(len(header)), first=1, separator=separator)
+    if table.faults:
+        return _empty(header), [Fault(max(fault.line, 1), fault.message, fault.cure) for fault in table.faults]
+    return np.column_stack([table.numbers[name] for name in header]), []
 
 
 def semantic_faults(rows: Rows) -> list[Fault]:
     """Rows whose time does not increase, whose state is unknown, or whose image number does not count up."""
     faults = [
-        Fault(int(i) + 3, f"column t: {rows.t_ms[i + 1]} ms is not after {rows.t_ms[i]} ms", "time")
+        Fault(int(i) + 3, f"column t: {rows.t_ms[i + 1]} ms is not after {rows.t_ms[i]} ms", kind="time")
         for i in np.flatnonzero(np.diff(rows.t_ms) <= 0)
     ]
     faults += [
-        Fault(int(i) + 2, f"column state: {rows.state[i]} is none of {', '.join(map(str, STATES))}", "state")
+        Fault(int(i) + 2, f"column state: {rows.state[i]} is none of {', '.join(map(str, STATES))}", kind="state")
         for i in np.flatnonzero(~np.isin(rows.state, STATES))
     ]
     at = np.flatnonzero(rows.image)
     numbers = rows.image[at]
     previous = np.concatenate(([0], numbers[:-1]))
     faults += [
-        Fault(int(at[i]) + 2, f"column img: {numbers[i]} does not count up from {previous[i]}", "image")
+        Fault(int(at[i]) + 2, f"column img: {numbers[i]} does not count up from {previous[i]}", kind="image")
         for i in np.flatnonzero(numbers <= previous)
     ]
     return sorted(faults, key=lambda fault: fault.line)
-
-
-def _row(cells: list[str], header: Sequence[str]) -> tuple[list[float], str]:
-    if len(cells) != len(header):
-        return [], f"{len(cells)} columns instead of {len(header)}; the row is cut off or has a stray separator"
-    values = []
-    for name, cell in zip(header, cells, strict=True):
-        try:
-            value = float(cell) if cell.isascii() and "_" not in cell else math.nan
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            return [], f"column {name}: {cell.strip()[:40]!r} is not a finite number"
-        if name in {"state", "img"} and not value.is_integer():
-            return [], f"column {name}: {cell.strip()[:40]!r} is not an integer"
-        if abs(value) > _LARGEST:
-            return [], f"column {name}: {cell.strip()[:40]!r} is beyond {_LARGEST}"
-        values.append(value)
-    return values, ""
-
-
-def _header_fault(got: Sequence[str], header: Sequence[str]) -> str:
-    expected = ",".join(header)
-    for name in got:
-        if name not in header:
-            hint = nearest(name, header)
-            return f"column {name[:40]!r} is not known{f' (nearest: {hint})' if hint else ''}; expected {expected}"
-    missing = [name for name in header if name not in got]
-    if missing:
-        return f"column {missing[0]!r} is missing; expected {expected}"
-    return f"columns in another order or twice; expected {expected}"
 
 
 def _empty(header: Sequence[str]) -> Array:

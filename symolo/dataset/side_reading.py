@@ -24,8 +24,13 @@ def read_record(path: Path, kind: type[Record]) -> Record:
     try:
         return kind.model_validate_json(path.read_bytes())
     except ValidationError as error:
-        first = error.errors()[0]
-        raise ValueError(": ".join(filter(None, (".".join(map(str, first["loc"])), first["msg"])))) from None
+        raise ValueError(first_fault(error)) from None
+
+
+def first_fault(error: ValidationError) -> str:
+    """Return the first fault of a JSON file in one line: the path of the field and what is wrong with it."""
+    first = error.errors()[0]
+    return ": ".join(filter(None, (".".join(map(str, first["loc"])), first["msg"])))
 
 
 def read_side(path: Path, table: SideTable, rows: Rows) -> Array:
@@ -40,7 +45,7 @@ def read_side(path: Path, table: SideTable, rows: Rows) -> Array:
         raise InputError(f"cannot be read: {error.strerror}", where=str(path), cure="make the run again") from None
     numbers, faults = parse_table(data, table.header)
     if faults:
-        raise InputError(faults[0].what, where=f"{path}: row {faults[0].line}", cure="mend or remove the row")
+        raise InputError(faults[0].what, where=f"{path}: row {faults[0].line}", cure=faults[0].cure)
     taken = rows.image > 0
     keys = np.column_stack((rows.image[taken], rows.t_ms[taken])) if table is CAMERA else rows.t_ms[:, None]
     told = numbers[:, : keys.shape[1]]

@@ -7,14 +7,8 @@ import numpy as np
 from symolo.core.arrays import Array
 from symolo.core.time_series import Recording
 from symolo.dataset.codes import BOARD_COLUMNS, TofStatus
+from symolo.dataset.column import Column
 from symolo.dataset.rows import Numbers, Rows, csv_bytes, heading
-
-
-@dataclass(frozen=True)
-class SideColumn:
-    name: str
-    unit: str
-    decimals: int
 
 
 @dataclass(frozen=True)
@@ -23,7 +17,12 @@ class SideTable:
 
     file: str
     meaning: str
-    columns: tuple[SideColumn, ...]
+    columns: tuple[Column, ...]
+
+    @property
+    def name(self) -> str:
+        """Name of the file without its ending."""
+        return self.file.partition(".")[0]
 
     @property
     def header(self) -> tuple[str, ...]:
@@ -41,17 +40,17 @@ WHEELS = SideTable(
     "drive at each row of data.csv; mean voltages are those since the row before; r is the right wheel, l the left; "
     "odometry counts from (0, 0, 0) at the start pose",
     (
-        SideColumn("t", "ms", 0),
-        SideColumn("command_v", "m/s", 5),
-        SideColumn("command_w", "rad/s", 5),
-        *(SideColumn(f"speed_{side}", "rad/s", 5) for side in "rl"),
-        *(SideColumn(f"voltage_{side}", "V", 5) for side in "rl"),
-        *(SideColumn(f"mean_voltage_{side}", "V", 5) for side in "rl"),
-        *(SideColumn(f"current_{side}", "A", 5) for side in "rl"),
-        *(SideColumn(f"counts_{side}", "encoder counts", 0) for side in "rl"),
-        SideColumn("odometry_x", "m", 6),
-        SideColumn("odometry_y", "m", 6),
-        SideColumn("odometry_theta", "rad", 6),
+        Column("t", "ms", 0),
+        Column("command_v", "m/s", 5),
+        Column("command_w", "rad/s", 5),
+        *(Column(f"speed_{side}", "rad/s", 5) for side in "rl"),
+        *(Column(f"voltage_{side}", "V", 5) for side in "rl"),
+        *(Column(f"mean_voltage_{side}", "V", 5) for side in "rl"),
+        *(Column(f"current_{side}", "A", 5) for side in "rl"),
+        *(Column(f"counts_{side}", "encoder counts", 0) for side in "rl"),
+        Column("odometry_x", "m", 6),
+        Column("odometry_y", "m", 6),
+        Column("odometry_theta", "rad", 6),
     ),
 )
 DRIVE_SERIES = ("command", "wheel_speed_rad_s", "voltage_V", "mean_voltage_V", "current_A", "encoder_counts")
@@ -59,7 +58,7 @@ TOF = SideTable(
     "tof.csv",
     "status of each ToF sensor at each row of data.csv: "
     + ", ".join(f"{status.value} {status.name.lower()}" for status in TofStatus),
-    (SideColumn("t", "ms", 0), *(SideColumn(f"status_{side}", "-", 0) for side in "flr")),
+    (Column("t", "ms", 0), *(Column(f"status_{side}", "-", 0) for side in "flr")),
 )
 CAMERA = SideTable(
     "camera.csv",
@@ -67,12 +66,12 @@ CAMERA = SideTable(
     "C is the optical frame, x right, y down, z forward; "
     "when the exposure of the first row of pixels begins and how long that of each row is, t being the middle of all",
     (
-        SideColumn("img", "-", 0),
-        SideColumn("t", "ms", 0),
-        *(SideColumn(f"r{row}{column}", "-", 9) for row in (1, 2, 3) for column in (1, 2, 3)),
-        *(SideColumn(f"p_{axis}", "m", 6) for axis in "xyz"),
-        SideColumn("exposure_start", "ms", 3),
-        SideColumn("exposure", "ms", 3),
+        Column("img", "-", 0),
+        Column("t", "ms", 0),
+        *(Column(f"r{row}{column}", "-", 9) for row in (1, 2, 3) for column in (1, 2, 3)),
+        *(Column(f"p_{axis}", "m", 6) for axis in "xyz"),
+        Column("exposure_start", "ms", 3),
+        Column("exposure", "ms", 3),
     ),
 )
 BOARD_SERIES = "board"
@@ -81,7 +80,7 @@ BOARD = SideTable(
     "the line to the board that drives, at each row of data.csv: whether it answered, whether the wheels were told to "
     "stand still because it did not, and how many frames were damaged on the way from it and to it, refused as "
     "impossible, answers to an older row, or repeated; whether it re-booted; whether the row began late",
-    (SideColumn("t", "ms", 0), *(SideColumn(name, "-", 0) for name in BOARD_COLUMNS)),
+    (Column("t", "ms", 0), *(Column(name, "-", 0) for name in BOARD_COLUMNS)),
 )
 
 

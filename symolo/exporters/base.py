@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Protocol
 
 from symolo.reader.dataset import Dataset
-from symolo.reader.image import Image
+from symolo.reader.run import Image
 
 
 class ExportedFile(Protocol):

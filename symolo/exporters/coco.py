@@ -12,8 +12,7 @@ from symolo.core.errors import InputError
 from symolo.dataset.annotations import AnnotationDocument, AnnotationEntry, KeyPointSighting, pixel_box
 from symolo.exporters.base import CopiedFile, ExportedFile, Exporter, ExportSettings, MadeFile
 from symolo.reader.dataset import Dataset
-from symolo.reader.image import Image
-from symolo.reader.run import Run
+from symolo.reader.run import Image, Run
 
 _CORNERS = tuple(f"corner_{number}" for number in range(8))
 """0-3 at the foot, 4-7 above them, counter-clockwise, as the names of our key points end."""

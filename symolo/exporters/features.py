@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from symolo.exporters.optional import PYARROW, optional
+from symolo.core.extras import optional_module
 from symolo.reader.dataset import RUN, Dataset
 from symolo.reader.run import Run
 from symolo.reader.tables import UNITS
@@ -30,7 +30,7 @@ class Feature:
 
 def value(kind: str) -> Feature:
     """A number, text or bytes, such as `float64`, `string`, `binary`."""
-    arrow = optional("pyarrow", PYARROW)
+    arrow = optional_module("pyarrow")
     return Feature({"dtype": kind, "_type": "Value"}, getattr(arrow, kind)())
 
 
@@ -41,13 +41,13 @@ def column(values: np.ndarray) -> tuple[Feature, Any]:
 
 def vector(of: Feature, length: int) -> Feature:
     """So many of another; of vectors, a matrix by rows. Told by the name that old and new readers know."""
-    arrow = optional("pyarrow", PYARROW)
+    arrow = optional_module("pyarrow")
     return Feature({"feature": of.told, "length": length, "_type": "Sequence"}, arrow.list_(of.arrow, length))
 
 
 def picture() -> Feature:
     """A file of a picture, which `datasets` decodes by Pillow; values as `pictured` makes them."""
-    arrow = optional("pyarrow", PYARROW)
+    arrow = optional_module("pyarrow")
     return Feature({"_type": "Image"}, arrow.struct({"bytes": arrow.binary(), "path": arrow.string()}))
 
 
@@ -65,7 +65,7 @@ def parquet_bytes(
         units: By name; columns that are not named have none.
         rows_per_group: How many rows a reader has to take at once; as many as the library likes by default.
     """
-    arrow = optional("pyarrow", PYARROW)
+    arrow = optional_module("pyarrow")
     fields = [
         arrow.field(name, feature.arrow, metadata={"unit": units[name]} if name in units else None)
         for name, (feature, _values) in columns.items()
@@ -74,7 +74,7 @@ def parquet_bytes(
     arrays = [arrow.array(values, feature.arrow) for feature, values in columns.values()]
     table = arrow.Table.from_arrays(arrays, schema=arrow.schema(fields, metadata={"huggingface": json.dumps(told)}))
     file = io.BytesIO()
-    writer = optional("pyarrow.parquet", PYARROW)
+    writer = optional_module("pyarrow.parquet")
     writer.write_table(table, file, compression="zstd", row_group_size=rows_per_group)
     return file.getvalue()
 

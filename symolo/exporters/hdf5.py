@@ -12,13 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from symolo.core.extras import optional_module
 from symolo.dataset.annotations import DEPTH_UNIT_M, FLOW_PER_PX, FLOW_ZERO, NORMAL_SCALE, NORMAL_ZERO
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
-from symolo.exporters.optional import H5PY, optional
 from symolo.exporters.record import record_of
 from symolo.reader.dataset import Dataset
-from symolo.reader.image import Image
-from symolo.reader.run import Run
+from symolo.reader.run import Image, Run
 from symolo.reader.tables import UNITS
 
 FAR_M = 1e10
@@ -30,7 +29,7 @@ Entries = dict[str, np.ndarray | bytes]
 
 
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
-    h5py = optional("h5py", H5PY)
+    h5py = optional_module("h5py")
     yield MadeFile("tables.hdf5", lambda: _tables(h5py, data))
     for run in data.runs:
         like_first = cache(lambda run=run: len(_frame(h5py, run.images[0])))

@@ -12,13 +12,12 @@ import numpy as np
 import pandas as pd
 
 from symolo.core.errors import InputError
+from symolo.core.extras import optional_module
 from symolo.dataset.rows import COLUMNS
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
 from symolo.exporters.features import Feature, column, parquet_bytes, picture, pictured, stacked_bytes, value, vector
-from symolo.exporters.optional import PYARROW, optional
 from symolo.reader.dataset import RUN, Dataset
-from symolo.reader.image import Image
-from symolo.reader.run import Run
+from symolo.reader.run import Image, Run
 from symolo.reader.tables import UNITS
 
 _CAMERA = "camera"
@@ -29,7 +28,7 @@ Columns = dict[str, tuple[Feature, Sequence[Any]]]
 
 
 def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
-    optional("pyarrow", PYARROW)
+    optional_module("pyarrow")
     first = data.runs[0]
     for run in data.runs[1:]:
         if (run.side_names, run.annotation_pictures) != (first.side_names, first.annotation_pictures):
@@ -103,9 +102,16 @@ def _pictured(image: Image, path: Path) -> dict[str, object]:
 
 def _wide(run: Run) -> pd.DataFrame:
     """data.csv and the side tables beside it; the times of these are those of data.csv."""
-    others = [run.side(name).drop(columns="t") for name in run.side_names if name != _CAMERA]
-    wide = pd.concat([run.rows, *others], axis=1)
-    wide.attrs[UNITS] = {name: unit for table in (run.rows, *others) for name, unit in table.attrs[UNITS].items()}
+    sensors = {table.name for table in run.sensor_tables}
+    tables, units = [run.rows], {}
+    for name in run.side_names:
+        if name != _CAMERA:
+            table = run.side(name).drop(columns="t")
+            prefix = f"{name}_" if name in sensors else ""  # two sensors may have columns of the same name
+            units |= {f"{prefix}{column}": table.attrs[UNITS][column] for column in table}
+            tables.append(table.add_prefix(prefix))
+    wide = pd.concat(tables, axis=1)
+    wide.attrs[UNITS] = tables[0].attrs[UNITS] | units
     return wide
 
 

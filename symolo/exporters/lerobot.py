@@ -13,11 +13,11 @@ import numpy as np
 import pandas as pd
 
 from symolo.core.errors import InputError
+from symolo.core.extras import optional_module
 from symolo.core.file_hashes import canonical_json
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile, pictures_bytes
 from symolo.exporters.features import parquet_bytes, picture, pictured, value, vector
 from symolo.exporters.lerobot_stats import Levels, Stats, vector_stats
-from symolo.exporters.optional import PYARROW, optional
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
 
@@ -89,7 +89,7 @@ class _Plan:
 
 
 def _files(data: Dataset, settings: ExportSettings) -> Iterator[ExportedFile]:
-    optional("pyarrow", PYARROW)
+    optional_module("pyarrow")
     plan = _plan(data, settings.shard_bytes)
     yield MadeFile("README.md", lambda: _card(plan))
     yield MadeFile("meta/info.json", lambda: canonical_json(_info(plan)))
@@ -175,7 +175,7 @@ def _tasks(plan: _Plan) -> bytes:
 
 
 def _episodes(plan: _Plan) -> bytes:
-    arrow, writer = optional("pyarrow", PYARROW), optional("pyarrow.parquet", PYARROW)
+    arrow, writer = optional_module("pyarrow"), optional_module("pyarrow.parquet")
     rows = []
     for number, file in enumerate(plan.files):
         chunk, place = divmod(number, _FILES_PER_CHUNK)

@@ -8,12 +8,11 @@ from collections.abc import Callable, Iterator
 import pandas as pd
 
 from symolo.core.errors import InputError
+from symolo.core.extras import optional_module
 from symolo.exporters.base import CopiedFile, ExportedFile, Exporter, ExportSettings, MadeFile
 from symolo.exporters.features import stacked_bytes
-from symolo.exporters.optional import PYARROW, optional
 from symolo.reader.dataset import Dataset
-from symolo.reader.image import Image
-from symolo.reader.run import Run
+from symolo.reader.run import Image, Run
 from symolo.reader.tables import UNITS
 
 _CAMERA = "camera"
@@ -22,7 +21,7 @@ FILE_NAME = "file_name"
 
 
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
-    optional("pyarrow", PYARROW)
+    optional_module("pyarrow")
     names = data.runs[0].side_names
     for run in data.runs[1:]:
         if run.side_names != names:

@@ -3,7 +3,7 @@
 import json
 
 from symolo.dataset.rows import COLUMNS
-from symolo.reader.image import Image
+from symolo.reader.run import Image
 
 
 def row_of(image: Image) -> dict[str, float | int]:

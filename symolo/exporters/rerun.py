@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 
 from symolo.arena.geometry import Arena, Box
 from symolo.core.arrays import Array
+from symolo.core.extras import optional_module
 from symolo.core.file_hashes import sha256_of
+from symolo.core.poses import rotations_about_z
 from symolo.dataset.manifest import MANIFEST
 from symolo.dataset.rows import COLUMNS
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
-from symolo.exporters.optional import PYARROW, optional
 from symolo.exporters.rrd_file import Arrays, Chunk, Component, rrd
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
@@ -27,7 +28,7 @@ _IMAGE_PLANE_M = 0.15
 
 
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
-    arrow = optional("pyarrow", PYARROW)
+    arrow = optional_module("pyarrow")
     release = sha256_of(data.root / MANIFEST)[:16]
     for run in data.runs:
         yield MadeFile(f"{run.name}.rrd", partial(_recording, arrow, run, f"{release}/{run.name}"))
@@ -62,14 +63,14 @@ def _box(maker: "_Maker", box: Box, run: Run) -> Iterator[Chunk]:
         table = run.side("obstacles")
         poses = np.column_stack([table[f"{box.name}_{field}"] for field in ("x", "y", "theta")])
     places = np.column_stack((poses[:, :2], np.full(len(poses), box.center[2])))
-    yield maker.transform(path, places, _turned(poses[:, 2]), t_s if box.motion is not None else None)
+    yield maker.transform(path, places, rotations_about_z(poses[:, 2]), t_s if box.motion is not None else None)
 
 
 def _robot(maker: "_Maker", run: Run) -> Iterator[Chunk]:
     """Its pose at each row, its chassis as a box, and its way."""
     pose, chassis = run.table.pose, run.spec.robot.chassis
     floor = np.column_stack((pose[:, :2], np.zeros(len(pose))))
-    yield maker.transform("/world/robot", floor, _turned(pose[:, 2]), run.t_s)
+    yield maker.transform("/world/robot", floor, rotations_about_z(pose[:, 2]), run.t_s)
     height_m = 2 * chassis.base_height_m
     half = 0.5 * np.array([[chassis.length_m, chassis.width_m, height_m]])
     middle = np.array([[0.0, 0.0, 0.5 * height_m]])
@@ -119,15 +120,6 @@ def _plot(column: str) -> str:
     if column == "state":  # its numbers are larger than any speed
         return "/state"
     return f"/{'range' if column in _RANGES else 'line' if column.startswith('L') else 'motion'}/{column}"
-
-
-def _turned(yaw_rad: Array) -> Array:
-    """(N, 3, 3), rotations about z."""
-    made = np.tile(np.eye(3), (len(yaw_rad), 1, 1))
-    made[:, 0, 0] = made[:, 1, 1] = np.cos(yaw_rad)
-    made[:, 1, 0] = np.sin(yaw_rad)
-    made[:, 0, 1] = -made[:, 1, 0]
-    return made
 
 
 class _Maker:

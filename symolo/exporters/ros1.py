@@ -4,21 +4,21 @@ from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from symolo.core.extras import optional_module
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
-from symolo.exporters.optional import ROSBAGS, optional
-from symolo.exporters.ros_messages import TOPICS, Vocabulary, about_bytes, messages
+from symolo.exporters.ros_messages import Vocabulary, about_bytes, messages, topics
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run
 
 
 def _files(data: Dataset, _settings: ExportSettings) -> Iterator[ExportedFile]:
-    optional("rosbags.rosbag1", ROSBAGS)
+    optional_module("rosbags.rosbag1")
     for run in data.runs:
         yield MadeFile(f"{run.name}.bag", lambda run=run: _bag(run), lambda run=run: about_bytes(run))
 
 
 def _bag(run: Run) -> bytes:
-    rosbag1, typesys = optional("rosbags.rosbag1", ROSBAGS), optional("rosbags.typesys", ROSBAGS)
+    rosbag1, typesys = optional_module("rosbags.rosbag1"), optional_module("rosbags.typesys")
     store = typesys.get_typestore(typesys.Stores.ROS1_NOETIC)
     # The library's set of Noetic lacks the messages of tf2.
     store.register(typesys.get_types_from_msg("geometry_msgs/TransformStamped[] transforms", "tf2_msgs/msg/TFMessage"))
@@ -29,7 +29,7 @@ def _bag(run: Run) -> bytes:
                 topic.name: bag.add_connection(
                     topic.name, topic.type, typestore=store, latching=1 if topic.latched else None
                 )
-                for topic in TOPICS
+                for topic in topics(run)
             }
             for topic, at_ns, message in messages(run, Vocabulary(store, 1)):
                 bag.write(connections[topic.name], at_ns, store.serialize_ros1(message, topic.type))

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
-from scipy.spatial.transform import Rotation
 
 from symolo.core.arrays import Array
+from symolo.core.poses import pose_X_WR, quaternions
 from symolo.dataset.codes import TofStatus
+from symolo.dataset.side_tables import SideTable
 from symolo.exporters.base import pictures_bytes
-from symolo.reader.image import Image
-from symolo.reader.run import Run
+from symolo.reader.run import Image, Run
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
@@ -76,7 +76,7 @@ class Vocabulary:
     def fixed(self, frame: str, child: str, X: Array) -> Any:  # noqa: ANN401 - as above
         """A transform (4, 4) that never changes."""
         X = X + 0.0  # no -0
-        turned = self.quaternion(*Rotation.from_matrix(X[:3, :3]).as_quat(canonical=True).tolist())
+        turned = self.quaternion(*quaternions(X[None, :3, :3])[0].tolist())
         transform = self("geometry_msgs/Transform", self.vector(*X[:3, 3].tolist()), turned)
         return self("geometry_msgs/TransformStamped", self.header(START_NS, frame), child, transform)
 
@@ -126,15 +126,15 @@ def about_bytes(run: Run) -> int:
 
 
 def messages(run: Run, ros: Vocabulary) -> Iterator[tuple[Topic, int, Any]]:
-    """All of a run in the order of time; of one instant, in the order of `TOPICS`."""
-    log = Log(run)
+    """Yield the messages of a run in the order of time, those of one instant in the order of `topics`."""
+    log, known = Log(run), topics(run)
 
     def of(place: int, topic: Topic) -> Iterator[tuple[int, int, Any]]:
         return ((at_ns, place, message) for at_ns, message in topic.messages(log, ros))
 
-    merged = heapq.merge(*(of(*numbered) for numbered in enumerate(TOPICS)), key=lambda one: one[:2])
+    merged = heapq.merge(*(of(*numbered) for numbered in enumerate(known)), key=lambda one: one[:2])
     for at_ns, place, message in merged:
-        yield TOPICS[place], at_ns, message
+        yield known[place], at_ns, message
 
 
 def _stamp_ns(t_ms: int) -> int:
@@ -147,18 +147,20 @@ def _static(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
     poses = [(BASE, CAMERA, X_RC @ X_CB), (CAMERA, OPTICAL, np.linalg.inv(X_CB))]
     for name in TOF:
         mount = getattr(robot.tof.mounts, name)
-        angles = [mount.yaw_deg, -mount.pitch_up_deg]
-        X_RT = _pose(Rotation.from_euler("ZY", angles, degrees=True), [mount.x_m, mount.y_m, mount.z_m])
+        X_RT = pose_X_WR(mount.x_m, mount.y_m, np.radians(mount.yaw_deg))
+        X_RT[:3, :3] = X_RT[:3, :3] @ _pitched_up(np.radians(mount.pitch_up_deg))
+        X_RT[2, 3] = mount.z_m
         poses.append((BASE, _tof_frame(name), X_RT))
-    line = robot.line_sensor
-    poses.append((BASE, LINE_SENSOR, _pose(Rotation.identity(), [line.x_m, 0, line.height_m])))
+    X_RL = np.eye(4)
+    X_RL[:3, 3] = robot.line_sensor.x_m, 0.0, robot.line_sensor.height_m
+    poses.append((BASE, LINE_SENSOR, X_RL))
     yield START_NS, ros("tf2_msgs/TFMessage", [ros.fixed(*one) for one in poses])
 
 
-def _pose(turn: Rotation, place_m: list[float]) -> Array:
-    X = np.eye(4)
-    X[:3, :3], X[:3, 3] = turn.as_matrix(), place_m
-    return X
+def _pitched_up(pitch_rad: float) -> Array:
+    """Return the rotation (3, 3) that lifts the x axis."""
+    c, s = np.cos(pitch_rad), np.sin(pitch_rad)
+    return np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
 
 
 def _tof_frame(name: str) -> str:
@@ -254,6 +256,21 @@ def _line(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
         yield at_ns, ros("std_msgs/Float64MultiArray", layout, values)
 
 
+def _sensor(table: SideTable) -> Callable[[Log, Vocabulary], Iterator[Stamped]]:
+    """Return the function of the topic of a sensor; the label of its array names the columns and their units."""
+
+    def readings(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
+        columns = table.columns[1:]
+        label = ", ".join(f"{column.name} [{column.unit}]" for column in columns)
+        dimension = ros("std_msgs/MultiArrayDimension", label, len(columns), len(columns))
+        layout = ros("std_msgs/MultiArrayLayout", [dimension], 0)
+        values = log.run.side(table.name)[[column.name for column in columns]].to_numpy(dtype=np.float64)
+        for at_ns, row in zip(log.at_ns, np.ascontiguousarray(values), strict=True):
+            yield at_ns, ros("std_msgs/Float64MultiArray", layout, row)
+
+    return readings
+
+
 def _joints(log: Log, ros: Vocabulary) -> Iterator[Stamped]:
     """Angles by the encoders, speeds as measured; what torque the motors give is not known to the robot."""
     turn_rad = 2 * np.pi / log.run.spec.robot.encoder.counts_per_revolution
@@ -289,3 +306,9 @@ TOPICS = (
     Topic("/camera/camera_info", "sensor_msgs/msg/CameraInfo", _camera_info),
     Topic("/camera/image_raw/compressed", "sensor_msgs/msg/CompressedImage", _pictures),
 )
+
+
+def topics(run: Run) -> tuple[Topic, ...]:
+    """Return the topics of a run: those of every run, and `/sensors/<name>` for each sensor of `robot.sensors`."""
+    sensors = (Topic(f"/sensors/{t.name}", "std_msgs/msg/Float64MultiArray", _sensor(t)) for t in run.sensor_tables)
+    return (*TOPICS, *sensors)

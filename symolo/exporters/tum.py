@@ -7,10 +7,9 @@ A line for each pose: `timestamp tx ty tz qx qy qz qw`, times in s, lengths in m
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from symolo.core.arrays import Array
-from symolo.core.poses import pose_X_WR
+from symolo.core.poses import pose_X_WR, quaternions
 from symolo.dataset.rows import csv_bytes
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
 from symolo.reader.dataset import Dataset
@@ -44,10 +43,10 @@ def _odometry(run: Run) -> tuple[Array, Array]:
 
 def _text(t_s: Array, X: Array) -> bytes:
     """Poses (N, 4, 4) at times (N,); of the two quaternions of a rotation the one nearer to that of the pose before."""
-    quaternions = Rotation.from_matrix(X[:, :3, :3]).as_quat(canonical=True)
-    turns = np.where(np.sum(quaternions[1:] * quaternions[:-1], axis=1) < 0, -1.0, 1.0)
-    quaternions[1:] *= np.cumprod(turns)[:, None]
-    return csv_bytes(_HEADER, _DECIMALS, np.column_stack((t_s, X[:, :3, 3], quaternions)), separator=" ")
+    rotations = quaternions(X[:, :3, :3])
+    signs = np.where(np.sum(rotations[1:] * rotations[:-1], axis=1) < 0, -1.0, 1.0)
+    rotations[1:] *= np.cumprod(signs)[:, None]
+    return csv_bytes(_HEADER, _DECIMALS, np.column_stack((t_s, X[:, :3, 3], rotations)), separator=" ")
 
 
 EXPORTER = Exporter("tum", "poses of robot, camera and odometry of each run, as evo reads them", _files)

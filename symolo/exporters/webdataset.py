@@ -10,7 +10,7 @@ from symolo.core.tar_files import Member, shards, tar_bytes, tar_chunks
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
 from symolo.exporters.record import record_of
 from symolo.reader.dataset import Dataset
-from symolo.reader.image import Image
+from symolo.reader.run import Image
 
 
 @dataclass(frozen=True)

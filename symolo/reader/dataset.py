@@ -11,10 +11,10 @@ from pydantic import ValidationError
 from symolo.core.errors import InputError, nearest
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.layout import DATA, LOOK
-from symolo.dataset.metadata import METADATA, Metadata
+from symolo.dataset.metadata import METADATA, Metadata, read_metadata
+from symolo.dataset.side_reading import first_fault
 from symolo.publishing.bagging import PAYLOAD
-from symolo.reader.image import Image
-from symolo.reader.run import Run
+from symolo.reader.run import Image, Run
 
 RUN = "run"
 """The column that `Dataset.rows` has beside those of data.csv."""
@@ -84,10 +84,13 @@ def load(path: str | Path) -> Dataset:
         names = [record.run for record in metadata.runs]
         if twice := [name for name, count in Counter(names).items() if count > 1]:
             raise InputError(f"names the run {twice[0]} twice", where=str(root / METADATA), cure="see `symolo repair`")
-        return Dataset(root, metadata, tuple(_run(root, name) for name in names))
+        return Dataset(root, metadata, tuple(_run(root, name, metadata) for name in names))
     if (root / DATA).is_file():
         absolute = root.absolute()
-        return Dataset(root, None, (Run(root, f"{absolute.parent.name}/{absolute.name}"),))
+        name = f"{absolute.parent.name}/{absolute.name}"
+        release = read_metadata(absolute.parents[1])
+        is_released = release is not None and any(record.run == name for record in release.runs)
+        return Dataset(root, None, (Run(root, name, release.sensor_tables if release and is_released else ()),))
     draws = sorted(folder.name for folder in root.iterdir() if (folder / LOOK).is_file() and (folder / DATA).is_file())
     if draws:
         cure = f"name the folder of one, such as {draws[0]}"
@@ -102,15 +105,13 @@ def _metadata(path: Path) -> Metadata:
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
     except ValidationError as error:
-        first = error.errors()[0]
-        what = ": ".join(filter(None, (".".join(map(str, first["loc"])), first["msg"])))
-        raise InputError(f"is damaged: {what}", where=str(path), cure="see `symolo repair`") from None
+        raise InputError(f"is damaged: {first_fault(error)}", where=str(path), cure="see `symolo repair`") from None
 
 
-def _run(root: Path, name: str) -> Run:
+def _run(root: Path, name: str, metadata: Metadata) -> Run:
     if name.startswith("/") or ".." in name.split("/"):
         raise InputError(f"run {name} leads out of the dataset", where=str(root / METADATA))
-    run = Run(root / name, name)
+    run = Run(root / name, name, metadata.sensor_tables)
     if not (run.folder / DATA).is_file():
         cure = "see `symolo verify` and `symolo repair`"
         raise InputError(f"is missing, and {METADATA} names the run", where=str(run.folder / DATA), cure=cure)

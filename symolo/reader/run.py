@@ -1,28 +1,29 @@
 """One released run: rows, side tables, camera, images and annotations, each read when it is asked for."""
 
+import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from configs.schema.scenario import RunSpec
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
 from symolo.dataset.layout import DATA, IMAGES, LOOK, SIDE, SPEC
 from symolo.dataset.metadata import side_tables
+from symolo.dataset.pixels import decoded
 from symolo.dataset.rows import Rows, read_rows
-from symolo.dataset.side_reading import read_side
+from symolo.dataset.run_document import RunDocument
+from symolo.dataset.side_reading import first_fault, read_side
 from symolo.dataset.side_tables import CAMERA, SideTable
-from symolo.reader.image import Image
 from symolo.reader.tables import frame, rows_frame
 
 if TYPE_CHECKING:
-    from blender_scenes.render.job import RenderJob
     from symolo.dataset.annotations import AnnotationDocument
     from symolo.dataset.camera_model import CameraModel
 
@@ -32,6 +33,94 @@ if TYPE_CHECKING:
 OF_THE_RUN = "take those of the run that they were made from"
 
 
+Pixels = NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class Image:
+    run: "Run"
+    number: int
+    """As in the column `img` of data.csv, from 1."""
+    index: int
+    """Which of the run's images it is, from 0."""
+    row: int
+    """Which row of data.csv it was taken at, from 0; its stamp is that of the row."""
+
+    @property
+    def t_s(self) -> float:
+        """Time since the start of the run: the middle of the exposure."""
+        return float(self.run.table.t_ms[self.row]) / 1000
+
+    @property
+    def pose(self) -> Array:
+        """(3,), x [m], y [m], theta [rad] of the robot in W."""
+        return self.run.table.pose[self.row]
+
+    @property
+    def X_WC(self) -> Array:
+        """(4, 4), pose of the camera in W; C is the optical frame, x right, y down, z forward."""
+        return self.run.X_WC[self.index]
+
+    @property
+    def path(self) -> Path:
+        return self.run.image_path(self.number)
+
+    def pixels(self) -> Pixels:
+        """(H, W, 3), uint8, red, green, blue.
+
+        Raises:
+            InputError: The file is missing or no picture.
+        """
+        pixels = _read(self.path)
+        if pixels.ndim != 3 or pixels.dtype != np.uint8:
+            raise InputError("is no picture in colour with 8 bits", where=str(self.path), cure="make the run again")
+        return pixels
+
+    def annotation(self, kind: str) -> np.ndarray:
+        """(H, W) or (H, W, 3): an annotation as stored, channels red, green, blue; decoded in docs/annotations.md.
+
+        Args:
+            kind: depth, instance, semantic, normals, flow or free_floor.
+
+        Raises:
+            InputError: The run has no such annotation, this image has none of it, or the file is no picture.
+        """
+        return _read(self.annotation_path(kind))
+
+    def annotation_path(self, kind: str) -> Path:
+        """Of the picture of a kind.
+
+        Raises:
+            InputError: The run has no such annotation, or this image has none of it.
+        """
+        known = self.run.annotation_pictures
+        if kind not in known:
+            raise _lacking(f"annotation {kind}", known, kind, str(self.run.folder))
+        path = self.run.annotation_picture(kind, self.number)
+        if kind == "flow" and not path.exists() and self.number == self.run.numbers[-1]:
+            raise InputError(f"image {self.number} is the last, which has no flow", where=str(self.run.folder))
+        return path
+
+    def mask(self, name: str) -> NDArray[np.bool_]:
+        """(H, W): where a category (`line`, `wall`...) or an instance (as the arena calls it) is seen.
+
+        Raises:
+            InputError: There is neither of this name, or the run has no such pictures.
+        """
+        document = self.run.annotations
+        categories = {one.name: one.id for one in document.categories}
+        instances = {one.name: one.id for one in document.instances}
+        if name in categories and "semantic" in self.run.annotation_pictures:
+            return self.annotation("semantic") == categories[name]
+        if name in categories:
+            of_nothing = [0] if categories[name] == 0 else []  # the sky, where no surface is met
+            ids = [one.id for one in document.instances if one.category_id == categories[name]]
+            return np.isin(self.annotation("instance"), np.array(of_nothing + ids, dtype=np.uint16))
+        if name in instances:
+            return self.annotation("instance") == instances[name]
+        raise _lacking(f"mask {name}", (*categories, *instances), name, str(self.run.folder))
+
+
 @dataclass(frozen=True)
 class Run:
     """A folder that holds a data.csv; what lies beside it is looked for only when it is asked for."""
@@ -39,6 +128,8 @@ class Run:
     folder: Path
     name: str
     """For example `CW/test_1`."""
+    sensor_tables: tuple[SideTable, ...] = ()
+    """Tables of the sensors of `robot.sensors`, as metadata.json describes them."""
 
     @cached_property
     def table(self) -> Rows:
@@ -66,33 +157,46 @@ class Run:
         return self.table.t_ms / 1000
 
     @cached_property
-    def spec(self) -> RunSpec:
-        """Every number that the run was made from.
+    def spec(self) -> RunDocument:
+        """The fields of side/spec.json that the library needs; `specification` has them all.
 
         Raises:
-            InputError: side/spec.json is missing or damaged.
+            InputError: The file is missing or damaged.
+        """
+        path, content = self.folder / SIDE / SPEC, self.specification
+        try:
+            return RunDocument.model_validate_json(json.dumps(content))
+        except ValidationError as error:
+            raise InputError(f"is damaged: {first_fault(error)}", where=str(path)) from None
+
+    @cached_property
+    def specification(self) -> dict[str, Any]:
+        """Every number that the run was made from, as plain data: the content of side/spec.json.
+
+        Raises:
+            InputError: The file is missing or damaged.
         """
         if self.is_rerendered:
-            what = "holds pictures of `symolo rerender`, which have no specification"
+            what = "holds images of `symolo rerender`, which have no specification"
             raise InputError(what, where=str(self.folder), cure=OF_THE_RUN)
         path = self.folder / SIDE / SPEC
         try:
-            return RunSpec.model_validate_json(path.read_bytes())
+            return json.loads(path.read_bytes())
         except OSError as error:
             raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
-        except ValidationError as error:
-            raise InputError(f"is damaged: {error.errors()[0]['msg']}", where=str(path)) from None
+        except (ValueError, RecursionError) as error:
+            raise InputError(f"is damaged: {error}", where=str(path)) from None
 
     @property
     def side_names(self) -> tuple[str, ...]:
         """What `side` takes."""
-        return tuple(_name(table) for table in self._side_tables)
+        return tuple(table.name for table in self._side_tables)
 
     @property
     def _side_tables(self) -> tuple[SideTable, ...]:
         if not self.is_rerendered:
-            return side_tables(self.spec)
-        return () if self._has_job_alone else (CAMERA,)
+            return (*side_tables(self.spec), *self.sensor_tables)
+        return (CAMERA,)
 
     def side(self, name: str) -> pd.DataFrame:
         """A table below `side/`, such as `wheels`: at the rows of `rows`, or of `image_rows` for `camera`.
@@ -100,7 +204,7 @@ class Run:
         Raises:
             InputError: There is none of this name, or it is damaged or of other times than data.csv.
         """
-        table = next((table for table in self._side_tables if _name(table) == name), None)
+        table = next((table for table in self._side_tables if table.name == name), None)
         if table is None:
             allowed, hint = ", ".join(self.side_names), nearest(name, self.side_names)
             cure = OF_THE_RUN if self.is_rerendered else ""
@@ -148,17 +252,9 @@ class Run:
     def X_WC(self) -> Array:
         """(images, 4, 4), pose of the camera in W at each shutter, of side/camera.csv.
 
-        Of pictures of an earlier `rerender`, which have none, as they were rendered.
-
         Raises:
             InputError: It is damaged or of other images than data.csv.
         """
-        if self._has_job_alone:
-            from symolo.reader.rerendered import poses_of
-
-            poses = poses_of(self._job)
-            poses.flags.writeable = False
-            return poses
         table = self._side(CAMERA)
         first = CAMERA.header.index("r11")
         poses = np.tile(np.eye(4), (len(table), 1, 1))
@@ -169,17 +265,13 @@ class Run:
 
     @cached_property
     def camera(self) -> "CameraModel":
-        """Intrinsics, distortion, exposure and the camera's pose on the robot, of side/intrinsics.json; or as above.
+        """Intrinsics, distortion, exposure and the camera's pose on the robot, of side/intrinsics.json.
 
         Raises:
             InputError: The file is missing or damaged.
         """
         from symolo.dataset.camera_model import INTRINSICS, read_camera_model
 
-        if self._has_job_alone:
-            from symolo.reader.rerendered import camera_of
-
-            return camera_of(self._job)
         path = self.folder / SIDE / INTRINSICS
         try:
             return read_camera_model(path)
@@ -238,17 +330,6 @@ class Run:
         """Whether these are pictures of `rerender`, which have no specification, and of the side tables one."""
         return (self.folder / LOOK).is_file() and not (self.folder / SIDE / SPEC).exists()
 
-    @property
-    def _has_job_alone(self) -> bool:
-        """Whether nothing but the job tells of the camera: before side/ was written, `rerender` left it at that."""
-        return self.is_rerendered and not (self.folder / SIDE).exists()
-
-    @cached_property
-    def _job(self) -> "RenderJob":
-        from symolo.reader.rerendered import read_job
-
-        return read_job(self.folder, self.numbers)
-
     def _side(self, table: SideTable) -> Array:
         return read_side(self.folder / SIDE / table.file, table, self.table)
 
@@ -260,5 +341,17 @@ class Run:
         return len(self.table.t_ms)
 
 
-def _name(table: SideTable) -> str:
-    return table.file.partition(".")[0]
+def _lacking(what: str, known: tuple[str, ...], name: str, where: str) -> InputError:
+    allowed = ", ".join(known) or "none: release it with `--set render.annotations=[instance,semantic]`"
+    return InputError(f"has no {what}", where=where, allowed=allowed, nearest=nearest(name, known))
+
+
+def _read(path: Path) -> np.ndarray:
+    try:
+        found = decoded(path)
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from None
+    if found is None:
+        what = "is no picture" if path.exists() else "is missing"
+        raise InputError(what, where=str(path), cure="`symolo verify` and `symolo repair` take the whole release")
+    return found if found.ndim == 2 else np.ascontiguousarray(found[..., ::-1])

@@ -5,14 +5,14 @@ from collections.abc import Sequence
 import pandas as pd
 
 from symolo.core.arrays import Array
-from symolo.dataset.rows import COLUMNS, Column, Rows
-from symolo.dataset.side_tables import SideColumn
+from symolo.dataset.column import Column
+from symolo.dataset.rows import COLUMNS, Rows
 
 UNITS = "units"
 """Key of a table's `attrs` that holds the unit of each column."""
 
 
-def frame(columns: Sequence[Column | SideColumn], numbers: Array) -> pd.DataFrame:
+def frame(columns: Sequence[Column], numbers: Array) -> pd.DataFrame:
     """A table of numbers (N, columns); what has no digits after the point is an integer.
 
     `attrs["units"]` is the unit of each column: m, rad, ms...; "-" for what has none.

@@ -8,7 +8,7 @@ import numpy as np
 
 from symolo.core.errors import EnvironmentLacking
 from symolo.reader.dataset import Dataset
-from symolo.reader.image import Pixels
+from symolo.reader.run import Pixels
 
 
 class Frame(NamedTuple):

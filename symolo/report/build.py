@@ -37,6 +37,7 @@ def _media(data: Dataset, facts: ReleaseFacts, report: Report) -> Media:
     from symolo.report.plots.brightness import brightness_plot, spread_plot  # noqa: PLC0415
     from symolo.report.plots.map import map_plot  # noqa: PLC0415
     from symolo.report.plots.run import run_plot  # noqa: PLC0415
+    from symolo.report.plots.sensor import sensor_plot  # noqa: PLC0415
 
     facts_by_run = {run.record.run: run for run in facts.runs}
     maps = route_maps(facts.runs)
@@ -48,6 +49,7 @@ def _media(data: Dataset, facts: ReleaseFacts, report: Report) -> Media:
         for done, name in enumerate(facts.detailed, start=1):
             runs[name] = run_plot(data[name], facts_by_run[name])
             stage.update("all", done)
+    sensor_run = data[facts.detailed[0]] if facts.detailed else data.runs[0]
     images = {(image.run, image.number) for images in state_sheets.values() for image in images}
     images |= {(group.run, group.worst) for group in facts.outliers[:MAX_OUTLIERS]}
     return Media(
@@ -57,6 +59,8 @@ def _media(data: Dataset, facts: ReleaseFacts, report: Report) -> Media:
         ),
         map_count=len(maps),
         runs=runs,
+        sensors={table.name: sensor_plot(sensor_run, table) for table in sensor_run.sensor_tables},
+        sensor_run=sensor_run.name,
         state_sheets=state_sheets,
         images={(run, number): thumbnail(data, run, number) for run, number in sorted(images)},
         brightness=brightness_plot(facts.images) if facts.images else b"",

@@ -44,6 +44,7 @@ def page(facts: ReleaseFacts, media: Media) -> str:
         image_sizes=sorted({f"{record.image_width_px} x {record.image_height_px} px" for record in records}),
         columns=[(column.name, column.unit, column.meaning) for column in metadata.columns.get("data.csv", [])],
         mapped_runs=sum(run.path is not None for run in facts.runs),
+        sensors=[_sensor(facts, number) for number in range(len(metadata.sensors))],
         table_runs=spread(facts.runs, _MAX_TABLE_RUNS),
         state_sheets=[
             (named(state), [(image.run, image.number, f"{image.t_s:.1f} s") for image in images])
@@ -69,6 +70,32 @@ def page(facts: ReleaseFacts, media: Media) -> str:
         ],
         scenario=json.dumps(metadata.scenario, indent=2, ensure_ascii=False, sort_keys=True),
     )
+
+
+@dataclass(frozen=True)
+class SensorRows:
+    """A sensor of `robot.sensors`: what it measures, and unit, smallest and largest value of each column."""
+
+    name: str
+    meaning: str
+    columns: Sequence[tuple[str, str, str, str, str]]
+    """Name, unit, smallest value, largest value and meaning."""
+
+
+def _sensor(facts: ReleaseFacts, number: int) -> SensorRows:
+    table = facts.metadata.sensor_tables[number]
+    limits = [run.sensor_limits[number] for run in facts.runs]
+    rows = [
+        (
+            column.name,
+            column.unit,
+            f"{min(limit[0, i] for limit in limits):.{column.decimals}f}",
+            f"{max(limit[1, i] for limit in limits):.{column.decimals}f}",
+            column.meaning,
+        )
+        for i, column in enumerate(table.columns[1:])
+    ]
+    return SensorRows(table.name, table.meaning, rows)
 
 
 @dataclass(frozen=True)

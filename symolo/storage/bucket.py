@@ -14,9 +14,9 @@ from types import ModuleType
 from typing import Any
 
 from symolo.core.errors import EnvironmentLacking, InputError, one_line
+from symolo.core.extras import how_to_install
 from symolo.storage.base import CHUNK_BYTES, LocalFile
 
-CURE = 'pip install "symolo[cloud]"'
 SHA256 = "sha256"
 """Name of the metadata that holds an object's SHA-256; `x-amz-meta-sha256` on the wire to S3."""
 PARTS_AT_ONCE = 2
@@ -157,5 +157,5 @@ def _library() -> ModuleType:
     try:
         import obstore  # noqa: PLC0415 - an extra
     except ImportError as error:
-        raise EnvironmentLacking(f"obstore cannot be loaded: {error}; {CURE}") from None
+        raise EnvironmentLacking(f"obstore cannot be loaded: {error}; {how_to_install('cloud')}") from None
     return obstore

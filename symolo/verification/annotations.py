@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 
-from configs.schema.scenario import RunSpec
 from symolo.core.pinhole import intrinsics
 from symolo.dataset.annotations import (
     CATEGORIES,
@@ -20,6 +19,7 @@ from symolo.dataset.layout import frame_name
 from symolo.dataset.metadata import RunRecord
 from symolo.dataset.pixels import decoded
 from symolo.dataset.rows import Rows
+from symolo.dataset.run_document import RunDocument
 
 _FORMS = {
     "depth": (np.uint16, 1),
@@ -41,7 +41,7 @@ Fault = tuple[str, str]
 """A file within the folder, nothing for the folder itself, and what is wrong with it."""
 
 
-def annotation_faults(folder: Path, rows: Rows, record: RunRecord, spec: RunSpec | None) -> Iterator[Fault]:
+def annotation_faults(folder: Path, rows: Rows, record: RunRecord, spec: RunDocument | None) -> Iterator[Fault]:
     """Every fault of the annotations of a run; without its specification cameras and poses are not looked at."""
     numbers = rows.image[rows.image > 0].tolist()
     there = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
@@ -104,7 +104,7 @@ def _instance_faults(document: AnnotationDocument) -> Iterator[Fault]:
         yield DOCUMENT, f"instance {strange[0]} is of a category that is not there"
 
 
-def _camera_faults(document: AnnotationDocument, rows: Rows, spec: RunSpec) -> Iterator[Fault]:
+def _camera_faults(document: AnnotationDocument, rows: Rows, spec: RunDocument) -> Iterator[Fault]:
     if document.camera != intrinsics(spec.robot.camera, spec.render.width_px, spec.render.height_px):
         yield DOCUMENT, "camera is not that of spec.json"
     poses = {int(row[0]): row[1:14] for row in camera_table(spec, rows)}

@@ -1,15 +1,12 @@
 """What is wrong with one released run: structure, columns, units, ranges, rates, pictures, positions."""
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 from pydantic import ValidationError
 
-from configs.schema.arena import ArenaConfig
-from configs.schema.scenario import RunSpec
-from pipeline.assembly.scene_record import SCENE, read_scene_record
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.dataset.camera_model import INTRINSICS, CameraModel, camera_table, read_camera_model
@@ -17,10 +14,16 @@ from symolo.dataset.layout import ANNOTATIONS, frame_name
 from symolo.dataset.metadata import RunRecord
 from symolo.dataset.obstacles import obstacle_table, off_the_path
 from symolo.dataset.rows import HEADER, Rows, parse_table, semantic_faults
-from symolo.dataset.side_tables import BOARD, CAMERA, POSITIONS_HEADER, TOF, WHEELS
+from symolo.dataset.run_document import ArenaSection, RunDocument
+from symolo.dataset.scene_record import SCENE, read_scene_record
+from symolo.dataset.sensor_tables import fractions
+from symolo.dataset.side_reading import first_fault
+from symolo.dataset.side_tables import BOARD, CAMERA, POSITIONS_HEADER, TOF, WHEELS, SideTable
 from symolo.verification.annotations import annotation_faults
 from symolo.verification.findings import Finding
 
+SpecCheck = Callable[[str], str]
+"""Returns what is wrong with the text of a spec.json; empty where nothing is."""
 MAX_PER_KIND = 5
 """Faults of one kind that are named one by one; a file in wrong units has as many as rows."""
 
@@ -31,8 +34,17 @@ FASTEST_RAD_S = 30.0
 _JPEG_START, _JPEG_END = b"\xff\xd8\xff", b"\xff\xd9"
 
 
-def check_run(root: Path, record: RunRecord) -> Iterator[Finding]:
-    """Every fault of the run's folder below the dataset `root`, as metadata.json describes the run."""
+def check_run(
+    root: Path, record: RunRecord, check_spec: SpecCheck, sensor_tables: Sequence[SideTable] = ()
+) -> Iterator[Finding]:
+    """Yield every fault of a run's folder.
+
+    Args:
+        root: The dataset.
+        record: The run as metadata.json describes it.
+        check_spec: Holds spec.json to more than the fields that a reader needs.
+        sensor_tables: Tables of the sensors of `robot.sensors`, likewise.
+    """
     run = root / record.run
     if not run.is_dir():
         yield Finding(record.run, "the folder is missing")
@@ -47,9 +59,10 @@ def check_run(root: Path, record: RunRecord) -> Iterator[Finding]:
     yield from _rows_checks(data, rows, record)
     yield from _images(run / "images", f"{record.run}/images", rows, record)
     yield from _positions(run / "image_positions.txt", f"{record.run}/image_positions.txt", rows)
-    content, spec, faults = _specification(run / "side/spec.json", f"{record.run}/side/spec.json")
+    content, spec, faults = _specification(run / "side/spec.json", f"{record.run}/side/spec.json", check_spec)
     yield from faults
     yield from _side(run / "side", f"{record.run}/side", rows, record, spec)
+    yield from _sensors(run / "side", f"{record.run}/side", rows, sensor_tables)
     if content is not None:
         yield from _obstacles(run / "side", f"{record.run}/side", content, rows, record)
     for file, what in annotation_faults(run / ANNOTATIONS, rows, record, spec):
@@ -157,20 +170,22 @@ def _positions(path: Path, name: str, rows: Rows) -> Iterator[Finding]:
     )
 
 
-def _specification(path: Path, name: str) -> tuple[object, RunSpec | None, list[Finding]]:
-    """What JSON a run's specification is, None where it is none, what it says where it is whole, and its fault."""
+def _specification(path: Path, name: str, check_spec: SpecCheck) -> tuple[object, RunDocument | None, list[Finding]]:
+    """Return a run's specification as plain JSON and as a document, None where it is damaged, and what is wrong."""
     try:
         content = json.loads(path.read_bytes())
     except (OSError, ValueError, RecursionError) as error:
         return None, None, [Finding(name, f"cannot be read: {error}")]
+    text = json.dumps(content)
     try:
-        return content, RunSpec.model_validate_json(json.dumps(content)), []
+        document = RunDocument.model_validate_json(text)
     except ValidationError as error:
-        first = error.errors()[0]
-        return content, None, [Finding(name, f"{'.'.join(map(str, first['loc']))}: {first['msg']}")]
+        return content, None, [Finding(name, check_spec(text) or first_fault(error))]
+    problem = check_spec(text)
+    return content, None if problem else document, [Finding(name, problem)] if problem else []
 
 
-def _side(folder: Path, name: str, rows: Rows, record: RunRecord, spec: RunSpec | None) -> Iterator[Finding]:
+def _side(folder: Path, name: str, rows: Rows, record: RunRecord, spec: RunDocument | None) -> Iterator[Finding]:
     by_row = (WHEELS, TOF, BOARD) if record.board else (WHEELS, TOF)
     for side, times in (*((side, rows.t_ms) for side in by_row), (CAMERA, rows.t_ms[rows.image > 0])):
         table, faults = _table(folder / side.file, side.header)
@@ -183,7 +198,17 @@ def _side(folder: Path, name: str, rows: Rows, record: RunRecord, spec: RunSpec 
         yield from _camera_poses(folder / CAMERA.file, f"{name}/{CAMERA.file}", rows, spec)
 
 
-def _camera_model(path: Path, name: str, record: RunRecord, spec: RunSpec | None) -> Iterator[Finding]:
+def _sensors(folder: Path, name: str, rows: Rows, tables: Sequence[SideTable]) -> Iterator[Finding]:
+    """Check the tables of the sensors of `robot.sensors`."""
+    for table in tables:
+        file = f"{name}/{table.file}"
+        numbers, faults = _table(folder / table.file, table.header)
+        yield from _limited(file, faults or [*fractions(table, numbers)])
+        if len(numbers) and not np.array_equal(numbers[:, 0], rows.t_ms):
+            yield Finding(file, "column t is not that of data.csv")
+
+
+def _camera_model(path: Path, name: str, record: RunRecord, spec: RunDocument | None) -> Iterator[Finding]:
     try:
         model = read_camera_model(path)
     except OSError as error:
@@ -215,7 +240,7 @@ def _scene(path: Path, name: str) -> Iterator[Finding]:
         yield Finding(name, str(error))
 
 
-def _camera_poses(path: Path, name: str, rows: Rows, spec: RunSpec) -> Iterator[Finding]:
+def _camera_poses(path: Path, name: str, rows: Rows, spec: RunDocument) -> Iterator[Finding]:
     """Poses and exposures against data.csv and the camera's mounting."""
     table, _ = _table(path, CAMERA.header)
     expected = camera_table(spec, rows)
@@ -235,10 +260,9 @@ def _obstacles(folder: Path, name: str, spec: object, rows: Rows, record: RunRec
     """The poses of moving obstacles against the paths of spec.json."""
     section = spec.get("arena") if isinstance(spec, dict) else None
     try:
-        config = ArenaConfig.model_validate_json(json.dumps(section))
+        config = ArenaSection.model_validate_json(json.dumps(section))
     except ValidationError as error:
-        first = error.errors()[0]
-        yield Finding(f"{name}/spec.json", f"{'.'.join(map(str, ('arena', *first['loc'])))}: {first['msg']}")
+        yield Finding(f"{name}/spec.json", f"arena.{first_fault(error)}")
         return
     arena = Arena.from_config(config.model_copy(update={"walls": ()}))  # of which a damaged file may make anything
     side = obstacle_table(arena)

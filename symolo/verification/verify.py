@@ -9,18 +9,25 @@ from symolo.core.errors import InputError
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.layout import DESCRIPTION
 from symolo.dataset.metadata import METADATA, Metadata
+from symolo.dataset.side_reading import first_fault
 from symolo.publishing.bagging import PAYLOAD
 from symolo.verification.bag import bag_findings
 from symolo.verification.findings import Finding
 from symolo.verification.inventory import Inventory
-from symolo.verification.run_checks import check_run
+from symolo.verification.run_checks import SpecCheck, check_run
 
 
-def verify(root: Path) -> Iterator[Finding]:
-    """Each fault with the file that has it; nothing means that the dataset is whole.
+def _accepted(_spec: str) -> str:
+    return ""
+
+
+def verify(root: Path, check_spec: SpecCheck = _accepted) -> Iterator[Finding]:
+    """Yield each fault with the file that has it; nothing means that the dataset is whole.
 
     Args:
         root: A dataset, or a bag that holds one.
+        check_spec: Returns what is wrong with the text of a run's spec.json, and an empty text where nothing is.
+            Without it, only the fields that a reader needs are checked.
 
     Raises:
         InputError: There is no such folder.
@@ -28,19 +35,21 @@ def verify(root: Path) -> Iterator[Finding]:
     if not root.is_dir():
         raise InputError("no such folder", where=str(root), cure="name the folder that holds metadata.json")
     if (root / DECLARATION).is_file():
-        within = [Finding(f"{PAYLOAD}/{found.file}", found.what) for found in _dataset_findings(root / PAYLOAD)]
+        within = [
+            Finding(f"{PAYLOAD}/{found.file}", found.what) for found in _dataset_findings(root / PAYLOAD, check_spec)
+        ]
         yield from within
         told = {found.file for found in within}
         yield from (found for found in bag_findings(root) if found.file not in told)
     else:
-        yield from _dataset_findings(root)
+        yield from _dataset_findings(root, check_spec)
 
 
-def _dataset_findings(root: Path) -> Iterator[Finding]:
+def _dataset_findings(root: Path, check_spec: SpecCheck) -> Iterator[Finding]:
     inventory = Inventory.of(root)
     faults = list(inventory.findings())
     yield from faults
-    content = _content_findings(root)
+    content = _content_findings(root, check_spec)
     if not inventory.trusted or not faults:
         yield from content
         return
@@ -51,7 +60,7 @@ def _dataset_findings(root: Path) -> Iterator[Finding]:
     yield from (found for found in content if found.file in wrong or found.file not in known | folders)
 
 
-def _content_findings(root: Path) -> Iterator[Finding]:
+def _content_findings(root: Path, check_spec: SpecCheck) -> Iterator[Finding]:
     """Of the files themselves, whatever their checksums say."""
     if not (root / DESCRIPTION).is_file():
         yield Finding(DESCRIPTION, "is missing")
@@ -60,16 +69,14 @@ def _content_findings(root: Path) -> Iterator[Finding]:
     except OSError as error:
         yield Finding(METADATA, f"cannot be read: {error.strerror}")
     except ValidationError as error:
-        first = error.errors()[0]
-        path = ".".join(map(str, first["loc"]))
-        yield Finding(METADATA, f"{path}: {first['msg']}" if path else first["msg"])
+        yield Finding(METADATA, first_fault(error))
     else:
         for record in metadata.runs:
             if record.run.startswith("/") or ".." in record.run.split("/"):
                 yield Finding(METADATA, f"run {record.run!r} leads out of the dataset")
                 continue
             try:
-                yield from check_run(root, record)
+                yield from check_run(root, record, check_spec, metadata.sensor_tables)
             except OSError as error:  # such as of a sector that the disk has lost; its file is named above
                 where = Path(str(error.filename)) if error.filename else root / record.run
                 name = where.relative_to(root).as_posix() if where.is_relative_to(root) else record.run

@@ -8,6 +8,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+import yaml
 from typer.main import get_command
 
 from blender_scenes.render.surroundings import SYSTEM_PACKAGES
@@ -16,10 +17,16 @@ from pipeline.cli import command_line
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text()
+COMMANDS_PAGE = (ROOT / "docs/commands.md").read_text()
+SCENARIOS_PAGE = (ROOT / "docs/scenarios.md").read_text()
+MAX_README_LINES = 120
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 LOCK = (ROOT / "requirements.lock").read_text()
 
 CODE = re.findall(r"^    (.+)$|^```\w*\n(.*?)^```", README, re.MULTILINE | re.DOTALL)
+MAX_BYTES = {"looks.jpg": 200_000, "run.webp": 1_000_000}
+"""Of images that everybody loads who opens the front page."""
+PAGES_WITH_IMAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted((ROOT / "docs").glob("*/*.md"))]
 LINES = [line.strip() for block in CODE for part in block for line in part.splitlines()]
 COMMANDS = [
     found.group(1).strip()
@@ -30,7 +37,7 @@ COMMANDS = [
 
 
 def test_readme_has_commands_to_check():
-    assert len(COMMANDS) >= 8
+    assert len(COMMANDS) >= 6
     assert any(command.startswith("release smoke") for command in COMMANDS)
 
 
@@ -51,8 +58,8 @@ def test_a_command_of_the_readme_is_one(command):
             load_section("look", look)
 
 
-def test_the_scenario_of_the_readme_is_one(tmp_path):
-    lines = README.partition("    # my_scenario.yaml\n")[2].split("\n\n")[0]
+def test_the_scenario_of_the_page_on_scenarios_is_one(tmp_path):
+    lines = SCENARIOS_PAGE.partition("    # my_scenario.yaml\n")[2].split("\n\n")[0]
     path = tmp_path / "my_scenario.yaml"
     path.write_text("\n".join(line.removeprefix("    ") for line in lines.splitlines()))
     loaded = load_scenario(str(path))
@@ -60,9 +67,47 @@ def test_the_scenario_of_the_readme_is_one(tmp_path):
     assert loaded.tree["look"]["floor"]["material"] == {"choice": ["parquet", "linoleum"]}
 
 
-def test_every_command_is_in_the_readme():
+def test_every_command_is_on_the_page_of_commands():
     listed = set(get_command(command_line()).commands)
-    assert listed == {name for name in listed if re.search(rf"`{name}\b", README)}
+    assert listed == {name for name in listed if re.search(rf"`{name}\b", COMMANDS_PAGE)}
+
+
+def test_the_readme_is_short():
+    assert len(README.splitlines()) <= MAX_README_LINES
+
+
+def test_every_image_of_the_documents_is_made_by_the_script_beside_it_and_used():
+    """Except those of docs/reference, for which tests/architecture/test_reference.py has a test."""
+    script = (ROOT / "docs/images/make.py").read_text()
+    images = {path.name for path in (ROOT / "docs/images").iterdir() if path.suffix in {".jpg", ".png", ".webp"}}
+    used = {name for page in PAGES_WITH_IMAGES for name in re.findall(r"]\([^)]*images/([\w.]+)\)", page.read_text())}
+    assert used == images
+    assert {name for name in images if f'"{name}"' in script} == images
+
+
+@pytest.mark.parametrize("name", MAX_BYTES)
+def test_the_images_of_the_front_page_are_small(name):
+    assert (ROOT / "docs/images" / name).stat().st_size < MAX_BYTES[name]
+
+
+def test_every_link_of_the_readme_and_its_neighbours_leads_to_a_file():
+    for page in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md"):
+        links = re.findall(r"]\(([^)\s#]+)[^)]*\)", (ROOT / page).read_text())
+        assert [link for link in links if "://" not in link and not (ROOT / link).exists()] == []
+
+
+def test_the_version_is_the_same_everywhere():
+    version = PYPROJECT["project"]["version"]
+    assert yaml.safe_load((ROOT / "CITATION.cff").read_text())["version"] == version
+    assert f"## [{version}]" in (ROOT / "CHANGELOG.md").read_text()
+
+
+def test_the_workflow_runs_the_script_that_everybody_runs():
+    workflow = yaml.safe_load((ROOT / ".github/workflows/ci.yml").read_text())
+    steps = [step.get("run") for step in workflow["jobs"]["everything"]["steps"]]
+    assert ".ci/run" in steps
+    matrix = workflow["jobs"]["library"]["strategy"]["matrix"]
+    assert len(matrix["system"]) * len(matrix["python"]) == 12
 
 
 def test_the_container_has_the_libraries_that_the_renderer_asks_for():

@@ -36,7 +36,7 @@ from blender_scenes.scene.shading import (
     as_texture,
 )
 from blender_scenes.scene.typical import typical_color
-from configs.schema.arena import ArenaConfig, Line, SurfaceName, Wall
+from configs.schema.arena import ArenaConfig, LineConfig, SurfaceName, WallConfig
 from configs.schema.asset import Asset, ImageLook
 from configs.schema.floors import FloorLook, FloorName, Vinyl
 from configs.schema.lighting import PanoramaName
@@ -215,8 +215,8 @@ def test_the_tape_is_black_on_every_floor():
 
 @pytest.mark.parametrize("surface", get_args(SurfaceName))
 def test_every_face_of_a_scene_has_a_surface_of_its_own_name(robot, surface):
-    wall = Wall(name="W", start=(0.0, 0.5), end=(1.0, 0.5), surface=surface)
-    arena = Arena.from_config(ArenaConfig(name="one", line=Line(), walls=(wall,)))
+    wall = WallConfig(name="W", start=(0.0, 0.5), end=(1.0, 0.5), surface=surface)
+    arena = Arena.from_config(ArenaConfig(name="one", line=LineConfig(), walls=(wall,)))
     scene = describe(arena, robot, LOOK, seed=1)
     names = [s.name for s in scene.surfaces]
     assert len(names) == len(set(names))

@@ -17,7 +17,7 @@ from configs.arena_generation.site import NOTICED_M, Site
 from configs.arena_generation.track import Segment, Track
 from configs.draw import draw_arena, draw_robot, draw_run
 from configs.loader import load_scenario, load_section
-from configs.schema.arena import ArenaConfig, Line, Obstacle, StraightPiece, Wall
+from configs.schema.arena import ArenaConfig, LineConfig, Obstacle, StraightPiece, WallConfig
 from configs.schema.arena_generator import ArenaGenerator, Clearance
 from physics.run.lap import Lap
 from symolo.arena.footprints import obstacle_footprint, wall_footprint
@@ -203,7 +203,7 @@ def test_the_line_lies_where_the_route_starts_whatever_the_scenario(yaw_deg):
         ("max_bend_radius_m=0.1", r"arena\.generate\.min_bend_radius_m: got 0\.22, allowed: at most max_bend"),
         ("min_obstacle_m=0.5", r"arena\.generate\.min_obstacle_m: got 0\.5, allowed: at most max_obstacle_m"),
         ("min_obstacles=4", r"arena\.generate\.min_obstacles: got 4, allowed: at most max_obstacles, which is 1"),
-        ("walls=2", r"arena\.generate\.walls: got 2, allowed: 0 or 3 and more"),
+        ("walls=2", r"arena\.generate\.walls: got 2, allowed: 0, or 3 or more"),
         ("corners=2", r"arena\.generate\.corners: got 2, allowed: whole number >= 3"),
         ("corners={uniform: [5, 3]}", r"arena\.generate\.corners"),
         ("clearance.stretches_m=1.0", r"min_bend_radius_m: got 0\.22, allowed: at least half of clearance"),
@@ -261,7 +261,7 @@ def test_a_recipe_and_a_line_of_its_own_do_not_go_together():
 
 
 def test_an_arena_without_a_recipe_is_left_alone():
-    arena = ArenaConfig(name="plain", line=Line())
+    arena = ArenaConfig(name="plain", line=LineConfig())
     assert generate_arena(arena, (0.0, 0.0, 0.0), stream(1, "x")) is arena
 
 
@@ -370,9 +370,9 @@ def test_no_obstacle_is_put_where_something_stands_beside_the_way_back():
 
 
 def test_an_obstacle_beside_a_wall_on_the_left_is_passed_on_the_right():
-    wall = Wall(name="Near", start=(1.2, 0.205), end=(-1.2, 0.205))
+    wall = WallConfig(name="Near", start=(1.2, 0.205), end=(-1.2, 0.205))
     assert stadium(wall).put_obstacle(CUBE, 1.2)
-    right_side_too = Wall(name="Right", start=(-1.2, -0.30), end=(1.2, -0.30))
+    right_side_too = WallConfig(name="Right", start=(-1.2, -0.30), end=(1.2, -0.30))
     assert not stadium(wall, right_side_too).put_obstacle(CUBE, 1.2)
 
 

@@ -53,7 +53,7 @@ def obstacle(text: str, field: str, telling: str) -> Bad:
 
 
 RESISTANCE = "robot.motor.winding_resistance_ohm"
-NO_DISTRIBUTION = "no distribution may stand here, because"
+NO_DISTRIBUTION = "no distribution is allowed here, because"
 PLANNED = f"{NO_DISTRIBUTION} the plan needs it"
 
 CASES = {
@@ -147,7 +147,7 @@ CASES = {
     "choice of lists": sun("{choice: [[20, 30]]}", ".choice", "numbers, names, or true and false"),
     "one option of the wrong type": sun("{choice: [20, high, 30]}", "", "got 'high'"),
     "one option out of bounds": sun("{choice: [20, 95, 30]}", "", "got 95.0"),
-    "distribution for a mapping": look("sun: {uniform: [0, 1]} #!", "look.sun", "stands for one value"),
+    "distribution for a mapping": look("sun: {uniform: [0, 1]} #!", "look.sun", "replaces one value"),
     "distribution for a list": Bad(
         "arena: symolo", "arena: {extends: symolo, walls: {choice: [1]}} #!", "arena.walls", "one value"
     ),
@@ -243,7 +243,7 @@ CASES = {
     "window above the ceiling": look(
         "room: {height_m: 2}\n  window: {sill_m: 3} #!",
         "look.window.sill_m",
-        "no room for the window below the ceiling: got 3.0, allowed: at most 1.7, room.height_m",
+        "the window does not fit below the ceiling: got 3.0, allowed: at most 1.7, room.height_m",
     ),
     "window that may be drawn into the ceiling": look(
         "window:\n    sill_m: {uniform: [1, 2.5]} #!", "look.window.sill_m", "got 2.5, allowed: at most 2.3"
@@ -251,13 +251,13 @@ CASES = {
     "no light at all": look(
         "sun: {illuminance_klx: 0}\n  sky: {luminance_kcd_m2: 0}\n  lamps: {rows: 0} #!",
         "look.lamps",
-        "there is no light on",
+        "there is no light",
     ),
     "a desk lamp and no table for it": look(
         "sun: {illuminance_klx: 0}\n  sky: {luminance_kcd_m2: 0}\n  desk_lamps: {count: 1}\n"
         "  room: {furniture: {tables: 0}}\n  lamps: {rows: 0} #!",
         "look.lamps",
-        "there is no light on",
+        "there is no light",
     ),
     "two routes of one folder": Bad("name: CCW", "name: cw #!\n   ", "routes.1.name", "the same name as routes.0"),
     "lens that folds the picture": robot(

@@ -121,7 +121,7 @@ def test_files_that_extend_each_other_are_told_in_their_order(here: Path):
 def test_a_tower_of_files_is_refused(here: Path):
     for number in range(200):
         (here / f"{number}.yaml").write_text(f"extends: {number + 1}.yaml\n")
-    with pytest.raises(InputError, match="extends: too many files on each other; allowed: 32"):
+    with pytest.raises(InputError, match="extends: too many files extend each other; allowed: 32"):
         load_scenario("0.yaml")
 
 

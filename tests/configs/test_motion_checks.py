@@ -33,12 +33,12 @@ REFUSED = {
     "too fast": (
         "{waypoints: [{t_s: 1, offset: [0.1, 0]}, {t_s: 1.1, offset: [0.4, 0.4]}]}",
         "waypoints.1.offset",
-        "too fast: got '5 m/s', allowed: at most 2 m/s; give the 0.5 m at least 0.25 s",
+        "too fast: got '5 m/s', allowed: at most 2 m/s; allow at least 0.25 s for the 0.5 m",
     ),
     "turning too fast": (
         "{waypoints: [{t_s: 1, turn_deg: 720}]}",
         "waypoints.0.turn_deg",
-        "got '720 deg/s', allowed: at most 360 deg/s; give the 720 deg at least 2 s",
+        "got '720 deg/s', allowed: at most 360 deg/s; allow at least 2 s for the 720 deg",
     ),
     "an open loop": (
         "{repeat: loop, waypoints: [{t_s: 1, offset: [0.1, 0]}]}",
@@ -54,12 +54,12 @@ REFUSED = {
     "through a wall": (
         "{waypoints: [{t_s: 5, offset: [-1.2, 0]}]}",
         "waypoints.0",
-        "the way there leads through wall B",
+        "the path leads through wall B",
     ),
     "through an obstacle": (
         "{waypoints: [{t_s: 1}, {t_s: 5, offset: [0.5, 0.15]}]}",
         "waypoints.1",
-        "the way there leads through obstacle O2",
+        "the path leads through obstacle O2",
     ),
 }
 

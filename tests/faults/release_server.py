@@ -32,9 +32,10 @@ from pipeline.executors import local
 from pipeline.planning.plan import ScenarioPlan
 from pipeline.work import batch
 from pipeline.work.supervisor import UnitFailure, WorkerError
-from pipeline.work.units import Failed, Progress
+from pipeline.work.units import Progress
 from pipeline.work.worker_main import do
 from sensors.camera.response import encode_jpeg
+from symolo.core.child_process import Failed
 from symolo.core.errors import EnvironmentLacking, InputError
 from symolo.dataset.layout import frame_name
 

@@ -30,8 +30,8 @@ from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render
 from pipeline.work.supervisor import Retried, run_units
 from pipeline.work.units import Progress, RenderUnit
-from pipeline.work.worker_process import memory_of
 from symolo.arena.geometry import Arena
+from symolo.core.child_process import memory_of
 
 pytestmark = pytest.mark.faults
 

@@ -10,6 +10,7 @@ import pytest
 
 from configs.draw import draw_all
 from configs.loader import load_scenario
+from pipeline.assembly.run_spec import spec_problem
 from pipeline.cli import main
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.assemble import assemble
@@ -50,7 +51,7 @@ def release(tmp_path_factory) -> Path:
                 hashes[name] = sha256_of(order.task.files / name)
             order.task.finish(hashes)
         assemble(workspace, loaded.tree, specs, [], LineReport())
-    assert list(verify(workspace.out)) == []
+    assert list(verify(workspace.out, spec_problem)) == []
     return workspace.out
 
 
@@ -59,7 +60,7 @@ def found_wrong(corrupter, kinds, count) -> list[str]:
     wrong = []
     for i in range(count):
         damage = corrupter.damage(kinds[i % len(kinds)])
-        named = {finding.file for finding in verify(corrupter.copy)}
+        named = {finding.file for finding in verify(corrupter.copy, spec_problem)}
         if named != damage.files:
             wrong.append(f"{i}: {damage.kind} of {sorted(damage.files)}: named {sorted(named)}")
         corrupter.mend(damage)
@@ -70,7 +71,7 @@ def test_every_kind_of_damage_is_found_and_only_the_right_file_named(release, tm
     corrupter = corruptions.Corrupter(release, tmp_path / "copy", seed=7)
     kinds = list(corruptions.KINDS)
     assert found_wrong(corrupter, kinds, 2 * len(kinds)) == []
-    assert list(verify(corrupter.copy)) == []
+    assert list(verify(corrupter.copy, spec_problem)) == []
 
 
 @pytest.mark.faults

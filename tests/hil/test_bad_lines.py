@@ -48,8 +48,8 @@ def test_no_damaged_sensor_frame_is_taken_for_good(line_faults, count):
 @pytest.mark.parametrize("framing", FRAMINGS.values(), ids=FRAMINGS)
 def test_of_noise_nothing_is_heard(framing, count):
     noise = drawn(3).bytes(count)
-    for ears in (framing.from_board(), framing.to_board()):
-        heard = [found for at in range(0, count, 777) for found in ears.feed(noise[at : at + 777])]
+    for decoder in (framing.from_board(), framing.to_board()):
+        heard = [found for at in range(0, count, 777) for found in decoder.decode(noise[at : at + 777])]
         assert heard
         assert not any(isinstance(found, CommandMessage | SensorsMessage) for found in heard)
 

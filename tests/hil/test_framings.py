@@ -92,12 +92,12 @@ def test_a_sensor_frame_is_laid_out_as_written_down():
 
 def test_a_sensor_frame_that_does_not_add_up_is_dropped_though_its_checksum_is_right():
     by_hand = framed_by_hand("53 2A  03 0100 FEFF  00 FF 33 66 99 CC FF 00  0201 D007 FFFF")
-    assert Framed().to_board().feed(by_hand) == [Damaged("sensors that do not add up")]
+    assert Framed().to_board().decode(by_hand) == [Damaged("sensors that do not add up")]
 
 
 def test_a_command_frame_is_laid_out_as_written_down():
     by_hand = framed_by_hand("43 2A  21 0020 18FC FA00 FFFF 0300 0201 05")
-    assert Framed().from_board().feed(by_hand) == [CommandMessage(TOLD, 0x2A)]
+    assert Framed().from_board().decode(by_hand) == [CommandMessage(TOLD, 0x2A)]
     assert Framed().command(0x2A, TOLD) == by_hand
 
 
@@ -106,20 +106,20 @@ def test_a_hello_is_laid_out_as_written_down():
     who = HelloFrame(1, "0011223344556677", 2)
     assert Framed().hello(7) == asked
     assert Framed().hello_answer(7, who) == answered
-    assert Framed().from_board().feed(answered) == [who]
-    assert Framed().to_board().feed(asked) == [HelloRequest(7)]
+    assert Framed().from_board().decode(answered) == [who]
+    assert Framed().to_board().decode(asked) == [HelloRequest(7)]
 
 
 def test_simtwo_frames_are_laid_out_as_written_down():
     assert SimTwo().sensors(9, SEEN) == b"R0001FFFEI00FF3366J99CCFF00H010207D0KFFFF0000G00000003"
     assert SimTwo().command(9, TOLD) == b"s00000021M00002000QFFFFFC18"
-    told = SimTwo().from_board().feed(b"s00000021M00002000QFFFFFC18")
+    told = SimTwo().from_board().decode(b"s00000021M00002000QFFFFFC18")
     assert told == [CommandMessage(CommandFrame(State.LOST_LEFT_WALL, 8.192, -1.0), None)]
 
 
-def in_pieces(ears, data, cuts):
+def in_pieces(decoder, data, cuts):
     places = sorted({0, len(data), *(cut % (len(data) + 1) for cut in cuts)})
-    return [found for begin, end in pairwise(places) for found in ears.feed(data[begin:end])]
+    return [found for begin, end in pairwise(places) for found in decoder.decode(data[begin:end])]
 
 
 @pytest.mark.parametrize("framing", FRAMINGS.values(), ids=FRAMINGS)
@@ -144,9 +144,9 @@ def test_a_command_comes_back_in_pieces_of_any_length(framing, frame, seq, cuts)
 @settings(max_examples=25, deadline=None)
 @given(noise=NOISE, frame=COMMANDS, seen=SENSORS)
 def test_a_whole_frame_is_heard_whatever_came_before_it(framing, noise, frame, seen):
-    heard = framing.from_board().feed(noise + framing.command(1, frame))
+    heard = framing.from_board().decode(noise + framing.command(1, frame))
     assert [type(found) for found in heard][-1:] == [CommandMessage]
-    heard = framing.to_board().feed(noise + framing.sensors(1, seen))
+    heard = framing.to_board().decode(noise + framing.sensors(1, seen))
     assert heard[-1] == SensorsMessage(seen, 1 if framing.numbers_frames else None)
 
 
@@ -155,28 +155,28 @@ def test_a_whole_frame_is_heard_whatever_came_before_it(framing, noise, frame, s
 def test_a_frame_of_a_wrong_length_or_type_is_dropped_though_its_checksum_is_right(data, length):
     for body in (data, b"C\1" + data[:length], b"X\1" + bytes(14), b"S\1" + bytes(19)):
         whole = stuffed(body + binascii.crc_hqx(body, 0xFFFF).to_bytes(2, "little")) + b"\0"
-        assert all(isinstance(found, Damaged) for found in Framed().from_board().feed(whole))
+        assert all(isinstance(found, Damaged) for found in Framed().from_board().decode(whole))
 
 
 def test_a_state_that_there_is_not_is_damage():
-    assert Framed().from_board().feed(framed_by_hand("43 01  07 0000 0000 0000 0000 0000 0100 00")) == [
+    assert Framed().from_board().decode(framed_by_hand("43 01  07 0000 0000 0000 0000 0000 0100 00")) == [
         Damaged("there is no state 7")
     ]
-    assert SimTwo().from_board().feed(b"s00000007M00000000Q00000000") == [Damaged("there is no state 7")]
+    assert SimTwo().from_board().decode(b"s00000007M00000000Q00000000") == [Damaged("there is no state 7")]
 
 
 @pytest.mark.parametrize(
     "bad", ["s0000000", "s00000000M0000000g", "s0000000aM0000000", "M00000000", "s00000000Q00000000"]
 )
 def test_simtwo_channels_that_are_cut_or_out_of_order_make_no_command(bad):
-    ears = SimTwo().from_board()
-    assert not any(isinstance(found, CommandMessage) for found in ears.feed(bad.encode() + b"Q00000000"))
-    assert [type(found) for found in ears.feed(b"s00000000M00000000Q00000000")] == [CommandMessage]
+    decoder = SimTwo().from_board()
+    assert not any(isinstance(found, CommandMessage) for found in decoder.decode(bad.encode() + b"Q00000000"))
+    assert [type(found) for found in decoder.decode(b"s00000000M00000000Q00000000")] == [CommandMessage]
 
 
 def test_what_does_not_fit_is_held_within_what_does():
     seen = SensorFrame((0, 0), (-0.5, 1.5, *[0.5] * 6), 70.0, -0.1, 0.1234)
-    [asked] = Framed().to_board().feed(Framed().sensors(0, seen))
+    [asked] = Framed().to_board().decode(Framed().sensors(0, seen))
     assert asked.sensors.line[:2] == (0.0, 1.0)
     assert (asked.sensors.front_m, asked.sensors.left_m, asked.sensors.right_m) == (65.534, 0.0, 0.123)
 

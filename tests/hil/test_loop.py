@@ -134,7 +134,7 @@ def test_nobody_there_is_told_at_once(limits, command):
 def test_another_wire_format_is_refused(limits, command):
     link = StandInBoard(Framed(), lambda _sensors: command())
     link._hello = HelloFrame(2, "00" * 8, 0)
-    with pytest.raises(BoardLost, match="speaks version 2 of the wire format, this program 1: build and flash"):
+    with pytest.raises(BoardLost, match="uses version 2 of the wire format, this program version 1: build and flash"):
         BoardPilot(link, Framed(), limits).start()
 
 
@@ -200,8 +200,8 @@ def test_an_answer_that_comes_twice_is_obeyed_once(drive):
     ("wrong", "why"),
     [
         ({"right_rad_s": 21.0}, "set points 21 and -0.8 rad/s, the wheels reach 20.0"),
-        ({"left_rad_s": 0.8}, "set points 1.2 and 0.8 rad/s are not those of 0.01 m/s and 0.5 rad/s"),
-        ({"v_m_s": 0.05}, "set points 1.2 and -0.8 rad/s are not those of 0.05 m/s and 0.5 rad/s"),
+        ({"left_rad_s": 0.8}, "set points 1.2 and 0.8 rad/s do not fit 0.01 m/s and 0.5 rad/s"),
+        ({"v_m_s": 0.05}, "set points 1.2 and -0.8 rad/s do not fit 0.05 m/s and 0.5 rad/s"),
     ],
 )
 def test_a_command_that_cannot_be_is_refused_though_its_checksum_is_right(limits, command, seen, wrong, why):

@@ -144,7 +144,7 @@ def test_what_is_no_port_is_refused(tmp_path):
     file = tmp_path / "file"
     file.touch()
     for path in (file, tmp_path):
-        with pytest.raises(InputError, match="this is no serial port; give one such as /dev/ttyACM0"):
+        with pytest.raises(InputError, match="this is no serial port; name one, such as /dev/ttyACM0"):
             SerialLink(str(path), 500_000)
 
 
@@ -155,7 +155,7 @@ def test_a_port_that_is_not_permitted_is_refused(monkeypatch):
         raise serial.SerialException(errno.EACCES, "could not open port: Permission denied")
 
     monkeypatch.setattr(serial, "Serial", denied)
-    with pytest.raises(InputError, match="no right to open the port; `usermod -a -G dialout USER`"):
+    with pytest.raises(InputError, match="you may not open the port; run `usermod -a -G dialout USER`"):
         SerialLink("/dev/ttyACM0", 500_000)
 
 

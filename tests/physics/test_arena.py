@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from configs.schema.arena import Obstacle, Wall
+from configs.schema.arena import Obstacle, WallConfig
 from physics.arena.surfaces import SURFACES
 from physics.bullet.world import add_arena, connect
 from symolo.arena.geometry import Arc, Arena, Line, Straight
@@ -126,6 +126,6 @@ def test_every_surface_has_its_mean_and_spread_from_tables_3_and_4():
 
 
 def test_a_wall_body_lies_to_the_right_of_start_to_end(arena_config):
-    wall = Wall(name="w", start=(0.0, 0.0), end=(1.0, 0.0), thickness_m=0.1)
+    wall = WallConfig(name="w", start=(0.0, 0.0), end=(1.0, 0.0), thickness_m=0.1)
     box = Arena.from_config(arena_config.model_copy(update={"walls": (wall,), "obstacles": ()})).boxes[0]
     assert np.sort(box.footprint()[:, 1]) == pytest.approx([-0.1, -0.1, 0.0, 0.0])

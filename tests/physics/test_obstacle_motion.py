@@ -6,7 +6,7 @@ import numpy as np
 import pybullet
 import pytest
 
-from configs.schema.arena import Motion, Obstacle, Waypoint
+from configs.schema.arena import MotionConfig, Obstacle, Waypoint
 from configs.schema.scenario import Rates
 from physics.arena.rays import RayScene
 from physics.bullet.simulation import BulletSimulation
@@ -24,7 +24,9 @@ FACE_M = 0.28
 
 def motion(*waypoints, repeat="once", yaw_deg=0.0):
     points = tuple(Waypoint(t_s=t, offset=offset, turn_deg=turn) for t, offset, turn in waypoints)
-    obstacle = Obstacle(name="cart", center=(1.0, 2.0), yaw_deg=yaw_deg, motion=Motion(waypoints=points, repeat=repeat))
+    obstacle = Obstacle(
+        name="cart", center=(1.0, 2.0), yaw_deg=yaw_deg, motion=MotionConfig(waypoints=points, repeat=repeat)
+    )
     found = ObstacleMotion.from_config(obstacle)
     assert found is not None
     return found
@@ -36,7 +38,7 @@ def world_with(arena_config, **obstacle):
 
 
 def towards_the_robot(speed_m_s, seconds):
-    return Motion(waypoints=(Waypoint(t_s=seconds, offset=(-speed_m_s * seconds, 0.0)),))
+    return MotionConfig(waypoints=(Waypoint(t_s=seconds, offset=(-speed_m_s * seconds, 0.0)),))
 
 
 @pytest.fixture
@@ -96,7 +98,7 @@ class TestRays:
             assert hits.surface[0] == 1
 
     def test_the_face_turns_with_the_box(self, arena_config):
-        turning = Motion(waypoints=(Waypoint(t_s=1.0, turn_deg=90.0),))
+        turning = MotionConfig(waypoints=(Waypoint(t_s=1.0, turn_deg=90.0),))
         scene = RayScene(world_with(arena_config, center=(0.5, 0.0), motion=turning))
         hits = scene.cast(np.array([[0.0, 0.01, 0.05]]), np.array([[1.0, 0.01, 0.05]]), 0.5)
         # At 45 degrees a corner points at the origin, half a diagonal before the middle; the ray is 10 mm beside it.
@@ -151,7 +153,7 @@ class TestContact:
     def test_the_box_pushes_with_its_own_speed_and_does_not_sink_in(self, robot, arena_config):
         """What placing it without its velocity would not give; a rolling robot takes on the speed of the push."""
         arena = world_with(
-            arena_config, center=(-0.3, 0.0), motion=Motion(waypoints=(Waypoint(t_s=2.0, offset=(0.6, 0.0)),))
+            arena_config, center=(-0.3, 0.0), motion=MotionConfig(waypoints=(Waypoint(t_s=2.0, offset=(0.6, 0.0)),))
         )
         with BulletSimulation(robot, arena, (0.0, 0.0, 0.0), Rates()) as world:
             world.set_voltages(0.0, 0.0)

@@ -7,9 +7,9 @@ from blender_scenes.render.frame_files import FrameFile, Ledger, put_in_place
 from blender_scenes.render.job import FramePose
 from pipeline.run_folder.workspace import StageFolder
 from pipeline.stages.render import Order, RenderTask, render_runs
-from pipeline.work.supervisor import SetAside, UnitFailure
-from pipeline.work.units import Finished
+from pipeline.work.supervisor import FrameGivenUp, UnitFailure
 from sensors.camera.response import encode_jpeg
+from symolo.core.child_process import Finished
 from symolo.core.progress import LineReport
 from symolo.dataset.layout import frame_name
 
@@ -41,7 +41,7 @@ class Blocks:
             digest = put_in_place(GREY, unit.folder / name, 32, 24)
             Ledger(unit.folder, f"job of {unit.name}").add(FrameFile(unit.numbers[0], name, digest, len(GREY), 0.0))
             if place == self._given_up:
-                on_event(unit, SetAside("given up"))
+                on_event(unit, FrameGivenUp("given up"))
                 failures.append(UnitFailure(unit, "given up"))
             on_event(unit, Finished())
             self._after()

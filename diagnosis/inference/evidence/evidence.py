@@ -1,4 +1,4 @@
-"""All that was observed, of all stages, as one vector of samples; and its predictions by many robots at once."""
+"""All observations of all stages as one vector of samples, and their predictions by many robots at once."""
 
 from collections.abc import Hashable, Mapping, Sequence
 from copy import copy
@@ -15,99 +15,102 @@ from diagnosis.predictors.base import Observed, Stage
 from symolo.core.arrays import Array
 
 MIN_NOISE = 1e-3
-"""Share of the nominal noise that every sample keeps: on a sensor's plateau nothing scatters, yet no reading is so sure
-that its likelihood could be infinite."""
+"""Least noise of a sample, as a share of the nominal noise. On the plateau of a sensor nothing scatters, but no reading
+is so certain that its likelihood may become infinite."""
 
 
 @dataclass(frozen=True)
 class FoundNoise:
-    """Of one observed quantity, where its source does not state all of it."""
+    """Noise of one observed quantity that was estimated from the data, since the source does not state all of it."""
 
     factor: float
-    """On the standard deviation that the stage states or guesses."""
+    """Factor on the standard deviation of the stage."""
     correlation: float
 
 
 @dataclass(frozen=True)
 class Prediction:
+    """Predictions of N samples by M robots."""
+
     mean: Array
     """(M, N)."""
     sd: Array
     """(M, N)."""
 
     def some(self, which: slice | Sequence[int]) -> "Prediction":
-        """Of some of the robots."""
+        """Return the predictions by some of the robots."""
         return Prediction(self.mean[which], self.sd[which])
 
 
 class Evidence:
-    """N samples; those of each observed quantity lie together, in the order of the stages."""
+    """N samples. The samples of each observed quantity are adjacent, in the order of the stages."""
 
     def __init__(self, stages: Sequence[Stage], noises: Mapping[str, FoundNoise] = MappingProxyType({})) -> None:
         self.stages = tuple(stages)
         self.noises = noises
-        """Of the quantities whose source does not state all of it."""
-        self._factors = {name: found.factor for name, found in noises.items()}
-        self.observed: tuple[Observed, ...] = tuple(of for stage in stages for of in stage.observed)
-        self.values = np.concatenate([of.values for of in self.observed])
-        self.sd = np.concatenate([of.sd * self._factors.get(of.name, 1.0) for of in self.observed])
-        """(N,), by the nominal robot."""
-        holdout = np.concatenate([of.holdout for of in self.observed])
-        usable = np.concatenate([of.usable for of in self.observed])
+        """Estimated noise by quantity."""
+        self._factors = {name: noise.factor for name, noise in noises.items()}
+        self.observed: tuple[Observed, ...] = tuple(observed for stage in stages for observed in stage.observed)
+        self._counts = [len(observed.values) for observed in self.observed]
+        self.values = np.concatenate([observed.values for observed in self.observed])
+        self.sd = np.concatenate([observed.sd * self._factors.get(observed.name, 1.0) for observed in self.observed])
+        """(N,), standard deviation of the noise by the nominal robot."""
+        holdout = np.concatenate([observed.holdout for observed in self.observed])
+        usable = np.concatenate([observed.usable for observed in self.observed])
         self.fit: Mask = usable & ~holdout
-        """(N,), samples that may choose and fit."""
+        """(N,), samples that are used for selection and fits."""
         self.heldout: Mask = usable & holdout
+        """(N,), samples that are used for the gain only."""
         self.correlations = [
-            noises[of.name].correlation if of.name in noises else of.correlation or 0.0 for of in self.observed
+            noises[observed.name].correlation if observed.name in noises else observed.correlation or 0.0
+            for observed in self.observed
         ]
-        """Of the noise of a sample with the next, of each observed quantity."""
-        worth = [
-            np.full(len(of.values), _independent(p)) for of, p in zip(self.observed, self.correlations, strict=True)
-        ]
-        self.weight = np.concatenate(worth)
-        """(N,), independent samples that one is worth, for noise that lasts longer than a row says less."""
+        """Correlation of the noise of successive samples, by observed quantity."""
+        # The variance of a mean of many AR(1) samples is (1 + p)/(1 - p) times that of independent ones.
+        self.weight = np.repeat([(1.0 - p) / (1.0 + p) for p in self.correlations], self._counts)
+        """(N,), number of independent samples that a sample is worth."""
         self.known: dict[Hashable, object] = {}
-        """What was worked out of it (`diagnosis.inference.evidence.remembered`)."""
+        """Results that were computed before (`diagnosis.inference.evidence.remembered`)."""
 
     @cached_property
     def resolution(self) -> Array:
-        """(N,), step to which a sample is rounded; 0 where none is known."""
-        return np.concatenate([np.full(len(of.values), of.resolution) for of in self.observed])
+        """(N,), step to which a sample is rounded; 0 where it is not known."""
+        return np.repeat([float(observed.resolution) for observed in self.observed], self._counts)
 
     @cached_property
     def quantity(self) -> NDArray[np.int64]:
-        """(N,), which observed quantity a sample is of."""
-        return np.repeat(np.arange(len(self.observed)), [len(of.values) for of in self.observed])
+        """(N,), index of the observed quantity of a sample."""
+        return np.repeat(np.arange(len(self.observed)), self._counts)
 
     @cached_property
     def places(self) -> tuple[slice, ...]:
         """Where each observed quantity stands in the vector."""
-        ends = np.cumsum([len(of.values) for of in self.observed]).tolist()
-        return tuple(slice(end - len(of.values), end) for of, end in zip(self.observed, ends, strict=True))
+        ends = np.cumsum(self._counts).tolist()
+        return tuple(slice(end - count, end) for count, end in zip(self._counts, ends, strict=True))
 
     @cached_property
     def of_stage(self) -> NDArray[np.int64]:
-        """(N,), which stage a sample is of."""
-        counts = [sum(len(of.values) for of in stage.observed) for stage in self.stages]
+        """(N,), index of the stage of a sample."""
+        counts = [sum(len(observed.values) for observed in stage.observed) for stage in self.stages]
         return np.repeat(np.arange(len(self.stages)), counts)
 
     @cached_property
     def trial(self) -> NDArray[np.int64]:
-        """(N,)."""
-        return np.concatenate([of.trial for of in self.observed])
+        """(N,), index of the trial of a sample."""
+        return np.concatenate([observed.trial for observed in self.observed])
 
     def without(self, channel: str) -> "Evidence":
-        """The same, with no rows of a channel to be fitted."""
+        """Return the same evidence without samples of a channel in the fit."""
         others = copy(self)
         others.known = {}
         others.fit = self.fit.copy()
-        for quantity, place in zip(self.observed, self.places, strict=True):
-            if quantity.channel == channel:
+        for observed, place in zip(self.observed, self.places, strict=True):
+            if observed.channel == channel:
                 others.fit[place] = False
         return others
 
     def of(self, robots: Sequence[RobotConfig]) -> Prediction:
-        """By each robot; a sample that is not usable is predicted as NaN or anything."""
+        """Return the predictions by each robot; a sample that is not usable may be NaN or have any value."""
         mean, sd = (np.empty((len(robots), len(self.values))) for _ in range(2))
         first = 0
         for stage in self.stages:
@@ -115,12 +118,7 @@ class Evidence:
             first += len(stage.observed)
             for begin in range(0, len(robots), stage.at_once):
                 some = slice(begin, begin + stage.at_once)
-                for of, place, predicted in zip(stage.observed, places, stage.predict(robots[some]), strict=True):
+                for observed, place, predicted in zip(stage.observed, places, stage.predict(robots[some]), strict=True):
                     mean[some, place] = predicted.mean
-                    sd[some, place] = self._factors.get(of.name, 1.0) * predicted.sd
+                    sd[some, place] = self._factors.get(observed.name, 1.0) * predicted.sd
         return Prediction(mean, np.maximum(sd, MIN_NOISE * self.sd))
-
-
-def _independent(correlation: float) -> float:
-    """Of AR(1) noise: the variance of a mean of many samples is (1 + p)/(1 - p) times that of independent ones."""
-    return (1.0 - correlation) / (1.0 + correlation)

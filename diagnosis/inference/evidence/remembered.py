@@ -1,4 +1,4 @@
-"""What was worked out of an evidence once, kept for whoever asks again.
+"""Memory of what was computed from an evidence.
 
 Swaps, removals and the search for rivals fit many of the same hypotheses from the same starts.
 """
@@ -9,20 +9,19 @@ from typing import TypeVar, TypeVarTuple
 
 from diagnosis.inference.evidence.evidence import Evidence
 
-Asked = TypeVarTuple("Asked")
-Found = TypeVar("Found")
+Arguments = TypeVarTuple("Arguments")
+Result = TypeVar("Result")
 
 
-def remembered(
-    function: Callable[[Evidence, *Asked], Found],
-) -> Callable[[Evidence, *Asked], Found]:
-    """The function, worked out once for each evidence and arguments; these are to be hashable, and by position."""
+def remembered(function: Callable[[Evidence, *Arguments], Result]) -> Callable[[Evidence, *Arguments], Result]:
+    """Decorate a function so that it runs once for each evidence and arguments, which are positional and hashable."""
 
+    # functools.cache would keep every evidence alive; here the results go with their evidence.
     @wraps(function)
-    def asked(evidence: Evidence, *args: *Asked) -> Found:
+    def remembering(evidence: Evidence, *args: *Arguments) -> Result:
         key = (function, *args)
         if key not in evidence.known:
             evidence.known[key] = function(evidence, *args)
         return evidence.known[key]  # pyright: ignore[reportReturnType]
 
-    return asked
+    return remembering

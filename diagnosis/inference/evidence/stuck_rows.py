@@ -1,9 +1,9 @@
-"""Rows of a motor bench in which the wheel stood still though the nominal motor turns.
+"""Rows of a motor bench in which the wheel stands still although the nominal motor turns.
 
-They say nothing of a running motor and are left out of every fit (`stages.motor_steady`), but they bound the friction
-that holds a wheel at rest: it is at least the torque of the largest stuck row, and below what the smallest row that
-moves would have had at standstill. At standstill there is no back-EMF, so that voltage over current is the resistance
-of winding, bridge and leads together.
+They contain nothing about a running motor and are left out of every fit (`predictors.motor_steady`), but they bound the
+friction of a wheel at rest: it is at least the torque of the largest row at standstill, and less than the torque that
+the smallest row in motion would have had at standstill. At standstill there is no back-EMF, so voltage over current is
+the resistance of winding, bridge and leads together.
 """
 
 from dataclasses import dataclass
@@ -19,28 +19,30 @@ from physics.robot.model import RobotModel
 
 @dataclass(frozen=True)
 class StuckRow:
+    """One row at standstill."""
+
     row: int
-    """From 1."""
+    """Number of the row, from 1."""
     voltage_V: float
     current_A: float
-    """NaN where it was not logged."""
+    """Measured current; NaN if it was not logged."""
     nominal_speed_rad_s: float
-    """At which the nominal motor would turn."""
+    """Speed at which the nominal motor would turn."""
     holds_N_m: float
-    """Torque of the motor at standstill, which friction holds: by the current, else by voltage and resistance."""
+    """Torque of the motor at standstill, which friction holds: from the current, else from voltage and resistance."""
     resistance_ohm: float
-    """Voltage over current; NaN without one."""
+    """Voltage over current; NaN without a current."""
     moves_at_V: float | None
     """The smallest voltage of the same sign at which the wheel moves; None if it never does."""
     moves_N_m: float | None
-    """Torque that the motor would have there at standstill, which is enough to move it."""
+    """Torque at standstill for the voltage `moves_at_V`, which is enough to move the wheel; None if it never moves."""
 
 
 def stuck_rows(measurement: Measurement, nominal: RobotConfig) -> tuple[StuckRow, ...]:
-    """Of a bench with voltages and speeds, in the order of its rows; currents where it has them.
+    """Return the rows at standstill of a bench with voltages and speeds, and currents if it has them, in their order.
 
     Args:
-        measurement: Of kind motor_steady.
+        measurement: A measurement of kind motor_steady.
         nominal: The robot whose motor is on the bench, with its nominal parameters.
     """
     voltage_V, speed, current_A = (given(measurement, name) for name in ("u_cmd_V", "omega_rad_s", "current_A"))
@@ -50,7 +52,7 @@ def stuck_rows(measurement: Measurement, nominal: RobotConfig) -> tuple[StuckRow
     _, expected[known] = steady_states(model, voltage_V[known], np.zeros(int(known.sum())))
     constant = nominal.motor.torque_constant_N_m_A
     stuck = known & (voltage_V != 0.0) & (speed == 0.0) & (expected != 0.0)
-    found = []
+    rows = []
     for i in np.flatnonzero(stuck).tolist():
         volts = float(voltage_V[i])
         has_current = bool(np.isfinite(current_A[i])) and current_A[i] != 0.0
@@ -58,7 +60,7 @@ def stuck_rows(measurement: Measurement, nominal: RobotConfig) -> tuple[StuckRow
         ohm = resistance if has_current else nominal.motor.winding_resistance_ohm
         moving = known & (speed != 0.0) & (np.sign(voltage_V) == np.sign(volts))
         moves_V = float(np.abs(voltage_V[moving]).min()) if moving.any() else None
-        found.append(
+        rows.append(
             StuckRow(
                 row=i + 1,
                 voltage_V=volts,
@@ -70,4 +72,4 @@ def stuck_rows(measurement: Measurement, nominal: RobotConfig) -> tuple[StuckRow
                 moves_N_m=None if moves_V is None else constant * moves_V / ohm,
             )
         )
-    return tuple(found)
+    return tuple(rows)

@@ -1,15 +1,16 @@
-"""The numbers of a drive fitted to whole runs: what adds up along the way says most of itself at the end.
+"""Parameters of a drive fitted to whole runs, since errors that add up along a path are largest at its end.
 
-Windows of half a second tell which link of the chain is wrong. But a wheel that is a thousandth too large lies far
-below the noise of a window, and a robust loss takes the skewness of that noise for a shift; over a run the same error
-adds up to many times what the camera scatters. So the poses of each run are predicted from its first one and the counts
-alone, as calibrations by whole paths do (Borenstein and Feng, IEEE Trans. Robotics and Automation 12 (1996) 869-880;
-Sousa et al., J. Intell. Robot. Syst. 105:39 (2022)), and held against the log at PARTS points of it.
+Windows of half a second show which link of the chain is wrong. But a wheel that is 0.1 % too large is far below the
+noise of a window, and a robust loss mistakes the skewness of that noise for a shift. Over a run the same error adds up
+to many times the noise of the camera. Therefore the poses of each run are predicted from its first pose and the counts
+alone, as in calibrations with whole paths (Borenstein and Feng, IEEE Trans. Robotics and Automation 12 (1996) 869-880;
+Sousa et al., J. Intell. Robot. Syst. 105:39 (2022)), and compared with the log at PARTS points.
 
-Errors at points of one run are one story: together they count as one place and one heading. How far a run strays beside
-the model nobody knows beforehand, so that the cost is minus twice the likelihood with that scatter profiled out: n log
-of the mean square, n two for each run's places and one for its headings, and the priors of the nominal parameters.
-Effects enter by the rule of `selection`: that with the greatest fall of the cost, if the fall would name it.
+The errors at the points of one run are not independent: together they count as one place and one heading. The scatter
+of the runs around the model is not known beforehand, so the cost is minus twice the log-likelihood with that scatter
+profiled out: n times the log of the mean square, with n = 2 for the places and n = 1 for the headings of each run, plus
+the priors of the nominal parameters. Effects enter by the rule of `selection`: the one with the greatest fall of the
+cost, if the fall is large enough to name it.
 """
 
 from collections.abc import Sequence
@@ -19,7 +20,7 @@ import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
-from diagnosis.inference.selection import MOST, needed
+from diagnosis.inference.selection import MAX_EFFECTS, needed
 from diagnosis.measured.measurement import Measurement
 from diagnosis.predictors.drive_log import POSE
 from diagnosis.predictors.pose import Pose, seen_from_body
@@ -27,22 +28,22 @@ from diagnosis.predictors.rows import given
 from symolo.core.arrays import Array
 
 PARTS = 20
-"""Points of a run, evenly spaced; its end is the last of them."""
-FEWEST_RUNS = 4
-"""From which a scatter can be found beside what is fitted."""
-STEPS = 12
+"""Points of a run, evenly spaced; the last one is its end."""
+MIN_RUNS = 4
+"""Runs from which a scatter can be estimated in addition to the parameters."""
+MAX_STEPS = 12
 STEP = 1e-3
-"""Of a derivative, in coordinates."""
+"""Step of a derivative, in coordinates."""
 SETTLED = 1e-3
 """Change of every coordinate at which a fit ends."""
-LEAST = 1e-6
-"""Scatter [m, rad] below which nothing is sure."""
-INTO = 0.1
-"""Of the way from no effect to its start value, where a fit begins: at a bound nothing has a slope."""
+MIN_SCATTER = 1e-6
+"""Least scatter [m, rad]."""
+START_SHARE = 0.1
+"""Share of an effect's start value at which its fit begins, since the cost has no slope at a bound."""
 
 
 class WholeRuns:
-    """All trials of a drive with counts and poses, each predicted from its first logged pose on."""
+    """All trials of a drive with counts and poses, each predicted from its first logged pose."""
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         self._pose = Pose(measurement, nominal)
@@ -61,87 +62,87 @@ class WholeRuns:
         self._measured = log[np.stack(self._points)]
 
     def errors(self, robot: RobotConfig) -> Array:
-        """(runs, PARTS, 3): place [m], along and across the heading at the start, and heading [rad]; robot less log."""
+        """Return robot minus log, (runs, PARTS, 3): place [m] along and across the first heading, and heading [rad]."""
         path = self._pose.path(robot, self._starts)
         return seen_from_body(self._starts[:, None, 2], path[np.stack(self._points)] - self._measured)
 
     def free_of_start(self, errors: Array) -> Array:
-        """Errors (..., runs, PARTS, 3) less what a wrong heading at the start makes of the places, run by run.
+        """Return errors (..., runs, PARTS, 3) without the place errors that a wrong heading at the start causes.
 
-        A single camera frame says that heading, and a body that is tracked may stand askew on the robot: both turn the
-        whole path about its start and say nothing of the wheels.
+        The heading comes from a single camera frame, and the tracked body may be mounted with an angle: both turn the
+        whole path about its start and contain nothing about the wheels.
         """
-        way = seen_from_body(self._starts[:, None, 2], self._measured - self._starts[:, None, :])[..., :2]
-        across = np.stack([-way[..., 1], way[..., 0]], axis=-1)
-        angle = (across * errors[..., :2]).sum(axis=(-1, -2)) / np.maximum((way**2).sum(axis=(-1, -2)), LEAST**2)
-        found = errors.copy()
-        found[..., :2] -= angle[..., None, None] * across
-        return found
+        path = seen_from_body(self._starts[:, None, 2], self._measured - self._starts[:, None, :])[..., :2]
+        across = np.stack([-path[..., 1], path[..., 0]], axis=-1)
+        angle = (across * errors[..., :2]).sum(axis=(-1, -2)) / np.maximum((path**2).sum(axis=(-1, -2)), MIN_SCATTER**2)
+        turned = errors.copy()
+        turned[..., :2] -= angle[..., None, None] * across
+        return turned
 
 
 @dataclass(frozen=True)
 class WholeRunFit:
+    """A hypothesis fitted to whole runs."""
+
     hypothesis: Hypothesis
     x: Array
     """(P,), coordinates."""
     covariance: Array
-    """(P, P), of the coordinates."""
+    """(P, P), covariance of the coordinates."""
     cost: float
     place_m: float
-    """Root mean square of what is left of a place, along one axis."""
+    """Root mean square of the residuals of a place, along one axis."""
     heading_rad: float
+    """Root mean square of the residuals of the heading."""
 
     @property
     def robot(self) -> RobotConfig:
         return self.hypothesis.robot(self.x)
 
     def std(self, effect: CandidateEffect) -> dict[str, float]:
-        """Standard errors of an effect's numbers, in their units."""
-        places = self.hypothesis.parameters(effect)
-        errors = np.sqrt(np.diag(self.covariance)[places]).tolist()
-        at = self.x[places].tolist()
-        return {c.name: abs(c.slope(v)) * e for c, v, e in zip(effect.coordinates, at, errors, strict=True)}
+        """Return the standard errors of an effect's parameters, in their units."""
+        return self.hypothesis.std(effect, self.x, self.covariance)
 
 
 def fitted_to_whole_runs(
     measurement: Measurement, hypothesis: Hypothesis, x: Array, effects: Sequence[CandidateEffect]
 ) -> WholeRunFit | None:
-    """A hypothesis with its numbers fitted to the runs that are not held out, and the effects that those ask for.
+    """Return a hypothesis fitted to the runs that are not held out, with the effects that these runs need.
 
     Args:
         measurement: A drive with counts and poses.
-        hypothesis: What is known already; its effects stay.
-        x: (P,), its coordinates, to begin at.
-        effects: That may enter.
+        hypothesis: The hypothesis to extend; its effects stay.
+        x: (P,), its coordinates, where the fit begins.
+        effects: The effects that may enter.
 
     Returns:
         None with fewer than four such runs.
     """
     trials = tuple(trial for trial in measurement.trials if not trial.holdout.any() and len(trial.t_s) > PARTS)
-    if len(trials) < FEWEST_RUNS:
+    if len(trials) < MIN_RUNS:
         return None
     runs = WholeRuns(replace(measurement, trials=trials), hypothesis.nominal)
     fit = _fit(runs, hypothesis, x)
-    while len(fit.hypothesis.effects) < MOST:
+    while len(fit.hypothesis.effects) < MAX_EFFECTS:
         names = {effect.kind.name for effect in fit.hypothesis.effects}
         tried = []
         for effect in (e for e in effects if e.kind.name not in names):
-            having = fit.hypothesis.with_effect(effect)
-            tried.append((effect, _fit(runs, having, moved(fit.x, fit.hypothesis, having))))
-        believed = [(e, of) for e, of in tried if fit.cost - of.cost > needed(e)]
-        if not believed:
+            extended = fit.hypothesis.with_effect(effect)
+            tried.append((effect, _fit(runs, extended, moved(fit.x, fit.hypothesis, extended))))
+        accepted = [(effect, candidate) for effect, candidate in tried if fit.cost - candidate.cost > needed(effect)]
+        if not accepted:
             break
-        fit = min(believed, key=lambda both: both[1].cost + 3.0 * len(both[0].coordinates))[1]
+        fit = min(accepted, key=lambda both: both[1].cost + 3.0 * len(both[0].coordinates))[1]
     return fit
 
 
 def _fit(runs: WholeRuns, hypothesis: Hypothesis, x: Array) -> WholeRunFit:
-    """By Gauss-Newton steps, the scatter found anew at each; paths are nearly straight in such small numbers."""
-    low, high = (np.array([getattr(c, end) for c in hypothesis.coordinates]) for end in ("low", "high"))
-    x = _begun(hypothesis, x)
+    """Fit by Gauss-Newton steps, with a new scatter at each; the paths are almost linear in such small parameters."""
+    low, high = hypothesis.bounds
+    x = _off_null(hypothesis, x)
     priors = np.arange(len(x)) < len(hypothesis.nuisances)
     information = np.diag(priors.astype(float))
-    for _ in range(STEPS):
+    for _ in range(MAX_STEPS):
         around = np.concatenate([x[None], x + STEP * np.eye(len(x))])
         errors = runs.free_of_start(np.stack([runs.errors(robot) for robot in hypothesis.robots(around)]))
         weight = 1.0 / (_scatter(errors[0]) * np.sqrt(PARTS))
@@ -161,17 +162,17 @@ def _fit(runs: WholeRuns, hypothesis: Hypothesis, x: Array) -> WholeRunFit:
     return WholeRunFit(hypothesis, x, covariance, cost, float(scatter[0]), float(scatter[2]))
 
 
-def _begun(hypothesis: Hypothesis, x: Array) -> Array:
-    """Coordinates (P,) with those of an effect that is not there yet moved off its null."""
-    found = x.copy()
+def _off_null(hypothesis: Hypothesis, x: Array) -> Array:
+    """Return coordinates (P,) with those of absent effects moved off their null."""
+    y = x.copy()
     for k in range(len(hypothesis.nuisances), len(x)):
         c = hypothesis.coordinates[k]
-        if c.null is not None and found[k] == c.null:
-            found[k] += INTO * (c.start - c.null)
-    return hypothesis.clipped(found)
+        if c.null is not None and y[k] == c.null:
+            y[k] += START_SHARE * (c.start - c.null)
+    return hypothesis.clipped(y)
 
 
 def _scatter(errors: Array) -> Array:
-    """(3,), root mean square along each axis of the place, the same for both, and of the heading."""
+    """Return the root mean squares (3,) along the two axes of the place, the same for both, and of the heading."""
     place = float(np.sqrt(np.mean(errors[..., :2] ** 2)))
-    return np.maximum([place, place, float(np.sqrt(np.mean(errors[..., 2] ** 2)))], LEAST)
+    return np.maximum([place, place, float(np.sqrt(np.mean(errors[..., 2] ** 2)))], MIN_SCATTER)

@@ -1,14 +1,14 @@
-"""Is the best named model adequate, or does structure remain that no name accounts for?
+"""Test whether the best model is adequate, or whether structure remains in its residuals.
 
-A flexible competitor decides: for each observed quantity and each covariate, functions of the covariate are held
-against what the model leaves (score test; Godfrey, Misspecification Tests in Econometrics, 1988). Residuals are
-clipped, and both they and the functions are projected against all that is fitted, priors included, so that a misfit
-which a parameter could still take is none. The share of the residual in the functions' span, over what remains outside,
-has the F distribution where the model is adequate, whatever the level of the noise; p-values are combined by Bonferroni
-over all tests.
+For each observed quantity and each covariate, flexible functions of the covariate are tested against the residuals
+(score test; Godfrey, Misspecification Tests in Econometrics, 1988). The residuals are clipped, and both they and the
+functions are projected onto what the fitted parameters, with their priors, cannot explain, so that a misfit that a
+parameter could still remove does not count. The share of the residuals inside the span of the functions, relative to
+the share outside, has the F distribution if the model is adequate, whatever the level of the noise. The p-values of all
+tests are combined by Bonferroni.
 
-Where structure remains, a name is kept only if it is needed beside the flexible functions: an effect that merely stood
-in for the unknown cause loses its significance when they take its place.
+If structure remains, an effect stays named only if it is needed in addition to the flexible functions: an effect that
+was only a substitute for the unknown cause becomes insignificant beside them.
 """
 
 from dataclasses import dataclass, replace
@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from scipy.special import fdtrc
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import Fit
+from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect, moved
-from diagnosis.inference.likelihood import robust_weight
+from diagnosis.inference.likelihood import root_weights
 from diagnosis.inference.projection import beyond, orthonormal
 from diagnosis.inference.unexplained.bases import RUNS_OF_ROWS, Basis, any_function, bases, standing_out
 from diagnosis.predictors.base import ROW_TIME
@@ -28,45 +28,46 @@ from symolo.core.arrays import Array
 
 LEVEL = 0.001
 """Probability, over all tests together, of calling an adequate model inadequate."""
-REWEIGHTED = 6
-"""Times that rows are weighed anew."""
+REWEIGHTINGS = 6
+"""Iterations of the weights for outliers."""
 CLIP = 3.0
-"""Sigmas at which residuals are clipped."""
+"""Residual in sigmas at which it is clipped."""
 NEEDED = 16.0
-"""Fall of the cost beside the flexible functions, four standard errors, by which a name is kept; and no less than what
-they explain beyond it, else the name may be another face of the unknown."""
+"""Fall of the cost beside the flexible functions, four standard errors, by which an effect stays named. It must not be
+less than what the functions explain, else the effect may be a part of the unknown cause."""
 AS_MUCH = 0.8
-"""Share of what another covariate explains, from which two tell the same."""
+"""Share of what another covariate explains, from which two covariates count as equal."""
 MATERIAL = 9.0
-"""Fall of the cost below which nothing is structure, however sure it is. Where readings scatter as they are said to,
-chance alone allows as much; it matters where they scatter far less, as in a log that was simulated, in which a stage's
-own way of integrating would show."""
+"""Least fall of the cost for a structure, however significant it is. If readings scatter as stated, chance alone
+reaches as much. It matters if they scatter far less, as in a simulated log, where integration errors would show."""
 EXPLAINED = 0.8
-"""Share of what can be explained at all that names must explain to be kept."""
+"""Share of the explainable cost that the effects must explain to stay named."""
 
 
 @dataclass(frozen=True)
 class Structure:
-    """What remains in one observed quantity along one covariate."""
+    """Structure in the residuals of one observed quantity along one covariate."""
 
     observed: str
     channel: str
     covariate: str
     what: str
     p: float
-    """Of all tests, after Bonferroni; at most 1."""
+    """p-value over all tests, after Bonferroni; at most 1."""
     explainable: float
-    """Fall of the cost that the flexible functions would bring beyond chance."""
+    """Fall of the cost by the flexible functions beyond chance."""
     rank: int
-    """Of the covariate in its quantity's list."""
+    """Index of the covariate in the list of its quantity."""
     basis: Array
-    """(N, k), the functions over all samples, 0 outside the quantity and the rows of the fit."""
+    """(N, k), the functions over all samples; 0 outside the quantity and the rows of the fit."""
 
 
 @dataclass(frozen=True)
 class Adequacy:
+    """Result of the test."""
+
     structures: tuple[Structure, ...]
-    """The best of each quantity and covariate, the most significant first; rows that stand out together, apart."""
+    """Best structure of each quantity and covariate, and of runs of rows, the most significant first."""
 
     @property
     def is_adequate(self) -> bool:
@@ -74,27 +75,27 @@ class Adequacy:
 
     @property
     def worst(self) -> Structure:
-        """The most significant; of covariates that tell the same of a quantity, the first as the stage lists them."""
+        """The most significant structure; of covariates that explain a quantity equally well, the first."""
         top = self.structures[0]
         same = [s for s in self.structures if s.observed == top.observed and s.p < LEVEL]
         alike = [s for s in same if s.explainable >= AS_MUCH * top.explainable]
         return min(alike, key=lambda s: s.rank) if self.structures[0].p < LEVEL else top
 
 
-def adequacy(evidence: Evidence, fit: Fit, beside: Array | None = None) -> Adequacy:
-    """What is left of a fit, or of it with free multiples of columns (N, k) in its sigmas beside it."""
+def adequacy(evidence: Evidence, fit: HypothesisFit, beside: Array | None = None) -> Adequacy:
+    """Test the residuals of a fit; `beside` are columns (N, k) in sigmas whose multiples are fitted in addition."""
     tangents = _Tangents(evidence, fit, np.zeros((len(fit.z), 0)) if beside is None else beside)
-    found: list[Structure] = []
+    structures: list[Structure] = []
     for quantity, place in zip(evidence.observed, evidence.places, strict=True):
         rows = evidence.fit[place]
         if np.count_nonzero(rows) < 8:
             continue
         inside = np.arange(place.start, place.stop)[rows]
-        along = [(rank, of, bases(of, rows)) for rank, of in enumerate(quantity.covariates)]
+        along = [(rank, covariate, bases(covariate, rows)) for rank, covariate in enumerate(quantity.covariates)]
         along += [
-            (rank, of, standing_out(tangents.left[inside], quantity.trial[rows]))
-            for rank, of, _ in along
-            if of.name == ROW_TIME
+            (rank, covariate, standing_out(tangents.left[inside], quantity.trial[rows]))
+            for rank, covariate, _ in along
+            if covariate.name == ROW_TIME
         ]
         for rank, covariate, functions in along:
             best: Structure | None = None
@@ -107,18 +108,18 @@ def adequacy(evidence: Evidence, fit: Fit, beside: Array | None = None) -> Adequ
                     columns[inside] = basis.columns
                     best = Structure(*names, basis.what, p, gain, rank, columns)
             if best is not None:
-                found.append(best)
-    whole = [replace(structure, p=min(1.0, structure.p * len(found))) for structure in found]
-    told = {s.observed for s in whole if s.p < LEVEL and s.what != RUNS_OF_ROWS}
-    # What is a function of something also makes runs of rows stand out, which then tell nothing more.
-    left = [s for s in whole if s.what != RUNS_OF_ROWS or s.observed not in told]
+                structures.append(best)
+    whole = [replace(structure, p=min(1.0, structure.p * len(structures))) for structure in structures]
+    explained = {s.observed for s in whole if s.p < LEVEL and s.what != RUNS_OF_ROWS}
+    # A function of a covariate also makes runs of rows stand out, which then add nothing.
+    left = [s for s in whole if s.what != RUNS_OF_ROWS or s.observed not in explained]
     return Adequacy(tuple(sorted(left, key=lambda s: (s.p, -s.explainable))))
 
 
 class _Tangents:
-    """Directions of all that is fitted, with rows for the priors."""
+    """Directions of all fitted parameters, with rows for the priors."""
 
-    def __init__(self, evidence: Evidence, fit: Fit, beside: Array) -> None:
+    def __init__(self, evidence: Evidence, fit: HypothesisFit, beside: Array) -> None:
         self._evidence = evidence
         self._root = np.where(evidence.fit, np.sqrt(evidence.weight), 0.0)
         z, x = _moved_beside(evidence, fit, beside)
@@ -126,10 +127,10 @@ class _Tangents:
         self._basis = orthonormal(np.concatenate([fit.tangents(self._root), padded], axis=1))
         left = replace(fit, x=x).left(np.clip(z, -CLIP, CLIP), self._root)
         self.left = left - self._basis @ (self._basis.T @ left)
-        """(N + P,), clipped residuals less all that the model could still take, in sigmas and weighed."""
+        """(N + P,), weighted clipped residuals in sigmas without all that the parameters could still explain."""
 
     def test(self, inside: NDArray[np.intp], basis: Basis) -> tuple[float, float]:
-        """p-value of a basis over the samples `inside`, and fall of the cost beyond chance."""
+        """Return the p-value of a basis over the samples `inside`, and the fall of the cost beyond chance."""
         columns = basis.columns * self._root[inside, None]
         taken = self._basis[inside].T @ columns
         combined = beyond(columns, taken)
@@ -147,14 +148,14 @@ class _Tangents:
         return p, max(0.0, explained - k * level)
 
 
-def _moved_beside(evidence: Evidence, fit: Fit, columns: Array) -> tuple[Array, Array]:
-    """Residuals (N,) and coordinates (P,) of a fit beside columns (N, k), both moved to where they explain best.
+def _moved_beside(evidence: Evidence, fit: HypothesisFit, columns: Array) -> tuple[Array, Array]:
+    """Return residuals (N,) and coordinates (P,) of a fit after a joint linear fit of columns (N, k) and coordinates.
 
-    Reweighted for outliers.
+    Outliers are reweighted.
     """
     z, x = fit.z, fit.x
-    for _ in range(REWEIGHTED if columns.shape[1] else 0):
-        root = np.where(evidence.fit, np.sqrt(evidence.weight * robust_weight(z)), 0.0)
+    for _ in range(REWEIGHTINGS if columns.shape[1] else 0):
+        root = root_weights(evidence, z)
         padded = np.concatenate([columns * root[:, None], np.zeros((len(fit.x), columns.shape[1]))])
         both = np.concatenate([padded, fit.tangents(root)], axis=1)
         solved = np.linalg.lstsq(both, fit.left(fit.z, root), rcond=1e-10)[0]
@@ -163,23 +164,25 @@ def _moved_beside(evidence: Evidence, fit: Fit, columns: Array) -> tuple[Array, 
     return z, x
 
 
-def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) -> list[CandidateEffect]:
-    """The effects of a fit that are needed beside a structure that they do not explain, the most needed first.
+def survivors(
+    evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, structure: Structure
+) -> list[CandidateEffect]:
+    """Return the effects of a fit that are needed in addition to an unexplained structure, the most needed first.
 
-    What the nominal model leaves is explained anew, linearly and with the weights of the fit: first by the flexible
-    functions, then by one effect after the other, each at its fitted size, as long as one is needed. An effect of the
-    noise is none of the mean, and falls with the first structure of it.
+    The residuals of the nominal model are explained again, linearly and with the weights of the fit: first by the
+    flexible functions, then by one effect after the other, each at its fitted size, as long as one is needed. An effect
+    of the noise does not change the mean, and is given up with the first structure of the mean.
 
     Args:
-        evidence: What was observed.
-        nominal: Without effects.
-        fit: With the effects.
-        structure: What remains of the fit.
+        evidence: The observations.
+        nominal: The fit without effects.
+        fit: The fit with the effects.
+        structure: Structure in the residuals of the fit.
     """
     drop = nominal.cost - fit.cost
     if drop < EXPLAINED * (drop + structure.explainable):
         return []
-    root = np.where(evidence.fit, np.sqrt(evidence.weight * robust_weight(fit.z)), 0.0)
+    root = root_weights(evidence, fit.z)
     size = nominal.hypothesis.size
     functions = np.concatenate([structure.basis, _functions(evidence, structure)], axis=1)
     flexible = np.concatenate([functions * root[:, None], np.zeros((size, functions.shape[1]))])
@@ -203,32 +206,33 @@ def survivors(evidence: Evidence, nominal: Fit, fit: Fit, structure: Structure) 
 
 
 def _functions(evidence: Evidence, structure: Structure) -> Array:
-    """Any function of the structure's covariate, and of the one that it acts with, in every quantity that has them,
-    for a cause shows in several; (N, k).
+    """Return columns (N, k) for any function of the structure's covariate, and of the one that it acts with.
+
+    They exist for every quantity with these covariates, since a cause shows in several quantities.
     """
-    found = []
+    parts = []
     for quantity, place in zip(evidence.observed, evidence.places, strict=True):
         beside = {covariate.beside for covariate in quantity.covariates if covariate.name == structure.covariate}
         for covariate in quantity.covariates:
             if covariate.name in {structure.covariate, *beside}:
-                of = any_function(covariate, evidence.fit[place])
-                columns = np.zeros((len(evidence.values), of.shape[1]))
-                columns[place] = of
-                found.append(columns)
-    return np.concatenate(found, axis=1)
+                functions = any_function(covariate, evidence.fit[place])
+                columns = np.zeros((len(evidence.values), functions.shape[1]))
+                columns[place] = functions
+                parts.append(columns)
+    return np.concatenate(parts, axis=1)
 
 
-def change_by(evidence: Evidence, nominal: Fit, fit: Fit, effect: CandidateEffect) -> Array:
-    """Of the nominal prediction by one effect at its fitted size, in nominal sigmas (N,); 0 where nothing is fitted."""
+def change_by(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit, effect: CandidateEffect) -> Array:
+    """Return the change (N,) of the nominal prediction by a fitted effect alone, in sigmas; 0 outside the fit."""
     alone = nominal.hypothesis.with_effect(effect)
     x = moved(nominal.x, nominal.hypothesis, alone)
     x[alone.parameters(effect)] = fit.x[fit.hypothesis.parameters(effect)]
-    found = evidence.of([nominal.hypothesis.robot(nominal.x), alone.robot(x)]).mean
-    return np.where(evidence.fit, (found[1] - found[0]) / nominal.sd, 0.0)
+    before, after = evidence.of([nominal.hypothesis.robot(nominal.x), alone.robot(x)]).mean
+    return np.where(evidence.fit, (after - before) / nominal.sd, 0.0)
 
 
 def _fall(residual: Array, change: Array, basis: Array) -> float:
-    """Of the squares, by the best multiple of a change, beside all that is in a basis."""
+    """Return the fall of the squares by the best multiple of a change, in addition to a basis."""
     free = change - basis @ (basis.T @ change)
     square = float(free @ free)
     return float(free @ residual) ** 2 / square if square > 1e-9 * float(change @ change) else 0.0

@@ -1,4 +1,4 @@
-"""Flexible functions of a covariate, as columns: what a residual could look like if nothing were known of its cause."""
+"""Flexible functions of a covariate as columns: the shapes of a residual whose cause is unknown."""
 
 import math
 from collections.abc import Iterator
@@ -15,31 +15,31 @@ KNOTS = 8
 FEW_KNOTS = 4
 FEW_ROWS = 30
 SHARE_OF_SIGN = 0.1
-"""Of the rows, at least, either way, for a covariate with a sign."""
+"""Share of the rows with either sign, from which a covariate counts as signed."""
 SINCE_KNOTS = 16
-"""At times since an event, each as many times later than the one before."""
+"""Knots at times since an event, in geometric progression."""
 HARMONICS = 3
-"""Of a turn, together; the higher ones are looked at one by one."""
+"""Harmonics of a turn that are tested together; higher ones are tested one by one."""
 HIGHEST_HARMONIC = 12
 RADIANS_PER_ROW = 2.0
-"""Of a wave, at most, for the rows to show it: a good third of a cycle."""
+"""Largest phase of a wave from row to row at which the rows show it: about a third of a cycle."""
 RUNS = (4, 6, 8, 12, 16, 24)
-"""Rows that may stand out together."""
+"""Numbers of successive rows that may stand out together."""
 MAX_RUNS = 16
 RUNS_OF_ROWS = "runs of rows"
 ROWS_FOR_RUNS = 60
 JUMPS = 40
-"""Steps at quantiles, among any functions."""
+"""Steps at quantiles, for `any_function`."""
 CATEGORIES = 30
-"""Beyond these, categories are as good as rows."""
+"""Largest number of categories; more are hardly different from single rows."""
 CELLS = 4
-"""Along each side of a place's grid."""
+"""Cells along each side of the grid of a place."""
 MIN_ROWS = 4
-"""That a column must be about."""
+"""Rows in which a column must differ from zero."""
 SCANNED_ROWS = 24
-"""From which waves are looked for."""
+"""Rows from which waves are tested."""
 WAVES_IN_RANGE = (1.5, 40.0)
-"""Of a covariate's range, fewest and most."""
+"""Smallest and largest number of waves within the range of a covariate."""
 
 
 @dataclass(frozen=True)
@@ -48,58 +48,59 @@ class Basis:
 
     columns: Array
     what: str
-    """Such as `trend` or `wave of LENGTH`, for reports."""
+    """Description for reports, such as `trend` or `wave of LENGTH`."""
     tries: int = 1
-    """Bases of which this is one, all looked at."""
+    """Number of bases that are tested, of which this is one."""
 
 
 def bases(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
-    """Of a covariate, over some of its rows."""
+    """Yield the bases of a covariate over some of its rows."""
     values = covariate.values[rows]
     known = np.isfinite(values)
     if np.count_nonzero(known) < 2 * MIN_ROWS:
         return
     if covariate.second is not None:
-        yield from _kept(_grid(values, covariate.second[rows]), "place")
+        yield from _enough(_grid(values, covariate.second[rows]), "place")
     elif covariate.shape is CovariateShape.CATEGORY:
         names = np.unique(values[known])
         if 2 <= len(names) <= CATEGORIES:
-            yield from _kept(np.where(known[:, None], values[:, None] == names, 0.0).astype(float), "category")
+            yield from _enough(np.where(known[:, None], values[:, None] == names, 0.0).astype(float), "category")
     elif covariate.shape is CovariateShape.PERIODIC:
         yield from _turns(covariate, rows)
     else:
-        yield from _kept(_hats(values, known, _quantiles(values[known])), "trend")
+        yield from _enough(_hats(values, known, _quantiles(values[known])), "trend")
         if min(np.mean(values[known] < 0.0), np.mean(values[known] > 0.0)) >= SHARE_OF_SIGN:
-            yield from _kept(_odd(values, known), "trend, either way")
+            yield from _enough(_odd(values, known), "trend, either way")
         if covariate.shape is CovariateShape.SINCE:
-            yield from _kept(_settling(covariate, rows), "settling")
+            yield from _enough(_settling(covariate, rows), "settling")
         yield from _waves(values, known)
 
 
 def any_function(covariate: Covariate, rows: Mask) -> Array:
-    """Columns (n, k) that come near any function of a covariate, jumps and waves too, to stand beside a named effect.
+    """Return columns (n, k) that approximate any function of a covariate, with jumps and waves.
 
-    Over all samples, 0 where the covariate is not known and at rows that are not asked for.
+    They are 0 where the covariate is not known, and outside `rows`.
     """
-    found = [basis.columns for basis in bases(covariate, rows) if basis.tries == 1]
+    parts = [basis.columns for basis in bases(covariate, rows) if basis.tries == 1]
     if covariate.shape in {CovariateShape.SMOOTH, CovariateShape.SINCE} and covariate.second is None:
         values = covariate.values[rows]
         known = np.isfinite(values)
         edges = np.unique(np.quantile(values[known], np.linspace(0.0, 1.0, JUMPS + 1)[1:-1])) if known.any() else []
-        found.append(np.where(known[:, None], values[:, None] >= np.array(edges), 0.0).astype(float))
-    columns = np.zeros((len(rows), sum(part.shape[1] for part in found)))
-    columns[rows] = np.concatenate(found, axis=1) if found else 0.0
+        parts.append(np.where(known[:, None], values[:, None] >= np.array(edges), 0.0).astype(float))
+    columns = np.zeros((len(rows), sum(part.shape[1] for part in parts)))
+    columns[rows] = np.concatenate(parts, axis=1) if parts else 0.0
     return columns
 
 
-def _kept(columns: Array, what: str) -> Iterator[Basis]:
+def _enough(columns: Array, what: str) -> Iterator[Basis]:
+    """Yield the basis of the columns that differ from zero in enough rows."""
     about = np.count_nonzero(np.abs(columns) > 1e-9, axis=0) >= MIN_ROWS
     if about.any():
         yield Basis(columns[:, about], what)
 
 
 def _turns(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
-    """Sines and cosines of an angle: of the first harmonics together, then of each higher one that the rows show."""
+    """Yield sines and cosines of an angle: the first harmonics together, then each higher one that the rows show."""
     values = covariate.values[rows]
     known = np.isfinite(values)
     size = None if covariate.size is None else covariate.size[rows, None]
@@ -111,22 +112,22 @@ def _turns(covariate: Covariate, rows: Mask) -> Iterator[Basis]:
     for orders, what, tries in (lowest, *each):
         angle = np.where(known, values, 0.0)[:, None] * orders
         columns = _where(known, np.concatenate([np.cos(angle), np.sin(angle)], axis=1))
-        for basis in _kept(columns, what):
+        for basis in _enough(columns, what):
             yield replace(basis, tries=tries)
         if size is not None:
-            for basis in _kept(columns * size, f"{what}, times the speed"):
+            for basis in _enough(columns * size, f"{what}, times the speed"):
                 yield replace(basis, tries=tries)
 
 
 def standing_out(left: Array, trial: NDArray[np.int64]) -> Iterator[Basis]:
-    """A few runs of rows whose residuals stand out together: the one that does most, the two, the four, and so on.
+    """Yield bases of runs of rows with large residuals: of the largest run, of the two largest, of four, and so on.
 
-    A single row that stands out is an outlier, as any log has; several in a row have a cause that lasts. Each basis
-    counts as all sets of so many runs, of either sign, of which it is one.
+    A single row that stands out is an outlier, which any log has; several successive ones have a lasting cause. A basis
+    counts as one of all sets of as many runs, with either sign.
 
     Args:
         left: (n,), residuals, clipped.
-        trial: (n,), which trial a row is of; a run lies in one.
+        trial: (n,), trial of each row; a run lies within one trial.
     """
     if len(left) < ROWS_FOR_RUNS:
         return
@@ -153,17 +154,17 @@ def standing_out(left: Array, trial: NDArray[np.int64]) -> Iterator[Basis]:
 
 
 def _where(known: Mask, columns: Array) -> Array:
-    """The columns, 0 in rows where the covariate is not known."""
+    """Return the columns with 0 in rows where the covariate is not known."""
     return np.where(known[:, None], columns, 0.0)
 
 
-def _quantiles(given: Array) -> Array:
-    knots = KNOTS if len(given) >= FEW_ROWS else FEW_KNOTS
-    return np.unique(np.quantile(given, np.linspace(0.0, 1.0, knots)))
+def _quantiles(values: Array) -> Array:
+    knots = KNOTS if len(values) >= FEW_ROWS else FEW_KNOTS
+    return np.unique(np.quantile(values, np.linspace(0.0, 1.0, knots)))
 
 
-def _ever_later(given: Array) -> Array:
-    times = np.unique(given[given > 0.0])
+def _settling_knots(times_s: Array) -> Array:
+    times = np.unique(times_s[times_s > 0.0])
     if len(times) < SINCE_KNOTS:
         return times
     return np.append(0.0, np.geomspace(times[0], times[-1], SINCE_KNOTS))
@@ -173,17 +174,17 @@ def _settling(covariate: Covariate, rows: Mask) -> Array:
     values = covariate.values[rows]
     known = np.isfinite(values)
     size = np.ones(len(values)) if covariate.size is None else covariate.size[rows]
-    return _hats(values, known, _ever_later(values[known])) * np.where(known, size, 0.0)[:, None]
+    return _hats(values, known, _settling_knots(values[known])) * np.where(known, size, 0.0)[:, None]
 
 
 def _odd(values: Array, known: Mask) -> Array:
-    """Of a friction, say, that is against the motion either way: as fine on one side as any function on both."""
+    """Return odd functions, such as a friction against the motion, with all knots on one side."""
     size = np.abs(values)
     return _hats(size, known, _quantiles(size[known])) * np.where(known, np.sign(values), 0.0)[:, None]
 
 
 def _hats(values: Array, known: Mask, places: Array) -> Array:
-    """Linear B-splines on knots."""
+    """Return linear B-splines on knots."""
     if len(places) < 2:
         return np.zeros((len(values), 0))
     at = np.where(known, values, places[0])
@@ -191,7 +192,7 @@ def _hats(values: Array, known: Mask, places: Array) -> Array:
 
 
 def _grid(x: Array, y: Array) -> Array:
-    """Products of hats along both coordinates of a place."""
+    """Return products of linear B-splines along both coordinates of a place."""
     known = np.isfinite(x) & np.isfinite(y)
     sides = []
     for values in (x, y):
@@ -202,14 +203,12 @@ def _grid(x: Array, y: Array) -> Array:
 
 
 def _waves(values: Array, known: Mask) -> Iterator[Basis]:
-    """Sine and cosine of each wavelength that the rows can show."""
-    given = values[known]
-    distinct = len(np.unique(given))
-    reach = float(np.ptp(given))
-    if len(given) < SCANNED_ROWS or distinct < SCANNED_ROWS / 2 or reach <= 0.0:
+    """Yield sine and cosine of each wavelength that the rows can show."""
+    distinct = len(np.unique(values[known]))
+    reach = float(np.ptp(values[known]))
+    if np.count_nonzero(known) < SCANNED_ROWS or distinct < SCANNED_ROWS / 2 or reach <= 0.0:
         return
-    most = min(WAVES_IN_RANGE[1], distinct / 3.0)
-    counts = np.arange(WAVES_IN_RANGE[0], most, 0.5)
+    counts = np.arange(WAVES_IN_RANGE[0], min(WAVES_IN_RANGE[1], distinct / 3.0), 0.5)
     for count in counts.tolist():
         angle = 2.0 * np.pi * count * np.where(known, values, 0.0) / reach
         columns = _where(known, np.stack([np.cos(angle), np.sin(angle)], axis=1))

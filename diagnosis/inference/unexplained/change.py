@@ -1,18 +1,18 @@
-"""Did something change at one moment, and the named effects only stand in for it?
+"""Test whether something changed at one moment, and the named effects are only substitutes for it.
 
-A screw that comes loose or a sensor that is bumped shifts all that follows. Named effects, two or three of them, can
-mimic that so well that hardly any structure remains along time. So the nominal model with a jump competes with them:
-from symolo.core.arrays import Array
-from one moment on each quantity may be off by a constant, by a constant against its sign, and by a share of itself
-(Chow, Econometrica 28 (1960) 591-605, the moment searched for). So may one of the named effects be there from that
-moment on only. If that explains the same rows better, numbers counted, and leaves nothing, what was named is withdrawn.
+A screw that becomes loose or a sensor that is hit shifts all later readings. Two or three named effects can imitate
+that so well that hardly any structure remains along time. So the nominal model with a jump competes with them: from one
+moment on, each quantity may have a constant offset, a constant offset against its sign, and an offset in proportion to
+itself (Chow, Econometrica 28 (1960) 591-605, with a search for the moment). One of the named effects may also be
+present from that moment on only. If this explains the same rows better, with a toll for each parameter, and leaves no
+structure, the named effects are withdrawn.
 """
 
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import Fit
-from diagnosis.inference.likelihood import robust_weight
+from diagnosis.inference.fit import HypothesisFit
+from diagnosis.inference.likelihood import root_weights
 from diagnosis.inference.projection import beyond, orthonormal
 from diagnosis.inference.selection import TOLL, is_of_noise
 from diagnosis.inference.unexplained.adequacy import Structure, adequacy, change_by
@@ -21,23 +21,23 @@ from diagnosis.predictors.base import Covariate, CovariateShape, Observed
 from symolo.core.arrays import Array
 
 TIMES = ("session_time_s", "t_s")
-"""Covariates of the time since a measurement began; of those that a stage has, the first."""
+"""Covariates with the time since a measurement began; the first that a stage has is used."""
 MOMENTS = 40
-"""Tried, at quantiles of the rows."""
-OF_MOMENT = 2
-"""Numbers that the moment counts for, since the best of MOMENTS is taken."""
+"""Number of moments that are tried, at quantiles of the rows."""
+MOMENT_PARAMETERS = 2
+"""Number of parameters as which the moment counts, since the best of MOMENTS is taken."""
 MIN_ROWS = 5
-"""On either side of a moment."""
+"""Rows on either side of a moment."""
 
 
-def change_in_time(evidence: Evidence, nominal: Fit, fit: Fit) -> Structure | None:
-    """A jump that explains more than the effects of a fit; None where there is none, or nothing is named."""
+def change_in_time(evidence: Evidence, nominal: HypothesisFit, fit: HypothesisFit) -> Structure | None:
+    """Return a jump that explains more than the effects of a fit; None if there is none, or the fit has no effects."""
     if not fit.hypothesis.effects:
         return None
-    root = np.where(evidence.fit, np.sqrt(evidence.weight * robust_weight(fit.z)), 0.0)
+    root = root_weights(evidence, fit.z)
     left = fit.left(fit.z * fit.sd / nominal.sd, root)
     numbers = fit.hypothesis.size - nominal.hypothesis.size
-    # Both are compared by the nominal noise, but where another noise is named the rows are worth what that leaves them.
+    # Both models are compared with the nominal noise. If an effect changes the noise, its level scales the squares.
     changes_noise = any(is_of_noise(fit, effect) for effect in fit.hypothesis.effects)
     level = float(left @ left) / np.count_nonzero(root) if changes_noise else 1.0
     named = float(left @ left) / level
@@ -53,7 +53,7 @@ def change_in_time(evidence: Evidence, nominal: Fit, fit: Fit) -> Structure | No
             weighed = columns * root[:, None]
             combined = beyond(weighed, basis[: len(root)].T @ weighed)
             along = combined.T @ (weighed.T @ residual[: len(root)])
-            toll = TOLL * (combined.shape[1] + OF_MOMENT)
+            toll = TOLL * (combined.shape[1] + MOMENT_PARAMETERS)
             squares = float(residual @ residual - along @ along) / level + toll
             if best is None or squares < best[0]:
                 best = squares, moment, columns
@@ -63,11 +63,12 @@ def change_in_time(evidence: Evidence, nominal: Fit, fit: Fit) -> Structure | No
     if not adequacy(evidence, nominal, columns).is_adequate:
         return None
     fallen = [float(((root * nominal.z)[place] ** 2).sum()) for place in evidence.places]
-    most = evidence.observed[int(np.argmax(fallen))]
-    rank, covariate = _along(most, evidence.fit[evidence.places[evidence.observed.index(most)]])
+    largest = int(np.argmax(fallen))
+    observed = evidence.observed[largest]
+    rank, covariate = _along(observed, evidence.fit[evidence.places[largest]])
     return Structure(
-        observed=most.name,
-        channel=most.channel,
+        observed=observed.name,
+        channel=observed.channel,
         covariate=covariate.name,
         what=f"jump at {moment:.4g} s",
         p=0.0,
@@ -77,16 +78,16 @@ def change_in_time(evidence: Evidence, nominal: Fit, fit: Fit) -> Structure | No
     )
 
 
-def _moments(given: Array) -> list[float]:
-    """Times at which something may have changed, with enough rows on either side."""
-    if not len(given):
+def _moments(times_s: Array) -> list[float]:
+    """Return the times at which something may have changed, with enough rows on either side."""
+    if not len(times_s):
         return []
-    tried = np.unique(np.quantile(given, np.linspace(0.0, 1.0, MOMENTS + 2)[1:-1])).tolist()
-    return [t for t in tried if MIN_ROWS <= np.count_nonzero(given >= t) <= len(given) - MIN_ROWS]
+    moments = np.unique(np.quantile(times_s, np.linspace(0.0, 1.0, MOMENTS + 2)[1:-1])).tolist()
+    return [t for t in moments if MIN_ROWS <= np.count_nonzero(times_s >= t) <= len(times_s) - MIN_ROWS]
 
 
 def _along(quantity: Observed, rows: Mask) -> tuple[int, Covariate]:
-    """Time and its rank, or the first covariate that went one way all the time, for which the same can be said."""
+    """Return the first covariate that is time or changed monotonically with it, and its rank."""
     named = {covariate.name: covariate for covariate in quantity.covariates}
     time = next(named[name] for name in TIMES if name in named)
     order = np.argsort(time.values[rows], kind="stable")
@@ -100,16 +101,16 @@ def _along(quantity: Observed, rows: Mask) -> tuple[int, Covariate]:
 
 
 def _time_s(evidence: Evidence) -> Array:
-    """(N,), NaN where a quantity has none."""
-    found = []
+    """Return the time of each sample, (N,); NaN if a quantity has none."""
+    times = []
     for quantity in evidence.observed:
         named = {covariate.name: covariate.values for covariate in quantity.covariates}
-        found.append(next((named[name] for name in TIMES if name in named), np.full(len(quantity.values), np.nan)))
-    return np.concatenate(found)
+        times.append(next((named[name] for name in TIMES if name in named), np.full(len(quantity.values), np.nan)))
+    return np.concatenate(times)
 
 
-def _jump(evidence: Evidence, nominal: Fit, after: Mask) -> Array:
-    """Columns (N, 3 per quantity), in sigmas."""
+def _jump(evidence: Evidence, nominal: HypothesisFit, after: Mask) -> Array:
+    """Return the columns of a jump, (N, 3 per quantity), in sigmas."""
     mean = evidence.values - nominal.z * nominal.sd
     mean = np.where(np.isfinite(mean), mean, 0.0)
     columns = []

@@ -1,8 +1,8 @@
-"""How well a hypothesis predicts rows that nothing was fitted to, where few rows are and none is held out.
+"""Errors of a hypothesis on rows left out of the fit, for a bench with few rows and none held out.
 
-Each row of a bench is left out in turn, all numbers are fitted anew to the others, and the row is predicted (Stone, J.
-Royal Statist. Soc. B 36 (1974) 111-147). The effects are those of the hypothesis: that they were chosen with the row in
-sight makes the figure a little too good, and the less so the fewer were tried.
+Each row is left out in turn, all parameters are fitted again to the others, and the row is predicted (Stone, J. Royal
+Statist. Soc. B 36 (1974) 111-147). The effects stay those of the hypothesis. Since they were selected with all rows,
+the errors are a little too small, the less so the fewer effects were tried.
 """
 
 from collections.abc import Mapping
@@ -11,28 +11,28 @@ from copy import copy
 import numpy as np
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import Fit, fits
+from diagnosis.inference.fit import HypothesisFit, fits
 from symolo.core.arrays import Array
 
 MAX_ROWS = 60
-"""Up to which it is worth its time; more rows can be held out."""
+"""Limit for the computing time; with more rows, some can be held out."""
 
 
-def leave_one_out(evidence: Evidence, fit: Fit) -> Mapping[str, Array]:
-    """What is missed of each row when it is left out, by observed quantity, (n,) in its unit; NaN where not usable.
+def leave_one_out(evidence: Evidence, fit: HypothesisFit) -> Mapping[str, Array]:
+    """Return the error of each row that is left out, (n,) by observed quantity in its unit; NaN where not usable.
 
     Args:
-        evidence: Of one bench, whose quantities have the same rows, none of them held out.
-        fit: Of all rows; its numbers are where each fit begins.
+        evidence: Observations of one bench, whose quantities have the same rows, none of them held out.
+        fit: Fit of all rows, where each fit begins.
 
     Raises:
-        ValueError: There are more than 60 rows, or quantities of different rows.
+        ValueError: There are more than 60 rows, or quantities with different numbers of rows.
     """
-    rows = {len(of.values) for of in evidence.observed}
+    rows = {len(observed.values) for observed in evidence.observed}
     if len(rows) != 1 or max(rows) > MAX_ROWS:
-        raise ValueError(f"quantities of {sorted(rows)} rows, for one number up to {MAX_ROWS}")
+        raise ValueError(f"quantities with {sorted(rows)} rows; all need the same number, at most {MAX_ROWS}")
     (count,) = rows
-    missed = np.full((len(evidence.observed), count), np.nan)
+    errors = np.full((len(evidence.observed), count), np.nan)
     for row in range(count):
         of_row = np.zeros(len(evidence.values), dtype=bool)
         of_row[[place.start + row for place in evidence.places]] = True
@@ -40,8 +40,8 @@ def leave_one_out(evidence: Evidence, fit: Fit) -> Mapping[str, Array]:
             continue
         fewer = copy(evidence)
         fewer.fit = evidence.fit & ~of_row
-        (found,) = fits(fewer, [(fit.hypothesis, fit.x)])
-        mean = evidence.of([found.hypothesis.robot(found.x)]).mean[0]
-        left = np.where(evidence.fit, evidence.values - mean, np.nan)
-        missed[:, row] = [left[place][row] for place in evidence.places]
-    return {of.name: missed[k] for k, of in enumerate(evidence.observed)}
+        (refit,) = fits(fewer, [(fit.hypothesis, fit.x)])
+        mean = evidence.of([refit.hypothesis.robot(refit.x)]).mean[0]
+        residuals = np.where(evidence.fit, evidence.values - mean, np.nan)
+        errors[:, row] = [residuals[place][row] for place in evidence.places]
+    return {observed.name: errors[k] for k, observed in enumerate(evidence.observed)}

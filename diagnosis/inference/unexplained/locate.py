@@ -1,8 +1,8 @@
-"""In which channel does it live, what no name accounts for?
+"""The channel in which an unexplained structure has its cause.
 
-A misfit of one channel pulls at the parameters that it shares with others and leaves structure in those too, often the
-clearer one. The channel is the one without which the nominal model suits all the rest; where there is none such, or
-several, the cause shows in more than one, and the most significant structure stands.
+A misfit of one channel changes the parameters that it shares with other channels and causes structure in those too,
+which is often clearer. The channel is the one without which the nominal model is adequate for all the others. If there
+is none, or several, the cause shows in more than one channel, and the most significant structure comes first.
 """
 
 from diagnosis.inference.evidence.evidence import Evidence
@@ -13,18 +13,18 @@ from diagnosis.inference.unexplained.scatter import with_scatter
 
 
 def located(evidence: Evidence, nominal: Hypothesis, left: Adequacy) -> Adequacy:
-    """What is left, the channel first in which it lives; `nominal` is without effects."""
+    """Return the structures, those of the channel with the cause first; `nominal` has no effects."""
     channels = dict.fromkeys(structure.channel for structure in left.structures if structure.p < LEVEL)
     if len(channels) < 2:
         return left
-    alone = [channel for channel in channels if _suits_without(evidence, nominal, channel)]
+    alone = [channel for channel in channels if _is_adequate_without(evidence, nominal, channel)]
     if len(alone) != 1:
         return left
     (channel,) = alone
     return Adequacy(tuple(sorted(left.structures, key=lambda structure: structure.channel != channel)))
 
 
-def _suits_without(evidence: Evidence, nominal: Hypothesis, channel: str) -> bool:
+def _is_adequate_without(evidence: Evidence, nominal: Hypothesis, channel: str) -> bool:
     others = evidence.without(channel)
     if not others.fit.any():
         return False

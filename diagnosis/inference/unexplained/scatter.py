@@ -1,8 +1,8 @@
-"""Do readings scatter more about the best model than their noise allows, whatever they depend on?
+"""Test whether residuals scatter more than the stated noise allows, whatever they depend on.
 
-With few rows a large misfit has no shape that a test could recognise: it looks like outliers, or like wide noise. Where
-the source states the noise, its level is evidence too. The mean of the clipped squares is held against the chi-square
-distribution, widened for what is normal: some outliers among the rows, and a noise that is not known to the percent.
+With few rows a large misfit has no shape that a test could recognise: it looks like outliers or wide noise. If the
+source states the noise, its level is evidence too. The mean of the clipped squares is compared with the chi-square
+distribution, widened for some outliers among the rows and for a noise that is not known exactly.
 """
 
 from dataclasses import replace
@@ -11,26 +11,26 @@ import numpy as np
 from scipy.special import chdtrc
 
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.fit import Fit
+from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.unexplained.adequacy import CLIP, LEVEL, Adequacy, Structure
 
 WIDENED = 1.5
-"""Of the mean square: one row in twenty an outlier gives 1.4 with squares clipped at 9, a noise 10 % off 1.2."""
+"""Factor on the mean square: one outlier in twenty rows gives 1.4 if squares are clipped at 9, a noise 10 % off 1.2."""
 MIN_ROWS = 8
 
 
-def with_scatter(evidence: Evidence, fit: Fit, left: Adequacy) -> Adequacy:
-    """What is left of a fit, and of quantities without significant structure whether they scatter too much; where they
-    do, along the covariate that tells most.
+def with_scatter(evidence: Evidence, fit: HypothesisFit, left: Adequacy) -> Adequacy:
+    """Return the structures of a fit, and a scatter for each quantity without significant structure that has too much.
 
-    Quantities whose noise is not stated are passed over: theirs was found from such a scatter.
+    A scatter is reported along the best covariate. Quantities without a stated noise are not tested, since their noise
+    was estimated from the residuals.
     """
     tested = [
         (quantity.name, place)
         for quantity, place in zip(evidence.observed, evidence.places, strict=True)
         if quantity.noise_is_stated and np.count_nonzero(evidence.fit[place]) >= MIN_ROWS
     ]
-    found: list[Structure] = []
+    scatters: list[Structure] = []
     for name, place in tested:
         best = next((structure for structure in left.structures if structure.observed == name), None)
         rows = evidence.fit[place]
@@ -41,5 +41,7 @@ def with_scatter(evidence: Evidence, fit: Fit, left: Adequacy) -> Adequacy:
         p = float(chdtrc(degrees, squares / WIDENED)) * len(tested)
         if best is not None and p < LEVEL <= best.p:
             times = np.sqrt(squares / degrees)
-            found.append(replace(best, p=p, what=f"scatter of {times:.1f} times the stated noise"))
-    return Adequacy(tuple(sorted((*found, *left.structures), key=lambda structure: structure.p))) if found else left
+            scatters.append(replace(best, p=p, what=f"scatter of {times:.1f} times the stated noise"))
+    return (
+        Adequacy(tuple(sorted((*scatters, *left.structures), key=lambda structure: structure.p))) if scatters else left
+    )

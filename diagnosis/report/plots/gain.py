@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
-from diagnosis.inference.gain import KEPT
+from diagnosis.inference.gain import KEPT_SHARE
 from diagnosis.measured.noise import mean_of_smallest_squares
 from diagnosis.report.plots.panels import AFTER, BEFORE, CALIBRATED
 from diagnosis.report.report_data import ReportData
@@ -48,4 +48,4 @@ def gain_plot(data: ReportData) -> bytes:
 
 def noise_alone() -> float:
     """Return the error of a perfect model in sigmas: less than 1, since the largest residuals are left out."""
-    return sqrt(mean_of_smallest_squares(KEPT))
+    return sqrt(mean_of_smallest_squares(KEPT_SHARE))

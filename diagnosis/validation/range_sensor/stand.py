@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from configs.effects.robot_effects import RobotEffects
-from configs.schema.arena import ArenaConfig, Line, SurfaceName, Wall
+from configs.schema.arena import ArenaConfig, LineConfig, SurfaceName, WallConfig
 from configs.schema.robot import RobotConfig, TofMount, TofMounts, TofSensor
 from diagnosis.validation.still_world import StillWorld
 from physics.arena.rays import RayScene
@@ -37,15 +37,17 @@ def target(distance_m: float, surface: SurfaceName = "white_board") -> Arena:
 
 def board(
     name: str, x_m: float, left_m: float, thickness_m: float = 0.02, surface: SurfaceName = "white_board"
-) -> Wall:
+) -> WallConfig:
     """Return a board that faces the sensor, from far on its right to `left_m`."""
     start, end = (x_m, -TARGET_HALF_WIDTH_M), (x_m, left_m)
-    return Wall(name=name, start=start, end=end, height_m=TARGET_HEIGHT_M, thickness_m=thickness_m, surface=surface)
+    return WallConfig(
+        name=name, start=start, end=end, height_m=TARGET_HEIGHT_M, thickness_m=thickness_m, surface=surface
+    )
 
 
-def arena_of(*boards: Wall) -> Arena:
+def arena_of(*boards: WallConfig) -> Arena:
     """Return an arena with these boards and nothing else."""
-    return Arena.from_config(ArenaConfig(name="bench", line=Line(), walls=boards))
+    return Arena.from_config(ArenaConfig(name="bench", line=LineConfig(), walls=boards))
 
 
 @dataclass(frozen=True)

@@ -35,6 +35,8 @@ class RunFacts:
     """Number, state and time [s] of each image."""
     path: RunPath | None
     """None if this run is not on a map."""
+    sensor_limits: tuple[Array, ...]
+    """Smallest and largest value (2, columns) of each table of the sensors of `robot.sensors`, without the time."""
 
     @property
     def route(self) -> str:
@@ -67,7 +69,12 @@ def run_facts(run: Run, record: RunRecord, *, with_path: bool) -> RunFacts:
             )
         ),
         path=RunPath(rows.pose, rows.state) if with_path else None,
+        sensor_limits=tuple(_limits(run.side(table.name).to_numpy(dtype=np.float64)) for table in run.sensor_tables),
     )
+
+
+def _limits(table: Array) -> Array:
+    return np.stack([table[:, 1:].min(axis=0), table[:, 1:].max(axis=0)])
 
 
 def fresh(run: Run) -> Run:

@@ -16,7 +16,7 @@ from blender_scenes.render.job import FramePose, RenderJob, build_job
 from blender_scenes.scene.description import Scene, Sky, Sun
 from blender_scenes.scene.meshes import floor
 from blender_scenes.scene.run_scene import describe
-from configs.schema.arena import ArenaConfig, Line, Wall
+from configs.schema.arena import ArenaConfig, LineConfig, WallConfig
 from configs.schema.asset import Asset, ImageLook, SurfaceImages
 from configs.schema.floors import FloorLook
 from configs.schema.lighting import SkyLook
@@ -127,8 +127,8 @@ def test_cycles_shows_the_panorama_from_minus_x_by_plus_y_round(traced, quarter)
 @pytest.fixture(scope="module")
 def job(robot) -> RenderJob:
     """Seen from the side of a wall in the same picture."""
-    wall = Wall(name="W", start=(0.45, -0.7), end=(0.45, 0.7), height_m=0.6, surface="wood")
-    arena = Arena.from_config(ArenaConfig(name="one", line=Line(), walls=(wall,)))
+    wall = WallConfig(name="W", start=(0.45, -0.7), end=(0.45, 0.7), height_m=0.6, surface="wood")
+    arena = Arena.from_config(ArenaConfig(name="one", line=LineConfig(), walls=(wall,)))
     own = IMAGE.model_copy(update={"right_m": 0.0, "up_m": 0.0})
     look = LookConfig(name="own", floor=FLOOR, images=SurfaceImages(wood=own), sky=SkyLook(panorama=HALL_FILE))
     frames = [FramePose(number=1, t_s=0.0, x_m=-0.3, y_m=0.0, yaw_rad=0.0)]
@@ -136,8 +136,8 @@ def job(robot) -> RenderJob:
 
 
 def test_a_wall_with_a_picture_is_to_the_range_sensors_what_it_was(job):
-    wall = Wall(name="W", start=(0.9, -0.7), end=(0.9, 0.7), surface="wood")
-    (box,) = Arena.from_config(ArenaConfig(name="one", line=Line(), walls=(wall,))).boxes
+    wall = WallConfig(name="W", start=(0.9, -0.7), end=(0.9, 0.7), surface="wood")
+    (box,) = Arena.from_config(ArenaConfig(name="one", line=LineConfig(), walls=(wall,))).boxes
     assert box.surface == "wood"
     assert {s.roughness for s in job.scene.surfaces if s.name.startswith("wall_W")} == {1.0}
 
@@ -183,7 +183,7 @@ def _digests(text: str) -> list[str]:
 
 def test_the_window_shines_as_bright_as_the_look_asks_whatever_the_panoramas_scale(robot):
     """A file's unit is anything; 65 % of its mean luminance is what the window's panel has."""
-    arena = Arena.from_config(ArenaConfig(name="none", line=Line()))
+    arena = Arena.from_config(ArenaConfig(name="none", line=LineConfig()))
     shone = []
     for scale in (0.01, 50.0):
         own = HALL_FILE.model_copy(update={"mean_rgb": (0.5 * scale, 0.6 * scale, 0.7 * scale)})

@@ -22,7 +22,7 @@ def test_there_are_samples_and_a_denoiser_for_every_quality_and_a_better_one_tak
     ("width_px", "height_px", "times"), [(640, 480, 1), (1280, 960, 1), (320, 240, 2), (80, 60, 2)]
 )
 def test_a_picture_of_a_quarter_of_the_pixels_takes_twice_the_samples(width_px, height_px, times):
-    """What four times the pixels are worth: docs/render_benchmarks.md. No conclusion is drawn beyond the two sizes."""
+    """What four times the pixels are worth: docs/rendering.md. No conclusion is drawn beyond the two sizes."""
     for name in ("draft", "standard", "high"):
         found = tracing_settings(Render(quality=name, width_px=width_px, height_px=height_px), seed=1)
         assert found.samples == times * QUALITIES[name].samples

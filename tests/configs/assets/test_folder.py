@@ -142,7 +142,7 @@ REFUSED = {
     "number": ("look.floor.image.file=7", "look.floor.image.file: got 7, allowed: the name of a file"),
     "list": ("look.floor.image.file=[grey.png]", "look.floor.image.file"),
     "range": ("look.floor.image.file={uniform: [1, 2]}", "only {choice: [...]} may draw it"),
-    "none for an image": ("look.floor.image.file=null", "look.floor.image.file: missing, for the floor is an image"),
+    "none for an image": ("look.floor.image.file=null", "missing, because the floor is an image"),
     "no such folder": ("look.assets=nowhere", "look.assets: no such folder: got 'nowhere'"),
     "a file for a folder": ("look.assets=trial.yaml", "look.assets: no such folder: got 'trial.yaml'"),
     "no folder": (

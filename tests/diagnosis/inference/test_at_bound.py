@@ -15,7 +15,7 @@ def test_an_effect_that_would_have_to_be_larger_than_it_can_be_is_not_believed(e
         evidence = evidence_of(X, factor * X + SD_A * np.random.default_rng(1).standard_normal(60))
         before, after = (fits(evidence, [(of, of.null())])[0] for of in (hypothesis, model))
         assert is_at_bound(after, gain) == expected
-        assert ("larger than it can be" in refusal(evidence, before, after, gain)) == expected
+        assert ("would exceed its bounds" in refusal(evidence, before, after, gain)) == expected
 
 
 def test_an_amplitude_within_its_error_of_the_end_of_its_range_is_at_that_end(evidence_of, hypothesis, effect):
@@ -39,4 +39,4 @@ def test_an_effect_beside_which_another_would_have_to_be_larger_than_it_can_be_i
     alone, both = hypothesis.with_effect(gain), hypothesis.with_effect(gain).with_effect(offset)
     before, after = (fits(evidence, [(of, of.null())])[0] for of in (alone, both))
     assert not is_at_bound(before, gain)
-    assert refusal(evidence, before, after, offset) == "current_sensor_gain would then have to be larger than it can be"
+    assert refusal(evidence, before, after, offset) == "the size of current_sensor_gain would then exceed its bounds"

@@ -155,7 +155,7 @@ BAD_STEPS = {
     "input missing": (changed(3, 5, ""), "row 3: column u_cmd_V: got ''"),
     "time missing": (changed(3, 4, ""), "row 3: column t_s: got ''"),
     "unknown split": (changed(3, 2, "held"), "row 3: column split: got 'held'.*fit, holdout"),
-    "trial is no number": (changed(3, 1, "1.5"), "row 3: column trial: got 1.5.*whole number"),
+    "trial is no number": (changed(3, 1, "1.5"), "row 3: column trial: got '1.5'.*whole number"),
     "trial comes again": (changed(3, 1, "2"), "row 4: column trial: 1 comes again.*sort"),
     "time repeats": (changed(3, 4, "0.005"), "row 3: column t_s: 0.005 repeats 0.005 of the row above"),
     "time goes back": (changed(4, 4, "0.007"), "row 4: column t_s: 0.007 goes back from 0.01 of the row above"),
@@ -205,7 +205,7 @@ def test_a_bad_log_is_refused_with_file_row_and_column(case, text, fault):
 
 
 def test_a_huge_file_is_refused_before_it_is_read(case, monkeypatch):
-    monkeypatch.setattr("diagnosis.measured.text_file.LARGEST_BYTES", 100)
+    monkeypatch.setattr("symolo.core.text_file.MAX_BYTES", 100)
     assert re.search(r"data.csv: is too large.*split it", refusal(case("motor_step")))
 
 

@@ -1,4 +1,4 @@
-"""The recordings of real robots that docs/real_sets.md names (`-m recordings --recordings=DIR`).
+"""The recordings of real robots that docs/diagnosis_evaluation.md names (`-m recordings --recordings=DIR`).
 
 Expected values are counted with the shell's tools or are those of the sets' own descriptions.
 """

@@ -99,7 +99,9 @@ def test_a_settled_motor_balances_its_torques(carrier):
 
 
 def test_a_bench_without_any_voltage_is_refused_with_what_to_log(carrier):
-    with pytest.raises(InputError, match=r"case: no row has a voltage at the motor.*or the battery's beside the duty"):
+    with pytest.raises(
+        InputError, match=r"case: no row has a voltage at the motor.*the battery's voltage and the duty"
+    ):
         bound(Kind.MOTOR_STEADY, carrier, trial("1", range(3), [math.nan] * 3))
 
 

@@ -13,7 +13,7 @@ from diagnosis.diagnose import NamedEffect, diagnose
 from diagnosis.extended_robot import FILE, VARIED_FILE, _rounded, extended_robot
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
-from diagnosis.inference.fit import Fit
+from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.inference.rivals import RivalComparison
 from physics.drivetrain.motor_bench import steady_states
@@ -42,7 +42,7 @@ def with_effect(diagnosis, name, choices=(), **values):
     hypothesis = Hypothesis(diagnosis.nominal, (), (effect,))
     x = np.array([c.coordinate(values[c.name]) for c in effect.coordinates])
     nothing = np.zeros((len(x), len(diagnosis.evidence.values)))
-    fit = Fit(hypothesis, x, 0.0, nothing[0], nothing[0] + 1.0, nothing, nothing, 1e4 * np.eye(len(x)))
+    fit = HypothesisFit(hypothesis, x, 0.0, nothing[0], nothing[0] + 1.0, nothing, nothing, 1e4 * np.eye(len(x)))
     named = NamedEffect(effect, dict(hypothesis.values(effect, x)), fit.std(effect), RivalComparison(effect, 0.9, ()))
     return replace(diagnosis, fit=fit, named=(named,))
 
@@ -102,7 +102,7 @@ def test_what_no_drive_can_have_is_left_out_and_said(diagnosis_of, loaded, name,
     robot = extended_robot(with_effect(diagnosis_of("plain"), name, choices, **values))
     assert [gone.name for gone in robot.left_out] == [name]
     assert why in robot.left_out[0].why
-    assert f"# LEFT OUT, for no drive can simulate it: {name} (" in robot.text
+    assert f"# LEFT OUT, since no drive can simulate it: {name} (" in robot.text
     assert name not in [effect.name for effect in loaded(robot).effects]
     assert robot.varied_text == ""
 
@@ -123,7 +123,7 @@ def test_a_robot_that_cannot_turn_is_said_to_be_none(diagnosis_of):
     bad = replace(stuck, nominal=stuck.nominal.model_copy(update={"motor": motor}))
     found = extended_robot(with_effect(bad, "viscous_friction_scale", scale=2.0))
     assert "cannot overcome its friction" in found.problem
-    assert "# NOT YET A ROBOT THAT DRIVES: robot.motor.coulomb_friction_N_m" in found.text
+    assert "# THIS ROBOT CANNOT DRIVE YET: robot.motor.coulomb_friction_N_m" in found.text
 
 
 def test_friction_that_was_fitted_below_zero_is_none(diagnosis_of, loaded):
@@ -132,7 +132,7 @@ def test_friction_that_was_fitted_below_zero_is_none(diagnosis_of, loaded):
     below = replace(plain, nominal=plain.nominal.model_copy(update={"motor": motor}))
     robot = extended_robot(with_effect(below, "speed_scale", scale=1.1))
     assert loaded(robot).motor.viscous_friction_N_m_s_rad == 0.0
-    assert "viscous_friction_N_m_s_rad: 0.0  # moved within its bounds; the fit asks for -0.003" in robot.text
+    assert "viscous_friction_N_m_s_rad: 0.0  # moved to its bound; the fitted value is -0.003" in robot.text
 
 
 def test_counts_that_are_no_whole_number_are_rounded_and_said():
@@ -141,7 +141,7 @@ def test_counts_that_are_no_whole_number_are_rounded_and_said():
     encoder = nominal.encoder.model_copy(update={"counts_per_revolution": 2796.8})
     config, moved = _rounded(nominal.model_copy(update={"encoder": encoder}), nominal)
     assert config.encoder.counts_per_revolution == 2797
-    assert moved == {("encoder", "counts_per_revolution"): "the whole number next to 2796.8"}
+    assert moved == {("encoder", "counts_per_revolution"): "the nearest integer to 2796.8"}
 
 
 def test_the_body_is_as_wide_as_its_wheels_stand_apart(diagnosis_of, loaded):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import yaml
 
-from configs.schema.arena import Floor, Line
+from configs.schema.arena import Floor, LineConfig
 from configs.schema.robot import RobotConfig
 from diagnosis.validation.line_sensor.channels import ROBOTS, channels, converter, spread
 from diagnosis.validation.line_sensor.edge import crossing, edge_width_m, edges
@@ -30,7 +30,7 @@ def with_line_sensor(robot, **settings):
 
 
 def test_the_tape_is_that_of_an_arena_that_says_nothing_else():
-    assert Tape() == Tape(Line().width_m, Line().reflectance, Floor().reflectance)
+    assert Tape() == Tape(LineConfig().width_m, LineConfig().reflectance, Floor().reflectance)
 
 
 def test_every_channel_sees_the_edge_as_wide_as_its_spot_says(robot):

@@ -298,7 +298,7 @@ def write(path, text):
         ("x,y,lidr\n0,0,1\n", "row 1: column lidar is missing"),
         (HEADER + "0,0,1,2,300\n0,0,1,2,far\n", "row 3: column lidar: got 'far'"),
         (HEADER + "0,0,1,2,300\n0,0,1,2,nan\n", "row 3: column lidar: got 'nan'"),
-        (HEADER + "0,0,1,2,8190\n", "row 2: column lidar: got 8190"),
+        (HEADER + "0,0,1,2,8190\n", "row 2: column lidar: got '8190', allowed: 0 to 8189"),
         (HEADER + "0,,1,2,300\n", "row 2: column y: got ''"),
         (HEADER + "0,0,1,2,300\n0,0,300\n", "row 3: 3 columns"),
         (HEADER + "0,0,1,2,300\n", "has 1 points"),

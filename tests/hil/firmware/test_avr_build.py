@@ -89,14 +89,14 @@ def test_a_sketch_is_a_folder_with_an_ino_of_its_name_and_all_that_it_includes(n
 
 
 def test_a_sketch_for_students_holds_no_solution(nominal, tmp_path):
-    write_sketch(nominal, tmp_path / "todo", todo=student_tasks())
+    write_sketch(nominal, tmp_path / "todo", exercises=student_tasks())
     names = {path.name for path in (tmp_path / "todo").iterdir()}
     assert "transitions.h" not in names
     assert (tmp_path / "todo" / "student.c").read_text().count("TODO") == len(student_tasks())
 
 
 def test_a_folder_that_is_there_is_not_written_over(nominal, tmp_path):
-    with pytest.raises(InputError, match="is there already; name a new folder"):
+    with pytest.raises(InputError, match="the folder exists; name a new folder"):
         write_sketch(nominal, tmp_path)
 
 
@@ -127,7 +127,7 @@ CORE = '#include "Arduino.h"\nint main()\n{\n    setup();\n    for (;;)\n       
 def test_a_sketch_compiles_as_the_ide_does_it(robot_of, tmp_path, todo):
     """With the flags of the IDE's platform.txt for AVR boards, all warnings on and none let through."""
     sketch = tmp_path / "robot"
-    write_sketch(robot_of("classroom"), sketch, todo=todo)
+    write_sketch(robot_of("classroom"), sketch, exercises=todo)
     (tmp_path / "Arduino.h").write_text(ARDUINO_H)
     (tmp_path / "core.cpp").write_text(CORE)
     (tmp_path / "robot.ino.cpp").write_text("#include <Arduino.h>\n" + (sketch / "robot.ino").read_text())

@@ -38,7 +38,7 @@ def ask(board, framing):
     """Tells the board of a tick, 50 ms after the last one, and returns its commands."""
 
     def commands(frame, seq=1, after_ms=50, noise=b""):
-        found = framing.from_board().feed(board.exchange(noise + framing.sensors(seq, frame), after_ms))
+        found = framing.from_board().decode(board.exchange(noise + framing.sensors(seq, frame), after_ms))
         assert all(isinstance(answer, CommandMessage) for answer in found)
         assert [answer.seq for answer in found] in ([], [seq if framing.numbers_frames else None])
         return [answer.command for answer in found]
@@ -97,7 +97,7 @@ def test_one_good_frame_is_understood_after_any_noise(ask):
 
 def test_bytes_may_come_one_at_a_time(board, framing):
     heard = b"".join(board.exchange(bytes([byte])) for byte in framing.sensors(7, ON_LINE))
-    assert len(framing.from_board().feed(heard)) == 1
+    assert len(framing.from_board().decode(heard)) == 1
 
 
 @pytest.fixture
@@ -108,7 +108,7 @@ def framed(robot, library):
 
 
 def commands(answer):
-    return Framed().from_board().feed(answer)
+    return Framed().from_board().decode(answer)
 
 
 def test_it_says_who_it_is(robot, framed):

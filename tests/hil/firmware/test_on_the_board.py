@@ -30,14 +30,14 @@ def link(robot, pytestconfig):
 @pytest.mark.firmware
 def test_the_board_commands_what_the_library_does_long_before_the_tick_ends(robot, library, random_drive, link):
     drive = random_drive(robot, 600, np.random.Generator(np.random.PCG64(23)))
-    expected, ears = library(robot).drive(drive), FRAMING.from_board()
+    expected, decoder = library(robot).drive(drive), FRAMING.from_board()
     told, answered_at = [], []
     for tick, (counts, line, ranges_mm) in enumerate(zip(drive.counts, drive.line, drive.ranges_mm, strict=True)):
         ranges_m = (range_mm / 1000 if range_mm < 65535 else None for range_mm in ranges_mm)
         frame = SensorFrame(counts, tuple(value / 255 for value in line), *ranges_m, start=tick == 0)
         link.start_tick(0.05)
         link.write(FRAMING.sensors(tick & 0xFF, frame))
-        (answer,) = ears.feed(link.read())
+        (answer,) = decoder.decode(link.read())
         told.append((answer.command.state, answer.command.v_m_s, answer.command.w_rad_s, answer.command.line_lost))
         answered_at.append(link.arrivals[-1])
     assert link.overrun == 0

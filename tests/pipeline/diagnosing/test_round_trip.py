@@ -1,4 +1,4 @@
-"""The tutorial of the round trip: its commands run as they stand there, and the robot found is the hidden one."""
+"""The round trip of docs/diagnosis.md: its commands run as they stand there, and the robot found is the hidden one."""
 
 import json
 import re
@@ -9,14 +9,15 @@ import pytest
 
 from pipeline.cli import main
 
-PAGE = Path(__file__).parents[3] / "docs/round_trip.md"
+PAGE = Path(__file__).parents[3] / "docs/diagnosis.md"
+SECTION = PAGE.read_text().partition("\n## Try it where the answer is known\n")[2].partition("\n## ")[0]
 
 
 @pytest.fixture(scope="module")
 def trip(tmp_path_factory):
     """Where the commands of the page have run."""
     folder = tmp_path_factory.mktemp("trip")
-    commands = re.findall(r"^    symolo (.+)$", PAGE.read_text(), re.MULTILINE)
+    commands = re.findall(r"^    symolo (.+)$", SECTION, re.MULTILINE)
     assert [command.split()[0] for command in commands] == ["simulate", "diagnose", "simulate", "diagnose"]
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)

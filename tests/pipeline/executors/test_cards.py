@@ -42,7 +42,9 @@ def two_cards(monkeypatch):
 @pytest.mark.parametrize("part", [None, "1/1"])
 def test_workers_take_the_cards_in_turn_and_none_for_the_processor(monkeypatch, part):
     given = []
-    monkeypatch.setattr("pipeline.executors.local.run_units", lambda *_, of_slots, **__: given.append(of_slots) or [])
+    monkeypatch.setattr(
+        "pipeline.executors.local.run_units", lambda *_, **options: given.append(options["slot_environments"]) or []
+    )
     for device in ("OPTIX", "CPU"):
         chosen(4, None, part, None).on(device).do(_units(Path()), lambda *_: None)
     assert given == [({SEEN: "0"}, {SEEN: "1"}), ()]
@@ -50,7 +52,7 @@ def test_workers_take_the_cards_in_turn_and_none_for_the_processor(monkeypatch, 
 
 def test_of_four_workers_two_see_each_of_two_cards_and_what_replaces_one_sees_its_card(tmp_path):
     command, cards = (sys.executable, "-c", WORKER), [{SEEN: "0"}, {SEEN: "1"}]
-    assert run_units(_units(tmp_path, 4), 4, lambda *_: None, command=command, of_slots=cards) == []
+    assert run_units(_units(tmp_path, 4), 4, lambda *_: None, command=command, slot_environments=cards) == []
     assert sorted(path.read_text() for path in tmp_path.iterdir()) == ["0 0 ", "0 0 ", "1 1 ", "1 1 "]
 
 

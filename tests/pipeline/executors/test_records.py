@@ -4,7 +4,7 @@ from pathlib import Path
 
 from pipeline.executors import chosen
 from pipeline.executors.ray import UnitRecord
-from pipeline.work.supervisor import SetAside
+from pipeline.work.supervisor import FrameGivenUp
 from pipeline.work.units import RenderUnit
 
 UNIT = RenderUnit(name="CW/test_1", work="images", job=Path(), folder=Path(), numbers=(1, 2), threads=1)
@@ -17,5 +17,5 @@ def test_a_frame_that_was_given_up_is_told_before_the_end_of_its_block(pretended
     assert [(failure.unit, failure.text) for failure in failures] == [(UNIT, "image 1 was given up")]
     (first, given_up), (last, end) = heard
     assert first == last == UNIT
-    assert given_up == SetAside("image 1 was given up")
+    assert given_up == FrameGivenUp("image 1 was given up")
     assert end.kind == "finished"

@@ -11,8 +11,9 @@ from pathlib import Path
 import pytest
 
 from pipeline.work.supervisor import Retried, run_units
-from pipeline.work.units import Failed, Finished, Progress, RenderUnit
-from pipeline.work.worker_process import Limits, limits_of, memory_of
+from pipeline.work.units import Progress, RenderUnit
+from pipeline.work.worker_process import Limits, limits_of
+from symolo.core.child_process import Failed, Finished, memory_of
 from symolo.core.errors import EnvironmentLacking
 
 WORKER = r"""

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from configs.schema.arena import Wall
+from configs.schema.arena import WallConfig
 from symolo.arena.footprints import Rectangle, outlines_overlap, overlap, swept, wall_footprint
 
 
@@ -15,7 +15,7 @@ def rectangle(center, size, yaw_deg):
 
 def test_a_wall_lies_to_the_right_of_its_face():
     """A face from (1, 1) to (1, 3) points along +y; its body is 0.2 thick towards +x."""
-    rectangle = wall_footprint(Wall(name="W", start=(1.0, 1.0), end=(1.0, 3.0), thickness_m=0.2))
+    rectangle = wall_footprint(WallConfig(name="W", start=(1.0, 1.0), end=(1.0, 3.0), thickness_m=0.2))
     expected = [(1.0, 1.0), (1.0, 3.0), (1.2, 1.0), (1.2, 3.0)]
     np.testing.assert_allclose(sorted(np.round(rectangle.corners(), 12).tolist()), expected, atol=1e-12)
 

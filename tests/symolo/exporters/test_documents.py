@@ -26,10 +26,10 @@ def here(random_release, tmp_path, monkeypatch):
     Path(RELEASE).symlink_to(random_release(1, annotated=True).root)
 
 
-def test_help_readme_and_page_name_every_format(symolo):
+def test_help_and_pages_name_every_format(symolo):
     names = ", ".join(exporter.name for exporter in EXPORTERS)
     assert names in " ".join(re.sub(r"[^a-z0-9, ]", " ", symolo("export", "--help").out).split())
-    assert names in (ROOT / "README.md").read_text()
+    assert names in (DOCS / "commands.md").read_text()
     page = (DOCS / "exports.md").read_text()
     assert re.findall(r"^## (\w+)$", page, re.MULTILINE) == names.split(", ")
     overview = page.partition("\n## ")[0]

@@ -24,15 +24,15 @@ def draws(root):
 
 def test_each_draw_has_the_values_of_the_runs_and_the_distribution_of_the_scenario(painted):
     found, data = draws(painted(settings=ASKED))
-    specs = [run.spec for run in data]
+    specs = [run.specification for run in data]
     assert found["look.sun.elevation_deg"].distribution == Uniform(20, 40)
-    assert found["look.sun.elevation_deg"].values == tuple(spec.look.sun.elevation_deg for spec in specs)
+    assert found["look.sun.elevation_deg"].values == tuple(spec["look"]["sun"]["elevation_deg"] for spec in specs)
     assert found["robot.chassis.mass_kg"].distribution == LogUniform(0.9, 1.1)
-    assert found["robot.chassis.mass_kg"].numbers == tuple(spec.robot.chassis.mass_kg for spec in specs)
+    assert found["robot.chassis.mass_kg"].numbers == tuple(spec["robot"]["chassis"]["mass_kg"] for spec in specs)
     materials = found["look.floor.material"]
     assert (materials.distribution, materials.numbers) == (Choice(("parquet", "linoleum")), None)
     assert sum(count for _, count in materials.counts) == len(specs)
-    assert set(found) >= set(specs[0].drawn) - {"start.x_m", "start.y_m", "start.yaw_deg"}
+    assert set(found) >= set(specs[0]["drawn"]) - {"start.x_m", "start.y_m", "start.yaw_deg"}
 
 
 def test_what_a_route_asks_for_is_its_own(painted):

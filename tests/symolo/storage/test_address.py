@@ -80,7 +80,7 @@ def test_without_the_library_the_extra_is_named(symolo, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "obstore", None)
     ended = symolo("download", "s3://bucket/x", "--out", tmp_path / "out")
     assert ended.code == 5
-    assert 'pip install "symolo[cloud]"' in ended.err
+    assert "pip install 'symolo[cloud]'" in ended.err
 
 
 def test_a_server_that_is_not_there_is_told_in_a_line_without_the_key(symolo, tmp_path, monkeypatch):

@@ -7,12 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
-from diagnosis.measured.text_file import number, read_text
-from diagnosis.validation.range_sensor.recordings.columns import range_mm
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
+from symolo.core.table import NumberColumn, cells_of, table_of
+from symolo.core.text_file import read_text
 
-COLUMNS = ("x", "y", "lidar")
+MAX_RANGE_MM = 8189.0
+"""Largest range [mm]; the device's codes for "no target" begin above."""
+COLUMNS = (NumberColumn("x"), NumberColumn("y"), NumberColumn("lidar", low=0.0, high=MAX_RANGE_MM))
 MIN_POINTS = 20
 MIN_READINGS = 3
 
@@ -41,24 +43,16 @@ def read_scan(path: Path) -> ScanRecording:
         InputError: A column or a number is missing or wrong, or points differ in how many readings they have; the
             message names file, row and column.
     """
-    lines = read_text(path).lines
-    header = [name.strip() for name in lines[0].split(",")]
-    for name in COLUMNS:
-        if name not in header:
-            raise InputError(
-                f"column {name} is missing", where=f"{path}: row 1", got=header, nearest=nearest(name, header)
-            )
-    x, y, lidar = (header.index(name) for name in COLUMNS)
-    rows = []
-    for row, line in enumerate(lines[1:], start=2):
-        cells = line.split(",")
-        if len(cells) != len(header):
-            raise InputError(
-                f"{len(cells)} columns", where=f"{path}: row {row}", allowed=f"{len(header)}, as in the header"
-            )
-        place = number(cells[x], path, row, "x"), number(cells[y], path, row, "y")
-        rows.append((*place, range_mm(cells[lidar], path, row, "lidar")))
-    return _grouped(rows, path)
+    text = read_text(path)
+    header = cells_of(text.lines[0])
+    for column in COLUMNS:
+        if column.name not in header:
+            close = nearest(column.name, header)
+            raise InputError(f"column {column.name} is missing", where=f"{path}: row 1", got=header, nearest=close)
+    places = [header.index(column.name) for column in COLUMNS]
+    table = table_of(text, COLUMNS, places, first=1).checked()
+    rows = zip(*(table.numbers[column.name].tolist() for column in COLUMNS), strict=True)
+    return _grouped(list(rows), path)
 
 
 def _grouped(rows: Sequence[tuple[float, float, float]], path: Path) -> ScanRecording:

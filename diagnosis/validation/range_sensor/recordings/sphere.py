@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from diagnosis.validation.range_sensor.stand import HEIGHT_M
-from physics.arena.rays import Hits
+from physics.arena.rays import RayHits
 from symolo.core.arrays import Array
 
 BALL, BOARD = 1, 2
@@ -25,7 +25,7 @@ class BallScene:
     z_m: float = HEIGHT_M
     """Height of the ball's centre."""
 
-    def cast(self, origins: Array, ends: Array) -> Hits:
+    def cast(self, origins: Array, ends: Array) -> RayHits:
         """Return hits, where surface 1 is the ball and 2 the board behind it; no ray meets the floor."""
         step = ends - origins
         from_centre = origins - (self.nearest_m + self.radius_m, self.y_m, self.z_m)
@@ -42,4 +42,4 @@ class BallScene:
         outward = (from_centre + fraction[:, None] * step) / self.radius_m
         towards = np.where(on_board[:, None], (-1.0, 0.0, 0.0), 0.0)
         surface = np.where(on_ball, BALL, np.where(on_board, BOARD, -1))
-        return Hits(fraction, surface, np.where(on_ball[:, None], outward, towards))
+        return RayHits(fraction, surface, np.where(on_ball[:, None], outward, towards))

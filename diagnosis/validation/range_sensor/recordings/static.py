@@ -5,15 +5,16 @@ from pathlib import Path
 
 import numpy as np
 
-from diagnosis.measured.text_file import number, read_text
 from diagnosis.validation.experiment import ExperimentResult, Table
 from diagnosis.validation.panels import Curve, Panel
 from diagnosis.validation.range_sensor.recordings.allan import allan_deviation, group_lengths
-from diagnosis.validation.range_sensor.recordings.columns import range_mm
+from diagnosis.validation.range_sensor.recordings.scan import MAX_RANGE_MM
 from diagnosis.validation.range_sensor.stand import SensorOnStand, closed_form, target
 from diagnosis.validation.still_world import StillWorld
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.table import NumberColumn, number, table_of
+from symolo.core.text_file import read_text
 from symolo.pages.plotting import BLACK, BLUE, VERMILION
 
 MIN_READINGS = 1000
@@ -41,7 +42,8 @@ def read_rest_recording(path: Path) -> RestRecording:
     Raises:
         InputError: The file has another form; the message names file, row and column.
     """
-    lines = read_text(path).lines
+    text = read_text(path)
+    lines = text.lines
     if len(lines) < 3 + MIN_READINGS:
         allowed = f"3 rows of header and at least {MIN_READINGS} readings"
         raise InputError(f"has {len(lines)} rows", where=str(path), allowed=allowed)
@@ -49,15 +51,15 @@ def read_rest_recording(path: Path) -> RestRecording:
     logging_s = _positive(lines[1], "Logging time", path, 2)
     if lines[2].strip() != "d":
         raise InputError("column 1", where=f"{path}: row 3", got=lines[2].strip(), allowed="the name d")
-    readings = np.array([range_mm(text, path, row, "d") for row, text in enumerate(lines[3:], start=4)])
-    return RestRecording(rate_hz, logging_s, readings)
+    readings = table_of(text, (NumberColumn("d", low=0.0, high=MAX_RANGE_MM),), (0,), first=3).checked()
+    return RestRecording(rate_hz, logging_s, readings.numbers["d"])
 
 
 def _positive(line: str, name: str, path: Path, row: int) -> float:
     label, comma, text = line.partition(",")
     if not comma or label.strip() != name:
         raise InputError("column 1", where=f"{path}: row {row}", got=label.strip(), allowed=f"{name},<number>")
-    value = number(text, path, row, "2")
+    value = number(text, "2", f"{path}: row {row}")
     if value <= 0.0:
         raise InputError("column 2", where=f"{path}: row {row}", got=value, allowed="more than 0")
     return value

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from configs.effects.registry import effect_classes
-from diagnosis.inference.evidence.whole_runs import FEWEST_RUNS, WholeRuns, fitted_to_whole_runs
+from diagnosis.inference.evidence.whole_runs import MIN_RUNS, WholeRuns, fitted_to_whole_runs
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, deviated
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
@@ -95,4 +95,4 @@ def test_wheels_within_tolerance_are_none(bare):
 
 
 def test_few_runs_tell_nothing_of_their_scatter(bare):
-    assert fitted_to_whole_runs(measured(FEWEST_RUNS - 1), bare, bare.null(), ()) is None
+    assert fitted_to_whole_runs(measured(MIN_RUNS - 1), bare, bare.null(), ()) is None

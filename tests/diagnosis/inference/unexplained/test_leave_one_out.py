@@ -39,5 +39,5 @@ def test_more_rows_than_it_is_for_are_refused(evidence_of, hypothesis):
     x = np.ones(MAX_ROWS + 1)
     evidence = evidence_of(x, x)
     (fit,) = fits(evidence, [(hypothesis, hypothesis.null())])
-    with pytest.raises(ValueError, match="up to 60"):
+    with pytest.raises(ValueError, match="at most 60"):
         leave_one_out(evidence, fit)

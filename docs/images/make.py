@@ -1,0 +1,248 @@
+"""Make every image of README.md and docs, except those of docs/reference, from a small release that it makes itself.
+
+python docs/images/make.py WORKSPACE [--only strip run annotations arenas preview baselines diagnosis]
+
+WORKSPACE is a folder for datasets and other files that are not kept; a second run continues from what is there.
+The same code on the same class of processor writes the same images.
+"""
+
+import argparse
+import shutil
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import cv2
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from PIL import Image
+
+import symolo
+from configs.draw import draw_run
+from configs.loader import load_scenario
+from pipeline.cli import main as symolo_command
+from symolo.arena.geometry import Arena
+
+HERE = Path(__file__).parent
+EXAMPLES = HERE.parents[1] / "tests/fixtures/gap_examples"
+SCENARIO = """\
+extends: symolo
+name: images
+routes:
+  - {name: CW, start: {x_m: 0.55, y_m: -0.20, yaw_deg: -90}, runs: 1}
+rates: {camera_hz: 2}
+stop: {lap: false, time_limit_s: 37.5}
+render: {width_px: 320, height_px: 240, annotations: [depth, semantic, normals, flow]}
+robot: robot.yaml
+look: {extends: classroom, line: tape, floor: {material: parquet}}
+"""
+ROBOT = """\
+extends: nominal
+name: nominal_looking_ahead
+camera: {pitch_down_deg: 14}  # sees more of the room than the shipped robot does
+"""
+LOOKS = {"classroom": 24, "lab": 3, "atelier": 31, "garage": 43, "night": 14, "extreme": 62}
+"""The looks of the strip, each with the number of the image of the run whose place it shows."""
+ANNOTATED_IMAGE = 25
+RANDOM_ARENAS = 5
+ROBOT_M = (0.20, 0.17)
+"""Length and width at which the robot is drawn from above."""
+RANGES = {"d_f": "front", "d_l": "left", "d_r": "right"}
+"""Columns of data.csv, with the name of the sensor."""
+NO_TARGET_M = 1.3
+"""A range beyond this one is not drawn."""
+COLOURS = {0: "#1f77b4", 1: "#2ca02c", 2: "#2ca02c", 3: "#9467bd", 4: "#9467bd", 5: "#ff7f0e", 6: "#ff7f0e"}
+STATES = {0: "follows the line", 1: "follows a wall", 2: "follows a wall", 3: "turns", 4: "turns"}
+FRAMES_PER_S = 8
+"""Of the animation; images are taken at 2 Hz, so it runs at four times the speed."""
+
+
+def strip(workspace: Path) -> None:
+    """Write one image of each shipped look, side by side; each is rendered at another place of the run."""
+    run = _run(workspace)
+    tiles = []
+    for look, number in LOOKS.items():
+        folder = workspace / f"strip_{look}"
+        source = workspace / f"strip_{look}.csv"
+        _save_rows(workspace / "release/CW/test_1/data.csv", run.image(number).row, source)
+        settings = ("--set", "render.width_px=320", "--set", "render.height_px=240")
+        robot = workspace / "robot.yaml"
+        _command("rerender", source, "--look", look, "--robot", robot, "--camera-hz", 5, "--out", folder, *settings)
+        tiles.append(cv2.imread(str(folder / "images/000001.jpg")))
+    _save_jpeg("looks.jpg", np.hstack([cv2.resize(tile, (240, 180), interpolation=cv2.INTER_AREA) for tile in tiles]))
+
+
+def _save_rows(source: Path, first_row: int, path: Path) -> None:
+    """Write the rows of one image at 5 Hz as a data.csv."""
+    lines = source.read_text().splitlines()
+    path.write_text("\n".join([lines[0], *lines[1 + first_row : 5 + first_row]]) + "\n")
+
+
+def animation(workspace: Path) -> None:
+    """Write what the camera sees beside the floor from above, with path and ranges so far."""
+    run = _run(workspace)
+    arena = Arena.from_config(run.spec.arena)
+    frames = []
+    for image in run.images:
+        view = Image.fromarray(image.pixels())
+        above = _from_above(arena, run, image.row)
+        frame = Image.new("RGB", (view.width + above.width, view.height), "white")
+        frame.paste(view, (0, 0))
+        frame.paste(above, (view.width, 0))
+        frames.append(frame)
+    frames[0].save(
+        HERE / "run.webp", save_all=True, append_images=frames[1:], duration=round(1000 / FRAMES_PER_S), loop=0,
+        quality=72, method=4,
+    )  # fmt: skip
+
+
+def _from_above(arena: Arena, run: symolo.Run, row: int) -> Image.Image:
+    figure = Figure(figsize=(2.4, 2.4), dpi=100)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 0.92))
+    _draw_arena(axes, arena)
+    rows = run.rows.iloc[: row + 1]
+    axes.plot(rows["x"], rows["y"], color="#1f77b4", linewidth=1.2)
+    here = rows.iloc[-1]
+    place, heading_rad = np.array([here["x"], here["y"]]), float(here["theta"])
+    turn = np.array([[np.cos(heading_rad), np.sin(heading_rad)], [-np.sin(heading_rad), np.cos(heading_rad)]])
+    for column, sensor in RANGES.items():
+        if here[column] < NO_TARGET_M:
+            mount = getattr(run.spec.robot.tof.mounts, sensor)
+            along = np.array([np.cos(np.radians(mount.yaw_deg)), np.sin(np.radians(mount.yaw_deg))])
+            beam = np.array([mount.x_m, mount.y_m]) + np.outer([0.0, here[column]], along)
+            axes.plot(*(place + beam @ turn).T, color="#d62728", linewidth=0.9)
+    state = int(here["state"])
+    corners = 0.5 * np.array(ROBOT_M) * [[1, 1], [-1, 1], [-1, -1], [1, -1]]
+    axes.fill(*(place + corners @ turn).T, facecolor=COLOURS.get(state, "#d62728"), edgecolor="black", linewidth=0.6)
+    axes.set(xlim=(-1.05, 0.85), ylim=(-1.2, 1.05), aspect="equal")
+    axes.axis("off")
+    what = STATES.get(state, "avoids an obstacle" if state in {5, 6} else "searches the line")
+    figure.text(0.03, 0.93, f"{run.t_s[row]:4.1f} s   {what}", fontsize=7)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    return Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+
+
+def _draw_arena(axes: Axes, arena: Arena) -> None:
+    for left, right in arena.line.edges():
+        axes.fill(*np.concatenate([left, right[::-1]]).T, color="black", linewidth=0.8)
+    for box in arena.boxes:
+        colour = "#8a8a8a" if box.kind == "wall" else "#c7a06a"
+        axes.fill(*box.footprint().T, facecolor=colour, edgecolor="black", linewidth=0.4)
+
+
+def annotations(workspace: Path) -> None:
+    """Write one image beside its depth, semantic mask, normals and optical flow."""
+    image = _run(workspace).image(ANNOTATED_IMAGE)
+    depth_m = image.annotation("depth").astype(float) / 10_000
+    shades = (255 * (1 - np.clip(depth_m / 2.0, 0, 1))).astype(np.uint8)
+    depth = np.where((depth_m > 0)[..., None], cv2.applyColorMap(shades, cv2.COLORMAP_VIRIDIS)[..., ::-1], 0)
+    classes = image.annotation("semantic")
+    palette = np.array([[130, 180, 235], [200, 200, 190], [20, 20, 20], [200, 120, 60], [150, 90, 170], [110, 130, 110],
+                        [90, 90, 90]], dtype=np.uint8)  # fmt: skip
+    normals = (image.annotation("normals") // 257).astype(np.uint8)
+    flow = image.annotation("flow").astype(float)
+    flow_px = np.where(flow[..., 2:] == 1, (flow[..., :2] - 32768) / 64, 0.0)
+    angle_deg = np.degrees(np.arctan2(flow_px[..., 1], flow_px[..., 0])) % 360
+    length = np.clip(np.hypot(*np.moveaxis(flow_px, -1, 0)) / 25, 0, 1)
+    hsv = np.stack([angle_deg / 2, 255 * length, np.full_like(length, 255)], axis=-1).astype(np.uint8)
+    tiles = [image.pixels(), depth.astype(np.uint8), palette[classes], normals, cv2.cvtColor(hsv, cv2.COLOR_HSV2RGB)]
+    _save_jpeg("annotations.jpg", np.hstack([cv2.resize(tile, (240, 180)) for tile in tiles])[..., ::-1])
+
+
+def arenas(_workspace: Path) -> None:
+    """Write random arenas from above, each with the start of its run."""
+    figure = Figure(figsize=(2.4 * RANDOM_ARENAS, 2.4), dpi=100)
+    scenario = load_scenario("random_arenas", ())
+    for number in range(1, RANDOM_ARENAS + 1):
+        spec = draw_run(scenario, "Lap", number)
+        axes = figure.add_axes(((number - 1) / RANDOM_ARENAS, 0.0, 1 / RANDOM_ARENAS, 1.0))
+        _draw_arena(axes, Arena.from_config(spec.arena))
+        start = spec.start
+        axes.plot(start.x_m, start.y_m, marker="o", color="#1f77b4", markersize=5)
+        axes.set_aspect("equal")
+        axes.margins(0.04)
+        axes.axis("off")
+    figure.savefig(HERE / "arenas.png", metadata={"Software": None})
+
+
+def preview(workspace: Path) -> None:
+    """Write the sheet of a preview."""
+    sheet = workspace / "preview.jpg"
+    _command("preview", "symolo", "-n", 12, "--look", "classroom,lab,night,garage", "--out", sheet)
+    pixels = cv2.imread(str(sheet))
+    scale = 1200 / pixels.shape[1]
+    _save_jpeg("preview.jpg", cv2.resize(pixels, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA))
+
+
+def baselines(workspace: Path) -> None:
+    """Write the plot of localisation methods on a worn robot."""
+    _command("simulate", "symolo", "--set", "robot=worn", "--set", "routes.0.runs=1", "--set", "routes.1.runs=1",
+             "--out", workspace / "worn")  # fmt: skip
+    _remake("baselines", workspace / "worn", workspace / "worn_baselines")
+    _save_smaller("baselines.png", workspace / "worn_baselines/baselines.png", 1000)
+
+
+def diagnosis(workspace: Path) -> None:
+    """Write the plot of the misfit from the diagnosis of a motor on a bench."""
+    _remake("diagnose", EXAMPLES / "motor_steady_002", workspace / "diagnosis")
+    _save_smaller("diagnosis.png", workspace / "diagnosis/plots/current_A.png", 1200)
+
+
+def _remake(command: str, source: Path, out: Path) -> None:
+    shutil.rmtree(out, ignore_errors=True)
+    _command(command, source, "--out", out)
+
+
+def _save_smaller(name: str, source: Path, width_px: int) -> None:
+    with Image.open(source) as image:
+        height_px = round(image.height * width_px / image.width)
+        smaller = image.convert("RGB").resize((width_px, height_px), Image.Resampling.LANCZOS)
+    smaller.quantize(64, dither=Image.Dither.NONE).save(HERE / name, optimize=True)
+
+
+def _save_jpeg(name: str, pixels: np.ndarray) -> None:
+    cv2.imwrite(str(HERE / name), pixels, [cv2.IMWRITE_JPEG_QUALITY, 82])
+
+
+@cache
+def _run(workspace: Path) -> symolo.Run:
+    """Return the run that most images show, after releasing it."""
+    scenario = workspace / "images.yaml"
+    scenario.write_text(SCENARIO)
+    (workspace / "robot.yaml").write_text(ROBOT)
+    _command("release", scenario, "--out", workspace / "release")
+    return symolo.load(workspace / "release")["CW/test_1"]
+
+
+def _command(*words: object) -> None:
+    code = symolo_command([str(word) for word in words])
+    if code:
+        raise SystemExit(f"symolo {' '.join(map(str, words))}: exit code {code}")
+
+
+IMAGES: dict[str, Callable[[Path], None]] = {
+    "strip": strip,
+    "run": animation,
+    "annotations": annotations,
+    "arenas": arenas,
+    "preview": preview,
+    "baselines": baselines,
+    "diagnosis": diagnosis,
+}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("workspace", type=Path)
+    parser.add_argument("--only", nargs="+", choices=IMAGES, default=list(IMAGES))
+    arguments = parser.parse_args()
+    arguments.workspace.mkdir(parents=True, exist_ok=True)
+    for name in arguments.only:
+        IMAGES[name](arguments.workspace.resolve())
+
+
+if __name__ == "__main__":
+    main()

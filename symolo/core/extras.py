@@ -1,0 +1,48 @@
+"""Packages that not every installation has: which extra of symolo brings each, and how to install it."""
+
+from importlib import import_module
+from types import ModuleType
+
+from symolo.core.errors import EnvironmentLacking
+
+EXTRA_OF = {
+    "bpy": "generate",
+    "pybullet": "generate",
+    "pybullet_data": "generate",
+    "scipy": "generate",
+    "serial": "generate",
+    "h5py": "export",
+    "pyarrow": "export",
+    "rosbags": "export",
+    "obstore": "cloud",
+    "ray": "cluster",
+}
+"""Extra of symolo by the name under which a package is imported."""
+
+
+def how_to_install(extra: str) -> str:
+    """Return what to type for an extra, whether or not an index of packages has symolo."""
+    commands = (
+        f"`pip install '.[{extra}]'` in the folder of its sources, or `pip install 'symolo[{extra}]'` from an index"
+    )
+    return f"install symolo with the extra `{extra}`: {commands}"
+
+
+def extra_is_missing(package: str) -> EnvironmentLacking:
+    """Return the error for a package of an extra that is not installed."""
+    return EnvironmentLacking(f"the package {package} is missing; {how_to_install(EXTRA_OF[package])}")
+
+
+def optional_module(module: str) -> ModuleType:
+    """Return a module of an extra.
+
+    Raises:
+        EnvironmentLacking: The extra is not installed.
+    """
+    package = module.partition(".")[0]
+    try:
+        return import_module(module)
+    except ModuleNotFoundError as error:
+        if error.name != package:
+            raise
+        raise extra_is_missing(package) from None

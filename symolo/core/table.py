@@ -1,0 +1,271 @@
+"""The one reader of CSV tables: known columns, finite numbers, and each fault with its row and column.
+
+Reading never stops at a fault, so that a verification can list all of them; `CsvTable.checked` raises the first.
+"""
+
+import re
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import inf, isfinite, nan
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symolo.core.arrays import Array
+from symolo.core.errors import InputError, nearest, shown
+from symolo.core.text_file import LineFault, TextFile, read_text
+
+_NO_NUMBER = re.compile(r"[-+]?(nan|inf(inity)?)|null|none|na|n/a|-|#n/a", re.IGNORECASE)
+_SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "spaces"}
+_DECIMAL_COMMA = re.compile(r"[-+]?[0-9]+,[0-9]+")
+
+
+@dataclass(frozen=True)
+class NumberColumn:
+    """A column of finite numbers."""
+
+    name: str
+    may_be_empty: bool = False
+    """Whether cells may be empty, which reads as NaN."""
+    is_whole: bool = False
+    low: float = -inf
+    high: float = inf
+    """Smallest and largest allowed value."""
+
+
+@dataclass(frozen=True)
+class WordColumn:
+    """A column of words."""
+
+    name: str
+    allowed: tuple[str, ...] = ()
+    """Words that may stand in it; empty for any word."""
+    may_be_empty: bool = False
+
+
+TableColumn = NumberColumn | WordColumn
+
+
+@dataclass(frozen=True)
+class CsvTable:
+    """The content of a table."""
+
+    path: Path
+    row: NDArray[np.int64]
+    """(N,), number of each row in the file, from 1 with the header."""
+    numbers: Mapping[str, Array]
+    """(N,) for each column of numbers, NaN where a cell is empty."""
+    words: Mapping[str, tuple[str, ...]]
+    """(N,) for each column of words."""
+    notes: tuple[str, ...]
+    """What was unusual and read all the same, in one sentence each."""
+    faults: tuple[LineFault, ...] = ()
+
+    def where(self, i: int) -> str:
+        """Return the place of a row for a message."""
+        return f"{self.path}: row {self.row[i]}"
+
+    def checked(self) -> "CsvTable":
+        """Return the table.
+
+        Raises:
+            InputError: It has a fault.
+        """
+        if self.faults:
+            raise self.faults[0].error(self.path)
+        return self
+
+
+def read_csv(path: Path, columns: Sequence[TableColumn]) -> CsvTable:
+    """Read a log whose first row names these columns, in any order.
+
+    Raises:
+        InputError: The file has a fault; the message of the first one names file, row and column.
+    """
+    text = read_text(path)
+    header = cells_of(text.lines[0])
+    check_header(header, [column.name for column in columns], path)
+    places = [header.index(column.name) for column in columns]
+    return table_of(text, columns, places, first=1, is_log=True).checked()
+
+
+def cells_of(line: str, separator: str = ",") -> list[str]:
+    """Return the cells of a line without the spaces around them."""
+    return [cell.strip() for cell in line.split(separator)]
+
+
+def check_header(header: Sequence[str], names: Sequence[str], path: Path) -> None:
+    """Refuse a header that does not have exactly these names, in any order.
+
+    Raises:
+        InputError: A column is unknown, missing or there twice, or row 1 is no header.
+    """
+    if fault := header_fault(header, names):
+        raise fault.error(path)
+
+
+def header_fault(
+    header: Sequence[str], names: Sequence[str], separator: str = ",", *, is_ordered: bool = False
+) -> LineFault | None:
+    """Return what is wrong with a header that must have exactly these names; `is_ordered` means in this order."""
+    allowed = f"allowed: {separator.join(names)}"
+    if len(header) == 1 and len(names) > 1:
+        other = next((mark for mark in _SEPARATORS if mark != separator and mark in header[0]), "")
+        cure = f"separate columns with {_SEPARATORS[separator]}, not with {other!r}" if other else "add a header line"
+        return LineFault(1, f"one column: got {shown(header[0])}, {allowed}", cure)
+    if all(isfinite(number_of(name)) for name in header):
+        return LineFault(1, f"no header: got {shown(separator.join(header))}, {allowed}")
+    for name in header:
+        if name not in names:
+            return _unknown_column(name, header, names, allowed)
+    for name in names:
+        if header.count(name) > 1:
+            return LineFault(1, f"column {name} is there twice", "keep one of them")
+    for name in names:
+        if name not in header:
+            cure = "add it, with empty cells if it was not logged"
+            return LineFault(1, f"column {name} is missing: got {shown(list(header))}", cure)
+    if is_ordered and list(header) != list(names):
+        return LineFault(1, f"columns in another order; {allowed}", "put them in this order")
+    return None
+
+
+def _unknown_column(name: str, header: Sequence[str], names: Sequence[str], allowed: str) -> LineFault:
+    missing = [column for column in names if column not in header]
+    close = nearest(name, missing) or nearest(name, names)
+    cure = "remove it"
+    if close and "_" in name and close.rpartition("_")[0] == name.rpartition("_")[0]:
+        cure = f"convert it to {close.rpartition('_')[2]} and rename it"
+    elif close in missing:
+        cure = "rename it"
+    hint = f"; did you mean {close}" if close else ""
+    return LineFault(1, f"column {name[:40]} is not known; {allowed}{hint}", cure)
+
+
+def table_of(
+    text: TextFile,
+    columns: Sequence[TableColumn],
+    places: Sequence[int],
+    *,
+    first: int,
+    separator: str = ",",
+    may_break: bool = False,
+    is_log: bool = False,
+) -> CsvTable:
+    """Return the table below a header, with all of its faults.
+
+    Args:
+        text: The file.
+        columns: What to read.
+        places: Index of each column among the cells of a row.
+        first: Index of the first line below the header.
+        separator: Between cells.
+        may_break: Whether a row with too few cells is left out with a note: logs of a serial line have broken rows.
+        is_log: Whether each row may end with one more separator, and the last row may lack its line end.
+    """
+    width = len(text.lines[first - 1].rstrip(separator).split(separator)) if first else max(places) + 1
+    both = list(zip(columns, places, strict=True))
+    numbers = [(column, place) for column, place in both if isinstance(column, NumberColumn)]
+    words = [(column, place) for column, place in both if isinstance(column, WordColumn)]
+    values: list[list[float]] = []
+    texts: list[list[str]] = []
+    rows, notes, faults = [], list(text.notes), []
+    for row, line in enumerate(text.lines[first:], first + 1):
+        cells = line.split(separator)
+        if may_break and len(cells) < width:
+            notes.append(f"{text.path.name}: row {row} is broken and left out")
+            continue
+        if is_log and len(cells) == width + 1 and not cells[-1].strip():
+            cells.pop()
+        if len(cells) != width:
+            faults.append(_width_fault(row, len(cells), width))
+            continue
+        try:
+            if is_log and row == len(text.lines) and not text.is_whole:
+                notes.append(_loose_end(cells, numbers, text))
+            values.append([_number(cells[place], column) for column, place in numbers])
+            texts.append([_word(cells[place].strip(), column) for column, place in words])
+        except InputError as error:
+            faults.append(LineFault(row, str(error)))
+        rows.append(row)
+    if not rows and not faults:
+        faults.append(LineFault(0, "has no rows below the header", "log again, or leave it out"))
+    of_numbers = np.array([] if faults else values, np.float64).reshape(-1, len(numbers))
+    return CsvTable(
+        text.path,
+        np.array([] if faults else rows, np.int64),
+        {column.name: of_numbers[:, k].copy() for k, (column, _) in enumerate(numbers)},
+        {column.name: () if faults else tuple(row[k] for row in texts) for k, (column, _) in enumerate(words)},
+        tuple(notes),
+        tuple(faults),
+    )
+
+
+def _width_fault(row: int, count: int, width: int) -> LineFault:
+    cut_off, surplus = "the row is cut off: remove it", "remove the surplus cells; decimals take a point"
+    return LineFault(row, f"{count} columns; allowed: {width}", cut_off if count < width else surplus)
+
+
+def _loose_end(cells: list[str], numbers: Sequence[tuple[NumberColumn, int]], text: TextFile) -> str:
+    """Empty the last cell of a file without a last line end, because nobody knows how it goes on, and return a note."""
+    last = len(cells) - 1
+    for column, place in numbers:
+        if place == last and column.may_be_empty:
+            cells[last] = ""
+            return (
+                f"{text.path.name} has no line end after its last row: the cell in column {column.name} may be cut "
+                "off and is taken for missing; add a line end if it is whole"
+            )
+    what = "has no line end: the file may be cut off"
+    raise InputError(what, cure="add a line end if the row is whole, or remove the row")
+
+
+def number_of(text: str) -> float:
+    """Return a number as written in plain digits; NaN for anything else."""
+    try:
+        return float(text) if text.isascii() and "_" not in text else nan
+    except ValueError:
+        return nan
+
+
+def number(text: str, column: str, where: str, allowed: str = "a number") -> float:
+    """Return a finite number from a cell of this column.
+
+    Raises:
+        InputError: It is none.
+    """
+    value = number_of(text)
+    if not isfinite(value):
+        text = text.strip()
+        cure = "leave the cell empty where nothing was measured" if _NO_NUMBER.fullmatch(text) else ""
+        cure = "write decimals with a point" if _DECIMAL_COMMA.fullmatch(text) else cure
+        raise InputError(f"column {column}", where=where, got=text, allowed=allowed, cure=cure)
+    return value
+
+
+def _number(cell: str, column: NumberColumn) -> float:
+    if column.may_be_empty and not cell.strip():
+        return nan
+    value = number(cell, column.name, "", "a number or an empty cell" if column.may_be_empty else "a number")
+    if not column.low <= value <= column.high:
+        raise InputError(f"column {column.name}", got=cell.strip(), allowed=f"{column.low:g} to {column.high:g}")
+    if column.is_whole and not value.is_integer():
+        raise InputError(f"column {column.name}", got=cell.strip(), allowed="a whole number")
+    return value
+
+
+def _word(cell: str, column: WordColumn) -> str:
+    """Return the column's own copy of the word where it has one, so that a long file holds each of them once."""
+    for word in column.allowed:
+        if word == cell:
+            return word
+    if column.allowed:
+        close = nearest(cell, column.allowed)
+        raise InputError(
+            f"column {column.name}", got=cell, allowed=f"one of {', '.join(column.allowed)}", nearest=close
+        )
+    if not cell and not column.may_be_empty:
+        raise InputError(f"column {column.name}", got=cell, allowed="a word")
+    return sys.intern(cell)

@@ -1,0 +1,216 @@
+"""side/spec.json as a reader needs it: the fields that tables, cameras, maps and exports depend on, and no others.
+
+The file holds every number that the run was made from. A section can also be filled from any object with the same
+attributes, so that the program that makes a run hands over its own specification.
+"""
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from symolo.dataset.annotations import AnnotationName
+
+Point2 = tuple[float, float]
+Positive = Annotated[float, Field(gt=0)]
+
+
+class SpecSection(BaseModel):
+    """A part of spec.json whose further fields are left out."""
+
+    model_config = ConfigDict(extra="ignore", frozen=True, from_attributes=True, allow_inf_nan=False)
+
+
+class StraightSection(SpecSection):
+    kind: Literal["straight"]
+    start: Point2
+    end: Point2
+
+
+class ArcSection(SpecSection):
+    kind: Literal["arc"]
+    center: Point2
+    radius_m: float
+    start_deg: float
+    end_deg: float
+
+
+class LineSection(SpecSection):
+    width_m: float
+    reflectance: float
+    pieces: tuple[Annotated[StraightSection | ArcSection, Field(discriminator="kind")], ...]
+
+
+class FloorSection(SpecSection):
+    half_extent_m: float
+    reflectance: float
+
+
+class WallSection(SpecSection):
+    name: str
+    start: Point2
+    end: Point2
+    height_m: float
+    thickness_m: float
+    surface: str
+
+
+class WaypointSection(SpecSection):
+    t_s: float
+    offset: Point2
+    turn_deg: float
+
+
+class MotionSection(SpecSection):
+    repeat: Literal["once", "loop", "back_and_forth"]
+    waypoints: tuple[WaypointSection, ...]
+
+
+class ObstacleSection(SpecSection):
+    name: str
+    center: Point2
+    size: tuple[float, float, float]
+    yaw_deg: float
+    surface: str
+    motion: MotionSection | None = None
+
+
+class ArenaSection(SpecSection):
+    name: str
+    floor: FloorSection
+    line: LineSection
+    walls: tuple[WallSection, ...]
+    obstacles: tuple[ObstacleSection, ...]
+
+
+class ChassisSection(SpecSection):
+    length_m: float
+    width_m: float
+    base_height_m: float
+
+
+class DriveSection(SpecSection):
+    wheel_diameter_m: Positive
+    track_m: Positive
+
+
+class EncoderSection(SpecSection):
+    counts_per_revolution: int = Field(gt=0)
+
+
+class LineSensorSection(SpecSection):
+    x_m: float
+    height_m: float
+
+
+class TofMountSection(SpecSection):
+    x_m: float
+    y_m: float
+    z_m: float
+    yaw_deg: float
+    pitch_up_deg: float
+
+
+class TofMountsSection(SpecSection):
+    front: TofMountSection
+    left: TofMountSection
+    right: TofMountSection
+
+
+class TofSection(SpecSection):
+    mounts: TofMountsSection
+    field_of_view_deg: float
+    min_range_m: float
+    max_range_m: float
+    no_target_m: float
+
+
+class DistortionSection(SpecSection):
+    k1: float
+    k2: float
+    p1: float
+    p2: float
+    k3: float
+
+
+class CameraSection(SpecSection):
+    x_m: float
+    y_m: float
+    height_above_base_m: float
+    pitch_down_deg: float
+    yaw_left_deg: float
+    roll_deg: float
+    focal_length_mm: Positive
+    sensor_width_mm: Positive
+    principal_point_right_mm: float
+    principal_point_down_mm: float
+    distortion: DistortionSection
+    read_out_s: float
+
+
+class RobotSection(SpecSection):
+    name: str
+    chassis: ChassisSection
+    drive: DriveSection
+    encoder: EncoderSection
+    line_sensor: LineSensorSection
+    tof: TofSection
+    camera: CameraSection
+
+
+class LookCameraSection(SpecSection):
+    exposure_time_s: float
+
+
+class LookSection(SpecSection):
+    camera: LookCameraSection
+
+
+class RenderSection(SpecSection):
+    width_px: int = Field(gt=0)
+    height_px: int = Field(gt=0)
+    annotations: tuple[AnnotationName, ...] = ()
+
+
+class StartSection(SpecSection):
+    x_m: float
+    y_m: float
+    yaw_deg: float
+
+
+class RatesSection(SpecSection):
+    physics_hz: int
+    wheel_loop_hz: int
+    control_hz: int
+    camera_hz: int
+
+
+class BoardSection(SpecSection):
+    kind: str
+
+
+class ImagingDocument(SpecSection):
+    """What decides how images are taken."""
+
+    robot: RobotSection
+    look: LookSection
+    render: RenderSection
+
+
+class RunDocument(ImagingDocument):
+    """The content of spec.json."""
+
+    scenario: str
+    seed: int
+    route: str
+    run: int
+    start: StartSection
+    rates: RatesSection
+    arena: ArenaSection
+    board: BoardSection | None = None
+    drawn: dict[str, float | int | str | bool]
+    """Every value that was drawn for the run, by its field path in this document."""
+
+    @property
+    def key(self) -> str:
+        """Folder of the run in its dataset, for example `CW/test_1`."""
+        return f"{self.route}/test_{self.run}"

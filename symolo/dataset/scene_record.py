@@ -1,0 +1,55 @@
+"""side/scene.json: what a run's scene has beyond its look, drawn by a seed of the run's own."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from symolo.dataset.metadata import Record
+from symolo.dataset.side_reading import read_record
+
+SCENE = "scene.json"
+
+
+class PieceRecord(Record):
+    """A piece of furniture; a piece for which there was no free place is left out."""
+
+    name: str
+    """Kind of the piece and its number among the kind's, from 0."""
+    x_m: float
+    y_m: float
+    """Middle of the ground that the piece covers; of a hanging piece, its middle on the wall's face."""
+    yaw_rad: float
+    """Angle from +x of W to the piece's width; its back is 90 deg further."""
+    size_m: tuple[float, float]
+    """Width and depth of that ground, as seen from the front; of a hanging piece, twice as deep as it protrudes."""
+    z_m: tuple[float, float]
+    """Lowest and highest point."""
+    numbers: dict[str, Any]
+    """What was drawn for the piece, by the names of its kind; a colour is reflectance, hue_deg, saturation."""
+
+
+class SceneRecord(Record):
+    """The content of scene.json."""
+
+    seed: int
+    """Seed of patterns, stains, dust, wear, lifted edges, the spread of paint, and noise."""
+    mains_phase_rad: float
+    """Lamps that flicker shine as 1 + depth cos(4 pi mains_hz t + this), t from the run's start."""
+    furniture: tuple[PieceRecord, ...]
+
+    def to_json(self) -> bytes:
+        """Return the text of the file, with a line for each piece."""
+        pieces = [json.dumps(piece.model_dump(mode="json"), sort_keys=True) for piece in self.furniture]
+        listed = "[\n    " + ",\n    ".join(pieces) + "\n  ]" if pieces else "[]"
+        head = f'"mains_phase_rad": {json.dumps(self.mains_phase_rad)},\n  "seed": {self.seed}'
+        return f'{{\n  "furniture": {listed},\n  {head}\n}}\n'.encode()
+
+
+def read_scene_record(path: Path) -> SceneRecord:
+    """Return what `to_json` wrote.
+
+    Raises:
+        OSError: There is no such file.
+        ValueError: It is damaged; the text is one line.
+    """
+    return read_record(path, SceneRecord)

@@ -1,0 +1,155 @@
+"""The walk-throughs of CONTRIBUTING.md work as they stand there, performed on a copy of the packages."""
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from configs.effects.registry import load_effect_file, unload_effect_file
+
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "CONTRIBUTING.md").read_text()
+PACKAGES = ("configs", "physics", "sensors", "hil", "diagnosis", "blender_scenes", "pipeline", "symolo")
+BLOCK = re.compile(r"^```(\w+)\n# (\S+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+NEW_FILES = {name: text for kind, name, text in BLOCK.findall(PAGE) if kind == "python"}
+
+
+@dataclass(frozen=True)
+class Walk:
+    """What one section of the page says to do."""
+
+    folder: Path
+    """The copy, with every block of the section in its place."""
+    commands: tuple[str, ...]
+    """Words after `symolo`, in the order of the page."""
+
+    def symolo(self, *arguments: str) -> str:
+        """Return what the command prints; it must end with exit code 0."""
+        program = "import sys; from pipeline.cli import main; sys.exit(main())"
+        done = subprocess.run(
+            [sys.executable, "-P", "-c", program, *arguments],
+            cwd=self.folder,
+            env={**os.environ, "PYTHONPATH": str(self.folder)},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    def type_commands(self, *more: str) -> str:
+        """Return what the section's commands print, with some settings added that make them small."""
+        return "".join(self.symolo(*shlex.split(command), *more) for command in self.commands)
+
+
+def _section(title: str) -> str:
+    return PAGE.partition(f"\n## {title}\n")[2].partition("\n## ")[0]
+
+
+def _apply(folder: Path, kind: str, name: str, text: str) -> None:
+    path = folder / name
+    if kind != "diff":
+        assert not path.exists(), f"{name} is there already"
+        path.write_text(text)
+        return
+    content = path.read_text()
+    for hunk in text.split("@@\n"):
+        old = "".join(line[1:] for line in hunk.splitlines(keepends=True) if line[0] != "+")
+        new = "".join(line[1:] for line in hunk.splitlines(keepends=True) if line[0] != "-")
+        assert content.count(old) == 1, f"{name}: these lines are there {content.count(old)} times:\n{old}"
+        content = content.replace(old, new)
+    path.write_text(content)
+
+
+@pytest.fixture
+def walk(tmp_path):
+    def follow(title: str) -> Walk:
+        for package in PACKAGES:
+            shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
+        section = _section(title)
+        blocks = BLOCK.findall(section)
+        assert blocks, f"CONTRIBUTING.md has no section {title!r} with blocks"
+        for kind, name, text in blocks:
+            _apply(tmp_path, kind, name, text)
+        return Walk(tmp_path, tuple(re.findall(r"^    symolo (.+)$", section, re.MULTILINE)))
+
+    return follow
+
+
+def test_an_effect_acts_and_is_looked_for(walk):
+    effect = walk("An effect")
+    effect.type_commands()
+    effect.symolo("simulate", "smoke", "--set", "stop.time_limit_s=5", "--out", "bare")
+    ripple, bare = (
+        np.load(effect.folder / out / ".stages/simulate/CCW/test_1/trajectory.npz")["series/tof_m/m/values"]
+        for out in ("ripple", "bare")
+    )
+    assert 0.001 < np.nanmax(np.abs(ripple[0] - bare[0])) < 0.022  # the first row: the robot has not moved yet
+    assert "tof_ripple" in (effect.folder / "ripple-diagnosis/report.html").read_text()
+
+
+def test_the_class_of_the_page_is_loaded_from_any_file(tmp_path):
+    path = tmp_path / "tof_ripple.py"
+    path.write_text(NEW_FILES["sensors/effects/tof_ripple.py"])
+    effect = load_effect_file(path)
+    assert effect.name == "tof_ripple"
+    unload_effect_file(path)
+
+
+def test_a_material_is_described_previewed_and_rendered(walk):
+    material = walk("A material")
+    material.type_commands("--width-px", "32")
+    assert (material.folder / "felt.jpg").stat().st_size > 0
+    program = (
+        "from blender_scenes.materials import FLOORS; from blender_scenes.materials.base import Patch;"
+        "from blender_scenes.scene.typical import typical_color; from configs.schema.floors import FloorLook;"
+        "print(typical_color(FLOORS['felt'](FloorLook(), Patch('floor', (1.0, 1.0), 1))))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", program],
+        cwd=material.folder,
+        env={**os.environ, "PYTHONPATH": str(material.folder)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    red, green, blue = (float(number) for number in done.stdout.strip("()\n").split(","))
+    assert 0.1 < green < 0.3  # the default paint reflects 0.2
+    assert blue > red  # and is bluish
+
+
+def test_an_export_format_is_listed_and_written(walk, dataset):
+    exporter = walk("An export format")
+    (exporter.folder / "smoke-dataset").symlink_to(dataset)
+    exporter.type_commands()
+    lines = (exporter.folder / "exported/jsonl/poses.jsonl").read_text().splitlines()
+    images = sorted((exporter.folder / "exported/jsonl/images").rglob("*.jpg"))
+    assert len(lines) == len(images) == len(list(dataset.glob("*/*/images/*.jpg")))
+
+
+def test_an_importer_recognises_and_reads_its_log(walk):
+    printed = walk("An importer").type_commands()
+    assert re.search(r"omega_rad_s", printed)
+    assert "6 rows" in printed
+
+
+def test_a_robot_is_read_and_drives(walk):
+    robot = walk("A robot")
+    printed = robot.type_commands()
+    assert "2 of 2 runs" in printed
+    assert '"track_m": 0.12' in (robot.folder / "small/.stages/simulate/CW/test_1/spec.json").read_text()
+
+
+@pytest.mark.parametrize("name", NEW_FILES)
+def test_ruff_finds_nothing_in_the_code_of_the_page(name):
+    for options in (["check"], ["format", "--check"]):
+        call = [sys.executable, "-m", "ruff", *options, "--no-cache", "--stdin-filename", str(ROOT / name), "-"]
+        done = subprocess.run(call, input=NEW_FILES[name], capture_output=True, text=True, check=False, cwd=ROOT)
+        assert done.returncode == 0, done.stdout + done.stderr
