@@ -54,5 +54,5 @@ def save_page(captioned: Mapping[str, Sequence[Picture]], columns: int, path: Pa
     if not captioned:
         raise SystemExit("no such caption")
     cells = [Cell(np.vstack(own), (caption,)) for caption, own in captioned.items()]
-    width_px = cells[0].picture.shape[1]
+    width_px = cells[0].image.shape[1]
     save(stacked([row(cells[i : i + columns], width_px) for i in range(0, len(cells), columns)]), path)

@@ -1,1 +1,1 @@
-"""What is asked: strict YAML scenarios, their schema, and the draw that turns distributions into numbers."""
+"""Strict YAML scenarios, their schema, and the draws that turn distributions into numbers."""

@@ -270,7 +270,7 @@ def _body_faults(robot: RobotConfig) -> Iterator[ConfigFault]:
 
 def _look_faults(look: LookConfig) -> Iterator[ConfigFault]:
     if look.floor.material == "image" and look.floor.image.file is None:
-        cure = "name a picture in the folder of look.assets, or choose another look.floor.material"
+        cure = "name an image in the folder of look.assets, or choose another look.floor.material"
         yield ConfigFault(("look", "floor", "image", "file"), "missing, because the floor is an image", cure=cure)
     max_sill_m = look.room.height_m - LINTEL_M - MIN_WINDOW_M
     if look.window.sill_m > max_sill_m + 1e-9:

@@ -42,7 +42,7 @@ STREAM_NAMES = (
         f"min_{name}": f"least_{name}"
         for name in ("bend_radius_m", "decoy_m", "obstacle_m", "obstacles", "wall_clearance_m")
     }
-    | {"effects": "effects"}
+    | {"effects": "terms"}
 )
 """Parts of field paths that have another name in the keys of random streams, so that a seed gives the same numbers as
 before version 0.2.0 renamed them."""

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.measurement import Kind, Measurement
+from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.predictors import STAGES
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
@@ -22,7 +22,7 @@ from symolo.core.errors import InputError
 CHANNELS = ("u_left_V", "u_right_V", "tof_front_m", "tof_left_m", "tof_right_m")
 """Channels that are compared as logged, in addition to what the stages observe."""
 MIN_SAMPLES = 10
-"""With fewer samples, nothing is compared."""
+"""Least number of samples for a comparison."""
 BLOCKS = 12
 """Blocks of a log whose medians give the standard error of its median."""
 MAX_STANDARD_ERRORS = 2.0
@@ -160,10 +160,10 @@ def compare_with_dataset(measured: Measurement, release: Measurement, nominal: R
 
 def check_drive(measurement: Measurement, argument: str) -> None:
     """Raise InputError if a measurement is no drive, so that it cannot be compared with a dataset."""
-    if measurement.kind is not Kind.DRIVE_LOG:
+    if measurement.kind is not CaseKind.DRIVE_LOG:
         cure = "name a log of a driving robot; a dataset has no data of a motor or sensor on a bench"
         what = f"{argument} is data of kind {measurement.kind}"
-        raise InputError(what, where=measurement.name, allowed=Kind.DRIVE_LOG, cure=cure)
+        raise InputError(what, where=measurement.name, allowed=CaseKind.DRIVE_LOG, cure=cure)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.candidates import Candidates, candidates
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.evidence.noise_level import combined, found_noises, is_open
+from diagnosis.inference.evidence.noise_level import combined, estimated_noises, is_open
 from diagnosis.inference.evidence.rounding import with_shared_rounding
 from diagnosis.inference.evidence.whole_runs import fitted_to_whole_runs
 from diagnosis.inference.fit import HypothesisFit, at, fits
@@ -23,7 +23,7 @@ from diagnosis.inference.unexplained.adequacy import Adequacy, Structure, adequa
 from diagnosis.inference.unexplained.change import change_in_time
 from diagnosis.inference.unexplained.locate import located
 from diagnosis.inference.unexplained.scatter import with_scatter
-from diagnosis.measured.measurement import Kind, Measurement
+from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import KnownWheels
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import Nuisance, command_timing, nuisances
@@ -141,7 +141,7 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     library = candidates(measurement, evidence, bare)
     selection = select(evidence, bare, library.testable)
     # Residuals without the effects were correlated for longer than the noise, so that rows had too little weight.
-    updated = _with_found_noises(evidence, selection.fit)
+    updated = _with_estimated_noises(evidence, selection.fit)
     if np.any(updated.weight > MAX_WEIGHT_RATIO * evidence.weight):
         evidence, selection = updated, select(updated, bare, library.testable, selection)
     left = adequacy(evidence, selection.fit)
@@ -183,12 +183,12 @@ def _evidence(stages: Sequence[Stage], bare: Hypothesis) -> Evidence:
     rounds = NOISE_ROUNDS if evidence.fit.any() else 0
     for _ in range(rounds if any(is_open(observed) for observed in evidence.observed) else 0):
         (fit,) = fits(evidence, [(bare, bare.null())])
-        evidence = _with_found_noises(evidence, fit)
+        evidence = _with_estimated_noises(evidence, fit)
     return evidence
 
 
-def _with_found_noises(evidence: Evidence, fit: HypothesisFit) -> Evidence:
-    return Evidence(evidence.stages, combined(evidence, found_noises(evidence, fit)))
+def _with_estimated_noises(evidence: Evidence, fit: HypothesisFit) -> Evidence:
+    return Evidence(evidence.stages, combined(evidence, estimated_noises(evidence, fit)))
 
 
 def check_kind(measurement: Measurement) -> None:
@@ -214,7 +214,7 @@ def _spreads(measurement: Measurement, robot: RobotConfig) -> tuple[Nuisance, ..
     """Return the nuisances that the measurement states, or else the usual ones."""
     if measurement.nominal is not None:
         return nuisances(measurement.nominal)
-    return (*usual(robot), command_timing()) if measurement.kind is Kind.DRIVE_LOG else usual(robot)
+    return (*usual(robot), command_timing()) if measurement.kind is CaseKind.DRIVE_LOG else usual(robot)
 
 
 def _left(evidence: Evidence, selection: Selection, left: Adequacy) -> Adequacy:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from diagnosis.measured.measurement import Kind, Measurement
+from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.predictors.motor_steady import MotorSteady
 from diagnosis.predictors.motor_step import MotorStep
@@ -60,11 +60,11 @@ def _predicted(part: str, inputs: Measurement, robot: RobotConfig) -> Columns:
             return dict(zip(PLACE, path.T, strict=True))
         case "tof", _ if isinstance(inputs.nominal, NominalDrive):
             return _of_stage(Ranges(inputs, inputs.nominal, robot), robot)
-        case _, Kind.MOTOR_STEADY:
+        case _, CaseKind.MOTOR_STEADY:
             return _of_stage(MotorSteady(inputs, robot), robot)
-        case _, Kind.MOTOR_STEP:
+        case _, CaseKind.MOTOR_STEP:
             return _of_stage(MotorStep(inputs, robot), robot)
-        case _, Kind.TOF_BENCH:
+        case _, CaseKind.TOF_BENCH:
             return _of_stage(TofBenchStage(inputs, robot), robot)
     raise ValueError(f"no stage predicts {part} of {inputs.kind}")
 

@@ -15,10 +15,10 @@ from pipeline.commands import checks, hil, maintenance, stages, validate
 from pipeline.commands.baselines import baselines
 from pipeline.commands.diagnose import diagnose
 from pipeline.commands.export import export
+from pipeline.commands.identify_camera import identify_camera
 from pipeline.commands.measurements import measured
 from pipeline.commands.model import model
 from pipeline.commands.pack import pack
-from pipeline.commands.pictures import pictures
 from pipeline.commands.preview import preview
 from pipeline.commands.report import report
 from pipeline.commands.storage import download, upload
@@ -76,7 +76,7 @@ def command_line() -> typer.Typer:
         app.command(rich_help_panel="Look at data, machine and format")(command)
     for command in (maintenance.status, maintenance.repair, maintenance.bag, export, pack, upload, download):
         app.command(rich_help_panel="Keep data whole")(command)
-    for command in (measured, diagnose, pictures):
+    for command in (measured, diagnose, identify_camera):
         app.command(rich_help_panel="Understand measured data")(command)
     validation = typer.Typer(no_args_is_help=True)
     for command in validate.COMMANDS:

@@ -12,7 +12,7 @@ from diagnosis.importers import micromouse
 from diagnosis.inference.plausible import beyond
 from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.holdout import of_part
-from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.nominal import NominalTof
 from diagnosis.predictors.motor_steady import MotorSteady
 from diagnosis.validation.range_sensor.recordings.static import read_rest_recording
@@ -114,7 +114,11 @@ def range_sensor_at_rest(path: Path) -> BenchResult:
         ),
     )
     trial = Trial("1", t_s, held, channels, (Label("material", ("board",) * seconds),), begins_s=0.0)
-    of = diagnose(Measurement(path.stem, Kind.TOF_BENCH, Source("VL53L0X at rest", (str(path),)), (trial,), nominal))
+    of = diagnose(
+        Measurement(
+            path.stem, CaseKind.TOF_BENCH, MeasurementSource("VL53L0X at rest", (str(path),)), (trial,), nominal
+        )
+    )
     evidence = of.evidence
     robots = (of.nominal, of.selection.nominal.hypothesis.robot(of.selection.nominal.x), of.extended)
     errors = [1e3 * _rms((evidence.values - mean)[evidence.heldout]) for mean in evidence.of(robots).mean]

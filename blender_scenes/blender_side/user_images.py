@@ -6,8 +6,8 @@ import bpy
 import numpy as np
 
 from blender_scenes.render.user_files import read_user_file
+from configs.assets.images import read_image
 from configs.assets.panoramas import read_panorama
-from configs.assets.pictures import read_picture
 
 
 class UserImages:
@@ -20,7 +20,7 @@ class UserImages:
     def image(self, sha256: str) -> bpy.types.Image:
         """Return an 8-bit image; Cycles decodes sRGB."""
         if sha256 not in self._made:
-            pixels = read_picture(read_user_file(self._folder, sha256))
+            pixels = read_image(read_user_file(self._folder, sha256))
             self._made[sha256] = _image(sha256, pixels.astype(np.float32) / 255, "sRGB", in_floats=False)
         return self._made[sha256]
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from blender_scenes.scene.shading import ImageTexture, Mix, Surface, Texture
 from blender_scenes.scene.typical import typical_color
-from configs.assets.pictures import LINEAR
+from configs.assets.images import LINEAR
 from symolo.core.arrays import Array
 
 ReadImage = Callable[[str], NDArray[np.uint8]]

@@ -1,4 +1,4 @@
-"""Boxes at random: obstacles on straight stretches of the line, and decoys beside it."""
+"""Random boxes: obstacles on straight parts of the line, and decoys beside it."""
 
 import math
 
@@ -9,14 +9,14 @@ from configs.arena_generation.track import Pose
 from configs.schema.arena import Obstacle
 from configs.schema.arena_generator import ArenaGenerator
 
-PLACES = 40
-"""Tried for one box before it is left out."""
+MAX_PLACES = 40
+"""Number of places that are tried for one box before it is left out."""
 MIN_HEIGHT_M, MAX_HEIGHT_M = 0.12, 0.16
-"""Lower ones leave part of the range sensors' beams free and are seen late."""
+"""Limits of the height; lower boxes leave part of the range sensors' beams free and are detected late."""
 
 
 def add_obstacle(site: Site, recipe: ArenaGenerator, rng: np.random.Generator) -> None:
-    """Put one more on the line, if a place is found for it."""
+    """Put one more obstacle on the line, if there is a place for it."""
     limits, offsets = recipe.clearance, site.track.offsets.tolist()
     straights = [
         (offsets[i] + limits.before_m, offsets[i + 1] - limits.after_m)
@@ -25,7 +25,7 @@ def add_obstacle(site: Site, recipe: ArenaGenerator, rng: np.random.Generator) -
     ]
     if not straights:
         return
-    for _ in range(PLACES):
+    for _ in range(MAX_PLACES):
         at_m = rng.uniform(*straights[int(rng.integers(len(straights)))])
         x, y, yaw = site.track.poses(np.array([at_m]))[0].tolist()
         aside_m = recipe.max_obstacle_offset_m * rng.uniform(-1, 1)
@@ -38,8 +38,8 @@ def add_obstacle(site: Site, recipe: ArenaGenerator, rng: np.random.Generator) -
 
 
 def add_decoy(site: Site, recipe: ArenaGenerator, rng: np.random.Generator) -> None:
-    """Put one more beside the line, if a place is found for it."""
-    for _ in range(PLACES):
+    """Put one more decoy beside the line, if there is a place for it."""
+    for _ in range(MAX_PLACES):
         x, y, yaw = site.track.poses(rng.uniform(0, site.track.length_m, 1))[0].tolist()
         aside_m = rng.choice([-1.0, 1.0]) * rng.uniform(recipe.clearance.beside_m, recipe.max_decoy_distance_m)
         pose = (x - aside_m * math.sin(yaw), y + aside_m * math.cos(yaw), rng.uniform(-math.pi, math.pi))

@@ -1,7 +1,7 @@
-"""Room about a line, as geometry: distances, what a range sensor can see, and crossings of the line with itself.
+"""Geometry of the room around a line: distances, the view of range sensors, and crossings of the line with itself.
 
-Sensors stand where robot `nominal` has them. The robot's own settings are not asked, so that a robot drawn at random
-leaves the arena as it was; `ArenaGenerator.clearance` is where to make room for another.
+The sensors are those of the robot `nominal`. The settings of the robot are not used, so that a randomly drawn robot
+does not change the arena; `ArenaGenerator.clearance` makes room for other robots.
 """
 
 import math
@@ -18,28 +18,28 @@ FRONT_SENSOR: Pose = (0.085, 0.0, 0.0)
 LEFT_SENSOR: Pose = (0.075, 0.03, math.radians(45))
 RIGHT_SENSOR: Pose = (0.075, -0.03, math.radians(-45))
 HALF_FIELD_RAD = math.radians(12.5)
-"""Of view of a range sensor."""
+"""Half of the field of view of a range sensor."""
 HEADING_RAD = math.radians(10)
-"""Most that a robot on the line heads off its tangent."""
+"""Largest angle between the heading of a robot on the line and its tangent."""
 OUTLINE_SPACING_M = 0.01
 
 
 def distance_to(rectangle: Rectangle, points: Array) -> Array:
-    """From points (N, 2) to a rectangle [m], (N,); 0 inside."""
+    """Return the distances (N,) [m] from points (N, 2) to a rectangle; 0 inside."""
     local = in_frame_of((*rectangle.center, rectangle.yaw_rad), points)
     beyond = np.maximum(np.abs(local) - 0.5 * np.array(rectangle.size), 0.0)
     return np.hypot(beyond[:, 0], beyond[:, 1])
 
 
 def in_frame_of(frame: Pose, points: Array) -> Array:
-    """Points (N, 2) of W in a frame that stands at a pose of W."""
+    """Return points (N, 2) of W in the frame of a pose in W."""
     x, y, yaw = frame
     c, s = math.cos(yaw), math.sin(yaw)
     return (points - (x, y)) @ np.array([[c, -s], [s, c]])
 
 
 def outline_of(rectangle: Rectangle) -> Array:
-    """Points (N, 2) around a rectangle, its corners among them."""
+    """Return points (N, 2) on the outline of a rectangle, including its corners."""
     corners = np.array(rectangle.corners())
     parts = []
     for begin, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
@@ -49,7 +49,7 @@ def outline_of(rectangle: Rectangle) -> Array:
 
 
 def seen_m(poses: Array, sensor: Pose, half_angle_rad: float, points: Array) -> Array:
-    """Distance to the nearest of points (M, 2) within a sensor's cone, at each robot pose (N, 3); inf where none is."""
+    """Return the distance to the nearest of points (M, 2) in a sensor's cone per robot pose (N, 3); inf if none is."""
     if not len(points):
         return np.full(len(poses), np.inf)
     distance, bearing = _polar(poses, sensor, points)
@@ -57,7 +57,7 @@ def seen_m(poses: Array, sensor: Pose, half_angle_rad: float, points: Array) -> 
 
 
 def blocked_m(pose: Array, sensor: Pose, half_angle_rad: float, points: Array) -> float:
-    """Distance within which something stands in every direction of a sensor's cone at one robot pose; inf for a gap."""
+    """Return the distance within which every direction of a sensor's cone is blocked at one pose; inf for a gap."""
     distance, bearing = _polar(pose[None], sensor, points)
     sectors = np.linspace(-half_angle_rad, half_angle_rad, 9)
     nearest = [distance[(bearing >= low) & (bearing < high)].min(initial=np.inf) for low, high in pairwise(sectors)]
@@ -65,7 +65,7 @@ def blocked_m(pose: Array, sensor: Pose, half_angle_rad: float, points: Array) -
 
 
 def _polar(poses: Array, sensor: Pose, points: Array) -> tuple[Array, Array]:
-    """Distance [m] and direction off a sensor's axis [rad], (N, M) each, of points (M, 2) from robot poses (N, 3)."""
+    """Return distance [m] and angle from a sensor's axis [rad], (N, M) each, of points (M, 2) at robot poses (N, 3)."""
     c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
     x = poses[:, 0] + c * sensor[0] - s * sensor[1]
     y = poses[:, 1] + s * sensor[0] + c * sensor[1]
@@ -75,13 +75,13 @@ def _polar(poses: Array, sensor: Pose, points: Array) -> tuple[Array, Array]:
 
 
 def comes_near_itself(points: Array, spacing_m: float, min_m: float) -> bool:
-    """Whether a closed line (N, 2), sampled evenly, comes within `min_m` of itself.
+    """Return whether a closed line (N, 2), sampled evenly, comes within `min_m` of itself.
 
-    Points nearer along the line than a half circle of that width do not count; on bends of at least half of it as
-    radius, all further ones are further apart.
+    Points within a half circle of that width along the line do not count; on bends with at least half of it as radius,
+    all points further along are further apart.
     """
     nearest = math.floor(0.5 * math.pi * min_m / spacing_m + 1) + 1
-    # One distance along the line after the other: all pairs at once of a long line are more than memory holds.
+    # One offset along the line at a time: all pairs of a long line at once would not fit into memory.
     return any(
         np.hypot(*(points - np.roll(points, steps, axis=0)).T).min() < min_m
         for steps in range(nearest, len(points) // 2 + 1)

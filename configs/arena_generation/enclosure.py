@@ -1,4 +1,4 @@
-"""The walls: a convex polygon around the line, each side at its own clearance."""
+"""The walls: a convex polygon around the line, each side with another clearance."""
 
 import numpy as np
 
@@ -9,15 +9,15 @@ from configs.schema.surface import SurfaceName
 from symolo.core.arrays import Array
 
 MIN_WALL_M = 0.20
-"""A shorter side is left to another attempt."""
+"""Shortest wall; an attempt with a shorter one is rejected."""
 UNEVEN = 0.25
-"""Share of the even angle between two sides by which each may be turned; a rectangle stays one."""
+"""Largest rotation of a side, relative to the even angle between two sides; a rectangle stays one."""
 
 
 def draw_walls(
     recipe: ArenaGenerator, line: Array, half_extent_m: float, rng: np.random.Generator
 ) -> tuple[WallConfig, ...]:
-    """Walls counter-clockwise around the points (N, 2) of the line, their faces inwards.
+    """Return walls counter-clockwise around the points (N, 2) of the line, with their faces inwards.
 
     Raises:
         Rejected: A side comes out too short, lies wholly outside the others, or ends beyond the floor.
@@ -30,7 +30,7 @@ def draw_walls(
     clearance = rng.uniform(recipe.min_wall_clearance_m, recipe.max_wall_clearance_m, count)
     outwards = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     reach = (line @ outwards.T).max(axis=0) + clearance
-    # Each side meets the next one where both normals reach as far as they say.
+    # Corners are the intersections of adjacent sides.
     corners = np.array([np.linalg.solve(outwards[[i - 1, i]], reach[[i - 1, i]]) for i in range(count)])
     sides = np.roll(corners, -1, axis=0) - corners
     along = np.stack([-outwards[:, 1], outwards[:, 0]], axis=1)

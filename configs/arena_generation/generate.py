@@ -1,4 +1,4 @@
-"""A whole arena at random: attempts are drawn and looked at until one has room everywhere."""
+"""Random arenas: attempts are drawn and checked until one has enough room everywhere."""
 
 import math
 from collections import Counter
@@ -15,20 +15,20 @@ from configs.schema.arena import ArenaConfig
 from configs.schema.arena_generator import ArenaGenerator
 
 ATTEMPTS = 200
-"""Ranges that let one attempt in twenty come out fail once in 28,000 arenas."""
+"""Number of attempts; a recipe with which one attempt in twenty succeeds fails once in 28,000 arenas."""
 
 
 class NoArenaError(Exception):
-    """None of the attempts had room everywhere; the text says how many there were and what stood against most."""
+    """No attempt had enough room; the text contains the number of attempts and the most frequent reason."""
 
 
 def generate_arena(config: ArenaConfig, start: Pose, rng: np.random.Generator) -> ArenaConfig:
-    """The arena with line, walls and obstacles in place of its recipe.
+    """Return the arena with line, walls and obstacles in place of its recipe.
 
     Args:
-        config: An arena with `generate`; floor, tape and name are taken over.
-        start: Pose that the line passes straight on.
-        rng: Everything is drawn from it.
+        config: An arena with `generate`; floor, tape and name are kept.
+        start: Pose at which the line is straight.
+        rng: Generator of all draws.
 
     Raises:
         NoArenaError: The recipe leaves too little room.

@@ -1,4 +1,4 @@
-"""The closed line: a random polygon with rounded corners, laid so that it passes the start straight on."""
+"""The closed line: a random polygon with rounded corners, placed so that it is straight at the start."""
 
 import math
 
@@ -12,13 +12,13 @@ from symolo.core.arrays import Array
 START_BEHIND_M, START_AHEAD_M = 0.20, 0.45
 """Lengths of straight line behind and ahead of the start; `physics.run.lap` closes a lap on the second one."""
 MIN_TURN_RAD = math.radians(5.0)
-"""A flatter corner is hardly one."""
-MAX_OF_AN_EDGE = 0.45
-"""Share of an edge that the bend at one of its ends may take, so that a straight remains between two."""
+"""Smallest turn of a corner."""
+MAX_EDGE_SHARE = 0.45
+"""Largest share of an edge for the bend at one of its ends, so that a straight remains between two bends."""
 
 
 def draw_outline(recipe: ArenaGenerator, start: Pose, rng: np.random.Generator) -> Track:
-    """A closed track that begins on its first straight, behind the start.
+    """Return a closed track that begins on a straight, behind the start.
 
     Raises:
         Rejected: The bends do not fit between the corners, or no straight is long enough for the start.
@@ -33,13 +33,13 @@ def draw_outline(recipe: ArenaGenerator, start: Pose, rng: np.random.Generator) 
     x, y, yaw = start
     begin = (x - behind_m * math.cos(yaw), y - behind_m * math.sin(yaw), yaw)
     laid = Track(begin, track.segments[first:] + track.segments[:first], behind_m)
-    # Not every polygon goes round counter-clockwise: all corners of a triangle may lie to one side of its middle.
+    # Not every polygon is counter-clockwise: all corners of a triangle may lie on one side of its middle.
     clockwise = sum(segment.length_m * segment.curvature_1_m for segment in laid.segments) < 0
     return laid if clockwise == recipe.clockwise else laid.mirrored()
 
 
 def _polygon(recipe: ArenaGenerator, rng: np.random.Generator) -> Array:
-    """Corners (N, 2), counter-clockwise as seen from the middle, which may lie outside."""
+    """Return corners (N, 2), counter-clockwise as seen from the middle, which may lie outside."""
     count, uneven = recipe.corners, recipe.irregularity
     angle = 2 * np.pi * (np.arange(count) + 0.5 * uneven * rng.uniform(-1, 1, count)) / count
     distance = recipe.radius_m * (1 + uneven * rng.uniform(-1, 1, count))
@@ -49,7 +49,7 @@ def _polygon(recipe: ArenaGenerator, rng: np.random.Generator) -> Array:
 
 
 def rounded(corners: Array, recipe: ArenaGenerator, rng: np.random.Generator) -> Track:
-    """The track along a polygon (N, 2) with an arc in each corner; it begins with the straight from the first on.
+    """Return the track along a polygon (N, 2) with an arc in each corner; it begins with the first straight.
 
     An arc of radius r takes r tan(turn / 2) of either edge at its corner.
     """
@@ -57,12 +57,12 @@ def rounded(corners: Array, recipe: ArenaGenerator, rng: np.random.Generator) ->
     length, yaw = np.hypot(edges[:, 0], edges[:, 1]), np.arctan2(edges[:, 1], edges[:, 0])
     turn = (yaw - np.roll(yaw, 1) + np.pi) % (2 * np.pi) - np.pi
     if np.abs(turn).min() < MIN_TURN_RAD:
-        raise Rejected("a corner is hardly one")
+        raise Rejected("a corner is too flat")
     per_radius = np.tan(0.5 * np.abs(turn))
-    most = MAX_OF_AN_EDGE * np.minimum(length, np.roll(length, 1)) / per_radius
-    if most.min() < recipe.min_bend_radius_m:
+    max_radius = MAX_EDGE_SHARE * np.minimum(length, np.roll(length, 1)) / per_radius
+    if max_radius.min() < recipe.min_bend_radius_m:
         raise Rejected("the bends do not fit between the corners")
-    radius = rng.uniform(recipe.min_bend_radius_m, np.minimum(most, recipe.max_bend_radius_m))
+    radius = rng.uniform(recipe.min_bend_radius_m, np.minimum(max_radius, recipe.max_bend_radius_m))
     taken = radius * per_radius
     segments: list[Segment] = []
     for here, there in zip(range(len(corners)), np.roll(range(len(corners)), -1), strict=True):

@@ -1,7 +1,7 @@
-"""Why an arena under way is given up."""
+"""Why an attempt at an arena is rejected."""
 
 BEYOND_THE_FLOOR = "it reaches beyond the floor"
 
 
-class Rejected(Exception):  # noqa: N818 - an attempt that is given up is no error; the generator makes another
-    """The text says what did not fit, in words that name no single attempt, so that attempts can be counted by it."""
+class Rejected(Exception):  # noqa: N818 - a rejected attempt is not an error; the generator makes another
+    """The text is the reason; it is the same for all attempts with that reason, so that they can be counted."""

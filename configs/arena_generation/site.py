@@ -1,4 +1,4 @@
-"""An arena under way: what stands there, and whether one more box leaves the room that the robot needs."""
+"""An arena in the making: what is there, and whether one more box leaves enough room for the robot."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -16,38 +16,38 @@ from symolo.arena.footprints import Rectangle, obstacle_footprint, overlap, wall
 from symolo.core.arrays import Array
 
 SPACING_M = 0.02
-"""Between two poses of the line at which room is looked for."""
+"""Distance between two poses on the line at which the room is checked."""
 NOTICED_M = (0.32, 0.28, 0.24)
-"""From an obstacle's face back to the axle: where the robot may be while it decides on which side to pass."""
+"""Distances from an obstacle's face back to the axle at which the robot may decide on which side to pass."""
 REGAINED_M = (0.23, 0.27, 0.31)
-"""Behind an obstacle's middle: where the robot is while it meets the line again and swings over it."""
+"""Distances behind an obstacle's middle at which the robot meets the line again and overshoots it."""
 SWING_RAD = tuple(np.radians((45.0, 55.0, 65.0, 75.0)).tolist())
-"""Headings off the line meanwhile, away from the side of the passing."""
+"""Headings relative to the line during the overshoot, away from the side of the passing."""
 
 STRAIGHT_RAD = 1e-9
-"""A line that turns by less has not turned."""
+"""Turn below which the line is straight."""
 
 Side = Literal["left", "right"]
 
 
 @dataclass(frozen=True)
 class Passing:
-    """How one obstacle is passed."""
+    """How the robot passes one obstacle."""
 
     side: Side
     lane: Rectangle
-    """Floor that the robot may take."""
+    """Floor that the robot may use."""
     noticing: Array
-    """Poses (N, 3) of the robot while it decides."""
+    """(N, 3), poses of the robot while it decides."""
     regaining: Array
-    """Poses (N, 3) of the robot while it meets the line again."""
+    """(N, 3), poses of the robot while it meets the line again."""
 
 
 class Site:
-    """Line and walls of an arena with the boxes that stand there so far."""
+    """Line and walls of an arena with the boxes that are placed so far."""
 
     def __init__(self, track: Track, walls: tuple[WallConfig, ...], half_extent_m: float, limits: Clearance) -> None:
-        """Look whether line and walls alone leave room, on a floor that holds them.
+        """Check whether line and walls alone leave enough room, on a floor that contains them.
 
         Raises:
             Rejected: They do not.
@@ -67,7 +67,7 @@ class Site:
             raise Rejected("a wall is too near the line")
 
     def put_obstacle(self, box: Obstacle, at_m: float) -> bool:
-        """Place a box that is to be passed, its middle so far along the line, if the robot has room to pass it."""
+        """Place a box on the line with its middle at a distance along it, if the robot has room to pass it."""
         limits, rectangle = self._limits, obstacle_footprint(box)
         begin_m, end_m = at_m - limits.before_m, at_m + limits.after_m
         if begin_m < self.track.start_m + START_AHEAD_M and end_m > self.track.start_m - START_BEHIND_M:
@@ -92,7 +92,7 @@ class Site:
         return True
 
     def put_decoy(self, box: Obstacle) -> bool:
-        """Place a box that is in nobody's way, if it is in nobody's way."""
+        """Place a box beside the line, if it is not in the way."""
         rectangle = obstacle_footprint(box)
         if self._meets_others(rectangle) or self._in_the_way(rectangle, self._poses) or not self._within(rectangle):
             return False
@@ -106,7 +106,7 @@ class Site:
         return (*self.obstacles, *self.decoys)
 
     def _in_the_way(self, rectangle: Rectangle, poses: Array) -> bool:
-        """Whether a robot on the line would touch it, or take it for an obstacle, at any of the poses (N, 3)."""
+        """Return whether a robot at any of the poses (N, 3) would touch a box or detect it as an obstacle."""
         away = room.distance_to(rectangle, poses[:, :2])
         near = poses[away < self._limits.ahead_m + room.FRONT_SENSOR[0]]
         if away.min() < self._limits.beside_m:
@@ -116,7 +116,7 @@ class Site:
         return bool((ahead < self._limits.ahead_m).any())
 
     def _meets_others(self, rectangle: Rectangle) -> bool:
-        """Whether it stands in something, or where the robot passes an obstacle or looks for the side to pass it on."""
+        """Return whether a box overlaps with another thing or disturbs the passing of an obstacle."""
         if any(overlap(rectangle, other) for other in self._rectangles()):
             return True
         points = room.outline_of(rectangle)
@@ -128,23 +128,23 @@ class Site:
         )
 
     def _seen_on(self, side: Side, poses: Array, points: Array) -> bool:
-        """Whether the sensor on a side would see any of the points (M, 2) too near to pass there."""
+        """Return whether the sensor on a side would see any of the points (M, 2) too near to pass there."""
         sensor = room.LEFT_SENSOR if side == "left" else room.RIGHT_SENSOR
         half_angle = room.HALF_FIELD_RAD + 0.5 * room.HEADING_RAD
         return bool(room.seen_m(poses, sensor, half_angle, points).min() < self._limits.free_side_m)
 
     def _draws_off(self, passing: Passing, points: Array) -> bool:
-        """Whether the robot would see any of the points (M, 2) of a box while it swings over the line it meets again.
+        """Return whether the robot would see any of the points (M, 2) of a box while it overshoots the line.
 
-        It may lose the line for a moment then, and takes what is beside it for the wall to follow. A real wall leads
-        it along the line and back to it; a box leads it away.
+        It may lose the line for a moment then and follow what is beside it as a wall. A real wall leads it along the
+        line and back to it; a box leads it away.
         """
         sensor = room.RIGHT_SENSOR if passing.side == "left" else room.LEFT_SENSOR
         seen = room.seen_m(passing.regaining, sensor, room.HALF_FIELD_RAD, points)
         return bool(seen.min() < self._limits.regained_side_m)
 
     def _passing(self, box: Obstacle, at_m: float) -> Passing | None:
-        """On the left where that is free, on the right where the left is surely blocked, else not at all."""
+        """Return a passing on the left if it is free, on the right if the left is surely blocked, else None."""
         half_m = 0.5 * max(box.size[:2])
         noticing = self.track.poses(at_m - half_m - np.array(NOTICED_M))
         points = np.concatenate([room.outline_of(rectangle) for rectangle in self._rectangles()] or [np.empty((0, 2))])
@@ -158,7 +158,7 @@ class Site:
         return None
 
     def _lane(self, frame: NDArray[np.float64], sign: float) -> Rectangle:
-        """Floor taken by a passing: along x of the obstacle's frame on the line, and y times the sign."""
+        """Return the floor used by a passing, on the left of the line with sign 1 and on the right with -1."""
         limits = self._limits
         x, y, yaw = frame.tolist()
         along = 0.5 * (limits.after_m - limits.before_m)
@@ -168,7 +168,7 @@ class Site:
         return Rectangle(center, (limits.after_m + limits.before_m, limits.passing_m + limits.other_side_m), yaw)
 
     def _within(self, rectangle: Rectangle) -> bool:
-        """Whether it stands on the floor and within the walls: to the left of each, as they go round."""
+        """Return whether a box is on the floor and within the walls: to the left of each, as they go around."""
         if np.abs(rectangle.corners()).max() > self._half_extent_m:
             return False
         for wall in self.walls:
@@ -179,7 +179,7 @@ class Site:
 
 
 def _swung(poses: Array, sign: float) -> Array:
-    """The poses (N, 3) at every heading of the swing, to the left with sign 1, (N * headings, 3)."""
+    """Return the poses (N, 3) with every heading of the overshoot, to the left with sign 1, (N * headings, 3)."""
     turns = np.zeros((len(SWING_RAD), 1, 3))
     turns[:, 0, 2] = sign * np.array(SWING_RAD)
     return (poses + turns).reshape(-1, 3)

@@ -1,4 +1,4 @@
-"""A line told by its lengths and curvatures, from which both its poses and its pieces follow."""
+"""A line defined by lengths and curvatures, from which both its poses and its pieces follow."""
 
 import math
 from dataclasses import dataclass, replace
@@ -18,10 +18,10 @@ Pose = tuple[float, float, float]
 class Segment:
     length_m: float
     curvature_1_m: float
-    """Positive to the left, 0 of a straight."""
+    """Curvature, positive to the left, 0 for a straight."""
 
     def along(self, begin: Pose, s: Array) -> Array:
-        """Poses (N, 3) at distances s (N,) from its beginning."""
+        """Return poses (N, 3) at distances s (N,) from the beginning."""
         x, y, yaw = begin
         turned = self.curvature_1_m * s
         # The chord after an arc: sinc is 1 for a straight, without a division by its curvature.
@@ -32,12 +32,12 @@ class Segment:
 
 @dataclass(frozen=True)
 class Track:
-    """Segments end to end, so that the tangent is continuous whatever they are."""
+    """Segments end to end, whose tangent is always continuous."""
 
     begin: Pose
     segments: tuple[Segment, ...]
     start_m: float = 0.0
-    """How far along it the robot starts."""
+    """Distance along the track at which the robot starts."""
 
     @property
     def length_m(self) -> float:
@@ -45,7 +45,7 @@ class Track:
 
     @cached_property
     def begins(self) -> list[Pose]:
-        """Where each segment begins, and at last where the track ends."""
+        """Pose at the beginning of each segment, and at the end of the track."""
         poses = [self.begin]
         for segment in self.segments:
             x, y, yaw = segment.along(poses[-1], np.array([segment.length_m]))[0]
@@ -54,11 +54,11 @@ class Track:
 
     @cached_property
     def offsets(self) -> Array:
-        """Distance along the track at which each segment begins, and its length at last, (segments + 1,)."""
+        """(segments + 1,), distance along the track at the beginning of each segment, and at the end."""
         return np.concatenate([[0.0], np.cumsum([segment.length_m for segment in self.segments])])
 
     def poses(self, s: Array) -> Array:
-        """Poses (N, 3) at distances s (N,) along the track, within its length."""
+        """Return poses (N, 3) at distances s (N,) along the track, within its length."""
         offsets, begins = self.offsets, self.begins
         which = np.clip(np.searchsorted(offsets, s, side="right") - 1, 0, len(self.segments) - 1)
         poses = np.empty((len(s), 3))
@@ -68,11 +68,11 @@ class Track:
         return poses
 
     def mirrored(self) -> "Track":
-        """The same line with left and right exchanged, from the same beginning."""
+        """Return the line with left and right exchanged, from the same beginning."""
         return replace(self, segments=tuple(Segment(s.length_m, -s.curvature_1_m) for s in self.segments))
 
     def pieces(self) -> tuple[LinePiece, ...]:
-        """As the schema has them, in the direction of travel."""
+        """Return the pieces of the schema, in the direction of travel."""
         begins = self.begins
         return tuple(
             _piece(segment, begin, end) for segment, (begin, end) in zip(self.segments, pairwise(begins), strict=True)

@@ -1,1 +1,1 @@
-"""The user's own pictures and skies: named in a look, known by their content, copied once, read by one decoder."""
+"""Images and skies of the user: named in a look, identified by their content, read by one decoder."""

@@ -1,4 +1,4 @@
-"""The files of the user's own that a look names: found in its folder, read through, and told by their content."""
+"""Files of the user that a look names: looked up in its folder, read, and described by their content."""
 
 import os
 from collections.abc import Iterator
@@ -14,27 +14,27 @@ from symolo.core.yaml_reader import displayed
 from symolo.core.yaml_tree import FieldPath, Node, dotted, node_of
 
 _FOLDER: FieldPath = ("look", "assets")
-_LONGEST_NAME = 255
+_MAX_NAME_LENGTH = 255
 
 
 def anchored(look: Node, folder: Path) -> Node:
-    """The look with the folder of its `assets` told from `folder`, where the file lies that names it."""
-    own = look.child("assets")
-    if own is None or not isinstance(own.value, str) or not own.value or not isinstance(look.value, dict):
+    """Return the look with an absolute path of its `assets`, which is relative to `folder` in a file."""
+    assets = look.child("assets")
+    if assets is None or not isinstance(assets.value, str) or not assets.value or not isinstance(look.value, dict):
         return look
-    place = os.path.abspath(folder / os.path.expanduser(own.value))  # noqa: PTH100, PTH111 - no link is followed yet
-    return Node({**look.value, "assets": Node(place, own.where)}, look.where)
+    place = os.path.abspath(folder / os.path.expanduser(assets.value))  # noqa: PTH100, PTH111 - no link is followed yet
+    return Node({**look.value, "assets": Node(place, assets.where)}, look.where)
 
 
 def with_assets(root: Node, shape: Shape) -> tuple[Node, dict[str, Path]]:
-    """The tree with the files that its look names in place of their folder, and where each lies, by its SHA-256.
+    """Return the tree with the files that its look names in place of their folder, and their paths by SHA-256.
 
     Args:
-        root: Of a scenario, or of a section alone.
-        shape: Of its model.
+        root: Tree of a scenario, or of a section.
+        shape: Shape of its model.
 
     Raises:
-        InputError: A file that is named is not there, lies outside the folder, or cannot be used.
+        InputError: A named file does not exist, is outside the folder, or cannot be used.
     """
     look = root.child("look")
     if look is None or not isinstance(look.value, dict):
@@ -44,17 +44,17 @@ def with_assets(root: Node, shape: Shape) -> tuple[Node, dict[str, Path]]:
         for name in _names(node, path):
             if name not in known:
                 folder.take(name, kind, known, Node(name, node.where), path)
-    given = {key: node for key, node in look.value.items() if key != "assets"}
+    fields = {key: node for key, node in look.value.items() if key != "assets"}
     if folder.taken:
-        told = [asset.model_dump(mode="json") for _, asset in sorted(folder.taken.items())]
-        given["assets"] = node_of(told, folder.where)
+        assets = [asset.model_dump(mode="json") for _, asset in sorted(folder.taken.items())]
+        fields["assets"] = node_of(assets, folder.where)
     if not isinstance(root.value, dict):
         return root, {}
-    return Node({**root.value, "look": Node(given, look.where)}, root.where), folder.places
+    return Node({**root.value, "look": Node(fields, look.where)}, root.where), folder.places
 
 
 def _named(look: Node, shape: Shape) -> Iterator[tuple[FieldPath, AssetKind, tuple[str, ...], Node]]:
-    """Fields of the look that take a file: path, kind, names known without a folder, and what stands there."""
+    """Yield the fields of the look that take a file: path, kind, shipped names, and the node."""
     inner = shape.child("look")
     for path in inner.paths() if inner else ():
         node, leaf = look.at(path), inner.at(path, look) if inner else None
@@ -63,7 +63,7 @@ def _named(look: Node, shape: Shape) -> Iterator[tuple[FieldPath, AssetKind, tup
 
 
 def _names(node: Node, path: FieldPath) -> list[str]:
-    """What a leaf may be: its value, or each option of a choice; what else stands there is refused later."""
+    """Return the possible values of a leaf: its value, or each option of a choice; others are refused later."""
     options = node.child("choice") if node.is_distribution else node
     items = options.value if options else ()
     if isinstance(items, tuple):
@@ -80,9 +80,9 @@ class _Folder:
     path: Path | None
     where: str = ""
     taken: dict[tuple[str, AssetKind], Asset] = field(default_factory=dict)
-    """By name; no file is of both kinds."""
+    """Files by name and kind."""
     places: dict[str, Path] = field(default_factory=dict)
-    """By SHA-256."""
+    """Paths by SHA-256."""
 
     @classmethod
     def of(cls, node: Node | None) -> "_Folder":
@@ -96,7 +96,7 @@ class _Folder:
         return cls(Path(node.value), node.where)
 
     def take(self, name: str, kind: AssetKind, known: tuple[str, ...], node: Node, path: FieldPath) -> None:
-        """Read a file and remember it."""
+        """Read a file and record it."""
         if self.path is None:
             allowed = f"one of {', '.join(known)}, or a file" if known else "a file"
             raise InputError(
@@ -123,11 +123,11 @@ class _Folder:
 
     @staticmethod
     def _place(folder: Path, name: str) -> Path:
-        """Where the file lies, links followed."""
+        """Return the path of a file after following links."""
         parts = PurePosixPath(name).parts
         if PurePosixPath(name).is_absolute() or ".." in parts:
             raise Refusal("leads out of the folder of look.assets", cure="name a file inside, without '..'")
-        if not parts or len(name) > _LONGEST_NAME or not name.isprintable():
+        if not parts or len(name) > _MAX_NAME_LENGTH or not name.isprintable():
             raise Refusal("is no name of a file")
         try:
             place = (folder / name).resolve(strict=True)

@@ -11,13 +11,13 @@ from symolo.core.exr import is_exr, read_exr
 
 MAX_BYTES = 256 << 20
 MAX_PIXELS = 8192 * 4096
-WIDEST_PX = 2048
-"""A wider panorama is averaged down to it: it is seen in mirrors and behind the window."""
-LARGEST = 1e9
-"""Of a component; more is no light that anything on earth has."""
+MAX_WIDTH_PX = 2048
+"""Largest width after averaging down; panoramas are visible in reflections and behind the window only."""
+MAX_COMPONENT = 1e9
+"""Largest component, beyond any light on earth."""
 
 _SUN = 20.0
-"""Components above so many times the median luminance belong to a sun or a lamp, not to the sky."""
+"""Ratio to the median luminance above which components belong to a sun or a lamp, not to the sky."""
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 """Weights of linear Rec. 709 components (ITU-R BT.709)."""
 _RADIANCE = (b"#?RADIANCE", b"#?RGBE")
@@ -28,11 +28,11 @@ Light = NDArray[np.float32]
 
 
 def read_panorama(data: bytes) -> Light:
-    """(H, W, 3) linear Rec. 709 light of a file's bytes, the zenith first; what is below 0 counts as 0.
+    """Return linear Rec. 709 light (H, W, 3) of a file's bytes, zenith first; negative components become 0.
 
     Raises:
-        ValueError: Neither Radiance nor OpenEXR, not all of the sphere, too large, cut short, damaged, or with
-            components that are no number.
+        ValueError: Neither Radiance nor OpenEXR, not the whole sphere, too large, cut short, damaged, or with
+            components that are not numbers.
     """
     if data.startswith(_RADIANCE):
         light = _radiance(data)
@@ -40,37 +40,37 @@ def read_panorama(data: bytes) -> Light:
         light = _open_exr(data)
     else:
         raise ValueError("is neither a Radiance (.hdr) nor an OpenEXR file")
-    wrong = int(np.count_nonzero(~(np.abs(light) <= LARGEST)))
+    wrong = int(np.count_nonzero(~(np.abs(light) <= MAX_COMPONENT)))
     if wrong:
-        raise ValueError(f"has {wrong} components that are no number up to {LARGEST:g}")
+        raise ValueError(f"has {wrong} components that are not numbers up to {MAX_COMPONENT:g}")
     light = np.maximum(light, 0)
-    if light.shape[1] > WIDEST_PX:
-        light = cv2.resize(light, (WIDEST_PX, WIDEST_PX // 2), interpolation=cv2.INTER_AREA)
+    if light.shape[1] > MAX_WIDTH_PX:
+        light = cv2.resize(light, (MAX_WIDTH_PX, MAX_WIDTH_PX // 2), interpolation=cv2.INTER_AREA)
     if not light[: max(1, len(light) // 2)].any():
         raise ValueError("is black above the horizon")
     return np.ascontiguousarray(light, np.float32)
 
 
 def mean_above(light: Light) -> tuple[float, float, float]:
-    """Mean colour of (H, W, 3) above the horizon by solid angle, without its sun and lamps."""
+    """Return the mean colour of (H, W, 3) above the horizon by solid angle, without sun and lamps."""
     above = light[: max(1, len(light) // 2)].astype(np.float64)
     elevation = np.pi * (0.5 - (np.arange(len(above)) + 0.5) / len(light))
     usual = float(np.median(above @ _LUMINANCE))
-    kept = np.minimum(above, _SUN * usual) if usual > 0 else above
-    red, green, blue = np.average(kept.mean(axis=1), axis=0, weights=np.cos(elevation)).tolist()
+    sky = np.minimum(above, _SUN * usual) if usual > 0 else above
+    red, green, blue = np.average(sky.mean(axis=1), axis=0, weights=np.cos(elevation)).tolist()
     return red, green, blue
 
 
 def _radiance(data: bytes) -> Light:
-    """Header lines, one that is empty, the resolution, pixels (https://radsite.lbl.gov/radiance/refer/filefmts.pdf)."""
+    """Read header lines, an empty one, the resolution, and pixels (https://radsite.lbl.gov/radiance/refer/filefmts.pdf)."""
     end = data.find(b"\n\n", 0, 1 << 16)
-    found = _RESOLUTION.match(data, end + 2)
-    if end < 0 or found is None or _FORMAT not in data[: end + 1]:
+    match = _RESOLUTION.match(data, end + 2)
+    if end < 0 or match is None or _FORMAT not in data[: end + 1]:
         raise ValueError("is not a Radiance file in RGB with the rows from top to bottom (-Y H +X W)")
-    width, height = int(found[2]), int(found[1])
+    width, height = int(match[2]), int(match[1])
     _check_size(width, height)
-    # OpenCV reads other headers than it should, and refuses some that it need not: it is given one of ours.
-    plain = _RADIANCE[0] + _FORMAT + b"\n" + data[found.start() :]
+    # OpenCV misreads some valid headers; replace the header by a plain one.
+    plain = _RADIANCE[0] + _FORMAT + b"\n" + data[match.start() :]
     light = decoded(plain, cv2.IMREAD_ANYDEPTH | cv2.IMREAD_COLOR, (width, height))
     return np.asarray(light[..., ::-1], np.float32)
 

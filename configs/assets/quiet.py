@@ -1,4 +1,4 @@
-"""OpenCV's decoder, whose own words about a damaged file stay unsaid: ours are one line."""
+"""OpenCV's decoder without its messages about damaged files, in place of which we report one line."""
 
 import os
 import sys
@@ -17,15 +17,15 @@ _STDERR = 2
 
 
 def decoded(data: bytes, flags: int, size: tuple[int, int], *, is_strict: bool = False) -> NDArray[np.generic]:
-    """(H, W, 3), blue first, as OpenCV decodes it.
+    """Return an image (H, W, 3), blue first, as OpenCV decodes it.
 
     Only one thread at a time may decode, and none may write to the standard error stream meanwhile.
 
     Args:
-        data: A file's bytes.
-        flags: OpenCV's, of `imread`.
-        size: Width and height that the file tells; turned by its EXIF orientation they may be the other way round.
-        is_strict: Whether anything that the decoder says refuses the file, as libjpeg decodes whatever it finds.
+        data: The bytes of a file.
+        flags: Flags of OpenCV's `imread`.
+        size: Width and height in the file's header; its EXIF orientation may exchange them.
+        is_strict: Whether any message of the decoder refuses the file, since libjpeg decodes damaged data too.
 
     Raises:
         ValueError: It cannot be decoded, or not to that size.
@@ -33,35 +33,35 @@ def decoded(data: bytes, flags: int, size: tuple[int, int], *, is_strict: bool =
     before = cv2.getLogLevel()  # pyright: ignore[reportAttributeAccessIssue]
     cv2.setLogLevel(_SILENT)  # pyright: ignore[reportAttributeAccessIssue]
     try:
-        with _stderr_kept() as said:
-            found = cv2.imdecode(np.frombuffer(data, np.uint8), flags)
-            told = said.seek(0, os.SEEK_END) > 0
+        with _stderr_file() as messages:
+            image = cv2.imdecode(np.frombuffer(data, np.uint8), flags)
+            has_message = messages.seek(0, os.SEEK_END) > 0
     except cv2.error:
-        found, told = None, False
+        image, has_message = None, False
     finally:
         cv2.setLogLevel(before)  # pyright: ignore[reportAttributeAccessIssue]
-    if found is None or found.shape[1::-1] not in {size, size[::-1]} or (is_strict and told):
+    if image is None or image.shape[1::-1] not in {size, size[::-1]} or (is_strict and has_message):
         raise ValueError("is cut short or damaged: its pixels cannot be decoded")
-    return found
+    return image
 
 
 @contextmanager
 def unsaid() -> Iterator[None]:
-    """Nothing that a decoder says reaches the terminal; nobody else may have anything to say there meanwhile."""
+    """Discard all messages of decoders; nothing else may write to the standard error stream meanwhile."""
     with Path(os.devnull).open("wb") as nowhere, _stderr_into(nowhere):
         yield
 
 
 @contextmanager
-def _stderr_kept() -> Iterator[BinaryIO]:
-    """A file that takes what is written to the standard error stream."""
-    with tempfile.TemporaryFile() as said, _stderr_into(said):
-        yield said
+def _stderr_file() -> Iterator[BinaryIO]:
+    """Return a file that receives what is written to the standard error stream."""
+    with tempfile.TemporaryFile() as messages, _stderr_into(messages):
+        yield messages
 
 
 @contextmanager
-def _stderr_into(said: BinaryIO) -> Iterator[None]:
-    """By its descriptor: libpng and libjpeg go past OpenCV's log and past Python."""
+def _stderr_into(file: BinaryIO) -> Iterator[None]:
+    """Redirect the descriptor of the standard error stream, which libpng and libjpeg use directly."""
     try:
         before = os.dup(_STDERR)
     except OSError:  # there is none
@@ -69,7 +69,7 @@ def _stderr_into(said: BinaryIO) -> Iterator[None]:
         return
     if sys.stderr is not None:
         sys.stderr.flush()
-    os.dup2(said.fileno(), _STDERR)
+    os.dup2(file.fileno(), _STDERR)
     try:
         yield
     finally:

@@ -1,27 +1,27 @@
-"""A file of the user's own read through, and what is told of it in its place."""
+"""Reading of a file of the user, and its description in a specification."""
 
 import hashlib
 from pathlib import Path
 
-from configs.assets import panoramas, pictures
+from configs.assets import images, panoramas
 from configs.assets.refusal import Refusal
 from configs.schema.asset import Asset, AssetKind
 
 _CURES = {
-    "picture": "save it anew as PNG or JPEG",
-    "panorama": "save it anew as Radiance .hdr or as OpenEXR with ZIP compression",
+    "image": "save it again as PNG or JPEG",
+    "panorama": "save it again as Radiance .hdr or as OpenEXR with ZIP compression",
 }
 
 
 def read_asset(kind: AssetKind, name: str, place: Path) -> Asset:
-    """What a file holds.
+    """Return the description of a file.
 
     Raises:
-        Refusal: It cannot be read, or is not what its kind asks for.
+        Refusal: It cannot be read, or is not of its kind.
     """
     try:
-        data = _bytes(place, pictures.MAX_BYTES if kind == "picture" else panoramas.MAX_BYTES)
-        (height_px, width_px, _), mean = _picture(data) if kind == "picture" else _panorama(data)
+        data = _bytes(place, images.MAX_BYTES if kind == "image" else panoramas.MAX_BYTES)
+        (height_px, width_px, _), mean = _image(data) if kind == "image" else _panorama(data)
     except ValueError as error:
         raise Refusal(str(error), cure=_CURES[kind]) from None
     except MemoryError:
@@ -31,27 +31,27 @@ def read_asset(kind: AssetKind, name: str, place: Path) -> Asset:
     return Asset(name=name, sha256=sha256, width_px=width_px, height_px=height_px, mean_rgb=(red, green, blue))
 
 
-Told = tuple[tuple[int, ...], tuple[float, float, float]]
+_ShapeAndMean = tuple[tuple[int, ...], tuple[float, float, float]]
 """Shape (H, W, 3) and mean colour."""
 
 
-def _picture(data: bytes) -> Told:
-    """Its own shape, not that of a strip averaged down to whole pixels, by which its height in metres would be off."""
-    picture = pictures.whole_picture(data)
-    return picture.shape, pictures.mean_of(pictures.averaged_down(picture))
+def _image(data: bytes) -> _ShapeAndMean:
+    """Return the shape before averaging down, since rounding to whole pixels would change the height in metres."""
+    image = images.whole_image(data)
+    return image.shape, images.mean_of(images.averaged_down(image))
 
 
-def _panorama(data: bytes) -> Told:
+def _panorama(data: bytes) -> _ShapeAndMean:
     light = panoramas.read_panorama(data)
     return light.shape, panoramas.mean_above(light)
 
 
-def _bytes(place: Path, most: int) -> bytes:
+def _bytes(place: Path, max_bytes: int) -> bytes:
     try:
         with place.open("rb") as file:
-            data = file.read(most + 1)
+            data = file.read(max_bytes + 1)
     except OSError as error:
         raise Refusal(f"cannot be read: {error.strerror}") from None
-    if len(data) > most:
-        raise Refusal(f"is larger than {most >> 20} MiB", cure="save it smaller")
+    if len(data) > max_bytes:
+        raise Refusal(f"is larger than {max_bytes >> 20} MiB", cure="save it smaller")
     return data

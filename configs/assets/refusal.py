@@ -1,13 +1,13 @@
-"""Why a file cannot be used, to be told at the field that names it."""
+"""Why a file cannot be used; the error is reported at the field that names it."""
 
 
 class Refusal(Exception):  # noqa: N818 - becomes an InputError where the field is known
-    """In words that follow the file's name.
+    """The reason why a file cannot be used, as words that follow the name of its field.
 
     Args:
         text: What is wrong.
         cure: What to do about it.
-        is_missing: Whether there is no such file, so that another name may be meant.
+        is_missing: Whether there is no such file, so that a similar name is suggested.
     """
 
     def __init__(self, text: str, *, cure: str = "", is_missing: bool = False) -> None:

@@ -12,7 +12,7 @@ from pydantic_core import CoreSchema
 
 from configs.schema.base import FILE_KEY, FromList, Section, absent
 
-AssetKind = Literal["picture", "panorama"]
+AssetKind = Literal["image", "panorama"]
 
 _Component = Annotated[float, Field(ge=0, le=1e12)]
 
@@ -48,7 +48,7 @@ class ImageLook(Section):
     On a floor without rotation the image's right is +x and its top +y.
     """
 
-    file: Annotated[Asset | None, NamedFile("picture")] = Field(default_factory=absent)
+    file: Annotated[Asset | None, NamedFile("image")] = Field(default_factory=absent)
     """PNG or JPEG file in the folder that `look.assets` names; without it the surface has its usual material."""
     width_m: float = Field(default=1.0, ge=0.01, le=50)
     """Width of one repetition; the height follows from the aspect ratio."""

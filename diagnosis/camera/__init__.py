@@ -1,1 +1,1 @@
-"""Why pictures of a real camera differ from those of the simulated one: what is measured in them, and what it says."""
+"""Why images of a real camera differ from those of the simulated one: what is measured in them, and what it says."""

@@ -1,4 +1,4 @@
-"""Pictures with poses, and the camera and the map that they are held against."""
+"""Measured images with poses, and the camera and the map with which they are compared."""
 
 from dataclasses import dataclass
 
@@ -13,46 +13,46 @@ from symolo.arena.geometry import Arena
 
 Mask = NDArray[np.bool_]
 Ints = NDArray[np.int64]
-Picture = NDArray[np.uint8]
+ImagePixels = NDArray[np.uint8]
 
 HELD_OUT_EACH = 4
-"""Of the pictures, every fourth fits nothing."""
+"""Every fourth image is held out of the fit."""
 
 
 @dataclass(frozen=True)
 class PoseErrors:
-    """Standard deviations of the poses that come with the pictures, each picture's by itself."""
+    """Standard deviations of the poses that come with the images, independent from image to image."""
 
     position_m: float = 0.0005
     yaw_deg: float = 0.1
 
 
 @dataclass(frozen=True)
-class Frame:
-    """One measured picture."""
+class CameraFrame:
+    """One measured image."""
 
     number: int
     t_s: float
-    picture: Picture
-    """(H, W, 3) RGB."""
-    simulated: Picture | None
-    """(H, W, 3) RGB, of the nominal camera in the same place; None where there is none."""
+    image: ImagePixels
+    """(H, W, 3) RGB, the measured image."""
+    simulated: ImagePixels | None
+    """(H, W, 3) RGB, simulated with the nominal camera at the same place; None without one."""
     heldout: bool
 
 
 @dataclass(frozen=True)
-class PictureCase:
+class CameraCase:
     name: str
-    frames: tuple[Frame, ...]
+    frames: tuple[CameraFrame, ...]
     path: RobotPath
-    """Where the robot was, for the poses of the pictures and between them."""
+    """Path of the robot, which gives the poses of the images and those between them."""
     arena: Arena
     robot: RobotConfig
-    """Nominal."""
+    """Nominal robot."""
     look: LookConfig
-    """Nominal."""
+    """Nominal look."""
     response: CameraResponse
-    """Of the simulated pictures, or of such as would be simulated."""
+    """Camera response of the simulated images, or of those that a simulation would make."""
     pose_errors: PoseErrors = PoseErrors()
 
     @property
@@ -61,16 +61,16 @@ class PictureCase:
 
     @property
     def heldout(self) -> Mask:
-        """(frames,)."""
+        """Return which frames are held out, (frames,)."""
         return np.array([frame.heldout for frame in self.frames])
 
     @property
     def is_simulated(self) -> bool:
-        """Whether there are simulated pictures to compare with."""
+        """Return whether there are simulated images to compare with."""
         return any(frame.simulated is not None for frame in self.frames)
 
     @property
     def size_px(self) -> tuple[int, int]:
-        """Width and height of the pictures."""
-        height, width = self.frames[0].picture.shape[:2]
+        """Return width and height of the images."""
+        height, width = self.frames[0].image.shape[:2]
         return width, height

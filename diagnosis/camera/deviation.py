@@ -1,13 +1,13 @@
-"""A deviation as what a user calls it: a difference from the nominal camera, a factor, or the value itself."""
+"""A deviation in a user's terms: a difference from the nominal camera, a factor, or the value itself."""
 
 from math import exp, sqrt
 
-from diagnosis.camera.case import PictureCase
-from diagnosis.camera.parameter import Number
+from diagnosis.camera.case import CameraCase
+from diagnosis.camera.parameter import CameraNumber
 
 
-def found_value(number: Number, x: float, sd: float, case: PictureCase) -> tuple[float, float]:
-    """Value and standard error in the number's unit, of a deviation and its standard error in tolerances."""
+def value_of(number: CameraNumber, x: float, sd: float, case: CameraCase) -> tuple[float, float]:
+    """Return value and standard error in the number's unit from a deviation and its standard error in tolerances."""
     deviation, error = x * number.tolerance, sd * number.tolerance
     if number.name.endswith("_scale"):
         return exp(deviation), exp(deviation) * error
@@ -19,10 +19,10 @@ def found_value(number: Number, x: float, sd: float, case: PictureCase) -> tuple
 
 
 SQUARED = ("lens_blur", "exposure_time")
-"""Fitted as squares, for blurs add up as variances; told as what they are, not as differences."""
+"""Numbers that are fitted as squares, because blurs add up as variances, and reported as values, not differences."""
 
 
-def nominal_root(number: Number, case: PictureCase) -> float:
-    """Nominal value of a number that is fitted as its square."""
+def nominal_root(number: CameraNumber, case: CameraCase) -> float:
+    """Return the nominal value of a number that is fitted as its square."""
     look = case.look.camera
     return {"lens_blur": look.lens_blur_px, "exposure_time": look.exposure_time_s}[number.name]

@@ -1,11 +1,11 @@
-"""The camera that was found, as robot and look files that scenarios and `symolo rerender` take."""
+"""The identified camera as robot and look files, which scenarios and `symolo rerender` take."""
 
 from math import log2
 from typing import Any, Literal
 
 import yaml
 
-from diagnosis.camera.diagnose import Part, PictureDiagnosis
+from diagnosis.camera.diagnose import CameraAspect, CameraDiagnosis
 from diagnosis.camera.features.white_balance import temperature_of
 from diagnosis.camera.views import deviating
 
@@ -22,14 +22,14 @@ FIELDS: dict[str, tuple[str, Literal["steps", "more", "times", "whole"], float, 
     "shot_noise_scale": ("shot_noise", "times", 0.0, 0.5),
     "read_noise_scale": ("read_noise", "times", 0.0, 0.5),
 }
-"""Of look.camera: which field a number changes, how, and the schema's bounds."""
+"""For each number the field of look.camera that it changes, how it does, and the schema's bounds."""
 GAINS = ("red_gain_scale", "blue_gain_scale")
 NO_TEMPERATURE = "its white balance is a temperature, look.camera.white_balance_K, and none has these gains"
 LATE = "no camera of the simulation is late"
 
 
-def robot_file(diagnosis: PictureDiagnosis) -> str:
-    """The nominal robot with the camera's geometry as fitted; empty where the nominal one does as well."""
+def robot_file(diagnosis: CameraDiagnosis) -> str:
+    """Return the nominal robot with the fitted geometry of the camera; empty where the nominal one is as good."""
     if not diagnosis.geometry.counts:
         return ""
     case = diagnosis.case
@@ -39,8 +39,8 @@ def robot_file(diagnosis: PictureDiagnosis) -> str:
     return _text(whole.model_dump(mode="json", exclude_none=True), diagnosis, (diagnosis.geometry,))
 
 
-def look_file(diagnosis: PictureDiagnosis) -> str:
-    """The nominal look with what was named of the camera's response; empty where nothing was."""
+def look_file(diagnosis: CameraDiagnosis) -> str:
+    """Return the nominal look with the named changes of the camera's response; empty where none is named."""
     changed = look_changes(diagnosis)
     if not changed:
         return ""
@@ -49,15 +49,15 @@ def look_file(diagnosis: PictureDiagnosis) -> str:
     return _text(whole.model_dump(mode="json", exclude_none=True), diagnosis, diagnosis.photometry)
 
 
-def look_changes(diagnosis: PictureDiagnosis) -> dict[str, float]:
-    """Fields of look.camera with their new values, within what the schema allows."""
+def look_changes(diagnosis: CameraDiagnosis) -> dict[str, float]:
+    """Return the fields of look.camera with their new values, within the bounds of the schema."""
     now, changed = diagnosis.case.look.camera, {}
     for part in diagnosis.photometry:
         for choice in part.chosen.choices:
             if choice.number.name not in FIELDS:
                 continue
             field, how, low, high = FIELDS[choice.number.name]
-            value, _ = part.found(choice.place, diagnosis.case)
+            value, _ = part.value(choice.place, diagnosis.case)
             match how:
                 case "steps":
                     value = getattr(now, field) + log2(value)
@@ -72,12 +72,12 @@ def look_changes(diagnosis: PictureDiagnosis) -> dict[str, float]:
     return changed if kelvin is None else changed | {"white_balance_K": round(kelvin), "white_balance_adaption": 0.0}
 
 
-def white_balance_K(diagnosis: PictureDiagnosis) -> float | None:
-    """The temperature for which the camera is balanced, where that differs; None also where no temperature is meant."""
+def white_balance_K(diagnosis: CameraDiagnosis) -> float | None:
+    """Return the white-balance temperature where it differs; None where it does not or where no temperature fits."""
     if not any(choice.number.name in GAINS for _, choice in diagnosis.named):
         return None
     gains = {
-        number.name: part.found(place, diagnosis.case)
+        number.name: part.value(place, diagnosis.case)
         for part in diagnosis.photometry
         for place, number in enumerate(part.model.numbers)
         if number.name in GAINS
@@ -87,8 +87,8 @@ def white_balance_K(diagnosis: PictureDiagnosis) -> float | None:
     return temperature_of(red * of_red / of_green, blue * of_blue / of_green, red_sd / red, blue_sd / blue)
 
 
-def left_out(diagnosis: PictureDiagnosis) -> list[tuple[str, str]]:
-    """What was named and stands in neither file, and why."""
+def left_out(diagnosis: CameraDiagnosis) -> list[tuple[str, str]]:
+    """Return what is named but cannot be written into either file, with the reason."""
     why = {"time_offset": LATE}
     if white_balance_K(diagnosis) is None:
         why |= dict.fromkeys(GAINS, NO_TEMPERATURE)
@@ -96,12 +96,12 @@ def left_out(diagnosis: PictureDiagnosis) -> list[tuple[str, str]]:
     return [(name, why[name]) for name in names if name in why]
 
 
-def _text(section: dict[str, Any], diagnosis: PictureDiagnosis, parts: tuple[Part, ...]) -> str:
-    lines = [f"# As found in pictures of {diagnosis.case.name}; value and standard error:"]
+def _text(section: dict[str, Any], diagnosis: CameraDiagnosis, parts: tuple[CameraAspect, ...]) -> str:
+    lines = [f"# As identified in images of {diagnosis.case.name}; value and standard error:"]
     for part in parts:
         for place, number in enumerate(part.model.numbers):
             named = any(choice.place == place for choice in part.chosen.choices)
-            value, sd = part.found(place, diagnosis.case)
+            value, sd = part.value(place, diagnosis.case)
             within = "" if named else ", within its tolerance"
             if named or part is diagnosis.geometry:
                 lines.append(f"#   {number.name}: {value:.5g} +- {sd:.2g} {number.unit}{within}")

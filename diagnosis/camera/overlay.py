@@ -1,11 +1,11 @@
-"""Pictures of a diagnosis: the line's edges on a frame, and what each part leaves."""
+"""Plots of a camera identification: the line's edges on a frame, and the residuals of each aspect."""
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from diagnosis.camera.diagnose import PictureDiagnosis
+from diagnosis.camera.diagnose import CameraDiagnosis
 from diagnosis.camera.features.line_points import edge_candidates
-from diagnosis.camera.views import EdgePoints, View
+from diagnosis.camera.views import CameraView, EdgePoints
 from symolo.core.arrays import Array
 from symolo.pages.plotting import BLUE, GREY, VERMILION, finished, png
 
@@ -13,21 +13,21 @@ FRAMES = 3
 MEASURED = "#F0E442"
 
 
-def overlay(diagnosis: PictureDiagnosis) -> bytes:
-    """Held-out frames that differ most, with edges as measured, by the nominal camera, and by the extended one."""
+def overlay(diagnosis: CameraDiagnosis) -> bytes:
+    """Plot the held-out frames that differ most, with edges as measured, by the nominal and the extended camera."""
     case, model = diagnosis.case, diagnosis.edges
     x, null = diagnosis.geometry.fit.x, np.zeros(len(diagnosis.geometry.fit.x))
     width, height = case.size_px
     frames = _shown(diagnosis)
     figure = Figure(figsize=(4.2 * len(frames), 4.2 * height / width + 0.6), layout="constrained")
     for axes, frame in zip(figure.subplots(1, len(frames), squeeze=False)[0], frames, strict=True):
-        axes.imshow(case.frames[frame].picture, interpolation="nearest")
+        axes.imshow(case.frames[frame].image, interpolation="nearest")
         middle, outwards, chain = edge_candidates(case.arena)
         for deviations, colour, style, name in ((null, VERMILION, "-", "nominal"), (x, BLUE, "--", "extended")):
             for number in np.unique(chain):
                 here = chain == number
                 points = EdgePoints(np.full(here.sum(), frame), middle[here], outwards[here])
-                at = View(case, deviations).pixels(points)
+                at = CameraView(case, deviations).pixels(points)
                 inside = (at > -20).all(axis=1) & (at[:, 0] < width + 20) & (at[:, 1] < height + 20)
                 at = np.where(inside[:, None], at, np.nan)
                 label = name if number == chain[0] else None
@@ -41,21 +41,21 @@ def overlay(diagnosis: PictureDiagnosis) -> bytes:
     return png(figure)
 
 
-def _shown(diagnosis: PictureDiagnosis) -> list[int]:
-    """Up to three frames held out, those in which the nominal camera errs most."""
+def _shown(diagnosis: CameraDiagnosis) -> list[int]:
+    """Return up to three held-out frames, those with the largest errors of the nominal camera."""
     model = diagnosis.edges
-    left = np.abs(model.left(np.zeros(len(diagnosis.geometry.fit.x))))
+    left = np.abs(model.residuals(np.zeros(len(diagnosis.geometry.fit.x))))
     seen = [f for f in np.unique(model.frame[model.heldout]).tolist() if np.count_nonzero(model.frame == f) >= 5]
     seen.sort(key=lambda f: -float(np.nanmedian(left[model.frame == f])))
     return sorted(seen[:FRAMES]) or [int(model.frame[0])]
 
 
-def edge_misfit(diagnosis: PictureDiagnosis) -> bytes:
-    """Distances of the edges along rows and columns, nominal and extended."""
+def edge_misfit(diagnosis: CameraDiagnosis) -> bytes:
+    """Plot the distances of the edges along rows and columns, for the nominal and the extended camera."""
     model, x = diagnosis.edges, diagnosis.geometry.fit.x
     figure = Figure(figsize=(9.5, 3.4), layout="constrained")
     panels = figure.subplots(1, 2, sharey=True)
-    before, after = model.left(np.zeros_like(x)), model.left(x)
+    before, after = model.residuals(np.zeros_like(x)), model.residuals(x)
     reach = float(np.nanpercentile(np.abs(before), 98)) * 1.2 + 0.3
     for axes, (name, at) in zip(panels, (("row [px]", 1), ("column [px]", 0)), strict=True):
         for left, colour, label in ((before, VERMILION, "nominal"), (after, BLUE, "extended")):
@@ -63,12 +63,12 @@ def edge_misfit(diagnosis: PictureDiagnosis) -> bytes:
             axes.plot(model.measured[shown, at], left[shown], "o", markersize=2.5, alpha=0.6, color=colour, label=label)
         axes.axhline(0.0, color=GREY, linewidth=0.6)
         axes.set_ylim(-reach, reach)
-        finished(axes, "edges in pictures held out", name, "measured - predicted, outwards [px]", legend=at == 1)
+        finished(axes, "edges in images held out", name, "measured - predicted, outwards [px]", legend=at == 1)
     return png(figure)
 
 
-def level_misfit(diagnosis: PictureDiagnosis) -> bytes | None:
-    """Measured levels against those predicted, of each channel; None where none were compared."""
+def level_misfit(diagnosis: CameraDiagnosis) -> bytes | None:
+    """Plot measured less predicted levels of each channel; None where no levels were compared."""
     part = next((part for part in diagnosis.photometry if part.name == "levels"), None)
     if part is None:
         return None
@@ -77,12 +77,12 @@ def level_misfit(diagnosis: PictureDiagnosis) -> bytes | None:
     panels = figure.subplots(1, 2, sharey=True)
     channel = np.arange(len(shown)) % 3
     for axes, (name, deviations) in zip(panels, (("nominal", np.zeros_like(x)), ("extended", x)), strict=True):
-        left: Array = 255 * model.left(deviations)
+        left: Array = 255 * model.residuals(deviations)
         for k, colour in enumerate(("#CC3311", "#228833", "#4477AA")):
             here = shown & (channel == k)
             axes.plot(
                 np.flatnonzero(here), left[here], ".", markersize=2.5, color=colour, label=("red", "green", "blue")[k]
             )
         axes.axhline(0.0, color=GREY, linewidth=0.6)
-        finished(axes, name, "patch of a picture held out", "measured - predicted [of 255]", legend=name == "nominal")
+        finished(axes, name, "patch of an image held out", "measured - predicted [of 255]", legend=name == "nominal")
     return png(figure)

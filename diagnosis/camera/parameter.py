@@ -1,10 +1,10 @@
-"""A number of the camera that may differ from its nominal value, with the tolerance within which it is no discovery."""
+"""A parameter of the camera that may differ from its nominal value, with the tolerance that needs no explanation."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Number:
+class CameraNumber:
     name: str
     unit: str
     tolerance: float

@@ -1,4 +1,4 @@
-"""Whether what the best camera leaves still depends on something: functions of each covariate, by an F test.
+"""Test whether the residuals of the best camera still depend on a covariate, by an F test of functions of it.
 
 A coarse look: polynomials of the fourth degree, Bonferroni over all covariates; a dependence that explains little of
 what is left is none.
@@ -10,30 +10,35 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import fdtrc
 
-from diagnosis.camera.fit import Fit, Model, without_own
+from diagnosis.camera.fit import CameraFit, CameraModel, without_frame_effects
 from symolo.core.arrays import Array
 
 LEVEL = 0.001
 MIN_SHARE = 0.08
-"""Of the variance of what is left."""
+"""Share of the variance of the residuals."""
 DEGREE = 4
 CLIP = 3.0
 
 
 @dataclass(frozen=True)
-class Remains:
+class RemainingStructure:
     covariate: str
     p: float
     share: float
-    """Of the variance of what is left."""
+    """Share of the variance of the residuals."""
 
 
-def remains(model: Model, fit: Fit, covariates: Mapping[str, Array]) -> Remains | None:
-    """The strongest dependence, if any."""
-    left = without_own(model, model.left(fit.x), model.own(fit.x), fit.sd, fit.worth) / fit.sd
+def remaining_structure(
+    model: CameraModel, fit: CameraFit, covariates: Mapping[str, Array]
+) -> RemainingStructure | None:
+    """Return the strongest dependence of the residuals on a covariate; None where none is significant."""
+    left = (
+        without_frame_effects(model, model.residuals(fit.x), model.frame_slopes(fit.x), fit.sd, fit.independent_share)
+        / fit.sd
+    )
     use = np.isfinite(left) & model.fit
     z = np.clip(left[use], -CLIP, CLIP)
-    found: list[Remains] = []
+    found: list[RemainingStructure] = []
     for name, values in covariates.items():
         x = values[use]
         spread = float(np.ptp(x))
@@ -44,9 +49,9 @@ def remains(model: Model, fit: Fit, covariates: Mapping[str, Array]) -> Remains 
         centred = z - z.mean()
         explained = float(((basis.T @ centred) ** 2).sum())
         total = float(centred @ centred)
-        independent = max(fit.worth * len(z), 2.0 * DEGREE)
+        independent = max(fit.independent_share * len(z), 2.0 * DEGREE)
         F = (explained / DEGREE) / ((total - explained) / (len(z) - DEGREE - 1)) * independent / len(z)
         p = min(1.0, float(fdtrc(DEGREE, independent - DEGREE - 1, F)) * len(covariates))
-        found.append(Remains(name, p, explained / total))
+        found.append(RemainingStructure(name, p, explained / total))
     strongest = max(found, key=lambda of: of.share, default=None)
     return strongest if strongest and strongest.p < LEVEL and strongest.share > MIN_SHARE else None

@@ -1,21 +1,21 @@
-"""What a diagnosis of pictures says, in sentences."""
+"""The result of a camera identification in sentences."""
 
-from diagnosis.camera.diagnose import Part, PictureDiagnosis
+from diagnosis.camera.diagnose import CameraAspect, CameraDiagnosis
 from diagnosis.camera.extended_camera import LOOK, ROBOT, left_out, look_file, robot_file
-from diagnosis.camera.fit import Choice
+from diagnosis.camera.fit import NamedCameraNumber
 
 SHOWS_IN = {
-    "pitch_down": "pictures of lines that cross the view, near and far",
-    "principal_point_down": "a calibration board that fills the picture",
-    "principal_point_right": "a calibration board that fills the picture",
+    "pitch_down": "images of lines that cross the view, near and far",
+    "principal_point_down": "a calibration board that fills the image",
+    "principal_point_right": "a calibration board that fills the image",
     "height": "a line of known width right below the camera",
     "focal_length_scale": "a calibration board, or a line of known width at two distances",
     "yaw_left": "a long straight line to both sides",
     "roll": "a line across the view",
     "forward": "turns on the spot, and lines across the view",
     "left": "a long straight line, driven both ways",
-    "k1": "lines in the picture's corners",
-    "k2": "lines in the picture's corners",
+    "k1": "lines in the image's corners",
+    "k2": "lines in the image's corners",
     "time_offset": "drives at several speeds and turns",
     "read_out": "fast turns",
     "line_width": "a ruler",
@@ -26,37 +26,37 @@ SHOWS_IN = {
     "veiling_glare": "a dark patch beside a lamp",
     "contrast_scale": "a chart of grey steps",
     "saturation_scale": "a chart of colours",
-    "lens_blur": "pictures of a robot that stands still",
+    "lens_blur": "images of a robot that stands still",
     "exposure_time": "edges across the view in fast turns",
     "sharpening": "a slanted edge of a chart",
     "shot_noise_scale": "the same place at several exposures",
-    "read_noise_scale": "pictures with the lens covered",
+    "read_noise_scale": "images with the lens covered",
 }
 
 
-def headline(diagnosis: PictureDiagnosis) -> str:
+def headline(diagnosis: CameraDiagnosis) -> str:
     names = [choice.number.name for _, choice in diagnosis.named]
     if not names:
-        return "These pictures do not differ from the simulated camera's by more than its tolerances."
+        return "These images do not differ from the simulated camera's by more than its tolerances."
     return f"The real camera differs from the nominal one by {' and '.join(names)}."
 
 
-def size(part: Part, choice: Choice, diagnosis: PictureDiagnosis) -> str:
-    value, sd = part.found(choice.place, diagnosis.case)
+def size(part: CameraAspect, choice: NamedCameraNumber, diagnosis: CameraDiagnosis) -> str:
+    value, sd = part.value(choice.place, diagnosis.case)
     unit = "" if choice.number.unit == "1" else f" {choice.number.unit}"
     return f"{value:.4g} +- {sd:.2g}{unit}"
 
 
-def ambiguity(choice: Choice) -> str:
-    """Empty where the name stands alone."""
+def ambiguity(choice: NamedCameraNumber) -> str:
+    """Return which other names explain the images as well; empty where none does."""
     if not choice.ambiguous_with:
         return ""
     shows = "; ".join(f"{name}: {SHOWS_IN[name]}" for name in (choice.number.name, *choice.ambiguous_with))
     return f"cannot be told from {', '.join(choice.ambiguous_with)}; to tell them apart, take more of ({shows})"
 
 
-def gained(part: Part) -> str:
-    """Empty where no picture is held out."""
+def gained(part: CameraAspect) -> str:
+    """Return the gain of an aspect in a sentence; empty where no image is held out."""
     gain = part.gain
     if gain is None:
         return ""
@@ -68,8 +68,8 @@ def gained(part: Part) -> str:
     return told
 
 
-def summary(diagnosis: PictureDiagnosis) -> list[str]:
-    """What the terminal shows."""
+def summary(diagnosis: CameraDiagnosis) -> list[str]:
+    """Return the lines that the terminal shows."""
     heldout = int(diagnosis.case.heldout.sum())
     lines = [headline(diagnosis), ""]
     for part, choice in diagnosis.named:
@@ -84,20 +84,20 @@ def summary(diagnosis: PictureDiagnosis) -> list[str]:
         if told := ambiguity(choice):
             lines.append(f"  open       {told}")
         lines.append("")
-    lines.append(f"On {heldout} pictures that nothing was fitted to, the error is")
+    lines.append(f"On {heldout} images that nothing was fitted to, the error is")
     lines += [f"  {told}" for part in diagnosis.parts if (told := gained(part))]
     for part in diagnosis.parts:
-        if part.remains:
-            lines.append(f"Unexplained: what is left of {part.name} depends on {part.remains.covariate}.")
-    lines += [f"Not looked at: {what}." for what in diagnosis.left_out]
+        if part.remaining_structure:
+            lines.append(f"Unexplained: what is left of {part.name} depends on {part.remaining_structure.covariate}.")
+    lines += [f"Not measured: {what}." for what in diagnosis.left_out]
     lines += [f"Not in the files: {name}, for {why}." for name, why in left_out(diagnosis)]
     if told := use(diagnosis):
         lines += ["", *told]
     return lines
 
 
-def use(diagnosis: PictureDiagnosis) -> list[str]:
-    """How to simulate with what was found; empty where there is nothing."""
+def use(diagnosis: CameraDiagnosis) -> list[str]:
+    """Return how to simulate with the identified camera; empty where nothing differs."""
     robot, look = bool(robot_file(diagnosis)), bool(look_file(diagnosis))
     if not (robot or look):
         return []

@@ -1,4 +1,4 @@
-"""Where a camera that is not quite the nominal one sees points of the world.
+"""Where a camera that deviates from the nominal one sees points of the world.
 
 Its numbers are deviations in tolerances, as one vector in the order of `numbers`; all 0 is the nominal camera.
 """
@@ -9,52 +9,56 @@ from dataclasses import dataclass
 import numpy as np
 
 from configs.schema.robot import Camera
-from diagnosis.camera.case import Ints, PictureCase
-from diagnosis.camera.parameter import Number
+from diagnosis.camera.case import CameraCase, Ints
+from diagnosis.camera.parameter import CameraNumber
 from symolo.core.arrays import Array
 from symolo.core.lens import distorted
 from symolo.core.pinhole import Intrinsics, intrinsics, pixels, pose_X_RC
 from symolo.core.poses import pose_X_WR
 
 RATE_OVER_S = 0.01
-"""To either side, over which a picture's robot moves evenly."""
+"""Time before and after an image over which the robot moves evenly."""
 MOUNT, LENS, CLOCK = "a bent or badly printed mount", "another lens, or one focused anew", "a late time stamp"
 
 GEOMETRY = (
-    Number("pitch_down", "deg", 0.2, "the camera looks further down than in the simulation", MOUNT),
-    Number("height", "m", 0.0005, "the camera sits higher than in the simulation", "another mount, wheels or tyres"),
-    Number("focal_length_scale", "1", 0.005, "f_true = scale * f: the picture shows less of the scene", LENS),
-    Number("yaw_left", "deg", 0.2, "the camera looks further to the left", MOUNT),
-    Number("roll", "deg", 0.2, "the camera is turned clockwise about its axis, seen from behind", MOUNT),
-    Number("forward", "m", 0.0005, "the camera sits further ahead", MOUNT),
-    Number("left", "m", 0.0005, "the camera sits further to the left", MOUNT),
-    Number("principal_point_right", "1", 0.003, "the optical axis is further right, in picture widths", LENS),
-    Number("principal_point_down", "1", 0.003, "the optical axis is further down, in picture widths", LENS),
-    Number("k1", "1", 0.01, "radial distortion: below 0 barrel, above 0 pincushion", LENS),
-    Number("k2", "1", 0.01, "radial distortion of the fourth power", LENS),
-    Number("time_offset", "s", 0.002, "pictures are exposed later than their stamps say", CLOCK),
-    Number("read_out", "s", 0.001, "rolling shutter: the bottom row is exposed later than the top", "another sensor"),
-    Number("line_width", "m", 0.0003, "the line is wider than on the map", "another tape", can_be_named=False),
+    CameraNumber("pitch_down", "deg", 0.2, "the camera looks further down than in the simulation", MOUNT),
+    CameraNumber(
+        "height", "m", 0.0005, "the camera sits higher than in the simulation", "another mount, wheels or tyres"
+    ),
+    CameraNumber("focal_length_scale", "1", 0.005, "f_true = scale * f: the image shows less of the scene", LENS),
+    CameraNumber("yaw_left", "deg", 0.2, "the camera looks further to the left", MOUNT),
+    CameraNumber("roll", "deg", 0.2, "the camera is turned clockwise about its axis, seen from behind", MOUNT),
+    CameraNumber("forward", "m", 0.0005, "the camera sits further ahead", MOUNT),
+    CameraNumber("left", "m", 0.0005, "the camera sits further to the left", MOUNT),
+    CameraNumber("principal_point_right", "1", 0.003, "the optical axis is further right, in image widths", LENS),
+    CameraNumber("principal_point_down", "1", 0.003, "the optical axis is further down, in image widths", LENS),
+    CameraNumber("k1", "1", 0.01, "radial distortion: below 0 barrel, above 0 pincushion", LENS),
+    CameraNumber("k2", "1", 0.01, "radial distortion of the fourth power", LENS),
+    CameraNumber("time_offset", "s", 0.002, "images are exposed later than their stamps say", CLOCK),
+    CameraNumber(
+        "read_out", "s", 0.001, "rolling shutter: the bottom row is exposed later than the top", "another sensor"
+    ),
+    CameraNumber("line_width", "m", 0.0003, "the line is wider than on the map", "another tape", can_be_named=False),
 )
 
 
 @dataclass(frozen=True)
 class EdgePoints:
-    """Points on the edges of the line, each looked for in one picture."""
+    """Points on the edges of the line, each of which is searched in one image."""
 
     frame: Ints
-    """(N,), place in the case's frames."""
+    """(N,), index of the frame."""
     on_line: Array
     """(N, 2), x [m], y [m] in W, on the middle of the line."""
     outwards: Array
-    """(N, 2), unit vector in W from there over the edge."""
+    """(N, 2), unit vector in W from the middle of the line over the edge."""
 
     def __len__(self) -> int:
         return len(self.frame)
 
 
-def deviating(case: PictureCase, x: Sequence[float]) -> tuple[Camera, float]:
-    """The camera with these deviations (P,), and how much later its pictures are exposed [s]."""
+def deviating(case: CameraCase, x: Sequence[float]) -> tuple[Camera, float]:
+    """Return the camera with these deviations (P,), and how much later its images are exposed [s]."""
     d = {number.name: value * number.tolerance for number, value in zip(GEOMETRY, x, strict=True)}
     nominal, lens = case.camera, case.camera.distortion
     moved = {
@@ -76,17 +80,17 @@ def deviating(case: PictureCase, x: Sequence[float]) -> tuple[Camera, float]:
 
 
 @dataclass(frozen=True)
-class View:
-    """A camera with deviations on its way along the path."""
+class CameraView:
+    """A camera with deviations that moves along the path."""
 
-    case: PictureCase
+    case: CameraCase
     x: Array
-    """(P,), deviations."""
+    """(P,), deviations in tolerances."""
 
     def pixels(self, points: EdgePoints, beyond_m: float = 0.0, moved: Array | None = None) -> Array:
-        """Pixels (N, 2) of the points, `beyond_m` further out than the edge; NaN behind the camera.
+        """Return pixels (N, 2) of the points, `beyond_m` further out than the edge; NaN behind the camera.
 
-        `moved` (N, 3) is how far each picture's robot stood from its pose: ahead [m], to the left [m], turned [rad].
+        `moved` (N, 3) is how far each image's robot stood from its pose: ahead [m], to the left [m], turned [rad].
         """
         case = self.case
         camera, late_s = deviating(case, self.x.tolist())
@@ -107,14 +111,14 @@ class View:
         return found
 
     def _ways(self, late_s: float) -> tuple[Array, Array]:
-        """Poses (frames, 3) at the pictures' middles, and how fast they change."""
+        """Return the poses (frames, 3) at the middle of each exposure, and how fast they change."""
         t_s = np.array([frame.t_s for frame in self.case.frames]) + late_s
         around = self.case.path.poses_at(np.concatenate([t_s - RATE_OVER_S, t_s, t_s + RATE_OVER_S]))
         before, here, after = np.split(around, 3)
         return here, (after - before) / (2.0 * RATE_OVER_S)
 
     def floor_X_WC(self, frame: int) -> Array:
-        """(4, 4) pose of the camera at a picture's middle."""
+        """Return the pose (4, 4) of the camera at the middle of an exposure."""
         camera, late_s = deviating(self.case, self.x.tolist())
         t_s = np.array([self.case.frames[frame].t_s + late_s])
         x_m, y_m, yaw_rad = self.case.path.poses_at(t_s)[0].tolist()
@@ -130,12 +134,12 @@ def _moved(poses: Array, moved: Array | None) -> Array:
 
 
 def _seen(p_W: Array, poses: Array, X_RC: Array, lens: Intrinsics) -> Array:
-    """Pixels (N, 2) of points (N, 3), each with a robot pose (N, 3) of its own."""
+    """Return pixels (N, 2) of points (N, 3), each with its robot pose, (N, 3)."""
     c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
     x, y = (p_W[:, :2] - poses[:, :2]).T
     p_R = np.column_stack([c * x + s * y, c * y - s * x, p_W[:, 2]])
     p_C = (p_R - X_RC[:3, 3]) @ X_RC[:3, :3]
     depth = p_C[:, 2]
     rays = p_C[:, :2] / np.where(depth > 0.01, depth, np.nan)[:, None]
-    # Within the picture no lens folds, so that nothing of `project`'s search for folds is needed.
+    # No lens folds within the image, so that the search of `project` for folds is not needed.
     return pixels(lens, distorted(lens.distortion, rays))

@@ -11,7 +11,7 @@ from diagnosis.engine.drive import DrivenPath, EngineDrive
 from diagnosis.engine.motor import MotorOnBench
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.gain import Gain, gain_of, of_quantity, trimmed_rms
-from diagnosis.measured.measurement import Kind, Measurement
+from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.predictors import STAGES
 from diagnosis.predictors.base import Stage
 from diagnosis.predictors.drive_log import VOLTAGES
@@ -77,15 +77,15 @@ def compare_engines(measurement: Measurement, nominal: RobotConfig, extended: Ro
 
 
 def _why_not(measurement: Measurement) -> str:
-    if measurement.kind is Kind.TOF_BENCH:
+    if measurement.kind is CaseKind.TOF_BENCH:
         return "nothing moves on a range bench, and a ray to a flat target has the same length in every engine"
-    if measurement.kind is Kind.DRIVE_LOG and not set(VOLTAGES) <= set(measurement.channel_names()):
+    if measurement.kind is CaseKind.DRIVE_LOG and not set(VOLTAGES) <= set(measurement.channel_names()):
         return "no voltages were logged that could drive a robot"
     return "" if measurement.heldout_rows else "no row is held out"
 
 
 def _engines(measurement: Measurement, nominal: RobotConfig) -> Iterator[tuple[str, Stage]]:
-    if measurement.kind is Kind.DRIVE_LOG:
+    if measurement.kind is CaseKind.DRIVE_LOG:
         yield from ((name, EngineDrive(measurement, nominal, driver)) for name, driver in DRIVERS.items())
         return
     yield PYBULLET, MotorOnBench(measurement, nominal)

@@ -10,7 +10,7 @@ import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.engine.base import less
-from diagnosis.measured.measurement import Kind, Measurement
+from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import NominalStep
 from diagnosis.predictors.base import Observed, Predicted
 from diagnosis.predictors.grid import Grid
@@ -33,7 +33,7 @@ class MotorOnBench:
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig) -> None:
         self._measurement = measurement
-        is_step = measurement.kind is Kind.MOTOR_STEP
+        is_step = measurement.kind is CaseKind.MOTOR_STEP
         self._means = self._of_steps if is_step else self._settled
         stage = MotorStep(measurement, nominal) if is_step else MotorSteady(measurement, nominal)
         self.observed: tuple[Observed, ...] = stage.observed

@@ -8,10 +8,10 @@ from diagnosis.importers.base import is_file
 from diagnosis.importers.trials import trials_of
 from diagnosis.measured.case_format import BLIND, COLUMNS, channel_columns
 from diagnosis.measured.csv_table import read_csv
-from diagnosis.measured.measurement import Kind, Measurement, Source
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource
 
 
-def read_blind(folder: Path, kind: Kind) -> dict[str, Measurement]:
+def read_blind(folder: Path, kind: CaseKind) -> dict[str, Measurement]:
     """The unseen runs of a case by file name, in the format's order; empty where it has none.
 
     Every row counts as held out. The pose of `blind_pose_inputs.csv` is that of its first row alone.
@@ -22,10 +22,10 @@ def read_blind(folder: Path, kind: Kind) -> dict[str, Measurement]:
     return {name: _read(folder / name, kind) for name in BLIND[kind] if is_file(folder / name)}
 
 
-def _read(path: Path, kind: Kind) -> Measurement:
+def _read(path: Path, kind: CaseKind) -> Measurement:
     columns = [column for column in COLUMNS[kind] if column.name in BLIND[kind][path.name]]
     table = read_csv(path, columns)
     channels = [column for column in channel_columns(kind) if column in columns]
-    trials = trials_of(table, channels, np.ones(len(table.row), dtype=bool), {}, from_rest=kind is Kind.MOTOR_STEP)
-    source = Source("inputs of unseen runs", (str(path),))
+    trials = trials_of(table, channels, np.ones(len(table.row), dtype=bool), {}, from_rest=kind is CaseKind.MOTOR_STEP)
+    source = MeasurementSource("inputs of unseen runs", (str(path),))
     return Measurement(path.stem, kind, source, trials, notes=table.notes)

@@ -11,7 +11,7 @@ from diagnosis.importers.base import Importer, is_file
 from diagnosis.importers.trials import KnownNoise, trials_of
 from diagnosis.measured.case_format import COLUMNS, DATA, HOLDOUT, SPLIT, channel_columns
 from diagnosis.measured.csv_table import read_csv
-from diagnosis.measured.measurement import Kind, Measurement, Source
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource
 from diagnosis.measured.nominal import NOMINAL, Nominal, kind_of, read_nominal
 from diagnosis.measured.scale import mixed_up_unit
 from symolo.core.errors import InputError
@@ -23,13 +23,13 @@ NotesOf = Callable[[Nominal, Measurement], Sequence[str]]
 """What is odd about the data beside their nominal parameters."""
 
 
-def case_importer(kind: Kind, what: str, noise_of: NoiseOf, notes_of: NotesOf) -> Importer:
+def case_importer(kind: CaseKind, what: str, noise_of: NoiseOf, notes_of: NotesOf) -> Importer:
     """The importer of one kind of case."""
     read = partial(_read, kind, noise_of, notes_of)
     return Importer(kind.value, what, partial(_recognises, kind), read)
 
 
-def _recognises(kind: Kind, path: Path) -> bool:
+def _recognises(kind: CaseKind, path: Path) -> bool:
     """By nominal.yaml's own word, be it YAML or nearly so, so that its faults are told by the reader it belongs to."""
     file = _folder(path) / NOMINAL
     if not is_file(file):
@@ -50,7 +50,7 @@ def _folder(path: Path) -> Path:
     return path.parent if path.name in {DATA, NOMINAL} else path
 
 
-def _read(kind: Kind, noise_of: NoiseOf, notes_of: NotesOf, path: Path) -> Measurement:
+def _read(kind: CaseKind, noise_of: NoiseOf, notes_of: NotesOf, path: Path) -> Measurement:
     folder = _folder(path)
     for name in (NOMINAL, DATA):
         if not (folder / name).is_file():
@@ -60,11 +60,11 @@ def _read(kind: Kind, noise_of: NoiseOf, notes_of: NotesOf, path: Path) -> Measu
     if nominal.kind != kind:
         raise InputError("kind", where=str(folder / NOMINAL), got=nominal.kind, allowed=kind.value)
     table = read_csv(folder / DATA, COLUMNS[kind])
-    source = Source("a measured case", (str(folder / DATA), str(folder / NOMINAL)))
+    source = MeasurementSource("a measured case", (str(folder / DATA), str(folder / NOMINAL)))
     channels = channel_columns(kind)
     noise = {c.name: known for c in channels for known in (noise_of(nominal, table, c.name),) if known is not None}
     trials = trials_of(
-        table, channels, np.array(table.words[SPLIT.name]) == HOLDOUT, noise, from_rest=kind is Kind.MOTOR_STEP
+        table, channels, np.array(table.words[SPLIT.name]) == HOLDOUT, noise, from_rest=kind is CaseKind.MOTOR_STEP
     )
     measurement = Measurement(folder.absolute().name, kind, source, trials, nominal, table.notes)
     notes = (*table.notes, *_absent(measurement), *notes_of(nominal, measurement))

@@ -7,7 +7,7 @@ import numpy as np
 from diagnosis.importers.case import case_importer, scale_note
 from diagnosis.importers.motor_step import check_rate
 from diagnosis.importers.trials import KnownNoise
-from diagnosis.measured.measurement import Kind, Measurement, Trial
+from diagnosis.measured.measurement import CaseKind, Measurement, Trial
 from diagnosis.measured.nominal import Nominal, NominalDrive
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
@@ -89,7 +89,7 @@ def _net(trial: Trial, name: str) -> Array:
 
 
 IMPORTER = case_importer(
-    Kind.DRIVE_LOG,
+    CaseKind.DRIVE_LOG,
     "measured case: a drive with voltages, counts, ranges and pose (nominal.yaml, data.csv)",
     _noise,
     _notes,

@@ -16,7 +16,7 @@ from diagnosis.importers.base import Importer, first_line
 from diagnosis.importers.order import check_increasing
 from diagnosis.measured.channel import Channel, Mask, Role
 from diagnosis.measured.csv_table import MeasuredColumn, table_of
-from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.nominal import KnownMotor, Nominal, NominalMotor, PositiveSpread, Spread
 from diagnosis.measured.scale import Reach
 from diagnosis.usual_tolerances import SHARES
@@ -87,7 +87,7 @@ class _Form:
     columns: tuple[MeasuredColumn, ...]
     trials: Callable[[CsvTable, Array, int], tuple[Trial, ...]]
     """From the table, its times [s] and the number in the file's name."""
-    kind: Kind = Kind.OTHER
+    kind: CaseKind = CaseKind.OTHER
     notes: tuple[str, ...] = ()
     nominal: Callable[[], Nominal] | None = None
 
@@ -171,7 +171,7 @@ FORMS: Mapping[str, _Form] = {
     "wheelSpeedCalibration": _Form(
         (_TIME, _BATTERY, _set("motorCommand", _COMMAND), *_SPEEDS),
         _steady,
-        Kind.MOTOR_STEADY,
+        CaseKind.MOTOR_STEADY,
         (
             "not logged: current",
             "the voltage is the duty times the battery's, before any loss in the bridge",
@@ -211,7 +211,7 @@ def _read(path: Path) -> Measurement:
     notes.append(f"times taken for {'s' if in_s else 'ms'}")
     if form.nominal is None:
         notes.append("nothing is held out")
-    source = Source("Algernon micromouse, opatiny/micromouse", (str(path),), "CERN-OHL-P v2")
+    source = MeasurementSource("Algernon micromouse, opatiny/micromouse", (str(path),), "CERN-OHL-P v2")
     trials = form.trials(table, t_s - t_s[0], number)
     nominal = None if form.nominal is None else form.nominal()
     return Measurement(path.stem, form.kind, source, trials, nominal, (*table.notes, *notes))

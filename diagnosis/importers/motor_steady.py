@@ -3,7 +3,7 @@
 from diagnosis.importers.case import case_importer
 from diagnosis.importers.motor_scale import motor_scale_notes
 from diagnosis.importers.trials import KnownNoise
-from diagnosis.measured.measurement import Kind
+from diagnosis.measured.measurement import CaseKind
 from diagnosis.measured.nominal import Nominal, NominalSteady
 from symolo.core.table import CsvTable
 
@@ -16,5 +16,5 @@ def _noise(nominal: Nominal, table: CsvTable, name: str) -> KnownNoise | None:
 
 
 IMPORTER = case_importer(
-    Kind.MOTOR_STEADY, "measured case: steady states of a motor (nominal.yaml, data.csv)", _noise, motor_scale_notes
+    CaseKind.MOTOR_STEADY, "measured case: steady states of a motor (nominal.yaml, data.csv)", _noise, motor_scale_notes
 )

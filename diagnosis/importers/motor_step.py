@@ -7,7 +7,7 @@ import numpy as np
 from diagnosis.importers.case import case_importer
 from diagnosis.importers.motor_scale import motor_scale_notes
 from diagnosis.importers.trials import KnownNoise
-from diagnosis.measured.measurement import Kind, Measurement
+from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import Nominal, NominalStep
 from symolo.core.errors import InputError
 from symolo.core.table import CsvTable
@@ -48,5 +48,5 @@ def check_rate(measurement: Measurement, period_s: float) -> None:
 
 
 IMPORTER = case_importer(
-    Kind.MOTOR_STEP, "measured case: voltage steps on a motor (nominal.yaml, data.csv)", _noise, _notes
+    CaseKind.MOTOR_STEP, "measured case: voltage steps on a motor (nominal.yaml, data.csv)", _noise, _notes
 )

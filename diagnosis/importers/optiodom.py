@@ -18,7 +18,7 @@ from diagnosis.importers.order import check_increasing
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.csv_table import MeasuredColumn, table_of
 from diagnosis.measured.holdout import EVERY
-from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.scale import Reach
 from diagnosis.usual_tolerances import usual_wheels
 from symolo.core.errors import InputError
@@ -82,7 +82,7 @@ def _read(path: Path) -> Measurement:
         for folder, values in driven.items()
         if (values["Li"][0], values["Di"][0]) != (TRACK_M, WHEEL_DIAMETER_M)
     ]
-    source = Source(
+    source = MeasurementSource(
         "OptiOdom: encoder counts and OptiTrack poses of a differential robot, INESC TEC",
         tuple(str(file) for file in files),
         "MIT",
@@ -90,7 +90,7 @@ def _read(path: Path) -> Measurement:
     trials = tuple(trial for trial, _ in read)
     nominal = usual_wheels(diameter_m=WHEEL_DIAMETER_M, track_m=TRACK_M, counts_per_turn=ENCODER_TICKS_PER_REVOLUTION)
     name = path.absolute().name
-    return Measurement(name, Kind.DRIVE_LOG, source, trials, nominal, tuple(dict.fromkeys(notes)))
+    return Measurement(name, CaseKind.DRIVE_LOG, source, trials, nominal, tuple(dict.fromkeys(notes)))
 
 
 def _trial(path: Path, *, alone: bool) -> tuple[Trial, Sequence[str]]:

@@ -9,7 +9,7 @@ import numpy as np
 from configs.schema.arena import SurfaceName
 from diagnosis.importers.base import Importer
 from diagnosis.measured.channel import Channel, Label, Role
-from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.motor_identification import TABLE_1
 from diagnosis.validation.range_sensor.paper import TABLE_3, TABLE_4, PrintedReadings
 from symolo.core.arrays import Array
@@ -28,7 +28,7 @@ def _motor() -> Measurement:
         Channel.logged(TimeSeries("omega_rad_s", "rad/s", row, TABLE_1.speed_rad_s), Role.READING),
     )
     notes = ("not noted: times, noise; nothing is marked as held out",)
-    return Measurement("table-1", Kind.MOTOR_STEADY, _source("Table 1"), (_trial(row, channels),), notes=notes)
+    return Measurement("table-1", CaseKind.MOTOR_STEADY, _source("Table 1"), (_trial(row, channels),), notes=notes)
 
 
 def _surfaces(number: int, table: Mapping[SurfaceName, PrintedReadings]) -> Measurement:
@@ -45,15 +45,15 @@ def _surfaces(number: int, table: Mapping[SurfaceName, PrintedReadings]) -> Meas
         "not noted: times, temperature, light; nothing is marked as held out",
     )
     trial = _trial(row, channels, Label("material", tuple(table)))
-    return Measurement(f"table-{number}", Kind.TOF_BENCH, _source(f"Table {number}"), (trial,), notes=notes)
+    return Measurement(f"table-{number}", CaseKind.TOF_BENCH, _source(f"Table {number}"), (trial,), notes=notes)
 
 
 def _trial(row: Array, channels: tuple[Channel, ...], *labels: Label) -> Trial:
     return Trial("1", row, np.zeros(len(row), dtype=bool), channels, labels, is_timed=False)
 
 
-def _source(table: str) -> Source:
-    return Source(f"the paper's {table}", ())
+def _source(table: str) -> MeasurementSource:
+    return MeasurementSource(f"the paper's {table}", ())
 
 
 TABLES: Mapping[str, Callable[[], Measurement]] = {

@@ -15,7 +15,7 @@ from diagnosis.importers.base import Importer, first_line, is_folder
 from diagnosis.importers.order import check_increasing
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.csv_table import MeasuredColumn, table_of
-from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.scale import Reach
 from symolo.core.errors import InputError
 from symolo.core.table import check_header
@@ -106,7 +106,7 @@ def _read(path: Path) -> Measurement:
     for file, names in zip(files[1:], others, strict=True):
         if names != first:
             raise InputError("has other columns than the files before", where=str(file), cure="name one file")
-    source = Source(
+    source = MeasurementSource(
         "Robotino 2 on several floors, Tomsk Polytechnic (BrOleg5/research-wheel-slippage)",
         tuple(str(file) for file in files),
         "Apache-2.0",
@@ -114,7 +114,7 @@ def _read(path: Path) -> Measurement:
     notes = [note for _, notes in read for note in notes]
     notes += ["not logged: voltage", "currents are magnitudes", "nothing is marked as held out"]
     trials = tuple(trial for trial, _ in read)
-    return Measurement(path.absolute().stem, Kind.OTHER, source, trials, notes=tuple(dict.fromkeys(notes)))
+    return Measurement(path.absolute().stem, CaseKind.OTHER, source, trials, notes=tuple(dict.fromkeys(notes)))
 
 
 def _log(path: Path) -> tuple[Trial, tuple[str, ...]]:

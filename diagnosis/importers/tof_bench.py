@@ -6,8 +6,8 @@ import numpy as np
 
 from diagnosis.importers.case import case_importer, scale_note
 from diagnosis.importers.trials import KnownNoise
-from diagnosis.measured.channel import Quality
-from diagnosis.measured.measurement import Kind, Measurement
+from diagnosis.measured.channel import SampleQuality
+from diagnosis.measured.measurement import CaseKind, Measurement
 from diagnosis.measured.nominal import NOMINAL, Nominal, NominalTof
 from symolo.core.errors import InputError, nearest
 from symolo.core.table import CsvTable
@@ -36,11 +36,11 @@ def _notes(nominal: Nominal, measurement: Measurement) -> Sequence[str]:
     del nominal
     (trial,) = measurement.trials
     reading, distance = trial["reading_m"], trial["distance_m"].values
-    usable = (reading.quality == Quality.GOOD) & (distance > 0.0)
+    usable = (reading.quality == SampleQuality.GOOD) & (distance > 0.0)
     ratio = float(np.median(reading.values[usable] / distance[usable])) if usable.any() else float("nan")
     return scale_note(ratio, "reading_m", "m", "the distance")
 
 
 IMPORTER = case_importer(
-    Kind.TOF_BENCH, "measured case: a range sensor at known distances (nominal.yaml, data.csv)", _noise, _notes
+    CaseKind.TOF_BENCH, "measured case: a range sensor at known distances (nominal.yaml, data.csv)", _noise, _notes
 )

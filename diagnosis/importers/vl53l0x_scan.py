@@ -6,7 +6,7 @@ import numpy as np
 
 from diagnosis.importers.base import Importer, first_line, only_log
 from diagnosis.measured.channel import Channel, Role
-from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.validation.range_sensor.recordings.scan import COLUMNS, read_scan
 from symolo.core.arrays import Array
 from symolo.core.time_series import TimeSeries
@@ -31,12 +31,12 @@ def _read(path: Path) -> Measurement:
         channel("reading_m", scan.reading_mm.ravel(), Role.READING),
     )
     trial = Trial("1", row, np.zeros(len(row), dtype=bool), channels, is_timed=False)
-    source = Source("VL53L0X over a grid, OSUrobotics/applevision_tof_profiler", (str(path),), "MIT")
+    source = MeasurementSource("VL53L0X over a grid, OSUrobotics/applevision_tof_profiler", (str(path),), "MIT")
     notes = (
         f"{points} points with {count} readings each; the first ones after a move may be of the place before",
         "not logged: times, distance",
     )
-    return Measurement(path.stem, Kind.OTHER, source, (trial,), notes=notes)
+    return Measurement(path.stem, CaseKind.OTHER, source, (trial,), notes=notes)
 
 
 IMPORTER = Importer(

@@ -6,7 +6,7 @@ import numpy as np
 
 from diagnosis.importers.base import Importer, first_line, only_log
 from diagnosis.measured.channel import Channel, Role
-from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.validation.range_sensor.recordings.static import read_rest_recording
 from symolo.core.time_series import TimeSeries
 
@@ -21,12 +21,12 @@ def _read(path: Path) -> Measurement:
     t_s = np.arange(len(record.readings_mm)) / record.rate_hz
     reading = Channel.logged(TimeSeries("reading_m", "m", t_s, 1e-3 * record.readings_mm), Role.READING)
     trial = Trial("1", t_s, np.zeros(len(t_s), dtype=bool), (reading,))
-    source = Source("VL53L0X at rest, tomisuarez2/TimeOfFlightCalibration", (str(path),), "MIT")
+    source = MeasurementSource("VL53L0X at rest, tomisuarez2/TimeOfFlightCalibration", (str(path),), "MIT")
     notes = [f"times by the rate in the header, {record.rate_hz:g} Hz", "not logged: distance"]
     if abs(len(t_s) / record.rate_hz - record.logging_s) > 0.01 * record.logging_s:
         spanned_s = len(t_s) / record.rate_hz
         notes.append(f"the header says {record.logging_s:g} s of logging, rows and rate make {spanned_s:.0f} s")
-    return Measurement(path.stem, Kind.OTHER, source, (trial,), notes=tuple(notes))
+    return Measurement(path.stem, CaseKind.OTHER, source, (trial,), notes=tuple(notes))
 
 
 IMPORTER = Importer(

@@ -14,13 +14,13 @@ from configs.effects.base import Effect, Setup
 from configs.effects.registry import effect_classes
 from diagnosis.inference.evidence.evidence import Evidence
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
-from diagnosis.measured.measurement import Kind, Measurement
+from diagnosis.measured.measurement import CaseKind, Measurement
 
 SETUPS = {
-    Kind.MOTOR_STEADY: Setup.MOTOR_BENCH,
-    Kind.MOTOR_STEP: Setup.MOTOR_BENCH,
-    Kind.TOF_BENCH: Setup.RANGE_BENCH,
-    Kind.DRIVE_LOG: Setup.DRIVE,
+    CaseKind.MOTOR_STEADY: Setup.MOTOR_BENCH,
+    CaseKind.MOTOR_STEP: Setup.MOTOR_BENCH,
+    CaseKind.TOF_BENCH: Setup.RANGE_BENCH,
+    CaseKind.DRIVE_LOG: Setup.DRIVE,
 }
 """Setup of each kind of measurement. An effect names the setups to which it applies: a drive has range effects of its
 own, by sensor, since those of the bench would be the same under another name."""

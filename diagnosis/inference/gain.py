@@ -57,18 +57,30 @@ def gain_of(evidence: Evidence, mean: Array) -> Gain | None:
     z = np.abs((evidence.values - mean) / evidence.sd)
     stages = [rows & (evidence.of_stage == k) for k in range(len(evidence.stages))]
     parts = [(z[:, stage], _blocks(evidence)[stage]) for stage in stages if stage.any()]
+    by_quantity = []
+    for quantity, place in zip(evidence.observed, evidence.places, strict=True):
+        sizes = z[:, place][:, rows[place]]
+        if sizes.shape[1]:
+            by_quantity.append((quantity.name, trimmed_rms(sizes[0]), trimmed_rms(sizes[1])))
+    return gain_of_sizes(parts, tuple(by_quantity))
+
+
+def gain_of_sizes(
+    parts: Sequence[tuple[Array, NDArray[np.int64]]], by_quantity: tuple[tuple[str, float, float], ...] = ()
+) -> Gain:
+    """Return the gain over several stages.
+
+    Args:
+        parts: For each stage the sizes of the residuals before and after, (2, n), and the block of each row, (n,).
+        by_quantity: Name, error before and error after of each quantity.
+    """
     before, after = (_error([sizes[k] for sizes, _ in parts]) for k in (0, 1))
     generator = np.random.Generator(np.random.PCG64(_SEED))
     squares = [_redrawn_squares(sizes, blocks, generator) for sizes, blocks in parts]
     errors, extended = np.sqrt(np.mean(squares, axis=0))
     gains = 1.0 - np.divide(extended, errors, out=np.ones_like(errors), where=errors > 0.0)
     low, high = np.quantile(gains, [0.025, 0.975]).tolist()
-    by_quantity = []
-    for quantity, place in zip(evidence.observed, evidence.places, strict=True):
-        sizes = z[:, place][:, rows[place]]
-        if sizes.shape[1]:
-            by_quantity.append((quantity.name, trimmed_rms(sizes[0]), trimmed_rms(sizes[1])))
-    return Gain(1.0 - after / before if before > 0.0 else 0.0, low, high, before, after, tuple(by_quantity))
+    return Gain(1.0 - after / before if before > 0.0 else 0.0, low, high, before, after, by_quantity)
 
 
 def of_quantity(evidence: Evidence, place: slice) -> Evidence:

@@ -164,11 +164,11 @@ def deviated(nuisance: Nuisance, deviation: float) -> float:
     return nuisance.value + deviation * nuisance.tolerance
 
 
-def moved(x: Array, of: Hypothesis, to: Hypothesis) -> Array:
-    """Return coordinates of the hypothesis `of` as those of `to`; effects that `of` lacks are absent."""
-    y = to.null()
-    y[: len(to.nuisances)] = x[: len(to.nuisances)]
-    for effect in to.effects:
-        if effect in of.effects:
-            y[to.parameters(effect)] = x[of.parameters(effect)]
+def moved(x: Array, source: Hypothesis, target: Hypothesis) -> Array:
+    """Return coordinates of the hypothesis `source` as those of `target`; effects that `source` lacks are absent."""
+    y = target.null()
+    y[: len(target.nuisances)] = x[: len(target.nuisances)]
+    for effect in target.effects:
+        if effect in source.effects:
+            y[target.parameters(effect)] = x[source.parameters(effect)]
     return y

@@ -7,7 +7,7 @@ is its weight among all alternatives, each by exp(-cost/2) (Akaike weights: Burn
 Multimodel Inference, 2nd ed., section 2.9).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import exp
 
@@ -59,7 +59,16 @@ def compare_rivals(
         worse = candidate.cost - fit.cost + TOLL * (len(other.coordinates) - len(effect.coordinates))
         refused = refusal(evidence, base, candidate, other) if worse < 0.0 else ""
         rivals.append(Rival(other, worse, candidate, refused))
-    weights = [exp(-0.5 * max(rival.worse, -50.0)) for rival in rivals]
-    no_effect = exp(-0.5 * max(base.cost - fit.cost - needed(effect), 0.0))
-    confidence = 1.0 / (1.0 + sum(weights) + no_effect)
-    return RivalComparison(effect, confidence, tuple(sorted(rivals, key=lambda rival: rival.worse)))
+    certainty = confidence((rival.worse for rival in rivals), base.cost - fit.cost - needed(effect))
+    return RivalComparison(effect, certainty, tuple(sorted(rivals, key=lambda rival: rival.worse)))
+
+
+def confidence(rises: Iterable[float], rise_without: float) -> float:
+    """Return the Akaike weight of a named effect among all alternatives.
+
+    Args:
+        rises: Increase of the cost with each rival in place of the effect.
+        rise_without: Increase of the cost without any effect, beyond the threshold for naming one.
+    """
+    weights = sum(exp(-0.5 * max(rise, -50.0)) for rise in rises)
+    return 1.0 / (1.0 + weights + exp(-0.5 * max(rise_without, 0.0)))

@@ -50,7 +50,7 @@ MIN_ROWS_SHARE = 0.1
 CONFIRMED = 8.0
 """Fall of the cost of held-out rows, as for a parameter at 2.8 standard errors, from which few samples are enough."""
 MIN_SAMPLES = 8
-"""With fewer samples, no effect is named."""
+"""Least number of samples for naming an effect."""
 NO_SLOPE = 1e-6
 """Change of the mean in sigmas that may be rounding error."""
 NEAR = 0.1
@@ -180,15 +180,16 @@ def _fitted(
     return fits(evidence, [(fit.hypothesis.with_effect(p.effect), p.start) for p in prospects], goal)
 
 
-def ranked(found: Sequence[HypothesisFit], effects: Sequence[CandidateEffect]) -> list[HypothesisFit]:
+def ranked(candidates: Sequence[HypothesisFit], effects: Sequence[CandidateEffect]) -> list[HypothesisFit]:
     """Return fits by cost and number of parameters; equal ones by the order of their effects in the library."""
     # The cost is rounded, so that equal fits keep their order on every machine.
     order = {effect: k for k, effect in enumerate(effects)}
-    last = [max(order.get(effect, -1) for effect in fit.hypothesis.effects) for fit in found]
+    last = [max(order.get(effect, -1) for effect in fit.hypothesis.effects) for fit in candidates]
     return [
         fit
         for _, _, fit in sorted(
-            ((round(f.cost + _toll(f), 1), k, f) for k, f in zip(last, found, strict=True)), key=lambda of: of[:2]
+            ((round(f.cost + _toll(f), 1), k, f) for k, f in zip(last, candidates, strict=True)),
+            key=lambda row: row[:2],
         )
     ]
 

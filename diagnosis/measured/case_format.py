@@ -5,7 +5,7 @@ from types import MappingProxyType
 
 from diagnosis.measured.channel import Role
 from diagnosis.measured.csv_table import CaseColumn, MeasuredColumn
-from diagnosis.measured.measurement import Kind
+from diagnosis.measured.measurement import CaseKind
 from diagnosis.measured.scale import Reach
 from symolo.core.table import WordColumn
 
@@ -44,11 +44,11 @@ _MOTOR = (
 )
 """Digits are never fewer than a log of this kind has."""
 
-COLUMNS: Mapping[Kind, tuple[CaseColumn, ...]] = MappingProxyType(
+COLUMNS: Mapping[CaseKind, tuple[CaseColumn, ...]] = MappingProxyType(
     {
-        Kind.MOTOR_STEADY: (_number("row"), _number("sweep"), SPLIT, _time("t_s", 4), *_MOTOR),
-        Kind.MOTOR_STEP: (_number("trial"), SPLIT, _time("session_time_s", 4), _time("t_s", 4), *_MOTOR),
-        Kind.TOF_BENCH: (
+        CaseKind.MOTOR_STEADY: (_number("row"), _number("sweep"), SPLIT, _time("t_s", 4), *_MOTOR),
+        CaseKind.MOTOR_STEP: (_number("trial"), SPLIT, _time("session_time_s", 4), _time("t_s", 4), *_MOTOR),
+        CaseKind.TOF_BENCH: (
             _number("row"),
             SPLIT,
             _time("t_s", 4),
@@ -59,7 +59,7 @@ COLUMNS: Mapping[Kind, tuple[CaseColumn, ...]] = MappingProxyType(
             MeasuredColumn("ambient_lux", "lx", Role.INPUT, Reach(0.0, 200_000.0), 2),
             MeasuredColumn("reading_m", "m", Role.READING, _RANGE, 5),
         ),
-        Kind.DRIVE_LOG: (
+        CaseKind.DRIVE_LOG: (
             _number("trial"),
             SPLIT,
             _time("session_time_s", 4),
@@ -82,11 +82,11 @@ COLUMNS: Mapping[Kind, tuple[CaseColumn, ...]] = MappingProxyType(
 
 _POSE = ("x_m", "y_m", "theta_rad")
 _STEPS = ("session_time_s", "t_s")
-BLIND: Mapping[Kind, Mapping[str, tuple[str, ...]]] = MappingProxyType(
+BLIND: Mapping[CaseKind, Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
-        Kind.MOTOR_STEADY: {"blind_inputs.csv": ("row", "t_s", "u_cmd_V")},
-        Kind.MOTOR_STEP: {"blind_inputs.csv": ("trial", *_STEPS, "u_cmd_V")},
-        Kind.TOF_BENCH: {
+        CaseKind.MOTOR_STEADY: {"blind_inputs.csv": ("row", "t_s", "u_cmd_V")},
+        CaseKind.MOTOR_STEP: {"blind_inputs.csv": ("trial", *_STEPS, "u_cmd_V")},
+        CaseKind.TOF_BENCH: {
             "blind_inputs.csv": (
                 "row",
                 "t_s",
@@ -97,7 +97,7 @@ BLIND: Mapping[Kind, Mapping[str, tuple[str, ...]]] = MappingProxyType(
                 "ambient_lux",
             )
         },
-        Kind.DRIVE_LOG: {
+        CaseKind.DRIVE_LOG: {
             "blind_wheels_inputs.csv": (*_STEPS, "u_left_V", "u_right_V"),
             "blind_pose_inputs.csv": (*_STEPS, "enc_left_ticks", "enc_right_ticks", *_POSE),
             "blind_tof_inputs.csv": (*_STEPS, *_POSE),
@@ -116,6 +116,6 @@ CAMERA_CHANNELS = frozenset(_POSE)
 """Stamped by the clock of the camera outside that tracks the robot."""
 
 
-def channel_columns(kind: Kind) -> tuple[MeasuredColumn, ...]:
+def channel_columns(kind: CaseKind) -> tuple[MeasuredColumn, ...]:
     """The columns of a kind that are channels."""
     return tuple(c for c in COLUMNS[kind] if isinstance(c, MeasuredColumn) and c.name not in ORDERING)

@@ -22,7 +22,7 @@ class Role(StrEnum):
     """What an instrument said; compared with a prediction."""
 
 
-class Quality(IntEnum):
+class SampleQuality(IntEnum):
     """Why a sample counts or does not."""
 
     GOOD = 0
@@ -42,7 +42,7 @@ class Channel:
     """Values (N,), NaN exactly where the quality is MISSING."""
     role: Role
     quality: NDArray[np.int8]
-    """(N,), of `Quality`."""
+    """(N,), of `SampleQuality`."""
     noise_sd: Array | None = None
     """(N,), standard deviation of good readings in the channel's unit, as the source states it; None if it does not."""
     noise_correlation: float = 0.0
@@ -63,11 +63,11 @@ class Channel:
         clock: str = "log",
     ) -> "Channel":
         """A channel whose NaN are missing and whose other samples are good, but for those marked, (N,) each."""
-        quality = np.full(len(series.t_s), Quality.GOOD, dtype=np.int8)
-        for mask, means in ((stale, Quality.STALE), (no_target, Quality.NO_TARGET)):
+        quality = np.full(len(series.t_s), SampleQuality.GOOD, dtype=np.int8)
+        for mask, means in ((stale, SampleQuality.STALE), (no_target, SampleQuality.NO_TARGET)):
             if mask is not None:
                 quality[mask] = means
-        quality[np.isnan(series.values)] = Quality.MISSING
+        quality[np.isnan(series.values)] = SampleQuality.MISSING
         return cls(series, role, quality, noise_sd, noise_correlation, clock)
 
     def __post_init__(self) -> None:
@@ -75,7 +75,7 @@ class Channel:
         for what, array in (("quality", self.quality), ("noise_sd", self.noise_sd)):
             if array is not None and array.shape != shape:
                 raise ValueError(f"channel {self.name}: {what} of shape {array.shape} for values of {shape}")
-        if not np.array_equal(np.isnan(self.series.values), self.quality == Quality.MISSING):
+        if not np.array_equal(np.isnan(self.series.values), self.quality == SampleQuality.MISSING):
             raise ValueError(f"channel {self.name}: a sample is NaN where it is not missing, or the other way round")
         self.quality.flags.writeable = False
         if self.noise_sd is not None:
@@ -97,14 +97,14 @@ class Channel:
     @property
     def good(self) -> Mask:
         """(N,)."""
-        return self.quality == Quality.GOOD
+        return self.quality == SampleQuality.GOOD
 
     @property
     def is_offered(self) -> bool:
         """Whether there is any sample at all."""
-        return bool(np.any(self.quality != Quality.MISSING))
+        return bool(np.any(self.quality != SampleQuality.MISSING))
 
-    def count(self, quality: Quality) -> int:
+    def count(self, quality: SampleQuality) -> int:
         return int(np.count_nonzero(self.quality == quality))
 
 

@@ -11,7 +11,7 @@ from diagnosis.measured.nominal import Nominal
 from symolo.core.arrays import Array
 
 
-class Kind(StrEnum):
+class CaseKind(StrEnum):
     """What a measurement is of, and hence which prediction belongs to it."""
 
     MOTOR_STEADY = "motor_steady"
@@ -27,7 +27,7 @@ class Kind(StrEnum):
 
 
 @dataclass(frozen=True)
-class Source:
+class MeasurementSource:
     """Where the data come from."""
 
     origin: str
@@ -82,8 +82,8 @@ class Trial:
 @dataclass(frozen=True)
 class Measurement:
     name: str
-    kind: Kind
-    source: Source
+    kind: CaseKind
+    source: MeasurementSource
     trials: tuple[Trial, ...]
     """At least one; all have the same channels in the same order."""
     nominal: Nominal | None = None

@@ -87,7 +87,7 @@ class DriveTof(Section):
     mount: Mounts
 
 
-class Room(Section):
+class KnownRoom(Section):
     """Empty, 0 <= x <= room_x_m, 0 <= y <= room_y_m."""
 
     room_x_m: Positive
@@ -174,7 +174,7 @@ class NominalDrive(Section):
     motor: NominalMovingMotor
     robot: NominalRobot
     tof: DriveTof
-    world: Room
+    world: KnownRoom
     noise: DriveNoise
 
 

@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from diagnosis.measured.channel import Channel, Mask, Quality, Role
-from diagnosis.measured.measurement import Kind, Measurement, Trial
+from diagnosis.measured.channel import Channel, Mask, Role, SampleQuality
+from diagnosis.measured.measurement import CaseKind, Measurement, Trial
 from diagnosis.measured.noise import noise_of_repeats
 from diagnosis.measured.screening import far_out, noise_of, resolution, spikes, timing, usable
 from symolo.core.arrays import Array
@@ -103,17 +103,17 @@ def _cells(measurement: Measurement, name: str) -> tuple[str, ...]:
     )
 
 
-_COUNTED = (Quality.MISSING, Quality.NO_TARGET, Quality.STALE)
+_COUNTED = (SampleQuality.MISSING, SampleQuality.NO_TARGET, SampleQuality.STALE)
 
 
 def _wild(measurement: Measurement, name: str) -> Iterator[Mask]:
     """In each trial, readings that stand out; on a range bench those far off their distance."""
     for trial in measurement.trials:
         channel = trial[name]
-        if measurement.kind is Kind.TOF_BENCH and name == "reading_m":
+        if measurement.kind is CaseKind.TOF_BENCH and name == "reading_m":
             sd = channel.noise_sd if channel.noise_sd is not None else 1.0
             yield far_out((usable(channel) - trial["distance_m"].values) / sd)
-        elif trial.is_timed or measurement.kind is Kind.MOTOR_STEADY:
+        elif trial.is_timed or measurement.kind is CaseKind.MOTOR_STEADY:
             yield spikes(channel)
 
 
@@ -164,9 +164,9 @@ def _range_repeats(measurement: Measurement, name: str) -> str:
     return f"{found.sd:.2f} x known, {found.rows} repeats" if found else "-"
 
 
-_REPEATS: dict[Kind, Callable[[Measurement, str], str]] = {
-    Kind.MOTOR_STEADY: _steady_repeats,
-    Kind.TOF_BENCH: _range_repeats,
+_REPEATS: dict[CaseKind, Callable[[Measurement, str], str]] = {
+    CaseKind.MOTOR_STEADY: _steady_repeats,
+    CaseKind.TOF_BENCH: _range_repeats,
 }
 
 

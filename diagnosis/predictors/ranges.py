@@ -138,12 +138,12 @@ class Ranges:
                 time_s=self._since_on_s[:, None],
             )
             bare_sd = self._case.noise.tof.sd_m(seen.distance_m) * tof.noise_scale
-            found, of_reading = RangeEffects.of(effects).expected(seen.distance_m, bare_sd, view, 0.0)
-            mean[group], sd[group] = found, np.sqrt(of_reading**2 + self._pose_variance)
+            mean[group], reading_sd = RangeEffects.of(effects).expected(seen.distance_m, bare_sd, view, 0.0)
+            sd[group] = np.sqrt(reading_sd**2 + self._pose_variance)
         return mean, sd
 
 
 def _side_by_side(values: Sequence[float | Array]) -> Array:
-    """Of each sensor, (3,), or (M, 1, 3) where those of many robots differ, (M, 1, 1) each."""
+    """Return the values of the three sensors, (3,); (M, 1, 3) if the values of M robots, (M, 1, 1) each, differ."""
     shape = np.broadcast_shapes(*(np.shape(value) for value in values))
     return np.concatenate([np.broadcast_to(np.atleast_1d(value), shape or (1,)) for value in values], axis=-1)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagnosis.measured.channel import Mask
-from diagnosis.measured.nominal import Room
+from diagnosis.measured.nominal import KnownRoom
 from symolo.core.arrays import Array
 
 WALLS = ("x = 0", "x = room_x_m", "y = 0", "y = room_y_m")
@@ -35,7 +35,7 @@ class RoomRanges:
     """Direction of the sensor's axis in W."""
 
 
-def room_ranges(room: Room, pose: Array, mount_x_m: Array, mount_y_m: Array, mount_yaw_rad: Array) -> RoomRanges:
+def room_ranges(room: KnownRoom, pose: Array, mount_x_m: Array, mount_y_m: Array, mount_yaw_rad: Array) -> RoomRanges:
     """Return where the axes of the sensors hit the walls.
 
     Args:
@@ -71,7 +71,7 @@ def room_ranges(room: Room, pose: Array, mount_x_m: Array, mount_y_m: Array, mou
     )
 
 
-def near_corner(room: Room, ranges: RoomRanges, within_m: float, within_rad: float) -> Mask:
+def near_corner(room: KnownRoom, ranges: RoomRanges, within_m: float, within_rad: float) -> Mask:
     """Return whether a ray ends near a corner or points almost at one, (..., n, S)."""
     c, s = np.cos(ranges.axis_rad), np.sin(ranges.axis_rad)
     near = np.zeros(ranges.distance_m.shape, dtype=bool)

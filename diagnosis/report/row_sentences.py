@@ -10,12 +10,12 @@ from diagnosis.inference.evidence.stuck_rows import StuckRow, stuck_rows
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.inference.plausible import beyond
 from diagnosis.inference.unexplained.leave_one_out import MAX_ROWS, leave_one_out
-from diagnosis.measured.measurement import Kind
+from diagnosis.measured.measurement import CaseKind
 
 
 def row_sentences(diagnosis: Diagnosis) -> Iterator[str]:
     """Yield sentences about rows in which the motor does not turn, and about errors of rows left out of the fit."""
-    if diagnosis.measurement.kind is Kind.MOTOR_STEADY:
+    if diagnosis.measurement.kind is CaseKind.MOTOR_STEADY:
         yield from (_stuck(row, diagnosis) for row in stuck_rows(diagnosis.measurement, diagnosis.nominal))
     evidence = diagnosis.evidence
     rows = {len(observed.values) for observed in evidence.observed}

@@ -104,5 +104,5 @@ def reasoning(data: ReportData) -> list[str]:
     lines += ["Effects that look alike in these data (cosine of their changes)"]
     lines += [f"  {a} and {b}: {cosine:.3f}" for a, b, cosine in data.signatures.alike] or ["  none"]
     untestable = ", ".join(diagnosis.candidates.untestable) or "none"
-    lines += [f"Effects that change no prediction of these data, so that nothing is known about them: {untestable}"]
-    return lines
+    text = f"Effects that change no prediction of these data, so that nothing is known about them: {untestable}"
+    return [*lines, *wrap(text, WIDTH, subsequent_indent="  ", break_on_hyphens=False)]

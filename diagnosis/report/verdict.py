@@ -88,8 +88,8 @@ def without_effect(ablation: Ablation) -> str:
     if ablation.gain is None or ablation.effect_gain is None:
         return text
     return (
-        f"{text}; the gain on held-out rows is {gain_text(ablation.gain)}, and the effect reduces the remaining error "
-        f"by {gain_text(ablation.effect_gain)}"
+        f"{text}; the gain on held-out rows is {gain_text(ablation.gain)}, and adding the effect then gains "
+        f"{gain_text(ablation.effect_gain)}"
     )
 
 

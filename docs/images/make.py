@@ -60,7 +60,7 @@ FRAMES_PER_S = 8
 
 
 def strip(workspace: Path) -> None:
-    """Write one image of each shipped look, side by side; each is rendered at another place of the run."""
+    """Write one image of each shipped look in two rows; each is rendered at another place of the run."""
     run = _run(workspace)
     tiles = []
     for look, number in LOOKS.items():
@@ -71,7 +71,7 @@ def strip(workspace: Path) -> None:
         robot = workspace / "robot.yaml"
         _command("rerender", source, "--look", look, "--robot", robot, "--camera-hz", 5, "--out", folder, *settings)
         tiles.append(cv2.imread(str(folder / "images/000001.jpg")))
-    _save_jpeg("looks.jpg", np.hstack([cv2.resize(tile, (240, 180), interpolation=cv2.INTER_AREA) for tile in tiles]))
+    _save_jpeg("looks.jpg", np.vstack([np.hstack(tiles[:3]), np.hstack(tiles[3:])]))
 
 
 def _save_rows(source: Path, first_row: int, path: Path) -> None:
@@ -181,7 +181,7 @@ def baselines(workspace: Path) -> None:
     """Write the plot of localisation methods on a worn robot."""
     _command("simulate", "symolo", "--set", "robot=worn", "--set", "routes.0.runs=1", "--set", "routes.1.runs=1",
              "--out", workspace / "worn")  # fmt: skip
-    _remake("baselines", workspace / "worn", workspace / "worn_baselines")
+    _remake("baselines", workspace / "worn", workspace / "worn_baselines", "--runs", "CCW/*")
     _save_smaller("baselines.png", workspace / "worn_baselines/baselines.png", 1000)
 
 
@@ -191,9 +191,9 @@ def diagnosis(workspace: Path) -> None:
     _save_smaller("diagnosis.png", workspace / "diagnosis/plots/current_A.png", 1200)
 
 
-def _remake(command: str, source: Path, out: Path) -> None:
+def _remake(command: str, source: Path, out: Path, *options: str) -> None:
     shutil.rmtree(out, ignore_errors=True)
-    _command(command, source, "--out", out)
+    _command(command, source, "--out", out, *options)
 
 
 def _save_smaller(name: str, source: Path, width_px: int) -> None:

@@ -1,4 +1,4 @@
-"""PyBullet's own ray test on an arena, as a second opinion on the closed-form rays of `physics.arena.rays`."""
+"""PyBullet's ray test on an arena, as an independent check of the closed-form rays of `physics.arena.rays`."""
 
 from typing import Self
 

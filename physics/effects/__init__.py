@@ -1,4 +1,4 @@
-"""Effects in what happens: motor, driver, supply, gearbox, wheels, ground and encoders."""
+"""Effects on the robot itself: motor, driver, supply, gearbox, wheels, ground and encoders."""
 
 EFFECTS = (
     "winding_resistance_scale",
@@ -25,5 +25,4 @@ EFFECTS = (
     "encoder_ticks_scale",
     "encoder_missed_ticks",
 )
-"""In the order of the signal chain, in which they act whatever the order in a file: what scales friction comes before
-what adds to it."""
+"""Modules of this folder, one effect each, in the order in which they act: scaling of friction comes first."""

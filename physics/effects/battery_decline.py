@@ -19,5 +19,5 @@ class BatteryDecline(Effect):
     """u_true = u (1 - fraction * time / 60 s), and 0 once nothing is left."""
 
     def apply(self, voltage_V: Array, time_s: float | Array) -> Array:
-        """GAP_FORMAT's straight line, until nothing is left."""
+        """Return the voltage, which falls linearly to 0 V."""
         return voltage_V * np.maximum(1.0 - self.fraction_per_minute * time_s / 60.0, 0.0)

@@ -10,7 +10,7 @@ from symolo.core.arrays import Array
 
 SIDES = np.array(["right", "left"])
 EDGE_RAD_S = 0.3
-"""Softness of the threshold: the loss is half at it, and logistic in the speed with this width."""
+"""Width of the logistic threshold, at which half of the loss is reached."""
 
 
 class EncoderMissedTicks(Effect):
@@ -28,5 +28,4 @@ class EncoderMissedTicks(Effect):
         speed_rad_s = np.abs(turned_rad) / duration_s
         beyond = np.clip((speed_rad_s - self.threshold_rad_s) / EDGE_RAD_S, -40.0, 40.0)
         lost = self.fraction / (1.0 + np.exp(-beyond))
-        kept = np.where(self.side == SIDES, 1.0 - lost, 1.0)
-        return turned_rad * kept
+        return turned_rad * np.where(self.side == SIDES, 1.0 - lost, 1.0)

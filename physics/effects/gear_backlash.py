@@ -22,20 +22,20 @@ class GearBacklash(Effect):
     """Play between motor side and load side, at the wheel shaft; inelastic contact, start in mid-gap."""
 
     def apply(self, state: TwoMass, motor: Load, load: Load, duration_s: float | Array) -> TwoMass:
-        """One step in which the sides meet at most once: apart, then, with the momentum of both, as one.
+        """Return the state after one step in which the sides meet at most once: first apart, then as one mass.
 
-        The moment at which they meet is that of relative motion at its mean speed over the step; contact is inelastic.
+        The moment of contact follows from the mean relative speed over the step; contact is inelastic.
         """
         half = 0.5 * self.gap_rad
         motor_rad_s, motor_rad = motor.moved(state.motor_rad_s, duration_s)
         load_rad_s, load_rad = load.moved(state.load_rad_s, duration_s)
-        gained_rad = motor_rad - load_rad
-        slack_rad = state.slack_rad + gained_rad
+        relative_rad = motor_rad - load_rad
+        slack_rad = state.slack_rad + relative_rad
         pushing = np.abs(slack_rad) >= half
         if not np.count_nonzero(pushing):
             return TwoMass(motor_rad_s, load_rad_s, slack_rad)
-        nearer = np.where(gained_rad == 0.0, 1.0, gained_rad)
-        apart = np.minimum(np.maximum((half * np.sign(slack_rad) - state.slack_rad) / nearer, 0.0), 1.0)
+        nonzero_rad = np.where(relative_rad == 0.0, 1.0, relative_rad)
+        apart = np.minimum(np.maximum((half * np.sign(slack_rad) - state.slack_rad) / nonzero_rad, 0.0), 1.0)
         at_contact = (
             motor.inertia_kg_m2 * (state.motor_rad_s + apart * (motor_rad_s - state.motor_rad_s))
             + load.inertia_kg_m2 * (state.load_rad_s + apart * (load_rad_s - state.load_rad_s))

@@ -1,4 +1,4 @@
-"""Pictures of a run on disk, as a case for the diagnosis of pictures."""
+"""Images of a run on disk, as a case for camera identification."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 
 from configs.schema.scenario import RunSpec
-from diagnosis.camera.case import HELD_OUT_EACH, Frame, Picture, PictureCase, PoseErrors
+from diagnosis.camera.case import HELD_OUT_EACH, CameraCase, CameraFrame, ImagePixels, PoseErrors
 from physics.robot.path import RobotPath
 from pipeline.rerendering.rerender import StoredTrajectory, read_source
 from pipeline.stages.assemble import DATA
@@ -19,7 +19,7 @@ from symolo.dataset.layout import frame_name
 from symolo.dataset.rows import Rows
 
 MAX_FRAMES = 60
-"""Of a run's pictures, evenly spread: more tell little more."""
+"""Most images of a run that are used, evenly spread; more add little."""
 FEWEST_FRAMES = 6
 
 
@@ -29,14 +29,14 @@ class _RunImages:
     source: StoredTrajectory
 
 
-def read_picture_case(run: Path, simulated: Path | None, pose_errors: PoseErrors) -> PictureCase:
-    """Pictures of `run`, and of the simulation that they are held against.
+def read_camera_case(run: Path, simulated: Path | None, pose_errors: PoseErrors) -> CameraCase:
+    """Read the images of `run` and those of the simulation with which they are compared.
 
     Args:
         run: Folder with data.csv and images.
-        simulated: Run folder of a dataset with the nominal robot, look and arena in its specification, and pictures of
+        simulated: Run folder of a dataset with the nominal robot, look and arena in its specification, and images of
             the same places where there are any; None where `run` has a specification itself.
-        pose_errors: Of the poses in `run`.
+        pose_errors: Errors of the poses in `run`.
 
     Raises:
         InputError: Something is missing, damaged, or does not fit.
@@ -46,7 +46,7 @@ def read_picture_case(run: Path, simulated: Path | None, pose_errors: PoseErrors
     spec = nominal.source.spec
     if spec is None:
         raise InputError(
-            "has no side/spec.json, which tells the nominal camera, look and arena",
+            "has no side/spec.json, which describes the nominal camera, look and arena",
             where=str(nominal.folder),
             cure="name a run of a dataset by --simulated",
         )
@@ -64,20 +64,20 @@ def read_picture_case(run: Path, simulated: Path | None, pose_errors: PoseErrors
     same_place = {} if simulated is None else _same_places(rows, nominal)
     frames = []
     for k, i in enumerate(chosen):
-        picture = _picture(real.folder / IMAGES / frame_name(poses[i].number))
-        if k and picture.shape != frames[0].picture.shape:
-            raise _other_size(real.folder / IMAGES / frame_name(poses[i].number), picture, frames[0].picture)
+        image = _picture(real.folder / IMAGES / frame_name(poses[i].number))
+        if k and image.shape != frames[0].image.shape:
+            raise _other_size(real.folder / IMAGES / frame_name(poses[i].number), image, frames[0].image)
         its = None
         if (number := same_place.get(poses[i].number)) is not None:
             path = nominal.folder / IMAGES / frame_name(number)
             its = _picture(path)
-            if its.shape != picture.shape:
-                raise _other_size(path, its, picture)
+            if its.shape != image.shape:
+                raise _other_size(path, its, image)
         heldout = k % HELD_OUT_EACH == HELD_OUT_EACH - 1
-        frames.append(Frame(poses[i].number, poses[i].t_s, picture, its, heldout))
+        frames.append(CameraFrame(poses[i].number, poses[i].t_s, image, its, heldout))
     path = RobotPath(rows.t_ms / 1000, rows.pose, rows.twist)
     arena = Arena.from_config(spec.arena)
-    return PictureCase(
+    return CameraCase(
         _name(run), tuple(frames), path, arena, spec.robot, spec.look, _response(spec, rows, arena, path), pose_errors
     )
 
@@ -88,7 +88,7 @@ def _run(path: Path) -> _RunImages:
         raise InputError("no such folder", where=str(path), cure="name a run folder, with data.csv and images")
     source = read_source(folder)
     if not (folder / IMAGES).is_dir():
-        raise InputError(f"has no folder {IMAGES}", where=str(folder), cure="name a run whose pictures are rendered")
+        raise InputError(f"has no folder {IMAGES}", where=str(folder), cure="name a run whose images are rendered")
     return _RunImages(folder, source)
 
 
@@ -98,7 +98,7 @@ def _name(path: Path) -> str:
 
 
 def _same_places(rows: Rows, nominal: _RunImages) -> dict[int, int]:
-    """Which simulated picture is of the same pose, by the measured picture's number.
+    """Which simulated image is of the same pose, by the measured image's number.
 
     Raises:
         InputError: None is.
@@ -117,7 +117,7 @@ def _same_places(rows: Rows, nominal: _RunImages) -> dict[int, int]:
             found[pose.number] = theirs[nearest].number
     if not found:
         raise InputError(
-            "none of its pictures is of the same place as one of the measured run",
+            "none of its images is of the same place as one of the measured run",
             where=f"--simulated {nominal.folder}",
             cure="rerender the measured run's data.csv with the nominal robot and name that dataset's run",
         )
@@ -125,10 +125,10 @@ def _same_places(rows: Rows, nominal: _RunImages) -> dict[int, int]:
 
 
 SAME_PLACE_M, SAME_YAW_RAD = 0.003, 0.01
-"""Two pictures within these are of the same place."""
+"""Two images within these are of the same place."""
 
 
-def _picture(path: Path) -> Picture:
+def _picture(path: Path) -> ImagePixels:
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -137,12 +137,12 @@ def _picture(path: Path) -> Picture:
         ) from None
     found = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR) if data else None
     if found is None:
-        raise InputError("is no picture", where=str(path), cure="replace it, or take its number out of data.csv")
+        raise InputError("is no image", where=str(path), cure="replace it, or take its number out of data.csv")
     return np.ascontiguousarray(found[..., ::-1]).astype(np.uint8)
 
 
-def _other_size(path: Path, picture: Picture, other: Picture) -> InputError:
-    sizes = [f"{of.shape[1]} x {of.shape[0]} px" for of in (picture, other)]
+def _other_size(path: Path, image: ImagePixels, other: ImagePixels) -> InputError:
+    sizes = [f"{of.shape[1]} x {of.shape[0]} px" for of in (image, other)]
     return InputError("size", where=str(path), got=sizes[0], allowed=f"{sizes[1]}, as the others have")
 
 

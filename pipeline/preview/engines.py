@@ -47,7 +47,7 @@ def pictures(engine: Engine, views: Sequence[PreviewImage], workers: int, report
 def sheet(views: Sequence[PreviewImage], made: dict[int, Pixels], columns: int) -> Pixels:
     """What was made in rows of so many, (H, W, 3) BGR."""
     cells = [Cell(made[view.number], view.lines) for view in views if view.number in made]
-    width_px = cells[0].picture.shape[1]
+    width_px = cells[0].image.shape[1]
     return stacked([row(cells[i : i + columns], width_px) for i in range(0, len(cells), columns)])
 
 

@@ -17,7 +17,7 @@ MADE_BY = {
     Kind.LOOKS: "rerender --looks",
     Kind.VALIDATION: "validate",
     Kind.DIAGNOSIS: "diagnose",
-    Kind.PICTURE_DIAGNOSIS: "pictures",
+    Kind.CAMERA_IDENTIFICATION: "identify-camera",
 }
 
 

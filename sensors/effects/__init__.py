@@ -1,4 +1,4 @@
-"""Effects in what is read: bench instruments, pose log and range sensors."""
+"""Effects on readings: bench instruments, pose log and range sensors."""
 
 EFFECTS = (
     "current_sensor_gain",
@@ -25,5 +25,5 @@ EFFECTS = (
     "marker_offset",
     "pose_time_offset",
 )
-"""In the order of the signal chain, in which they act whatever the order in a file: what scales a reading comes before
-what adds to it, and saturation last."""
+"""Modules of this folder, one effect each, in the order in which they act: scaling of a reading comes before addition,
+and saturation last."""

@@ -20,5 +20,5 @@ class AmbientNoise(Effect):
     """Variance of the noise * (1 + coefficient * ambient light / 1000 lux)."""
 
     def apply(self, sd_m: Array, view: RangeView) -> Array:
-        # The factor on the variance under its own root: without light or effect it is one to the bit.
+        # The root of the factor alone: without light or effect it is exactly one.
         return sd_m * np.sqrt(1.0 + self.coefficient_per_klux * view.ambient_lux / 1000.0)

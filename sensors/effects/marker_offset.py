@@ -19,7 +19,7 @@ class MarkerOffset(Effect):
     """The tracked point lies this far ahead of the axle."""
 
     def apply(self, pose: Array) -> Array:
-        """Pose (..., 3) of the tracked point, x [m], y [m], yaw [rad]."""
+        """Return the pose (..., 3) of the tracked point, x [m], y [m], yaw [rad]."""
         yaw = pose[..., 2]
         step = np.stack([np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)], axis=-1)
         return pose + self.offset_m * step

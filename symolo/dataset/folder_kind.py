@@ -28,8 +28,8 @@ class Kind(TextEnum):
     """Output of `symolo validate`."""
     DIAGNOSIS = "diagnosis"
     """Output of `symolo diagnose`: of one case, or a folder for each of several."""
-    PICTURE_DIAGNOSIS = "picture_diagnosis"
-    """Output of `symolo pictures`."""
+    CAMERA_IDENTIFICATION = "camera_identification"
+    """Output of `symolo identify-camera`."""
 
 
 class Done(BaseModel):

@@ -1,4 +1,4 @@
-"""One picture with images of every run, spread evenly over its time, to be looked at by a person."""
+"""One image file with images of every run, evenly spread over its time, for a quick look."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,15 +14,16 @@ from symolo.pages.sheet import Cell, Pixels, check_side, row, stacked
 
 
 @dataclass(frozen=True)
-class Shown:
+class SheetImage:
     """One image of the sheet."""
 
     path: Path
     label: str
+    """Text below the image."""
 
 
 def contact_sheet(root: Path, per_run: int, width_px: int) -> Pixels:
-    """A row for each run below `root`, `per_run` images in it, each `width_px` wide, (H, W, 3) BGR.
+    """Return a sheet (H, W, 3) BGR: a row for each run below `root`, with `per_run` images that are `width_px` wide.
 
     Raises:
         InputError: There is no run with images below `root`, an image cannot be decoded, or the sheet is too large.
@@ -36,16 +37,16 @@ def contact_sheet(root: Path, per_run: int, width_px: int) -> Pixels:
         raise InputError(
             "holds no data.csv with images beside it", where=str(root), cure="name a dataset or a run folder"
         )
-    shown = [_spread(folder, root, per_run) for folder in folders]
-    check_side("wide", max(map(len, shown)) * width_px, "--per-run or --width-px")
+    images_by_run = [_spread(folder, root, per_run) for folder in folders]
+    check_side("wide", max(map(len, images_by_run)) * width_px, "--per-run or --width-px")
     rows: list[Pixels] = []
-    for images in shown:
+    for images in images_by_run:
         rows.append(_row(images, width_px))
         check_side("high", sum(row.shape[0] for row in rows), "--width-px, or name a single run")
     return stacked(rows)
 
 
-def _spread(folder: Path, root: Path, count: int) -> list[Shown]:
+def _spread(folder: Path, root: Path, count: int) -> list[SheetImage]:
     rows: Rows = read_rows(folder / "data.csv")
     at = np.flatnonzero(rows.image)
     if not len(at):
@@ -55,17 +56,17 @@ def _spread(folder: Path, root: Path, count: int) -> list[Shown]:
     chosen = at[np.unique(np.linspace(0, len(at) - 1, min(count, len(at))).round().astype(int))]
     run = folder.relative_to(root).as_posix()
     return [
-        Shown(folder / "images" / frame_name(number), f"{run} {number} s{state}")
+        SheetImage(folder / "images" / frame_name(number), f"{run} {number} s{state}")
         for number, state in zip(rows.image[chosen].tolist(), rows.state[chosen].tolist(), strict=True)
     ]
 
 
-def _row(images: Sequence[Shown], width_px: int) -> Pixels:
+def _row(images: Sequence[SheetImage], width_px: int) -> Pixels:
     cells = []
-    for shown in images:
-        data = shown.path.read_bytes() if shown.path.is_file() else b""
-        picture = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR) if data else None
-        if picture is None:
-            raise InputError("is missing or cannot be decoded", where=str(shown.path), cure="run `symolo verify`")
-        cells.append(Cell(np.asarray(picture, np.uint8), (shown.label,)))
+    for image in images:
+        data = image.path.read_bytes() if image.path.is_file() else b""
+        pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR) if data else None
+        if pixels is None:
+            raise InputError("is missing or cannot be decoded", where=str(image.path), cure="run `symolo verify`")
+        cells.append(Cell(np.asarray(pixels, np.uint8), (image.label,)))
     return row(cells, width_px)

@@ -1,6 +1,6 @@
-"""What the pictures of all benches share: colours that colour-blind readers tell apart, and the way to PNG and SVG.
+"""What all plots share: colours that colour-blind readers can distinguish, and the encoding as PNG and SVG.
 
-Figures are made without pyplot, which keeps state of its own and looks for a display.
+Figures are made without pyplot, which has a global state and needs a display.
 """
 
 import io
@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 if TYPE_CHECKING:
     from matplotlib.typing import LegendLocType
 
-# Okabe and Ito, "Color Universal Design" (2008); a grey print tells lines apart by their dashes and markers.
+# Okabe and Ito, "Color Universal Design" (2008). In a grey print, dashes and markers distinguish the lines.
 BLACK = "#000000"
 ORANGE = "#E69F00"
 SKY = "#56B4E9"
@@ -30,7 +30,7 @@ RESOLUTION_DPI = 130
 
 
 def png(figure: Figure) -> bytes:
-    """The figure as PNG, the same bytes for the same figure."""
+    """Return the figure as PNG; the same figure gives the same bytes."""
     FigureCanvasAgg(figure)
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=RESOLUTION_DPI)
@@ -38,9 +38,8 @@ def png(figure: Figure) -> bytes:
 
 
 def svg(figure: Figure) -> bytes:
-    """The figure as SVG, the same bytes for the same figure; what is rasterised in it has `RESOLUTION_DPI`."""
-    # Letters as shapes are as wide as they were measured, whatever fonts the reader has; without a salt the names of
-    # clip paths are drawn at random.
+    """Return the figure as SVG; the same figure gives the same bytes. Rasterised parts have `RESOLUTION_DPI`."""
+    # Letters as shapes do not depend on the reader's fonts. Without a salt, the names of clip paths would be random.
     with rc_context({"svg.fonttype": "path", "svg.hashsalt": "symolo", "path.simplify_threshold": 0.2}):
         FigureCanvasSVG(figure)
         buffer = io.BytesIO()
@@ -59,7 +58,7 @@ def finished(
     loc: "LegendLocType" = "best",
     ncols: int = 1,
 ) -> None:
-    """Title, axis labels with units, a faint grid, and a legend in the panel or `beside` it, below its title."""
+    """Set title, axis labels with units, a faint grid, and a legend inside the panel or, if `beside`, above it."""
     axes.set_title(title, fontsize="medium", pad=22 if beside else None)
     axes.set(xlabel=x, ylabel=y)
     axes.grid(alpha=0.3)

@@ -1,4 +1,4 @@
-"""Pictures in rows, with lines of text below each: the layout of contact sheets and previews."""
+"""Images in rows, with lines of text below each: the layout of contact sheets and previews."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,8 +14,8 @@ from symolo.core.errors import InputError
 Pixels = NDArray[np.uint8]
 
 LINE_PX = 18
-LONGEST_SIDE_PX = 65_500
-"""JPEG_MAX_DIMENSION of libjpeg's jmorecfg.h; OpenCV would print a line of its own."""
+MAX_SIDE_PX = 65_500
+"""JPEG_MAX_DIMENSION of libjpeg's jmorecfg.h. It is checked here, since OpenCV would only print a line."""
 _FONT = cv2.FONT_HERSHEY_SIMPLEX
 _SCALE = 0.4
 _MARGIN_PX = 3
@@ -23,38 +23,38 @@ _MARGIN_PX = 3
 
 @dataclass(frozen=True)
 class Cell:
-    """One picture of a sheet."""
+    """One image of a sheet."""
 
-    picture: Pixels
+    image: Pixels
     """(H, W, 3) BGR."""
     lines: tuple[str, ...]
-    """What stands below it, as many lines as its neighbours have."""
+    """Lines of text below it; all cells of a row have the same number of lines."""
 
 
 def row(cells: Sequence[Cell], width_px: int) -> Pixels:
-    """Pictures of one shape side by side, each `width_px` wide, (H, W, 3) BGR."""
+    """Return images of one shape side by side, each `width_px` wide, (H, W, 3) BGR."""
     return np.concatenate([_drawn(cell, width_px) for cell in cells], axis=1)
 
 
 def stacked(rows: Sequence[Pixels]) -> Pixels:
-    """Rows below each other, filled up with black to the width of the widest."""
+    """Return rows below each other, filled with black to the width of the widest row."""
     widest = max(row.shape[1] for row in rows)
     return np.concatenate([np.pad(row, ((0, 0), (0, widest - row.shape[1]), (0, 0))) for row in rows])
 
 
 def check_side(which: str, length_px: int, smaller: str) -> None:
-    """Refuse a sheet that no picture file could hold; `smaller` says what to make less of."""
-    if length_px > LONGEST_SIDE_PX:
+    """Raise InputError for a sheet that is too large for an image file; `smaller` names the option to reduce."""
+    if length_px > MAX_SIDE_PX:
         raise InputError(
             f"the sheet would be too {which}",
             got=f"{length_px} px",
-            allowed=f"up to {LONGEST_SIDE_PX} px",
+            allowed=f"up to {MAX_SIDE_PX} px",
             cure=f"choose a smaller {smaller}",
         )
 
 
 def save(sheet: Pixels, path: Path) -> None:
-    """Write the sheet as the format that the file's name asks for, JPEG or PNG."""
+    """Write the sheet in the format of the file's extension, JPEG or PNG."""
     encoded, data = cv2.imencode(path.suffix, sheet)
     if not encoded:
         raise InputError("cannot be encoded", where=str(path))
@@ -62,14 +62,14 @@ def save(sheet: Pixels, path: Path) -> None:
 
 
 def _drawn(cell: Cell, width_px: int) -> Pixels:
-    height_px = round(cell.picture.shape[0] * width_px / cell.picture.shape[1])
-    method = cv2.INTER_AREA if width_px < cell.picture.shape[1] else cv2.INTER_NEAREST
-    small = np.asarray(cv2.resize(cell.picture, (width_px, height_px), interpolation=method), np.uint8)
+    height_px = round(cell.image.shape[0] * width_px / cell.image.shape[1])
+    method = cv2.INTER_AREA if width_px < cell.image.shape[1] else cv2.INTER_NEAREST
+    small = np.asarray(cv2.resize(cell.image, (width_px, height_px), interpolation=method), np.uint8)
     return np.concatenate((small, *(_text(line, width_px) for line in cell.lines)))
 
 
 def _text(line: str, width_px: int) -> Pixels:
-    """White on black, smaller where it would be too long."""
+    """Return a line of white text on black, in a smaller font if it would be too long."""
     strip = np.zeros((LINE_PX, width_px, 3), np.uint8)
     (length_px, _), _ = cv2.getTextSize(line, _FONT, _SCALE, 1)
     scale = _SCALE * min(1.0, (width_px - 2 * _MARGIN_PX) / max(length_px, 1))

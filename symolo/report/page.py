@@ -107,7 +107,7 @@ class DrawRow:
     numbers: Sequence[str]
     """The value of the only run, or the smallest value, the median and the largest value of several runs."""
     options: str
-    """How often each option was drawn, where the values are no numbers."""
+    """Number of runs with each option, if the values are not numbers."""
     strip: Strip | None
 
 

@@ -29,7 +29,7 @@ ELSEWHERE = {
     "s3://": "needs a server; tests/symolo/storage/test_s3.py starts one",
     "gs://": "needs an account",
     "$SLURM": "the same with numbers stands on the page too",
-    "measured/run_1": "needs pictures that show the line; tests/pipeline/diagnosing/test_pictures.py has some",
+    "measured/run_1": "needs pictures that show the line; tests/pipeline/diagnosing/test_identify_camera.py has some",
     "pictures/robot.yaml": "likewise; the robot file of that command",
     "hidden": "as it stands there, in tests/pipeline/diagnosing/test_round_trip.py",
     "found/extended.yaml": "likewise",

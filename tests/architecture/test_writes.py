@@ -30,8 +30,6 @@ JUSTIFIED = {
         "blender_scenes/blender_side/rendering.py",
         "unlink",
     ): "the picture in the scratch folder that Blender writes next",
-    ("pipeline/work/worker_main.py", "fdopen"): "the pipe to the supervisor",
-    ("pipeline/work/worker_main.py", "rmtree"): "the scratch folder of a supervisor that is gone",
     ("pipeline/stages/assemble.py", "rmdir"): "an empty folder of a route",
     ("pipeline/rerendering/rerender.py", "rmdir"): "an empty scratch folder",
 }

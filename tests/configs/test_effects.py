@@ -15,7 +15,9 @@ from physics.effects.viscous_friction_scale import ViscousFrictionScale
 from physics.effects.wheelbase_scale import WheelbaseScale
 from physics.effects.winding_resistance_scale import WindingResistanceScale
 from sensors.effects.marker_offset import MarkerOffset
+from symolo.core.distributions import Normal
 from symolo.core.errors import InputError
+from symolo.core.random_streams import stream
 
 
 def test_a_effect_that_does_not_exist_is_refused_with_the_nearest():
@@ -80,3 +82,11 @@ def test_a_worn_robot_has_several_effects_and_differs_in_nothing_else():
     assert len(worn.effects.members) > 10
     kept = {"name", "description", "effects"}
     assert worn.model_dump(exclude=kept) == nominal.model_dump(exclude=kept)
+
+
+def test_a_seed_draws_the_numbers_of_an_effect_that_it_drew_before_terms_were_renamed():
+    robot, drawn = draw_robot(load_section("robot", "fleet"), 7, "CW", 2)
+    before = stream(7, "CW", 2, "robot.terms.winding_resistance_scale.scale")
+    expected = Normal(1.0, 0.1175, 0.725, 1.275).draw(before)
+    assert robot.effects.get(WindingResistanceScale).scale == expected
+    assert drawn["robot.effects.winding_resistance_scale.scale"] == expected

@@ -16,7 +16,7 @@ from configs.json_schema import scenario_json_schema
 from configs.loader import load_scenario
 from diagnosis.inference.candidates import candidates
 from diagnosis.inference.hypothesis import Hypothesis
-from diagnosis.measured.measurement import Kind
+from diagnosis.measured.measurement import CaseKind
 from pipeline.stages.simulate import simulate
 from symolo.core.errors import InputError
 
@@ -98,7 +98,7 @@ def test_it_changes_a_run_and_stands_in_the_specification_that_metadata_come_fro
     assert type(spec).model_validate_json(spec.model_dump_json()) == spec
 
 
-@pytest.mark.parametrize(("kind", "is_listed"), [(Kind.MOTOR_STEP, True), (Kind.TOF_BENCH, False)])
+@pytest.mark.parametrize(("kind", "is_listed"), [(CaseKind.MOTOR_STEP, True), (CaseKind.TOF_BENCH, False)])
 def test_the_diagnosis_tries_it_where_it_can_show(toy, kind, is_listed):
     seen = []
 

@@ -5,7 +5,7 @@ import pytest
 
 from diagnosis.engine.base import by_twin
 from diagnosis.measured.channel import Channel, Role
-from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from symolo.core.time_series import TimeSeries
 
 ROWS = 60
@@ -21,7 +21,7 @@ def driven_log():
         bend = 0.0 if straight else 1.0
         voltage = np.stack([3.0 + bend * np.sin(0.1 * row), 3.0 - bend * np.sin(0.07 * row)], axis=1)
         trials = tuple(trial(str(k), robot, voltage) for k, robot in enumerate(robots, start=1))
-        return Measurement("made", Kind.DRIVE_LOG, Source("made", ()), trials)
+        return Measurement("made", CaseKind.DRIVE_LOG, MeasurementSource("made", ()), trials)
 
     def trial(name, robot, voltage):
         found = by_twin(robot, voltage, ROW_S)

@@ -1,4 +1,4 @@
-"""Where the edges of the line are in the pictures, to fractions of a pixel.
+"""Where the edges of the line are in the images, to fractions of a pixel.
 
 Each is looked for along the normal of where it should be, as in model-based tracking (Harris and Stennett, RAPID, BMVC
 1990): the steepest rise from dark to bright outwards, its place by a parabola through the gradient's peak. Grey values
@@ -11,22 +11,22 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from diagnosis.camera.case import Mask, Picture
-from diagnosis.camera.features.line_points import Sighting
+from diagnosis.camera.case import ImagePixels, Mask
+from diagnosis.camera.features.line_points import ExpectedEdges
 from symolo.core.arrays import Array
 
 STEP_PX = 0.25
 SMOOTH_PX = 0.8
 """Standard deviation of the derivative's Gaussian."""
 MIN_CONTRAST = 0.3
-"""Of the median edge: a weaker one is something else."""
+"""Least contrast as a share of the median edge; a weaker one is something else."""
 BESIDE_PX, MIN_MICHELSON = 2.5, 0.15
-"""Contrast of floor and line so far from the edge: less is noise."""
+"""Distance from the edge and least Michelson contrast of floor and line there; less is noise."""
 CLEAREST = 0.5
-"""An edge that another rise nearby reaches this share of is taken where it is nearer."""
+"""Share of the steepest rise from which a rise competes; the competing rise that is nearest is taken."""
 
-Linear = Callable[[Picture], Array]
-"""(H, W, 3) 8-bit values to (H, W) light."""
+Linear = Callable[[ImagePixels], Array]
+"""Function from 8-bit values (H, W, 3) to light (H, W)."""
 
 
 @dataclass(frozen=True)
@@ -39,8 +39,8 @@ class EdgeProfiles:
     """(N, K)."""
 
 
-def profiles(sighting: Sighting, pictures: list[Array], reach_px: float) -> EdgeProfiles:
-    """Of each point, in the picture (H, W) of its frame, as far to either side as `reach_px`."""
+def profiles(sighting: ExpectedEdges, images: list[Array], reach_px: float) -> EdgeProfiles:
+    """Return the profile of each point in the image (H, W) of its frame, up to `reach_px` to either side."""
     count = int(np.ceil(reach_px / STEP_PX))
     along = STEP_PX * np.arange(-count, count + 1)
     light = np.zeros((len(sighting.points), len(along)))
@@ -49,7 +49,7 @@ def profiles(sighting: Sighting, pictures: list[Array], reach_px: float) -> Edge
         at = sighting.pixels[here][:, None, :] + along[None, :, None] * sighting.outwards[here][:, None, :]
         at = at.astype(np.float32)
         seen = cv2.remap(
-            pictures[frame].astype(np.float32),
+            images[frame].astype(np.float32),
             at[..., 0],
             at[..., 1],
             cv2.INTER_LINEAR,
@@ -59,16 +59,16 @@ def profiles(sighting: Sighting, pictures: list[Array], reach_px: float) -> Edge
     return EdgeProfiles(along, light)
 
 
-def edges(sighting: Sighting, pictures: list[Array], reach_px: float, *, dark: bool = True) -> tuple[Array, Mask]:
-    """How far outwards each edge is from where it should be, (N,) [px], and which were found, (N,).
+def edges(sighting: ExpectedEdges, images: list[Array], reach_px: float, *, dark: bool = True) -> tuple[Array, Mask]:
+    """Return how far outwards each edge is from its expected place, (N,) [px], and which were detected, (N,).
 
     Args:
         sighting: Where they should be.
-        pictures: (H, W) light of each frame.
+        images: (H, W) light of each frame.
         reach_px: How far to look.
         dark: Whether the line is darker than the floor.
     """
-    found = profiles(sighting, pictures, reach_px + 3.0)
+    found = profiles(sighting, images, reach_px + 3.0)
     light = found.light if dark else -found.light
     rise = _derivative(light)
     along = found.along_px
@@ -93,7 +93,7 @@ def edges(sighting: Sighting, pictures: list[Array], reach_px: float, *, dark: b
 
 
 def _derivative(light: Array) -> Array:
-    """Along the last axis, of the values smoothed by a Gaussian."""
+    """Return the derivative along the last axis of the values smoothed by a Gaussian."""
     half = int(np.ceil(3 * SMOOTH_PX / STEP_PX))
     s = STEP_PX * np.arange(-half, half + 1)
     bell = np.exp(-0.5 * (s / SMOOTH_PX) ** 2)

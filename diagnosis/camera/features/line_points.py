@@ -1,20 +1,20 @@
-"""Where an edge of the line should be seen in each picture."""
+"""Where an edge of the line should be seen in each image."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.camera.case import Ints, Mask, PictureCase
-from diagnosis.camera.views import EdgePoints, View
+from diagnosis.camera.case import CameraCase, Ints, Mask
+from diagnosis.camera.views import CameraView, EdgePoints
 from symolo.arena.geometry import Arena, Box
 from symolo.core.arrays import Array
 
 ALONG_M = 0.004
 """Between points that are tried."""
-FARTHEST_M = 1.5
+MAX_DISTANCE_M = 1.5
 SPACING = 1 / 40
-"""Of a picture's width: between points that are kept, so that each tells something of its own."""
-NARROWEST_PX = 4.0
+"""Of an image's width: between points that are kept, so that each tells something of its own."""
+MIN_WIDTH_PX = 4.0
 """A line that seems narrower has no two edges."""
 CLEAR_M = (0.001, 0.004, 0.008)
 """So far beyond the edge there must be floor, and no other piece of the line."""
@@ -24,14 +24,14 @@ RAY_POINTS = 24
 
 
 @dataclass(frozen=True)
-class Sighting:
+class ExpectedEdges:
     """Edge points with where they should be seen."""
 
     points: EdgePoints
     pixels: Array
     """(N, 2)."""
     outwards: Array
-    """(N, 2), unit vector across the edge in the picture, from the line to the floor."""
+    """(N, 2), unit vector across the edge in the image, from the line to the floor."""
     width_px: Array
     """(N,), how wide the line seems there."""
 
@@ -59,20 +59,20 @@ def edge_candidates(arena: Arena) -> tuple[Array, Array, Ints]:
     return middle[free], outward[free], chain[free]
 
 
-def sighted(view: View, candidates: tuple[Array, Array, Ints], margin_px: float) -> Sighting:
-    """The points of all pictures that lie at least `margin_px` within them, thinned out."""
+def expected_edges(view: CameraView, candidates: tuple[Array, Array, Ints], margin_px: float) -> ExpectedEdges:
+    """The points of all images that lie at least `margin_px` within them, thinned out."""
     case = view.case
     found = [_in_frame(view, k, candidates, margin_px) for k in range(len(case.frames))]
     parts = [part for part in found if len(part.points)]
     if not parts:
         nothing = EdgePoints(np.empty(0, np.int64), np.empty((0, 2)), np.empty((0, 2)))
-        return Sighting(nothing, np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
+        return ExpectedEdges(nothing, np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
     points = EdgePoints(
         np.concatenate([part.points.frame for part in parts]),
         np.concatenate([part.points.on_line for part in parts]),
         np.concatenate([part.points.outwards for part in parts]),
     )
-    return Sighting(
+    return ExpectedEdges(
         points,
         np.concatenate([part.pixels for part in parts]),
         np.concatenate([part.outwards for part in parts]),
@@ -80,12 +80,12 @@ def sighted(view: View, candidates: tuple[Array, Array, Ints], margin_px: float)
     )
 
 
-def _in_frame(view: View, frame: int, candidates: tuple[Array, Array, Ints], margin_px: float) -> Sighting:
+def _in_frame(view: CameraView, frame: int, candidates: tuple[Array, Array, Ints], margin_px: float) -> ExpectedEdges:
     case = view.case
     X_WC = view.floor_X_WC(frame)
     middle, outward, chain = candidates
     to = middle - X_WC[:2, 3]
-    near = (to @ X_WC[:2, 2] > 0) & (np.hypot(*to.T) < FARTHEST_M)
+    near = (to @ X_WC[:2, 2] > 0) & (np.hypot(*to.T) < MAX_DISTANCE_M)
     middle, outward, chain = middle[near], outward[near], chain[near]
     points = EdgePoints(np.full(len(middle), frame), middle, outward)
     edge = view.pixels(points)
@@ -96,17 +96,17 @@ def _in_frame(view: View, frame: int, candidates: tuple[Array, Array, Ints], mar
     inside &= np.isfinite(edge).all(axis=1)
     points, chain, edge = _some(points, inside), chain[inside], edge[inside]
     across, width_px = _across(view, points, edge)
-    good = (width_px >= NARROWEST_PX) & ~_hidden(case, frame, X_WC[:3, 3], points)
+    good = (width_px >= MIN_WIDTH_PX) & ~_hidden(case, frame, X_WC[:3, 3], points)
     kept = np.flatnonzero(good)[_thinned(edge[good], chain[good], SPACING * width)]
-    return Sighting(_some(points, kept), edge[kept], across[kept], width_px[kept])
+    return ExpectedEdges(_some(points, kept), edge[kept], across[kept], width_px[kept])
 
 
 def _some(points: EdgePoints, which: Mask | Ints) -> EdgePoints:
     return EdgePoints(points.frame[which], points.on_line[which], points.outwards[which])
 
 
-def _across(view: View, points: EdgePoints, edge: Array) -> tuple[Array, Array]:
-    """Unit vectors (N, 2) across the edge in the picture, outwards, and the line's width (N,) along them [px]."""
+def _across(view: CameraView, points: EdgePoints, edge: Array) -> tuple[Array, Array]:
+    """Unit vectors (N, 2) across the edge in the image, outwards, and the line's width (N,) along them [px]."""
     along = np.column_stack([-points.outwards[:, 1], points.outwards[:, 0]])
     step = EdgePoints(points.frame, points.on_line + 0.001 * along, points.outwards)
     tangent = view.pixels(step) - edge
@@ -128,7 +128,7 @@ def _thinned(edge: Array, chain: Ints, spacing_px: float) -> Ints:
     return np.array(kept, np.int64)
 
 
-def _hidden(case: PictureCase, frame: int, eye: Array, points: EdgePoints) -> Mask:
+def _hidden(case: CameraCase, frame: int, eye: Array, points: EdgePoints) -> Mask:
     """Whether a wall or an obstacle stands before a point."""
     floor = points.on_line + 0.5 * case.arena.line.width_m * points.outwards
     hidden = np.zeros(len(floor), bool)

@@ -1,6 +1,6 @@
 """How much pixels of an even patch differ, against its level: shot noise rises with the light, read noise does not.
 
-What texture adds is taken from the simulated pictures, whose noise is known: their variance in the sensor's light is
+What texture adds is taken from the simulated images, whose noise is known: their variance in the sensor's light is
 that of the texture, which goes with the square of the light, and of the camera. A real floor's texture is not the
 simulated one's, so that its strength is fitted along.
 """
@@ -12,18 +12,18 @@ import numpy as np
 from scipy.optimize import nnls
 
 from diagnosis.camera.case import Ints, Mask
-from diagnosis.camera.features.patches import Patches
-from diagnosis.camera.features.response import Response
-from diagnosis.camera.parameter import Number
+from diagnosis.camera.features.patches import FloorPatches
+from diagnosis.camera.features.response import ToneResponse
+from diagnosis.camera.parameter import CameraNumber
 from sensors.camera.response import CameraResponse
 from symolo.core.arrays import Array
 
 NOISE = (
-    Number(
+    CameraNumber(
         "shot_noise_scale", "1", 0.15, "noise that grows with the root of the light is stronger", "a smaller sensor"
     ),
-    Number("read_noise_scale", "1", 0.4, "noise in the dark is stronger", "another sensor, or a warm one"),
-    Number("texture_scale", "1", 0.5, "the floor has a stronger grain", "another floor", can_be_named=False),
+    CameraNumber("read_noise_scale", "1", 0.4, "noise in the dark is stronger", "another sensor, or a warm one"),
+    CameraNumber("texture_scale", "1", 0.5, "the floor has a stronger grain", "another floor", can_be_named=False),
 )
 
 MIN_TEXTURE = 0.2
@@ -36,12 +36,12 @@ CUT_OFF = 3.0
 class NoiseModel:
     """Variances; a sample is the logarithm of that of green in one patch, in the sensor's light."""
 
-    patches: Patches
+    patches: FloorPatches
     nominal: CameraResponse
     heldout_frames: Mask
-    numbers: tuple[Number, ...] = NOISE
+    numbers: tuple[CameraNumber, ...] = NOISE
     min_sd: float = 0.1
-    max_worth: float = 8.0
+    max_independent: float = 8.0
 
     @property
     def frame(self) -> Ints:
@@ -58,7 +58,7 @@ class NoiseModel:
     @cached_property
     def _seen(self) -> tuple[Array, Array, Array, Array]:
         """Level and variance (N,) in the sensor's green, measured and simulated."""
-        response = Response.of(self.nominal)
+        response = ToneResponse.of(self.nominal)
         found: list[Array] = []
         for values, rough in zip(
             (self.patches.measured, self.patches.simulated), self.patches.roughness.T, strict=True
@@ -93,12 +93,12 @@ class NoiseModel:
     def _noise(self, level: Array, shot: float, read: float) -> Array:
         return (shot * self.nominal.shot_noise) ** 2 * level + (read * max(self.nominal.read_noise, 1e-3)) ** 2
 
-    def left(self, x: Array) -> Array:
+    def residuals(self, x: Array) -> Array:
         level, variance, _, _ = self._seen
         shot, read, grain = (float(np.exp(v * n.tolerance)) for v, n in zip(x.tolist(), self.numbers, strict=True))
         texture, camera = self._shares
         left = np.log(variance) - np.log(grain * texture * level**2 + camera * self._noise(level, shot, read))
         return np.where(self._is_cut_off, np.nan, left)
 
-    def own(self, x: Array) -> Array:
+    def frame_slopes(self, x: Array) -> Array:
         return np.zeros((len(self.frame), 0 * len(x)))

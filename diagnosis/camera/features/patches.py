@@ -1,19 +1,19 @@
-"""Small patches of plain floor or line that a measured picture and the simulated one of the same place both show."""
+"""Small patches of plain floor or line that a measured image and the simulated one of the same place both show."""
 
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
-from diagnosis.camera.case import Ints, Mask, Picture, PictureCase
-from diagnosis.camera.views import EdgePoints, View, deviating
+from diagnosis.camera.case import CameraCase, ImagePixels, Ints, Mask
+from diagnosis.camera.views import CameraView, EdgePoints, deviating
 from symolo.core.arrays import Array
 from symolo.core.pinhole import floor_points, intrinsics
 
 COLUMNS, ROWS = 16, 12
 """Of the grid on which floor is looked for."""
 HALF = 1 / 80
-"""Of the picture's width: half of a patch's side."""
+"""Of the image's width: half of a patch's side."""
 CLEAR = 3.0
 """Halves of a patch, between it and an edge of the line."""
 MAX_UNEVEN = 0.12
@@ -26,7 +26,7 @@ SMOOTH_KERNEL = np.outer([1.0, -2.0, 1.0], [1.0, -2.0, 1.0]) / 6.0
 
 
 @dataclass(frozen=True)
-class Patches:
+class FloorPatches:
     frame: Ints
     """(N,), place in the case's frames."""
     measured: Array
@@ -34,24 +34,26 @@ class Patches:
     simulated: Array
     """(N, 3)."""
     at: Array
-    """(N, 2) pixels in the measured picture."""
+    """(N, 2) pixels in the measured image."""
     nominal_at: Array
-    """(N, 2) pixels in the simulated picture."""
+    """(N, 2) pixels in the simulated image."""
     roughness: Array
     """(N, 2), variance of what changes from pixel to pixel in green, measured and simulated, of values from 0 to 1."""
     on_line: Mask
 
 
-def patches(case: PictureCase, x: Array) -> Patches:
-    """Of all pictures, the measured camera being the one with deviations x (P,)."""
-    found = [_of_frame(case, View(case, x), View(case, np.zeros_like(x)), k) for k in range(len(case.frames))]
+def floor_patches(case: CameraCase, x: Array) -> FloorPatches:
+    """Of all images, the measured camera being the one with deviations x (P,)."""
+    found = [
+        _of_frame(case, CameraView(case, x), CameraView(case, np.zeros_like(x)), k) for k in range(len(case.frames))
+    ]
     columns = [np.concatenate([one[i] for one in found]) for i in range(6)]
     frame = np.concatenate([np.full(len(one[0]), k) for k, one in enumerate(found)])
     measured, simulated, at, nominal_at, roughness, on_line = columns
-    return Patches(frame, measured, simulated, at, nominal_at, roughness, on_line.astype(bool))
+    return FloorPatches(frame, measured, simulated, at, nominal_at, roughness, on_line.astype(bool))
 
 
-def _of_frame(case: PictureCase, real: View, nominal: View, k: int) -> tuple[Array, ...]:
+def _of_frame(case: CameraCase, real: CameraView, nominal: CameraView, k: int) -> tuple[Array, ...]:
     frame, (width, height) = case.frames[k], case.size_px
     half = max(2, round(HALF * width))
     camera = deviating(case, real.x.tolist())[0]
@@ -76,7 +78,7 @@ def _of_frame(case: PictureCase, real: View, nominal: View, k: int) -> tuple[Arr
     at, nominal_at, on_line = at[inside], nominal_at[inside], on_line[inside]
     if frame.simulated is None or not len(at):
         return np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 2)), np.empty((0, 2)), np.empty((0, 2)), np.empty(0)
-    mean, uneven, rough = _read(frame.picture, at, half)
+    mean, uneven, rough = _read(frame.image, at, half)
     its, its_uneven, its_rough = _read(frame.simulated, nominal_at, half)
     good = on_line | ((uneven < MAX_UNEVEN) & (its_uneven < MAX_UNEVEN))
     for values in (mean, its):
@@ -85,13 +87,13 @@ def _of_frame(case: PictureCase, real: View, nominal: View, k: int) -> tuple[Arr
     return mean[good], its[good], at[good], nominal_at[good], roughness[good], on_line[good].astype(np.float64)
 
 
-def _pixels(view: View, frame: int, floor: Array) -> Array:
+def _pixels(view: CameraView, frame: int, floor: Array) -> Array:
     # A line without width: the points themselves.
     points = EdgePoints(np.full(len(floor), frame), floor, np.zeros_like(floor))
     return view.pixels(points)
 
 
-def _plain(case: PictureCase, floor: Array) -> Mask:
+def _plain(case: CameraCase, floor: Array) -> Mask:
     """Whether floor points are far from walls and obstacles, also from what these hide."""
     plain = np.ones(len(floor), bool)
     for box in case.arena.boxes:
@@ -100,8 +102,8 @@ def _plain(case: PictureCase, floor: Array) -> Mask:
     return plain
 
 
-def _clear_px(case: PictureCase, view: View, frame: int, floor: Array) -> Array:
-    """How far, in the picture, each floor point is from the nearest edge of the line."""
+def _clear_px(case: CameraCase, view: CameraView, frame: int, floor: Array) -> Array:
+    """How far, in the image, each floor point is from the nearest edge of the line."""
     line = case.arena.line
     edges = np.concatenate(
         [
@@ -117,9 +119,9 @@ def _clear_px(case: PictureCase, view: View, frame: int, floor: Array) -> Array:
     return np.array([np.hypot(*(there - one).T).min() for one in here]) if len(here) else np.empty(0)
 
 
-def _read(picture: Picture, at: Array, half: int) -> tuple[Array, Array, Array]:
+def _read(image: ImagePixels, at: Array, half: int) -> tuple[Array, Array, Array]:
     """Means (N, 3), unevenness of green (N,) and its variance from pixel to pixel (N,)."""
-    values = picture.astype(np.float64) / 255.0
+    values = image.astype(np.float64) / 255.0
     box = (2 * half + 1, 2 * half + 1)
     mean = cv2.blur(values, box)
     square = cv2.blur(values[..., 1] ** 2, box)

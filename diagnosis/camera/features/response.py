@@ -1,25 +1,25 @@
-"""Pictures to the sensor's light and back, by the nominal camera's response and by one that deviates from it."""
+"""Images to the sensor's light and back, by the nominal camera's response and by one that deviates from it."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.camera.case import Picture
+from diagnosis.camera.case import ImagePixels
 from sensors.camera.colour import LUMINANCE
 from sensors.camera.response import CameraResponse, tone, untoned
 from symolo.core.arrays import Array
 
 
 @dataclass(frozen=True)
-class Response:
-    """What lies between the exposed light of the sensor and the numbers of the picture."""
+class ToneResponse:
+    """What lies between the exposed light of the sensor and the numbers of the image."""
 
     contrast: float
     saturation: float
     white_balance: tuple[float, float, float]
 
     @classmethod
-    def of(cls, nominal: CameraResponse) -> "Response":
+    def of(cls, nominal: CameraResponse) -> "ToneResponse":
         return cls(nominal.contrast, nominal.saturation, nominal.white_balance)
 
     def raw(self, coded: Array) -> Array:
@@ -38,7 +38,7 @@ class Response:
         return np.asarray(tone(exposed.astype(np.float32), self.contrast), np.float64)
 
 
-def luminance(picture: Picture, contrast: float) -> Array:
-    """(H, W) light of a picture by the nominal tone curve."""
+def luminance(image: ImagePixels, contrast: float) -> Array:
+    """(H, W) light of an image by the nominal tone curve."""
     table = untoned(np.arange(256) / 255.0, contrast)
-    return table[picture] @ LUMINANCE
+    return table[image] @ LUMINANCE

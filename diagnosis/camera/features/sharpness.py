@@ -1,8 +1,8 @@
-"""How sharp the line's edges are, against the simulated pictures of the same places.
+"""How sharp the line's edges are, against the simulated images of the same places.
 
 An edge that a lens and a moving camera blur is a normal distribution function in light: the variances of the lens'
 point spread, of the pixel, and of the way across the edge during the exposure add up. The tone curve and an unsharp
-mask follow. What the pixel and the renderer's filter do is fitted to the simulated pictures first, so that only
+mask follow. What the pixel and the renderer's filter do is fitted to the simulated images first, so that only
 differences count. The line is a bar with two edges, of which a narrow one shows both.
 """
 
@@ -14,26 +14,28 @@ from scipy.special import ndtr
 
 from diagnosis.camera.case import Ints, Mask
 from diagnosis.camera.features.edge_points import STEP_PX, EdgeProfiles
-from diagnosis.camera.parameter import Number
+from diagnosis.camera.parameter import CameraNumber
 from sensors.camera.response import CameraResponse, tone
 from symolo.core.arrays import Array
 
 SHARPNESS = (
-    Number(
+    CameraNumber(
         "lens_blur", "px", 0.08, "the lens spreads a point more; standard deviation, the whole", "a lens out of focus"
     ),
-    Number("exposure_time", "s", 2.5e-5, "the shutter is open longer; the whole time", "less light, another setting"),
-    Number("sharpening", "1", 0.06, "an unsharp mask adds more", "another picture style"),
+    CameraNumber(
+        "exposure_time", "s", 2.5e-5, "the shutter is open longer; the whole time", "less light, another setting"
+    ),
+    CameraNumber("sharpening", "1", 0.06, "an unsharp mask adds more", "another picture style"),
 )
 """The tolerances of blur and time are of their squares."""
 REACH_PX = 5.0
 MIN_PX2 = 0.02
-"""No edge is sharper than its pixels."""
+"""Smallest variance of an edge: none is sharper than its pixels."""
 OUTER = 12.0
-"""Pixels to each side over which the unsharp mask is worked out."""
-NARROWEST_PX = 5.0
+"""Pixels to each side over which the unsharp mask is computed."""
+MIN_WIDTH_PX = 5.0
 OWN_SHIFT_PX = 0.2
-"""Standard deviation, of where the edges of a picture are found."""
+"""Standard deviation of the measured place of the edges of an image."""
 
 
 @dataclass(frozen=True)
@@ -45,22 +47,22 @@ class SharpnessModel:
     profiles: EdgeProfiles
     """Values from 0 to 1, grey, around the edge."""
     width_px: Array
-    """(N,), of the line."""
+    """(N,), width of the line."""
     speed_px_s: Array
-    """(N,), of the picture across the edge."""
+    """(N,), speed of the image across the edge."""
     levels: tuple[float, float]
-    """Light of the floor and of the line, typical."""
+    """Typical light of the floor and of the line."""
     response: CameraResponse
     exposure_s: float
     base_px2: float = 0.25
     """Variance of pixel and filter, and of the nominal lens."""
-    numbers: tuple[Number, ...] = SHARPNESS
+    numbers: tuple[CameraNumber, ...] = SHARPNESS
     min_sd: float = 0.03
-    max_worth: float = float("inf")
+    max_independent: float = float("inf")
 
     @cached_property
     def _inside(self) -> Mask:
-        """(N, K), samples far enough from other edges than the line's two."""
+        """Return the samples that only the line's two edges affect, (N, K)."""
         s = self.profiles.along_px[None, :]
         return (np.abs(s) <= REACH_PX) & (s >= -0.5 * self.width_px[:, None])
 
@@ -76,19 +78,19 @@ class SharpnessModel:
     def fit(self) -> Mask:
         return ~self.heldout
 
-    def left(self, x: Array) -> Array:
+    def residuals(self, x: Array) -> Array:
         expected = self._expected(x)
         w, seen = self._inside.astype(np.float64), self.profiles.light
         count = w.sum(axis=1)
         mean_t, mean_s = (w * expected).sum(axis=1) / count, (w * seen).sum(axis=1) / count
         t, s = expected - mean_t[:, None], seen - mean_s[:, None]
         height = (w * t * s).sum(axis=1) / np.maximum((w * t * t).sum(axis=1), 1e-12)
-        # Relative to the edge's height, so that bright and dark pictures count alike.
+        # Relative to the edge's height, so that bright and dark images count alike.
         left = (s - height[:, None] * t) / np.maximum(np.abs(height[:, None]), 1e-3)
         return np.where(self._inside, left, np.nan).ravel()
 
-    def own(self, x: Array) -> Array:
-        """By a shift of all edges of a picture, for where an edge was found depends on what is done to it."""
+    def frame_slopes(self, x: Array) -> Array:
+        """Return the change by a shift of all edges of an image, because blur moves the measured place of an edge."""
         slope = np.gradient(self._expected(x), self.profiles.along_px, axis=1)
         return (OWN_SHIFT_PX * slope).reshape(-1, 1)
 
@@ -98,7 +100,7 @@ class SharpnessModel:
         return self._template(np.sqrt(np.maximum(variance, MIN_PX2)), self.response.sharpening + sharpening)
 
     def _template(self, sd_px: Array, sharpening: float) -> Array:
-        """(N, K) values across edges of these blurs (N,)."""
+        """Return values (N, K) across edges with these blurs (N,)."""
         step = STEP_PX * 2
         wide = np.arange(-OUTER, OUTER + step / 2, step)
         bar = ndtr((wide[None, :] + self.width_px[:, None]) / sd_px[:, None]) - ndtr(wide[None, :] / sd_px[:, None])
@@ -109,11 +111,11 @@ class SharpnessModel:
             blurred = coded @ (bell / bell.sum(axis=0, keepdims=True))
             coded = coded + sharpening * (coded - blurred)
         along = self.profiles.along_px
-        # Between pixels the picture is linear, which spreads by 1/6 px2: three samples half a pixel apart.
+        # Between pixels the image is linear, which spreads by 1/6 px2: three samples half a pixel apart.
         coded = (np.roll(coded, 1, axis=1) + coded + np.roll(coded, -1, axis=1)) / 3.0
         first = int(np.rint((along[0] - wide[0]) / step))
         return coded[:, first : first + len(along)]
 
     def based_on(self, simulated: "SharpnessModel", x: Array) -> "SharpnessModel":
-        """With the blur that was found in simulated pictures, deviations x (P,), as the nominal one."""
+        """Return the model with the blur of the simulated images, deviations x (P,), as the nominal one."""
         return replace(self, base_px2=max(simulated.base_px2 + float(x[0]) * self.numbers[0].tolerance, MIN_PX2))

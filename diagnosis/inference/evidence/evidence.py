@@ -20,7 +20,7 @@ is so certain that its likelihood may become infinite."""
 
 
 @dataclass(frozen=True)
-class FoundNoise:
+class EstimatedNoise:
     """Noise of one observed quantity that was estimated from the data, since the source does not state all of it."""
 
     factor: float
@@ -45,7 +45,7 @@ class Prediction:
 class Evidence:
     """N samples. The samples of each observed quantity are adjacent, in the order of the stages."""
 
-    def __init__(self, stages: Sequence[Stage], noises: Mapping[str, FoundNoise] = MappingProxyType({})) -> None:
+    def __init__(self, stages: Sequence[Stage], noises: Mapping[str, EstimatedNoise] = MappingProxyType({})) -> None:
         self.stages = tuple(stages)
         self.noises = noises
         """Estimated noise by quantity."""

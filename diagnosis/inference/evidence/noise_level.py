@@ -14,7 +14,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.inference.evidence.evidence import Evidence, FoundNoise
+from diagnosis.inference.evidence.evidence import EstimatedNoise, Evidence
 from diagnosis.inference.fit import HypothesisFit
 from diagnosis.measured.noise import noise_of_differences, trimmed_variance
 from diagnosis.predictors.base import Observed
@@ -32,10 +32,10 @@ MIN_AUTOCORRELATION = 0.03
 MAX_CORRELATION = 0.9
 
 
-def combined(evidence: Evidence, found: Mapping[str, FoundNoise]) -> Mapping[str, FoundNoise]:
-    """Return the total noises, if `found` was estimated from an evidence that already has estimated noises."""
+def combined(evidence: Evidence, noises: Mapping[str, EstimatedNoise]) -> Mapping[str, EstimatedNoise]:
+    """Return the total noises, if `noises` were estimated from an evidence that already has estimated noises."""
     before = {name: noise.factor for name, noise in evidence.noises.items()}
-    return {name: FoundNoise(n.factor * before.get(name, 1.0), n.correlation) for name, n in found.items()}
+    return {name: EstimatedNoise(n.factor * before.get(name, 1.0), n.correlation) for name, n in noises.items()}
 
 
 def is_open(quantity: Observed) -> bool:
@@ -43,26 +43,26 @@ def is_open(quantity: Observed) -> bool:
     return not quantity.noise_is_stated or quantity.correlation is None
 
 
-def found_noises(evidence: Evidence, fit: HypothesisFit) -> Mapping[str, FoundNoise]:
+def estimated_noises(evidence: Evidence, fit: HypothesisFit) -> Mapping[str, EstimatedNoise]:
     """Return the estimated noise of each observed quantity whose source does not state all of it."""
-    noises: dict[str, FoundNoise] = {}
+    noises: dict[str, EstimatedNoise] = {}
     for quantity, place in zip(evidence.observed, evidence.places, strict=True):
         rows = evidence.fit[place]
         if not is_open(quantity) or np.count_nonzero(rows) < MIN_ROWS:
             continue
         if quantity.noise_is_stated:
             z = np.where(rows, np.clip(fit.z[place], -CLIP, CLIP), np.nan)
-            noises[quantity.name] = FoundNoise(1.0, lasting(z, quantity.trial))
+            noises[quantity.name] = EstimatedNoise(1.0, lasting(z, quantity.trial))
             continue
         z, trial = fit.z[place][rows], quantity.trial[rows]
         together = np.diff(trial) == 0
         noise = noise_of_differences(z, together)
         if noise is not None and len(z) >= ROWS_FOR_CORRELATION and noise.sd > 0.0:
-            noises[quantity.name] = FoundNoise(noise.sd, max(noise.correlation, 0.0))
+            noises[quantity.name] = EstimatedNoise(noise.sd, max(noise.correlation, 0.0))
             continue
         bends = (z[2:] - 2.0 * z[1:-1] + z[:-2])[together[1:] & together[:-1]]
         level = np.sqrt(trimmed_variance(bends) / 6.0) if len(bends) else float(np.std(z))
-        noises[quantity.name] = FoundNoise(max(float(level), 1e-9), 0.0)
+        noises[quantity.name] = EstimatedNoise(max(float(level), 1e-9), 0.0)
     return noises
 
 

@@ -188,7 +188,7 @@ def survivors(
     flexible = np.concatenate([functions * root[:, None], np.zeros((size, functions.shape[1]))])
     taken = [nominal.tangents(root), flexible]
     residual = nominal.left(nominal.z, root)
-    kept: list[CandidateEffect] = []
+    needed: list[CandidateEffect] = []
     priors = np.zeros(size)
     left = {
         effect: np.concatenate([root * change_by(evidence, nominal, fit, effect), priors])
@@ -200,9 +200,9 @@ def survivors(
         best = max(falls, key=lambda effect: falls[effect])
         if falls[best] < max(NEEDED, structure.explainable):
             break
-        kept.append(best)
+        needed.append(best)
         taken.append(left.pop(best)[:, None])
-    return kept
+    return needed
 
 
 def _functions(evidence: Evidence, structure: Structure) -> Array:

@@ -34,12 +34,12 @@ def leave_one_out(evidence: Evidence, fit: HypothesisFit) -> Mapping[str, Array]
     (count,) = rows
     errors = np.full((len(evidence.observed), count), np.nan)
     for row in range(count):
-        of_row = np.zeros(len(evidence.values), dtype=bool)
-        of_row[[place.start + row for place in evidence.places]] = True
-        if not (of_row & evidence.fit).any():
+        in_row = np.zeros(len(evidence.values), dtype=bool)
+        in_row[[place.start + row for place in evidence.places]] = True
+        if not (in_row & evidence.fit).any():
             continue
         fewer = copy(evidence)
-        fewer.fit = evidence.fit & ~of_row
+        fewer.fit = evidence.fit & ~in_row
         (refit,) = fits(fewer, [(fit.hypothesis, fit.x)])
         mean = evidence.of([refit.hypothesis.robot(refit.x)]).mean[0]
         residuals = np.where(evidence.fit, evidence.values - mean, np.nan)

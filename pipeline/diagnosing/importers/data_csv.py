@@ -7,7 +7,7 @@ import numpy as np
 
 from diagnosis.importers.base import Importer, first_line
 from diagnosis.measured.channel import Channel, Mask, Role
-from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from symolo.core.arrays import Array
 from symolo.core.time_series import TimeSeries
 from symolo.dataset.rows import COLUMNS, HEADER, Ints, Rows, read_rows
@@ -77,7 +77,9 @@ def _read(path: Path) -> Measurement:
         told = f"the largest range, {code_m:g} m, comes {np.count_nonzero(code)} times and is taken for no target"
     trial = trial_of("1", rows, row_channels(rows, code, np.zeros_like(code)))
     notes = ("not logged: voltages, encoder counts", told, "nothing is marked as held out")
-    return Measurement(path.stem, Kind.DRIVE_LOG, Source("a SyMoLo data.csv", (str(path),)), (trial,), notes=notes)
+    return Measurement(
+        path.stem, CaseKind.DRIVE_LOG, MeasurementSource("a SyMoLo data.csv", (str(path),)), (trial,), notes=notes
+    )
 
 
 IMPORTER = Importer(

@@ -12,7 +12,7 @@ from configs.schema.robot import RobotConfig
 from configs.schema.scenario import RunSpec
 from diagnosis.importers.base import Importer, is_file
 from diagnosis.measured.channel import Channel, Role
-from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from pipeline.diagnosing.importers.data_csv import row_channels, trial_of
 from pipeline.stages.assemble import DATA, SIDE
 from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
@@ -147,7 +147,9 @@ def _read(path: Path) -> Measurement:
     share = f"every {HELD}th run" if several else f"the last {1.0 / HELD:.0%} of each run"
     notes = (_NOTE, f"{share} is held out")
     name = path.absolute().parent.name if path.name == DATA else path.absolute().name
-    return Measurement(name, Kind.DRIVE_LOG, Source("a dataset of symolo", files), tuple(trials), notes=notes)
+    return Measurement(
+        name, CaseKind.DRIVE_LOG, MeasurementSource("a dataset of symolo", files), tuple(trials), notes=notes
+    )
 
 
 def _trial(run: _DatasetRun) -> Trial:

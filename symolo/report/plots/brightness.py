@@ -14,7 +14,7 @@ from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, PURPLE
 from symolo.report.statistics.image_statistics import GREYS, ImageNumbers
 
 MAX_CURVES = 8
-"""With more runs, each route has one curve instead of each run."""
+"""Largest number of runs with a curve each; if there are more, each route has one curve."""
 _BIN = 4
 _LINES = (
     (BLACK, "-"),

@@ -15,7 +15,7 @@ _BINS = 24
 
 
 @dataclass(frozen=True)
-class Rectangle:
+class SvgRectangle:
     """One rectangle of an SVG plot, in pixels; `kind` is `axis`, `band` or `mark`."""
 
     x: float
@@ -30,7 +30,7 @@ class Strip:
     """The plot of one field."""
 
     title: str
-    rectangles: tuple[Rectangle, ...]
+    rectangles: tuple[SvgRectangle, ...]
     width_px: int = _WIDTH
     height_px: int = _HEIGHT
 
@@ -70,13 +70,13 @@ def strip(values: Sequence[float], distribution: Distribution | None) -> Strip:
         share = (scaled(value) - low) / (high - low) if high > low else 0.5
         return _MARGIN + (_WIDTH - 2 * _MARGIN) * share
 
-    parts = [Rectangle(_MARGIN, _FOOT + 2, _WIDTH - 2 * _MARGIN, 1, "axis")]
+    parts = [SvgRectangle(_MARGIN, _FOOT + 2, _WIDTH - 2 * _MARGIN, 1, "axis")]
     if isinstance(distribution, Choice):
-        parts += [Rectangle(at(option) - 2, _FOOT, 4, 5, "band") for option in band]
+        parts += [SvgRectangle(at(option) - 2, _FOOT, 4, 5, "band") for option in band]
     elif band:
-        parts.append(Rectangle(at(band[0]), _FOOT, max(at(band[-1]) - at(band[0]), 2.0), 5, "band"))
+        parts.append(SvgRectangle(at(band[0]), _FOOT, max(at(band[-1]) - at(band[0]), 2.0), 5, "band"))
     if len(values) <= MAX_MARKS:
-        parts += [Rectangle(at(value) - 1, 2, 2, _FOOT - 3, "mark") for value in sorted(values)]
+        parts += [SvgRectangle(at(value) - 1, 2, 2, _FOOT - 3, "mark") for value in sorted(values)]
     else:
         parts += _bars([at(value) for value in values])
     return Strip(f"{len(values)} values from {min(values):.4g} to {max(values):.4g}", tuple(parts))
@@ -96,14 +96,14 @@ def _band(distribution: Distribution | None) -> tuple[float, ...]:
             return ()
 
 
-def _bars(places: Sequence[float]) -> list[Rectangle]:
+def _bars(places: Sequence[float]) -> list[SvgRectangle]:
     width = (_WIDTH - 2 * _MARGIN) / _BINS
     counts = [0] * _BINS
     for place in places:
         counts[min(int((place - _MARGIN) / width), _BINS - 1)] += 1
     heights = [(_FOOT - 2) * count / max(counts) for count in counts]
     return [
-        Rectangle(_MARGIN + i * width, _FOOT - 1 - height, 0.9 * width, height, "mark")
+        SvgRectangle(_MARGIN + i * width, _FOOT - 1 - height, 0.9 * width, height, "mark")
         for i, height in enumerate(heights)
         if height
     ]

@@ -25,7 +25,7 @@ class DrawnField:
     values: tuple[Value, ...]
     """Values of the runs that have the field, in the order of the runs."""
     distribution: Distribution | None
-    """None if the scenario has none, as for what an arena generator drew."""
+    """Distribution in the scenario; None if it has none, as for what an arena generator drew."""
 
     @property
     def numbers(self) -> tuple[float, ...] | None:

@@ -25,9 +25,9 @@ class OutlierGroup:
     worst: int
     """Number of the image that differs most."""
     why: str
-    """In what the image `worst` differs."""
+    """Properties in which the image `worst` differs."""
     score: float
-    """How much the image `worst` differs; an image is an outlier above 1."""
+    """Deviation of the image `worst`; an image is an outlier above 1."""
 
     @property
     def extent(self) -> str:

@@ -34,7 +34,7 @@ class RunFacts:
     images: tuple[tuple[int, int, float], ...]
     """Number, state and time [s] of each image."""
     path: RunPath | None
-    """None if this run is not on a map."""
+    """Path for the map; None if this run is not on a map."""
     sensor_limits: tuple[Array, ...]
     """Smallest and largest value (2, columns) of each table of the sensors of `robot.sensors`, without the time."""
 

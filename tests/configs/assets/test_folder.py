@@ -134,9 +134,9 @@ REFUSED = {
     "link to nothing": ("look.floor.image.file=broken.png", "no such file"),
     "link to itself": ("look.floor.image.file=loop.png", "no such file"),
     "pipe": ("look.floor.image.file=pipe", "is no file"),
-    "empty": ("look.floor.image.file=empty.png", "is neither a PNG nor a JPEG picture", "save it anew"),
+    "empty": ("look.floor.image.file=empty.png", "is neither a PNG nor a JPEG image", "save it again"),
     "cut short": ("look.floor.image.file=cut.png", "is cut short: the PNG has no end"),
-    "sky as picture": ("look.floor.image.file=sub/hall.hdr", "is neither a PNG nor a JPEG picture"),
+    "sky as picture": ("look.floor.image.file=sub/hall.hdr", "is neither a PNG nor a JPEG image"),
     "picture as sky": ("look.sky.panorama=grey.png", "is neither a Radiance (.hdr) nor an OpenEXR file"),
     "one of a choice": ("look.sky.panorama={choice: [city, sub/hall.hdr, lost.hdr]}", "no such file", "got 'lost.hdr'"),
     "number": ("look.floor.image.file=7", "look.floor.image.file: got 7, allowed: the name of a file"),
@@ -185,7 +185,7 @@ def test_a_link_inside_the_folder_and_a_folder_that_is_a_link_are_followed(photo
 
 
 def test_a_file_that_is_too_large_is_not_read(photos: Path, monkeypatch):
-    monkeypatch.setattr("configs.assets.pictures.MAX_BYTES", 1 << 20)
+    monkeypatch.setattr("configs.assets.images.MAX_BYTES", 1 << 20)
     with (photos / "grey.png").open("r+b") as file:
         file.truncate((1 << 20) + 1)
     with pytest.raises(InputError, match=r"looks/mine\.yaml:6: look\.floor\.image\.file: is larger than 1 MiB"):
@@ -217,14 +217,14 @@ def test_a_file_that_does_not_fit_into_memory_is_refused(monkeypatch):
     def full(*_: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr("configs.assets.pictures.whole_picture", full)
+    monkeypatch.setattr("configs.assets.images.whole_image", full)
     with pytest.raises(InputError, match=r"does not fit into the memory that is free: got .*; save it smaller"):
         load_section("look", "looks/mine.yaml")
 
 
 def test_a_strip_keeps_its_shape(photos: Path, monkeypatch):
     """Averaged down to 10 pixels at most, 100 x 3 becomes 10 x 1: ten times as wide as high, and no longer 33 times."""
-    monkeypatch.setattr("configs.assets.pictures.LONGEST_SIDE_PX", 10)
+    monkeypatch.setattr("configs.assets.images.MAX_SIDE_PX", 10)
     (photos / "grey.png").write_bytes(cv2.imencode(".png", np.full((3, 100, 3), 188, np.uint8))[1].tobytes())
     look, _ = draw_look(load_section("look", "looks/mine.yaml"), 1, "CW", 1)
     own = look.floor.image.file

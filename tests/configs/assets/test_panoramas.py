@@ -58,7 +58,7 @@ def test_a_sun_is_no_part_of_the_sky():
 def test_components_that_are_no_light_are_refused(value):
     light = SPHERE.copy()
     light[2, 5, 1] = value
-    with pytest.raises(ValueError, match="1 components that are no number"):
+    with pytest.raises(ValueError, match="1 components that are not numbers"):
         read_panorama(_exr(light))
 
 
@@ -105,7 +105,7 @@ def test_other_lines_in_a_header_change_nothing():
 
 
 def test_a_wide_panorama_is_averaged_down(monkeypatch):
-    monkeypatch.setattr("configs.assets.panoramas.WIDEST_PX", 8)
+    monkeypatch.setattr("configs.assets.panoramas.MAX_WIDTH_PX", 8)
     light = np.ones((8, 16, 3), np.float32)
     light[:, ::2] = 0.5
     found = read_panorama(_hdr(light))

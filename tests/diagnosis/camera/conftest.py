@@ -1,4 +1,4 @@
-"""Cases of an independent generator of pictures."""
+"""Cases of an independent generator of images."""
 
 import importlib
 from functools import cache
@@ -11,7 +11,7 @@ from configs.draw import draw_robot
 from configs.loader import load_section
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
-from diagnosis.camera.case import Frame, PictureCase
+from diagnosis.camera.case import CameraCase, CameraFrame
 from physics.robot.path import RobotPath
 from sensors.camera.response import CameraResponse
 from symolo.arena.geometry import Arena
@@ -24,26 +24,26 @@ SIZE, FRAMES = (128, 96), 14
 def generator():
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(TESTS))
-        yield importlib.import_module("picture_cases")
+        yield importlib.import_module("camera_cases")
 
 
 @pytest.fixture(scope="session")
 def make_case(generator):
-    """A case of a camera that is not the nominal one; with simulated pictures of the nominal one if asked for."""
+    """A case of a camera that is not the nominal one; with simulated images of the nominal one if asked for."""
     times = np.linspace(0.3, 7.4, FRAMES).tolist()
     rows = np.arange(0.0, 8.0, 0.01)
 
     @cache
     def simulated(t_s):
-        return generator.picture(generator.Camera(), t_s, SIZE, seed=2)
+        return generator.image(generator.Camera(), t_s, SIZE, seed=2)
 
     def made(camera=None, hidden=None, *, compared=False):
         camera = camera or generator.Camera()
         frames = tuple(
-            Frame(
+            CameraFrame(
                 number=k + 1,
                 t_s=t_s,
-                picture=generator.picture(camera, t_s, SIZE, hidden, seed=1),
+                image=generator.image(camera, t_s, SIZE, hidden, seed=1),
                 simulated=simulated(t_s) if compared else None,
                 heldout=k % 4 == 3,
             )
@@ -65,6 +65,6 @@ def make_case(generator):
         )
         arena = Arena.from_config(ArenaConfig.model_validate(generator.track_yaml()))
         path = RobotPath(rows, way[:, :3], way[:, 3:])
-        return PictureCase("made", frames, path, arena, robot, LookConfig(name="made"), response)
+        return CameraCase("made", frames, path, arena, robot, LookConfig(name="made"), response)
 
     return made

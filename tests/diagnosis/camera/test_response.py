@@ -1,4 +1,4 @@
-"""The response undone, against the one that makes the pictures."""
+"""The response undone, against the one that makes the images."""
 
 import numpy as np
 import pytest

@@ -8,14 +8,14 @@ import yaml
 
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
-from diagnosis.measured.channel import Quality, Role
-from diagnosis.measured.measurement import Kind
+from diagnosis.measured.channel import Role, SampleQuality
+from diagnosis.measured.measurement import CaseKind
 from diagnosis.measured.overview import overview
 from diagnosis.measured.write_case import csv_of, write_case
 from symolo.core.errors import InputError
 
 KINDS = ("motor_steady", "motor_step", "tof_bench", "drive_log")
-GOOD, MISSING, NO_TARGET = Quality.GOOD, Quality.MISSING, Quality.NO_TARGET
+GOOD, MISSING, NO_TARGET = SampleQuality.GOOD, SampleQuality.MISSING, SampleQuality.NO_TARGET
 
 
 def read(path):
@@ -33,7 +33,7 @@ def refusal(path):
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_case_is_recognised_by_its_nominal_file(case, kind):
     found = read(case(kind))
-    assert (found.kind, found.name) == (Kind(kind), kind)
+    assert (found.kind, found.name) == (CaseKind(kind), kind)
     assert found.nominal.kind == kind
 
 
@@ -365,14 +365,14 @@ def test_a_heading_that_wraps_is_refused_at_its_row(case, text):
 @pytest.mark.parametrize("spelling", ["'kind': motor_step", "kind : motor_step", '"kind": "motor_step"'])
 def test_any_spelling_of_the_kind_that_is_yaml_is_known(case, spelling):
     nominal = (case("motor_step") / "nominal.yaml").read_text().replace("kind: motor_step", spelling)
-    assert read(case("motor_step", nominal=nominal)).kind is Kind.MOTOR_STEP
+    assert read(case("motor_step", nominal=nominal)).kind is CaseKind.MOTOR_STEP
 
 
 def test_a_nominal_file_in_flow_style_is_known(case):
     nominal = yaml.safe_load((case("motor_step") / "nominal.yaml").read_text())
     flow = yaml.safe_dump(nominal, default_flow_style=True, width=10_000)
     assert flow.startswith("{")
-    assert read(case("motor_step", nominal=flow)).kind is Kind.MOTOR_STEP
+    assert read(case("motor_step", nominal=flow)).kind is CaseKind.MOTOR_STEP
 
 
 def test_digits_beyond_the_usual_ones_come_back_from_what_was_written(case, text, tmp_path):

@@ -14,7 +14,7 @@ from configs.loader import load_section
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.blind import read_blind
 from diagnosis.importers.choose import read_measurement
-from diagnosis.measured.measurement import Kind
+from diagnosis.measured.measurement import CaseKind
 from diagnosis.measured.noise import noise_of_residuals
 from diagnosis.measured.screening import noise_of, spikes
 from diagnosis.measured.write_case import csv_of, write_case
@@ -91,7 +91,7 @@ def test_what_the_nominal_motor_leaves_has_the_stated_noise():
     "path", sorted(EXAMPLES.glob("*/blind_*.csv")), ids=lambda path: f"{path.parent.name}-{path.stem}"
 )
 def test_the_unseen_runs_of_an_example_are_read_whole(path):
-    kind = Kind(path.parent.name.rpartition("_")[0])
+    kind = CaseKind(path.parent.name.rpartition("_")[0])
     found = read_blind(path.parent, kind)[path.name]
     assert found.rows == found.heldout_rows == len(path.read_text().splitlines()) - 1
 

@@ -5,7 +5,7 @@ import pytest
 
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.holdout import hold_out, of_part
-from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from symolo.core.errors import InputError
 from symolo.core.time_series import TimeSeries
 
@@ -24,7 +24,7 @@ def drives():
         )
         for name, part in (("square/1", "left wheel"), ("square/2", "right wheel"), ("circular/1", "left wheel"))
     )
-    return Measurement("drives", Kind.DRIVE_LOG, Source("test", ("drives.csv",)), trials)
+    return Measurement("drives", CaseKind.DRIVE_LOG, MeasurementSource("test", ("drives.csv",)), trials)
 
 
 def held(measurement):

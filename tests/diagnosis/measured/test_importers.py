@@ -9,8 +9,8 @@ import pytest
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
 from diagnosis.importers.robotino import FORMS
-from diagnosis.measured.channel import Quality
-from diagnosis.measured.measurement import Kind
+from diagnosis.measured.channel import SampleQuality
+from diagnosis.measured.measurement import CaseKind
 from diagnosis.measured.overview import overview
 from symolo.core.errors import InputError
 
@@ -40,7 +40,7 @@ def session(tmp_path):
 def test_counts_of_optiodom_add_up_and_belong_to_their_side(session):
     found = read(session)
     assert (found.kind, [trial.name for trial in found.trials]) == (
-        Kind.DRIVE_LOG,
+        CaseKind.DRIVE_LOG,
         ["circular/250620202104_run-01", "circular/250620202104_run-02"],
     )
     first, second = found.trials
@@ -119,7 +119,7 @@ def test_speeds_said_again_and_again_are_stale_in_later_sets_alone(tmp_path):
         path = tmp_path / f"wheelSpeedCalibration{number}.csv"
         path.write_text(STEADY + "\n".join(rows) + "\n")
         left, _ = read(path).trials
-        np.testing.assert_array_equal(left["omega_rad_s"].quality == Quality.STALE, stale)
+        np.testing.assert_array_equal(left["omega_rad_s"].quality == SampleQuality.STALE, stale)
         assert left.t_s[-1] == 7.0
 
 

@@ -16,8 +16,8 @@ from diagnosis.importers.choose import read_measurement
 from diagnosis.importers.optiodom import ENCODER_TICKS_PER_REVOLUTION, TRACK_M, WHEEL_DIAMETER_M
 from diagnosis.inference.evidence.whole_runs import WholeRuns, fitted_to_whole_runs
 from diagnosis.inference.hypothesis import Hypothesis
-from diagnosis.measured.channel import Quality
-from diagnosis.measured.measurement import Kind
+from diagnosis.measured.channel import SampleQuality
+from diagnosis.measured.measurement import CaseKind
 from diagnosis.measured.noise import noise_of_differences
 from diagnosis.measured.screening import usable
 from diagnosis.nominal_robot import nominal_robot
@@ -105,7 +105,7 @@ def test_a_set_is_read_with_the_runs_held_out_that_are_asked_for(recordings):
 def test_stale_speeds_of_the_micromouse_are_marked(recordings):
     """By its description those below 15 rpm or so are stale; -24.10 rpm stands in 12 rows of the left wheel."""
     left, _ = read(recordings / "opatiny_micromouse" / "wheelSpeedCalibration5.csv").trials
-    stale = left["omega_rad_s"].quality == Quality.STALE
+    stale = left["omega_rad_s"].quality == SampleQuality.STALE
     text = (recordings / "opatiny_micromouse" / "wheelSpeedCalibration5.csv").read_text()
     assert np.count_nonzero(stale) >= text.count(" -24.10,") - 1 > 5
     assert np.abs(left["omega_rad_s"].values[stale]).max() < 30 * np.pi / 30
@@ -140,7 +140,7 @@ def test_the_record_of_a_sensor_at_rest_has_its_noise(recordings):
     found = read(recordings / "tof_vl53l0x_static" / "static_tof_dist_data_1_h.csv")
     (trial,) = found.trials
     noise = noise_of_differences(usable(trial["reading_m"])[:20_000])
-    assert found.kind is Kind.OTHER
+    assert found.kind is CaseKind.OTHER
     assert noise.sd == pytest.approx(2.1e-3, rel=0.15)
 
 

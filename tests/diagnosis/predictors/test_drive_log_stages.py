@@ -9,7 +9,7 @@ from configs.draw import draw_robot
 from configs.effects.registry import effect_classes
 from configs.loader import load_section
 from diagnosis.measured.channel import Channel, Role
-from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.nominal import NominalDrive
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
@@ -103,7 +103,9 @@ def trial(name, begins_s=0.0, rows=None, **columns):
 
 
 def stages(robot, *trials, nominal=NOMINAL):
-    found = STAGES[Kind.DRIVE_LOG](Measurement("m", Kind.DRIVE_LOG, Source("here", ()), trials, nominal), robot)
+    found = STAGES[CaseKind.DRIVE_LOG](
+        Measurement("m", CaseKind.DRIVE_LOG, MeasurementSource("here", ()), trials, nominal), robot
+    )
     return {stage.name: stage for stage in found}
 
 

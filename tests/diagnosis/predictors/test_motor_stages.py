@@ -11,7 +11,7 @@ from configs.effects.base import Setup
 from configs.effects.registry import effect_classes
 from configs.loader import load_section
 from diagnosis.measured.channel import Channel, Role
-from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.nominal import NominalSteady, NominalStep
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
@@ -74,7 +74,7 @@ def trial(name, t_s, voltage, begins_s=0.0, *, is_timed=True):
 
 
 def bound(kind, robot, *trials, nominal=None):
-    (stage,) = STAGES[kind](Measurement("case", kind, Source("made here", ()), trials, nominal), robot)
+    (stage,) = STAGES[kind](Measurement("case", kind, MeasurementSource("made here", ()), trials, nominal), robot)
     return stage
 
 
@@ -91,7 +91,7 @@ def predict(kind, robot, *trials, nominal=None):
 def test_a_settled_motor_balances_its_torques(carrier):
     case = {"kind": "motor_steady", "motor": STEADY_MOTOR, "noise": {"current_A": 0.001, "omega_rad_s": 0.04}}
     robot = nominal_robot(NominalSteady.model_validate(case), carrier)
-    (found,) = predict(Kind.MOTOR_STEADY, robot, trial("1", range(5), [0.0, 0.19, 2.0, -5.0, math.nan]))
+    (found,) = predict(CaseKind.MOTOR_STEADY, robot, trial("1", range(5), [0.0, 0.19, 2.0, -5.0, math.nan]))
     speed = [0.0, 0.0, (K * 2.0 / R - TC) / DAMPING, -(K * 5.0 / R - TC) / DAMPING, math.nan]
     current = [(u - K * w) / R for u, w in zip((0.0, 0.19, 2.0, -5.0, math.nan), speed, strict=True)]
     np.testing.assert_allclose(found["omega_rad_s"], speed, rtol=1e-9)
@@ -102,20 +102,20 @@ def test_a_bench_without_any_voltage_is_refused_with_what_to_log(carrier):
     with pytest.raises(
         InputError, match=r"case: no row has a voltage at the motor.*the battery's voltage and the duty"
     ):
-        bound(Kind.MOTOR_STEADY, carrier, trial("1", range(3), [math.nan] * 3))
+        bound(CaseKind.MOTOR_STEADY, carrier, trial("1", range(3), [math.nan] * 3))
 
 
 def test_a_sweep_taken_later_has_a_warmer_gear(robot):
     """Friction is 1.5 times its value when switched on and has fallen to 1.5/e above it after 100 s."""
     warm = robot.with_effect(FrictionWarmup(amplitude=0.5, time_constant_s=100.0))
-    first, second = predict(Kind.MOTOR_STEADY, warm, trial("1", [0.0], [2.0]), trial("2", [100.0], [2.0]))
+    first, second = predict(CaseKind.MOTOR_STEADY, warm, trial("1", [0.0], [2.0]), trial("2", [100.0], [2.0]))
     for found, share in ((first, 1.5), (second, 1 + 0.5 / math.e)):
         assert found["omega_rad_s"][0] == pytest.approx((K * 2.0 / R - share * TC) / DAMPING)
 
 
 def test_a_step_from_rest_is_an_exponential(robot):
     t = 0.005 * np.arange(1, 101)
-    (found,) = predict(Kind.MOTOR_STEP, robot, trial("1", t, np.full(100, 3.0)))
+    (found,) = predict(CaseKind.MOTOR_STEP, robot, trial("1", t, np.full(100, 3.0)))
     settled = (K * 3.0 / R - TC) / DAMPING
     np.testing.assert_allclose(found["omega_rad_s"], settled * (1 - np.exp(-t / TAU_S)), rtol=1e-6)
     np.testing.assert_allclose(found["current_A"], (3.0 - K * found["omega_rad_s"]) / R, rtol=1e-6)
@@ -125,7 +125,7 @@ def test_rows_that_a_log_lacks_do_not_move_the_others(robot):
     t, voltage = 0.005 * np.arange(1, 101), np.repeat([0.0, 4.0, -2.0, 0.0], 25)
     kept = np.ones(100, dtype=bool)
     kept[[7, 8, 40, 99]] = False
-    whole, gappy = predict(Kind.MOTOR_STEP, robot, trial("1", t, voltage), trial("2", t[kept], voltage[kept], 0.5))
+    whole, gappy = predict(CaseKind.MOTOR_STEP, robot, trial("1", t, voltage), trial("2", t[kept], voltage[kept], 0.5))
     np.testing.assert_array_equal(gappy["omega_rad_s"], whole["omega_rad_s"][kept])
 
 
@@ -133,7 +133,7 @@ def test_a_missing_voltage_is_the_one_before(robot):
     t = 0.005 * np.arange(1, 41)
     holed = np.full(40, 3.0)
     holed[10:12] = math.nan
-    whole, patched = predict(Kind.MOTOR_STEP, robot, trial("1", t, np.full(40, 3.0)), trial("2", t, holed))
+    whole, patched = predict(CaseKind.MOTOR_STEP, robot, trial("1", t, np.full(40, 3.0)), trial("2", t, holed))
     np.testing.assert_array_equal(patched["omega_rad_s"], whole["omega_rad_s"])
 
 
@@ -151,7 +151,7 @@ def test_rounded_times_do_not_drift(robot, rate_hz, decimals, states_rate):
     noise = {"current_A": 0.01, "omega_rad_s": 0.1, "lag1_correlation": 0.3}
     case = {"kind": "motor_step", "motor": MOTOR, "sample_rate_Hz": rate_hz, "noise": noise}
     nominal = NominalStep.model_validate(case) if states_rate else None
-    (found,) = predict(Kind.MOTOR_STEP, robot, log, nominal=nominal)
+    (found,) = predict(CaseKind.MOTOR_STEP, robot, log, nominal=nominal)
     np.testing.assert_allclose(found["omega_rad_s"], expected, atol=1e-5 if states_rate else 5e-3)
 
 
@@ -161,14 +161,14 @@ def test_a_log_whose_clock_is_not_the_stated_one_keeps_its_own(robot):
     noise = {"current_A": 0.01, "omega_rad_s": 0.1, "lag1_correlation": 0.3}
     case = {"kind": "motor_step", "motor": MOTOR, "sample_rate_Hz": 200, "noise": noise}
     log = trial("1", t, np.full(398, 3.0))
-    (found,) = predict(Kind.MOTOR_STEP, robot, log, nominal=NominalStep.model_validate(case))
+    (found,) = predict(CaseKind.MOTOR_STEP, robot, log, nominal=NominalStep.model_validate(case))
     settled = (K * 3.0 / R - TC) / DAMPING
     np.testing.assert_allclose(found["omega_rad_s"], settled * (1 - np.exp(-t / TAU_S)), rtol=1e-6)
 
 
 def test_a_row_at_time_0_is_the_state_at_rest(robot):
     t = 0.005 * np.arange(0, 101)
-    (found,) = predict(Kind.MOTOR_STEP, robot, trial("1", t, np.full(101, 3.0)))
+    (found,) = predict(CaseKind.MOTOR_STEP, robot, trial("1", t, np.full(101, 3.0)))
     settled = (K * 3.0 / R - TC) / DAMPING
     np.testing.assert_allclose(found["omega_rad_s"], settled * (1 - np.exp(-t / TAU_S)), rtol=1e-6)
     assert found["current_A"][0] == 0.0
@@ -178,7 +178,7 @@ def test_two_rows_at_one_sample_are_refused_by_their_times(robot):
     t = 0.005 * np.arange(1, 41)
     t[20] = t[19] + 0.001
     with pytest.raises(InputError, match=r"column t_s: 0\.1 and 0\.101 of trial 1.*same sample.*keep one"):
-        predict(Kind.MOTOR_STEP, robot, trial("1", t, np.full(40, 3.0)))
+        predict(CaseKind.MOTOR_STEP, robot, trial("1", t, np.full(40, 3.0)))
 
 
 def mixed_robots(robot):
@@ -191,7 +191,7 @@ def mixed_robots(robot):
     return found
 
 
-@pytest.mark.parametrize("kind", [Kind.MOTOR_STEADY, Kind.MOTOR_STEP])
+@pytest.mark.parametrize("kind", [CaseKind.MOTOR_STEADY, CaseKind.MOTOR_STEP])
 def test_many_robots_at_once_are_each_of_them_alone(robot, kind):
     t = 0.005 * np.arange(1, 61)
     logs = trial("1", t, np.repeat([0.0, 4.0, -2.0], 20)), trial("2", t, np.repeat([3.0, 0.0, 1.0], 20), 30.0)
@@ -202,7 +202,7 @@ def test_many_robots_at_once_are_each_of_them_alone(robot, kind):
             np.testing.assert_allclose(many.mean[k], alone.mean[0], rtol=1e-9, atol=1e-9, err_msg=str(one.effects))
 
 
-@pytest.mark.parametrize("kind", [Kind.MOTOR_STEADY, Kind.MOTOR_STEP])
+@pytest.mark.parametrize("kind", [CaseKind.MOTOR_STEADY, CaseKind.MOTOR_STEP])
 def test_robots_that_only_read_differently_move_as_one(robot, kind):
     t = 0.005 * np.arange(1, 61)
     logs = trial("1", t, np.full(60, 4.0)), trial("2", t, np.full(60, -3.0), 30.0)
@@ -225,7 +225,7 @@ def central_slopes(stage, robots_of, value, step):
 def test_a_delay_is_a_smooth_parameter_with_the_slope_of_the_exponential(robot, delay_s):
     """The speed is w(t - d), whose derivative by d is minus the acceleration."""
     t = 0.005 * np.arange(1, 61)
-    stage = bound(Kind.MOTOR_STEP, robot, trial("1", t, np.full(60, 3.0)))
+    stage = bound(CaseKind.MOTOR_STEP, robot, trial("1", t, np.full(60, 3.0)))
     settled = (K * 3.0 / R - TC) / DAMPING
     later = t > delay_s + 0.001
     expected = -settled / TAU_S * np.exp(-(t - delay_s) / TAU_S)
@@ -235,7 +235,7 @@ def test_a_delay_is_a_smooth_parameter_with_the_slope_of_the_exponential(robot, 
 
 def test_a_late_speed_log_is_interpolated_along_the_samples(robot):
     t = 0.005 * np.arange(1, 61)
-    stage = bound(Kind.MOTOR_STEP, robot, trial("1", t, np.full(60, 3.0)))
+    stage = bound(CaseKind.MOTOR_STEP, robot, trial("1", t, np.full(60, 3.0)))
     settled = (K * 3.0 / R - TC) / DAMPING
     (_, speed) = stage.predict([robot.with_effect(SpeedTimeOffset(delay_s=0.0083))])
     found = np.interp(t - 0.0083, np.append(0.0, t), settled * (1 - np.exp(-np.append(0.0, t) / TAU_S)))
@@ -248,15 +248,17 @@ def test_a_late_speed_log_is_interpolated_along_the_samples(robot):
 def test_rows_of_5_ms_come_to_the_same_as_much_shorter_ones(robot, effect):
     """Through a start, a stop and a reversal, within a tenth of the noise."""
     changed, voltage = robot.with_effect(effect), np.repeat([0.5, 4.0, 0.0, -3.0, 2.0], 30)
-    (long,) = predict(Kind.MOTOR_STEP, changed, trial("1", 0.005 * np.arange(1, 151), voltage))
-    (short,) = predict(Kind.MOTOR_STEP, changed, trial("1", 0.0005 * np.arange(1, 1501), np.repeat(voltage, 10)))
+    (long,) = predict(CaseKind.MOTOR_STEP, changed, trial("1", 0.005 * np.arange(1, 151), voltage))
+    (short,) = predict(CaseKind.MOTOR_STEP, changed, trial("1", 0.0005 * np.arange(1, 1501), np.repeat(voltage, 10)))
     np.testing.assert_allclose(long["omega_rad_s"], short["omega_rad_s"][9::10], atol=0.01)
 
 
 def test_the_load_lets_a_gearbox_with_play_catch_up(robot):
     """Two masses and a gap by the definition, in explicit steps of 10 microseconds: run-up, brake, reversal."""
     gap, voltage = 0.06, np.repeat([4.0, 0.0, -3.0], 24)
-    (found,) = predict(Kind.MOTOR_STEP, robot.with_effect(GearBacklash(gap_rad=gap)), trial("1", ROWS_S[:72], voltage))
+    (found,) = predict(
+        CaseKind.MOTOR_STEP, robot.with_effect(GearBacklash(gap_rad=gap)), trial("1", ROWS_S[:72], voltage)
+    )
     h, side_j, side_f = 1e-5, (0.6 * J, 0.4 * J), 0.5
     motor = load = slack = 0.0
     expected = []
@@ -279,7 +281,7 @@ def test_the_load_lets_a_gearbox_with_play_catch_up(robot):
     np.testing.assert_allclose(found["omega_rad_s"], expected, atol=0.02)
 
 
-@pytest.mark.parametrize("kind", [Kind.MOTOR_STEADY, Kind.MOTOR_STEP])
+@pytest.mark.parametrize("kind", [CaseKind.MOTOR_STEADY, CaseKind.MOTOR_STEP])
 def test_robots_of_different_effects_in_one_pass_are_each_as_alone(robot, kind):
     effects = [
         *(effect.start() for effect in effect_classes() if Setup.MOTOR_BENCH in effect.setups),
@@ -287,7 +289,7 @@ def test_robots_of_different_effects_in_one_pass_are_each_as_alone(robot, kind):
     ]
     robots = [robot, *(robot.with_effect(values) for values in effects)]
     t, voltage = 0.005 * np.arange(1, 121), np.repeat([0.0, 4.0, -3.0, 0.3, 0.0, 6.0], 20)
-    measurement = Measurement("m", kind, Source("made here", ()), (trial("1", t, voltage),))
+    measurement = Measurement("m", kind, MeasurementSource("made here", ()), (trial("1", t, voltage),))
     readings = tuple(
         Channel.logged(TimeSeries(name, unit, t, np.zeros(120)), Role.READING)
         for name, unit in (("current_A", "A"), ("omega_rad_s", "rad/s"))

@@ -9,7 +9,7 @@ from configs.draw import draw_robot
 from configs.effects.registry import effect_classes
 from configs.loader import load_section
 from diagnosis.measured.channel import Channel, Label, Role
-from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.nominal import NominalTof
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
@@ -69,7 +69,9 @@ def stage(robot):
         for name, values in COLUMNS.items()
     )
     trial = Trial("1", T_S, np.zeros(5, dtype=bool), channels, (Label("material", MATERIALS),), begins_s=100.0)
-    (bound,) = STAGES[Kind.TOF_BENCH](Measurement("m", Kind.TOF_BENCH, Source("here", ()), (trial,), NOMINAL), robot)
+    (bound,) = STAGES[CaseKind.TOF_BENCH](
+        Measurement("m", CaseKind.TOF_BENCH, MeasurementSource("here", ()), (trial,), NOMINAL), robot
+    )
     return bound
 
 

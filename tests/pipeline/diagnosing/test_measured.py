@@ -10,8 +10,8 @@ import pytest
 from configs.draw import draw_robot
 from configs.loader import load_section
 from diagnosis.importers.choose import read_measurement
-from diagnosis.measured.channel import Quality
-from diagnosis.measured.measurement import Kind
+from diagnosis.measured.channel import SampleQuality
+from diagnosis.measured.measurement import CaseKind
 from diagnosis.predictors import STAGES
 from pipeline.diagnosing.importers import IMPORTERS
 from pipeline.diagnosing.importers.data_csv import no_target_code_m
@@ -38,7 +38,7 @@ def test_a_run_of_our_own_is_read_with_voltages_and_counts(dataset):
     np.testing.assert_array_equal(trial["x_m"].values, rows.pose[:, 0])
     np.testing.assert_array_equal(trial["u_left_V"].values, [*wheels["mean_voltage_l"][1:], np.nan])
     np.testing.assert_array_equal(trial["enc_right_ticks"].values, wheels["counts_r"])
-    no_target = trial["tof_left_m"].quality == Quality.NO_TARGET
+    no_target = trial["tof_left_m"].quality == SampleQuality.NO_TARGET
     np.testing.assert_array_equal(no_target, rows.tof_m[:, 1] == 2.0)
     assert no_target.any()
     assert {channel.clock for channel in trial.channels} == {"log"}
@@ -47,7 +47,7 @@ def test_a_run_of_our_own_is_read_with_voltages_and_counts(dataset):
 def test_the_stages_predict_runs_of_our_own_from_mean_voltages_and_counts(dataset):
     """To the rounding of counts: a count in a row is 2 pi / 3840 / 0.05 s = 0.033 rad/s, and 0.05 mm of way."""
     robot = draw_robot(load_section("robot", "nominal"), 1, "test")[0]
-    wheels, pose = STAGES[Kind.DRIVE_LOG](read(dataset), robot)
+    wheels, pose = STAGES[CaseKind.DRIVE_LOG](read(dataset), robot)
     for of, predicted in zip(wheels.observed, wheels.predict([robot]), strict=True):
         off = np.abs(of.values - predicted.mean[0])[of.usable]
         assert len(off) == 40

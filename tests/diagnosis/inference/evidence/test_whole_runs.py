@@ -7,7 +7,7 @@ from configs.effects.registry import effect_classes
 from diagnosis.inference.evidence.whole_runs import MIN_RUNS, WholeRuns, fitted_to_whole_runs
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, deviated
 from diagnosis.measured.channel import Channel, Role
-from diagnosis.measured.measurement import Kind, Measurement, Source, Trial
+from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.nominal_robot import nominal_robot
 from diagnosis.nuisances import nuisances
 from diagnosis.usual_tolerances import usual_wheels
@@ -49,7 +49,7 @@ def driven(seed, *, left_m=0.0400, right_m=0.0402, track_m=0.2024, start_noise_r
 
 def measured(runs=8, **wheels):
     trials = tuple(driven(seed, **wheels) for seed in range(runs))
-    return Measurement("made", Kind.DRIVE_LOG, Source("test", ()), trials, NOMINAL)
+    return Measurement("made", CaseKind.DRIVE_LOG, MeasurementSource("test", ()), trials, NOMINAL)
 
 
 @pytest.fixture

@@ -1,8 +1,8 @@
-"""Is what was hidden in rendered pictures found again?
+"""Is what was hidden in rendered images found again?
 
-python benchmarks/diagnosis/pictures.py RUN FOLDER [--workers 2]
+python benchmarks/diagnosis/images.py RUN FOLDER [--workers 2]
 
-RUN is a run of a dataset with its pictures, such as smoke/CW/test_1. Renders it again with other stains and other
+RUN is a run of a dataset with its images, such as smoke/CW/test_1. Renders it again with other stains and other
 noise, once as it is and then with one thing changed each time, into FOLDER, and diagnoses each against RUN.
 """
 
@@ -13,8 +13,8 @@ import sys
 from pathlib import Path
 
 from diagnosis.camera.case import PoseErrors
-from diagnosis.camera.diagnose import diagnose_pictures
-from pipeline.diagnosing.camera_case import read_picture_case
+from diagnosis.camera.diagnose import diagnose_camera
+from pipeline.diagnosing.camera_case import read_camera_case
 
 HIDDEN = {
     "none": {},
@@ -39,7 +39,7 @@ OTHER_SEED = 7
 
 
 def rendered(run: Path, name: str, folder: Path, quality: str, workers: int) -> Path:
-    """The run's pictures with something changed."""
+    """The run's images with something changed."""
     out = folder / name.replace(" ", "_")
     spec = json.loads((run / "side" / "spec.json").read_text())
     for path, added in HIDDEN[name].items():
@@ -67,7 +67,7 @@ def main() -> None:
     asked = parser.parse_args()
     for name, expected in TRUE.items():
         out = rendered(asked.run, name, asked.folder, asked.quality, asked.workers)
-        answer = diagnose_pictures(read_picture_case(out, asked.run, PoseErrors())).answer()
+        answer = diagnose_camera(read_camera_case(out, asked.run, PoseErrors())).answer()
         found = {effect["name"] for effect in answer["effects"]}
         told = ", ".join(
             f"{e['name']} {e['value']:.4g} +- {e['std']:.2g} {e['ambiguous_with']}" for e in answer["effects"]

@@ -1,4 +1,4 @@
-"""PNG and JPEG pictures: whole, of a size that can be held, as 8-bit sRGB the right way up."""
+"""PNG and JPEG images: complete, of limited size, as 8-bit sRGB in their EXIF orientation."""
 
 import struct
 import zlib
@@ -11,13 +11,13 @@ from configs.assets.quiet import decoded
 
 MAX_BYTES = 64 << 20
 MAX_PIXELS = 64_000_000
-LONGEST_SIDE_PX = 4096
-"""A longer picture is averaged down to it: a pixel of the floor is seldom seen finer than a quarter of a millimetre."""
+MAX_SIDE_PX = 4096
+"""Longest side after averaging down; cameras seldom resolve the floor finer than a quarter of a millimetre."""
 
 _PNG = b"\x89PNG\r\n\x1a\n"
 _JPEG = b"\xff\xd8\xff"
 _SIZES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
-"""JPEG markers of frames, which hold the picture's size (ITU-T T.81, table B.1)."""
+"""JPEG markers of frames, which contain the image's size (ITU-T T.81, table B.1)."""
 
 Bytes = NDArray[np.uint8]
 
@@ -26,13 +26,13 @@ LINEAR = np.where(_s <= 0.04045, _s / 12.92, ((_s + 0.055) / 1.055) ** 2.4)
 """(256,), linear value of each sRGB component (IEC 61966-2-1)."""
 
 
-def read_picture(data: bytes) -> Bytes:
-    """What `whole_picture` reads, averaged down to `LONGEST_SIDE_PX`."""
-    return averaged_down(whole_picture(data))
+def read_image(data: bytes) -> Bytes:
+    """Return the image of a file, averaged down to `MAX_SIDE_PX`."""
+    return averaged_down(whole_image(data))
 
 
-def whole_picture(data: bytes) -> Bytes:
-    """(H, W, 3) sRGB of a file's bytes, first row at the top, as its EXIF orientation says; opacity is not read.
+def whole_image(data: bytes) -> Bytes:
+    """Return the image (H, W, 3), sRGB, of a file's bytes in its EXIF orientation, first row at the top; no opacity.
 
     Raises:
         ValueError: Neither PNG nor JPEG, too large, cut short or damaged.
@@ -42,32 +42,32 @@ def whole_picture(data: bytes) -> Bytes:
     elif data.startswith(_JPEG):
         width, height = _jpeg_size(data)
     else:
-        raise ValueError("is neither a PNG nor a JPEG picture")
+        raise ValueError("is neither a PNG nor a JPEG image")
     if width * height == 0:
-        raise ValueError("holds no pixel")
+        raise ValueError("contains no pixel")
     if width * height > MAX_PIXELS:
         raise ValueError(f"has {width} x {height} pixels; at most {MAX_PIXELS // 1_000_000} million can be read")
-    found = decoded(data, cv2.IMREAD_COLOR, (width, height), is_strict=data.startswith(_JPEG))
-    return np.asarray(found[..., ::-1], np.uint8)
+    image = decoded(data, cv2.IMREAD_COLOR, (width, height), is_strict=data.startswith(_JPEG))
+    return np.asarray(image[..., ::-1], np.uint8)
 
 
-def averaged_down(picture: Bytes) -> Bytes:
-    shrunk = LONGEST_SIDE_PX / max(picture.shape[:2])
+def averaged_down(image: Bytes) -> Bytes:
+    shrunk = MAX_SIDE_PX / max(image.shape[:2])
     if shrunk < 1:
-        size = [max(1, round(side * shrunk)) for side in picture.shape[1::-1]]
-        return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
-    return np.ascontiguousarray(picture)
+        size = [max(1, round(side * shrunk)) for side in image.shape[1::-1]]
+        return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), np.uint8)
+    return np.ascontiguousarray(image)
 
 
-def mean_of(picture: Bytes) -> tuple[float, float, float]:
-    """Mean linear colour of (H, W, 3) sRGB, white 1."""
-    counts = (np.bincount(picture[..., channel].ravel(), minlength=256) for channel in range(3))
-    red, green, blue = (float(count @ LINEAR) / picture[..., 0].size for count in counts)
+def mean_of(image: Bytes) -> tuple[float, float, float]:
+    """Return the mean linear colour of an sRGB image (H, W, 3); white is 1."""
+    counts = (np.bincount(image[..., channel].ravel(), minlength=256) for channel in range(3))
+    red, green, blue = (float(count @ LINEAR) / image[..., 0].size for count in counts)
     return red, green, blue
 
 
 def _png_size(data: bytes) -> tuple[int, int]:
-    """Width and height, once every chunk is there and its checksum holds (PNG specification, 5.3 and 5.6)."""
+    """Return width and height after a check of all chunks and their checksums (PNG specification, 5.3 and 5.6)."""
     at, size = len(_PNG), (0, 0)
     while at + 12 <= len(data):
         length, kind = struct.unpack_from(">I4s", data, at)
@@ -87,7 +87,7 @@ def _png_size(data: bytes) -> tuple[int, int]:
 
 
 def _jpeg_size(data: bytes) -> tuple[int, int]:
-    """Width and height, once the end of the picture is there (ITU-T T.81, annex B)."""
+    """Return width and height after a check that the image has an end (ITU-T T.81, annex B)."""
     at, size = 2, None
     while at + 2 <= len(data):
         marker = data[at + 1]
@@ -107,13 +107,13 @@ def _jpeg_size(data: bytes) -> tuple[int, int]:
             height, width = struct.unpack_from(">HH", data, at + 5)
             size = width, height
         at += 2 + length
-        if marker == 0xDA:  # the scan's own data follow, without a length
+        if marker == 0xDA:  # the data of the scan follow, without a length
             at = _end_of_scan(data, at)
     raise ValueError("is cut short: the JPEG has no end")
 
 
 def _end_of_scan(data: bytes, at: int) -> int:
-    """Where the next marker stands that is neither a stuffed byte nor a restart."""
+    """Return the place of the next marker that is neither a stuffed byte nor a restart."""
     while 0 <= (at := data.find(b"\xff", at)) < len(data) - 1:
         if data[at + 1] not in {0x00, 0xFF, *range(0xD0, 0xD8)}:
             return at

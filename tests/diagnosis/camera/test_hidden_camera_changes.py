@@ -1,4 +1,4 @@
-"""What is hidden in pictures of an independent generator is found again; `benchmarks/diagnosis/pictures.py` renders."""
+"""What is hidden in images of an independent generator is found again; `benchmarks/diagnosis/images.py` renders."""
 
 import json
 from xml.etree import ElementTree as ET
@@ -8,7 +8,7 @@ import yaml
 
 from configs.draw import draw_look, draw_robot
 from configs.loader import load_section
-from diagnosis.camera.diagnose import diagnose_pictures
+from diagnosis.camera.diagnose import diagnose_camera
 from diagnosis.camera.files import files
 from symolo.core.errors import InputError
 
@@ -23,13 +23,13 @@ def near(effect, true):
 
 @pytest.fixture(scope="module")
 def as_simulated(make_case):
-    return diagnose_pictures(make_case(compared=True))
+    return diagnose_camera(make_case(compared=True))
 
 
 @pytest.fixture(scope="module")
 def changed(make_case, generator):
     hidden = generator.Hidden(gain=1.3, blur_px=(0.4**2 + 1.0) ** 0.5)
-    return diagnose_pictures(make_case(generator.Camera(pitch_deg=32.0), hidden, compared=True))
+    return diagnose_camera(make_case(generator.Camera(pitch_deg=32.0), hidden, compared=True))
 
 
 def test_nothing_is_named_where_nothing_is_hidden(as_simulated):
@@ -45,17 +45,17 @@ def test_nothing_is_named_where_nothing_is_hidden(as_simulated):
 )
 def test_a_camera_that_sits_otherwise_is_found(make_case, generator, field, name, size):
     nominal = getattr(generator.Camera(), field)
-    diagnosis = diagnose_pictures(make_case(generator.Camera(**{field: nominal + size})))
+    diagnosis = diagnose_camera(make_case(generator.Camera(**{field: nominal + size})))
     found = effects(diagnosis)
     assert found.keys() == {name}
-    assert "no simulated pictures" in diagnosis.answer()["not_looked_at"][0]
+    assert "no simulated images" in diagnosis.answer()["not_measured"][0]
     assert near(found[name], size)
 
 
 @pytest.mark.parametrize("scale", [0.95])
 def test_another_focal_length_is_found(make_case, generator, scale):
     lens = generator.Lens(focal_px_per_width=scale * 30 / 42.33)
-    found = effects(diagnose_pictures(make_case(generator.Camera(lens=lens))))
+    found = effects(diagnose_camera(make_case(generator.Camera(lens=lens))))
     assert found.keys() == {"focal_length_scale"}
     assert near(found["focal_length_scale"], scale)
 
@@ -90,5 +90,5 @@ def test_the_files_say_it_and_are_a_robot_and_a_look(changed, tmp_path):
 
 def test_pictures_that_show_no_line_are_refused_with_one_line(make_case, generator):
     with pytest.raises(InputError, match="edges are found at") as refused:
-        diagnose_pictures(make_case(generator.Camera(pitch_deg=-60.0)))
+        diagnose_camera(make_case(generator.Camera(pitch_deg=-60.0)))
     assert "\n" not in str(refused.value)

@@ -1,4 +1,4 @@
-"""The command `symolo pictures` with input that cannot be used."""
+"""The command `symolo identify-camera` with input that cannot be used."""
 
 import pytest
 
@@ -17,7 +17,7 @@ def run(tmp_path):
 
 
 def refused(capsys, *arguments):
-    assert main(["pictures", *map(str, arguments)]) == 2
+    assert main(["identify-camera", *map(str, arguments)]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     return line
 
@@ -33,6 +33,6 @@ def test_a_run_without_a_nominal_camera_is_refused(run, tmp_path, capsys):
     assert not (tmp_path / "out").exists()
 
 
-def test_a_run_without_pictures_is_refused(run, tmp_path, capsys):
+def test_a_run_without_images_is_refused(run, tmp_path, capsys):
     (run / "images").rmdir()
     assert "images" in refused(capsys, run, "--out", tmp_path / "out")

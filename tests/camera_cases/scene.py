@@ -22,7 +22,7 @@ class Lens:
     k1: float = 0.0
     right: float = 0.0
     down: float = 0.0
-    """Of the optical axis from the middle, in widths of the picture."""
+    """Of the optical axis from the middle, in widths of the image."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Camera:
 
 @dataclass(frozen=True)
 class Hidden:
-    """What the pictures have that is no matter of geometry."""
+    """What the images have that is no matter of geometry."""
 
     gain: float = 1.0
     red: float = 1.0
@@ -125,9 +125,9 @@ def light(camera, pose, size, times=None):
     texture = (
         1 + 0.04 * np.sin(31 * floor_x + 4) * np.sin(27 * floor_y + 1) + 0.02 * np.sin(90 * floor_x + 70 * floor_y)
     )
-    picture = np.where(on[..., None], TAPE, FLOOR * np.where(seen, texture, 1.0)[..., None])
-    picture = np.where(seen[..., None], picture, 0.35)
-    return picture.reshape(height, n, width, n, 3).mean(axis=(1, 3))
+    image = np.where(on[..., None], TAPE, FLOOR * np.where(seen, texture, 1.0)[..., None])
+    image = np.where(seen[..., None], image, 0.35)
+    return image.reshape(height, n, width, n, 3).mean(axis=(1, 3))
 
 
 def to_floor(camera, pose, size, u, v):
@@ -156,7 +156,7 @@ def to_floor(camera, pose, size, u, v):
     return px + c * robot_x - s * robot_y, py + s * robot_x + c * robot_y, seen
 
 
-def picture(camera, t_s, size=(160, 120), hidden=None, seed=0):
+def image(camera, t_s, size=(160, 120), hidden=None, seed=0):
     """(H, W, 3) 8-bit RGB of the camera at a time of the drive."""
     hidden = hidden or Hidden()
     width, height = size
