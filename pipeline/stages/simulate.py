@@ -1,4 +1,4 @@
-"""The closed loop: PyBullet moves the robot, the sensors read, the controller commands, at the control rate."""
+"""The closed loop: at the control rate PyBullet moves the robot, the sensors read and the controller commands."""
 
 import math
 from collections.abc import Callable
@@ -27,12 +27,12 @@ from symolo.dataset.side_tables import BOARD_SERIES
 Progress = Callable[[float, float], None]
 """Called with the simulated time and the time limit [s]."""
 Watch = Callable[[float, ControlInput, Decision], None]
-"""Called at each control tick with the simulated time [s], what the pilot was told and what it decided."""
+"""Called at each control tick with the simulated time [s], the readings for the pilot and its decision."""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """A run as it went; `problems` is empty when it may be released."""
+    """The result of a run; `problems` is empty if it may be released."""
 
     recording: Recording
     finished: bool
@@ -43,13 +43,13 @@ class Outcome:
 def simulate(
     spec: RunSpec, progress: Progress | None = None, pilot: Pilot | None = None, watch: Watch | None = None
 ) -> Outcome:
-    """Drive one run to its end: the lap closed, the time limit, a collision, or no more pilot.
+    """Drive one run to its end: a closed lap, the time limit, a collision, or a failure of the pilot.
 
     Args:
-        spec: What to drive.
-        progress: Told of the time that has passed.
-        pilot: Who drives; the built-in controller by default.
-        watch: Shown every tick.
+        spec: Run specification.
+        progress: Called with the time that has passed.
+        pilot: The pilot that drives; by default the built-in controller.
+        watch: Called at every control tick.
     """
     arena = Arena.from_config(spec.arena)
     start = (spec.start.x_m, spec.start.y_m, math.radians(spec.start.yaw_deg))
@@ -59,7 +59,7 @@ def simulate(
 
 @dataclass
 class _Rows:
-    """What is recorded at each control tick, by series name; columns of one row are stacked at the end."""
+    """Recorded values of each control tick by series name; they are stacked at the end."""
 
     units: dict[str, str] = field(default_factory=dict)
     values: dict[str, list[object]] = field(default_factory=dict)
