@@ -26,9 +26,8 @@ from physics.bullet.body import add_robot
 from physics.bullet.world import add_arena, connect
 from physics.drivetrain.motor import MotorModel
 from pipeline.stages.simulate import simulate
-from sensors.base import Sensor, World
+from sensors.base import Reading, Sensor, World
 from sensors.fit_out import fit_out
-from sensors.suite import Reading
 from symolo.arena.geometry import Arena
 
 WHEEL_SPEED_RAD_S = 4.0

@@ -10,9 +10,9 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from configs.effects.base import Effect
-from configs.effects.registry import effect_classes
-from configs.schema.base import FILE_KEY, FIXED_KEY
+from configs.effects.registry import effects_section
+from configs.robot_sensors import sensors_section
+from configs.schema.base import FILE_KEY, FIXED_KEY, Section
 from symolo.core.yaml_tree import FieldPath, Node, merge, node_of
 
 _BOUNDS = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
@@ -28,8 +28,8 @@ class Shape:
 
     @classmethod
     def of(cls, model: type[BaseModel]) -> "Shape":
-        """Return the shape of a model, with the effects that there are now."""
-        return _shape(model, effect_classes())
+        """Return the shape of a model, with the effects and sensors that there are now."""
+        return _shape(model, (effects_section(), sensors_section()))
 
     @property
     def fields(self) -> dict[str, Any]:
@@ -165,8 +165,8 @@ class Shape:
 
 
 @cache
-def _shape(model: type[BaseModel], effects: tuple[type[Effect], ...]) -> Shape:
-    del effects  # the schema contains them, so that one more makes another schema
+def _shape(model: type[BaseModel], sections: tuple[type[Section], ...]) -> Shape:
+    del sections  # the schema contains them, so that one more effect or sensor makes another schema
     schema = model.model_json_schema()
     return Shape(schema, schema.get("$defs", {}))
 

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
+from configs.robot_sensors import KNOWN_ONLY
 from configs.schema_faults import explained
 from configs.shapes import Shape
 from symolo.core.distributions import Choice, Distribution, Uniform, parse
@@ -79,7 +80,7 @@ def probes(placed: Mapping[FieldPath, Placed]) -> Iterator[Values]:
 def validated(root: Node, model: type[Model], values: Values) -> Model:
     """Return the model of a tree with these values in place of its distributions."""
     try:
-        return model.model_validate(filled(root, values))
+        return model.model_validate(filled(root, values), context=KNOWN_ONLY)
     except ValidationError as error:
         raise explained(error, root, Shape.of(model)) from None
 

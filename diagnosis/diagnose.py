@@ -196,7 +196,7 @@ def check_kind(measurement: Measurement) -> None:
     if measurement.kind not in STAGES:
         allowed = ", ".join(STAGES)
         what = f"no stage predicts data of kind {measurement.kind}"
-        cure = "diagnose a bench or a drive; `symolo measured` shows what these data contain"
+        cure = "diagnose a bench or a drive; `symolo inspect` shows what these data contain"
         raise InputError(what, where=_where(measurement), allowed=allowed, cure=cure)
 
 

@@ -1,1 +1,1 @@
-"""The batch: command line, plan, stages, dataset."""
+"""Batch processing: commands, stages, work units, executors, run folders."""

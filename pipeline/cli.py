@@ -6,6 +6,7 @@ import threading
 import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from types import FrameType
 from typing import Annotated
 
@@ -16,7 +17,7 @@ from pipeline.commands.baselines import baselines
 from pipeline.commands.diagnose import diagnose
 from pipeline.commands.export import export
 from pipeline.commands.identify_camera import identify_camera
-from pipeline.commands.measurements import measured
+from pipeline.commands.measurements import inspect
 from pipeline.commands.model import model
 from pipeline.commands.pack import pack
 from pipeline.commands.preview import preview
@@ -26,11 +27,7 @@ from symolo.core.errors import EnvironmentLacking, InputError, RunFailed, one_li
 from symolo.core.extras import EXTRA_OF, extra_is_missing
 from symolo.core.os_errors import lacking
 
-EPILOG = """Exit codes: 0 done; 1 a bug; 2 bad input or usage, nothing written; 3 a run failed, the others are finished;
-4 verify or upload --check found faults, or repair left some; 5 the environment lacks something; 6, 7 compare: equal
-within the tolerance, different; 130 interrupted.
-
-First steps:
+EPILOG = """First steps:
 
 symolo doctor
 
@@ -39,18 +36,23 @@ symolo release smoke --out data
 symolo verify data
 
 symolo rerender data/CW/test_1 --look lab --out lab
+
+Exit codes: 0 success; 1 a bug in symolo; 2 the input or an option is wrong, nothing was written; 3 a run failed, the
+others are finished; 4 a dataset has faults; 5 something is missing on this machine; 6 or 7 (compare) equal within the
+tolerance, or different; 130 interrupted.
 """
 
 
 INTERRUPTED = 130
-AT_ONCE = "interrupted twice, ended at once; run the same command again to continue"
+INTERRUPTED_TWICE = "interrupted twice, stopped at once; run the same command again to continue"
 
 
 def command_line() -> typer.Typer:
-    """All commands, as `--help` lists them."""
+    """Return all commands, grouped as `--help` lists them."""
     app = typer.Typer(
         name="symolo",
-        help="From a YAML scenario to a photorealistic, physically honest dataset of a small educational robot.",
+        help="Make a photorealistic dataset of a small mobile robot from a YAML scenario, check it, and explain how a "
+        "simulated robot differs from a real one. `symolo COMMAND --help` explains a command.",
         epilog=EPILOG,
         no_args_is_help=True,
         add_completion=False,
@@ -73,11 +75,11 @@ def command_line() -> typer.Typer:
         app.command(rich_help_panel="Hardware in the loop")(command)
     looks = checks.verify, checks.compare, checks.contact_sheet, report, baselines, checks.doctor, checks.schema
     for command in looks:
-        app.command(rich_help_panel="Look at data, machine and format")(command)
+        app.command(rich_help_panel="Inspect data and machine")(command)
     for command in (maintenance.status, maintenance.repair, maintenance.bag, export, pack, upload, download):
-        app.command(rich_help_panel="Keep data whole")(command)
-    for command in (measured, diagnose, identify_camera):
-        app.command(rich_help_panel="Understand measured data")(command)
+        app.command(rich_help_panel="Keep, convert and share data")(command)
+    for command in (inspect, diagnose, identify_camera):
+        app.command(rich_help_panel="Explain measured data")(command)
     validation = typer.Typer(no_args_is_help=True)
     for command in validate.COMMANDS:
         validation.command()(command)
@@ -85,8 +87,8 @@ def command_line() -> typer.Typer:
     return app
 
 
-def _print_version(wanted: bool) -> None:  # noqa: FBT001 - what typer calls back with
-    if wanted:
+def _print_version(requested: bool) -> None:  # noqa: FBT001 - what typer calls back with
+    if requested:
         from symolo.core.versions import installed_version  # noqa: PLC0415 - half of the time that --help takes
 
         typer.echo(f"symolo {installed_version('symolo')}")
@@ -98,8 +100,22 @@ def _options(
     version: Annotated[
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
     ] = False,
+    effect_file: Annotated[
+        list[Path] | None,
+        typer.Option(envvar="SYMOLO_EFFECT_FILES", help="Python file with an effect of your own; may be repeated."),
+    ] = None,
+    sensor_file: Annotated[
+        list[Path] | None,
+        typer.Option(envvar="SYMOLO_SENSOR_FILES", help="Python file with a sensor of your own; may be repeated."),
+    ] = None,
 ) -> None:
-    pass
+    del version  # its callback has printed it
+    if effect_file or sensor_file:
+        from pipeline.user_files import EFFECTS, SENSORS  # noqa: PLC0415 - loads NumPy, which --help does not need
+
+        for family, paths in ((EFFECTS, effect_file), (SENSORS, sensor_file)):
+            for path in paths or ():
+                family.load(path)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -122,7 +138,7 @@ def _run(arguments: Sequence[str] | None, interrupted: threading.Event) -> int:
     except (KeyboardInterrupt, typer.Abort):
         return _interrupted()
     except SystemExit:
-        return 0  # typer's answer to a reader of our output that has gone, as in `symolo schema | head`
+        return 0  # typer ends so when the reader of our output is gone, as in `symolo schema | head`
     except Exception as error:  # noqa: BLE001 - the last line of defence gives a bug its exit code
         if interrupted.is_set():
             return _interrupted()
@@ -140,30 +156,29 @@ def _machine_lacks(error: Exception) -> str:
 
 @contextmanager
 def _interrupts_noted() -> Iterator[threading.Event]:
-    """Set the event at a SIGINT or SIGTERM, which interrupts; a second one ends the process at once.
+    """Set the event at a SIGINT or SIGTERM, which raises KeyboardInterrupt; a second one ends the process at once.
 
-    The event, for a library may make another error of a KeyboardInterrupt in its midst.
+    The event is needed because a library may turn a KeyboardInterrupt into another error.
     """
     noted = threading.Event()
 
     def note(_number: int, _frame: FrameType | None) -> None:
         if noted.is_set():
-            # Workers see the pipe close and end themselves; what is on the disk is whole at any instant.
-            os.write(2, f"symolo: {AT_ONCE}\n".encode())
+            # Workers end themselves when their pipe closes; the files on the disk are complete at any moment.
+            os.write(2, f"symolo: {INTERRUPTED_TWICE}\n".encode())
             os._exit(INTERRUPTED)
         noted.set()
         raise KeyboardInterrupt
 
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
-    # Not those that are ignored, as SIGINT is in a background job.
-    heeded = {signal.default_int_handler, signal.SIG_DFL}
-    noticed = [number for number, handler in before.items() if handler in heeded]
-    for number in noticed:
+    # Signals that are ignored, as SIGINT is in a background job, stay ignored.
+    handled = [n for n, handler in before.items() if handler in {signal.default_int_handler, signal.SIG_DFL}]
+    for number in handled:
         signal.signal(number, note)
     try:
         yield noted
     finally:
-        for number in noticed:
+        for number in handled:
             signal.signal(number, before[number])
 
 

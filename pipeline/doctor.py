@@ -1,4 +1,4 @@
-"""`symolo doctor`: whether this machine has what the program needs, and the line that mends what is missing."""
+"""`symolo doctor`: whether this machine has what symolo needs, and how to install what is missing."""
 
 import importlib.util
 import re
@@ -56,7 +56,7 @@ class MachineCheck:
 
 
 def examine(folder: Path) -> Iterator[MachineCheck]:
-    """All checks in turn; `folder` is where the disk space is looked at."""
+    """Yield all checks; `folder` is on the disk whose free space is checked."""
     yield _python()
     locked = locked_versions()
     for package in PACKAGES:
@@ -71,7 +71,7 @@ def examine(folder: Path) -> Iterator[MachineCheck]:
 
 
 def locked_versions() -> dict[str, str]:
-    """Version by package name in lower case; empty where the program is installed without its repository."""
+    """Return the locked versions by package name in lower case; empty for an installation without the repository."""
     if not LOCK.is_file():
         return {}
     return {
@@ -97,7 +97,7 @@ def _package(package: str, locked: dict[str, str]) -> MachineCheck:
 
 
 def _system_libraries() -> MachineCheck:
-    """Shared libraries that the dynamic loader does not find for bpy."""
+    """Check that the dynamic loader finds all shared libraries of bpy."""
     name = "system libraries"
     spec = importlib.util.find_spec("bpy")
     if spec is None or spec.origin is None:
@@ -130,7 +130,7 @@ def _pybullet() -> MachineCheck:
 
 
 def _board() -> MachineCheck:
-    """Never missing: only `hil --simulated` and firmware built here need it."""
+    """Check hardware in the loop, which is never missing: only `hil --simulated` and firmware builds need it."""
     ready, cure = (
         "simulated board and firmware can be built",
         f"for `hil --simulated` apt-get install -y {HIL_PACKAGES}",
@@ -139,7 +139,7 @@ def _board() -> MachineCheck:
 
 
 def _child(program: str) -> tuple[int, str, str]:
-    """Exit code, output and last line of the error output of a Python child that may well crash."""
+    """Run a Python child that may crash; return exit code, output and last line of the error output."""
     try:
         child = subprocess.run(
             [sys.executable, "-P", "-c", program], capture_output=True, text=True, check=False, timeout=CHILD_TIMEOUT_S

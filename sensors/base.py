@@ -5,14 +5,26 @@ is delivered `delay_steps` later; between two deliveries the reader sees the one
 reads are computed.
 """
 
+import inspect
+import re
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from configs.robot_sensors import SensorSettings
+from configs.schema.base import Section
+from configs.schema.robot import RobotConfig
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
+from symolo.core.errors import InputError
+from symolo.dataset.column import Column, Series
+from symolo.dataset.sensor_tables import SERIES, sensor_table
+from symolo.dataset.side_tables import SideTable
+
+Reading = NDArray[np.float64] | NDArray[np.int64]
 
 
 class Hits(Protocol):
@@ -72,13 +84,75 @@ class Sampling:
 
 
 class Sensor(ABC):
-    """One device with its own random stream."""
+    """One device with its own random stream.
 
+    A new class derives `Settings` from `SensorSettings`, lists its `columns` and defines `sample`. Its settings are
+    then `robot.sensors.<name>`, and its readings are the table `side/<name>.csv` of a dataset. The first paragraph of
+    its docstring is the meaning of the table.
+    """
+
+    name: ClassVar[str]
+    """Name of the class in lower case with underscores, `RearBumper` is `rear_bumper`, unless a class says otherwise.
+    It is also the last part of the path of the random stream."""
+    Settings: ClassVar[type[Section]] = Section
+    """Settings in the description of the robot."""
+    columns: ClassVar[tuple[Column, ...]] = ()
+    """Columns of a dataset that hold a reading."""
+    series: ClassVar[tuple[Series, ...]]
+    """Series of a recording that hold a reading; a single one with all columns unless a class says otherwise."""
     sampling: Sampling
 
+    def __init_subclass__(cls, **kwargs: object) -> None:
+        super().__init_subclass__(**kwargs)
+        if "name" not in vars(cls):
+            cls.name = re.sub(r"(?<=.)(?=[A-Z])", "_", cls.__name__).lower()
+        if "series" in vars(cls):
+            cls.columns = tuple(column for series in cls.series for column in series.columns)
+        else:
+            units = ", ".join(column.unit for column in cls.columns)
+            cls.series = (Series(SERIES.format(name=cls.name), units, cls.columns),)
+
+    def __init__(self, settings: SensorSettings, arena: Arena, physics_hz: int, rng: np.random.Generator) -> None:
+        """Build the sensor of one run.
+
+        Args:
+            settings: The settings with their values in this run.
+            arena: What the robot drives in.
+            physics_hz: Number of physics steps per second.
+            rng: Random stream of this sensor alone.
+        """
+        self.settings, self.arena, self.rng = settings, arena, rng
+        self.sampling = Sampling.from_seconds(settings.period_s, settings.delay_s, physics_hz)
+
+    @classmethod
+    def on_robot(cls, robot: RobotConfig, arena: Arena, physics_hz: int, rng: np.random.Generator) -> "Sensor | None":
+        """Return the sensor of a robot, or None where the robot does not have it."""
+        settings = robot.sensors.get(cls.name)
+        return cls(settings, arena, physics_hz, rng) if isinstance(settings, SensorSettings) else None
+
+    @classmethod
+    def table(cls) -> SideTable | None:
+        """Return the table of the dataset that holds the readings; None for a sensor that every robot has."""
+        if not issubclass(cls.Settings, SensorSettings):
+            return None
+        meaning = " ".join(inspect.cleandoc(cls.__doc__ or cls.name).partition("\n\n")[0].split())
+        return sensor_table(cls.name, meaning, cls.columns)
+
     @abstractmethod
-    def sample(self, world: World) -> NDArray[np.float64] | NDArray[np.int64]:
-        """One reading of the world as it stands now."""
+    def sample(self, world: World) -> Reading:
+        """Return one reading of the world as it stands now."""
+
+    def recorded(self, reading: Reading) -> tuple[Reading, ...]:
+        """Return what of a reading goes into each series.
+
+        Raises:
+            InputError: The reading is not one finite number for each column.
+        """
+        if np.shape(reading) != (len(self.columns),) or not np.isfinite(reading).all():
+            names = ", ".join(column.name for column in self.columns)
+            allowed = f"a finite number for each column: {names}"
+            raise InputError(f"sensor {self.name}: the reading", got=str(reading), allowed=allowed)
+        return (reading,)
 
 
 def quantise(value: Array, step: float) -> Array:

@@ -1,30 +1,40 @@
-"""The sensors of a robot, each on its own random stream."""
+"""The sensors of a robot, each on its own random stream, and their tables."""
 
 from collections.abc import Callable
 
 import numpy as np
 
+from configs.robot_sensors import RobotSensors
 from configs.schema.robot import RobotConfig
 from sensors.base import Sensor
-from sensors.encoders import WheelEncoders
-from sensors.line_sensor import LineSensorModel
-from sensors.pose_log import PoseLog, logs_pose
-from sensors.tof import TofArray
+from sensors.registry import SENSORS, sensor_classes
 from symolo.arena.geometry import Arena
-
-SENSORS: dict[str, Callable[[RobotConfig, Arena, int, np.random.Generator], Sensor]] = {
-    "line": lambda robot, arena, physics_hz, rng: LineSensorModel(robot.line_sensor, arena, physics_hz, rng),
-    "tof": lambda robot, arena, physics_hz, rng: TofArray(robot.tof, arena, physics_hz, rng, robot.effects),
-    "encoders": lambda robot, _arena, physics_hz, rng: WheelEncoders(robot.encoder, physics_hz, rng),
-}
-"""Sensor by name; the name is also the last part of its random stream's path."""
+from symolo.core.errors import InputError, nearest
+from symolo.dataset.side_tables import SideTable
 
 
 def fit_out(
     robot: RobotConfig, arena: Arena, physics_hz: int, rng_of: Callable[[str], np.random.Generator]
 ) -> dict[str, Sensor]:
-    """Build every sensor, each with the random stream of its name, and a pose log where an effect speaks of one."""
-    sensors = {name: build(robot, arena, physics_hz, rng_of(name)) for name, build in SENSORS.items()}
-    if logs_pose(robot.effects):
-        sensors["pose_log"] = PoseLog(robot.effects, physics_hz)
-    return sensors
+    """Build every sensor of a robot, each with the random stream of its name.
+
+    Raises:
+        InputError: The class of a sensor of `robot.sensors` is not loaded.
+    """
+    sensor_tables(robot.sensors)
+    built = {kind.name: kind.on_robot(robot, arena, physics_hz, rng_of(kind.name)) for kind in sensor_classes()}
+    return {name: sensor for name, sensor in built.items() if sensor is not None}
+
+
+def sensor_tables(sensors: RobotSensors) -> tuple[SideTable, ...]:
+    """Return the tables of the sensors of `robot.sensors`.
+
+    Raises:
+        InputError: The class of one is not loaded.
+    """
+    known = {kind.name: table for kind in sensor_classes() if (table := kind.table())}
+    for name in sensors.names:
+        if name not in known:
+            cure = f"name its file in the environment variable {SENSORS.variable}"
+            raise InputError(f"robot.sensors.{name}: no such sensor", nearest=nearest(name, [*known]), cure=cure)
+    return tuple(known[name] for name in sensors.names)

@@ -5,14 +5,19 @@ from math import cos, sin
 import numpy as np
 from scipy.special import ndtr
 
-from configs.schema.robot import LineSensor
+from configs.schema.robot import LineSensor, RobotConfig
 from sensors.base import Sampling, Sensor, World
 from symolo.arena.geometry import Arena, Line
 from symolo.core.arrays import Array
+from symolo.dataset.rows import LINE
 
 
 class LineSensorModel(Sensor):
     """Normalised reflectance of each channel: 1 white, 0 black, L0 at the robot's right end."""
+
+    name = "line"
+    Settings = LineSensor
+    series = (LINE,)
 
     def __init__(self, config: LineSensor, arena: Arena, physics_hz: int, rng: np.random.Generator) -> None:
         self.sampling = Sampling.from_seconds(config.period_s, config.delay_s, physics_hz)
@@ -26,6 +31,10 @@ class LineSensorModel(Sensor):
         self._gain = 1.0 + config.gain_sd * rng.standard_normal(config.channels)
         self._offset = config.offset_sd * rng.standard_normal(config.channels)
         self._last = np.ones(config.channels)
+
+    @classmethod
+    def on_robot(cls, robot: RobotConfig, arena: Arena, physics_hz: int, rng: np.random.Generator) -> "LineSensorModel":
+        return cls(robot.line_sensor, arena, physics_hz, rng)
 
     def sample(self, world: World) -> Array:
         """Readings (8,) after gain, offset, noise and the ADC."""

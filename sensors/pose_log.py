@@ -4,23 +4,34 @@ import numpy as np
 
 from configs.effects.base import Slot
 from configs.effects.robot_effects import RobotEffects
+from configs.schema.robot import RobotConfig
 from physics.robot.model import through
-from sensors.base import Sampling, Sensor, World
+from sensors.base import Reading, Sampling, Sensor, World
+from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
+from symolo.dataset.column import Series
 
 
 class PoseLog(Sensor):
     """x [m], y [m], yaw [rad] of the tracked point, (3,), as old as the log is late, to a physics step."""
+
+    name = "pose_log"
+    series = (Series("pose_log", "m, m, rad"),)
 
     def __init__(self, effects: RobotEffects, physics_hz: int) -> None:
         delay_s = through(effects.functions(Slot.POSE_DELAY), 0.0)
         self.sampling = Sampling(period_steps=1, delay_steps=round(delay_s * physics_hz))
         self._point = effects.functions(Slot.POSE_POINT)
 
+    @classmethod
+    def on_robot(cls, robot: RobotConfig, arena: Arena, physics_hz: int, rng: np.random.Generator) -> "PoseLog | None":
+        """Return the log where an effect of the robot acts on it; else it would be the true pose."""
+        del arena, rng
+        acts = robot.effects.in_slots({Slot.POSE_POINT, Slot.POSE_DELAY})
+        return cls(robot.effects, physics_hz) if acts else None
+
+    def recorded(self, reading: Reading) -> tuple[Reading, ...]:
+        return (reading,)
+
     def sample(self, world: World) -> Array:
         return through(self._point, np.array(world.pose()))
-
-
-def logs_pose(effects: RobotEffects) -> bool:
-    """Whether an effect says anything of the pose log."""
-    return any(effects.functions(slot) for slot in (Slot.POSE_POINT, Slot.POSE_DELAY))

@@ -1,14 +1,10 @@
 """All sensors of one robot, sampled at their own times while the world advances from one control tick to the next."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-from sensors.base import Sensor, World
-
-Reading = NDArray[np.float64] | NDArray[np.int64]
+from sensors.base import Reading, Sensor, World
+from symolo.dataset.column import Series
 
 
 class SteppedWorld(World, Protocol):
@@ -30,6 +26,15 @@ class SensorSuite:
         self._next_step = dict.fromkeys(self._sensors, 0)
         """Of the sample that the next tick reads, by sensor; the first samples are at the start."""
         self._samples: dict[str, dict[int, Reading]] = {name: {} for name in self._sensors}
+
+    def recorded(self, readings: Mapping[str, Reading]) -> Iterator[tuple[Series, Reading]]:
+        """Yield each series of a recording with what belongs into its next row.
+
+        Args:
+            readings: The result of `read_at_tick`.
+        """
+        for name, sensor in self._sensors.items():
+            yield from zip(sensor.series, sensor.recorded(readings[name]), strict=True)
 
     def read_at_tick(self, world: SteppedWorld, tick: int) -> dict[str, Reading]:
         """Advance `world` to control tick `tick` and return the delivered reading of each sensor by name.

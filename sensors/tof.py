@@ -11,16 +11,18 @@ from numpy.typing import NDArray
 
 from configs.effects.base import Slot
 from configs.effects.robot_effects import RobotEffects
-from configs.schema.robot import TofMount, TofSensor
+from configs.schema.robot import RobotConfig, TofMount, TofSensor
 from physics.arena.surfaces import SURFACES
 from physics.robot.model import through
-from sensors.base import Sampling, Sensor, World, quantise
+from sensors.base import Reading, Sampling, Sensor, World, quantise
 from sensors.range_effects import RangeEffects
 from sensors.range_log import NEAR_LIMIT_M, log_beyond_near
 from sensors.range_view import RangeView
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.dataset.codes import TofStatus
+from symolo.dataset.rows import RANGES
+from symolo.dataset.side_tables import RANGE_STATUS
 
 NO_EFFECTS = RobotEffects()
 
@@ -34,6 +36,10 @@ VALID, NO_TARGET, HELD = map(float, TofStatus)
 
 class TofArray(Sensor):
     """Front, left and right sensor, in this order everywhere."""
+
+    name = "tof"
+    Settings = TofSensor
+    series = (RANGES, RANGE_STATUS)
 
     def __init__(
         self,
@@ -71,6 +77,13 @@ class TofArray(Sensor):
         self._reflectance = np.array([arena.floor_reflectance] + [s.reflectance for s in surfaces])
         self._materials = np.array(["floor"] + [box.surface for box in arena.boxes])
         self._last = [(config.no_target_m, NO_TARGET)] * 3
+
+    @classmethod
+    def on_robot(cls, robot: RobotConfig, arena: Arena, physics_hz: int, rng: np.random.Generator) -> "TofArray":
+        return cls(robot.tof, arena, physics_hz, rng, robot.effects)
+
+    def recorded(self, reading: Reading) -> tuple[Reading, ...]:
+        return reading[:, 0], reading[:, 1].astype(np.int64)
 
     def sample(self, world: World) -> Array:
         """Range [m] and `TofStatus`, (3, 2)."""

@@ -9,7 +9,9 @@ import re
 from collections.abc import Iterator, Mapping
 from functools import cache
 from types import MappingProxyType
-from typing import Any, ClassVar, Self, TypeVar, get_args
+from typing import Any, ClassVar, TypeVar, get_args
+
+from typing_extensions import Self
 
 from configs.effects.parameter import Parameter, Plausible
 from configs.faults import ConfigFault

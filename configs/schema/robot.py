@@ -6,6 +6,7 @@ from pydantic import Field
 
 from configs.effects.base import Effect
 from configs.effects.robot_effects import RobotEffects
+from configs.robot_sensors import RobotSensors
 from configs.schema.base import FromList, Point2, Section, Slug
 
 
@@ -315,6 +316,8 @@ class RobotConfig(Section):
     tof: TofSensor
     camera: Camera
     controller: Controller
+    sensors: RobotSensors = Field(default_factory=RobotSensors, exclude_if=lambda sensors: not sensors)
+    """Sensors beside line sensor, range sensors and encoders; each has its table in `side/`."""
     effects: RobotEffects = Field(default_factory=RobotEffects, json_schema_extra={"default": {}})
     """Differences of this robot from everything that is described above; its controller does not know of them."""
 

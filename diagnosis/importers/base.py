@@ -10,7 +10,7 @@ from diagnosis.measured.measurement import Measurement
 @dataclass(frozen=True)
 class Importer:
     name: str
-    """What `--as` takes."""
+    """What `--importer` takes."""
     what: str
     """What it reads, in a line for people."""
     recognises: Callable[[Path], bool]

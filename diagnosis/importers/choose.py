@@ -26,7 +26,7 @@ def read_measurement(path: Path, importers: Sequence[Importer], name: str | None
 def _read_measurement(path: Path, importers: Sequence[Importer], name: str | None) -> Measurement:
     names = [importer.name for importer in importers]
     if name is not None and name not in names:
-        raise InputError("--as", got=name, allowed=", ".join(names), nearest=nearest(name, names))
+        raise InputError("--importer", got=name, allowed=", ".join(names), nearest=nearest(name, names))
     if not path.exists() and path.as_posix() not in TABLES:
         close = nearest(path.as_posix(), TABLES)
         raise InputError("no such file or folder", where=str(path), nearest=close, cure="name a case, a log or a table")
@@ -41,5 +41,5 @@ def _read_measurement(path: Path, importers: Sequence[Importer], name: str | Non
         "is none of the measured data that are known",
         where=str(path),
         allowed=f"data for one of {', '.join(names)}",
-        cure="write nominal.yaml and data.csv as docs/measured.md says, or name the form with --as",
+        cure="write nominal.yaml and data.csv as docs/measured.md says, or name the form by --importer",
     )

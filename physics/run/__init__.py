@@ -1,1 +1,1 @@
-"""A run of the robot: its driver, its laps and its recording."""
+"""A run of the robot: who drives it, and its laps."""

@@ -1,4 +1,4 @@
-"""When a lap is closed: the robot is back at its start, in its starting direction, having been away."""
+"""A lap is closed when the robot has been away and is back at its start, in its starting direction."""
 
 import math
 from dataclasses import dataclass
@@ -12,18 +12,19 @@ class Lap:
 
     start: Pose
     away_m: float = 1.0
-    """The robot has been away once it has driven so far, whatever the size of the arena."""
+    """Driven distance [m] after which the robot has been away, whatever the size of the arena."""
     half_width_m: float = 0.10
-    """How far beside the start the finishing line reaches."""
+    """Half width [m] of the finishing line."""
     window_m: float = 0.35
-    """How far beyond the finishing line the lap may still be closed, for a robot that crosses it beside the track."""
+    """Distance [m] beyond the finishing line where the lap may still be closed, for a robot that returns beside the
+    track."""
     max_turn_rad: float = math.radians(45.0)
     closed: bool = False
     _driven_m: float = 0.0
     _last: Pose | None = None
 
     def update(self, pose: Pose, *, on_track: bool) -> None:
-        """Take the pose of one tick; the lap closes only where the robot follows its track again."""
+        """Take the pose of one tick; the lap closes only while the robot follows its track."""
         dx, dy = pose[0] - self.start[0], pose[1] - self.start[1]
         if self._last is not None:
             self._driven_m += math.hypot(pose[0] - self._last[0], pose[1] - self._last[1])

@@ -1,4 +1,4 @@
-"""Who drives the robot: at each control tick readings go in and the set points of the wheels come out."""
+"""The pilot drives the robot: at each control tick it gets readings and returns the set points of the wheels."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -10,31 +10,32 @@ from physics.control.controller import RobotController
 
 @dataclass(frozen=True)
 class Decision:
-    """What is done from this tick on."""
+    """What the robot does from this tick on."""
 
     command: Command
     wheels_rad_s: tuple[float, float]
-    """Set points of the wheels, right and left."""
+    """Set points [rad/s] of the wheels, right and left."""
     line_lost: int
-    """Ticks so far in the line state without any channel on the line."""
+    """Number of ticks so far in the line state without any channel on the line."""
     board: tuple[int, ...] = ()
-    """How a board did at this tick, as `hil.tally` counts; empty without one."""
+    """Counts of the events of a board at this tick, as of `hil.tally`; empty without a board."""
 
 
 class Pilot(Protocol):
-    """Asked once a control tick, in order."""
+    """Decides once a control tick, in order."""
 
     def decide(self, seen: ControlInput, turned: tuple[int, int]) -> Decision:
-        """The decision for this tick; `turned` is by how many encoder counts right and left have turned since the last.
+        """Return the decision for this tick; `turned` is the change of the encoder counts, right and left, since the
+        last one.
 
         Raises:
-            RunFailed: There is nobody left who could decide.
+            RunFailed: The pilot cannot decide any more.
         """
         ...
 
 
 class BuiltInPilot:
-    """The project's own controller, at once."""
+    """The built-in controller, which decides at once."""
 
     def __init__(self, robot: RobotConfig) -> None:
         self._controller = RobotController(robot.controller, robot.line_sensor.threshold)

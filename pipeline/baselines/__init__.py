@@ -1,4 +1,4 @@
-"""Localisation baselines on a release: one file for each method, one line for each here."""
+"""Localisation baselines on a release: one file for each method, and this table."""
 
 from pipeline.baselines import ekf, odometry, particles, regressor
 from pipeline.baselines.base import Method

@@ -1,4 +1,4 @@
-"""What a localisation method is: from what a robot knows of a run to where it believes that it was, and how surely."""
+"""What a localisation method is: from the knowledge of a robot it estimates poses with covariances."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -12,14 +12,14 @@ from symolo.dataset.rows import Ints
 
 @dataclass(frozen=True)
 class Estimate:
-    """The poses that a method tells of a run."""
+    """The poses that a method estimates in a run."""
 
     rows: Ints
-    """(M,), the rows of data.csv at which it tells one."""
+    """(M,), rows of data.csv with an estimate."""
     pose: Array
     """(M, 3), x [m], y [m], yaw [rad] in W."""
     covariance: Array
-    """(M, 3, 3), of the pose, in W."""
+    """(M, 3, 3), covariance of the pose in W."""
 
     def __post_init__(self) -> None:
         for array in (self.rows, self.pose, self.covariance):
@@ -28,21 +28,21 @@ class Estimate:
 
 @dataclass(frozen=True)
 class TrainingRun:
-    """Pictures of another run with their true poses, to learn from."""
+    """Images of another run with their true poses, to learn from."""
 
     pictures: RunImages
     pose: Array
-    """(M, 3), x [m], y [m], yaw [rad] in W at each picture."""
+    """(M, 3), x [m], y [m], yaw [rad] in W at each image."""
 
 
 @dataclass(frozen=True)
 class Method:
     name: str
-    """What `--methods` takes."""
+    """Name for `--methods`."""
     title: str
     what: str
-    """What it is told and what it makes of it, in a line for people."""
+    """One line that says what the method uses and how."""
     estimate: Callable[[RobotKnowledge, Sequence[TrainingRun], np.random.Generator], Estimate]
-    """Of a run; lessons are of the other runs of the release, in an order that says nothing."""
+    """Estimates the poses of a run; training runs are the other runs of the release, in random order."""
     learns: bool = False
-    """Whether it takes lessons, and so pictures and another run."""
+    """Whether it needs training runs, and so images and another run."""

@@ -1,4 +1,4 @@
-"""All methods on all runs: what each told, and how far that is from the truth."""
+"""All methods on all runs: their estimates and errors."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from symolo.core.random_streams import stream
 
 @dataclass(frozen=True)
 class MethodResult:
-    """By one method of one run."""
+    """Estimates and errors of one method in one run."""
 
     estimate: Estimate
     errors: Errors
@@ -27,19 +27,19 @@ class BaselineComparison:
     methods: tuple[Method, ...]
     runs: tuple[LoggedRun, ...]
     told: Mapping[tuple[str, str], MethodResult]
-    """By name of run and method."""
+    """Results by name of run and method."""
     left_out: Mapping[str, str]
-    """Methods that could not be used on any run, and why."""
+    """Reason by name for each method that cannot be used on these runs."""
     start_sd: Array
-    """(3,), x [m], y [m], yaw [rad]: how well the robot is put down."""
+    """(3,), x [m], y [m], yaw [rad]: standard deviation of the error of the start."""
     seed: int
 
 
 def methods_of(names: Sequence[str], where: str) -> tuple[Method, ...]:
-    """Each once, in the order of the table.
+    """Return these methods, each once, in the order of the table.
 
     Raises:
-        InputError: There is none of a name.
+        InputError: There is no method of a name.
     """
     known = {method.name: method for method in METHODS}
     for name in names:
@@ -49,7 +49,7 @@ def methods_of(names: Sequence[str], where: str) -> tuple[Method, ...]:
 
 
 def why_not(method: Method, runs: Sequence[LoggedRun]) -> str:
-    """Why a method cannot be used on a release with these runs; nothing where it can."""
+    """Return why a method cannot be used on a release with these runs; empty where it can."""
     if not method.learns:
         return ""
     if any(run.pictures is None for run in runs):
@@ -66,7 +66,7 @@ def compare(
     seed: int,
     report: Report,
 ) -> BaselineComparison:
-    """Localise in `runs`; `everything` is what there is to learn from, each run left out for itself."""
+    """Localise in `runs`; methods learn from all other runs of `everything`."""
     left_out = {method.name: why for method in methods if (why := why_not(method, everything))}
     usable = tuple(method for method in methods if method.name not in left_out)
     lessons = {run.name: lesson for run in everything if (lesson := run.lesson())}

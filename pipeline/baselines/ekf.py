@@ -20,20 +20,21 @@ from symolo.core.arrays import Array
 
 RAYS = 30
 GAIN, OFFSET = STATES, STATES + 3
-"""Where the gains and the offsets of the three sensors begin in the state."""
+"""Index of the first gain and of the first offset of the three sensors in the state."""
 ALL = STATES + 6
 LASTING_S = 1.0
 """After which the offset of a sensor is another one, for it looks at another wall or from another side."""
 GATE = 6.635
 """99 % of chi-square with one degree of freedom: what is less likely is of something that is on no map."""
 MIN_STEP = np.array([0.002, 0.002, 0.01])
-"""Of the differences by x [m], y [m], yaw [rad], which are otherwise as wide as the pose is uncertain."""
+"""Smallest steps of the numerical derivatives by x [m], y [m], yaw [rad]; else they are the standard deviations of
+the pose."""
 WIDTH = 3.0
 """Squared, in standard deviations: that of a Gaussian's differences (Norgaard and others, as below)."""
 
 
 def updated(state: Array, covariance: Array, row: Array, innovation: float, variance: float) -> tuple[Array, Array]:
-    """A Kalman update by one scalar reading.
+    """Update a Kalman state by one scalar reading.
 
     Args:
         state: (n,).
@@ -74,7 +75,7 @@ class _KalmanFilter:
         self.state[OFFSET:] *= kept
 
     def correct(self, ranges_m: Array) -> None:
-        """By readings (3,), nan where there is none."""
+        """Update by readings (3,); nan where there is none."""
         if np.isnan(ranges_m).all():
             return
         at = self.state[:3].copy()

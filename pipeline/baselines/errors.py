@@ -1,4 +1,4 @@
-"""How far an estimate is from the truth, and whether it knows: ATE, RPE and NEES.
+"""The errors of an estimate and the honesty of its covariance: ATE, RPE and NEES.
 
 ATE and RPE are those of Sturm et al., "A benchmark for the evaluation of RGB-D SLAM systems", IROS 2012, and of Zhang
 and Scaramuzza, "A tutorial on quantitative trajectory evaluation for visual(-inertial) odometry", IROS 2018, in the
@@ -18,7 +18,7 @@ from symolo.dataset.rows import Ints, wrapped
 OVER_S = 1.0
 OVER_M = 1.0
 TOLERANCE = 0.1
-"""Of the distance, within which a pair of poses is so far apart; the tolerance of evo's pairs."""
+"""Relative tolerance of the distance between the poses of a pair, as in evo."""
 SHARE = 0.95
 
 
@@ -32,7 +32,7 @@ class Errors:
     """Half of the poses are nearer to the truth."""
     worst_m: float
     end_m: float
-    """At the last pose."""
+    """Error at the last pose."""
     rpe_per_s_m: float | None
     """Over one second; None where no two poses are so far apart."""
     rpe_per_s_rad: float | None
@@ -47,7 +47,7 @@ class Errors:
 
 
 def errors_of(estimate: Estimate, t_s: Array, truth: Array) -> Errors:
-    """Of an estimate against the true poses (N, 3) of all rows at the times (N,)."""
+    """Return the errors of an estimate against the true poses (N, 3) of all rows at the times (N,)."""
     true, told = truth[estimate.rows], estimate.pose
     off_m, off_rad = off(estimate, truth)
     seconds = pairs_by_time(t_s[estimate.rows], OVER_S)

@@ -1,4 +1,4 @@
-"""How likely it is that the channels of the line sensor are over the tape, for many poses at once."""
+"""The probability that the channels of the line sensor see the tape, for many poses at once."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +8,7 @@ from sensors.line_sensor import tape_share
 from symolo.core.arrays import Array
 
 WRONG = 0.02
-"""Of readings that no place explains: a joint of the tape, a stain, a threshold near its limit."""
+"""Share of readings that no place explains: a joint of the tape, a stain, a threshold near its limit."""
 
 
 class LineModel:

@@ -1,4 +1,4 @@
-"""How a robot moves by its encoder counts, when its wheels are not quite what the drawing says.
+"""The motion of a robot by its encoder counts, with wheels that differ a little from the drawing.
 
 The state is x [m], y [m], yaw [rad] and three shares by which the robot may differ from its drawing: of the mean wheel
 radius, of the difference between the two radii, and of the track. They stay what they are while it drives, so that a
@@ -26,12 +26,13 @@ a clean floor: 0.3 mm."""
 
 @dataclass(frozen=True)
 class WheelMotion:
-    """The step from one row to the next, and how sure it is."""
+    """The step from one row to the next and its uncertainty."""
 
     odometry: Odometry
 
     def moved(self, state: Array, ways_m: Array) -> Array:
-        """The states (..., 6) after the wheels have rolled the ways (..., 2) by the drawing, right and left.
+        """Return the states (..., 6) after the wheels have rolled the distances (..., 2) by the drawing, right and
+        left.
 
         The mid-point rule of `sensors.odometry`, with the wheels and track of each state.
         """
@@ -47,7 +48,7 @@ class WheelMotion:
         return moved
 
     def jacobians(self, state: Array, ways_m: Array) -> tuple[Array, Array]:
-        """Of `moved` by one state, (6, 6), and by the ways, (6, 2), in closed form."""
+        """Return the derivatives of `moved` by one state, (6, 6), and by the distances, (6, 2), in closed form."""
         radius, pair, track = state[3:]
         wide = self.odometry.track_m * (1.0 + track)
         scale = np.array([1.0 + radius + 0.5 * pair, 1.0 + radius - 0.5 * pair])
@@ -57,7 +58,7 @@ class WheelMotion:
         ahead, across = np.array([np.cos(middle), np.sin(middle)]), np.array([-np.sin(middle), np.cos(middle)])
 
         def column(d_right: float, d_left: float, d_turn: float) -> Array:
-            """What a change of the rolled ways and, beside it, of the turn does to the pose."""
+            """Return the change of the pose by a change of the rolled distances and of the turn."""
             d_forward, d_turn = 0.5 * (d_right + d_left), d_turn + (d_right - d_left) / wide
             return np.array([*(d_forward * ahead + 0.5 * forward * d_turn * across), d_turn])
 
@@ -72,15 +73,17 @@ class WheelMotion:
 
 
 def ways(given: RobotKnowledge) -> Iterator[Array]:
-    """How far each wheel rolled since the row before, (2,) [m], right and left, by drawing and encoder."""
+    """Return the distance (2,) [m] that each wheel rolled since the row before, right and left, by drawing and
+    encoder.
+    """
     yield from given.steps * given.drawing.odometry.metres_per_count
 
 
 def slip_sd_m(ways_m: Array) -> Array:
-    """Of the ways of the wheels, of the same shape."""
+    """Return the variance of the rolled distances, in the same shape."""
     return SLIP_M_SQRT_M * np.sqrt(np.abs(ways_m))
 
 
 def begun(start: Start) -> tuple[Array, Array]:
-    """The state (6,) at the start and its covariance (6, 6): as drawn, but for the usual tolerances."""
+    """Return the state (6,) at the start and its covariance (6, 6), with the usual tolerances of the drawing."""
     return np.concatenate([start.pose, np.zeros(3)]), np.diag(np.concatenate([start.sd, SHARES_SD]) ** 2)

@@ -29,15 +29,15 @@ AS_ONE_S = 1.0
 SCATTER = 0.22
 """Bandwidth of the scattering, of the particles' own spread: a discount of 0.95 in the words of Liu and West."""
 SEEN, SHORT, MISSED = 0.8, 0.15, 0.05
-"""Of readings where the map has a target: of it, of something before it that is on no map, of nothing."""
+"""Shares of readings where the map has a target: of the target, of an unmapped object before it, without target."""
 STRAY = 0.2
-"""Of readings where the map has no target, but there is one."""
+"""Share of readings with a target where the map has none."""
 MIN_SD = np.array([1e-4, 1e-4, 1e-4])
-"""Of the covariance told, x [m], y [m], yaw [rad]: particles at one place do not make a robot that is sure."""
+"""Smallest standard deviation of the estimate, x [m], y [m], yaw [rad], even if all particles are at one place."""
 
 
 def resampled(weight: Array, offset: float) -> Ints:
-    """Which particles go on: each in the mean as often as its weight (N,) says, times N (low variance sampling).
+    """Return the particles that survive: each on average N times its weight (N,) (low variance sampling).
 
     Args:
         weight: Of the particles, 1 in sum.
@@ -48,7 +48,7 @@ def resampled(weight: Array, offset: float) -> Ints:
 
 
 def scattered(particles: Array, rng: np.random.Generator) -> Array:
-    """The particles (N, D) drawn to their mean and scattered, so that mean and covariance stay what they were."""
+    """Return the particles (N, D) shrunk to their mean and scattered, with unchanged mean and covariance."""
     mean = particles.mean(axis=0)
     from_mean = particles - mean
     spread = np.linalg.qr(from_mean / np.sqrt(len(particles)), mode="r")

@@ -1,4 +1,4 @@
-"""What the ToF sensors of a robot at a pose would read by the map, for many poses at once, and how far that may be off.
+"""The readings of the ToF sensors that the map predicts for many poses at once, and their uncertainty.
 
 A sensor is a cone of few rays whose ranges are averaged by beam profile and incidence, as the paper's section 6 has it.
 """
@@ -11,23 +11,23 @@ from sensors.tof import NOISE_AT_NEAR_MM, log_error_m, noise_sd_m, ray_direction
 from symolo.core.arrays import Array
 
 BEAM_SD_SHARE = 0.28
-"""Of the field of view: the beam falls to about a fifth at its edge."""
+"""Standard deviation of the beam as a share of the field of view: at its edge the beam falls to about a fifth."""
 MIN_SIGNAL = 0.15
-"""Of the light that a wall head-on returns: with less the device tells no target."""
+"""Share of the light that a wall head-on returns; with less the device reports no target."""
 REACH = 1.25
 """Rays end at so much of the longest range."""
 
 SURFACE_SD_M = 0.0041
 """Root mean square of the offsets of the nine materials at 100 mm (paper Tables 3 and 4); a map tells no material."""
 LASTING_SD_M = float(np.hypot(SURFACE_SD_M, MAP_SD_M))
-"""Of an offset that stays while the robot looks at one wall."""
+"""Standard deviation [m] of an offset that stays while the robot looks at one wall."""
 GAIN_SD = 0.03 / float(log_error_m(np.array(1.0)))
-"""Of the error's size, in the form of Eq. 24: at 1 m it makes the 3 % of the VL53L0X's data sheet."""
+"""Scale of the error in the form of Eq. 24: at 1 m it gives the 3 % of the data sheet of the VL53L0X."""
 
 
 class RangeModel:
     def __init__(self, given: RobotKnowledge, rays: int) -> None:
-        """With so many rays for each sensor."""
+        """Return the model with that number of rays for each sensor."""
         drawing = given.drawing
         self._scene = RayScene(given.map)
         self._longest_m = drawing.longest_range_m
@@ -39,7 +39,7 @@ class RangeModel:
         origins = [[mount.x_m, mount.y_m, mount.z_m] for mount in drawing.mounts]
         self._origins_R = np.repeat(np.array(origins), rays, axis=0)
         self.age_s = 0.5 * drawing.range_period_s
-        """Of a reading in the mean: it is taken at some time in the device's period before the row."""
+        """Mean age [s] of a reading: it is taken at some time in the device's period before the row."""
         self.age_sd_s = drawing.range_period_s / np.sqrt(12.0)
 
     def expected(self, poses: Array) -> Array:
@@ -61,12 +61,14 @@ class RangeModel:
 
 
 def white_sd_m(range_m: Array | float) -> Array:
-    """Of what is new in every reading: Eq. 23."""
+    """Return the standard deviation of the noise that is new in every reading: Eq. 23."""
     return noise_sd_m(np.array(1e-3 * NOISE_AT_NEAR_MM), np.asarray(range_m))
 
 
 def lasting_sd_m(range_m: Array) -> Array:
-    """Of what stays while the robot looks at the same wall: its material, and the accuracy of the device."""
+    """Return the standard deviation of the error that stays while the robot looks at the same wall: its material, and
+    the accuracy of the device.
+    """
     return np.hypot(LASTING_SD_M, GAIN_SD * log_error_m(range_m))
 
 

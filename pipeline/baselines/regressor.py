@@ -1,4 +1,4 @@
-"""Where a picture was taken, by the pictures of other runs that look like it: retrieval, then kernel regression.
+"""The pose of an image from similar images of other runs: retrieval, then kernel regression.
 
 A picture becomes the directions of its edges, cell by cell, without their signs and strengths (Dalal and Triggs,
 "Histograms of oriented gradients for human detection", CVPR 2005), for light, floor and walls are others in every
@@ -31,9 +31,9 @@ WHITENING = 0.5
 WIDTHS = (0.05, 0.1, 0.2, 0.3, 0.5, 0.8)
 """Widths that are tried, of the weights: in shares of the distance to the likest picture."""
 PARTS = 4
-"""Of the one run that there is to learn from, each left out in turn."""
+"""Number of parts of a single training run, each left out in turn."""
 MIN_SD = np.array([0.01, 0.01, 0.02])
-"""Of the covariance told: neighbouring pictures are 3 cm apart."""
+"""Smallest standard deviation of the estimate: neighbouring images are 3 cm apart."""
 
 
 def edge_directions(grey: Array) -> Array:
@@ -71,7 +71,7 @@ class _Regressor:
         return pose, covariance + self._share * self._all
 
     def _judged(self, folds: Sequence[Ints]) -> tuple[float, float]:
-        """The width of the least median error in left-out pictures, and the share of them that are of elsewhere."""
+        """Return the width with the smallest median error in left-out images, and the share of outliers among them."""
         if not folds:
             return WIDTHS[0], 1.0
         found = []
@@ -87,7 +87,7 @@ class _Regressor:
         return width, self._elsewhere(told)
 
     def _elsewhere(self, told: Sequence[Estimate]) -> float:
-        """The share with which the estimates' mean NEES is that of honest ones."""
+        """Return the share of outliers with which the mean NEES is that of honest estimates."""
 
         def too_sure(share: float) -> float:
             wider = (replace(one, covariance=one.covariance + share * self._all) for one in told)
@@ -118,7 +118,9 @@ def _distances(asked: Array, taught: Array) -> Array:
 
 
 def _folds(counts: Sequence[int]) -> list[Ints]:
-    """Which pictures are left out together: those of a run, or of a part of the one run; none of a single picture."""
+    """Return the images that are left out together: those of a run, or of a part of a single run; none for a single
+    image.
+    """
     rows = np.arange(sum(counts))
     parts = np.array_split(rows, PARTS) if len(counts) == 1 else np.split(rows, np.cumsum(counts)[:-1])
     return [part for part in parts if 0 < len(part) < len(rows)]

@@ -1,6 +1,6 @@
-"""What a robot knows of a run, and no more: its readings, its own drawing, the map, and where it was put down.
+"""The knowledge of a robot in a run, and no more: its readings, its drawing, the map, and where it starts.
 
-This is the one place where a method could be told too much. The truth and what is hidden in the robot (its effects, the
+This is the only place where a method could learn too much. The truth and what is hidden in the robot (its effects, the
 errors of its sensors) stay on the other side of `RobotKnowledge.of`.
 """
 
@@ -27,12 +27,12 @@ Pixels = NDArray[np.uint8]
 THUMBNAIL = (24, 32)
 """Height and width [px] of the small picture that the regressor looks at."""
 MAP_SD_M = 0.003
-"""How well somebody has built what the map says: tape, walls and obstacles."""
+"""Standard deviation of the position of tape, walls and obstacles against the map."""
 
 
 @dataclass(frozen=True)
 class LineRow:
-    """Where the channels of the line sensor are, and how wide each of them looks."""
+    """Positions and field of view of the channels of the line sensor."""
 
     x_m: float
     y_m: Array
@@ -48,11 +48,11 @@ class LineRow:
 
 @dataclass(frozen=True)
 class Drawing:
-    """What is known of a robot from its drawing and the data sheets of its parts."""
+    """Numbers of a robot from its drawing and the data sheets of its parts."""
 
     odometry: Odometry
     mounts: tuple[TofMount, TofMount, TofMount]
-    """Of the ToF sensors: front, left, right."""
+    """Mounts of the ToF sensors: front, left, right."""
     field_of_view_rad: float
     longest_range_m: float
     range_period_s: float
@@ -73,7 +73,7 @@ class Drawing:
 
 @dataclass(frozen=True)
 class Start:
-    """Where the robot believes that it was put down."""
+    """The pose at which the robot believes to start."""
 
     pose: Array
     """(3,), x [m], y [m], yaw [rad] in W."""
@@ -82,13 +82,13 @@ class Start:
 
     @classmethod
     def drawn(cls, truth: Array, sd: Array, rng: np.random.Generator) -> "Start":
-        """The true start (3,), off by a normal deviate of the deviations (3,)."""
+        """Return the true start (3,) with a normal error of these standard deviations (3,)."""
         return cls(truth + sd * rng.standard_normal(3), sd)
 
 
 @dataclass(frozen=True)
 class RunImages:
-    """Of a run, without their poses."""
+    """The images of a run without their poses."""
 
     rows: Ints
     """(M,), at which row each was taken."""
@@ -110,7 +110,7 @@ class RunImages:
 
 @dataclass(frozen=True)
 class RobotKnowledge:
-    """The log of one run as its robot has it; N rows."""
+    """The log of one run as its robot has it, with N rows."""
 
     t_s: Array
     """(N,)."""
@@ -132,7 +132,7 @@ class RobotKnowledge:
     def of(
         cls, spec: RunSpec, rows: Rows, *, wheels: Array, tof: Array, start: Start, pictures: RunImages | None
     ) -> "RobotKnowledge":
-        """From the tables data.csv, side/wheels.csv and side/tof.csv, whose true columns are not looked at."""
+        """Return the knowledge in data.csv, side/wheels.csv and side/tof.csv without their columns of true values."""
         status = tof[:, TOF.header.index("status_f") :][:, :3]
         counts = wheels[:, WHEELS.header.index("counts_r") :][:, :2]
         return cls(

@@ -1,4 +1,4 @@
-"""Runs to localise in: those of a release or of what `simulate` left, with the truth that judges the methods."""
+"""The runs of a release or of an output of `simulate`, with the true poses that judge the methods."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -31,15 +31,15 @@ class LoggedRun:
     spec: RunSpec
     rows: Rows
     wheels: Array
-    """side/wheels.csv."""
+    """Table of side/wheels.csv."""
     tof: Array
-    """side/tof.csv."""
+    """Table of side/tof.csv."""
     pictures: RunImages | None
-    """None of a run that has not been rendered."""
+    """Images; None before rendering."""
 
     @classmethod
     def of_recording(cls, name: str, spec: RunSpec, recording: Recording) -> "LoggedRun":
-        """As text and back, so that a run says the same before and after its release."""
+        """Return the run, rounded through text so that it is the same before and after its release."""
         rows = parse_table(Rows.from_recording(recording).to_csv(), HEADER)[0]
         wheels = parse_table(wheels_csv(recording), WHEELS.header)[0]
         tof = parse_table(tof_csv(recording), TOF.header)[0]
@@ -51,19 +51,19 @@ class LoggedRun:
         return self.rows.pose
 
     def given(self, start_sd: Array, rng: np.random.Generator) -> RobotKnowledge:
-        """What its robot knows, put down with the deviations (3,) from where it believes to be."""
+        """Return the knowledge of its robot, whose start has an error of these standard deviations (3,)."""
         start = Start.drawn(self.truth[0], start_sd, rng)
         return RobotKnowledge.of(
             self.spec, self.rows, wheels=self.wheels, tof=self.tof, start=start, pictures=self.pictures
         )
 
     def lesson(self) -> TrainingRun | None:
-        """Its pictures with their true poses, for other runs to learn from."""
+        """Return its images with their true poses for other runs to learn from."""
         return TrainingRun(self.pictures, self.truth[self.pictures.rows]) if self.pictures else None
 
 
 def open_runs(root: Path) -> tuple[LoggedRun, ...]:
-    """All runs of a release, which is checked first, or of what `simulate` made.
+    """Return all runs of a release, which is checked first, or of an output of `simulate`.
 
     Raises:
         InputError: It is neither, or it is damaged.
@@ -75,10 +75,10 @@ def open_runs(root: Path) -> tuple[LoggedRun, ...]:
 
 
 def chosen(runs: Sequence[LoggedRun], pattern: str | None) -> tuple[LoggedRun, ...]:
-    """Those whose name a pattern matches, or all.
+    """Return the runs whose name matches a pattern, or all.
 
     Raises:
-        InputError: None matches.
+        InputError: No run matches.
     """
     found = tuple(run for run in runs if pattern is None or fnmatchcase(run.name, pattern))
     if not found:

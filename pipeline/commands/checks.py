@@ -1,11 +1,11 @@
-"""Commands that look at data or at the machine: verify, contact-sheet, schema, doctor."""
+"""Commands that inspect data or the machine: verify, compare, contact-sheet, schema, doctor."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from pipeline.commands.options import OutPicture, checked_input
+from pipeline.commands.options import OutImage, checked_input
 from symolo.core.text_enum import TextEnum
 
 FAULTS = 4
@@ -20,7 +20,7 @@ def verify(
 ) -> int:
     """Check a dataset: structure, columns, units and ranges, rates, images, positions, checksums.
 
-    Prints one line for each fault, `file: what`, and ends with exit code 4 if there is one.
+    The command prints one line for each fault and ends with exit code 4 if there is any.
 
     Example: symolo verify data
     """
@@ -38,8 +38,12 @@ def verify(
 
 
 def compare(
-    a: Annotated[Path, typer.Argument(metavar="A", callback=checked_input, help="Dataset, run, pictures, or a file.")],
-    b: Annotated[Path, typer.Argument(metavar="B", callback=checked_input, help="The same, made another time.")],
+    a: Annotated[
+        Path, typer.Argument(metavar="A", callback=checked_input, help="Dataset, run, folder of images, or a file.")
+    ],
+    b: Annotated[
+        Path, typer.Argument(metavar="B", callback=checked_input, help="The same, made another time or elsewhere.")
+    ],
     tolerance_db: Annotated[
         float,
         typer.Option(
@@ -47,16 +51,16 @@ def compare(
             min=0,
             max=1000,
             metavar="DB",
-            help="What differs counts as equal from this many decibels on: peak over rms difference, of pictures the "
-            "PSNR, of a column its largest value for the peak.",
+            help="From this peak signal-to-noise ratio on, files count as equal; the peak of a column is its largest "
+            "value.",
         ),
     ] = 50.0,
-    every: Annotated[bool, typer.Option("--all", help="Name identical files too.")] = False,  # noqa: FBT002 - typer's
+    every: Annotated[bool, typer.Option("--all", help="Also list identical files.")] = False,  # noqa: FBT002 - typer's
 ) -> int:
-    """Compare two datasets, runs or folders of pictures, file by file.
+    """Compare two datasets, runs or folders of images, file by file.
 
-    Prints a line for each file that is not the same bytes, programs and processors that differ, and one line that says
-    what it comes to. Exit code 0: identical; 6: equal within --tolerance-db; 7: different.
+    The command prints a line for each file whose bytes differ, a line for each program and processor that differs,
+    and a line with the conclusion. Exit code 0: identical; 6: equal within --tolerance-db; 7: different.
 
     Example: symolo compare data data-of-another-machine --tolerance-db 60
     """
@@ -80,9 +84,9 @@ def contact_sheet(
     folder: Annotated[
         Path, typer.Argument(metavar="DIR", callback=checked_input, help="Dataset, run folder, or output of rerender.")
     ],
-    out: OutPicture,
-    per_run: Annotated[int, typer.Option(min=1, max=100, help="Images of each run, spread evenly.")] = 6,
-    width_px: Annotated[int, typer.Option(min=16, max=4096, help="Width of each image.")] = 240,
+    out: OutImage,
+    per_run: Annotated[int, typer.Option(min=1, max=100, help="Number of images of each run, evenly spaced.")] = 6,
+    width_px: Annotated[int, typer.Option(min=16, max=4096, help="Width of each image in pixels.")] = 240,
 ) -> None:
     """Put images of every run on one sheet, labelled with run, image number and state.
 
@@ -99,7 +103,7 @@ def contact_sheet(
 
 
 class SchemaOf(TextEnum):
-    """What there is a schema of."""
+    """The kinds of file that have a schema."""
 
     SCENARIO = "scenario"
     METADATA = "metadata"
@@ -107,10 +111,10 @@ class SchemaOf(TextEnum):
 
 def schema(
     of: Annotated[
-        SchemaOf, typer.Option("--of", help="scenario: what one writes; metadata: metadata.json of a dataset.")
+        SchemaOf, typer.Option("--of", help="scenario: scenario files; metadata: metadata.json of a dataset.")
     ] = SchemaOf.SCENARIO,
 ) -> None:
-    """Print the JSON Schema of scenario files, for editors that check and complete YAML, or that of metadata.json.
+    """Print the JSON Schema of scenario files or of metadata.json; editors check and complete YAML with it.
 
     Example: symolo schema > scenario.schema.json
 
@@ -121,14 +125,14 @@ def schema(
     from configs.json_schema import scenario_json_schema
     from symolo.dataset.metadata_schema import metadata_json_schema
 
-    found = scenario_json_schema() if of is SchemaOf.SCENARIO else metadata_json_schema()
-    typer.echo(json.dumps(found, indent=2, ensure_ascii=False))
+    document = scenario_json_schema() if of is SchemaOf.SCENARIO else metadata_json_schema()
+    typer.echo(json.dumps(document, indent=2, ensure_ascii=False))
 
 
 def doctor() -> int:
     """Check this machine: Python, packages, system libraries, Blender, PyBullet, disk, cores, memory, graphics card.
 
-    For each thing missing it says the line that mends it, and ends with exit code 5.
+    For each missing thing the command prints the line that installs it, and ends with exit code 5.
     """
     from pipeline.doctor import examine
 

@@ -1,5 +1,6 @@
-"""The command `symolo diagnose`: what the simulation gets wrong about measured data, why, and what mending it gains."""
+"""The command `symolo diagnose`: how the simulation differs from measured data, why, and what a better model gains."""
 
+from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,7 +10,7 @@ from pipeline.commands.options import Out, Workers, checked_input
 from symolo.core.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
+    from collections.abc import Sequence
 
     from pipeline.diagnosing.diagnose import NamedCase
     from pipeline.work.units import DiagnosisSettings
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 CASE_FAILED = 3
 
 
-def _checked(paths: list[Path]) -> list[Path]:
+def _checked(paths: Collection) -> list[Path]:  # bare, because Typer on Python 3.10 takes `list[Path]` for a class
     return [checked_input(path) for path in paths]
 
 
@@ -31,14 +32,16 @@ def diagnose(
         typer.Argument(
             metavar="CASE...",
             callback=_checked,
-            help="Case folders, logs, runs of a dataset, or table-1, table-3, table-4 of the paper.",
+            help="Measured data: case folders, logs, runs of a dataset, or table-1, table-3, table-4 of the paper.",
         ),
     ],
     *,
     out: Out,
     as_: Annotated[
         str | None,
-        typer.Option("--as", metavar="NAME", help="Read them as this kind of data; a name that is none lists them."),
+        typer.Option(
+            "--importer", metavar="NAME", help="Kind of data; by default symolo recognises it from the files."
+        ),
     ] = None,
     part: Annotated[
         str | None,
@@ -49,56 +52,62 @@ def diagnose(
         typer.Option(
             "--hold-out",
             metavar="PATTERN",
-            help="Hold out the trials of this name or part, such as 'circular/*', in place of those that are held out "
-            "by default; may be given again.",
+            help="Use trials with this name or part, such as 'circular/*', only to judge the result, in place of the "
+            "default ones; may be repeated.",
         ),
     ] = None,
     nominal: Annotated[
         str | None,
-        typer.Option(metavar="ROBOT", help="Nominal robot in all that CASE does not tell: shipped, or a YAML file."),
+        typer.Option(
+            metavar="ROBOT", help="Nominal robot for what CASE does not state: a shipped one, or a YAML file."
+        ),
     ] = None,
     pybullet: Annotated[
-        bool, typer.Option("--pybullet", help="Measure before and after by PyBullet, too; drives take minutes.")
+        bool,
+        typer.Option(
+            "--pybullet", help="Also measure the errors before and after with PyBullet; a drive takes minutes."
+        ),
     ] = False,
     against: Annotated[
         Path | None,
         typer.Option(
             metavar="DATASET",
             callback=_checked_one,
-            help="Say what this dataset of symolo covers of measured drives; its robot is the nominal one.",
+            help="Report how far this dataset of symolo covers the measured drives; its robot is the nominal one.",
         ),
     ] = None,
     workers: Workers = None,
-    explain: Annotated[bool, typer.Option("--explain", help="Print how the verdict was reached, too.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the answers as JSON, and nothing else.")] = False,
+    explain: Annotated[bool, typer.Option("--explain", help="Also print how the verdict was reached.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the answers as JSON and nothing else.")] = False,
 ) -> int:
-    """Say what the simulation gets wrong about a real robot or bench, and why.
+    """Explain why the simulation differs from a real robot or test bench.
 
-    Names the effects that the real robot has and the simulated one lacks,
-    with parameters, how sure that is, what these data cannot tell apart,
-    what stays unexplained, and what it gains on rows that nothing was fitted
-    to. Which CASE can be read: symolo measured --help. What the verdict
-    means: docs/diagnosis.md.
+    The result names the effects that the real robot has and the simulated
+    one lacks, with their parameters and how certain they are; effects that
+    these data cannot distinguish; what stays unexplained; and how much
+    better the extended robot predicts rows that were not used for fitting.
+    `symolo inspect --help` lists the data that can be read;
+    docs/diagnosis.md explains the result.
 
-    Written into DIR, of several cases into DIR/CASE each:
+    Files in DIR, or in DIR/CASE for several cases:
 
-    - report.html: one page that tells all; begin there
+    - report.html: one page with everything; begin there
 
-    - answer.json: the verdict as in docs/diagnosis.md
+    - answer.json: the result in the form of docs/diagnosis.md
 
-    - extended.yaml: the robot that was found, for --set robot=FILE, and
-      extended_varied.yaml, drawn anew in each run as far as it is open
+    - extended.yaml: the extended robot, for --set robot=FILE, and
+      extended_varied.yaml, which draws uncertain values for each run
 
     - summary.txt, reasoning.txt, plots/
 
-    Of several cases those that cannot be diagnosed are named and the others
-    finished: exit code 3.
+    If some of several cases cannot be diagnosed, the command names them,
+    finishes the others and ends with exit code 3.
 
     Example: symolo diagnose my_robot/bench_1 --out diagnosis
 
     Example: symolo diagnose my_robot/* --out diagnosis --workers 4
 
-    Judged on the circles of a set: symolo diagnose my_set --hold-out 'circular/*' --out diagnosis
+    Judge the result on the circular drives only: symolo diagnose my_set --hold-out 'circular/*' --out diagnosis
     """
     from pipeline.diagnosing.diagnose import cases_of, diagnose_cases, nominal_json
     from pipeline.run_folder.output import check_out
@@ -109,10 +118,10 @@ def diagnose(
     from symolo.dataset.folder_kind import Kind
 
     if explain and as_json:
-        raise InputError("--explain and --json", cure="ask for one of them; reasoning.txt is written in any case")
-    found = cases_of(cases)
-    if any(case.path.absolute() == out.absolute() for case in found):
-        # `table-1` would be looked for in the folder `table-1` as soon as that is there.
+        raise InputError("--explain and --json", cure="give one of them; reasoning.txt is written in any case")
+    named = cases_of(cases)
+    if any(case.path.absolute() == out.absolute() for case in named):
+        # As soon as a folder `table-1` exists, `table-1` means that folder.
         raise InputError("is the name of a case", where=f"--out {out}", cure="name another folder")
     settings = DiagnosisSettings(
         importer=as_,
@@ -123,16 +132,16 @@ def diagnose(
         against=against,
     )
     check_out(out, Kind.DIAGNOSIS)
-    if len(found) == 1:
-        _check(found[0], settings)
+    if len(named) == 1:
+        _check(named[0], settings)
     with Workspace(out.absolute(), Kind.DIAGNOSIS).locked():
         report = report_here()
-        failures = diagnose_cases(found, settings, out=out.absolute(), workers=workers or cores(), report=report)
+        failures = diagnose_cases(named, settings, out=out.absolute(), workers=workers or cores(), report=report)
     failed = {failure.unit.name: failure.text for failure in failures}
     if as_json:
-        _print_json(found, out, failed)
+        _print_json(named, out, failed)
     else:
-        _print(found, out, failed, explain=explain)
+        _print(named, out, failed, explain=explain)
     return CASE_FAILED if failed else 0
 
 

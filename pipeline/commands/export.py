@@ -1,4 +1,4 @@
-"""The command export: a release in formats that other people's tools open."""
+"""The command `symolo export`: a release in other formats."""
 
 from pathlib import Path
 from typing import Annotated
@@ -19,27 +19,32 @@ def export(
         typer.Option(
             "--format",
             metavar="NAMES",
-            help="tum, kitti, coco, webdataset, parquet, mcap, ros1, hdf5, huggingface, lerobot, rerun, with commas "
-            "between.",
+            help="tum, kitti, coco, webdataset, parquet, mcap, ros1, hdf5, huggingface, lerobot, rerun; several with "
+            "commas between them.",
         ),
     ],
     out: Annotated[
         Path, typer.Option("--out", metavar="OUT", callback=checked_new_folder, help="Output folder: new or empty.")
     ],
     runs: Annotated[
-        str | None, typer.Option("--runs", metavar="GLOB", help="Only runs whose name matches, such as 'CW/*'.")
+        str | None, typer.Option("--runs", metavar="GLOB", help="Include only runs whose name matches, such as 'CW/*'.")
     ] = None,
     shard_mb: Annotated[
         int,
         typer.Option(
-            "--shard-mb", min=1, max=2000, metavar="MB", help="Largest shard of webdataset, huggingface, lerobot."
+            "--shard-mb",
+            min=1,
+            max=2000,
+            metavar="MB",
+            help="Largest size of a shard of webdataset, huggingface, lerobot.",
         ),
     ] = 100,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would be written; write nothing.")] = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Print what would be written; write nothing.")] = False,
 ) -> None:
-    """Write a release in other formats, each in a folder of its name below OUT: whole, or not at all.
+    """Convert a release to other formats, each in a folder of its name in OUT.
 
-    The release is checked first, and a damaged one refused. The same release gives the same bytes.
+    The release is checked first; a damaged one is refused. OUT is written completely or not at all. The same release
+    gives the same bytes.
 
     Example: symolo export data --format tum,kitti --out exported
     """

@@ -23,7 +23,7 @@ from symolo.core.text_enum import TextEnum
 
 
 class FramingChoice(TextEnum):
-    """How the bytes are put together."""
+    """Framings of the serial line."""
 
     FRAMED = "framed"
     SIMTWO = "simtwo"
@@ -31,14 +31,17 @@ class FramingChoice(TextEnum):
 
 Framing = Annotated[
     FramingChoice,
-    typer.Option("--framing", help="framed has sequence numbers and CRC-16; simtwo is that of SimTwo's channels."),
+    typer.Option(
+        "--framing",
+        help="Format on the serial line: framed has sequence numbers and checksums; simtwo is that of SimTwo.",
+    ),
 ]
 Baud = Annotated[
     int | None,
     typer.Option(
         "--baud",
         metavar="N",
-        help="Bits per second: 115200, 250000, 500000 or 1000000. By default 500000, with --framing simtwo 115200.",
+        help="Baud rate: 115200, 250000, 500000 or 1000000; by default 500000, with --framing simtwo 115200.",
     ),
 ]
 
@@ -52,7 +55,9 @@ def hil(
     ] = None,
     simulated: Annotated[
         bool,
-        typer.Option("--simulated", help="A simulated ATmega2560 instead, in lock-step: the same data every time."),
+        typer.Option(
+            "--simulated", help="Use a simulated ATmega2560 in lock-step, which gives the same data every time."
+        ),
     ] = False,
     framing: Framing = FramingChoice.FRAMED,
     baud: Baud = None,
@@ -61,13 +66,13 @@ def hil(
     device: OnDevice = None,
     memory: WorkerMemory = None,
 ) -> int:
-    """Hardware in the loop: a board drives the robot, everything else is a release as any other.
+    """Make a dataset whose robot is driven by a microcontroller board (hardware in the loop).
 
     Example: symolo hil smoke --simulated --out data
 
-    With a real one: symolo firmware --out lap, flash the sketch, then symolo hil smoke --port /dev/ttyACM0 --out data
+    With a real board: symolo firmware --out lap, flash the sketch, then symolo hil smoke --port /dev/ttyACM0 --out data
 
-    Given again it continues: runs that were driven are kept.
+    The same command continues after an interruption: runs that were driven are kept.
     """
     from pipeline.executors.local import Local
     from pipeline.run_folder.status import again
@@ -99,26 +104,26 @@ def firmware(
             "--out",
             metavar="DIR",
             callback=checked_new_folder,
-            help="Folder of the sketch, which must not be there yet; its name becomes that of the sketch.",
+            help="New folder for the sketch; its name becomes that of the sketch.",
         ),
     ],
     *,
     robot: Robot = "nominal",
     framing: Framing = FramingChoice.FRAMED,
     baud: Baud = None,
-    todo: Annotated[
+    exercises: Annotated[
         str | None,
         typer.Option(
             metavar="NAME,...",
-            help="Functions of student.c that are left to be written, such as line_error,follow; `all` for every one.",
+            help="Functions of student.c that students write, such as line_error,follow; `all` for every one.",
         ),
     ] = None,
 ) -> None:
-    """Write the robot's controller as a sketch for an Arduino Mega 2560, ready to be flashed.
+    """Write the robot's controller as a sketch for an Arduino Mega 2560.
 
     Example: symolo firmware --out lap
 
-    For a lesson: symolo firmware --out lesson --todo line_error,follow
+    For a lesson: symolo firmware --out lesson --exercises line_error,follow
     """
     from configs.draw import draw_robot
     from configs.loader import load_section
@@ -126,7 +131,7 @@ def firmware(
     from hil.build import student_tasks, write_sketch
 
     config, _ = draw_robot(load_section("robot", robot), 1, "bench")
-    left = student_tasks() if todo == "all" else names(todo, "--todo") if todo else ()
+    chosen = student_tasks() if exercises == "all" else names(exercises, "--exercises") if exercises else ()
     bits_per_s = Board(framing=framing.value, baud=baud).bits_per_s
-    identity = write_sketch(config, out, framing.value, bits_per_s, left)
+    identity = write_sketch(config, out, framing.value, bits_per_s, chosen)
     typer.echo(f"firmware {identity} for robot {config.name}, {framing.value} at {bits_per_s} baud, in {out}")

@@ -1,4 +1,4 @@
-"""Commands that keep data whole: status, repair, bag."""
+"""Commands that keep data complete: status, repair, bag."""
 
 from pathlib import Path
 from typing import Annotated
@@ -16,15 +16,16 @@ Released = Annotated[
 def status(
     folder: Annotated[Path, typer.Argument(metavar="DIR", callback=checked_input, help="Output folder of a release.")],
     scenario: Annotated[
-        str | None, typer.Argument(metavar="[SCENARIO]", help="What would be run again; else what is stored.")
+        str | None,
+        typer.Argument(metavar="[SCENARIO]", help="Scenario that would be released next; by default the stored one."),
     ] = None,
     *,
     settings: Settings = None,
-    check: Annotated[bool, typer.Option("--check", help="Hash every file; without it, damage is not seen.")] = False,
+    check: Annotated[bool, typer.Option("--check", help="Hash every file, which detects damage.")] = False,
 ) -> None:
-    """Say what an output folder holds, what failed, and what the next release would do and why; change nothing.
+    """Show what an output folder holds, what failed, and what the next release would do and why. Changes nothing.
 
-    Also says whether a command works in it now, and what it takes on the disk.
+    The command also shows whether another command works in the folder, and how much disk space it uses.
 
     Example: symolo status data symolo --set look.sun.elevation_deg=60
     """
@@ -35,7 +36,7 @@ def status(
     from symolo.core.progress import report_here
 
     if settings and scenario is None:
-        raise InputError("--set", got=settings[0], cure="name the scenario that it is for")
+        raise InputError("--set", got=settings[0], cure="name the scenario that it applies to")
     specs = draw_reported(load_scenario(scenario, settings or ()), report_here()) if scenario is not None else ()
     for line in lines(folder, specs, check=check):
         typer.echo(line)
@@ -45,15 +46,15 @@ def repair(
     folder: Released,
     *,
     remove_extra: Annotated[
-        bool, typer.Option("--remove-extra", help="Remove files that are no part of the release.")
+        bool, typer.Option("--remove-extra", help="Remove files that do not belong to the release.")
     ] = False,
     workers: Workers = None,
 ) -> int:
-    """Make the damaged files of a dataset again, and nothing else.
+    """Restore the damaged files of a dataset, and nothing else.
 
-    Takes what lies elsewhere in the dataset or in .stages, simulates a run again only where its trajectory is gone, and
-    renders damaged frames alone. A file gets its place only where its SHA-256 is that of the manifest. Exit code 0:
-    every file is as it was released; 4: some are not, each is named with the reason.
+    Copies of a file elsewhere in the dataset or in .stages are used first. A run is simulated again only if its
+    trajectory is lost, and only damaged frames are rendered again. A file is put in place only if its SHA-256 is that
+    of the manifest. Exit code 0: every file is as it was released; 4: some are not, and each is named with the reason.
 
     Example: symolo repair data
     """
@@ -65,16 +66,16 @@ def repair(
     for fault in result.left:
         typer.echo(f"not repaired: {fault}")
     if result.left:
-        typer.echo(f"{folder}: {result.repaired} faults mended, {len(result.left)} left", err=True)
+        typer.echo(f"{folder}: {result.repaired} faults repaired, {len(result.left)} left", err=True)
     else:
-        typer.echo(f"{folder}: {result.repaired} faults mended, every file is as it was released")
+        typer.echo(f"{folder}: {result.repaired} faults repaired, every file is as it was released")
     return FAULTS if result.left else 0
 
 
 def bag(folder: Released, out: Out) -> None:
-    """Wrap a dataset as a bag (BagIt 1.0, RFC 8493), to hand it to an archive.
+    """Wrap a dataset as a bag (BagIt 1.0, RFC 8493) for an archive.
 
-    The files lie below BAG/data as they are, so that BAG/data is the same dataset. A damaged one is refused.
+    BAG/data is the same dataset, unchanged. A damaged dataset is refused.
 
     Example: symolo bag data --out bag
     """

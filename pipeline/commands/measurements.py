@@ -1,4 +1,4 @@
-"""The command `symolo measured`: what is in measured data, before anything is made of it."""
+"""The command `symolo inspect`: what measured data contain, before they are used."""
 
 from pathlib import Path
 from typing import Annotated
@@ -8,7 +8,7 @@ import typer
 from pipeline.commands.options import checked_input
 
 
-def measured(
+def inspect(
     case: Annotated[
         Path,
         typer.Argument(
@@ -20,12 +20,14 @@ def measured(
     *,
     as_: Annotated[
         str | None,
-        typer.Option("--as", metavar="NAME", help="Read it as this kind of data; a name that is none lists them."),
+        typer.Option(
+            "--importer", metavar="NAME", help="Kind of data; by default symolo recognises it from the files."
+        ),
     ] = None,
 ) -> None:
-    """Say what is in the log of a real robot or bench, before anything is made of it.
+    """Show what the log of a real robot or test bench contains: channels, rates, gaps, noise.
 
-    CASE is one of these; which one is seen from its files:
+    CASE is one of these; symolo recognises the kind from the files:
 
     - a case folder: nominal.yaml and data.csv, kinds motor_steady,
       motor_step, tof_bench and drive_log (docs/measured.md)
@@ -36,19 +38,20 @@ def measured(
 
     - table-1, table-3 or table-4 of the paper
 
-    Printed are trials with rates and gaps, then for each channel: rows;
-    missing, without target, stale (an old value said again) and wild ones
-    (6 sigma off their neighbours, or off the known distance); smallest
-    and largest good value; the step that all lie on; noise as found in
-    the data, with its correlation from row to row or the number of
-    repeats it rests on; noise as the source states it.
+    The command prints the trials with their rates and gaps. Then it prints
+    for each channel: the number of rows; how many are missing, have no
+    target, are stale (an old value repeated) or are outliers (6 sigma off
+    their neighbours, or off the known distance); the smallest and largest
+    good value; the quantisation step; the noise estimated from the data,
+    with its correlation from row to row or the number of repeats behind
+    it; the noise that the source states.
 
-    Nothing is written and nothing mended. A file that is not as it should
-    be is refused with file, row and column, exit code 2.
+    Nothing is written or changed. A bad file is refused with its name,
+    row and column, and exit code 2.
 
-    Example: symolo measured my_robot/drive_1
+    Example: symolo inspect my_robot/drive_1
 
-    Example: symolo measured table-1
+    Example: symolo inspect table-1
     """
     from diagnosis.importers.choose import read_measurement
     from diagnosis.measured.overview import overview

@@ -1,4 +1,4 @@
-"""The command model: robot and arena of a run as files for other people's simulators and viewers."""
+"""The command `symolo model`: robot and arena of a run as URDF and SDF."""
 
 from pathlib import Path
 from typing import Annotated
@@ -15,19 +15,21 @@ def model(
         Path, typer.Option("--out", metavar="DIR", callback=checked_new_folder, help="Output folder: new or empty.")
     ],
     route: Annotated[
-        str | None, typer.Option("--route", metavar="NAME", help="Route of the run; the first by default.")
+        str | None, typer.Option("--route", metavar="NAME", help="Route of the run; by default the first one.")
     ] = None,
-    run: Annotated[int, typer.Option("--run", min=1, max=100_000, metavar="N", help="Which of its runs.")] = 1,
-    formats: Annotated[str, typer.Option("--format", metavar="NAMES", help="urdf, sdf, with a comma between.")] = (
-        "urdf,sdf"
-    ),
+    run: Annotated[
+        int, typer.Option("--run", min=1, max=100_000, metavar="N", help="Number of the run on that route.")
+    ] = 1,
+    formats: Annotated[
+        str, typer.Option("--format", metavar="NAMES", help="urdf, sdf, or both with a comma between them.")
+    ] = ("urdf,sdf"),
     settings: Settings = None,
 ) -> None:
-    """Write robot and arena of a run as URDF and SDF, for ROS, Gazebo, PyBullet and others; simulates nothing.
+    """Write robot and arena of a run as URDF and SDF files for ROS, Gazebo, PyBullet and others.
 
-    robot.urdf and robot.sdf have the bodies that are simulated, the shapes that are rendered and the frames of the
-    sensors; arena.sdf has floor, line, walls and obstacles, world.sdf the robot at its start in them. What is drawn per
-    run is as in that run.
+    robot.urdf and robot.sdf hold the simulated bodies, the rendered shapes and the frames of the sensors. arena.sdf
+    holds floor, line, walls and obstacles; world.sdf adds the robot at its start. Randomised values are those of this
+    run. Nothing is simulated.
 
     Example: symolo model symolo --route CCW --out model
     """
@@ -52,4 +54,4 @@ def model(
             write_file(folder / name, data)
     typer.echo(f"{out}: {', '.join(files)} of {spec.key}")
     if moving := [obstacle.name for obstacle in spec.arena.obstacles if obstacle.motion is not None]:
-        typer.echo(f"standing still, where they are at t = 0: {', '.join(moving)}")
+        typer.echo(f"these obstacles move in the run; the files show them at t = 0: {', '.join(moving)}")

@@ -12,13 +12,13 @@ from symolo.core.text_enum import TextEnum
 
 
 def checked_input(path: Path) -> Path:
-    """A file or folder to read."""
+    """Check the path of a file or folder to read."""
     check_path(path, "argument")
     return path
 
 
-def checked_new_picture(path: Path) -> Path:
-    """A picture file to write."""
+def checked_new_image(path: Path) -> Path:
+    """Check the path of an image file to write."""
     from symolo.dataset.folder_kind import check_outside
 
     check_new_path(path, "--out")
@@ -30,7 +30,7 @@ def checked_new_picture(path: Path) -> Path:
 
 
 def checked_new_folder(path: Path) -> Path:
-    """A folder to write."""
+    """Check the path of a folder to write."""
     from symolo.dataset.folder_kind import check_outside
 
     check_new_path(path, "--out", BELOW_CHARS)
@@ -39,7 +39,7 @@ def checked_new_folder(path: Path) -> Path:
 
 
 def if_given(check: Callable[[Path], Path]) -> Callable[[Path | None], Path | None]:
-    """The same check of an option that may be left out."""
+    """Return the same check for an option that may be left out."""
     return lambda path: None if path is None else check(path)
 
 
@@ -53,9 +53,9 @@ Out = Annotated[
         help="Output folder: new, empty, or one that symolo made before.",
     ),
 ]
-OutPicture = Annotated[
+OutImage = Annotated[
     Path,
-    typer.Option("--out", metavar="FILE", callback=checked_new_picture, help="Picture to write, .jpg or .png."),
+    typer.Option("--out", metavar="FILE", callback=checked_new_image, help="Image file to write, .jpg or .png."),
 ]
 Robot = Annotated[str, typer.Option("--robot", metavar="NAME", help="Name of a shipped robot, or a YAML file.")]
 Settings = Annotated[
@@ -63,13 +63,13 @@ Settings = Annotated[
     typer.Option(
         "--set",
         metavar="PATH=VALUE",
-        help="Override one field, such as render.quality=high; may be given again. The value is YAML and may be a "
+        help="Override one field, such as render.quality=high; may be repeated. The value is YAML and may be a "
         "distribution, such as '{uniform: [4, 8]}'.",
     ),
 ]
 Workers = Annotated[
     int | None,
-    typer.Option("--workers", min=1, max=256, metavar="N", help="Child processes at a time; all cores by default."),
+    typer.Option("--workers", min=1, max=256, metavar="N", help="Number of worker processes; by default one per core."),
 ]
 
 WorkerMemory = Annotated[
@@ -79,8 +79,8 @@ WorkerMemory = Annotated[
         min=0.5,
         max=10000,
         metavar="GB",
-        help="Memory that a worker may take with its Blender; nine tenths of the machine's by default. One that takes "
-        "more is ended, and its frame or run is tried again, three times in all.",
+        help="Largest memory of a worker and its Blender; by default nine tenths of the machine's. A worker that uses "
+        "more is ended, and its image or run is tried again, three times in all.",
     ),
 ]
 
@@ -89,8 +89,8 @@ Part = Annotated[
     str | None,
     typer.Option(
         metavar="K/N",
-        help="Only the K-th of N parts of the work, such as 3/10, in a folder that all of them share; several may be "
-        "made at the same time, on any machine that sees the folder. `release` finishes what the parts have made.",
+        help="Do only the K-th of N parts of the work, such as 3/10. Parts may run at the same time on machines "
+        "that share the output folder; `release` finishes the dataset afterwards.",
     ),
 ]
 
@@ -106,11 +106,14 @@ WorkedBy = Annotated[
     ExecutorName,
     typer.Option(
         "--executor",
-        help="Where the work is done: by child processes here, or by a Ray cluster whose nodes see the output folder.",
+        help="Where the work is done: on this machine, or on a Ray cluster whose nodes share the output folder.",
     ),
 ]
 Address = Annotated[
-    str, typer.Option(metavar="HOST:PORT", help="Of the Ray cluster; auto is the one that was started on this machine.")
+    str,
+    typer.Option(
+        metavar="HOST:PORT", help="Address of the Ray cluster; auto is the one that was started on this machine."
+    ),
 ]
 
 
@@ -121,23 +124,25 @@ GpuShare = Annotated[
         min=0.01,
         max=1.0,
         metavar="SHARE",
-        help="Of a graphics card that each task on the Ray cluster takes, with --device auto or gpu; 0.5 by default, "
-        "which is two on a card.",
+        help="Share of a graphics card for each task on the Ray cluster, with --device auto or gpu; by default 0.5, "
+        "two tasks on a card.",
     ),
 ]
 
 
 Endpoint = Annotated[
     str | None,
-    typer.Option(metavar="URL", help="Server that speaks S3, such as MinIO; without it Amazon's, or AWS_ENDPOINT_URL."),
+    typer.Option(
+        metavar="URL", help="Server with the S3 protocol, such as MinIO; by default AWS_ENDPOINT_URL, or Amazon."
+    ),
 ]
 AllowHttp = Annotated[
-    bool, typer.Option("--allow-http", help="Let requests go unencrypted, as to a server on the same machine.")
+    bool, typer.Option("--allow-http", help="Allow unencrypted requests, such as to a server on the same machine.")
 ]
 
 
 class Device(TextEnum):
-    """What renders."""
+    """Kinds of device that render."""
 
     AUTO = "auto"
     CPU = "cpu"
@@ -148,20 +153,20 @@ OnDevice = Annotated[
     Device | None,
     typer.Option(
         "--device",
-        help="What renders: cpu gives the same bytes on machines of one class; auto takes a graphics card where Cycles "
-        "lists one (OptiX, CUDA, HIP, Metal, oneAPI); gpu insists on it. In place of the scenario's render.device.",
+        help="Device that renders: cpu gives the same bytes on processors of one class; auto takes a graphics card if "
+        "there is one (OptiX, CUDA, HIP, Metal, oneAPI); gpu requires one. Overrides render.device of the scenario.",
     ),
 ]
 
 
 def with_device(settings: Sequence[str] | None, device: Device | None) -> tuple[str, ...]:
-    """The overrides with that of `--device`, which comes last and so counts."""
+    """Return the overrides with that of `--device` at the end, where it wins."""
     return (*(settings or ()), *([f"render.device={device}"] if device else []))
 
 
 def names(text: str, where: str) -> tuple[str, ...]:
-    """The names of a list with commas between them."""
-    found = tuple(name.strip() for name in text.split(","))
-    if not all(found):
+    """Return the names in a list with commas between them."""
+    result = tuple(name.strip() for name in text.split(","))
+    if not all(result):
         raise InputError(where, got=text, allowed="names with commas between them, such as classroom,lab")
-    return found
+    return result

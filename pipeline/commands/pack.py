@@ -1,4 +1,4 @@
-"""The command pack: a release as what is uploaded to an archive."""
+"""The command `symolo pack`: a release as files for an archive."""
 
 from pathlib import Path
 from typing import Annotated
@@ -27,15 +27,18 @@ def pack(
         Path, typer.Option("--out", metavar="OUT", callback=checked_new_folder, help="Output folder: new or empty.")
     ],
     shard_gb: Annotated[
-        float, typer.Option("--shard-gb", min=0.00001, max=50, metavar="GB", help="Largest tar, 1 GB = 1e9 bytes.")
+        float,
+        typer.Option(
+            "--shard-gb", min=0.00001, max=50, metavar="GB", help="Largest size of a tar file; 1 GB is 1e9 bytes."
+        ),
     ] = 10.0,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would be written; write nothing.")] = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Print what would be written; write nothing.")] = False,
 ) -> None:
-    """Pack a release for Zenodo, the Hugging Face Hub or alike: tar shards, and what people and machines know it by.
+    """Pack a release for Zenodo, the Hugging Face Hub or a similar archive: tar files and descriptions.
 
-    The shards unpack to the release as it is. Beside them lie the tables of all runs as CSV, README.md (a dataset
+    Unpacked, the tar files give the same release. Beside them are the tables of all runs as CSV, README.md (a dataset
     card), CITATION.cff, croissant.json (MLCommons), datacite.json and SHA256SUMS. A damaged release is refused. The
-    same one gives the same bytes.
+    same release gives the same bytes.
 
     Example: symolo pack data --about about.yaml --out upload
     """

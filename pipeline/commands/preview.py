@@ -1,4 +1,4 @@
-"""The command that shows what a scenario's pictures would look like."""
+"""The command `symolo preview`: images of a scenario without a simulation."""
 
 from pathlib import Path
 from typing import Annotated
@@ -10,7 +10,7 @@ from pipeline.commands.options import (
     Scenario,
     Settings,
     Workers,
-    checked_new_picture,
+    checked_new_image,
     if_given,
     names,
     with_device,
@@ -28,33 +28,37 @@ def preview(
         Path | None,
         typer.Option(
             metavar="FILE",
-            callback=if_given(checked_new_picture),
-            help="Picture to write, .jpg or .png; SCENARIO-preview.jpg in this folder by default.",
+            callback=if_given(checked_new_image),
+            help="Image file to write, .jpg or .png; by default SCENARIO-preview.jpg in the current folder.",
         ),
     ] = None,
-    count: Annotated[int, typer.Option("-n", "--n", min=1, max=1000, metavar="N", help="Pictures on the sheet.")] = 24,
+    count: Annotated[
+        int, typer.Option("-n", "--count", min=1, max=1000, metavar="N", help="Number of images on the sheet.")
+    ] = 24,
     engine: Annotated[
         Engine,
-        typer.Option(help="cycles: path-traced as in a release, at quality draft; flat: without Blender, in seconds."),
+        typer.Option(help="cycles: path-traced as in a release, in draft quality; flat: without Blender, in seconds."),
     ] = Engine.CYCLES,
     look: Annotated[
         str | None,
-        typer.Option("--look", "--looks", metavar="NAME,...", help="Looks to show in turn; else the scenario's own."),
+        typer.Option(
+            "--look", "--looks", metavar="NAME,...", help="Looks to show in turn; by default that of the scenario."
+        ),
     ] = None,
     settings: Settings = None,
-    width_px: Annotated[int, typer.Option(min=32, max=_MAX_WIDE_PX, help="Width of each picture.")] = 320,
-    columns: Annotated[int, typer.Option(min=1, max=100, help="Pictures in a row.")] = 6,
+    width_px: Annotated[int, typer.Option(min=32, max=_MAX_WIDE_PX, help="Width of each image in pixels.")] = 320,
+    columns: Annotated[int, typer.Option(min=1, max=100, help="Number of images in a row.")] = 6,
     workers: Workers = None,
     device: OnDevice = None,
 ) -> int:
-    """Show what a scenario's pictures would look like, on one sheet; simulates nothing and stores nothing else.
+    """Show what the images of a scenario will look like, on one sheet, without a simulation.
 
-    Every picture shows another run, its arena, robot and look drawn as for a release: the routes take turns, and runs
-    beyond those of the scenario are drawn as if it had more. With several looks, each run is shown under all of them.
+    Each image shows another run with the arena, robot and look that a release draws for it. Routes take turns. If the
+    scenario has fewer runs, further ones are drawn. With several looks, each run is shown under all of them.
 
-    Places are spread evenly over the way round the arena, which is not driven: the robot stands on the middle of the
-    line or, where walls join its ends, beside them, faces along, and is no closer to what stands ahead than where its
-    controller would turn aside. Each picture is exposed by its own light.
+    The robot stands on the line, or beside the walls that join its ends, and faces along it. The places are evenly
+    spaced around the arena, and not closer to an obstacle than the controller would drive. Each image is exposed by its
+    own light.
 
     Example: symolo preview symolo -n 24
 
@@ -71,13 +75,13 @@ def preview(
     drawn = views(scenario, with_device(settings, device), looks, count, width_px)
     first = next(drawn)
     check_size(first, count, columns)
-    sheet_file = out or checked_new_picture(Path(f"{Path(scenario).stem}-preview.jpg"))
+    sheet_file = out or checked_new_image(Path(f"{Path(scenario).stem}-preview.jpg"))
     chosen = [first, *drawn]
-    made, failures = pictures(engine, chosen, workers or cores(), report_here())
+    images, failures = pictures(engine, chosen, workers or cores(), report_here())
     for failure in failures:
-        typer.echo(f"failed: picture {failure.run}: {failure.problem}", err=True)
-    if not made:
-        raise RunFailed("preview: no picture could be made")
-    save(sheet(chosen, made, columns), sheet_file)
-    typer.echo(f"{sheet_file}: {len(made)} of {count} pictures")
+        typer.echo(f"failed: image {failure.run}: {failure.problem}", err=True)
+    if not images:
+        raise RunFailed("preview: no image could be made")
+    save(sheet(chosen, images, columns), sheet_file)
+    typer.echo(f"{sheet_file}: {len(images)} of {count} images")
     return RUN_FAILED if failures else 0

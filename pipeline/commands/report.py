@@ -1,4 +1,4 @@
-"""The command report: one page about a release, for people."""
+"""The command `symolo report`: one HTML page about a release."""
 
 from pathlib import Path
 from typing import Annotated
@@ -28,16 +28,19 @@ def report(
         Path, typer.Option("--out", metavar="FILE", callback=_checked_new_page, help="Page to write, .html.")
     ],
     runs: Annotated[
-        str | None, typer.Option("--runs", metavar="GLOB", help="Only runs whose name matches, such as 'CW/*'.")
+        str | None, typer.Option("--runs", metavar="GLOB", help="Include only runs whose name matches, such as 'CW/*'.")
     ] = None,
     detail: Annotated[
-        int, typer.Option("--detail", min=0, max=200, metavar="N", help="Runs shown one by one, at most.")
+        int,
+        typer.Option(
+            "--detail", min=0, max=200, metavar="N", help="Largest number of runs that get a section of their own."
+        ),
     ] = 12,
 ) -> None:
-    """Make one HTML page about a release: what is in it, its paths, runs, images, draws, warnings and provenance.
+    """Make one HTML page about a release: content, paths, runs, images, random draws, warnings, provenance.
 
-    The page holds everything that it shows and loads nothing. The release is checked first, and a damaged one refused.
-    The same release gives the same bytes.
+    The page is one file that loads nothing from elsewhere. The release is checked first; a damaged one is refused. The
+    same release gives the same bytes.
 
     Example: symolo report data --out report.html
     """
@@ -47,6 +50,6 @@ def report(
     from symolo.report.build import release_report
 
     data = open_release(folder, runs)
-    made = release_report(data, detail, report_here())
-    write_file(out, made)
-    typer.echo(f"{out}: {len(data)} runs, {len(made) / 1e6:.1f} MB")
+    page = release_report(data, detail, report_here())
+    write_file(out, page)
+    typer.echo(f"{out}: {len(data)} runs, {len(page) / 1e6:.1f} MB")

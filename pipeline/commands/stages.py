@@ -1,4 +1,4 @@
-"""Commands that make data: plan, simulate, render, assemble, release, rerender."""
+"""Commands that generate data: plan, simulate, render, assemble, release, rerender."""
 
 import shlex
 from collections.abc import Sequence
@@ -45,18 +45,17 @@ def plan(
     scenario: Scenario,
     *,
     settings: Settings = None,
-    frames: Annotated[
+    images: Annotated[
         int | None,
-        typer.Option(min=1, max=10**12, metavar="N", help="Price so many images, by a few that are made and timed."),
+        typer.Option(min=1, max=10**12, metavar="N", help="Estimate the cost of N images: a few are made and timed."),
     ] = None,
     device: OnDevice = None,
 ) -> None:
-    """Say what a scenario would make, how large and how long; write nothing.
+    """Show what a scenario will produce, its size and how long it takes. Writes nothing.
 
     Example: symolo plan symolo --set render.quality=high
 
-    What a million images would cost, in core-hours and terabytes, measured here in a minute: symolo plan symolo
-    --frames 1000000
+    Cost of a million images in core-hours and terabytes, measured in a minute: symolo plan symolo --images 1000000
     """
     from configs.loader import load_scenario
     from pipeline.planning.drawing import draw_reported
@@ -65,11 +64,11 @@ def plan(
     from symolo.core.progress import report_here
 
     overrides = with_device(settings, device)
-    if frames is not None:
+    if images is not None:
         from pipeline.planning.price import measure
 
         price, about = measure(scenario, overrides, report_here())
-        typer.echo(price.text(frames, about))
+        typer.echo(price.text(images, about))
         return
     specs = draw_reported(load_scenario(scenario, overrides), report_here())
     typer.echo(ScenarioPlan.of(specs, cores()).text())
@@ -84,7 +83,7 @@ def simulate(
     memory: WorkerMemory = None,
     part: Part = None,
 ) -> int:
-    """First stage: drive every run in PyBullet and store its trajectory and readings.
+    """Stage 1: simulate every run in PyBullet and store its trajectory and sensor readings.
 
     Example: symolo simulate smoke --out data
     """
@@ -101,11 +100,11 @@ def render(
     memory: WorkerMemory = None,
     part: Part = None,
 ) -> int:
-    """Second stage: render the images of every simulated run in Blender, and annotate them where asked for.
+    """Stage 2: render the images of every simulated run in Blender, with the annotations of the scenario.
 
     Example: symolo render smoke --out data
 
-    One job of ten, each on a machine of its own: symolo render smoke --out data --part 3/10
+    One of ten jobs, each on another machine: symolo render smoke --out data --part 3/10
     """
     return _make("render", scenario, out, settings, workers, device, memory, part)
 
@@ -113,7 +112,7 @@ def render(
 def assemble(
     scenario: Scenario, out: Out, *, settings: Settings = None, workers: Workers = None, device: OnDevice = None
 ) -> int:
-    """Third stage: put the dataset together, with description, metadata and checksums.
+    """Stage 3: assemble the dataset with description, metadata and checksums.
 
     Example: symolo assemble smoke --out data
     """
@@ -135,27 +134,30 @@ def release(
         str | None,
         typer.Option(
             metavar="URL",
-            help="Send each run there as soon as it is whole, while others are made, and the lists of checksums at the "
-            "end: s3://BUCKET/PREFIX, gs://BUCKET/PREFIX or file:///FOLDER.",
+            help="Send each run there as soon as it is complete, and the lists of checksums at the end: "
+            "s3://BUCKET/PREFIX, gs://BUCKET/PREFIX or file:///FOLDER.",
         ),
     ] = None,
     endpoint: Endpoint = None,
     allow_http: AllowHttp = False,
 ) -> int:
-    """All stages: from a scenario to a dataset. Given again, it continues where it stopped.
+    """Make a dataset from a scenario: all three stages.
 
     Example: symolo release smoke --out data
 
-    What is done and unchanged is not done again: with another look only the images are made anew.
+    The same command continues after an interruption. Only what has changed is made again: with another look, only the
+    images.
 
     On a cluster: symolo release symolo --out /shared/data --executor ray --address head:6379
 
-    Sent while it is made: symolo release smoke --out data --upload file:///mnt/shelf/data
+    Upload while it runs: symolo release smoke --out data --upload file:///mnt/shelf/data
     """
     if executor is ExecutorName.RAY and workers is not None:
         raise InputError("--workers", got=workers, cure="leave it out: the size of the cluster decides")
     if executor is not ExecutorName.RAY and gpu_share is not None:
-        raise InputError("--gpu-share", got=gpu_share, cure="leave it out: here --workers take the cards in turn")
+        raise InputError(
+            "--gpu-share", got=gpu_share, cure="leave it out: without Ray, workers take the graphics cards in turn"
+        )
     where = address if executor is ExecutorName.RAY else None
     to = _destination(out, upload, endpoint, allow_http=allow_http)
     return _make(
@@ -166,7 +168,7 @@ def release(
 def _destination(out: Path, url: str | None, endpoint: str | None, *, allow_http: bool) -> "Destination | None":
     if url is None:
         if endpoint or allow_http:
-            raise InputError("--endpoint" if endpoint else "--allow-http", cure="name the place by --upload")
+            raise InputError("--endpoint" if endpoint else "--allow-http", cure="name the destination by --upload")
         return None
     from pipeline.stages.upload import Destination
     from symolo.storage.address import store_of
@@ -189,7 +191,7 @@ def _make(  # noqa: PLR0917 - the options of the commands
     card_share: float | None = None,
     to: "Destination | None" = None,
 ) -> int:
-    """Do one stage, or all for `release`."""
+    """Do one stage, or all of them for `release`."""
     from pipeline.executors import chosen
     from pipeline.work.batch import Batch
     from symolo.core.progress import report_here
@@ -197,8 +199,8 @@ def _make(  # noqa: PLR0917 - the options of the commands
     executor = chosen(workers, memory, part, address, card_share)
     stages = STAGES if command == "release" else (command,)
     report = report_here()
-    overrides, pictured = with_device(settings, device), command != "simulate"
-    batch = Batch.open(scenario, overrides, out, executor, report, pictured=pictured)
+    overrides, renders = with_device(settings, device), command != "simulate"
+    batch = Batch.open(scenario, overrides, out, executor, report, renders=renders)
     failures = batch.simulated() if "simulate" not in stages else []
     if "assemble" in stages and "render" not in stages:
         failures += batch.rendered(failures)
@@ -223,7 +225,7 @@ def _done(
     report: "Report",
     along: "Along | None",
 ) -> "list[FailedRun]":
-    """What failed, before these stages or in them; of a release `along` its way each run leaves as it is whole."""
+    """Do the stages and return all failures; `along` uploads each run as soon as it is complete."""
     from pipeline.run_folder.status import again
 
     failed = [*failures]
@@ -245,7 +247,7 @@ def _done(
 def _concluded_part(failures: "Sequence[FailedRun]", command: str, part: str, out: Path) -> int:
     for failure in failures:
         typer.echo(f"failed: {failure.run}: {failure.stage}: {failure.problem}", err=True)
-    typer.echo(f"{command}: part {part} is done, in {out}; when all are, `symolo release` finishes")
+    typer.echo(f"{command}: part {part} is done, in {out}; when all parts are done, `symolo release` finishes")
     return RUN_FAILED if failures else 0
 
 
@@ -259,32 +261,42 @@ def rerender(
     *,
     look: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="Name of a shipped look, or a YAML file; its pictures lie in DIR."),
+        typer.Option(metavar="NAME", help="Name of a shipped look, or a YAML file; its images are in DIR."),
     ] = None,
     looks: Annotated[
         str | None,
-        typer.Option(metavar="NAME,...", help="Looks as above; the pictures of draw k lie in DIR/LOOK_k, k from 1."),
+        typer.Option(
+            metavar="NAME,...", help="Several looks; the images of draw k of a look are in DIR/LOOK_k, k from 1."
+        ),
     ] = None,
     draws: Annotated[
-        int | None, typer.Option("-n", "--n", min=1, max=1000, metavar="N", help="Draws of each of --looks; else one.")
+        int | None,
+        typer.Option("-n", "--draws", min=1, max=1000, metavar="N", help="Draws of each of --looks; by default 1."),
     ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
             metavar="DIR",
             callback=if_given(checked_new_folder),
-            help="Output folder: new, empty, or one that symolo made before; by default one named by run and "
-            "looks in this folder, such as CW-test_1-classroom-night.",
+            help="Output folder: new, empty, or one that symolo made before; by default a folder named after run and "
+            "looks, such as CW-test_1-classroom-night.",
         ),
     ] = None,
-    arena: Annotated[str | None, typer.Option(metavar="NAME", help="Arena; the run's own, else symolo.")] = None,
-    robot: Annotated[str | None, typer.Option(metavar="NAME", help="Robot; the run's own, else nominal.")] = None,
+    arena: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Arena; by default that of the run, or symolo.")
+    ] = None,
+    robot: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Robot; by default that of the run, or nominal.")
+    ] = None,
     camera_hz: Annotated[
         float | None,
-        typer.Option("--camera-hz", min=0.001, max=1000, metavar="HZ", help="Image rate; else the img column decides."),
+        typer.Option(
+            "--camera-hz", min=0.001, max=1000, metavar="HZ", help="Image rate; by default the column img decides."
+        ),
     ] = None,
     seed: Annotated[
-        int | None, typer.Option(min=0, max=2**63 - 1, metavar="N", help="Seed of the look; the run's own by default.")
+        int | None,
+        typer.Option(min=0, max=2**63 - 1, metavar="N", help="Seed of the look; by default that of the run."),
     ] = None,
     settings: Settings = None,
     workers: Workers = None,
@@ -295,12 +307,11 @@ def rerender(
 
     Example: symolo rerender data/CW/test_1 --look lab --out lab
 
-    Ten draws of each of two looks: symolo rerender data/CW/test_1 --looks classroom,night --n 10
+    Ten draws of each of two looks: symolo rerender data/CW/test_1 --looks classroom,night --draws 10
 
-    A data.csv alone: symolo rerender elsewhere/data.csv --look classroom --camera-hz 5 --out pictures
+    A data.csv alone: symolo rerender elsewhere/data.csv --look classroom --camera-hz 5 --out images
 
-    The first draw of a look is the one that --look gives; the others have seeds of their own, which look.json
-    tells.
+    The first draw of a look equals that of --look; the others have seeds of their own, which are in look.json.
     """
     from pipeline.executors.local import Local
     from pipeline.rerendering.rerender import (
@@ -316,14 +327,14 @@ def rerender(
     chosen = _chosen_looks(look, looks, draws)
     option = "--look" if looks is None else "--looks"
     request = RerenderRequest(chosen, draws or 1, arena, robot, camera_hz, seed, with_device(settings, device), option)
-    found, drawn = prepare(source, request)
+    trajectory, drawn = prepare(source, request)
     apart = looks is not None
-    where = out or checked_new_folder(Path(folder_name(found, drawn)))
+    where = out or checked_new_folder(Path(folder_name(trajectory, drawn)))
     if out is None:
-        check_same(found, drawn, where, apart=apart)
-    with open_folders(found, drawn, where, apart=apart) as folders:
+        check_same(trajectory, drawn, where, apart=apart)
+    with open_folders(trajectory, drawn, where, apart=apart) as folders:
         executor = Local.of(workers, memory).on(drawn[0].appearance.device)
-        failures = render_source(found, drawn, folders, executor, report_here())
+        failures = render_source(trajectory, drawn, folders, executor, report_here())
     return conclude(failures, len(drawn), "rerender", where, "draw")
 
 
@@ -331,12 +342,12 @@ def _chosen_looks(look: str | None, looks: str | None, draws: int | None) -> tup
     if (look is None) == (looks is None):
         raise InputError("--look" if looks is None else "--looks", allowed="one look by --look, or several by --looks")
     if looks is None and draws is not None:
-        raise InputError("--n", got=draws, cure="name the looks by --looks")
+        raise InputError("--draws", got=draws, cure="name the looks by --looks")
     return names(looks, "--looks") if looks is not None else (str(look),)
 
 
 def conclude(failures: "Sequence[FailedRun]", runs: int, command: str, out: Path, unit: str = "run") -> int:
-    """Say what failed and what is there; the exit code."""
+    """Print what failed and how many runs are good, and return the exit code."""
     for failure in failures:
         typer.echo(f"failed: {failure.run}: {failure.stage}: {failure.problem}", err=True)
     good = runs - len({failure.run for failure in failures})

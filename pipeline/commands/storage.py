@@ -1,4 +1,4 @@
-"""Commands for a release elsewhere: upload, download."""
+"""Commands for object stores and folders elsewhere: upload, download."""
 
 from pathlib import Path
 from typing import Annotated
@@ -12,7 +12,10 @@ from pipeline.commands.options import AllowHttp, Endpoint, checked_new_folder
 _MEGABYTE = 1_000_000
 
 Url = Annotated[
-    str, typer.Argument(metavar="URL", help="s3://BUCKET/PREFIX, gs://BUCKET/PREFIX or file:///FOLDER, for it alone.")
+    str,
+    typer.Argument(
+        metavar="URL", help="s3://BUCKET/PREFIX, gs://BUCKET/PREFIX or file:///FOLDER, for this release alone."
+    ),
 ]
 
 
@@ -21,16 +24,20 @@ def upload(
     url: Url,
     *,
     check: Annotated[
-        bool, typer.Option("--check", help="Send nothing; name what is missing there or differs, and end with 4.")
+        bool,
+        typer.Option(
+            "--check",
+            help="Send nothing; list what is missing or different there, and end with exit code 4 if there is any.",
+        ),
     ] = False,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would be sent; send nothing.")] = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Print what would be sent; send nothing.")] = False,
     endpoint: Endpoint = None,
     allow_http: AllowHttp = False,
 ) -> int:
-    """Send a release to an object store or a folder elsewhere. Given again, it sends what is missing there.
+    """Send a release to an object store or another folder. The same command continues after an interruption.
 
-    The release is verified first, and a damaged one refused. The lists of checksums go last: without them the place is
-    not finished. Another release there is never replaced. Keys are read from the environment alone.
+    The release is verified first; a damaged one is refused. The lists of checksums are sent last: without them the
+    copy is not finished. Another release there is never replaced. Access keys are read from the environment only.
 
     Example: symolo upload data file:///mnt/shelf/data
     """
@@ -46,13 +53,13 @@ def upload(
         findings = list(compare(files, store, report).findings())
         for finding in findings:
             typer.echo(str(finding))
-        told = f"{len(findings)} faults" if findings else f"all {len(files)} files, none missing or different"
-        typer.echo(f"{store.url}: {told}", err=bool(findings))
+        result = f"{len(findings)} faults" if findings else f"all {len(files)} files, none missing or different"
+        typer.echo(f"{store.url}: {result}", err=bool(findings))
         return FAULTS if findings else 0
-    found = (planned if dry_run else uploaded)(files, store, report)
-    size = sum(file.size_bytes for file in found.to_send) / _MEGABYTE
+    comparison = (planned if dry_run else uploaded)(files, store, report)
+    size = sum(file.size_bytes for file in comparison.to_send) / _MEGABYTE
     done = "would be sent" if dry_run else "sent"
-    typer.echo(f"{store.url}: {len(found.to_send)} files {done}, {size:.1f} MB; {len(found.same)} were there")
+    typer.echo(f"{store.url}: {len(comparison.to_send)} files {done}, {size:.1f} MB; {len(comparison.same)} were there")
     return 0
 
 
@@ -63,14 +70,14 @@ def download(
         Path, typer.Option("--out", metavar="DIR", callback=checked_new_folder, help="Output folder: new or empty.")
     ],
     dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Say what would be fetched; fetch only the lists.")
+        bool, typer.Option("--dry-run", help="Print what would be fetched; fetch only the lists of checksums.")
     ] = False,
     endpoint: Endpoint = None,
     allow_http: AllowHttp = False,
 ) -> None:
-    """Fetch a release that `upload` or another tool put there: whole and with every checksum right, or not at all.
+    """Fetch a release that `upload` or another tool has sent, and check every checksum.
 
-    Given again after an interruption, it fetches what is missing.
+    The folder appears when it is complete. The same command continues after an interruption.
 
     Example: symolo download file:///mnt/shelf/data --out fetched
     """

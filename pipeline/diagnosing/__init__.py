@@ -1,1 +1,1 @@
-"""The diagnosis as a command: reading cases, running it, writing its files."""
+"""The diagnosis as a command: it reads cases, diagnoses them and writes the files."""

@@ -1,4 +1,4 @@
-"""Images of a run on disk, as a case for camera identification."""
+"""The images of a run on disk as a case for camera identification."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,7 +19,7 @@ from symolo.dataset.layout import frame_name
 from symolo.dataset.rows import Rows
 
 MAX_FRAMES = 60
-"""Most images of a run that are used, evenly spread; more add little."""
+"""Largest number of images of a run, evenly spread; more add little information."""
 FEWEST_FRAMES = 6
 
 
@@ -98,7 +98,7 @@ def _name(path: Path) -> str:
 
 
 def _same_places(rows: Rows, nominal: _RunImages) -> dict[int, int]:
-    """Which simulated image is of the same pose, by the measured image's number.
+    """Return the number of the simulated image with the same pose for each measured image.
 
     Raises:
         InputError: None is.
@@ -125,7 +125,7 @@ def _same_places(rows: Rows, nominal: _RunImages) -> dict[int, int]:
 
 
 SAME_PLACE_M, SAME_YAW_RAD = 0.003, 0.01
-"""Two images within these are of the same place."""
+"""Largest differences of two images of the same place."""
 
 
 def _picture(path: Path) -> ImagePixels:

@@ -42,7 +42,7 @@ class NamedCase:
 
 
 def cases_of(paths: Sequence[Path]) -> list[NamedCase]:
-    """The cases with their names.
+    """Return the cases with their names.
 
     Raises:
         InputError: Two of them would go into one folder.
@@ -66,7 +66,7 @@ def _name(path: Path) -> str:
 
 
 def nominal_json(name: str | None, against: Path | None = None) -> str:
-    """A robot by name or file, else that of a dataset whose runs had the same, as JSON text; empty for none.
+    """Return the nominal robot as JSON text: that of the name or file, else the one robot of a dataset; empty for none.
 
     Raises:
         InputError: There is no such robot, or it is no single one; there is no such dataset.

@@ -12,12 +12,12 @@ LONGEST_NAME = 40
 
 
 def diagnosis_table(cases: Sequence[NamedCase], out: Path, failed: Collection[str]) -> Iterator[str]:
-    """A heading and a line for each case, then a count.
+    """Yield a heading, a line for each case, and a count.
 
     Args:
         cases: In the order in which they are shown.
-        out: Where the folders of those that did not fail lie.
-        failed: Names of the others.
+        out: Folder that holds the folders of the other cases.
+        failed: Names of the cases that failed.
     """
     width = min(LONGEST_NAME, max(len(case.name) for case in cases)) + 2
     yield f"{'case':{width}}{'gain':8}{'95 % interval':22}found"

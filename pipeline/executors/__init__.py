@@ -1,4 +1,4 @@
-"""Where units of work are done. One protocol, one file for each kind; the same bytes come of each."""
+"""Executors do units of work. One protocol, one file for each executor; all give the same bytes."""
 
 from pipeline.executors.base import Executor
 from pipeline.executors.local import Local
@@ -13,17 +13,17 @@ def chosen(
     address: str | None,
     card_share: float | None = None,
 ) -> Executor:
-    """What the options of a command ask for.
+    """Return the executor that the options of a command ask for.
 
     Args:
-        workers: Child processes at a time; all cores where None.
-        memory_gb: That a worker may take; what the machine bears where None.
+        workers: Number of child processes at a time; None for one per core.
+        memory_gb: Largest memory of a worker; None for nine tenths of the machine's.
         part: `k/n` for one part of the work.
-        address: Of a Ray cluster; None for this machine.
-        card_share: Of a graphics card that a block takes on such a cluster; None for the share of two on a card.
+        address: Address of a Ray cluster; None for this machine.
+        card_share: Share of a graphics card for a block on such a cluster; None for two blocks on a card.
 
     Raises:
-        InputError: The part is none.
+        InputError: The part is not of the form k/n.
     """
     local = Local.of(workers, memory_gb)
     if address is not None:

@@ -1,7 +1,9 @@
-"""What an executor is: it does units of work somewhere, and what comes of them does not depend on where."""
+"""What an executor is: it does units of work somewhere, and the results do not depend on where."""
 
 from collections.abc import Callable, Sequence
-from typing import Protocol, Self
+from typing import Protocol
+
+from typing_extensions import Self
 
 from blender_scenes.render.devices import DeviceKind
 from pipeline.work.supervisor import AnyEvent, UnitFailure
@@ -11,15 +13,15 @@ OnEvent = Callable[[AnyUnit, AnyEvent], None]
 
 
 class Executor(Protocol):
-    """The unit is a run to simulate, or a block of one run's frames; what is durable is a run, or a frame."""
+    """Does units: runs to simulate and blocks of frames. Finished runs and finished frames survive an interruption."""
 
     @property
     def does_all(self) -> bool:
-        """Whether it does every unit, so that afterwards nothing is left to others."""
+        """Whether it does every unit; else others do the rest."""
         ...
 
     def check(self) -> None:
-        """See that it can be reached, before anything is written.
+        """Check that it can be reached, before anything is written.
 
         Raises:
             EnvironmentLacking: It cannot.
@@ -27,26 +29,26 @@ class Executor(Protocol):
         ...
 
     def on(self, device: DeviceKind) -> Self:
-        """The same for work that renders on such a device."""
+        """Return the same executor for rendering on such a device."""
         ...
 
     def block_frames(self, frames: int, runs: int) -> int:
-        """Frames in a block, where each of `runs` runs has `frames`."""
+        """Return the number of frames in a block when each of `runs` runs has `frames`."""
         ...
 
     def threads(self, units: int) -> int:
-        """Of each renderer, where there are so many blocks."""
+        """Return the number of threads of each renderer for that number of blocks."""
         ...
 
     def mine(self, unit: AnyUnit) -> bool:
-        """Whether a unit is among those that this one does."""
+        """Return whether this executor does a unit."""
         ...
 
     def do(self, units: Sequence[AnyUnit], on_event: OnEvent) -> list[UnitFailure]:
-        """Do units that are its own, and return those that failed, as a whole or in part.
+        """Do units and return those that failed, as a whole or in part.
 
         Raises:
-            EnvironmentLacking, InputError: As soon as one unit says so; it would hit every one.
+            EnvironmentLacking, InputError: As soon as one unit reports it, because it would hit every unit.
             WorkerError: A bug, after the other units are done.
         """
         ...

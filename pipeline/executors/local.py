@@ -1,9 +1,10 @@
-"""Child processes of this one, on this machine: the default."""
+"""Child processes on this machine: the default executor."""
 
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Self
+
+from typing_extensions import Self
 
 from blender_scenes.render.devices import DeviceKind, one_card_each
 from pipeline.executors.base import OnEvent
@@ -15,15 +16,15 @@ from pipeline.work.worker_process import Limits, limits_of
 @dataclass(frozen=True)
 class Local:
     workers: int
-    """At a time."""
+    """Number of workers at a time."""
     limits: Limits = DEFAULT_LIMITS
-    """Of each worker."""
+    """Limits of each worker."""
     cards: tuple[Mapping[str, str], ...] = ()
-    """Variables for each graphics card with which a worker sees that one alone; workers take them in turn."""
+    """Environment variables that show a worker one graphics card only, by card; workers take them in turn."""
 
     @classmethod
     def of(cls, workers: int | None, memory_gb: float | None) -> "Local":
-        """As options say it: all cores, and what keeps the machine from running out of memory, by default."""
+        """Return the executor for these options; by default it uses all cores and nine tenths of the memory."""
         return cls(workers or cores(), limits_of(memory_gb))
 
     @property
@@ -31,13 +32,13 @@ class Local:
         return True
 
     def check(self) -> None:
-        """It is this machine."""
+        """This machine can always be reached."""
 
     def on(self, device: DeviceKind) -> Self:
         return replace(self, cards=one_card_each(device, os.environ))
 
     def block_frames(self, frames: int, runs: int) -> int:
-        """As many blocks for each run as it takes to give every worker one: each costs a start of Blender."""
+        """Return a size that gives every worker one block: each block costs a start of Blender."""
         blocks = -(-self.workers // runs)
         return max(1, -(-frames // blocks))
 

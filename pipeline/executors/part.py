@@ -1,4 +1,4 @@
-"""The k-th of n parts of the work, for jobs that know nothing of each other, such as those of a Slurm array.
+"""The k-th of n parts of the work, for independent jobs, such as those of a Slurm array.
 
 Which part a unit belongs to depends on the unit and n alone, not on what is done already, so nobody has to deal them
 out. Parts that overlap, as when a job is given twice, do some work twice and harm nothing.
@@ -8,7 +8,8 @@ import re
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Self
+
+from typing_extensions import Self
 
 from blender_scenes.render.devices import DeviceKind
 from pipeline.executors.base import OnEvent
@@ -18,23 +19,24 @@ from pipeline.work.units import AnyUnit, RenderUnit
 from symolo.core.errors import InputError
 
 BLOCK_FRAMES = 50
-"""Long enough that Blender's start and the first picture's maps are a small part, short enough for many machines."""
+"""Number of frames in a block: so many that the start of Blender costs little, so few that many machines share a
+run."""
 MAX_PARTS = 100_000
 
 
 @dataclass(frozen=True)
 class PartOfWork:
     number: int
-    """From 1."""
+    """Number of the part, from 1."""
     of: int
     local: Local
 
     @classmethod
     def of_text(cls, text: str, local: Local) -> "PartOfWork":
-        """From `k/n`.
+        """Return the executor for the text `k/n`.
 
         Raises:
-            InputError: It is not that, or k is not among the n.
+            InputError: The text has another form, or k is not in 1 to n.
         """
         found = re.fullmatch(r"(\d{1,6})/(\d{1,6})", text)
         number, of = map(int, found.groups()) if found else (0, 0)
@@ -47,7 +49,7 @@ class PartOfWork:
         return False
 
     def check(self) -> None:
-        """It is this machine."""
+        """This machine can always be reached."""
 
     def on(self, device: DeviceKind) -> Self:
         return replace(self, local=self.local.on(device))
@@ -60,7 +62,9 @@ class PartOfWork:
         return self.local.threads(max(1, units // self.of))
 
     def mine(self, unit: AnyUnit) -> bool:
-        """Blocks of a run go to parts one after the other, from one that the run's name decides."""
+        """Return whether a unit belongs to this part: the blocks of a run go to the parts in turn, and the name of
+        the run decides the first one.
+        """
         block = (unit.numbers[0] - 1) // BLOCK_FRAMES if isinstance(unit, RenderUnit) else 0
         return (zlib.crc32(unit.name.encode()) + block) % self.of == self.number - 1
 

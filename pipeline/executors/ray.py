@@ -1,4 +1,4 @@
-"""A Ray cluster: units as tasks on its nodes, each done there by a supervisor of its own (https://docs.ray.io).
+"""A Ray cluster: each unit is a task on one of its nodes, with a supervisor of its own (https://docs.ray.io).
 
 All nodes see the output folder under the same path, and have this program with its packages. A worker or a node that
 dies takes no other with it: Ray gives its task to another one, which keeps the frames that are in place. Nothing comes
@@ -13,9 +13,10 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from types import ModuleType
-from typing import Any, Literal, Self
+from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict
+from typing_extensions import Self
 
 from blender_scenes.render.devices import DeviceKind
 from pipeline.executors.base import OnEvent
@@ -36,38 +37,38 @@ OWN_SETTINGS = {
     # to declare it dead, in place of two minutes (https://github.com/ray-project/ray/pull/44692).
     "RAY_grpc_client_keepalive_timeout_ms": "60000",
 }
-"""Of Ray in this process, where the environment does not say otherwise; it reads them when it is loaded."""
+"""Environment variables of Ray in this process, unless the user has set them; Ray reads them when it is loaded."""
 QUEUED = 2
-"""Tasks that are given to the cluster for each that it can do at a time, so that no node waits for us."""
+"""Number of tasks in the cluster for each that it can do at a time, so that no node waits."""
 CARD_SHARE = 0.5
-"""Two processes on a card: while one builds a scene, develops or writes, the other one traces."""
+"""Two processes share a graphics card: while one builds a scene or writes, the other one renders."""
 NODES_TRIED = 3
-"""How many nodes may say that they lack something before all are taken to."""
+"""Number of nodes that may report something missing before the command gives up."""
 
 
 class UnitRecord(BaseModel):
-    """What comes back of a unit, as plain JSON."""
+    """The result of a unit, as plain JSON."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     failures: tuple[str, ...] = ()
-    """Of the unit as a whole or of its parts."""
+    """Failures of the unit or of its frames."""
     retried: tuple[str, ...] = ()
     error: Literal["", "input", "environment", "bug"] = ""
-    """What makes it of no use to go on with others, or with this one on this node."""
+    """Kind of an error that ends the command, or this try on this node."""
     text: str = ""
 
 
 @dataclass(frozen=True)
 class OnRay:
     address: str
-    """Of the cluster, as `ray.init` takes it: `auto`, `HOST:PORT` or `ray://HOST:PORT`."""
+    """Address of the cluster for `ray.init`: `auto`, `HOST:PORT` or `ray://HOST:PORT`."""
     limits: Limits
-    """Of each worker."""
+    """Limits of each worker."""
     cores: int = 1
-    """That a unit takes on its node."""
+    """Number of cores that a unit uses on its node."""
     card_share: float = CARD_SHARE
-    """Of a graphics card that a block takes on its node, where it is rendered on one."""
+    """Share of a graphics card that a block uses on its node."""
     device: DeviceKind = "CPU"
 
     @property
@@ -107,7 +108,7 @@ class OnRay:
 
 
 class _Tasks:
-    """Units on their way over the cluster, no more at a time than it takes to keep all of it at work."""
+    """Units under way in the cluster: as many as keep all nodes busy."""
 
     def __init__(self, ray: ModuleType, executor: OnRay, units: list[AnyUnit], on_event: OnEvent) -> None:
         self._ray = ray
@@ -143,7 +144,7 @@ class _Tasks:
         return self._failures
 
     def _fill(self) -> None:
-        """Nodes come and go, so the cluster is asked each time how large it is."""
+        """Start further tasks. Nodes come and go, so the size of the cluster is read each time."""
         there = self._ray.cluster_resources()
         slots = min(int(there.get(name, 0) / needed) for name, needed in self._needs.items())
         while self._waiting and len(self._running) < QUEUED * max(1, slots):
@@ -182,7 +183,7 @@ class _Tasks:
 
 
 def done_here(unit_json: str, tries: int, silence_s: float, memory_bytes: int) -> str:
-    """A task: the unit by a child process of this node's worker, watched, ended and tried again as on one machine."""
+    """Do a unit on this node, in a child process that is watched and tried again as on one machine."""
     unit = UNITS.validate_json(unit_json)
     retried: list[str] = []
 
@@ -204,7 +205,7 @@ def done_here(unit_json: str, tries: int, silence_s: float, memory_bytes: int) -
 
 
 def _check_cards(ray: ModuleType) -> None:
-    """Ray would wait for a card for ever."""
+    """Check that there is a graphics card; Ray would wait for one for ever."""
     if not ray.cluster_resources().get("GPU", 0):
         cure = "start nodes that have one by `ray start --num-gpus 1`, or give --device cpu"
         raise EnvironmentLacking(f"no node of the cluster has a graphics card, as Ray counts them; {cure}")

@@ -1,4 +1,4 @@
-"""The colours of a run's things, as its pictures show them from afar."""
+"""The colours of the objects of a run, as its images show them from a distance."""
 
 from collections import Counter
 
@@ -13,13 +13,13 @@ from symolo.arena.geometry import Arena
 
 
 def scene_of(spec: RunSpec) -> Scene:
-    """What the run's camera sees, and its robot."""
+    """Return the scene of a run, with its robot."""
     seed = picture_seed(spec.seed, spec.route, spec.run)
     return describe(Arena.from_config(spec.arena), spec.robot, spec.look, seed)
 
 
 def colours(scene: Scene) -> dict[str, RGB]:
-    """The sRGB of each mesh by its name: that of the surface which most of its faces have."""
+    """Return the sRGB colour of each mesh by name: that of the surface of most of its faces."""
     typical = {surface.name: srgb(typical_color(surface)) for surface in scene.surfaces}
     meshes = (*scene.meshes, *scene.moving, *scene.robot_parts)
     return {mesh.name: typical[Counter(mesh.face_surface).most_common(1)[0][0]] for mesh in meshes}

@@ -1,4 +1,4 @@
-"""Which files each format of a model is."""
+"""The files of each format of a model."""
 
 from collections.abc import Callable, Mapping, Sequence
 
@@ -26,7 +26,7 @@ FORMATS: Mapping[str, Callable[[RunSpec, RobotParts], dict[str, bytes]]] = {"urd
 
 
 def formats_of(names: Sequence[str], where: str) -> tuple[str, ...]:
-    """Each once, in the order of `names`.
+    """Return these formats, each once, in the order of `names`.
 
     Raises:
         InputError: There is none of a name.

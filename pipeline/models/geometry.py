@@ -23,7 +23,7 @@ class Placement:
 
     @classmethod
     def of(cls, X: Array) -> "Placement":
-        """Of a (4, 4) pose."""
+        """Return the placement of a (4, 4) pose."""
         x, y, z = (X[:3, 3] + 0.0).tolist()
         return cls((x, y, z), roll_pitch_yaw(X[:3, :3]))
 
@@ -62,7 +62,7 @@ def roll_pitch_yaw(rotation: Array) -> Vector:
 
 
 def srgb(linear: RGB) -> RGB:
-    """By the transfer function of IEC 61966-2-1; to four digits."""
+    """Return sRGB by the transfer function of IEC 61966-2-1, rounded to four digits."""
     value = np.clip(np.asarray(linear, dtype=float), 0.0, 1.0)
     shown = np.where(value <= 0.0031308, 12.92 * value, 1.055 * value ** (1 / 2.4) - 0.055)
     red, green, blue = (round(part, 4) for part in shown.tolist())

@@ -1,4 +1,4 @@
-"""What model files tell of the robot beside the links that the engine simulates: looks and frames of sensors."""
+"""The parts of a robot model beside the simulated links: visual shapes and frames of the sensors."""
 
 from dataclasses import dataclass
 from math import radians
@@ -24,7 +24,7 @@ _ROUND = {
     "robot_hub_right": RIGHT_WHEEL,
     "robot_caster": CASTER,
 }
-"""The link of each part of the picture's robot that is a cylinder; all others are boxes of the base."""
+"""Link of each part of the rendered robot that is a cylinder; all other parts are boxes of the base."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class NamedFrame:
 
     name: str
     placement: Placement
-    """In R."""
+    """Pose in R."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class RobotParts:
     config: RobotConfig
     links: tuple[RobotLink, ...]
     visuals: dict[str, tuple[Visual, ...]]
-    """By link."""
+    """Visual shapes by link."""
     frames: tuple[NamedFrame, ...]
     """`camera` (x along the axis), `camera_optical` (z along the axis), `tof_*` (x along the axis), `line_sensor`."""
     camera: Intrinsics
@@ -79,7 +79,7 @@ def frames(robot: RobotConfig) -> tuple[NamedFrame, ...]:
 
 
 def tof_frames(robot: RobotConfig) -> tuple[NamedFrame, ...]:
-    """Front, left and right, as the effects of the robot have turned them."""
+    """Return the frames of the front, left and right sensor, turned by the effects of the robot."""
     askew = through(robot.effects.functions(Slot.RANGE_MOUNT), np.zeros(3))
     names = tuple(TofMounts.model_fields)
     mounts: list[TofMount] = [getattr(robot.tof.mounts, name) for name in names]

@@ -11,18 +11,19 @@ from sensors.tof import NOISE_AT_NEAR_MM
 
 VERSION = "1.9"
 FLOOR_BIT, WALLS_BIT = 1, 2
-"""Who meets whom, as in the engine: wheels and caster the floor alone, the chassis walls and obstacles alone."""
+"""Collision bits as in the engine: wheels and caster collide with the floor only, the chassis with walls and
+obstacles only."""
 _LYING = (0.5 * pi, 0.0, 0.0)
 """SDF's cylinders stand along z, wheels lie along y."""
 _WITHOUT_LIMIT = 1e16
-"""Angle [rad] from which on a joint has no limit; PyBullet does not read one that tells none."""
+"""Angle [rad] that stands for a joint without limit; PyBullet needs a limit."""
 _CLIP_M = ("0.01", "100")
 _OWN_BODY, _ALL_BUT_IT = 2, 2**32 - 1 - 2
-"""The camera sees as much of the robot that carries it as in the pictures."""
+"""Visibility flags: the camera sees as much of its own robot as in the images."""
 
 
 def child(parent: ET.Element, tag: str, value: object = None, **attributes: str) -> ET.Element:
-    """A new element with a text, of a float as many digits as it takes to read the same number again."""
+    """Return a new element with a text; a float has all digits that it needs to be read back unchanged."""
     element = ET.SubElement(parent, tag, attributes)
     if isinstance(value, tuple):
         element.text = " ".join(map(str, value))
@@ -72,7 +73,7 @@ def add_surface(collision: ET.Element, bit: int, friction: float | None) -> None
 
 
 def robot_model(parts: RobotParts, placement: Placement = Placement()) -> ET.Element:  # noqa: B008 - frozen
-    """A model named as the robot is, its frame that of the base."""
+    """Return a model with the name of the robot and the frame of its base."""
     model = ET.Element("model", name=parts.config.name, canonical_link=BASE)
     add_pose(model, placement)
     for link in parts.links:
@@ -137,7 +138,9 @@ def _sensors(base: ET.Element, parts: RobotParts) -> None:
 
 
 def _camera(base: ET.Element, parts: RobotParts) -> None:
-    """As in side/intrinsics.json, but that a pixel's number is that of its middle there, and of its edge here."""
+    """Add the camera of side/intrinsics.json. Pixel coordinates are those of pixel centres there, and of pixel edges
+    here.
+    """
     seen = parts.camera
     sensor = child(base, "sensor", name=CAMERA, type="camera")
     add_pose(sensor, parts.frame(CAMERA).placement)
@@ -165,7 +168,9 @@ def _camera(base: ET.Element, parts: RobotParts) -> None:
 
 
 def _range(sensor: ET.Element, parts: RobotParts) -> None:
-    """A square bundle of as many rays or a few more around the cone; each ray for itself, where the device has one."""
+    """Add a square bundle of at least as many rays around the cone. Each ray has a reading, where the device has
+    one.
+    """
     tof = parts.config.tof
     side, half = ceil(sqrt(tof.rays)), 0.5 * radians(tof.field_of_view_deg)
     child(sensor, "update_rate", 1 / tof.period_s)
@@ -189,7 +194,7 @@ def _range(sensor: ET.Element, parts: RobotParts) -> None:
 
 
 def _drive(model: ET.Element, parts: RobotParts) -> None:
-    """By the numbers that the board knows, not by those of a wheel that has worn."""
+    """Add the drive with the nominal numbers, not with those of a worn wheel."""
     drive = parts.config.drive
     plugin = child(model, "plugin", filename="gz-sim-diff-drive-system", name="gz::sim::systems::DiffDrive")
     child(plugin, "left_joint", "left_wheel_joint")

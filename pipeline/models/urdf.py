@@ -1,4 +1,4 @@
-"""The robot as URDF for other people's tools: what the engine simulates, with looks and sensor frames added."""
+"""The robot as URDF: the simulated bodies, with visual shapes and frames of the sensors."""
 
 from math import pi
 from xml.etree import ElementTree as ET
@@ -9,7 +9,7 @@ from pipeline.models.geometry import CylinderShape, Placement, Visual
 from pipeline.models.robot import NamedFrame, RobotParts
 
 FRAME_MASS_KG = 1e-9
-"""Of a sensor's frame: PyBullet gives a link without a mass, or with none, 1 kg."""
+"""Mass of the frame of a sensor: PyBullet gives a link without mass 1 kg."""
 _FRAME_INERTIA = (1e-15, 1e-15, 1e-15)
 _LYING = (0.5 * pi, 0.0, 0.0)
 """URDF's cylinders stand along z, wheels lie along y."""
@@ -30,7 +30,7 @@ def robot_model_urdf(parts: RobotParts) -> bytes:
 
 
 def _unsaid(parts: RobotParts) -> tuple[str, str]:
-    """What the engine has beside its URDF."""
+    """Return comments on what the engine simulates and URDF cannot describe."""
     right, left = (link.motor for link in parts.links if link.motor is not None)
     return (
         f" not in the inertias: rotors and gears, {right.inertia_kg_m2!r} kg m2 right and {left.inertia_kg_m2!r} left ",

@@ -27,10 +27,11 @@ from pipeline.models.sdf import (
 from symolo.arena.geometry import Arc, Arena, Box, Straight
 
 LINE_HEIGHT_M = 0.0005
-"""Of what is drawn on the floor: so low that nothing notices, so high that no viewer flickers."""
+"""Height of the line on the floor: so low that it does not matter, so high that viewers do not flicker."""
 _CHORD_M = 0.01
 _FRICTION = 1.0
-"""Of floor, walls and obstacles: a contact has the robot's own, whether an engine multiplies both or takes the less."""
+"""Friction of floor, walls and obstacles: contacts have the friction of the robot, whether an engine multiplies both
+or takes the smaller one."""
 _SYSTEMS = (
     ("gz-sim-physics-system", "gz::sim::systems::Physics"),
     ("gz-sim-user-commands-system", "gz::sim::systems::UserCommands"),
@@ -40,12 +41,12 @@ _SYSTEMS = (
 
 
 def arena_sdf(spec: RunSpec) -> bytes:
-    """A world with the arena alone."""
+    """Return a world with the arena only."""
     return document(_world(spec))
 
 
 def world_sdf(spec: RunSpec, parts: RobotParts) -> bytes:
-    """A world with the arena, and the robot at the start of the run."""
+    """Return a world with the arena and with the robot at the start of the run."""
     world = _world(spec)
     start = spec.start
     world.append(robot_model(parts, Placement((start.x_m, start.y_m, 0.0), (0.0, 0.0, radians(start.yaw_deg)))))
@@ -73,7 +74,7 @@ def _world(spec: RunSpec) -> ET.Element:
 
 
 def _light(world: ET.Element) -> None:
-    """So that something is seen; the light of the look is the pictures' matter."""
+    """Add a sun so that something is visible; the light of the look belongs to the images."""
     sun = child(world, "light", name="sun", type="directional")
     child(sun, "pose", (0, 0, 10, 0, 0, 0))
     child(sun, "diffuse", (0.9, 0.9, 0.9, 1))
@@ -104,7 +105,7 @@ def _floor(world: ET.Element, arena: Arena, srgb: tuple[float, float, float]) ->
 
 
 def _line(world: ET.Element, arena: Arena, srgb: list[tuple[float, float, float]]) -> None:
-    """Flat boxes on the floor that nothing touches; an arc by its chords, for PyBullet reads no outline (polyline)."""
+    """Add flat boxes on the floor without collision; an arc consists of chords, because PyBullet reads no polyline."""
     link = _fixed(world, "line", Placement())
     for number, piece in enumerate(arena.line.pieces):
         for part, (placement, length_m) in enumerate(_chords(piece, arena.line.width_m)):
@@ -115,7 +116,7 @@ def _line(world: ET.Element, arena: Arena, srgb: list[tuple[float, float, float]
 
 
 def _chords(piece: Straight | Arc, width_m: float) -> Iterator[tuple[Placement, float]]:
-    """Middle and length [m] of each; so long that they leave no wedge open on the outside of a bend."""
+    """Yield placement and length [m] of each chord; they overlap so that no wedge is open on the outside of a bend."""
     count = 1 if isinstance(piece, Straight) else ceil(piece.length_m / _CHORD_M)
     ends = piece.at(np.linspace(0.0, piece.length_m, count + 1))
     longer = 1.0 + 0.5 * width_m * abs(piece.curvature_per_m)

@@ -1,1 +1,1 @@
-"""What a scenario would make and what it would cost."""
+"""The output of a scenario and its cost."""

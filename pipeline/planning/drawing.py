@@ -1,4 +1,4 @@
-"""All runs of a scenario, drawn, with a word on how far it is where that takes a while."""
+"""Random draws of all runs of a scenario, with a progress report where they take long."""
 
 from configs.draw import draw_all, draw_each
 from configs.loader import LoadedScenario
@@ -6,11 +6,11 @@ from configs.schema.scenario import RunSpec
 from symolo.core.progress import Report
 
 MANY_RUNS = 50
-"""Fewer are drawn in a moment, random arenas (60 ms each) among them."""
+"""Number of runs from which progress is reported; a random arena takes 60 ms."""
 
 
 def draw_reported(loaded: LoadedScenario, report: Report) -> tuple[RunSpec, ...]:
-    """Like `draw_all`, as a stage of its own where there are many.
+    """Draw all runs, with a progress report where there are many.
 
     Raises:
         InputError: When the values drawn for a run make an impossible world.

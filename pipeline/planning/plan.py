@@ -1,4 +1,4 @@
-"""What a scenario would make, how large it would be and how long it would take; estimates, with what they rest on."""
+"""Estimates of what a scenario makes, its size and its time, with the assumptions behind them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,9 +10,9 @@ from symolo.core.pinhole import intrinsics
 from symolo.core.progress import seconds
 
 LAP_S = 40.0
-"""Simulated seconds of a lap of the shipped arena; others differ."""
+"""Simulated time [s] of a lap of the shipped arena; others differ."""
 REAL_TIME_FACTOR = 10.0
-"""Simulated seconds per second and core, the least that the project promises."""
+"""Simulated seconds per second and core; the project promises at least this."""
 RENDER_START_S = 4.0
 """Start of Blender and making of the scene, per run."""
 RENDER_FRAME_S = 0.05
@@ -22,9 +22,9 @@ RENDER_SAMPLE_S = 8.5e-6
 DENOISE_S = {"FAST": 4e-6, "ACCURATE": 2e-5}
 """Per pixel on one core, by the prefilter of the denoiser's guides."""
 BYTES_PER_PIXEL = 0.2
-"""Of a JPEG of quality 92."""
+"""Size [byte] of a pixel of a JPEG image of quality 92."""
 HYBRID_FRAME_S, HYBRID_PIXEL_S = 0.8, 3.7e-6
-"""Of one core for an image from hybrid rendering, and for each of its pixels; its share of the maps included."""
+"""Time [s] on one core for an image from hybrid rendering, and for each of its pixels; with its share of the maps."""
 ANNOTATION_PIXEL_S = 1.5e-6
 """Per pixel on one core, all annotations together."""
 ANNOTATION_BYTES_PER_PIXEL = 0.6
@@ -32,11 +32,11 @@ ANNOTATION_BYTES_PER_PIXEL = 0.6
 BYTES_PER_IMAGE = 4096
 """Besides its pixels: tables, and the rest of a disk block."""
 BYTES_PER_JOB = 2_500_000
-"""The scene of a run as text, 1.6 MB with a room full of furniture, and the run's poses."""
+"""Size [byte] of the job of a run: the scene as text, 1.6 MB with a furnished room, and the poses."""
 BYTES_PER_ROW = 600
 """data.csv, side files and the stored trajectory."""
 COPIES = 2
-"""The stages keep what the release holds, so that a rerun continues."""
+"""Number of copies: the stages keep the files of the release, so that the next command continues."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class PlannedRun:
     quality: str
     sampling: TracingSettings
     margin: float
-    """Pixels that are traced, to those of the picture: more behind a lens."""
+    """Ratio of the traced pixels to those of the image; larger than 1 behind a lens."""
     render_core_s: float
 
     @property
@@ -82,7 +82,7 @@ class ScenarioPlan:
 
     @property
     def bytes_needed(self) -> int:
-        """Disk space with some to spare [byte]."""
+        """Disk space [byte] with some reserve."""
         return sum(run.bytes_needed for run in self.runs)
 
     @property
@@ -94,7 +94,7 @@ class ScenarioPlan:
         return sum(run.render_core_s for run in self.runs) / self.cores
 
     def text(self) -> str:
-        """The plan for a person, one line a run, then sums and assumptions."""
+        """Return the plan as text: a line for each run, then sums and assumptions."""
         lines = [f"{'run':20} {'seconds':>8} {'rows':>7} {'images':>7}  size [px]"]
         lines += [
             f"{run.run:20} {run.duration_s:8.1f} {run.rows:7} {run.images:7}  {run.width_px} x {run.height_px}"
@@ -117,12 +117,12 @@ class ScenarioPlan:
         return "\n".join(lines)
 
     def _quality(self) -> str:
-        """Of the pictures; several where the scenario draws it."""
+        """Return the quality of the images; several where it is drawn at random."""
         kinds = {f"{run.quality}, {_samples(run.sampling)}": None for run in self.runs}
         return " or ".join(kinds)
 
     def _tracing(self) -> str:
-        """What is assumed of rays and denoiser."""
+        """Return the assumptions about rays and denoiser."""
         ways = []
         if any(run.sampling.hybrid for run in self.runs):
             ways.append(
@@ -133,13 +133,13 @@ class ScenarioPlan:
         return "".join(ways)
 
     def _denoising(self) -> str:
-        """What is assumed of the denoiser, where there is one."""
+        """Return the assumptions about the denoiser, if there is one."""
         whole = [run.sampling for run in self.runs if run.sampling.denoise and not run.sampling.hybrid]
         costs = sorted({DENOISE_S[sampled.prefilter] for sampled in whole})
         return f"{' or '.join(f'{1e6 * cost:g}' for cost in costs)} us a pixel to denoise, and " if costs else "and "
 
     def _further(self) -> str:
-        """What is assumed of lenses and annotations, where there are any."""
+        """Return the assumptions about lenses and annotations, if there are any."""
         widest = max(run.margin for run in self.runs)
         lens = f"; {widest:.2f} times the pixels traced, for the margin behind the lens" if widest > 1 else ""
         if not any(run.annotated for run in self.runs):
@@ -149,7 +149,7 @@ class ScenarioPlan:
 
 
 def pixel_s(sampled: TracingSettings) -> float:
-    """Of one core for a pixel that is traced, denoising included [s]."""
+    """Return the time [s] on one core for a traced pixel, denoising included."""
     if sampled.hybrid:
         return HYBRID_PIXEL_S
     return sampled.samples * RENDER_SAMPLE_S + (DENOISE_S[sampled.prefilter] if sampled.denoise else 0.0)

@@ -1,4 +1,4 @@
-"""What many frames of a scenario would cost, by a few of them made here and thrown away."""
+"""The cost of many images of a scenario, measured with a few of them that are thrown away."""
 
 import tempfile
 import time
@@ -28,9 +28,10 @@ from symolo.dataset.annotations import AnnotationName
 from symolo.dataset.metadata import FailedRun
 
 RUNS, IMAGES = 3, 4
-"""That are measured: draws of the scenario differ in what they cost, images of a run hardly do."""
+"""Numbers of runs and of images of each that are measured: the cost differs between draws, hardly between images of a
+run."""
 DRIVE_S = 20.0
-"""Simulated seconds, for the start of a simulation takes as long as several of them."""
+"""Simulated time [s]; the start of a simulation takes as long as several seconds of it."""
 SHARD_BYTES = 1e9
 HOUR_S = 3600.0
 
@@ -45,28 +46,28 @@ class OneCore(Local):
 
 @dataclass(frozen=True)
 class Price:
-    """Of one frame, with its share of what comes before it."""
+    """The cost of one image, with its share of everything before it."""
 
     device: str
-    """What rendered: CPU, or a kind of graphics card."""
+    """Device that rendered: CPU, or a kind of graphics card."""
     images: int
-    """That were measured."""
+    """Number of images that were measured."""
     rows_per_image: float
     simulate_s: float
-    """What drives from one image to the next on one core [s]."""
+    """Time [s] on one core to simulate from one image to the next."""
     start_s: float
-    """Start of Blender and making of the scene, for a block of frames [s]."""
+    """Time [s] to start Blender and to build the scene, for a block of images."""
     first_s: float
-    """What a block's first image takes longer than later ones: the maps of all that is in sight [s]."""
+    """Extra time [s] of the first image of a block, for the maps of everything in sight."""
     render_s: float
-    """A later image of a block on one core, or on the card [s]."""
+    """Time [s] of a later image of a block, on one core or on the card."""
     annotate_s: float
-    """All annotations of one on one core [s]."""
+    """Time [s] on one core for all annotations of an image."""
     picture_bytes: float
     annotation_bytes: float
 
     def text(self, frames: int, about: str) -> str:
-        """For a person: hours, bytes and shards of so many frames, and what all of that rests on."""
+        """Return hours, bytes and shards for that number of images as text, with the assumptions."""
         block_s = self.start_s / BLOCK_FRAMES
         simulate, render, annotate = (
             frames * each / HOUR_S
@@ -104,11 +105,11 @@ class Price:
 
 
 def measure(scenario: str, overrides: Sequence[str], report: Report) -> tuple[Price, str]:
-    """Make a few images of a scenario with all annotations, time them, and throw them away; the price, and of what.
+    """Make a few images of a scenario with all annotations and time them; return the price and a description.
 
     Raises:
         InputError: The scenario cannot be used.
-        EnvironmentLacking: There is no room for it, or it asks for a graphics card and there is none.
+        EnvironmentLacking: The disk is too full, or the scenario requires a graphics card and there is none.
         RunFailed: One of the images could not be made.
     """
     hz = draw_run(loaded := load_scenario(scenario, overrides), loaded.routes[0].name, 1).rates.camera_hz
@@ -128,7 +129,7 @@ def measure(scenario: str, overrides: Sequence[str], report: Report) -> tuple[Pr
 
 
 def _drive_s(spec: RunSpec, scratch: Path, report: Report) -> float:
-    """Of one core for a simulated second: what a long drive takes longer than a short one [s]."""
+    """Return the time [s] on one core for a simulated second: the difference between a long and a short drive."""
     taken = []
     for drive_s in (spec.stop.time_limit_s, spec.stop.time_limit_s + DRIVE_S):
         stop = spec.stop.model_copy(update={"time_limit_s": drive_s})

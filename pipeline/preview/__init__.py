@@ -1,10 +1,10 @@
-"""`symolo preview`: what the pictures of a scenario would look like, before anything is simulated."""
+"""`symolo preview`: images of a scenario before anything is simulated."""
 
 from symolo.core.text_enum import TextEnum
 
 
 class Engine(TextEnum):
-    """What makes the pictures."""
+    """Renderers of preview images."""
 
     CYCLES = "cycles"
     FLAT = "flat"

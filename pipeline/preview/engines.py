@@ -1,4 +1,4 @@
-"""The two ways in which a preview's pictures are made, and the sheet that they come on."""
+"""The two renderers of preview images, and the sheet that shows them."""
 
 import math
 import tempfile
@@ -23,18 +23,18 @@ from symolo.dataset.metadata import FailedRun
 from symolo.pages.sheet import LINE_PX, Cell, Pixels, check_side, row, stacked
 
 Made = tuple[dict[int, Pixels], list[FailedRun]]
-"""Pictures (H, W, 3) BGR by number, and what went wrong with the others."""
+"""Images (H, W, 3) BGR by number, and the failures of the others."""
 
 
 def check_size(view: PreviewImage, count: int, columns: int) -> None:
-    """Refuse a sheet of so many views like this one that no picture file could hold, before any work is done for it."""
+    """Refuse a sheet that is too large for an image file, before any work starts."""
     picture, rows = view.look.render, math.ceil(count / columns)
     check_side("wide", min(columns, count) * picture.width_px, "--columns or --width-px")
     check_side("high", rows * (picture.height_px + len(view.lines) * LINE_PX), "-n or --width-px, or more --columns")
 
 
 def pictures(engine: Engine, views: Sequence[PreviewImage], workers: int, report: Report) -> Made:
-    """Of all views that can be seen."""
+    """Return the images of all views that can be rendered."""
     with tempfile.TemporaryDirectory(prefix="symolo-", ignore_cleanup_errors=True) as folder:
         user_files = Path(folder) / "assets"
         for view in views:
@@ -45,14 +45,14 @@ def pictures(engine: Engine, views: Sequence[PreviewImage], workers: int, report
 
 
 def sheet(views: Sequence[PreviewImage], made: dict[int, Pixels], columns: int) -> Pixels:
-    """What was made in rows of so many, (H, W, 3) BGR."""
+    """Return the images in rows of that many columns, (H, W, 3) BGR."""
     cells = [Cell(made[view.number], view.lines) for view in views if view.number in made]
     width_px = cells[0].image.shape[1]
     return stacked([row(cells[i : i + columns], width_px) for i in range(0, len(cells), columns)])
 
 
 def _flat(views: Sequence[PreviewImage], user_files: Path, report: Report) -> Made:
-    """Without Blender, some tenths of a second each."""
+    """Render without Blender, some tenths of a second each."""
     made, failures = {}, []
     with report.stage("preview", len(views), "images") as stage:
         for view in views:
@@ -68,7 +68,7 @@ def _flat(views: Sequence[PreviewImage], user_files: Path, report: Report) -> Ma
 
 
 def _cycles(views: Sequence[PreviewImage], folder: Path, user_files: Path, workers: int, report: Report) -> Made:
-    """As the render stage makes them."""
+    """Render as in a release."""
     render = views[0].look.render
     each = pictures_bytes(1, render.width_px * render.height_px, annotated=False)
     check_scratch(len(views) * each, "ask for fewer pictures by -n")

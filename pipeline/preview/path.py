@@ -1,4 +1,4 @@
-"""Where a robot would be on its way round an arena, without driving it: on the line and beside the walls."""
+"""The path of a robot around an arena without a simulation: on the line and beside the walls."""
 
 import math
 from collections.abc import Sequence
@@ -14,20 +14,20 @@ from symolo.arena.geometry import Arc, Arena, Box, Line, Straight
 from symolo.core.poses import PlanarPose
 
 _JOINED_M = 0.01
-"""Ends of the line's pieces closer than this are one."""
+"""Largest distance [m] between the ends of two pieces of the line that are joined."""
 _STEP_M = 0.02
 _DIFFERENCE_M = 1e-5
 
 
 @dataclass(frozen=True)
 class Leg:
-    """A piece of the way, driven from its start to its end or backwards."""
+    """A piece of the path, driven from its start to its end or backwards."""
 
     piece: Straight | Arc
     backwards: bool = False
 
     def pose_at(self, s_m: float) -> PlanarPose:
-        """Of R after that length of it, facing along it."""
+        """Return the pose of R after that length of the piece, facing along it."""
         s = self.piece.length_m - s_m if self.backwards else s_m
         here, behind, ahead = self.piece.at(np.array([s, s - _DIFFERENCE_M, s + _DIFFERENCE_M]))
         along = behind - ahead if self.backwards else ahead - behind
@@ -36,7 +36,7 @@ class Leg:
 
 @dataclass(frozen=True)
 class Way:
-    """The legs of a run, all in the sense in which its start turns about their middle."""
+    """The legs of a run, all in the direction in which its start turns about their centre."""
 
     legs: tuple[Leg, ...]
     start: PlanarPose
@@ -52,9 +52,10 @@ class Way:
         return cls(_in_sense_of(start, pieces), start, arena.boxes, spec.robot)
 
     def place(self, share: float, t_s: float) -> PlanarPose:
-        """The place after `share` (0-1) of the way, or the last one before it where the robot has room at that time.
+        """Return the pose after `share` (0-1) of the path, or the last one before it where the robot has room at that
+        time.
 
-        The start of the run where there is neither line nor wall, or no room anywhere.
+        Without line and walls, or without room anywhere, it is the start of the run.
         """
         length_m = sum(leg.piece.length_m for leg in self.legs)
         for back in range(math.ceil(length_m / _STEP_M)):
@@ -71,7 +72,9 @@ class Way:
         return self.legs[-1].pose_at(self.legs[-1].piece.length_m)  # rounding left a rest
 
     def _has_room(self, pose: PlanarPose, t_s: float) -> bool:
-        """Whether nothing stands where the robot is, nor ahead of it closer than where its controller turns aside."""
+        """Return whether there is nothing at the robot, nor closer ahead of it than where its controller turns
+        aside.
+        """
         chassis, mounts = self.robot.chassis, self.robot.tof.mounts
         back_m = -0.5 * chassis.length_m
         front_m = mounts.front.x_m + self.robot.controller.avoidance.front_below_m
@@ -86,7 +89,7 @@ class Way:
 
 
 def _is_closed(line: Line) -> bool:
-    """Whether every piece goes on in another one at both of its ends; an open line is joined by walls."""
+    """Return whether every piece is joined to another one at both ends; walls join the ends of an open line."""
     ends = [piece.at(np.array([0.0, piece.length_m])) for piece in line.pieces]
     for number, own in enumerate(ends):
         others = [end for other, pair in enumerate(ends) if other != number for end in pair]
@@ -96,7 +99,7 @@ def _is_closed(line: Line) -> bool:
 
 
 def _beside(wall: WallConfig, robot: RobotConfig) -> Straight:
-    """The track along the robot's side of a wall, the side sensor at the distance that the controller holds."""
+    """Return the track along a wall at which the side sensor has the distance that the controller holds."""
     (x0, y0), (x1, y1) = wall.start, wall.end
     length = math.hypot(x1 - x0, y1 - y0)
     away_m = robot.controller.wall.target_distance_m + abs(robot.tof.mounts.left.y_m)
@@ -105,7 +108,7 @@ def _beside(wall: WallConfig, robot: RobotConfig) -> Straight:
 
 
 def _in_sense_of(start: PlanarPose, pieces: Sequence[Straight | Arc]) -> tuple[Leg, ...]:
-    """Legs that go round the middle of all pieces as the start does, clockwise or counter-clockwise."""
+    """Return the legs in the direction of the start around the centre of all pieces, clockwise or counter-clockwise."""
     legs = [Leg(piece) for piece in pieces]
     halfway = [leg.pose_at(0.5 * leg.piece.length_m) for leg in legs]
     middle = np.mean([pose[:2] for pose in halfway], axis=0) if halfway else np.zeros(2)

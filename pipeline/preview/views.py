@@ -1,4 +1,4 @@
-"""Which pictures a preview shows: runs as the scenario draws them, looks in turn, places spread over the way."""
+"""The images of a preview: runs as the scenario draws them, looks in turn, places spread over the path."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -24,31 +24,31 @@ from symolo.core.random_streams import stream
 _DRAFT = ("render.quality=draft", "render.method=full")
 """Under what `--set` says. The maps of pictures from parts would be made for a single one each."""
 _GOLDEN = 0.618033988749895
-"""Steps of this share of the way spread evenly, however many are taken (Weyl's sequence)."""
+"""Steps of this share of the path are evenly spread, whatever their number (Weyl's sequence)."""
 
 
 @dataclass(frozen=True)
 class PreviewImage:
-    """One picture of a preview."""
+    """One image of a preview."""
 
     number: int
-    """From 1."""
+    """Number of the image, from 1."""
     name: str
     lines: tuple[str, ...]
-    """What is said of it."""
+    """Lines of its caption."""
     frame: FramePose
     look: Appearance
     assets: Mapping[str, Path]
-    """Where the files of the user's own lie that the look names, by SHA-256."""
+    """Paths of the user's files of the look, by SHA-256."""
 
     def job(self) -> RenderJob:
-        """Made when it is needed: it is some megabytes."""
+        """Return the job, which is built when it is needed because it has some megabytes."""
         arena = Arena.from_config(self.look.arena)
         return self.look.job(arena, [self.frame], _standing(self.frame))
 
 
 def on_device(views: Sequence[PreviewImage]) -> list[PreviewImage]:
-    """The same to be rendered on what the first one asks for.
+    """Return the same images with the device that the first one asks for.
 
     Raises:
         EnvironmentLacking: It asks for a graphics card, and there is none.
@@ -60,9 +60,9 @@ def on_device(views: Sequence[PreviewImage]) -> list[PreviewImage]:
 def views(
     scenario: str, overrides: Sequence[str], looks: Sequence[str], count: int, width_px: int
 ) -> Iterator[PreviewImage]:
-    """The pictures 1 to `count`; each is the same whatever the count is.
+    """Yield the images 1 to `count`; each is the same whatever the count is.
 
-    Every picture shows another run: routes take turns, runs count from 1, beyond those of the scenario as if there were
+    Every image shows another run: routes take turns, runs count from 1, beyond those of the scenario as if there were
     more. With several looks each run is shown under all of them, from the same place, before the next one is.
 
     Raises:
@@ -94,7 +94,7 @@ def _view(loaded: LoadedScenario, number: int, index: int, width_px: int) -> Pre
 
 
 def _standing(frame: FramePose) -> RobotPath:
-    """The robot stands while it is exposed; obstacles move on."""
+    """Return the path of a robot that stands still during the exposure; obstacles move on."""
     pose = np.array([[frame.x_m, frame.y_m, frame.yaw_rad]])
     return RobotPath(np.array([frame.t_s]), pose, np.zeros((1, 2)))
 
@@ -107,7 +107,7 @@ def _frame(spec: RunSpec, number: int, index: int) -> FramePose:
 
 
 def _words(look: LookConfig) -> tuple[str, str]:
-    """Floor and light of a look, a line each."""
+    """Return a line about the floor and a line about the light of a look."""
     lights = []
     if look.sun.illuminance_klx > 0:
         lights.append(f"sun {look.sun.illuminance_klx:.1f} klx at {look.sun.elevation_deg:.0f} deg")

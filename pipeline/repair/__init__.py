@@ -1,1 +1,1 @@
-"""Damaged files of a release made again, and nothing else: `symolo repair`."""
+"""`symolo repair` restores the damaged files of a release."""

@@ -1,4 +1,4 @@
-"""Specifications of runs, description, bag-info.txt: what follows from the metadata."""
+"""Files that follow from the metadata: specifications of runs, description, bag-info.txt."""
 
 from collections.abc import Iterable, Mapping
 
@@ -20,7 +20,7 @@ from symolo.dataset.metadata import METADATA, Metadata
 
 
 def flip_back(state: RepairState, names: Iterable[str]) -> None:
-    """Restore the files in which a single bit is wrong, for which no source is needed."""
+    """Restore the files in which a single bit is wrong; this needs no source."""
     for name in sorted(set(names) & state.wanted.keys()):
         try:
             data = (state.out / name).read_bytes()
@@ -31,7 +31,7 @@ def flip_back(state: RepairState, names: Iterable[str]) -> None:
 
 
 def read_metadata(state: RepairState) -> Metadata | None:
-    """That of the release, once it is whole."""
+    """Return the metadata of the release once its file is restored."""
     data = state.read(METADATA)
     if data is None:
         return None
@@ -42,7 +42,7 @@ def read_metadata(state: RepairState) -> Metadata | None:
 
 
 def make_specs(state: RepairState, metadata: Metadata | None, runs: Iterable[str]) -> dict[str, RunSpec]:
-    """Specifications of these runs, of which the damaged ones are drawn again and restored."""
+    """Return the specifications of these runs; draw the damaged ones again and restore them."""
     found: dict[str, RunSpec] = {}
     scenario: LoadedScenario | None = None
     for run in dict.fromkeys(runs):
@@ -73,7 +73,7 @@ def write_description(state: RepairState, metadata: Metadata | None, excuse: str
 
 
 def write_bag_info(state: RepairState, metadata: Metadata | None) -> None:
-    """After all others, for it counts their bytes."""
+    """Write bag-info.txt after all other files, because it counts their bytes."""
     if BAG_INFO not in state.wanted or metadata is None or len(state.wanted) > 1:
         return
     sizes = {name: (state.out / name).stat().st_size for name in state.inventory.expected if name != BAG_INFO}
@@ -84,7 +84,7 @@ def write_bag_info(state: RepairState, metadata: Metadata | None) -> None:
 
 
 def _noted(state: RepairState, metadata: Metadata) -> set[str]:
-    """Processors as the stages know them."""
+    """Return the classes of the processors that the stages have noted."""
     cpus: set[str] = set()
     for record in metadata.runs:
         try:
@@ -97,7 +97,7 @@ def _noted(state: RepairState, metadata: Metadata) -> set[str]:
 
 
 def differences(state: RepairState, metadata: Metadata | None, made_here: Mapping[str, str]) -> str:
-    """What made the release and is not here: programs of other versions, another processor."""
+    """Return how this machine differs from that of the release: versions of programs, processor."""
     told = []
     for program, version in (metadata.made_with if metadata else {}).items():
         if made_here.get(program) != version:

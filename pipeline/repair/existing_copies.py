@@ -1,4 +1,4 @@
-"""Contents that lie elsewhere: under another name in the release, or in the hidden stages."""
+"""Copies of damaged files elsewhere: under another name in the release, or in the hidden stages."""
 
 import contextlib
 from collections.abc import Iterator
@@ -15,14 +15,14 @@ from symolo.dataset.metadata import METADATA
 
 
 def put_back(state: RepairState, scratch: Path) -> set[str]:
-    """Restore what lies in the release under another name; the names of extra files that were such."""
+    """Restore files that are in the release under another name, and return those names that are extra files."""
     sources: dict[str, str] = {}
     for name, digest in state.wanted.items():
         if places := state.inventory.places.get(digest, ()):
             sources[name] = next((place for place in places if place in state.inventory.extra), places[0])
     aside: dict[str, Path] = {}
     for place in {place for place in sources.values() if place in state.wanted}:
-        # It is to be written over itself, such as one of two that were swapped.
+        # It will be overwritten, such as one of two files that were swapped.
         aside[place] = scratch / state.inventory.files.digests[place]
         make_folder(scratch)
         write_file(aside[place], (state.out / place).read_bytes())
@@ -35,7 +35,7 @@ def put_back(state: RepairState, scratch: Path) -> set[str]:
 
 
 def take_from_stages(state: RepairState) -> None:
-    """Restore what the stages keep as it was released."""
+    """Restore files of which the stages have a copy."""
     for name in list(state.wanted):
         for path in _kept(state, name):
             with contextlib.suppress(OSError):

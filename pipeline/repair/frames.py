@@ -1,4 +1,4 @@
-"""Pictures and annotations of single frames, rendered again from the run's specification and its data.csv."""
+"""Images and annotations of single frames, rendered again from the run's specification and its data.csv."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -27,19 +27,19 @@ from symolo.dataset.rows import read_rows
 
 @dataclass(frozen=True)
 class _Work:
-    """Frames of one run that are made again."""
+    """Frames of one run that are rendered again."""
 
     run: str
     inner: str
-    """The folder of the files in the run's."""
+    """Folder of the files within that of the run."""
     task: FrameTask
-    """With the frames that are needed alone; the job in its folder has all."""
+    """Task with the needed frames only; the job in its folder has all."""
     wanted: frozenset[str]
-    """Files, by their path in that folder."""
+    """Paths of the needed files in that folder."""
 
 
 def render_frames(state: RepairState, specs: Mapping[str, RunSpec], tools: RepairTools) -> None:
-    """Restore pictures and annotations of damaged frames, of the runs whose specifications are known.
+    """Restore images and annotations of damaged frames, of the runs whose specifications are known.
 
     Raises:
         EnvironmentLacking: Blender does not start, or a graphics card is not there.
@@ -103,7 +103,7 @@ def _write_job(order: Order) -> None:
 
 
 def _only(task: FrameTask, files: Iterable[str]) -> FrameTask:
-    """With the frames of these files, which are named by their numbers."""
+    """Return the task with the frames of these files, which are named by their numbers."""
     stems = {PurePosixPath(file).stem for file in files}
     return replace(task, frames=tuple(frame for frame in task.frames if f"{frame.number:06d}" in stems))
 

@@ -1,4 +1,4 @@
-"""`symolo repair`: exactly the damaged files of a release are made again, and placed where they are the same bytes."""
+"""`symolo repair` makes the damaged files of a release again, and puts them in place if they have the same bytes."""
 
 import hashlib
 from collections.abc import Callable
@@ -20,28 +20,28 @@ from symolo.verification.findings import Finding
 from symolo.verification.inventory import Inventory
 
 SCRATCH = "repair"
-"""Below the hidden stages; removed before and after."""
+"""Temporary folder below the hidden stages."""
 
 
 @dataclass(frozen=True)
 class Repaired:
-    """What became of a release."""
+    """The result of a repair."""
 
     repaired: int
     """Number of files that were restored or removed."""
     left: tuple[Finding, ...]
-    """What is still wrong, and why it was not mended; nothing where the release is whole."""
+    """Remaining faults with the reason of each; empty where the release is complete."""
 
 
 def repair(
     root: Path, workers: int, report: Report, tell: Callable[[str], None], *, remove_extra: bool = False
 ) -> Repaired:
-    """Mend a release.
+    """Repair a release.
 
     Args:
         root: The release.
-        workers: Children at a time.
-        report: Where to tell how far it is.
+        workers: Number of child processes at a time.
+        report: Progress report.
         tell: Called with a line for each file that is restored.
         remove_extra: Whether files that belong to no release are removed.
 
@@ -105,7 +105,7 @@ def _repair(
 
 
 def _remake(state: RepairState, metadata: Metadata | None, tools: RepairTools) -> None:
-    """What takes the engines."""
+    """Make files again that need PyBullet or Blender."""
     specs = descriptions.make_specs(state, metadata, state.runs())
     tables.make_tables(state, specs, tools)
     frames.render_frames(state, specs, tools)
@@ -119,7 +119,7 @@ def _device(name: str) -> DeviceKind:
 
 
 def _flip_manifest_back(out: Path, tell: Callable[[str], None]) -> bool:
-    """Where manifest and files are damaged, a single wrong bit of the manifest can still be found."""
+    """Restore a manifest in which a single bit is wrong, which is possible even if other files are damaged."""
     try:
         data, noted = (out / MANIFEST).read_bytes(), read_manifest((out / TAG_MANIFEST).read_bytes())[MANIFEST]
     except (OSError, ValueError, KeyError):
@@ -133,7 +133,7 @@ def _flip_manifest_back(out: Path, tell: Callable[[str], None]) -> bool:
 
 
 def _write_lists(state: RepairState) -> None:
-    """Also where files are still damaged, which they then name."""
+    """Write the lists of checksums, even if files are still damaged."""
     expected = state.inventory.expected
     for name, text in ((MANIFEST, manifest(expected)), (TAG_MANIFEST, tag_manifest(expected))):
         if state.inventory.files.digests.get(name) != hashlib.sha256(text).hexdigest():
@@ -142,7 +142,7 @@ def _write_lists(state: RepairState) -> None:
 
 
 def _result(state: RepairState, faults: int, metadata: Metadata | None) -> Repaired:
-    """By another look at every file."""
+    """Return the result after another check of every file."""
     left = []
     for fault in Inventory.of(state.out).findings():
         why = state.tried.get(fault.file, "")

@@ -1,4 +1,4 @@
-"""What is still to be restored of a release, and the one way in which a file gets its place: with the right SHA-256."""
+"""The files of a release that are still to be restored. A file is put in place only with the right SHA-256."""
 
 import hashlib
 from collections.abc import Callable, Mapping
@@ -12,28 +12,29 @@ from symolo.core.progress import Report
 from symolo.verification.inventory import LISTS, Inventory
 
 MAX_BYTES = 1 << 16
-"""Of a file in which a single wrong bit is looked for; the time goes by the square of its size, 10 s for this one."""
+"""Largest size [byte] of a file in which a single wrong bit is searched; the time grows with the square, to 10 s for
+this size."""
 
 RUN_PARTS = 2
-"""A run's folder is route and test."""
+"""Number of parts of the folder of a run: route and test."""
 
 
 @dataclass(frozen=True)
 class RepairTools:
-    """What files are made again with."""
+    """The tools that make files again."""
 
     scratch: Path
-    """A folder that may be filled; it is removed in the end."""
+    """Temporary folder, removed at the end."""
     workers: int
-    """Children at a time."""
+    """Number of child processes at a time."""
     report: Report
     devices: Mapping[str, DeviceKind]
-    """On what each run was rendered."""
+    """Device that rendered each run."""
     difference: str
-    """What made the release and is not here."""
+    """How this machine differs from that of the release, as text."""
 
     def excuse(self, run: str) -> str:
-        """Why files of a run that were made again may be other bytes."""
+        """Return why the files of a run may have other bytes when they are made again."""
         device = self.devices.get(run, "CPU")
         where = "" if device == "CPU" else f" on {device}, which promises no equal bytes,"
         return f"made again{where} it is other bytes; {self.difference}"
@@ -41,16 +42,16 @@ class RepairTools:
 
 @dataclass
 class RepairState:
-    """A repair under way."""
+    """The state of a repair."""
 
     workspace: Workspace
     inventory: Inventory
     tell: Callable[[str], None]
-    """Where each file that is restored is said."""
+    """Called with a line for each file that is restored."""
     wanted: dict[str, str] = field(default_factory=dict)
-    """SHA-256 of each file that is still to be restored, by path."""
+    """SHA-256 by path of each file that is still to be restored."""
     tried: dict[str, str] = field(default_factory=dict)
-    """Why the last attempt at a file came to nothing."""
+    """Reason by path why the last attempt failed."""
 
     @classmethod
     def of(cls, workspace: Workspace, inventory: Inventory, tell: Callable[[str], None]) -> "RepairState":
@@ -69,7 +70,7 @@ class RepairState:
         return self.workspace.out
 
     def runs(self) -> dict[str, set[str]]:
-        """Runs with damaged files, and those by their path in the run."""
+        """Return the runs with damaged files, and the paths of these in the run."""
         runs: dict[str, set[str]] = {}
         for name in self.wanted:
             parts = name.split("/", RUN_PARTS)
@@ -78,7 +79,7 @@ class RepairState:
         return runs
 
     def read(self, name: str) -> bytes | None:
-        """The content of a released file, None while it is not the one that was released."""
+        """Return the content of a released file; None while it is damaged."""
         if name in self.wanted or name not in self.inventory.expected:
             return None
         try:
@@ -88,7 +89,7 @@ class RepairState:
         return data if hashlib.sha256(data).hexdigest() == self.inventory.expected[name] else None
 
     def put(self, name: str, data: bytes, how: str, otherwise: str = "") -> bool:
-        """Put the file in place where it is the one that was released; `otherwise` says why it may not be."""
+        """Put the file in place if it is the released one; `otherwise` is the reason to note if it is not."""
         if name not in self.wanted:
             return False
         if hashlib.sha256(data).hexdigest() != self.wanted[name]:
@@ -106,7 +107,7 @@ class RepairState:
         return True
 
     def _clear_the_way(self, name: str) -> None:
-        """Make the folders of a file; a link in place of one would lead out of the release."""
+        """Make the folders of a file, and remove links in their place, which would lead out of the release."""
         for parent in reversed(PurePosixPath(name).parents[:-1]):
             place = self.out / parent
             if place.is_symlink() or (place.exists() and not place.is_dir()):
@@ -115,7 +116,9 @@ class RepairState:
 
 
 def with_one_bit_less_wrong(data: bytes, digest: str) -> bytes | None:
-    """The content with that SHA-256 that differs in a single bit, None where there is none or the file is too large."""
+    """Return the content with this SHA-256 that differs in a single bit; None if there is none or the file is too
+    large.
+    """
     if len(data) > MAX_BYTES:
         return None
     before = hashlib.sha256()

@@ -1,4 +1,4 @@
-"""Tables of a run, from the stored trajectory or from driving it again."""
+"""Tables of a run, from the stored trajectory or from a new simulation."""
 
 import contextlib
 from collections.abc import Mapping, Sequence
@@ -39,7 +39,7 @@ def make_tables(state: RepairState, specs: Mapping[str, RunSpec], tools: RepairT
 
 
 def _wants_tables(state: RepairState, run: str) -> set[str]:
-    """Files of the run that follow from its trajectory."""
+    """Return the damaged files of the run that follow from its trajectory."""
     return {inner for inner in state.runs().get(run, set()) if not inner.startswith(BY_FRAME)}
 
 
@@ -49,7 +49,7 @@ def _put(state: RepairState, spec: RunSpec, recording: Recording, how: str, excu
 
 
 def _drive(specs: Sequence[RunSpec], tools: RepairTools) -> list[Path]:
-    """Folders of the runs simulated again, empty where one failed."""
+    """Simulate these runs again and return their folders, which are empty where a run failed."""
     folders = [tools.scratch / "simulate" / spec.key for spec in specs]
     units = [
         SimulateUnit(name=spec.key, spec=spec.model_dump_json(), folder=folder, key=simulation_key(spec))

@@ -1,4 +1,4 @@
-"""Pictures for a trajectory that is there already, ours or a SyMoLo data.csv from elsewhere; simulates nothing."""
+"""Images for an existing trajectory, one of symolo or a SyMoLo data.csv from elsewhere; nothing is simulated."""
 
 import contextlib
 import hashlib
@@ -54,78 +54,80 @@ from symolo.dataset.rows import Ints, Rows, read_rows
 from symolo.dataset.side_tables import image_positions
 
 CARRIER = "symolo"
-"""The scenario whose reader checks `--set render...`, and whose picture settings a foreign trajectory gets."""
+"""The scenario that checks `--set render...` and gives a foreign trajectory its image settings."""
 
 SECTIONS = ("look", "render", "arena", "robot")
 
 
 @dataclass(frozen=True)
 class RerenderRequest:
-    """What the user asked for beside the trajectory."""
+    """The options of the user beside the trajectory."""
 
     looks: tuple[str, ...]
     draws: int = 1
-    """Of each look."""
+    """Number of draws of each look."""
     arena: str | None = None
     robot: str | None = None
     camera_hz: float | None = None
     seed: int | None = None
     overrides: tuple[str, ...] = ()
     option: str = "--look"
-    """By which the looks are named."""
+    """Option that names the looks."""
 
     def named_by(self, section: str) -> str:
-        """The option that names this section; empty where none does."""
+        """Return the option that names this section; empty where none does."""
         named = {"look": self.option, "arena": self.arena and "--arena", "robot": self.robot and "--robot"}
         return named.get(section) or ""
 
     def of(self, section: str) -> tuple[str, ...]:
-        """The overrides below one section."""
+        """Return the overrides of one section."""
         return tuple(text for text in self.overrides if text.strip().startswith((f"{section}.", f"{section}=")))
 
 
 @dataclass(frozen=True)
 class StoredTrajectory:
-    """A trajectory to look at, and what is known of the run it came from."""
+    """A trajectory, with the specification of its run if there is one."""
 
     rows: Rows
     data: bytes
-    """data.csv as it is or would be."""
+    """Content of data.csv."""
     spec: RunSpec | None
-    """None for a foreign data.csv."""
+    """Specification of the run; Specification of the run; Specification of the run; None for a foreign data.csv."""
     file: Path
-    """Where it was read from."""
+    """File from which it was read."""
 
     def at(self, row: int) -> str:
-        """Where a row stands, for errors."""
+        """Return the place of a row for error messages."""
         return f"{self.file}, row {row}" if self.file.name == TRAJECTORY else f"{self.file}:{row + 2}"
 
 
 @dataclass(frozen=True)
 class LookDraw:
-    """One set of pictures: a look with drawn values."""
+    """One set of images: a look with drawn values."""
 
     name: str
-    """`<look>_<k>`, k from 1."""
+    """Name Name Name `<look>_<k>`, k from 1."""
     appearance: Appearance
     record: bytes
     """Content of look.json."""
     assets: Mapping[str, Path]
-    """Where the files of the user's own lie that the look names, by SHA-256."""
+    """Paths of the user's files of the look, by SHA-256."""
 
 
 def folder_name(source: StoredTrajectory, draws: Sequence[LookDraw]) -> str:
-    """Of the output where none is given: run and looks, our runs by route and number, others by their file."""
+    """Return the default name of the output folder: run and looks; a run of symolo by route and number, others by
+    their file.
+    """
     file = source.file.resolve()
     run = source.spec.key.replace("/", "-") if source.spec else file.parent.name if file.name == DATA else file.stem
     return "-".join((run or "run", *dict.fromkeys(draw.appearance.look.name for draw in draws)))
 
 
 def check_same(source: StoredTrajectory, draws: Sequence[LookDraw], out: Path, *, apart: bool) -> None:
-    """Refuse a folder that nobody named where it holds pictures of something else.
+    """Refuse a default folder that holds images of something else.
 
     Raises:
-        InputError: It does.
+        InputError: It holds images of another trajectory or draw.
     """
     for draw in draws:
         folder = out / draw.name if apart else out
@@ -139,7 +141,8 @@ def check_same(source: StoredTrajectory, draws: Sequence[LookDraw], out: Path, *
 def open_folders(
     source: StoredTrajectory, draws: Sequence[LookDraw], out: Path, *, apart: bool
 ) -> Iterator[list[Workspace]]:
-    """A folder for each draw, checked and held: `out/<name>` where they lie apart, else `out` for the only one.
+    """Yield a checked and locked folder for each draw: `out/<name>` for draws of `--looks`, else `out` for the only
+    one.
 
     Raises:
         InputError: One of them cannot be used, or another command works in it.
@@ -154,7 +157,7 @@ def open_folders(
     check_disk(out, sum(_bytes_needed(source, draw) for draw in draws))
     with whole.locked():
         for folder in folders if apart else ():
-            with folder.locked():  # and let go: each lock takes one of a thousand or so file descriptors
+            with folder.locked():  # released at once: a process has about a thousand file descriptors
                 pass
         yield folders
 
@@ -166,7 +169,7 @@ def render_source(
     executor: Executor,
     report: Report,
 ) -> list[FailedRun]:
-    """Render what `prepare` found, annotate it where asked for, and fill a folder with each of it."""
+    """Render and annotate the draws of `prepare`, and fill a folder with each of them."""
     places = {draw.name: (draw, folder) for draw, folder in zip(draws, folders, strict=True)}
     for draw, folder in places.values():
         keep_user_files((draw.appearance.look,), draw.assets, folder.user_files)
@@ -199,21 +202,22 @@ def render_source(
 def _bytes_needed(source: StoredTrajectory, draw: LookDraw) -> int:
     render, images = draw.appearance.render, int(np.count_nonzero(source.rows.image))
     pixels = images * render.width_px * render.height_px
-    # The job lies in the folder once more, beside the trajectory.
+    # The job is in the folder once more, beside the trajectory.
     return pictures_bytes(images, pixels, annotated=bool(render.annotations)) + BYTES_PER_JOB + len(source.data)
 
 
 def draw_seed(seed: int, draw: int) -> int:
-    """Of a look's values, stains and noise in one draw; the first one's is the run's own."""
+    """Return the seed of a look's values, stains and noise in one draw; the first draw has that of the run."""
     return seed if draw == 1 else int(stream(seed, "rerender", draw).integers(2**53))
 
 
 def prepare(source: Path, request: RerenderRequest) -> tuple[StoredTrajectory, tuple[LookDraw, ...]]:
-    """Read and check everything, before anything is written: all draws of the first look, then those of the next.
+    """Read and check everything before anything is written, and return all draws of the first look, then those of the
+    next.
 
     Raises:
         InputError: The trajectory, the look or another part of the request cannot be used.
-        EnvironmentLacking: A graphics card is asked for, and there is none.
+        EnvironmentLacking: A graphics card is required and there is none.
     """
     for text in request.overrides:
         if text.strip().partition("=")[0].partition(".")[0] not in SECTIONS:
@@ -234,7 +238,7 @@ def prepare(source: Path, request: RerenderRequest) -> tuple[StoredTrajectory, t
 
 
 def read_source(path: Path) -> StoredTrajectory:
-    """A run folder of a dataset or of `.stages`, or a data.csv with nothing beside it."""
+    """Read a run folder of a dataset or of `.stages`, or a single data.csv."""
     folder = path.parent if path.name == DATA else path
     if path.is_dir() and (folder / TRAJECTORY).is_file():
         try:
@@ -270,7 +274,7 @@ def _read_spec(path: Path) -> RunSpec:
 
 
 def _timed(source: StoredTrajectory, camera_hz: float | None) -> StoredTrajectory:
-    """With image numbers at `camera_hz` when it is given, else with those of data.csv."""
+    """Return the trajectory with image numbers at `camera_hz`, or those of data.csv where it is None."""
     if camera_hz is None:
         if np.any(source.rows.image > 0):
             return source
@@ -285,14 +289,14 @@ def _timed(source: StoredTrajectory, camera_hz: float | None) -> StoredTrajector
 
 
 def image_numbers(t_ms: Ints, camera_hz: float) -> Ints:
-    """(N,), 1, 2, 3... at the first row of every camera period since the first row, 0 elsewhere."""
+    """Return (N,): 1, 2, 3... at the first row of every camera period since the first row, 0 elsewhere."""
     period = np.floor((t_ms - t_ms[0]) * camera_hz / 1000 + 1e-9)
     first = np.concatenate(([True], np.diff(period) > 0))
     return np.where(first, np.cumsum(first), 0)
 
 
 def _draws(source: StoredTrajectory, request: RerenderRequest) -> tuple[LookDraw, ...]:
-    """The looks differ from draw to draw; arena, robot and picture settings are the run's in all of them."""
+    """Draw all looks; arena, robot and image settings are the same in all draws."""
     spec = source.spec
     route, run = (spec.route, spec.run) if spec else ("foreign", 1)
     seed = request.seed if request.seed is not None else spec.seed if spec else 1
@@ -348,14 +352,16 @@ def _render(spec: RunSpec | None, request: RerenderRequest, seed: int, route: st
 
 
 def _texts(source: StoredTrajectory, draw: LookDraw) -> dict[str, bytes]:
-    """What is told of the pictures, by its path in their folder."""
+    """Return the files that describe the images, by path."""
     about = {DATA: source.data, POSITIONS: image_positions(source.rows), LOOK: draw.record}
     own = draw.appearance
     return about | dict((*camera_files(own, source.rows), scene_file(own.arena, own.look, own.seed)))
 
 
 def _publish(task: FrameTask, annotations: FrameTask | None, texts: Mapping[str, bytes], workspace: Workspace) -> None:
-    """Fill the folder; frames.json, the list of the pictures, goes first and comes last: with it the set is whole."""
+    """Fill the folder; frames.json, the list of the images, is removed first and written last: it marks a complete
+    set.
+    """
     out, marker = workspace.out, workspace.assemble("rerender")
     digests = {name: hashlib.sha256(data).hexdigest() for name, data in texts.items()}
     key = input_key("pictures", render=task.key, annotate=annotations.key if annotations else "", texts=digests)

@@ -1,4 +1,4 @@
-"""Whether a trajectory from elsewhere is in metres and radians, as far as it tells."""
+"""Checks whether a trajectory from elsewhere is in metres and radians."""
 
 import math
 from collections.abc import Callable
@@ -16,16 +16,17 @@ Where = Callable[[int], str]
 """Names the place of a row."""
 
 CHORD_M = 0.02
-"""Between the places whose direction is taken: some millimetres of noise turn it by some degrees only."""
+"""Length [m] of the chords whose direction is compared: some millimetres of noise turn it by some degrees only."""
 FEWEST_CHORDS = 5
 EXPLAINED_RAD, UNEXPLAINED_RAD = math.radians(5), math.radians(10)
-"""Up to one the headings fit the way, from the other on they do not; medians over the chords."""
+"""Median angles [rad] between chords and headings, up to which they fit the path and from which on they do not."""
 
 
 def check_radians(rows: Rows, at: Where) -> None:
-    """Refuse headings beyond a turn that follow the way when they are degrees, and do not when they are radians.
+    """Refuse headings beyond a full turn that follow the path as degrees and do not follow it as radians.
 
-    The robot rolls along its heading, forwards or backwards. A heading by another convention follows the way in neither
+    The robot rolls along its heading, forwards or backwards. A heading by another convention follows the path in
+    neither
     unit, and one that counts the turns does in radians.
 
     Raises:
@@ -47,7 +48,7 @@ def check_radians(rows: Rows, at: Where) -> None:
 
 
 def check_on_the_floor(rows: Rows, arena: Arena, look: LookConfig, at: Where) -> None:
-    """Refuse pictures from outside the room, where there is nothing to see.
+    """Refuse images from outside the room, where nothing is visible.
 
     Raises:
         InputError: The first of them.
@@ -67,7 +68,7 @@ def check_on_the_floor(rows: Rows, arena: Arena, look: LookConfig, at: Where) ->
 
 
 def _chords(place: Array) -> np.ndarray:
-    """Rows (M,), each the first that is a chord away from the one before."""
+    """Return rows (M,), each the first one that is a chord away from the one before."""
     found, (last_x, last_y) = [0], place[0].tolist()
     for row, (x, y) in enumerate(place.tolist()):
         if math.hypot(x - last_x, y - last_y) >= CHORD_M:
@@ -77,7 +78,7 @@ def _chords(place: Array) -> np.ndarray:
 
 
 def _off_the_way(place: Array, yaw_rad: Array) -> float:
-    """Median angle between chord and heading, the mean of those at its ends; the same forwards and backwards."""
+    """Return the median angle between chord and mean heading at its ends, the same forwards and backwards."""
     way = np.diff(place, axis=0)
     twice = 2 * (np.arctan2(way[:, 1], way[:, 0])[:, None] - np.stack([yaw_rad[:-1], yaw_rad[1:]], axis=1))
     return float(np.median(np.abs(np.angle(np.exp(1j * twice).sum(axis=1)))) / 2)

@@ -1,1 +1,1 @@
-"""The output folder: what it holds, what is done, what has changed."""
+"""The output folder: its content, what is done, what has changed."""

@@ -1,4 +1,4 @@
-"""Why something is made again: the fields of a run that changed."""
+"""The fields of a run that changed, which is why something is made again."""
 
 from collections.abc import Iterator, Sequence
 from itertools import islice
@@ -8,18 +8,18 @@ from pipeline.stages.simulate_runs import simulation_inputs
 from symolo.core.errors import shown
 
 MOST = 3
-"""Fields that are named; one cause often moves many."""
+"""Largest number of fields that a message names; one cause often changes many."""
 
 ABOUT = ("drawn", "scenario")
-"""What no picture depends on: it tells where the other values came from."""
+"""Fields on which no image depends: they say where the other values came from."""
 
 
 def changes(made: RunSpec, asked: RunSpec, *, simulation: bool = False) -> list[str]:
-    """Fields with their values before and now, such as `look.sun.elevation_deg 30.0 -> 60.0`.
+    """Return the changed fields with their values before and now, such as `look.sun.elevation_deg 30.0 -> 60.0`.
 
     Args:
-        made: What is there was made from it.
-        asked: What it would be made from now.
+        made: Specification from which the files were made.
+        asked: Specification from which they would be made now.
         simulation: Whether only what the trajectory depends on counts.
     """
     trees = [simulation_inputs(spec) if simulation else spec.model_dump(mode="json") for spec in (made, asked)]
@@ -28,7 +28,7 @@ def changes(made: RunSpec, asked: RunSpec, *, simulation: bool = False) -> list[
 
 
 def told(changed: Sequence[str]) -> str:
-    """The first of them in a line."""
+    """Return the first of these changes as a line."""
     more = f" and {len(changed) - MOST} more" if len(changed) > MOST else ""
     return ", ".join(islice(changed, MOST)) + more
 

@@ -1,4 +1,4 @@
-"""Whether an output folder may be used; asked before any work starts."""
+"""Checks of an output folder, before any work starts."""
 
 import tempfile
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What an output folder holds, what is missing, and whether somebody works in it; asked without changing anything."""
+"""The status of an output folder: its content, what is missing, and whether another command works in it."""
 
 import fcntl
 import os
@@ -36,9 +36,9 @@ OF_RUNS = ("simulate", "render", "annotate", "assemble")
 class StageStatus:
     stage: str
     text: str
-    """What is done, of how much, or what failed."""
+    """Text about what is done or what failed."""
     again: str = ""
-    """Why another run of the command does it again, or does it at all; empty where it is done."""
+    """Reason why the next command does this stage; empty where it is done."""
 
 
 @dataclass(frozen=True)
@@ -52,12 +52,12 @@ class RunStatus:
 
 
 def status(out: Path, specs: Sequence[RunSpec] = (), *, check: bool = False) -> Iterator[str]:
-    """Lines for a person.
+    """Yield the status as lines of text.
 
     Args:
         out: A folder that a command for datasets works in.
-        specs: Of the scenario that would be run again; without them what is stored is held against itself.
-        check: Whether every file is hashed.
+        specs: Runs of the scenario that would be released next; by default those that are stored.
+        check: Whether to hash every file.
 
     Raises:
         InputError: It is no such folder.
@@ -86,7 +86,7 @@ def status(out: Path, specs: Sequence[RunSpec] = (), *, check: bool = False) -> 
 
 
 def again(workspace: Workspace, specs: Sequence[RunSpec]) -> Iterator[str]:
-    """What was done for these runs and is done again now, and why; a line for each reason."""
+    """Yield a line for each reason why finished stages of these runs are done again."""
     reasons: Counter[str] = Counter()
     for spec in specs:
         if workspace.simulate(spec.key).done() is None:
@@ -102,7 +102,7 @@ def again(workspace: Workspace, specs: Sequence[RunSpec]) -> Iterator[str]:
 
 
 def run_status(workspace: Workspace, run: str, spec: RunSpec | None, *, check: bool = False) -> RunStatus:
-    """Of one run; `spec` as the scenario asks for it now, None where no scenario is given."""
+    """Return the status of one run; `spec` is that of the scenario now, None without a scenario."""
     simulate = _simulated(workspace, run, spec, check=check)
     outcome = _outcome(workspace, run)
     stages = [simulate]
@@ -119,7 +119,7 @@ def run_status(workspace: Workspace, run: str, spec: RunSpec | None, *, check: b
 
 
 def for_pictures(workspace: Workspace, run: str, spec: RunSpec) -> list[str]:
-    """Fields that differ between a run as asked for and as its pictures were made; nothing where that is not known."""
+    """Return the fields that differ between a run now and when its images were made; empty where that is unknown."""
     released = workspace.out / run / "side" / SPEC
     made = _read_spec(released) or _read_spec(workspace.simulate(run).path / SPEC)
     return [] if made is None else changes(made, spec)
@@ -159,7 +159,7 @@ def _framed(folder: StageFolder, stage: str, outcome: RunOutcome | None, *, chec
 
 
 def _frames(files: Path) -> int:
-    """Images that have a whole file, at least one where a folder holds those of each kind."""
+    """Return the number of images with all their files."""
     folders = [path for path in files.iterdir() if path.is_dir()] or [files]
     return min(sum(not path.name.startswith(".") for path in folder.iterdir()) for folder in folders)
 
@@ -180,7 +180,7 @@ def _released(workspace: Workspace, run: str, *, pending: bool) -> StageStatus:
 
 
 def _runs(workspace: Workspace, specs: Sequence[RunSpec]) -> dict[str, RunSpec | None]:
-    """All runs that are asked for, or else all that are known."""
+    """Return all runs of the scenario, or all runs in the folder."""
     if specs:
         return {spec.key: spec for spec in specs}
     found: set[str] = set()
@@ -200,7 +200,7 @@ def _in_order(run: str) -> tuple[str, int]:
 
 
 def _working(workspace: Workspace) -> str:
-    """By the lock that every command holds while it works; it is let go of at once."""
+    """Return whether another command works in the folder, by its lock, which is released at once."""
     try:
         descriptor = os.open(workspace.out / STAGES / LOCK, os.O_RDONLY | os.O_NOFOLLOW)
     except OSError:
@@ -242,7 +242,7 @@ def _release(workspace: Workspace, *, check: bool) -> str:
 
 
 def _cost(workspace: Workspace, runs: Sequence[str], specs: Sequence[RunSpec]) -> str:
-    """What the images there took, by the journals of their making; the starts of Blender are not in it."""
+    """Return the time that the images took, from their journals; without the starts of Blender."""
     images, core_s = 0, 0.0
     for run in runs:
         for name, of_run in _journals(workspace, run):
@@ -267,7 +267,7 @@ def _mixed(workspace: Workspace, runs: Sequence[str]) -> Iterator[str]:
 
 
 def _journals(workspace: Workspace, run: str) -> Iterator[tuple[str, Ledger]]:
-    """Of its images and annotations, as far as they were begun, with the name of the folder that each is of."""
+    """Yield the journals of the images and annotations of a run, with the name of their folder."""
     for folder, name in ((workspace.render(run), IMAGES), (workspace.annotate(run), ANNOTATIONS)):
         if (folder.path / JOB).is_file():
             yield name, journal(folder, name)

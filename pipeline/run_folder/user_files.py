@@ -1,4 +1,4 @@
-"""The user's own pictures and panoramas, copied once into the workspace, where alone the renderers look for them."""
+"""The user's images and panoramas, copied once into the workspace, from which the renderers read them."""
 
 from collections.abc import Iterable, Mapping
 from hashlib import sha256

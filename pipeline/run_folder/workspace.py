@@ -1,4 +1,4 @@
-"""The output folder: whether it may be used, where each stage of each run lies in it, and what is done."""
+"""The output folder: its lock, the folder of each stage of each run, and what is done."""
 
 import contextlib
 import hashlib
@@ -34,7 +34,7 @@ def input_key(stage: str, **inputs: object) -> str:
 
 
 class _Failed(BaseModel):
-    """What `failed.json` says."""
+    """Content of `failed.json`."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -49,16 +49,16 @@ class StageFolder:
     path: Path
 
     def is_done(self, key: str) -> bool:
-        """Whether the folder was finished from the same inputs and each of its files is still what was written."""
+        """Return whether the folder was finished from the same inputs and each of its files is unchanged."""
         done = self.done()
         return done is not None and done.key == key and holds(self.path, done.files)
 
     def start(self) -> Path:
-        """An empty folder beside the final one, of this caller alone, to be filled and handed to `publish`."""
+        """Return an empty folder beside the final one, to be filled and passed to `publish`."""
         return new_folder_beside(self.path)
 
     def is_begun(self) -> bool:
-        """Whether somebody has started to fill it, now or before a kill."""
+        """Return whether a command has started to fill the folder."""
         return any(place_of(path) == self.path for path in self.path.parent.glob(".*.tmp"))
 
     def publish(self, partial: Path, key: str, *, over: bool = False) -> None:
@@ -78,7 +78,7 @@ class StageFolder:
         write_file(self.path / FAILED, canonical_json(_Failed(key=key, problem=problem).model_dump()))
 
     def problem(self, key: str | None = None) -> str:
-        """Why nothing came of these inputs, or of any; empty where that is not known."""
+        """Return why the stage failed with these inputs, or with any; empty where that is unknown."""
         try:
             failed = _Failed.model_validate_json((self.path / FAILED).read_bytes())
         except (*NOT_THERE, ValidationError):
@@ -97,7 +97,7 @@ class StageFolder:
         return done.files
 
     def done(self) -> Done | None:
-        """What `done.json` says, None while the stage is not finished."""
+        """Return the content of `done.json`; None while the stage is not finished."""
         try:
             return Done.model_validate_json((self.path / DONE).read_bytes())
         except (*NOT_THERE, ValidationError):
@@ -131,7 +131,7 @@ class Workspace:
 
     @property
     def user_files(self) -> Path:
-        """The user's own pictures and panoramas, each under its SHA-256."""
+        """Folder of the user's images and panoramas, each under its SHA-256."""
         return self.out / STAGES / "assets"
 
     @contextlib.contextmanager

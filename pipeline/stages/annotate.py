@@ -1,4 +1,4 @@
-"""Beside the second stage: the annotations of every good run's images, in a folder apart from them."""
+"""Annotations of the images of every good run, beside the second stage, in a folder of their own."""
 
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
@@ -17,13 +17,13 @@ from symolo.dataset.layout import ANNOTATIONS
 
 
 class AnnotationTask(FrameTask):
-    """The annotations of one run's images."""
+    """The annotations of the images of one run."""
 
     STAGE, FILES, WORK = "annotate", ANNOTATIONS, "annotations"
 
     @classmethod
     def of(cls, pictures: FrameTask, appearance: Appearance, folder: StageFolder) -> Order:
-        """Of the images that a task rendered; they are not looked at, its job is."""
+        """Return the order for the images that a task rendered; only its job is read."""
         arena = Arena.from_config(appearance.arena)
         rendered = RenderJob.from_json((pictures.folder.path / JOB).read_text())
         job = build_annotation_job(rendered, arena, appearance.render.annotations)
@@ -48,9 +48,9 @@ class AnnotationTask(FrameTask):
 
 
 def copy_released(annotated: StageFolder, run: Path) -> dict[str, str]:
-    """Put the files of a run's annotations that are released below the run's folder; their SHA-256 by path.
+    """Copy the released annotations of a run into its folder, and return their SHA-256 by path.
 
-    Records are in the document.
+    The records are part of the document.
     """
     copied = {}
     for name, digest in sorted(annotated.files().items()):
@@ -63,7 +63,7 @@ def copy_released(annotated: StageFolder, run: Path) -> dict[str, str]:
 
 
 def processors(render: StageFolder, annotate: StageFolder | None) -> tuple[str, ...]:
-    """Classes of the processors that made a run's images and, where it has any, its annotations; sorted."""
+    """Return the classes of the processors that made the images and annotations of a run, sorted."""
     found = {*Rendered.read(render.path).cpus}
     if annotate is not None:
         found |= {*journal(annotate, ANNOTATIONS).processors()}

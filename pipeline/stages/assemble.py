@@ -1,4 +1,4 @@
-"""Third stage: good runs put together as the released dataset, with description, metadata and checksums."""
+"""Stage 3: assembles good runs into the released dataset, with description, metadata and checksums."""
 
 import hashlib
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,6 +12,7 @@ from pipeline.run_folder.workspace import Workspace, input_key, mark_done
 from pipeline.stages.annotate import copy_released, processors
 from pipeline.stages.render import Rendered, picture_seed
 from pipeline.stages.simulate_runs import read_outcome, read_recording, spec_text
+from sensors.fit_out import sensor_tables
 from symolo.arena.geometry import Arena
 from symolo.core.atomic_files import make_folder, remove_file, remove_folder, replace_folder, write_file
 from symolo.core.errors import EnvironmentLacking
@@ -26,14 +27,15 @@ from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, tag_manife
 from symolo.dataset.metadata import METADATA, FailedRun, Metadata, RunRecord, describe, read_metadata
 from symolo.dataset.obstacles import obstacle_table, obstacles_csv
 from symolo.dataset.rows import Rows
+from symolo.dataset.sensor_tables import sensor_csv
 from symolo.dataset.side_tables import BOARD, TOF, WHEELS, board_csv, image_positions, tof_csv, wheels_csv
 
 KEPT_METADATA = Path(STAGES) / "assemble" / METADATA
-"""A copy within an output folder: of all that is released, nothing else could be made again without the scenario."""
+"""Copy of the metadata within the output folder: everything else can be made again from it."""
 FORM = 2
-"""Which files a run's folder has; a higher number puts releases together anew. 1 had no side/scene.json."""
+"""Version of the list of files of a run; releases with another number are assembled again. 1 had no side/scene.json."""
 CHECKSUMS = (TAG_MANIFEST, MANIFEST)
-"""In the order in which they are taken away, before anything that they name is."""
+"""Lists of checksums in the order in which they are removed, before the files that they name."""
 
 
 def assemble(
@@ -43,14 +45,14 @@ def assemble(
     failures: Sequence[FailedRun],
     report: Report,
 ) -> None:
-    """Release every run without a problem; a run released before that has one now is taken back.
+    """Release every run without a problem, and remove released runs that have one now.
 
     Args:
         workspace: The output folder, with the stages before this one done.
         tree: The scenario as loaded, with its distributions.
         specs: All runs of the scenario.
-        failures: What failed so far.
-        report: Where to tell.
+        failures: Failures of the stages before.
+        report: Progress report.
     """
     failed = {failure.run for failure in failures}
     good = [spec for spec in specs if spec.key not in failed]
@@ -74,12 +76,12 @@ def assemble(
     if not good:
         _remove_files(workspace.out, (*CHECKSUMS, BAG_INFO, METADATA, DESCRIPTION))
         return
-    metadata = describe(tree, specs, records, failures)
+    metadata = describe(tree, specs, records, failures, sensor_tables(specs[0].robot.sensors))
     _describe(workspace, metadata, markdown(metadata, good[0]), hashes, cpus)
 
 
 def _processors(workspace: Workspace, spec: RunSpec, stage: StageReport) -> tuple[str, ...]:
-    """Classes of those that made its images and annotations; where they are several, that is told."""
+    """Return the classes of the processors that made its images and annotations, and report if they are several."""
     annotate = workspace.annotate(spec.key) if spec.render.annotations else None
     found = processors(workspace.render(spec.key), annotate)
     if len(found) > 1:
@@ -88,12 +90,12 @@ def _processors(workspace: Workspace, spec: RunSpec, stage: StageReport) -> tupl
 
 
 def of_several_classes(cpus: Sequence[str]) -> str:
-    """What is to be known of a run whose frames were made on several classes of processor."""
+    """Return the warning about a run whose frames were made on several classes of processor."""
     return f"its frames were made on {' and '.join(cpus)}: low bits may not be those of a machine of one class"
 
 
 def _describe(workspace: Workspace, metadata: Metadata, page: bytes, hashes: dict[str, str], cpus: set[str]) -> None:
-    """Write what lies at the top of a release; the checksum of the checksums comes last."""
+    """Write the files at the top of a release; the checksum of the checksums comes last."""
     out, text = workspace.out, metadata.to_json()
     _write_if_new(workspace.out / KEPT_METADATA, text)
     for name, data in ((METADATA, text), (DESCRIPTION, page)):
@@ -107,10 +109,10 @@ def _describe(workspace: Workspace, metadata: Metadata, page: bytes, hashes: dic
 
 
 def release_run(workspace: Workspace, spec: RunSpec) -> dict[str, str]:
-    """Put one run's folder in place unless it is there unchanged; SHA-256 of its files by their path in it.
+    """Put the folder of a run in place unless it is there unchanged, and return the SHA-256 of its files by path.
 
     Raises:
-        EnvironmentLacking: What it is put together from, or what lies there then, is not what was written.
+        EnvironmentLacking: Files of the stages, or of the new folder, are not what was written.
     """
     stages = {"simulate": workspace.simulate(spec.key), "render": workspace.render(spec.key)}
     if spec.render.annotations:
@@ -134,7 +136,7 @@ def release_run(workspace: Workspace, spec: RunSpec) -> dict[str, str]:
 
 
 def _fill(workspace: Workspace, spec: RunSpec, rendered: Mapping[str, str], folder: Path) -> dict[str, str]:
-    """Write the files of a run; SHA-256 of what was written by path."""
+    """Write the files of a run and return their SHA-256 by path."""
     make_folder(folder / SIDE)
     make_folder(folder / IMAGES)
     written: dict[str, str] = {}
@@ -152,7 +154,7 @@ def _fill(workspace: Workspace, spec: RunSpec, rendered: Mapping[str, str], fold
 
 
 def tables(spec: RunSpec, recording: Recording) -> Iterator[tuple[str, bytes]]:
-    """Every released file of a run but its pictures and annotations, by its path in the run's folder."""
+    """Yield the released files of a run except images and annotations, with their paths in its folder."""
     rows = Rows.from_recording(recording)
     yield DATA, rows.to_csv()
     yield POSITIONS, image_positions(rows)
@@ -162,6 +164,8 @@ def tables(spec: RunSpec, recording: Recording) -> Iterator[tuple[str, bytes]]:
     yield scene_file(spec.arena, spec.look, picture_seed(spec.seed, spec.route, spec.run))
     if spec.board:
         yield f"{SIDE}/{BOARD.file}", board_csv(recording)
+    for table in sensor_tables(spec.robot.sensors):
+        yield f"{SIDE}/{table.file}", sensor_csv(table, recording)
     arena = Arena.from_config(spec.arena)
     if (obstacles := obstacle_table(arena)) is not None:
         yield f"{SIDE}/{obstacles.file}", obstacles_csv(obstacles, arena, recording)
@@ -169,7 +173,7 @@ def tables(spec: RunSpec, recording: Recording) -> Iterator[tuple[str, bytes]]:
 
 
 def _take_back(workspace: Workspace, good: set[str]) -> None:
-    """Remove released runs that the scenario no longer holds, or that failed since."""
+    """Remove released runs that are no longer in the scenario, or that have failed."""
     for run in sorted(_released(workspace) - good):
         _remove_files(workspace.out, CHECKSUMS)
         remove_folder(workspace.out / run)
@@ -180,7 +184,7 @@ def _take_back(workspace: Workspace, good: set[str]) -> None:
 
 
 def _released(workspace: Workspace) -> set[str]:
-    """Runs released before, by the stages or, where those were deleted, by metadata.json."""
+    """Return the runs released before, by the stages or, if these were deleted, by metadata.json."""
     root = workspace.out / STAGES / "assemble"
     marked = {run for run in (_runs_in(root) if root.is_dir() else ()) if (root / run / DONE).is_file()}
     metadata = read_metadata(workspace.out)

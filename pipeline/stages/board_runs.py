@@ -1,4 +1,4 @@
-"""Runs with a board in the loop, one after the other in this process, shown live where there is a terminal."""
+"""Runs with a board in the loop, one after the other in this process, with a live view on a terminal."""
 
 import sys
 from collections.abc import Sequence
@@ -13,11 +13,11 @@ from symolo.dataset.metadata import FailedRun
 
 
 def check_board(workspace: Workspace, specs: Sequence[RunSpec], port: str) -> None:
-    """See before anything is written that the board can be had.
+    """Check that the board can be used, before anything is written.
 
     Raises:
         InputError: The port cannot be opened, or the robot's numbers do not fit the firmware.
-        EnvironmentLacking: What the simulated board is built with is missing.
+        EnvironmentLacking: A tool that builds the simulated board is missing.
     """
     if not port:
         prepare_boards(workspace, specs)
@@ -29,13 +29,13 @@ def check_board(workspace: Workspace, specs: Sequence[RunSpec], port: str) -> No
 
 
 def drive_runs(workspace: Workspace, specs: Sequence[RunSpec], port: str, report: Report) -> list[FailedRun]:
-    """Drive what is not driven yet, and tell of all that failed, now or before.
+    """Drive the runs that are not driven yet, and return all failures, now or before.
 
     Args:
-        workspace: Where the runs lie.
-        specs: With a board each.
-        port: Of the real board; empty for the simulated one.
-        report: Where to tell how far it is.
+        workspace: Output folder.
+        specs: Runs, each with a board.
+        port: Serial port of the real board; empty for the simulated one.
+        report: Progress report.
     """
     due = [spec for spec in specs if not _is_driven(workspace, spec, retry=bool(port))]
     if len(due) < len(specs):
@@ -51,7 +51,9 @@ def drive_runs(workspace: Workspace, specs: Sequence[RunSpec], port: str, report
 
 
 def _is_driven(workspace: Workspace, spec: RunSpec, *, retry: bool) -> bool:
-    """A real board may do better at the next try, the simulated one does the same every time."""
+    """Return whether a run is done; a real board may succeed at the next try, the simulated one does the same every
+    time.
+    """
     folder = workspace.simulate(spec.key)
     return folder.is_done(simulation_key(spec)) and not (retry and read_outcome(folder.path).problems)
 

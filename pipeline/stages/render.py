@@ -1,4 +1,4 @@
-"""Second stage: every good run's frames rendered, in blocks over the workers, and resumed frame by frame."""
+"""Stage 2: renders the frames of every good run in blocks; after an interruption it continues with the next frame."""
 
 import hashlib
 import json
@@ -45,16 +45,16 @@ OnWhole = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Appearance:
-    """All that decides a run's pictures besides where the robot is."""
+    """Everything that the images of a run depend on except the pose of the robot."""
 
     arena: ArenaConfig
     robot: RobotConfig
     look: LookConfig
     render: Render
     seed: int
-    """Of the run, not of the scenario: no two runs share their stains and their noise."""
+    """Seed of the run, not of the scenario: no two runs share stains and noise."""
     device: DeviceKind = "CPU"
-    """What `render.device` comes to on this machine."""
+    """Device on this machine for `render.device`."""
 
     @classmethod
     def of(cls, spec: RunSpec, device: DeviceKind = "CPU") -> "Appearance":
@@ -62,34 +62,34 @@ class Appearance:
         return cls(spec.arena, spec.robot, spec.look, spec.render, seed, device)
 
     def job(self, arena: Arena, frames: Sequence[FramePose], path: RobotPath) -> RenderJob:
-        """The rendering of these frames in the arena, which is that of `self.arena`."""
+        """Return the job that renders these frames; `arena` is that of `self.arena`."""
         return build_job(arena, self.robot, self.look, self.render, frames, self.seed, path, self.device)
 
 
 def picture_seed(seed: int, route: str, run: int) -> int:
-    """31 bits for the renderer, of the run alone."""
+    """Return the seed of 31 bits for the renderer, which depends on the run only."""
     return int(stream(seed, route, run, "render").integers(2**31))
 
 
 @dataclass(frozen=True)
 class ImageFindings:
-    """What a look at the files of a run shows."""
+    """The result of a check of the files of a run."""
 
     warnings: tuple[str, ...] = ()
     problem: str = ""
-    """Why the run cannot be released; empty where it can."""
+    """Reason why the run cannot be released; empty where it can."""
 
 
 @dataclass(frozen=True)
 class FrameTask(ABC):
-    """Files for each frame of one run, and the folder that they fill."""
+    """Files for each frame of one run, and the folder for them."""
 
     STAGE: ClassVar[str]
-    """Whose input key it has."""
+    """Name of the stage in its input key."""
     FILES: ClassVar[str]
-    """The folder within its own that is filled frame by frame."""
+    """Folder within the task's that is filled frame by frame."""
     WORK: ClassVar[Work]
-    """What a Blender process does for it."""
+    """Work of the Blender process."""
 
     run: str
     folder: StageFolder
@@ -98,7 +98,7 @@ class FrameTask(ABC):
     user_files: Path | None = None
     """Folder of the user's own files by their SHA-256; None where none is shown."""
     device: DeviceKind = "CPU"
-    """On which the files are made."""
+    """Device that makes the files."""
 
     @classmethod
     def order(
@@ -124,13 +124,13 @@ class FrameTask(ABC):
         return self.folder.path / self.FILES
 
     def whole_files(self) -> dict[str, str]:
-        """SHA-256 of every file that stands in the journal and is what was written, by its path in `files`."""
+        """Return the SHA-256 by path in `files` of every file in the journal that is unchanged."""
         known = Ledger(self.files, self.job_sha256).whole_files()
         return {name: frame.sha256 for name, frame in known.items()}
 
     @abstractmethod
     def names(self) -> list[str]:
-        """Paths in `files` of all files that are to be made."""
+        """Return the paths in `files` of all files that are to be made."""
 
     @abstractmethod
     def finish(self, hashes: Mapping[str, str]) -> ImageFindings:
@@ -143,14 +143,14 @@ class FrameTask(ABC):
 
 @dataclass(frozen=True)
 class Order:
-    """A task with the text of its job, which is long: of many tasks it is made and let go of one after the other."""
+    """A task with the text of its job, which is long: for many tasks, the jobs are made one after the other."""
 
     task: FrameTask
     job_text: str
 
 
 class RenderTask(FrameTask):
-    """The pictures of one run."""
+    """The images of one run."""
 
     STAGE, FILES, WORK = "render", IMAGES, "images"
 
@@ -198,7 +198,7 @@ class RenderTask(FrameTask):
 
 
 def frame_poses(rows: Rows) -> tuple[FramePose, ...]:
-    """Where the robot is at each shutter."""
+    """Return the pose of the robot at each exposure."""
     return tuple(
         FramePose(number=int(rows.image[i]), t_s=float(rows.t_ms[i]) / 1000, x_m=x, y_m=y, yaw_rad=yaw)
         for i, (x, y, yaw) in enumerate(rows.pose.tolist())
@@ -213,17 +213,17 @@ def render_runs(
     name: str = "render",
     on_whole: OnWhole = lambda _run: None,
 ) -> list[FailedRun]:
-    """Do what is not there yet; frames made before an interruption are kept when their job is the same.
+    """Make what is missing; frames made before an interruption are kept if their job is the same.
 
-    All jobs are written, one after the other, before the first is begun. An executor that does not do all leaves the
+    All jobs are written before the first one begins. An executor that does not do all units leaves the
     folders for one that does to finish.
 
     Args:
-        orders: Of the runs.
-        executor: Who does them.
-        report: Where to tell.
-        name: Of the stage.
-        on_whole: Called with each run that is finished without a problem, while others are still being made.
+        orders: Orders of the runs.
+        executor: Executor that does them.
+        report: Progress report.
+        name: Name of the stage.
+        on_whole: Called with each run that finishes without a problem, while others go on.
     """
     pending, there = [], 0
     for order in orders:
@@ -274,7 +274,7 @@ class _Finishing:
                 self._finish(task)
 
     def rest(self, failed: Collection[str]) -> list[FailedRun]:
-        """Finish those whose end nobody told, and return all that came to nothing; but not those that `failed`."""
+        """Finish the remaining runs except those that `failed`, and return all failures."""
         for task in self._tasks.values():
             if task.run not in failed:
                 self._finish(task)
@@ -290,7 +290,7 @@ class _Finishing:
 def _finish(task: FrameTask, name: str, report: Report) -> str:
     hashes = task.whole_files()
     if lost := [file for file in task.names() if file not in hashes]:
-        # Whoever changed it, the next command makes it again.
+        # The next command makes it again.
         return f"{lost[0]} is not on the disk as it was written; run the same command again"
     findings = task.finish(hashes)
     for warning in findings.warnings:
@@ -301,7 +301,7 @@ def _finish(task: FrameTask, name: str, report: Report) -> str:
 
 
 def blocks(tasks: Sequence[FrameTask], executor: Executor) -> list[RenderUnit]:
-    """The frames of each run in blocks of the size that the executor asks for."""
+    """Return the frames of each run in blocks of the size that the executor asks for."""
     numbers = [tuple(frame.number for frame in task.frames) for task in tasks]
     sizes = [executor.block_frames(len(own), len(tasks)) for own in numbers]
     threads = executor.threads(sum(-(-len(own) // size) for own, size in zip(numbers, sizes, strict=True)))
@@ -321,7 +321,7 @@ def blocks(tasks: Sequence[FrameTask], executor: Executor) -> list[RenderUnit]:
 
 
 def _prepare(order: Order) -> None:
-    """Make a folder ready to be filled, which several parts of the work may do at once."""
+    """Prepare a folder; several parts of the work may do this at the same time."""
     task, path = order.task, order.task.folder.path
     inputs = canonical_json({"key": task.key})
     make_folder(path.parent)
@@ -337,14 +337,14 @@ def _prepare(order: Order) -> None:
 
 @dataclass(frozen=True)
 class Rendered:
-    """What a finished folder of this stage says of its pictures as a whole."""
+    """Facts about all images of a finished folder of this stage."""
 
     device: str
-    """On which they were rendered, as Cycles calls it."""
+    """Device that rendered them, as Cycles names it."""
     warnings: tuple[str, ...]
-    """What was found wrong with their exposure."""
+    """Warnings about their exposure."""
     cpus: tuple[str, ...]
-    """Classes of the processors; nothing where it was not noted."""
+    """Classes of the processors; empty where they were not noted."""
 
     @classmethod
     def read(cls, folder: Path) -> "Rendered":
@@ -354,5 +354,5 @@ class Rendered:
 
 
 def journal(folder: StageFolder, files: str) -> Ledger:
-    """Of a folder whose job is written; `files` is the folder within it that is filled."""
+    """Return the journal of a folder whose job is written; `files` is the folder within it that is filled."""
     return Ledger(folder.path / files, sha256_of(folder.path / JOB))

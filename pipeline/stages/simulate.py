@@ -1,4 +1,4 @@
-"""The closed loop: PyBullet moves the robot, the sensors read, the controller commands, at the control rate."""
+"""The closed loop: at the control rate PyBullet moves the robot, the sensors read and the controller commands."""
 
 import math
 from collections.abc import Callable
@@ -11,10 +11,11 @@ from physics.bullet.simulation import BulletSimulation
 from physics.control.base import ControlInput
 from physics.run.lap import Lap
 from physics.run.pilot import BuiltInPilot, Decision, Pilot
+from sensors.base import Reading
 from sensors.fit_out import fit_out
 from sensors.instruments import read_current_A, read_speed_rad_s
 from sensors.odometry import Odometry
-from sensors.suite import Reading, SensorSuite
+from sensors.suite import SensorSuite
 from symolo.arena.geometry import Arena
 from symolo.core.errors import RunFailed
 from symolo.core.random_streams import stream
@@ -26,12 +27,12 @@ from symolo.dataset.side_tables import BOARD_SERIES
 Progress = Callable[[float, float], None]
 """Called with the simulated time and the time limit [s]."""
 Watch = Callable[[float, ControlInput, Decision], None]
-"""Called at each control tick with the simulated time [s], what the pilot was told and what it decided."""
+"""Called at each control tick with the simulated time [s], the readings for the pilot and its decision."""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """A run as it went; `problems` is empty when it may be released."""
+    """The result of a run; `problems` is empty if it may be released."""
 
     recording: Recording
     finished: bool
@@ -42,13 +43,13 @@ class Outcome:
 def simulate(
     spec: RunSpec, progress: Progress | None = None, pilot: Pilot | None = None, watch: Watch | None = None
 ) -> Outcome:
-    """Drive one run to its end: the lap closed, the time limit, a collision, or no more pilot.
+    """Drive one run to its end: a closed lap, the time limit, a collision, or a failure of the pilot.
 
     Args:
-        spec: What to drive.
-        progress: Told of the time that has passed.
-        pilot: Who drives; the built-in controller by default.
-        watch: Shown every tick.
+        spec: Run specification.
+        progress: Called with the time that has passed.
+        pilot: The pilot that drives; by default the built-in controller.
+        watch: Called at every control tick.
     """
     arena = Arena.from_config(spec.arena)
     start = (spec.start.x_m, spec.start.y_m, math.radians(spec.start.yaw_deg))
@@ -58,7 +59,7 @@ def simulate(
 
 @dataclass
 class _Rows:
-    """What is recorded at each control tick, by series name; columns of one row are stacked at the end."""
+    """Recorded values of each control tick by series name; they are stacked at the end."""
 
     units: dict[str, str] = field(default_factory=dict)
     values: dict[str, list[object]] = field(default_factory=dict)
@@ -152,12 +153,8 @@ class _ClosedLoop:
         rows.add("pose", "m, m, rad", world.pose())
         rows.add("twist", "m/s, rad/s", world.twist())
         rows.add("state", "1", int(command.state))
-        rows.add("tof_m", "m", readings["tof"][:, 0])
-        rows.add("tof_status", "1", readings["tof"][:, 1].astype(np.int64))
-        rows.add("line", "1", readings["line"])
-        rows.add("encoder_counts", "1", readings["encoders"])
-        if "pose_log" in readings:
-            rows.add("pose_log", "m, m, rad", readings["pose_log"])
+        for series, values in self._suite.recorded(readings):
+            rows.add(series.name, series.unit, values)
         rows.add("odometry", "m, m, rad", self._believed)
         rows.add("wheel_speed_rad_s", "rad/s", world.wheel_speeds())
         rows.add("voltage_V", "V", world.voltages())

@@ -1,4 +1,4 @@
-"""First stage: every run of a scenario simulated into a folder of its own."""
+"""Stage 1: simulates every run of a scenario into a folder of its own."""
 
 import io
 from collections import Counter
@@ -14,6 +14,7 @@ from hil.loop import BoardEvent
 from hil.pilot import PilotFromBoard, build_for, firmware_id_of, pilot_from_board
 from pipeline.executors.base import Executor
 from pipeline.run_folder.workspace import StageFolder, Workspace, input_key, mark_done
+from pipeline.user_files import hashes_of_files
 from pipeline.work.processors import cpu_class
 from pipeline.work.supervisor import AnyEvent, AnyUnit, Retried, UnitFailure
 from pipeline.work.units import Progress, SimulateUnit
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from pipeline.stages.simulate import Outcome, Watch
 
 FORMAT = 3
-"""Of what a simulation leaves for the later stages: from 2 on with the mean voltages of the wheels, from 3 on with a
+"""Version of the files of a simulation: from 2 on with the mean voltages of the wheels, from 3 on with a
 filter of the speed that does not hold it."""
 
 TRAJECTORY, OUTCOME = "trajectory.npz", "outcome.json"
@@ -46,20 +47,20 @@ class RunOutcome(BaseModel):
 
     finished: bool
     problems: tuple[str, ...]
-    """What went wrong, where and when; empty when the run is good."""
+    """Problems with place and time; empty if the run is good."""
     lap_time_s: float | None
     rows: int
     images: int
     cpu: str = ""
     """Class of the processor; empty where it was not noted."""
     board: BoardRecord | None = None
-    """What drove the robot in place of the built-in controller."""
+    """The board that drove the robot in place of the built-in controller."""
     events: tuple[str, ...] = ()
-    """What happened on the line to the board, when; at most MAX_EVENTS of it."""
+    """Events on the line to the board with their times, at most MAX_EVENTS."""
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What a user of the run should know."""
+        """Warnings for users of the run."""
         board = self.board
         if board is None or not (board.rows_unanswered or board.events):
             return ()
@@ -69,7 +70,7 @@ class RunOutcome(BaseModel):
 
 
 def simulation_inputs(spec: RunSpec) -> dict:
-    """What the trajectory depends on: the run but for its look, its pictures and the camera's mounting."""
+    """Return everything that the trajectory depends on: the run without look, images and camera."""
     inputs = spec.model_dump(mode="json", exclude={"look": True, "render": True, "robot": {"camera"}})
     for_pictures = ("look.", "render.", "robot.camera.")
     inputs["drawn"] = {path: value for path, value in spec.drawn.items() if not path.startswith(for_pictures)}
@@ -79,6 +80,8 @@ def simulation_inputs(spec: RunSpec) -> dict:
 def simulation_key(spec: RunSpec) -> str:
     programs = versions("symolo", "pybullet", "numpy", "scipy")
     inputs = {"format": FORMAT, "run": simulation_inputs(spec), "versions": programs}
+    if files := hashes_of_files(spec.robot):
+        inputs["files"] = files
     if spec.board and spec.board.kind == "simulated":
         inputs["firmware"] = firmware_id_of(spec.robot, spec.board)
     return input_key("simulate", **inputs)
@@ -87,7 +90,7 @@ def simulation_key(spec: RunSpec) -> str:
 def simulate_runs(
     workspace: Workspace, specs: Sequence[RunSpec], executor: Executor, report: Report
 ) -> list[FailedRun]:
-    """Simulate the runs that are not done yet, and tell of all that failed, now or before."""
+    """Simulate the runs that are not done yet, and return all failures, now or before."""
     units: list[SimulateUnit] = []
     for spec in specs:
         folder, key = workspace.simulate(spec.key), simulation_key(spec)
@@ -104,7 +107,7 @@ def simulate_runs(
 
 
 def problems_of(workspace: Workspace, specs: Sequence[RunSpec]) -> list[FailedRun]:
-    """Of runs that were driven to some end."""
+    """Return the problems of runs that were driven to an end."""
     return [
         FailedRun(run=spec.key, stage="simulate", problem=text)
         for spec in specs
@@ -113,10 +116,10 @@ def problems_of(workspace: Workspace, specs: Sequence[RunSpec]) -> list[FailedRu
 
 
 def prepare_boards(workspace: Workspace, specs: Sequence[RunSpec]) -> None:
-    """Build what simulated boards of runs that are not done yet need; once, before any begins.
+    """Build the simulated board and firmware for the runs that are not done yet, before any of them begins.
 
     Raises:
-        InputError: A real board is asked for, which these commands do not reach.
+        InputError: A real board is required, which only `symolo hil` can use.
         EnvironmentLacking: A compiler or library is missing.
     """
     for spec in specs:
@@ -143,10 +146,10 @@ def _do(units: Sequence[SimulateUnit], executor: Executor, report: Report) -> li
 
 
 def failed_runs(stage: str, failures: Sequence[UnitFailure], report: Report) -> list[FailedRun]:
-    """What the dataset holds of the failures; what it may not hold, such as a log, is said here."""
+    """Return the failures for the dataset, and report the rest of their texts, such as a log."""
     failed = [FailedRun.of(failure.unit.name, stage, failure.text) for failure in failures]
     for run, failure in zip(failed, failures, strict=True):
-        if failure.text != run.problem:  # else the command's own last lines say it
+        if failure.text != run.problem:  # else the last lines of the command name it
             report.say(f"{stage}: {run.run}: {failure.text}")
     return failed
 
@@ -160,15 +163,15 @@ def simulate_into(
     port: str = "",
     watch: "Watch | None" = None,
 ) -> None:
-    """Simulate one run and leave its folder whole; what does it loads the engine.
+    """Simulate one run and write its folder; this loads PyBullet.
 
     Args:
         spec_json: The run specification.
         path: The stage's folder.
         key: Input key of the stage.
-        progress: Told of the share that is done.
-        port: Of the serial line to the board that drives, for a specification that asks for a real one.
-        watch: Shown every control tick.
+        progress: Called with the share that is done.
+        port: Serial port of the board, for a specification with a real one.
+        watch: Called at every control tick.
     """
     from pipeline.stages.simulate import simulate  # noqa: PLC0415 - loads pybullet
 
@@ -238,12 +241,12 @@ def read_outcome(path: Path) -> RunOutcome:
 
 
 def read_recording(path: Path) -> Recording:
-    # Read first: what unpacks the archive takes a fault of the disk for a damaged archive.
+    # Read first: the unpacker would report a fault of the disk as a damaged archive.
     return Recording.load(io.BytesIO((path / TRAJECTORY).read_bytes()))
 
 
 def _refresh_spec(folder: StageFolder, key: str, spec: RunSpec) -> None:
-    """Let `spec.json` say the look that is asked for now; the trajectory does not depend on it."""
+    """Write the current look into `spec.json`; the trajectory does not depend on it."""
     text = spec_text(spec)
     if (folder.path / SPEC).read_bytes() != text:
         write_file(folder.path / SPEC, text)

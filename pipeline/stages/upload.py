@@ -1,7 +1,7 @@
-"""A release on its way to a store while it is made: each run as soon as it is whole, the lists of checksums at its end.
+"""Upload of a release while it is made: each run as soon as it is complete, the lists of checksums at the end.
 
-Runs are put together and sent by threads of their own, so that nothing waits for the network. Whatever goes wrong on
-the way there is told, and leaves the release itself as it would be without.
+Threads assemble and send the runs, so that nothing waits for the network. A failed upload is reported,
+and the release itself is the same as without an upload.
 """
 
 import contextlib
@@ -37,7 +37,7 @@ AT_THE_TOP = frozenset({*LISTS, BAG_INFO, METADATA, DESCRIPTION})
 
 @dataclass(frozen=True)
 class Destination:
-    """Where a release goes while it is made, and the command that sends what did not get there."""
+    """Where a release is uploaded while it is made, and the command that sends what is missing there."""
 
     store: Store
     command: str
@@ -46,7 +46,7 @@ class Destination:
     def opened(
         self, workspace: Workspace, tree: dict[str, Any], specs: Sequence[RunSpec], report: Report
     ) -> Iterator["Along"]:
-        """Hold it, for as long as the release is made.
+        """Lock the destination while the release is made.
 
         Raises:
             InputError: It holds something else, or lies within the release.
@@ -62,7 +62,9 @@ class Destination:
 
 
 def _listed(store: Store, tree: dict[str, Any], specs: Sequence[RunSpec]) -> dict[str, int]:
-    """Bytes of what a place holds, all of which may be of this release: by names, specifications and metadata."""
+    """Return the sizes of the files at the destination, which must all belong to this release by name, specification
+    and metadata.
+    """
     sizes = store.sizes()
     runs = {spec.key for spec in specs}
     for name in sorted(sizes.keys() - AT_THE_TOP):
@@ -90,7 +92,7 @@ def _check_metadata(store: Store, tree: dict[str, Any]) -> None:
 
 
 class Along:
-    """A release on its way. `whole` and `finish` are called by one thread."""
+    """The upload of a release. `whole` and `finish` are called by one thread."""
 
     def __init__(self, workspace: Workspace, to: Destination, sizes: Mapping[str, int], report: Report) -> None:
         self._workspace, self._to, self._sizes, self._report = workspace, to, sizes, report
@@ -101,23 +103,23 @@ class Along:
         self._sent = 0
 
     def whole(self, spec: RunSpec) -> None:
-        """A run has all its files: put it together and send it, while others are made."""
-        # What is finished there is for the end to compare: nothing of it is replaced before that.
+        """Assemble and send a run that has all its files, while others are made."""
+        # A finished release there is compared at the end; nothing of it is replaced before.
         if not self._sizes.keys() & {*LISTS}:
             self._assembling.submit(self._assemble, spec)
 
     def assembled(self) -> None:
-        """Wait until every run that is whole is put together, so that the folder is the caller's alone."""
+        """Wait until every complete run is assembled, so that only the caller works in the folder."""
         self._assembling.shutdown(wait=True)
 
     def finish(self, *, complete: bool) -> str:
-        """Send the rest and the lists; what is to be said of it.
+        """Send the rest and the lists of checksums, and return a message about it.
 
         Args:
-            complete: Whether no run failed; else it is not finished there, for what comes next would be another one.
+            complete: Whether no run failed; else the copy is not finished, because the next release will differ.
 
         Raises:
-            InputError: The place holds something else meanwhile, or a file of the release changed.
+            InputError: The destination holds something else now, or a file of the release changed.
             EnvironmentLacking: It cannot be reached.
         """
         self._sending.shutdown(wait=True)
@@ -133,13 +135,13 @@ class Along:
         return f"{url}: {len(files)} files there, {self._sent + rest} sent now, {rest} of them at the end"
 
     def stop(self) -> None:
-        """Wait for what is in flight, and begin nothing more."""
+        """Wait for running transfers, and begin no more."""
         self._over.set()
         self._assembling.shutdown(wait=True, cancel_futures=True)
         self._sending.shutdown(wait=True, cancel_futures=True)
 
     def _assemble(self, spec: RunSpec) -> None:
-        # What goes wrong here goes wrong again, and is told, when the release is assembled.
+        # An error here occurs again, and is reported, when the release is assembled.
         hashes = release_run(self._workspace, spec)
         out = self._workspace.out
         files = [_local(out, f"{spec.key}/{name}", digest) for name, digest in hashes.items()]
@@ -171,7 +173,7 @@ class Along:
 
     @contextlib.contextmanager
     def _rest_told(self) -> Iterator[None]:
-        """Errors with what there is in spite of them, and how to go on."""
+        """Add to errors what is complete in spite of them, and how to continue."""
         cure = f"the release is whole in {self._workspace.out}, and `{self._to.command}` sends what is missing there"
         try:
             yield

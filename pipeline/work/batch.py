@@ -1,4 +1,4 @@
-"""A scenario and an output folder: which stages are to be done for which runs, and what came of it."""
+"""A scenario and an output folder: does the stages of all runs and collects the failures."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -34,7 +34,7 @@ from symolo.dataset.rows import Rows
 
 @dataclass(frozen=True)
 class Batch:
-    """What a command works on; nothing is written before one of the stages is asked for."""
+    """The scenario, runs and output folder of a command; nothing is written before a stage begins."""
 
     loaded: LoadedScenario
     specs: tuple[RunSpec, ...]
@@ -51,24 +51,24 @@ class Batch:
         executor: Executor,
         report: Report,
         *,
-        pictured: bool = True,
+        renders: bool = True,
     ) -> "Batch":
-        """Load and draw the scenario and see that there is room for it, and what it is rendered on where `pictured`.
+        """Load and draw the scenario, check the disk space, and choose the device if the command `renders`.
 
         Raises:
             InputError: The scenario or the output folder cannot be used.
-            EnvironmentLacking: The disk is too full, or a graphics card is asked for and there is none.
+            EnvironmentLacking: The disk is too full, or a graphics card is required and there is none.
         """
         loaded = load_scenario(scenario, overrides)
         executor.check()
         specs = draw_reported(loaded, report)
         check_out(out, Kind.DATASET)
         check_disk(out, ScenarioPlan.of(specs, cores()).bytes_needed)
-        device = device_for(specs[0].render.device) if pictured else "CPU"
+        device = device_for(specs[0].render.device) if renders else "CPU"
         return cls(loaded, specs, Workspace(out.absolute()), executor.on(device), device)
 
     def keep_user_files(self) -> None:
-        """Copy the user's own files for the renderers: before the runs are simulated, which leaves time to change them.
+        """Copy the user's files for the renderers. This comes before the simulation, in which time they could change.
 
         Raises:
             InputError: One of them is gone or has changed.
@@ -76,11 +76,11 @@ class Batch:
         keep_user_files((spec.look for spec in self.specs), self.loaded.assets, self.workspace.user_files)
 
     def prepare_boards(self) -> None:
-        """See that the boards that drive can be had, before anything is written.
+        """Check that the boards can be used, before anything is written.
 
         Raises:
-            InputError: A real one is asked for, which only `symolo hil` reaches.
-            EnvironmentLacking: What the simulated one is built with is missing.
+            InputError: A real board is required, which only `symolo hil` can use.
+            EnvironmentLacking: A tool that builds the simulated board is missing.
         """
         prepare_boards(self.workspace, self.specs)
 
@@ -88,7 +88,7 @@ class Batch:
         return simulate_runs(self.workspace, self.specs, self.executor, report)
 
     def simulated(self) -> list[FailedRun]:
-        """Problems of runs simulated before.
+        """Return the problems of runs that were simulated before.
 
         Raises:
             InputError: A run is not simulated yet, or from other inputs.
@@ -104,7 +104,7 @@ class Batch:
         report: Report,
         on_whole: Callable[[RunSpec], None] = lambda _spec: None,
     ) -> list[FailedRun]:
-        """Images, and then what is known of those that were rendered; `on_whole` hears of each run that has all."""
+        """Render all images and then their annotations; call `on_whole` with each run that is complete."""
         specs = {spec.key: spec for spec in self.specs}
 
         def on_pictures(run: str) -> None:
@@ -120,7 +120,7 @@ class Batch:
         return failed
 
     def rendered(self, failures: Sequence[FailedRun]) -> list[FailedRun]:
-        """Problems of runs rendered before.
+        """Return the problems of runs that were rendered before.
 
         Raises:
             InputError: A good run is not rendered or annotated yet, or from other inputs.
@@ -145,7 +145,7 @@ class Batch:
                 yield RenderTask.of(spec.key, Appearance.of(spec, self.device), rows, folder, user_files)
 
     def _annotation_orders(self, pictures: Sequence[FrameTask], failures: Sequence[FailedRun]) -> Iterator[Order]:
-        """None where the scenario asks for no annotations."""
+        """Yield the annotation orders; none where the scenario asks for no annotations."""
         failed = {failure.run for failure in failures}
         wanted = {spec.key: Appearance.of(spec, self.device) for spec in self.specs if spec.render.annotations}
         for task in pictures:
@@ -170,7 +170,7 @@ class Batch:
 
 
 def _noted(orders: Iterable[Order], tasks: list[FrameTask]) -> Iterator[Order]:
-    """The orders as they come; their tasks are kept, their jobs are not."""
+    """Yield the orders and append their tasks to `tasks`; their long jobs are not kept."""
     for order in orders:
         tasks.append(order.task)
         yield order

@@ -1,4 +1,4 @@
-"""What a board and its robot are doing now, on the terminal."""
+"""A live view of a board and its robot on the terminal."""
 
 import time
 from collections.abc import Iterator
@@ -16,13 +16,13 @@ from symolo.dataset.codes import BOARD_COLUMNS
 from symolo.dataset.metadata import STATES
 
 BETWEEN_S = 0.1
-"""Of the real time; a simulated board is many times faster."""
+"""Real time [s] between two updates; a simulated board is many times faster."""
 _BLOCKS = " ▁▂▃▄▅▆▇█"
 _RANGE_CELLS = 20
 
 
 class LiveView:
-    """One run: state, speeds, ranges, line, and how the line to the board does."""
+    """The live view of a run: state, speeds, ranges, line sensor, and the line to the board."""
 
     def __init__(self, spec: RunSpec, live: Live) -> None:
         self._spec, self._live = spec, live
@@ -30,7 +30,7 @@ class LiveView:
         self._counts = dict.fromkeys(BOARD_COLUMNS, 0)
 
     def show(self, t_s: float, seen: ControlInput, decision: Decision) -> None:
-        """Take one control tick; draws ten times a second."""
+        """Take one control tick; the view is updated ten times a second."""
         for name, count in zip(BOARD_COLUMNS, decision.board, strict=bool(decision.board)):
             self._counts[name] += count
         now_s = time.monotonic()
@@ -60,11 +60,11 @@ class LiveView:
 
 @contextmanager
 def live_view(spec: RunSpec) -> Iterator[LiveView]:
-    """A view that is there while the run is driven and gone afterwards."""
+    """Show a live view until the run ends."""
     with Live(console=Console(stderr=True), auto_refresh=False, transient=True) as live:
         yield LiveView(spec, live)
 
 
 def _block(reflectance: float) -> str:
-    """Higher where it is darker: a dark line stands out."""
+    """Return a block that is higher where it is darker, so that a dark line stands out."""
     return _BLOCKS[round((len(_BLOCKS) - 1) * (1.0 - min(max(reflectance, 0.0), 1.0)))]

@@ -1,4 +1,4 @@
-"""The class of the processor: what decides the low bits of floating-point results on a machine."""
+"""The class of the processor, which decides the low bits of floating-point results."""
 
 import os
 import platform
@@ -10,14 +10,14 @@ _LEVELS = (
     ("x86-64-v3", "avx avx2 bmi1 bmi2 f16c fma abm movbe xsave"),
     ("x86-64-v2", "cx16 lahf_lm popcnt sse4_1 sse4_2 ssse3"),
 )
-"""Levels of the x86-64 psABI with the flags that Linux names for each beside those of the levels below it."""
+"""Levels of the x86-64 psABI with the flags of Linux that each adds to the levels below it."""
 
 _TOLD = ("OPENBLAS_CORETYPE",)
-"""Variables by which NumPy is given other code than the processor's own."""
+"""Environment variables that make NumPy use code for another processor."""
 
 
 def cpu_class() -> str:
-    """The class of this machine's processor, such as `x86-64-v3 AuthenticAMD family 25`, and what NumPy is told."""
+    """Return the class of this machine's processor, such as `x86-64-v3 AuthenticAMD family 25`, and such variables."""
     try:
         text = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
     except OSError:
@@ -27,7 +27,7 @@ def cpu_class() -> str:
 
 
 def class_of(cpuinfo: str, machine: str) -> str:
-    """The class that a text of the form of /proc/cpuinfo tells.
+    """Return the class of the processor that a text in the form of /proc/cpuinfo describes.
 
     NumPy, OpenBLAS, Embree, Open Image Denoise and Cycles choose their code by instruction set when they are loaded;
     approximate reciprocals (`rcpps`, `rsqrtps`) differ between makers, OpenBLAS's kernels between families.

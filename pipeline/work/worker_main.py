@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any, Protocol
 
+from pipeline.user_files import load_from_environment
 from pipeline.work.processors import cpu_class
 from pipeline.work.units import UNITS, AnyUnit, DiagnoseUnit, Progress, RenderUnit, SimulateUnit
 from symolo.core.atomic_files import make_folder, write_file
@@ -105,6 +106,7 @@ def main() -> None:
 def do(unit: AnyUnit, on_progress: OnProgress) -> Finished | Failed:
     """Do a unit and return the message about its end."""
     try:
+        load_from_environment()
         WORK[type(unit)](unit, on_progress)
     except InputError as error:
         return Failed(error="input", text=str(error))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from blender_scenes.render.surroundings import without_blender_settings
+from pipeline import user_files
 from pipeline.work.units import MESSAGES, AnyMessage, AnyUnit
 from symolo.core.atomic_files import WRITER, new_writer
 from symolo.core.child_process import GB, SILENCE_S, ChildProcess, Failed
@@ -47,7 +48,9 @@ class WorkerProcess(ChildProcess[AnyMessage]):
         """Mark of all files that the worker and its children leave unfinished."""
         # The safe path keeps a folder `configs` in the user's working directory from being imported as ours.
         inherited = {**without_blender_settings(os.environ), "PYTHONSAFEPATH": "1", WRITER: self.writer}
-        super().__init__("the worker", command, MESSAGES, {**inherited, **environment}, own_group=True)
+        super().__init__(
+            "the worker", command, MESSAGES, {**inherited, **user_files.environment(), **environment}, own_group=True
+        )
 
     def do(self, unit: AnyUnit, limits: Limits) -> Iterator[AnyMessage]:
         """Yield the worker's messages about a unit, up to `Finished` or `Failed`."""

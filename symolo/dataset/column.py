@@ -1,4 +1,4 @@
-"""A column of data.csv or of a table in `side/`."""
+"""Columns of data.csv and of the tables in `side/`, and the series of a recording that they are written from."""
 
 from dataclasses import dataclass
 
@@ -13,3 +13,13 @@ class Column:
     decimals: int
     """Digits after the point in the file; a column of 0 digits holds whole numbers."""
     meaning: str = ""
+
+
+@dataclass(frozen=True)
+class Series:
+    """One series of a recording, with the columns that hold it in a dataset."""
+
+    name: str
+    unit: str
+    columns: tuple[Column, ...] = ()
+    """One for each value of a row; empty for a series that no file of a dataset holds."""

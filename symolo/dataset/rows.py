@@ -15,7 +15,7 @@ from symolo.core.table import NumberColumn, header_fault, table_of
 from symolo.core.text_file import LineFault, decode_text
 from symolo.core.time_series import Recording
 from symolo.dataset.codes import State
-from symolo.dataset.column import Column
+from symolo.dataset.column import Column, Series
 
 Ints = NDArray[np.int64]
 Numbers = NDArray[np.float64 | np.int64]
@@ -28,6 +28,16 @@ _LARGEST = 2**53
 """Up to here a float holds every whole number, and no square of a reading overflows."""
 
 
+RANGES = Series(
+    "tof_m",
+    "m",
+    tuple(Column(f"d_{name[0]}", "m", 4, f"range of the {name} ToF sensor") for name in ("front", "left", "right")),
+)
+LINE = Series(
+    "line",
+    "1",
+    tuple(Column(f"L{i}", "-", 5, f"reflectance of line sensor channel {i}, 0 black, 1 white") for i in range(8)),
+)
 COLUMNS = (
     Column("t", "ms", 0, "time since the first row"),
     Column("x", "m", 6, "position of the middle of the axle in the world frame W"),
@@ -36,10 +46,8 @@ COLUMNS = (
     Column("state", "-", 0, "state of the controller, see below"),
     Column("v", "m/s", 6, "forward speed"),
     Column("w", "rad/s", 6, "yaw rate, counter-clockwise positive"),
-    Column("d_f", "m", 4, "range of the front ToF sensor"),
-    Column("d_l", "m", 4, "range of the left ToF sensor"),
-    Column("d_r", "m", 4, "range of the right ToF sensor"),
-    *(Column(f"L{i}", "-", 5, f"reflectance of line sensor channel {i}, 0 black, 1 white") for i in range(8)),
+    *RANGES.columns,
+    *LINE.columns,
     Column("img", "-", 0, "number of the image taken at this row, 0 for none"),
 )
 HEADER = tuple(column.name for column in COLUMNS)
@@ -73,7 +81,7 @@ class Rows:
         trajectory = recording.trajectory
         pose = trajectory.pose.copy()
         pose[:, 2] = heading(pose[:, 2], COLUMNS[HEADER.index("theta")].decimals)
-        sensors = [recording[name].values for name in ("tof_m", "line", "image")]
+        sensors = [recording[name].values for name in (RANGES.name, LINE.name, "image")]
         columns = (np.rint(trajectory.t_s * 1000), pose, trajectory.state, trajectory.twist, *sensors)
         table = np.column_stack(columns).astype(np.float64)
         for i, column in enumerate(COLUMNS):

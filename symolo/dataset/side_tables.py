@@ -7,7 +7,7 @@ import numpy as np
 from symolo.core.arrays import Array
 from symolo.core.time_series import Recording
 from symolo.dataset.codes import BOARD_COLUMNS, TofStatus
-from symolo.dataset.column import Column
+from symolo.dataset.column import Column, Series
 from symolo.dataset.rows import Numbers, Rows, csv_bytes, heading
 
 
@@ -35,6 +35,8 @@ class SideTable:
 POSITIONS_HEADER = ("img", "x", "y", "theta")
 POSITIONS_DECIMALS = (0, 6, 6, 6)
 
+COUNTS = Series("encoder_counts", "1", tuple(Column(f"counts_{side}", "encoder counts", 0) for side in "rl"))
+RANGE_STATUS = Series("tof_status", "1", tuple(Column(f"status_{side}", "-", 0) for side in "flr"))
 WHEELS = SideTable(
     "wheels.csv",
     "drive at each row of data.csv; mean voltages are those since the row before; r is the right wheel, l the left; "
@@ -47,18 +49,18 @@ WHEELS = SideTable(
         *(Column(f"voltage_{side}", "V", 5) for side in "rl"),
         *(Column(f"mean_voltage_{side}", "V", 5) for side in "rl"),
         *(Column(f"current_{side}", "A", 5) for side in "rl"),
-        *(Column(f"counts_{side}", "encoder counts", 0) for side in "rl"),
+        *COUNTS.columns,
         Column("odometry_x", "m", 6),
         Column("odometry_y", "m", 6),
         Column("odometry_theta", "rad", 6),
     ),
 )
-DRIVE_SERIES = ("command", "wheel_speed_rad_s", "voltage_V", "mean_voltage_V", "current_A", "encoder_counts")
+DRIVE_SERIES = ("command", "wheel_speed_rad_s", "voltage_V", "mean_voltage_V", "current_A", COUNTS.name)
 TOF = SideTable(
     "tof.csv",
     "status of each ToF sensor at each row of data.csv: "
     + ", ".join(f"{status.value} {status.name.lower()}" for status in TofStatus),
-    (Column("t", "ms", 0), *(Column(f"status_{side}", "-", 0) for side in "flr")),
+    (Column("t", "ms", 0), *RANGE_STATUS.columns),
 )
 CAMERA = SideTable(
     "camera.csv",
@@ -103,7 +105,7 @@ def board_csv(recording: Recording) -> bytes:
 
 
 def tof_csv(recording: Recording) -> bytes:
-    return TOF.to_csv(np.column_stack((_t_ms(recording), recording["tof_status"].values)))
+    return TOF.to_csv(np.column_stack((_t_ms(recording), recording[RANGE_STATUS.name].values)))
 
 
 def _t_ms(recording: Recording) -> Array:

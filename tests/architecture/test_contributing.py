@@ -103,14 +103,22 @@ def test_the_class_of_the_page_is_loaded_from_any_file(tmp_path):
     unload_effect_file(path)
 
 
+def test_a_sensor_of_a_file_is_recorded(walk):
+    sensor = walk("A sensor")
+    sensor.type_commands()
+    recording = np.load(sensor.folder / "bumped/.stages/simulate/CW/test_1/trajectory.npz")
+    assert not recording["series/sensor_bumper/-/values"].any()  # the smoke scenario begins far from its walls
+    assert len(recording["series/sensor_bumper/-/values"]) == len(recording["t_s"])
+
+
 def test_a_material_is_described_previewed_and_rendered(walk):
     material = walk("A material")
     material.type_commands("--width-px", "32")
     assert (material.folder / "felt.jpg").stat().st_size > 0
     program = (
-        "from blender_scenes.materials import FLOORS; from blender_scenes.materials.base import Patch;"
+        "from blender_scenes.materials import FLOORS; from blender_scenes.materials.base import SurfacePatch;"
         "from blender_scenes.scene.typical import typical_color; from configs.schema.floors import FloorLook;"
-        "print(typical_color(FLOORS['felt'](FloorLook(), Patch('floor', (1.0, 1.0), 1))))"
+        "print(typical_color(FLOORS['felt'](FloorLook(), SurfacePatch('floor', (1.0, 1.0), 1))))"
     )
     done = subprocess.run(
         [sys.executable, "-P", "-c", program],

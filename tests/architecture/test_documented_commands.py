@@ -30,7 +30,7 @@ ELSEWHERE = {
     "gs://": "needs an account",
     "$SLURM": "the same with numbers stands on the page too",
     "measured/run_1": "needs pictures that show the line; tests/pipeline/diagnosing/test_identify_camera.py has some",
-    "pictures/robot.yaml": "likewise; the robot file of that command",
+    "camera/robot.yaml": "likewise; the robot file of that command",
     "hidden": "as it stands there, in tests/pipeline/diagnosing/test_round_trip.py",
     "found/extended.yaml": "likewise",
     "optiodom_diff": "a minute or more; benchmarks/diagnosis/real_sets.py runs them",

@@ -121,7 +121,7 @@ def test_without_out_the_sheet_is_named_by_its_scenario(tmp_path, symolo, monkey
     monkeypatch.chdir(tmp_path / "here")
     for scenario, name in (("smoke", "smoke-preview.jpg"), ("../own/study.yaml", "study-preview.jpg")):
         ended = symolo("preview", scenario, "--engine", "flat", "-n", 2, "--width-px", 64)
-        assert (ended.code, ended.out) == (0, f"{name}: 2 of 2 pictures\n")
+        assert (ended.code, ended.out) == (0, f"{name}: 2 of 2 images\n")
     assert sorted(path.name for path in Path().iterdir()) == ["smoke-preview.jpg", "study-preview.jpg"]
     assert cv2.imread("smoke-preview.jpg").shape[1] == 2 * 64
     Path("smoke-preview.jpg").unlink()
@@ -137,7 +137,7 @@ def test_a_flat_preview_is_one_file_and_the_same_bytes_again(tmp_path, symolo):
         arguments = ("preview", "smoke", "--engine", "flat", "-n", 3, "--columns", 2, "--width-px", 64)
         ended = symolo(*arguments, "--out", tmp_path / name)
         assert ended.code == 0
-        assert "3 of 3 pictures" in ended.out
+        assert "3 of 3 images" in ended.out
         assert "preview: 3 of 3 images" in ended.err
         sheets.append((tmp_path / name).read_bytes())
     assert sheets[0] == sheets[1]
@@ -177,6 +177,6 @@ def test_a_picture_that_fails_is_told_and_the_others_are_shown(tmp_path, symolo,
     arguments = ("preview", "smoke", "--engine", "flat", "--columns", 3, "--width-px", 64)
     ended = symolo(*arguments, "-n", 3, "--out", tmp_path / "sheet.png")
     assert ended.code == 3
-    assert "failed: picture 2 (CCW/test_1, classroom): the picture is black" in ended.err
-    assert "2 of 3 pictures" in ended.out
+    assert "failed: image 2 (CCW/test_1, classroom): the picture is black" in ended.err
+    assert "2 of 3 images" in ended.out
     assert cv2.imread(str(tmp_path / "sheet.png")).shape == (48 + 3 * 18, 2 * 64, 3)

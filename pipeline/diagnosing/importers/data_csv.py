@@ -1,4 +1,4 @@
-"""A SyMoLo data.csv with nothing beside it: pose, speeds, ranges and line readings."""
+"""A single SyMoLo data.csv: pose, speeds, ranges and line readings."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,20 +14,20 @@ from symolo.dataset.rows import COLUMNS, HEADER, Ints, Rows, read_rows
 
 RANGES = {"tof_front_m": 0, "tof_left_m": 1, "tof_right_m": 2}
 OFTEN = 3
-"""So many readings of exactly the largest range, and it may be the code for "no target"."""
+"""Smallest number of readings of exactly the largest range for which it may be the code for "no target"."""
 NEAREST_CODE_M = 1.0
-"""Of any sensor."""
+"""Smallest code [m] for "no target" of any sensor."""
 DETACHED_M = 0.05
-"""From the next lower reading, that it is no wall seen from nearer and nearer."""
+"""Smallest distance [m] of the code from the next lower reading; ranges to a wall have no such gap."""
 
 
 def row_channels(rows: Rows, no_target: Mask, stale: Mask) -> tuple[Channel, ...]:
-    """What data.csv holds, as channels at its rows.
+    """Return the columns of data.csv as channels.
 
     Args:
-        rows: As read.
-        no_target: (N, 3), where front, left and right sensor saw nothing.
-        stale: (N, 3), where they said the reading before again.
+        rows: Rows of data.csv.
+        no_target: (N, 3), whether front, left and right sensor had no target.
+        stale: (N, 3), whether they repeated the reading before.
     """
     t_s = 1e-3 * rows.t_ms
     theta = np.unwrap(rows.pose[:, 2])
@@ -60,7 +60,7 @@ def trial_of(name: str, rows: Rows, channels: Sequence[Channel]) -> Trial:
 
 
 def no_target_code_m(tof_m: Array) -> float | None:
-    """The largest of all ranges, if it comes often, is far off, and no other is near it."""
+    """Return the largest of all ranges if it is frequent, large, and no other range is close to it."""
     largest = float(tof_m.max())
     others = tof_m[tof_m < largest]
     is_detached = not len(others) or largest - others.max() >= DETACHED_M

@@ -1,4 +1,4 @@
-"""Runs of our own: one run folder, all runs of a release or of a simulation, as if a robot had logged them."""
+"""Runs of symolo as measured data: one run folder, or all runs of a release or of an output of `simulate`."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -38,18 +38,19 @@ _DRIVE = {
 }
 """Channel -> column of side/wheels.csv, unit, role."""
 _VOLTAGES = {"u_left_V": "mean_voltage_l", "u_right_V": "mean_voltage_r"}
-"""Channel -> its column, whose rows speak of the time since the row before; a channel's of the time to the next one."""
+"""Channel -> column. A row of the column is about the time since the row before, one of the channel about the time to
+the next row."""
 _NOTE = (
     "a voltage is the mean from its row to the next, between which the wheel loop changes it; it drives a motor to the "
     "same place as the loop does but for its ripple"
 )
 HELD = 4
-"""Of several runs every so-manieth is held out; of fewer the last such share of each."""
+"""Every 4th run is held out; of fewer than 4 runs, the last quarter of each."""
 
 
 @dataclass(frozen=True)
 class _DatasetRun:
-    """One run, released or as the first stage left it."""
+    """One run, released or simulated."""
 
     folder: Path
     simulated: bool
@@ -65,7 +66,7 @@ class _DatasetRun:
         return tuple(str(self.folder / name) for name in names)
 
     def tables(self) -> tuple[Rows, Array, Array]:
-        """Of data.csv, side/wheels.csv and side/tof.csv.
+        """Return data.csv, side/wheels.csv and side/tof.csv.
 
         Raises:
             InputError: One of them is missing, of another form, or at other times.
@@ -86,10 +87,10 @@ class _DatasetRun:
 
 
 def robots_of(path: Path) -> list[RobotConfig]:
-    """Those that drove the runs of a dataset, each once.
+    """Return the robots of the runs of a dataset, each once.
 
     Raises:
-        InputError: There is no run, or one does not say which robot it was.
+        InputError: There is no run, or one does not state its robot.
     """
     found: dict[str, RobotConfig] = {}
     for run in _found_runs(path):
@@ -103,7 +104,7 @@ def robots_of(path: Path) -> list[RobotConfig]:
 
 
 def _runs(path: Path) -> Iterator[_DatasetRun]:
-    """The path itself, the folder of its data.csv, or all below a release or an output of `simulate`."""
+    """Yield the run at this path, or all runs of a release or of an output of `simulate`."""
     if path.name == DATA:
         path = path.parent
     if is_file(path / DATA) and is_file(path / SIDE / WHEELS.file):

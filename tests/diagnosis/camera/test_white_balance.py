@@ -37,7 +37,7 @@ def diagnosis_of(**gains):
     part = SimpleNamespace(
         model=SimpleNamespace(numbers=numbers),
         chosen=SimpleNamespace(choices=choices),
-        found=lambda place, _case: (list(gains.values())[place], 0.005),
+        value=lambda place, _case: (list(gains.values())[place], 0.005),
     )
     case = SimpleNamespace(look=LookConfig(name="made"), response=SimpleNamespace(white_balance=(1.0, 1.0, 1.0)))
     return SimpleNamespace(case=case, photometry=(part,), named=[(part, choice) for choice in choices])

@@ -70,14 +70,14 @@ BAD = {
     "no folder": (["HERE/plain"], "--out"),
     "a broken case alone": (["HERE/broken", "--out", "OUT"], "data.csv: row 6: column sweep"),
     "two of one name": (["HERE/plain", "HERE/plain/data.csv", "--out", "OUT"], "another case has the name plain"),
-    "no such importer": (["HERE/plain", "--as", "motor_stedy", "--out", "OUT"], "did you mean motor_steady"),
+    "no such importer": (["HERE/plain", "--importer", "motor_stedy", "--out", "OUT"], "did you mean motor_steady"),
     "no such robot": (["HERE/plain", "--nominal", "nomnal", "--out", "OUT"], "did you mean nominal"),
     "a robot that is drawn": (["HERE/plain", "--nominal", "fleet", "--out", "OUT"], "no distributions"),
     "output holds other files": (["HERE/plain", "--out", "HERE"], "did not make"),
     "a dataset against a bench": (["HERE/plain", "--against", "HERE/plain", "--out", "OUT"], "is no run of a dataset"),
     "no such trial to hold out": (["HERE/plain", "--hold-out", "cirle*", "--out", "OUT"], "got 'cirle*'"),
     "no such part": (["HERE/plain", "--part", "left wheel", "--out", "OUT"], "no trial is of that part"),
-    "both ways to print": (["HERE/plain", "--out", "OUT", "--json", "--explain"], "ask for one of them"),
+    "both ways to print": (["HERE/plain", "--out", "OUT", "--json", "--explain"], "give one of them"),
 }
 
 

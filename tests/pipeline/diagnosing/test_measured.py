@@ -1,4 +1,4 @@
-"""`symolo measured`: what is said of measured data, and what is refused."""
+"""`symolo inspect`: what is said of measured data, and what is refused."""
 
 import re
 import subprocess
@@ -23,7 +23,7 @@ def read(path):
 
 
 def test_the_paper_s_table_is_told(symolo):
-    ended = symolo("measured", "table-1")
+    ended = symolo("inspect", "table-1")
     assert (ended.code, ended.err) == (0, "")
     assert ended.out.startswith("table-1: motor_steady, 1 trial, 21 rows (none held out)\n")
     assert re.search(r"^omega_rad_s +rad/s +reading +21 .* 0 +14.32 ", ended.out, re.MULTILINE)
@@ -105,7 +105,7 @@ def test_side_tables_of_another_run_are_refused(copy_of, dataset, symolo):
     wheels = root / "CW" / "test_1" / "side" / "wheels.csv"
     lines = wheels.read_text().splitlines()
     wheels.write_text("\n".join(lines[:-1]) + "\n")
-    ended = symolo("measured", root)
+    ended = symolo("inspect", root)
     assert ended.code == 2
     assert "wheels.csv: column t is not that of data.csv" in ended.err
 
@@ -113,8 +113,8 @@ def test_side_tables_of_another_run_are_refused(copy_of, dataset, symolo):
 BAD = {
     "nowhere": (["nowhere"], "no such file or folder"),
     "nothing known": (["."], "is none of the measured data that are known"),
-    "no such importer": (["table-1", "--as", "papre"], "did you mean paper"),
-    "wrong importer": (["table-1", "--as", "motor_step"], "there is no nominal.yaml"),
+    "no such importer": (["table-1", "--importer", "papre"], "did you mean paper"),
+    "wrong importer": (["table-1", "--importer", "motor_step"], "there is no nominal.yaml"),
     "a picture": (["picture.png"], "is none of the measured data"),
 }
 
@@ -124,7 +124,7 @@ def test_bad_input_is_one_line(kind, symolo, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "picture.png").write_bytes(b"\x89PNG\r\n\x1a\n\x00\x00\xff\xfe")
     arguments, said = BAD[kind]
-    ended = symolo("measured", *arguments)
+    ended = symolo("inspect", *arguments)
     assert (ended.code, ended.out) == (2, "")
     assert ended.err.startswith("symolo: ")
     assert ended.err.count("\n") == 1
@@ -133,7 +133,7 @@ def test_bad_input_is_one_line(kind, symolo, tmp_path, monkeypatch):
 
 def test_help_loads_neither_engine_nor_numbers():
     program = (
-        "import sys, pipeline.cli; code = pipeline.cli.main(['measured', '--help']); "
+        "import sys, pipeline.cli; code = pipeline.cli.main(['inspect', '--help']); "
         "print(*sorted({name.partition('.')[0] for name in sys.modules}), file=sys.stderr); sys.exit(code)"
     )
     ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)

@@ -52,7 +52,7 @@ def test_a_few_images_are_made_timed_and_thrown_away(monkeypatch, tmp_path, symo
     monkeypatch.setattr("pipeline.planning.price.IMAGES", 2)
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     monkeypatch.setattr("tempfile.tempdir", None)
-    ended = symolo("plan", "smoke", *tiny, "--frames", 50)
+    ended = symolo("plan", "smoke", *tiny, "--images", 50)
     assert ended.code == 0
     assert "50 images of 32 x 24 px" in ended.out
     assert "2 images of 1 draws" in ended.out
@@ -61,4 +61,4 @@ def test_a_few_images_are_made_timed_and_thrown_away(monkeypatch, tmp_path, symo
 
 @pytest.mark.parametrize("frames", ["0", "-1", "many"])
 def test_no_number_of_images_is_refused(symolo, frames):
-    assert symolo("plan", "smoke", "--frames", frames).code == 2
+    assert symolo("plan", "smoke", "--images", frames).code == 2

@@ -17,7 +17,7 @@ def run(dataset):
 
 def test_the_first_draw_is_the_runs_own_and_every_draw_a_folder_like_a_single_one(run, tmp_path, symolo):
     out = tmp_path / "looks"
-    arguments = ("rerender", run, "--looks", "classroom", "--n", 2, "--out", out)
+    arguments = ("rerender", run, "--looks", "classroom", "--draws", 2, "--out", out)
     ended = symolo(*arguments)
     assert ended.code == 0
     assert f"rerender: 2 of 2 draws, in {out}" in ended.out
@@ -73,7 +73,7 @@ def test_without_out_the_folder_is_named_by_run_and_looks(run, tmp_path, symolo,
     monkeypatch.chdir(tmp_path / "here")
     small = "--set", "render.width_px=32", "--set", "render.height_px=24"
     for source, looks, name in (
-        (run, ("--looks", "classroom,night", "--n", 2), "CW-test_1-classroom-night"),
+        (run, ("--looks", "classroom,night", "--draws", 2), "CW-test_1-classroom-night"),
         (run / "data.csv", ("--look", "lab"), "CW-test_1-lab"),
         (foreign, ("--look", "lab"), "elsewhere-lab"),
         ("../elsewhere", ("--look", "classroom"), "elsewhere-classroom"),

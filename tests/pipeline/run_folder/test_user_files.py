@@ -50,7 +50,7 @@ def own(tmp_path: Path) -> Path:
 def test_what_was_begun_is_rendered_although_the_folder_is_gone(dataset, own, tmp_path):
     """As after an interruption: from the copies alone."""
     source, draws = prepare(dataset / "CW/test_1", RerenderRequest((str(own),), camera_hz=0.5))
-    workspace = Workspace(tmp_path / "out", Kind.IMAGE_ANNOTATIONS)
+    workspace = Workspace(tmp_path / "out", Kind.PICTURES)
     kept, look = workspace.user_files, draws[0].appearance.look
     keep_user_files((look,), draws[0].assets, kept)
     assert {path.name: path.read_bytes() for path in kept.iterdir()} == {sha256(RED): RED, sha256(HALL): HALL}

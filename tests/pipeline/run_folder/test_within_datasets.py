@@ -14,7 +14,7 @@ MAKING = {
     "bag": ("bag", "DATA"),
     "baselines": ("baselines", "DATA"),
     "model": ("model", "smoke"),
-    "bench": ("bench", "motor"),
+    "validate": ("validate", "motor"),
     "firmware": ("firmware",),
 }
 SHEETS = {

@@ -9,11 +9,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
 from configs.draw import draw_all
 from configs.loader import load_scenario
-from pipeline.stages.simulate_runs import spec_text
+from symolo.core.file_hashes import canonical_json
 from symolo.core.pinhole import intrinsics
 from symolo.core.progress import LineReport
 from symolo.dataset.annotations import ENCODINGS
@@ -137,7 +136,8 @@ def _run(folder: Path, spec, rng: np.random.Generator) -> Truth:
     wheels[:, WHEELS.header.index("counts_r") :][:, :2] = rng.integers(-9999, 9999, (count, 2))
     tof = np.column_stack((table[:, 0], rng.integers(0, 3, (count, 3))))
     X_WC = np.tile(np.eye(4), (len(taken), 1, 1))
-    X_WC[:, :3, :3] = np.round(Rotation.random(len(taken), random_state=int(rng.integers(2**31))).as_matrix(), 9)
+    rotations = np.linalg.qr(rng.normal(size=(len(taken), 3, 3)))[0]
+    X_WC[:, :3, :3] = np.round(rotations * np.linalg.det(rotations)[:, None, None], 9)
     X_WC[:, :3, 3] = np.round(rng.uniform(-30, 30, (len(taken), 3)), 6)
     numbers = table[taken][:, [18, 0]]
     poses = np.column_stack((X_WC[:, :3, :3].reshape(-1, 9), X_WC[:, :3, 3]))
@@ -151,7 +151,7 @@ def _run(folder: Path, spec, rng: np.random.Generator) -> Truth:
         "side/tof.csv": TOF.to_csv(tof),
         "side/camera.csv": CAMERA.to_csv(camera),
         "side/intrinsics.json": CameraModel.of(spec).to_json(),
-        "side/spec.json": spec_text(spec),
+        "side/spec.json": canonical_json(spec.model_dump(mode="json")),
     }
     files |= {f"images/{i:06d}.jpg": data for i, data in enumerate(pictures, start=1)}
     instances, passes, sightings = np.zeros((0, HEIGHT, WIDTH), np.uint16), {}, {}

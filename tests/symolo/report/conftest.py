@@ -11,7 +11,7 @@ import pytest
 from configs.draw import draw_all
 from configs.loader import load_scenario
 from configs.schema.scenario import RunSpec
-from pipeline.stages.simulate_runs import spec_text
+from symolo.core.file_hashes import canonical_json
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest
 from symolo.dataset.metadata import FailedRun, RunRecord, describe
 from symolo.dataset.rows import Rows
@@ -83,7 +83,7 @@ def _write_run(folder: Path, spec: RunSpec, rows: Rows, greys: Sequence[int]) ->
     (folder / "side").mkdir(parents=True)
     (folder / "images").mkdir()
     (folder / "data.csv").write_bytes(rows.to_csv())
-    (folder / "side/spec.json").write_bytes(spec_text(spec))
+    (folder / "side/spec.json").write_bytes(canonical_json(spec.model_dump(mode="json")))
     for number, grey in enumerate(greys, start=1):
         flat = np.full((HEIGHT, WIDTH, 3), grey, np.uint8)
         (folder / f"images/{number:06d}.jpg").write_bytes(cv2.imencode(".jpg", flat)[1].tobytes())

@@ -1,0 +1,60 @@
+"""Which sensors there are: those of the project, and those of files that a user loads."""
+
+import re
+from pathlib import Path
+
+from configs.families import Family
+from configs.robot_sensors import SensorSettings
+from sensors.base import Sensor
+from symolo.core.errors import InputError
+from symolo.dataset.sensor_tables import SENSOR_NAME, TAKEN_NAMES, TIME
+
+
+def sensor_classes() -> tuple[type[Sensor], ...]:
+    """Return all sensors in the order of their table; those of loaded files come last."""
+    return SENSORS.classes()
+
+
+def settings_by_name() -> tuple[tuple[str, type[SensorSettings]], ...]:
+    """Return name and settings of each sensor that may stand in `robot.sensors`."""
+    return tuple((s.name, s.Settings) for s in sensor_classes() if issubclass(s.Settings, SensorSettings))
+
+
+def load_sensor_file(path: str | Path) -> type[Sensor]:
+    """Add the sensor of a Python file, which from now on is a key of `robot.sensors`.
+
+    Args:
+        path: File with one class that derives from `Sensor`. A file that is loaded already changes nothing.
+
+    Raises:
+        InputError: There is no such file, it cannot be executed, or its sensor is not complete.
+    """
+    return SENSORS.load(path)
+
+
+def unload_sensor_file(path: str | Path) -> None:
+    """Forget the sensor of a file that was loaded."""
+    SENSORS.unload(path)
+
+
+def _check(sensor: type[Sensor], where: str) -> None:
+    what = f"sensor {sensor.name}"
+    if getattr(sensor.sample, "__isabstractmethod__", False):
+        cure = "define sample(self, world), which returns one number for each column"
+        raise InputError(f"{what}: sample missing", where=where, cure=cure)
+    if not issubclass(sensor.Settings, SensorSettings):
+        return  # every robot has it; its columns are those of data.csv and of tables that are written one by one
+    if not re.fullmatch(SENSOR_NAME, sensor.name) or sensor.name in TAKEN_NAMES:
+        allowed = f"a name other than {', '.join(sorted(TAKEN_NAMES))}"
+        raise InputError(f"{what}: the name is taken by another file of side/", where=where, allowed=allowed)
+    columns = [column.name for column in sensor.columns]
+    if not columns:
+        cure = 'write, for example, columns = (Column("contact", "-", 0, "1 where something touches"),)'
+        raise InputError(f"{what}: columns missing", where=where, cure=cure)
+    wrong = [c for i, c in enumerate(columns) if not re.fullmatch(r"[A-Za-z]\w*", c) or c in (TIME.name, *columns[:i])]
+    if wrong:
+        allowed = f"letters, digits and '_', each name once, and not {TIME.name}, which is the time"
+        raise InputError(f"{what}: columns", where=where, got=wrong[0], allowed=allowed)
+
+
+SENSORS: Family[Sensor] = Family("sensor", Sensor, "SENSORS", ("sensors",), _check)

@@ -1,0 +1,322 @@
+"""A sensor in a file of the user's own is all that a sensor of the project is, from the schema to the report."""
+
+import json
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+
+import symolo as library
+from configs.draw import draw_run
+from configs.json_schema import scenario_json_schema
+from configs.loader import load_scenario
+from pipeline.stages.simulate import simulate
+from pipeline.user_files import environment, hashes_of_files
+from sensors.fit_out import fit_out
+from sensors.registry import load_sensor_file, sensor_classes, unload_sensor_file
+from symolo.arena.geometry import Arena
+from symolo.core.errors import InputError
+
+TOY = '''
+"""A bumper at the robot's front."""
+
+import math
+
+import numpy as np
+from pydantic import Field
+
+from configs.robot_sensors import SensorSettings
+from sensors.base import Sensor
+from symolo.dataset.column import Column
+
+
+class Bumper(Sensor):
+    """Contact of the bumper at the robot's front: closed where
+    a wall or an obstacle is within its travel.
+
+    It looks along one ray.
+    """
+
+    class Settings(SensorSettings):
+        x_m: float = Field(default=0.08, ge=-0.5, le=0.5)
+        height_m: float = Field(default=0.05, gt=0, le=0.5)
+        travel_m: float = Field(default=0.01, gt=0, le=1)
+        reach_m: float = Field(default=2.0, gt=0, le=10)
+
+    columns = (
+        Column("contact", "-", 0, "1 where the bumper is closed"),
+        Column("clearance", "m", 3, "distance straight ahead, or the reach"),
+    )
+
+    def sample(self, world):
+        x, y, yaw = world.pose()
+        ahead = np.array([math.cos(yaw), math.sin(yaw), 0.0])
+        origin = np.array([x, y, self.settings.height_m]) + self.settings.x_m * ahead
+        hits = world.cast(origin[None], (origin + self.settings.reach_m * ahead)[None])
+        clearance_m = hits.fraction[0] * self.settings.reach_m
+        return np.array([clearance_m <= self.settings.travel_m, clearance_m])
+'''
+TRAVEL = "robot.sensors.bumper.travel_m"
+MEANING = "Contact of the bumper at the robot's front: closed where a wall or an obstacle is within its travel."
+
+
+def written(folder: Path, text: str = TOY) -> Path:
+    path = folder / "bumper.py"
+    path.write_text(text)
+    return path
+
+
+@pytest.fixture
+def toy(tmp_path):
+    path = written(tmp_path)
+    yield load_sensor_file(path)
+    unload_sensor_file(path)
+
+
+@pytest.fixture(scope="module")
+def released(tmp_path_factory, tiny):
+    """A release by the command with its option, whose workers are processes of their own; the file is unloaded then."""
+    from pipeline.cli import main  # noqa: PLC0415
+
+    folder = tmp_path_factory.mktemp("own")
+    path, out = written(folder), folder / "data"
+    settings = [*tiny, "--set", f"{TRAVEL}={{uniform: [0.4, 0.9]}}"]
+    try:
+        code = main(["--sensor-file", str(path), "release", "smoke", "--out", str(out), *settings, "--workers", "1"])
+    finally:
+        unload_sensor_file(path)
+    assert code == 0
+    return out
+
+
+def drawn(*settings):
+    return draw_run(load_scenario("smoke", ["stop.time_limit_s=0.5", *settings]), "CW", 1)
+
+
+def test_it_is_unknown_before_it_is_loaded_and_after_it_is_unloaded(tmp_path):
+    path = written(tmp_path)
+    for _ in range(2):
+        with pytest.raises(InputError, match=r"robot\.sensors\.bumper: unknown key"):
+            drawn(f"{TRAVEL}=0.02")
+        load_sensor_file(path)
+        assert drawn(f"{TRAVEL}=0.02").robot.sensors.get("bumper").travel_m == 0.02
+        unload_sensor_file(path)
+
+
+@pytest.mark.usefixtures("toy")
+def test_it_is_a_key_of_the_schema_with_bounds_and_defaults():
+    properties = scenario_json_schema()["$defs"]["Settings"]["properties"]
+    number, _ = properties["travel_m"]["anyOf"]
+    assert number == {"type": "number", "exclusiveMinimum": 0, "maximum": 1}
+    assert properties["period_s"]["default"] == 0.05
+    settings = load_scenario("smoke", [f"{TRAVEL}=0.02"]).tree["robot"]["sensors"]["bumper"]
+    assert settings == {
+        "x_m": 0.08, "height_m": 0.05, "travel_m": 0.02, "reach_m": 2.0, "period_s": 0.05, "delay_s": 0.0
+    }  # fmt: skip
+    with pytest.raises(InputError, match=r"travel_m: got 3(\.0)?, allowed: number > 0(\.0)? and <= 1"):
+        drawn(f"{TRAVEL}=3")
+    with pytest.raises(InputError, match="did you mean travel_m"):
+        drawn("robot.sensors.bumper.travl_m=0.02")
+    with pytest.raises(InputError, match="did you mean bumper"):
+        drawn("robot.sensors.bumber.travel_m=0.02")
+
+
+@pytest.mark.usefixtures("toy")
+def test_it_is_an_axis_of_randomisation():
+    spec = drawn(f"{TRAVEL}={{uniform: [0.01, 0.03]}}")
+    assert 0.01 <= spec.drawn[TRAVEL] == spec.robot.sensors.get("bumper").travel_m <= 0.03
+    assert type(spec).model_validate_json(spec.model_dump_json()) == spec
+
+
+def test_a_robot_without_it_has_the_same_specification_and_recording_as_before(toy):
+    spec = drawn()
+    assert "sensors" not in json.loads(spec.model_dump_json())["robot"]
+    bare, more = (simulate(run).recording for run in (spec, drawn(f"{TRAVEL}=0.02")))
+    names = [series.name for series in bare.series]
+    assert [series.name for series in more.series if series.name != "sensor_bumper"] == names
+    for name in names:
+        np.testing.assert_array_equal(more[name].values, bare[name].values)
+    assert more["sensor_bumper"].unit == "-, m"
+    assert toy.name == "bumper"
+
+
+@pytest.mark.usefixtures("toy")
+def test_its_readings_are_the_distances_to_the_walls_of_the_arena():
+    spec = drawn(f"{TRAVEL}=0.02", "robot.sensors.bumper.x_m=0")
+    recording = simulate(spec).recording
+    contact, clearance_m = recording["sensor_bumper"].values.T  # noqa: PD011 - no pandas
+    boxes = Arena.from_config(spec.arena).boxes
+    expected_m = [min([2.0, *(_distance_m(pose, box) for box in boxes)]) for pose in recording.trajectory.pose]
+    np.testing.assert_allclose(clearance_m, expected_m, atol=2e-3)
+    assert (contact == (clearance_m <= 0.02)).all()
+
+
+def _distance_m(pose, box):
+    """Distance [m] along the heading to a box on the floor by the slab method; infinite where the ray misses it."""
+    turn = np.array([[math.cos(box.yaw_rad), math.sin(box.yaw_rad)], [-math.sin(box.yaw_rad), math.cos(box.yaw_rad)]])
+    origin = turn @ (pose[:2] - np.array(box.center[:2]))
+    ahead = turn @ np.array([math.cos(pose[2]), math.sin(pose[2])])
+    half = 0.5 * np.array(box.size[:2])
+    with np.errstate(divide="ignore"):
+        near, far = np.sort([(-half - origin) / ahead, (half - origin) / ahead], axis=0)
+    return near.max() if 0 < near.max() <= far.min() else math.inf
+
+
+def test_the_dataset_holds_its_table_and_metadata_its_columns(released):
+    metadata = json.loads((released / "metadata.json").read_text())
+    assert metadata["sensors"] == {"bumper": MEANING}
+    assert metadata["columns"]["side/bumper.csv"] == [
+        {"name": "t", "unit": "ms", "meaning": "", "decimals": 0},
+        {"name": "contact", "unit": "-", "meaning": "1 where the bumper is closed", "decimals": 0},
+        {"name": "clearance", "unit": "m", "meaning": "distance straight ahead, or the reach", "decimals": 3},
+    ]
+    for run in metadata["runs"]:
+        table = pd.read_csv(released / run["run"] / "side/bumper.csv")
+        assert list(table) == ["t", "contact", "clearance"]
+        assert len(table) == run["rows"]
+        np.testing.assert_array_equal(table["contact"], (table["clearance"] <= run["drawn"][TRAVEL]).astype(int))
+        assert 0 < table["clearance"].min() <= table["clearance"].max() <= 2.0
+    readme = (released / "README.md").read_text()
+    assert re.search(r"\| bumper\.csv \| Contact of the bumper.*contact \[-\], clearance \[m\]", readme)
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (lambda text: text.replace("contact", "kontact"), "line 1: column kontact is not known"),
+        (lambda text: re.sub(r"\n50,\d,", "\n50,nan,", text), "line 3: column contact: got 'nan', allowed: a number"),
+        (lambda text: re.sub(r"\n50,\d,", "\n50,0.5,", text), "line 3: column contact: 0.5 is not a whole number"),
+        (lambda text: text.replace("\n50,", "\n51,"), "column t is not that of data.csv"),
+        (lambda text: text[:-1], "does not end with a line end: the file is cut off"),
+    ],
+)
+def test_verify_finds_it_whole_and_a_damaged_table_at_fault(released, copy_of, sign, symolo, damage, message):
+    assert symolo("verify", released).code == 0
+    copy = copy_of(released)
+    table = copy / "CW/test_1/side/bumper.csv"
+    table.write_text(damage(table.read_text()))
+    assert symolo("verify", copy).code == 4
+    sign(copy)  # so that only the content can be at fault
+    ended = symolo("verify", copy)
+    assert ended.code == 4
+    assert f"CW/test_1/side/bumper.csv: {message}" in ended.out + ended.err
+
+
+def test_verify_finds_metadata_and_specification_that_disagree(released, copy_of, sign, symolo):
+    copy = copy_of(released)
+    path = copy / "metadata.json"
+    metadata = json.loads(path.read_text())
+    del metadata["sensors"]
+    path.write_text(json.dumps(metadata))
+    sign(copy)
+    ended = symolo("verify", copy)
+    assert ended.code == 4
+    assert "CW/test_1/side/spec.json: robot.sensors are not those of metadata.json, none" in ended.out + ended.err
+    metadata["sensors"] = {"bumper": MEANING}
+    del metadata["columns"]["side/bumper.csv"]
+    path.write_text(json.dumps(metadata))
+    with pytest.raises(InputError, match=r"side/bumper\.csv has not the columns of a sensor"):
+        library.load(copy)
+
+
+def test_the_reader_gives_its_table_with_units_where_its_class_is_unknown(released):
+    assert "bumper" not in [sensor.name for sensor in sensor_classes()]
+    data = library.load(released)
+    for run in (data["CW/test_1"], library.load(released / "CW/test_1").runs[0]):
+        assert run.side_names == ("wheels", "tof", "camera", "bumper")
+        table = run.side("bumper")
+        assert table.attrs["units"] == {"t": "ms", "contact": "-", "clearance": "m"}
+        assert [str(kind) for kind in table.dtypes] == ["int64", "int64", "float64"]
+        pd.testing.assert_frame_equal(table, pd.read_csv(run.folder / "side/bumper.csv"))
+        assert run.spec.robot.sensors["bumper"]["travel_m"] == run.spec.drawn[TRAVEL]
+    with pytest.raises(InputError, match="did you mean bumper"):
+        data["CW/test_1"].side("bumber")
+
+
+def test_every_export_of_tables_and_of_ros_holds_it(released, tmp_path, symolo):
+    formats = "parquet,huggingface,mcap,ros1"
+    assert symolo("export", released, "--format", formats, "--out", tmp_path / "out").code == 0
+    run = library.load(released)["CW/test_1"]
+    expected = run.side("bumper")
+    parquet = pd.read_parquet(tmp_path / "out/parquet/bumper.parquet")
+    own = parquet[parquet["run"] == run.name].drop(columns="run").reset_index(drop=True)
+    pd.testing.assert_frame_equal(own, expected, check_dtype=False)
+    wide = pd.read_parquet(next((tmp_path / "out/huggingface/rows").iterdir()))
+    np.testing.assert_array_equal(wide[wide["run"] == run.name]["bumper_clearance"], expected["clearance"])
+    bag = tmp_path / "out/mcap/CW/test_1.mcap"
+    with bag.open("rb") as stream:
+        decoded = make_reader(stream, decoder_factories=[DecoderFactory()]).iter_decoded_messages(["/sensors/bumper"])
+        messages = [message for _schema, _channel, _record, message in decoded]
+    np.testing.assert_array_equal([message.data for message in messages], expected[["contact", "clearance"]])
+    assert messages[0].layout.dim[0].label == "contact [-], clearance [m]"
+    assert b"/sensors/bumper" in (tmp_path / "out/ros1/CW/test_1.bag").read_bytes()
+
+
+def test_the_report_shows_columns_limits_and_a_plot(released, tmp_path, symolo):
+    page = tmp_path / "report.html"
+    assert symolo("report", released, "--out", page).code == 0
+    text = page.read_text()
+    tables = [run.side("bumper") for run in library.load(released)]
+    low, high = (f"{limit(limit(t['clearance']) for t in tables):.3f}" for limit in (min, max))
+    cells = f"clearance</td>\\s*<td>m</td>\\s*<td>{low}</td>\\s*<td>{high}</td>\\s*<td>distance straight ahead"
+    assert re.search(cells, text)
+    assert 'alt="bumper against time in ' in text
+
+
+def test_a_run_is_simulated_again_where_the_file_changed_and_workers_load_the_same_file(toy, tmp_path):
+    spec = drawn(f"{TRAVEL}=0.02")
+    before = hashes_of_files(spec.robot)
+    assert before.keys() == {"bumper"}
+    assert hashes_of_files(drawn().robot) == {}
+    written(tmp_path, TOY + "# changed\n")
+    assert hashes_of_files(spec.robot) != before
+    assert environment()["SYMOLO_SENSOR_FILES"] == str(tmp_path / "bumper.py")
+    assert toy in sensor_classes()
+
+
+def test_a_specification_whose_sensor_is_not_loaded_is_read_but_not_simulated(tmp_path):
+    path = written(tmp_path)
+    load_sensor_file(path)
+    spec = drawn(f"{TRAVEL}=0.02")
+    unload_sensor_file(path)
+    read = type(spec).model_validate_json(spec.model_dump_json())
+    assert read.model_dump_json() == spec.model_dump_json()
+    with pytest.raises(InputError, match=r"robot\.sensors\.bumper: no such sensor.*SYMOLO_SENSOR_FILES"):
+        fit_out(read.robot, Arena.from_config(read.arena), 1000, lambda _: np.random.default_rng(0))
+
+
+@pytest.mark.parametrize("result", ["np.zeros(3)", "np.array([0.0, np.nan])", "0.0"])
+def test_a_reading_that_is_not_a_finite_number_for_each_column_is_refused(tmp_path, result):
+    path = written(tmp_path, re.sub(r"return np.array.*", f"return {result}", TOY))
+    load_sensor_file(path)
+    try:
+        message = "sensor bumper: the reading: got .*, allowed: a finite number for each column: contact, clearance"
+        with pytest.raises(InputError, match=message):
+            simulate(drawn(f"{TRAVEL}=0.02"))
+    finally:
+        unload_sensor_file(path)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("class Bumper", "class Tof"), "sensor tof: the name is taken"),
+        (("class Bumper", "class Board"), "sensor board: the name is taken by another file"),
+        (("columns = (", "kolumns = ("), "sensor bumper: columns missing.*write, for example"),
+        (('"contact"', '"t"'), "sensor bumper: columns: got 't', allowed: letters"),
+        (('"contact"', '"clearance"'), "sensor bumper: columns: got 'clearance', allowed: .*each name once"),
+        (("def sample", "def sampled"), "sensor bumper: sample missing.*define sample"),
+        (("(Sensor)", "(object)"), "got 'none', allowed: one class that derives from Sensor"),
+        (("def sample(self", "def sample(self:"), r"bumper\.py:32: sensor file: SyntaxError"),
+    ],
+)
+def test_a_file_that_is_not_complete_is_refused_with_its_place_and_a_cure(tmp_path, change, message):
+    before = sensor_classes()
+    with pytest.raises(InputError, match=message):
+        load_sensor_file(written(tmp_path, TOY.replace(*change)))
+    assert sensor_classes() == before
