@@ -20,8 +20,8 @@ from configs.loader import LoadedScenario, load_scenario
 from configs.schema.arena import ArenaConfig
 from configs.schema.robot import LensDistortion, RobotConfig
 from symolo.arena.geometry import Arena
-from symolo.core.pinhole import Intrinsics, intrinsics, pose_X_RC, project
-from symolo.core.poses import pose_X_WR
+from symolo.core.geometry.pinhole import Intrinsics, intrinsics, pose_X_RC, project
+from symolo.core.geometry.poses import pose_X_WR
 from symolo.core.random_streams import stream
 from symolo.dataset.layout import frame_name
 

@@ -14,8 +14,8 @@ from configs.validation import Placed
 from symolo.arena.footprints import Point, Rectangle, obstacle_footprint, overlap, wall_footprint
 from symolo.core.distributions import Choice
 from symolo.core.errors import InputError
-from symolo.core.lens import lens_problem
-from symolo.core.yaml_tree import FieldPath, Node, dotted
+from symolo.core.geometry.lens import lens_problem
+from symolo.core.yaml.tree import FieldPath, Node, dotted
 
 LINTEL_M = 0.1
 """Smallest height of wall between a window and the ceiling; a window that is too high is made lower."""

@@ -17,7 +17,7 @@ from configs.schema.scenario import Render, RunSpec, Scenario
 from configs.validation import Placed, validated
 from symolo.core.errors import InputError, nearest
 from symolo.core.random_streams import stream
-from symolo.core.yaml_tree import FieldPath, Node, Scalar, dotted
+from symolo.core.yaml.tree import FieldPath, Node, Scalar, dotted
 
 GENERATE = "arena.generate"
 """Key of the stream that a generated arena is drawn from."""

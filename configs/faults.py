@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from symolo.core.errors import InputError, shown
-from symolo.core.yaml_tree import FieldPath, Node, dotted
+from symolo.core.yaml.tree import FieldPath, Node, dotted
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates, Scenario, Stop
 from configs.shapes import Shape, with_defaults
 from configs.validation import Placed, distributions_of, probes, validated
-from symolo.core.yaml_tree import FieldPath, Node, dotted, node_of
+from symolo.core.yaml.tree import FieldPath, Node, dotted, node_of
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from itertools import pairwise
 from configs.faults import ConfigFault
 from configs.schema.arena import ArenaConfig, Obstacle
 from symolo.arena.footprints import Rectangle, obstacle_footprint, outlines_overlap, stations, swept, wall_footprint
-from symolo.core.yaml_tree import FieldPath
+from symolo.core.yaml.tree import FieldPath
 
 MAX_SPEED_M_S = 2.0
 """Ten times the robot's speed, and 2 mm per step at 1000 Hz."""

@@ -5,8 +5,8 @@ from pathlib import Path
 from configs.assets.folder import anchored
 from configs.references import SECTIONS, Reader
 from symolo.core.errors import InputError, nearest
-from symolo.core.yaml_reader import MAX_DEPTH, parse_yaml
-from symolo.core.yaml_tree import FieldPath, Node, dotted, merge
+from symolo.core.yaml.reader import MAX_DEPTH, parse_yaml
+from symolo.core.yaml.tree import FieldPath, Node, dotted, merge
 
 
 def apply_override(root: Node, text: str, reader: Reader) -> Node:

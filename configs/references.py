@@ -6,8 +6,8 @@ from pathlib import Path
 
 from configs.assets.folder import anchored
 from symolo.core.errors import InputError, nearest
-from symolo.core.yaml_reader import displayed, read_yaml
-from symolo.core.yaml_tree import FieldPath, Node, dotted, merge
+from symolo.core.yaml.reader import displayed, read_yaml
+from symolo.core.yaml.tree import FieldPath, Node, dotted, merge
 
 FOLDERS = {"scenario": "scenarios", "arena": "arenas", "robot": "robots", "look": "looks"}
 SECTIONS = ("arena", "robot", "look")

@@ -9,7 +9,7 @@ from configs.faults import ConfigFault
 from configs.schema.base import FIELDS_DISAGREE
 from configs.shapes import Shape, shown_names
 from symolo.core.errors import InputError, nearest
-from symolo.core.yaml_tree import FieldPath, Node, dotted
+from symolo.core.yaml.tree import FieldPath, Node, dotted
 
 _NUMBER_AND_UNIT = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([A-Za-z°%]*)\s*")
 _UNITS = {

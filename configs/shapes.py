@@ -13,7 +13,7 @@ from pydantic import BaseModel
 from configs.effects.registry import effects_section
 from configs.robot_sensors import sensors_section
 from configs.schema.base import FILE_KEY, FIXED_KEY, Section
-from symolo.core.yaml_tree import FieldPath, Node, merge, node_of
+from symolo.core.yaml.tree import FieldPath, Node, merge, node_of
 
 _BOUNDS = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
 _PLAIN_WORDS = {"boolean": "true or false", "string": "text", "null": "nothing", "array": "a list"}

@@ -13,7 +13,7 @@ from configs.schema_faults import explained
 from configs.shapes import Shape
 from symolo.core.distributions import Choice, Distribution, Uniform, parse
 from symolo.core.errors import InputError
-from symolo.core.yaml_tree import FieldPath, Node, Scalar, Values, dotted
+from symolo.core.yaml.tree import FieldPath, Node, Scalar, Values, dotted
 
 Model = TypeVar("Model", bound=BaseModel)
 

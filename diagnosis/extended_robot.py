@@ -28,7 +28,7 @@ from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis
 from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.nuisances import Nuisance
-from symolo.core.yaml_tree import FieldPath
+from symolo.core.yaml.tree import FieldPath
 
 BASE = "nominal"
 FILE, VARIED_FILE = "extended.yaml", "extended_varied.yaml"

@@ -15,8 +15,8 @@ from configs.schema.robot import RobotConfig
 from hil import firmware
 from hil.generate import generate
 from hil.tools import AVR_PACKAGES, NATIVE_PACKAGES
-from symolo.core.atomic_files import make_folder, move, remove_folder, write_file
 from symolo.core.errors import EnvironmentLacking, InputError
+from symolo.core.files.atomic_files import make_folder, move, remove_folder, write_file
 
 BAUDS = (115_200, 250_000, 500_000, 1_000_000)
 """Baud rates. A board's hello holds the index of its baud rate in this table."""

@@ -3,7 +3,7 @@
 from configs.effects.registry import EFFECTS
 from configs.schema.robot import RobotConfig
 from sensors.registry import SENSORS
-from symolo.core.file_hashes import sha256_of
+from symolo.core.files.file_hashes import sha256_of
 
 FAMILIES = (EFFECTS, SENSORS)
 

@@ -20,9 +20,9 @@ from configs.schema.robot import RobotConfig
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
-from symolo.dataset.column import Column, Series
-from symolo.dataset.sensor_tables import SERIES, sensor_table
-from symolo.dataset.side_tables import SideTable
+from symolo.dataset.tables.column import Column, Series
+from symolo.dataset.tables.sensor_tables import SERIES, sensor_table
+from symolo.dataset.tables.side_tables import SideTable
 
 Reading = NDArray[np.float64] | NDArray[np.int64]
 

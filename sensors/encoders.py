@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from configs.schema.robot import Encoder, RobotConfig
 from sensors.base import Sampling, Sensor, World
 from symolo.arena.geometry import Arena
-from symolo.dataset.side_tables import COUNTS
+from symolo.dataset.tables.side_tables import COUNTS
 
 
 class WheelEncoders(Sensor):

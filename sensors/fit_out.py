@@ -10,7 +10,7 @@ from sensors.base import Sensor
 from sensors.registry import SENSORS, sensor_classes
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError, nearest
-from symolo.dataset.side_tables import SideTable
+from symolo.dataset.tables.side_tables import SideTable
 
 
 def fit_out(

@@ -9,7 +9,7 @@ from configs.schema.robot import LineSensor, RobotConfig
 from sensors.base import Sampling, Sensor, World
 from symolo.arena.geometry import Arena, Line
 from symolo.core.arrays import Array
-from symolo.dataset.rows import LINE
+from symolo.dataset.tables.rows import LINE
 
 
 class LineSensorModel(Sensor):

@@ -9,7 +9,7 @@ from physics.robot.model import through
 from sensors.base import Reading, Sampling, Sensor, World
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
-from symolo.dataset.column import Series
+from symolo.dataset.tables.column import Series
 
 
 class PoseLog(Sensor):

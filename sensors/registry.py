@@ -7,7 +7,7 @@ from configs.families import Family
 from configs.robot_sensors import SensorSettings
 from sensors.base import Sensor
 from symolo.core.errors import InputError
-from symolo.dataset.sensor_tables import SENSOR_NAME, TAKEN_NAMES, TIME
+from symolo.dataset.tables.sensor_tables import SENSOR_NAME, TAKEN_NAMES, TIME
 
 
 def sensor_classes() -> tuple[type[Sensor], ...]:

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from typing import Protocol
 
 from sensors.base import Reading, Sensor, World
-from symolo.dataset.column import Series
+from symolo.dataset.tables.column import Series
 
 
 class SteppedWorld(World, Protocol):

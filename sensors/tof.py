@@ -21,8 +21,8 @@ from sensors.range_view import RangeView
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.dataset.codes import TofStatus
-from symolo.dataset.rows import RANGES
-from symolo.dataset.side_tables import RANGE_STATUS
+from symolo.dataset.tables.rows import RANGES
+from symolo.dataset.tables.side_tables import RANGE_STATUS
 
 NO_EFFECTS = RobotEffects()
 

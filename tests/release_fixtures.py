@@ -22,7 +22,7 @@ from pipeline.work.units import AnyUnit, RenderUnit
 from pipeline.work.worker_main import do
 from sensors.camera.response import encode_jpeg
 from symolo.core.child_process import Finished
-from symolo.core.file_hashes import sha256_of
+from symolo.core.files.file_hashes import sha256_of
 from symolo.dataset.layout import frame_name
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest
 

@@ -23,8 +23,8 @@ from pathlib import Path
 import numpy as np
 from painter_side import Asked, Paint, own_replies, serve
 
-from symolo.core.exr import read_exr
-from symolo.core.poses import pose_X_WR
+from symolo.core.files.exr import read_exr
+from symolo.core.geometry.poses import pose_X_WR
 
 _PREFIX = "rgb_"
 _LIGHT_PATHS = ("caustics_reflective", "caustics_refractive", "sample_clamp_indirect")

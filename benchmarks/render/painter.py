@@ -19,7 +19,7 @@ from blender_scenes.blender_side.loading import load_bpy
 from blender_scenes.render.sampling import HybridSamples
 from sensors.camera.response import develop, encode_jpeg
 from sensors.camera.views import FrameView
-from symolo.core.exr import read_exr
+from symolo.core.files.exr import read_exr
 
 PASSES = ("Combined", "DiffCol", "DiffDir", "DiffInd", "Normal")
 _METERED = 1.0

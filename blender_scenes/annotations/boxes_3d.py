@@ -5,7 +5,7 @@ import numpy as np
 from blender_scenes.annotations.job import Solid
 from blender_scenes.annotations.seen import VisibleScene
 from symolo.core.arrays import Array
-from symolo.core.poses import Matrix4
+from symolo.core.geometry.poses import Matrix4
 from symolo.dataset.annotations import Box3D
 
 _DECIMALS = 9

@@ -6,7 +6,7 @@ from blender_scenes.annotations.png import PngImage
 from blender_scenes.annotations.seen import VisibleScene
 from sensors.camera.views import FrameView
 from symolo.core.arrays import Array
-from symolo.core.pinhole import project
+from symolo.core.geometry.pinhole import project
 from symolo.dataset.annotations import FLOW_PER_PX, FLOW_ZERO
 
 _NEAREST_M = 1e-3

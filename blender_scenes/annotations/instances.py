@@ -10,7 +10,7 @@ from blender_scenes.scene.description import Scene
 from sensors.camera.views import FrameView
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
-from symolo.core.poses import pose_X_WR
+from symolo.core.geometry.poses import pose_X_WR
 from symolo.dataset.annotations import CATEGORIES, Category
 
 ON_THE_FLOOR = frozenset({"floor", "line"})

@@ -16,8 +16,8 @@ from blender_scenes.scene.shading import Color, Surface
 from sensors.camera.views import FrameView
 from symolo.arena.geometry import Arena, Box
 from symolo.core.arrays import Array
-from symolo.core.pinhole import Intrinsics, Shutter
-from symolo.core.poses import PlanarPose, pose_X_WR
+from symolo.core.geometry.pinhole import Intrinsics, Shutter
+from symolo.core.geometry.poses import PlanarPose, pose_X_WR
 from symolo.dataset.annotations import RECORD_KINDS, AnnotationName, KeyPoint, annotation_file
 
 RECORDS_DIR = "records"

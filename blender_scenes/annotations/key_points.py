@@ -7,8 +7,8 @@ from blender_scenes.annotations.seen import VisibleScene
 from blender_scenes.annotations.sight import hidden, triangles
 from blender_scenes.scene.description import Point3
 from symolo.core.arrays import Array
-from symolo.core.pinhole import project
-from symolo.core.poses import pose_X_WR
+from symolo.core.geometry.pinhole import project
+from symolo.core.geometry.poses import pose_X_WR
 from symolo.dataset.annotations import KeyPointSighting
 
 _PIXEL_DECIMALS, _METRE_DECIMALS = 4, 9

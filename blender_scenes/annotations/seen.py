@@ -11,8 +11,8 @@ from blender_scenes.annotations.job import AnnotationJob
 from sensors.camera.lens_warp import pinhole_image, sources
 from sensors.camera.views import FrameView
 from symolo.core.arrays import Array
-from symolo.core.lens import NO_DISTORTION
-from symolo.core.pinhole import Intrinsics
+from symolo.core.geometry.lens import NO_DISTORTION
+from symolo.core.geometry.pinhole import Intrinsics
 
 _STEEPEST = 1e-3
 """Cosine between ray and normal below which the equation of the plane is too ill-conditioned to correct a depth."""

@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 
 from blender_scenes.annotations.job import Solid
 from blender_scenes.annotations.seen import VisibleScene
-from symolo.core.lens import NO_DISTORTION
-from symolo.core.pinhole import project
+from symolo.core.geometry.lens import NO_DISTORTION
+from symolo.core.geometry.pinhole import project
 
 
 def silhouette(seen: VisibleScene, solid: Solid) -> NDArray[np.bool_]:

@@ -11,7 +11,7 @@ from blender_scenes.blender_side.shaders import ShaderGraph, material
 from blender_scenes.blender_side.user_images import UserImages
 from blender_scenes.scene.description import Mesh, Panel, Scene, Sky, Sun
 from sensors.camera.lens_warp import pinhole_image
-from symolo.core.pinhole import Intrinsics
+from symolo.core.geometry.pinhole import Intrinsics
 
 ROBOT = "R"
 CAMERA = "C"

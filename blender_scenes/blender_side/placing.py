@@ -7,7 +7,7 @@ from mathutils import Matrix
 from blender_scenes.blender_side.build import CAMERA, ROBOT, moving_name
 from sensors.camera.shutter import MOMENTS, Window
 from sensors.camera.views import FrameView, Moment
-from symolo.core.poses import pose_X_WR
+from symolo.core.geometry.poses import pose_X_WR
 
 _FRAME = 1
 """Frame of Blender's time line; the exposure window is one frame long and centred on it."""

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 
 from blender_scenes.render.surroundings import require_room
-from symolo.core.exr import read_exr
+from symolo.core.files.exr import read_exr
 
 _EXR_EXTRA_BYTES = 2**17
 """Upper limit for header and line table of a file."""

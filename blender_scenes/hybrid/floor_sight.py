@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from sensors.camera.shutter import MOMENTS
 from sensors.camera.views import FrameView
 from symolo.core.arrays import Array
-from symolo.core.pinhole import Intrinsics
-from symolo.core.poses import pose_X_WR
+from symolo.core.geometry.pinhole import Intrinsics
+from symolo.core.geometry.poses import pose_X_WR
 
 Image = NDArray[np.float32]
 _MAX_BYTES = 128 * 2**20

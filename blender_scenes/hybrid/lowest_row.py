@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from blender_scenes.scene.description import Mesh
 from sensors.camera.views import FrameView, Moment
 from symolo.core.arrays import Array
-from symolo.core.pinhole import Intrinsics
-from symolo.core.poses import pose_X_WR
+from symolo.core.geometry.pinhole import Intrinsics
+from symolo.core.geometry.poses import pose_X_WR
 
 _BEYOND_PX = 2.0
 """Distance beyond the image's borders within which things are visible through the pixel filter."""

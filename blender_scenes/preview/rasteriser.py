@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from blender_scenes.preview.triangles import Triangles
 from symolo.core.arrays import Array
-from symolo.core.pinhole import Intrinsics
+from symolo.core.geometry.pinhole import Intrinsics
 
 NEAR_M = 0.001
 """Depth below which nothing is visible, as for Blender's camera."""

@@ -20,8 +20,8 @@ from sensors.camera.metering import metered_views, metering_camera
 from sensors.camera.response import Image, develop, median_luminance
 from sensors.camera.views import FrameView
 from symolo.core.arrays import Array
-from symolo.core.pinhole import Intrinsics
-from symolo.core.poses import pose_X_WR
+from symolo.core.geometry.pinhole import Intrinsics
+from symolo.core.geometry.poses import pose_X_WR
 
 
 class FlatRenderer:

@@ -9,7 +9,7 @@ from blender_scenes.preview.rasteriser import rasterise
 from blender_scenes.preview.triangles import Triangles
 from blender_scenes.scene.description import Sun
 from symolo.core.arrays import Array
-from symolo.core.pinhole import Intrinsics, project
+from symolo.core.geometry.pinhole import Intrinsics, project
 
 _SIDE_PX = 512
 _AWAY = 1000.0

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
-from symolo.core.atomic_files import append_line, write_file
+from symolo.core.files.atomic_files import append_line, write_file
 
 
 @dataclass(frozen=True)

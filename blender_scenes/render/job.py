@@ -21,7 +21,7 @@ from sensors.camera.response import CameraResponse
 from sensors.camera.shutter import Window, exposed, moment, window
 from sensors.camera.views import INSTANT, FrameView
 from symolo.arena.geometry import Arena
-from symolo.core.pinhole import Intrinsics, Shutter, intrinsics, pose_X_RC
+from symolo.core.geometry.pinhole import Intrinsics, Shutter, intrinsics, pose_X_RC
 from symolo.dataset.layout import frame_name
 
 

@@ -13,9 +13,9 @@ from blender_scenes.render.frame_files import FrameFile, Ledger
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.protocol import MESSAGES, FrameBegun, FrameDone, RenderRequest, Work
 from blender_scenes.render.surroundings import without_blender_settings
-from symolo.core.atomic_files import make_folder
 from symolo.core.child_process import SCRATCH, ChildProcess, Failed
 from symolo.core.errors import EnvironmentLacking
+from symolo.core.files.atomic_files import make_folder
 
 _JOBS: dict[Work, type[RenderJob] | type[AnnotationJob]] = {"images": RenderJob, "annotations": AnnotationJob}
 _LOG_LINES = 15

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from blender_scenes.scene.description import Mesh, Point2, Point3
 from blender_scenes.scene.shading import Surface
-from symolo.core.poses import PlanarPose
+from symolo.core.geometry.poses import PlanarPose
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from blender_scenes.rooms.furniture.base import Piece
 from blender_scenes.rooms.walls import RoomWall, WallSide
 from blender_scenes.scene.description import Point2
 from symolo.arena.footprints import Rectangle, overlap
-from symolo.core.poses import PlanarPose
+from symolo.core.geometry.poses import PlanarPose
 
 _TRIES = 80
 _APART_M = 0.02

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blender_scenes.scene.description import Point2, Point3
-from symolo.core.poses import PlanarPose
+from symolo.core.geometry.poses import PlanarPose
 
 WallSide = Literal["east", "north", "west", "south"]
 SIDES: dict[WallSide, Point3] = {

@@ -7,7 +7,7 @@ import numpy as np
 
 from blender_scenes.scene.description import Mesh, Point2, Point3
 from symolo.core.arrays import Array
-from symolo.core.poses import PlanarPose
+from symolo.core.geometry.poses import PlanarPose
 
 
 def joined(name: str, parts: Iterable[Mesh]) -> Mesh:

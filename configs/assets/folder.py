@@ -10,8 +10,8 @@ from configs.schema.asset import Asset, AssetKind
 from configs.schema.base import FILE_KEY
 from configs.shapes import Shape
 from symolo.core.errors import InputError, nearest
-from symolo.core.yaml_reader import displayed
-from symolo.core.yaml_tree import FieldPath, Node, dotted, node_of
+from symolo.core.yaml.reader import displayed
+from symolo.core.yaml.tree import FieldPath, Node, dotted, node_of
 
 _FOLDER: FieldPath = ("look", "assets")
 _MAX_NAME_LENGTH = 255

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from configs.assets.quiet import decoded
-from symolo.core.exr import is_exr, read_exr
+from symolo.core.files.exr import is_exr, read_exr
 
 MAX_BYTES = 256 << 20
 MAX_PIXELS = 8192 * 4096

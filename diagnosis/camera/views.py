@@ -12,9 +12,9 @@ from configs.schema.robot import Camera
 from diagnosis.camera.case import CameraCase, Ints
 from diagnosis.camera.parameter import CameraNumber
 from symolo.core.arrays import Array
-from symolo.core.lens import distorted
-from symolo.core.pinhole import Intrinsics, intrinsics, pixels, pose_X_RC
-from symolo.core.poses import pose_X_WR
+from symolo.core.geometry.lens import distorted
+from symolo.core.geometry.pinhole import Intrinsics, intrinsics, pixels, pose_X_RC
+from symolo.core.geometry.poses import pose_X_WR
 
 RATE_OVER_S = 0.01
 """Time before and after an image over which the robot moves evenly."""

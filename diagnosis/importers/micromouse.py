@@ -22,8 +22,8 @@ from diagnosis.measured.scale import Reach
 from diagnosis.usual_tolerances import SHARES
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.files.text_file import read_text
 from symolo.core.table import CsvTable, check_header
-from symolo.core.text_file import read_text
 from symolo.core.time_series import TimeSeries
 
 FULL_COMMAND = 255.0

@@ -22,8 +22,8 @@ from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSou
 from diagnosis.measured.scale import Reach
 from diagnosis.usual_tolerances import usual_wheels
 from symolo.core.errors import InputError
+from symolo.core.files.text_file import read_text
 from symolo.core.table import number
-from symolo.core.text_file import read_text
 from symolo.core.time_series import TimeSeries
 
 _RUN = re.compile(r"(\d+)_run-(\d+)\.csv")

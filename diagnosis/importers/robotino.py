@@ -18,8 +18,8 @@ from diagnosis.measured.csv_table import MeasuredColumn, table_of
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from diagnosis.measured.scale import Reach
 from symolo.core.errors import InputError
+from symolo.core.files.text_file import TextFile, read_text
 from symolo.core.table import check_header
-from symolo.core.text_file import TextFile, read_text
 from symolo.core.time_series import TimeSeries
 
 HEADER_ROWS = 3

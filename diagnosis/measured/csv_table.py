@@ -10,8 +10,8 @@ from diagnosis.measured.channel import Role
 from diagnosis.measured.scale import Reach, beyond_scale, likely_unit
 from symolo.core import table
 from symolo.core.errors import InputError
+from symolo.core.files.text_file import TextFile
 from symolo.core.table import CsvTable, NumberColumn, TableColumn, WordColumn
-from symolo.core.text_file import TextFile
 
 
 @dataclass(frozen=True)

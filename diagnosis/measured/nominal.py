@@ -10,7 +10,7 @@ from configs.schema.base import FromList, Section
 from configs.validation import validated
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
-from symolo.core.yaml_reader import read_yaml
+from symolo.core.yaml.reader import read_yaml
 
 Positive = Annotated[float, Field(gt=0, le=1e6)]
 NotNegative = Annotated[float, Field(ge=0, le=1e6)]

@@ -10,7 +10,7 @@ from diagnosis.measured.csv_table import CaseColumn, MeasuredColumn
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.measured.nominal import NOMINAL, KnownMotor, KnownWheels
 from symolo.core.arrays import Array
-from symolo.core.atomic_files import make_folder, write_file
+from symolo.core.files.atomic_files import make_folder, write_file
 
 MAX_DECIMALS = 12
 """Beyond which a number is written as the shortest that reads back equal."""

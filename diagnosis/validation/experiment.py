@@ -8,7 +8,7 @@ import numpy as np
 
 from configs.schema.robot import RobotConfig
 from diagnosis.validation.panels import Panel
-from symolo.core.file_hashes import canonical_json
+from symolo.core.files.file_hashes import canonical_json
 
 Table = Mapping[str, Any]
 """Columns and single figures by name, with the unit at the end of the name; NaN where there is no value.

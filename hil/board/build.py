@@ -8,8 +8,8 @@ import tempfile
 from pathlib import Path
 
 from hil.tools import BOARD_PACKAGES
-from symolo.core.atomic_files import make_folder, move
 from symolo.core.errors import EnvironmentLacking
+from symolo.core.files.atomic_files import make_folder, move
 
 SOURCE = Path(__file__).with_name("board.c")
 _FLAGS = ("-O2", "-std=gnu11", "-Wall")

@@ -13,8 +13,8 @@ from configs.schema.base import FromList, Section
 from configs.validation import validated
 from physics.control.conditions import CONDITIONS, STATES, ControlView
 from symolo.core.errors import InputError, nearest
-from symolo.core.yaml_reader import read_yaml
-from symolo.core.yaml_tree import Node
+from symolo.core.yaml.reader import read_yaml
+from symolo.core.yaml.tree import Node
 from symolo.dataset.codes import State
 
 TABLE = Path(configs.__file__).parent / "state_machine.yaml"

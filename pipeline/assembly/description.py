@@ -2,13 +2,13 @@
 
 from configs.schema.arena import Obstacle
 from configs.schema.scenario import RunSpec
-from symolo.core.lens import coefficients
+from symolo.core.geometry.lens import coefficients
 from symolo.dataset.annotations import DOCUMENT, ENCODINGS
-from symolo.dataset.camera_model import INTRINSICS
-from symolo.dataset.description import columns_part, frames_part, markdown_table, plain_text, runs_part
-from symolo.dataset.metadata import Metadata, side_tables
-from symolo.dataset.run_document import RunDocument
-from symolo.dataset.scene_record import SCENE
+from symolo.dataset.documents.camera_model import INTRINSICS
+from symolo.dataset.documents.description import columns_part, frames_part, markdown_table, plain_text, runs_part
+from symolo.dataset.documents.metadata import Metadata, side_tables
+from symolo.dataset.documents.run_document import RunDocument
+from symolo.dataset.documents.scene_record import SCENE
 
 
 def markdown(metadata: Metadata, example: RunSpec) -> bytes:

@@ -7,7 +7,7 @@ from pydantic import ValidationError
 from configs.schema.scenario import RunSpec
 from symolo.core.errors import InputError
 from symolo.dataset.layout import SIDE, SPEC
-from symolo.dataset.side_reading import first_fault
+from symolo.dataset.tables.side_reading import first_fault
 
 
 def spec_problem(text: str) -> str:

@@ -10,8 +10,8 @@ from blender_scenes.scene.run_scene import room_around
 from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
 from symolo.arena.geometry import Arena
+from symolo.dataset.documents.scene_record import SCENE, PieceRecord, SceneRecord
 from symolo.dataset.layout import SIDE
-from symolo.dataset.scene_record import SCENE, PieceRecord, SceneRecord
 
 _DECIMALS = 6
 """Decimals of all numbers: micrometres and microradians."""

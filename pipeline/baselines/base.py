@@ -7,7 +7,7 @@ import numpy as np
 
 from pipeline.baselines.robot_knowledge import RobotKnowledge, RunImages
 from symolo.core.arrays import Array
-from symolo.dataset.rows import Ints
+from symolo.dataset.tables.rows import Ints
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from scipy.stats import chi2
 
 from pipeline.baselines.base import Estimate
 from symolo.core.arrays import Array
-from symolo.dataset.rows import Ints, wrapped
+from symolo.dataset.tables.rows import Ints, wrapped
 
 OVER_S = 1.0
 OVER_M = 1.0

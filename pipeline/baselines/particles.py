@@ -20,7 +20,7 @@ from pipeline.baselines.motion import WheelMotion, begun, slip_sd_m, ways
 from pipeline.baselines.range_model import RangeModel, lasting_sd_m, white_sd_m
 from pipeline.baselines.robot_knowledge import RobotKnowledge
 from symolo.core.arrays import Array
-from symolo.dataset.rows import Ints, wrapped
+from symolo.dataset.tables.rows import Ints, wrapped
 
 PARTICLES = 300
 RAYS = 6

@@ -20,7 +20,7 @@ from pipeline.baselines.errors import nees, off
 from pipeline.baselines.robot_knowledge import RobotKnowledge
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
-from symolo.dataset.rows import Ints, wrapped
+from symolo.dataset.tables.rows import Ints, wrapped
 
 CELL_PX = 4
 DIRECTIONS = 6

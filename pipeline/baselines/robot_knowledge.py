@@ -19,8 +19,8 @@ from sensors.odometry import Odometry
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.dataset.codes import TofStatus
-from symolo.dataset.rows import Ints, Rows
-from symolo.dataset.side_tables import TOF, WHEELS
+from symolo.dataset.tables.rows import Ints, Rows
+from symolo.dataset.tables.side_tables import TOF, WHEELS
 
 Pixels = NDArray[np.uint8]
 

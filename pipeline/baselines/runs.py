@@ -17,10 +17,10 @@ from pipeline.stages.simulate_runs import TRAJECTORY, read_recording
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.time_series import Recording
+from symolo.dataset.documents.metadata import METADATA
 from symolo.dataset.layout import SPEC, STAGES
-from symolo.dataset.metadata import METADATA
-from symolo.dataset.rows import HEADER, Rows, parse_table
-from symolo.dataset.side_tables import TOF, WHEELS, tof_csv, wheels_csv
+from symolo.dataset.tables.rows import HEADER, Rows, parse_table
+from symolo.dataset.tables.side_tables import TOF, WHEELS, tof_csv, wheels_csv
 from symolo.exporters.export import open_release
 from symolo.reader.run import Run
 

@@ -12,11 +12,11 @@ from pipeline.baselines.errors import OVER_M, OVER_S, SHARE
 from pipeline.baselines.figure import figure
 from pipeline.baselines.runs import LoggedRun
 from symolo.core.arrays import Array
-from symolo.core.atomic_files import make_folder, write_file
-from symolo.core.file_hashes import canonical_json
-from symolo.core.new_folder import new_folder
+from symolo.core.files.atomic_files import make_folder, write_file
+from symolo.core.files.file_hashes import canonical_json
+from symolo.core.files.new_folder import new_folder
 from symolo.core.versions import versions
-from symolo.dataset.rows import csv_bytes, heading
+from symolo.dataset.tables.rows import csv_bytes, heading
 
 TABLE, NUMBERS, FIGURE, ESTIMATES = "baselines.md", "baselines.json", "baselines.png", "estimates"
 

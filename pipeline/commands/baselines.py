@@ -57,7 +57,7 @@ def baselines(
     from pipeline.baselines.runs import chosen, open_runs
     from pipeline.baselines.written import table, write
     from symolo.core.errors import InputError
-    from symolo.core.new_folder import check_new
+    from symolo.core.files.new_folder import check_new
     from symolo.core.progress import report_here
 
     chosen_methods = METHODS if methods is None else methods_of(names(methods, "--methods"), "--methods")

@@ -123,7 +123,7 @@ def schema(
     import json
 
     from configs.json_schema import scenario_json_schema
-    from symolo.dataset.metadata_schema import metadata_json_schema
+    from symolo.dataset.documents.metadata_schema import metadata_json_schema
 
     document = scenario_json_schema() if of is SchemaOf.SCENARIO else metadata_json_schema()
     typer.echo(json.dumps(document, indent=2, ensure_ascii=False))

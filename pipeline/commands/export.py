@@ -48,7 +48,7 @@ def export(
 
     Example: symolo export data --format tum,kitti --out exported
     """
-    from symolo.core.new_folder import check_new
+    from symolo.core.files.new_folder import check_new
     from symolo.core.progress import report_here
     from symolo.exporters.base import ExportSettings
     from symolo.exporters.export import check_room, exporters_of, open_release, plan

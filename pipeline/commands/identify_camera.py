@@ -57,7 +57,7 @@ def identify_camera(
     from pipeline.diagnosing.camera_case import read_camera_case
     from pipeline.run_folder.output import check_out
     from pipeline.run_folder.workspace import Workspace
-    from symolo.core.atomic_files import make_folder, remove_file, write_file
+    from symolo.core.files.atomic_files import make_folder, remove_file, write_file
     from symolo.dataset.folder_kind import Kind
 
     case = read_camera_case(run, simulated, PoseErrors(0.001 * pose_sd_mm, pose_sd_deg))

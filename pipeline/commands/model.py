@@ -36,9 +36,9 @@ def model(
     from configs.draw import draw_run
     from configs.loader import load_scenario
     from pipeline.models.files import formats_of, model_files
-    from symolo.core.atomic_files import write_file
     from symolo.core.errors import InputError
-    from symolo.core.new_folder import check_new, new_folder
+    from symolo.core.files.atomic_files import write_file
+    from symolo.core.files.new_folder import check_new, new_folder
 
     wanted = formats_of(names(formats, "--format"), "--format")
     loaded = load_scenario(scenario, settings or ())

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from symolo.core.errors import InputError
-from symolo.core.paths import BELOW_CHARS, check_new_path, check_path
+from symolo.core.files.paths import BELOW_CHARS, check_new_path, check_path
 from symolo.core.text_enum import TextEnum
 
 

@@ -42,7 +42,7 @@ def pack(
 
     Example: symolo pack data --about about.yaml --out upload
     """
-    from symolo.core.new_folder import check_new
+    from symolo.core.files.new_folder import check_new
     from symolo.core.progress import report_here
     from symolo.publishing.about import read_about
     from symolo.publishing.limits import told

@@ -7,7 +7,7 @@ import typer
 
 from pipeline.commands.maintenance import Released
 from symolo.core.errors import InputError
-from symolo.core.paths import check_new_path
+from symolo.core.files.paths import check_new_path
 
 
 def _checked_new_page(path: Path) -> Path:
@@ -44,7 +44,7 @@ def report(
 
     Example: symolo report data --out report.html
     """
-    from symolo.core.atomic_files import write_file
+    from symolo.core.files.atomic_files import write_file
     from symolo.core.progress import report_here
     from symolo.exporters.export import open_release
     from symolo.report.build import release_report

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from pipeline.stages.upload import Along, Destination
     from pipeline.work.batch import Batch
     from symolo.core.progress import Report
-    from symolo.dataset.metadata import FailedRun
+    from symolo.dataset.documents.metadata import FailedRun
 
 RUN_FAILED = 3
 STAGES = ("simulate", "render", "assemble")

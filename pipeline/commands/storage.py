@@ -81,7 +81,7 @@ def download(
 
     Example: symolo download file:///mnt/shelf/data --out fetched
     """
-    from symolo.core.new_folder import check_new
+    from symolo.core.files.new_folder import check_new
     from symolo.core.progress import report_here
     from symolo.storage.address import store_of
     from symolo.storage.download import Remote

@@ -92,7 +92,7 @@ def _validate(parts: "tuple[ValidatedPart, ...]", out: Path, robot: str, seed: i
     from diagnosis.validation.panels import figure
     from pipeline.run_folder.output import check_out
     from pipeline.run_folder.workspace import Workspace
-    from symolo.core.atomic_files import write_file
+    from symolo.core.files.atomic_files import write_file
     from symolo.dataset.folder_kind import Kind
 
     config, _ = draw_robot(load_section("robot", robot), seed, "bench")

@@ -16,7 +16,7 @@ from sensors.camera.response import CameraResponse
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 from symolo.dataset.layout import frame_name
-from symolo.dataset.rows import Rows
+from symolo.dataset.tables.rows import Rows
 
 MAX_FRAMES = 60
 """Largest number of images of a run, evenly spread; more add little information."""

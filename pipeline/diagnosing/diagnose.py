@@ -18,9 +18,9 @@ from pipeline.diagnosing.importers import IMPORTERS
 from pipeline.diagnosing.importers.run_folder import robots_of
 from pipeline.work.supervisor import AnyEvent, AnyUnit, Retried, UnitFailure, run_units
 from pipeline.work.units import DiagnoseUnit, DiagnosisSettings
-from symolo.core.atomic_files import make_folder, remove_file, write_file
 from symolo.core.child_process import Failed, Finished
 from symolo.core.errors import InputError
+from symolo.core.files.atomic_files import make_folder, remove_file, write_file
 from symolo.core.progress import Report
 from symolo.dataset.layout import STAGES
 

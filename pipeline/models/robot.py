@@ -13,8 +13,8 @@ from physics.robot.links import BASE, CASTER, LEFT_WHEEL, RIGHT_WHEEL, BoxShape,
 from physics.robot.model import through
 from pipeline.models.colours import colours, scene_of
 from pipeline.models.geometry import CylinderShape, Placement, Visual, bounding_box
-from symolo.core.pinhole import Intrinsics, horizontal_field_of_view_rad, intrinsics, pose_X_RC
-from symolo.dataset.camera_model import X_CB
+from symolo.core.geometry.pinhole import Intrinsics, horizontal_field_of_view_rad, intrinsics, pose_X_RC
+from symolo.dataset.documents.camera_model import X_CB
 
 CAMERA, CAMERA_OPTICAL, LINE_SENSOR = "camera", "camera_optical", "line_sensor"
 _ROUND = {

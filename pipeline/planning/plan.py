@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from blender_scenes.render.sampling import TracingSettings, tracing_settings
 from configs.schema.scenario import RunSpec
 from sensors.camera.lens_warp import pinhole_image
-from symolo.core.pinhole import intrinsics
+from symolo.core.geometry.pinhole import intrinsics
 from symolo.core.progress import seconds
 
 LAP_S = 40.0

@@ -21,11 +21,11 @@ from pipeline.stages.render import journal
 from pipeline.stages.simulate_runs import simulate_runs
 from pipeline.work.batch import Batch
 from pipeline.work.supervisor import cores
-from symolo.core.disk_space import check_scratch
 from symolo.core.errors import RunFailed
+from symolo.core.files.disk_space import check_scratch
 from symolo.core.progress import Report, seconds
 from symolo.dataset.annotations import AnnotationName
-from symolo.dataset.metadata import FailedRun
+from symolo.dataset.documents.metadata import FailedRun
 
 RUNS, IMAGES = 3, 4
 """Numbers of runs and of images of each that are measured: the cost differs between draws, hardly between images of a

@@ -16,10 +16,10 @@ from pipeline.preview.views import PreviewImage, on_device
 from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import StageFolder
 from pipeline.stages.render import IMAGES, RenderTask, render_runs
-from symolo.core.disk_space import check_scratch
+from symolo.core.files.disk_space import check_scratch
 from symolo.core.progress import Report
+from symolo.dataset.documents.metadata import FailedRun
 from symolo.dataset.layout import frame_name
-from symolo.dataset.metadata import FailedRun
 from symolo.pages.sheet import LINE_PX, Cell, Pixels, check_side, row, stacked
 
 Made = tuple[dict[int, Pixels], list[FailedRun]]

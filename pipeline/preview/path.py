@@ -11,7 +11,7 @@ from configs.schema.robot import RobotConfig
 from configs.schema.scenario import RunSpec
 from symolo.arena.footprints import Rectangle, overlap
 from symolo.arena.geometry import Arc, Arena, Box, Line, Straight
-from symolo.core.poses import PlanarPose
+from symolo.core.geometry.poses import PlanarPose
 
 _JOINED_M = 0.01
 """Largest distance [m] between the ends of two pieces of the line that are joined."""

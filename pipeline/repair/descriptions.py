@@ -15,8 +15,8 @@ from pipeline.stages.simulate_runs import SPEC, read_outcome, spec_text
 from pipeline.work.processors import cpu_class
 from symolo.core.errors import InputError
 from symolo.dataset.bag import BAG_INFO, bag_info, read_cpu_classes
+from symolo.dataset.documents.metadata import METADATA, Metadata
 from symolo.dataset.layout import DESCRIPTION
-from symolo.dataset.metadata import METADATA, Metadata
 
 
 def flip_back(state: RepairState, names: Iterable[str]) -> None:

@@ -8,10 +8,10 @@ from pipeline.repair.repair_state import RUN_PARTS, RepairState
 from pipeline.stages.assemble import KEPT_METADATA, SIDE
 from pipeline.stages.render import IMAGES
 from pipeline.stages.simulate_runs import SPEC
-from symolo.core.atomic_files import make_folder, write_file
-from symolo.core.file_hashes import sha256_of
+from symolo.core.files.atomic_files import make_folder, write_file
+from symolo.core.files.file_hashes import sha256_of
+from symolo.dataset.documents.metadata import METADATA
 from symolo.dataset.layout import ANNOTATIONS
-from symolo.dataset.metadata import METADATA
 
 
 def put_back(state: RepairState, scratch: Path) -> set[str]:

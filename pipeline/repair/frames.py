@@ -16,13 +16,13 @@ from pipeline.stages.assemble import DATA
 from pipeline.stages.render import IMAGES, JOB, Appearance, FrameTask, Order, RenderTask, blocks
 from pipeline.work.supervisor import AnyEvent, AnyUnit
 from pipeline.work.units import Progress, RenderUnit
-from symolo.core.atomic_files import make_folder, write_file
 from symolo.core.child_process import Finished
 from symolo.core.errors import InputError
-from symolo.core.file_hashes import sha256_of
+from symolo.core.files.atomic_files import make_folder, write_file
+from symolo.core.files.file_hashes import sha256_of
 from symolo.dataset.annotations import DOCUMENT, RECORD_KINDS
 from symolo.dataset.layout import ANNOTATIONS
-from symolo.dataset.rows import read_rows
+from symolo.dataset.tables.rows import read_rows
 
 
 @dataclass(frozen=True)

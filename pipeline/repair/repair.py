@@ -9,13 +9,13 @@ from blender_scenes.render.devices import GPU_KINDS, DeviceKind
 from pipeline.repair import descriptions, existing_copies, frames, tables
 from pipeline.repair.repair_state import RepairState, RepairTools, with_one_bit_less_wrong
 from pipeline.run_folder.workspace import Workspace
-from symolo.core.atomic_files import remove_file, remove_folder, write_file
 from symolo.core.errors import InputError
+from symolo.core.files.atomic_files import remove_file, remove_folder, write_file
 from symolo.core.progress import Report
 from symolo.dataset.bag import DECLARATION
+from symolo.dataset.documents.metadata import METADATA, Metadata, made_with
 from symolo.dataset.layout import STAGES
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, tag_manifest
-from symolo.dataset.metadata import METADATA, Metadata, made_with
 from symolo.verification.findings import Finding
 from symolo.verification.inventory import Inventory
 

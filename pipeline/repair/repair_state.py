@@ -7,7 +7,7 @@ from pathlib import Path, PurePosixPath
 
 from blender_scenes.render.devices import DeviceKind
 from pipeline.run_folder.workspace import Workspace
-from symolo.core.atomic_files import make_folder, remove_file, write_file
+from symolo.core.files.atomic_files import make_folder, remove_file, write_file
 from symolo.core.progress import Report
 from symolo.verification.inventory import LISTS, Inventory
 

@@ -38,20 +38,20 @@ from pipeline.stages.render import (
 )
 from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
 from symolo.arena.geometry import Arena
-from symolo.core.atomic_files import make_folder, move, remove_file, remove_folder, replace_folder, write_file
-from symolo.core.disk_space import check_disk
 from symolo.core.errors import InputError
-from symolo.core.file_hashes import canonical_json, hashes_of, holds, read_known
-from symolo.core.lens import lens_problem
+from symolo.core.files.atomic_files import make_folder, move, remove_file, remove_folder, replace_folder, write_file
+from symolo.core.files.disk_space import check_disk
+from symolo.core.files.file_hashes import canonical_json, hashes_of, holds, read_known
+from symolo.core.geometry.lens import lens_problem
 from symolo.core.progress import Report
 from symolo.core.random_streams import stream
-from symolo.core.yaml_tree import dotted
-from symolo.dataset.camera_model import camera_files
+from symolo.core.yaml.tree import dotted
+from symolo.dataset.documents.camera_model import camera_files
+from symolo.dataset.documents.metadata import FailedRun
 from symolo.dataset.folder_kind import Kind
 from symolo.dataset.layout import ANNOTATIONS, JOB, LOOK
-from symolo.dataset.metadata import FailedRun
-from symolo.dataset.rows import Ints, Rows, read_rows
-from symolo.dataset.side_tables import image_positions
+from symolo.dataset.tables.rows import Ints, Rows, read_rows
+from symolo.dataset.tables.side_tables import image_positions
 
 CARRIER = "symolo"
 """The scenario that checks `--set render...` and gives a foreign trajectory its image settings."""

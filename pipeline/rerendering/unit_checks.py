@@ -10,7 +10,7 @@ from configs.schema.look import LookConfig
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
-from symolo.dataset.rows import Rows
+from symolo.dataset.tables.rows import Rows
 
 Where = Callable[[int], str]
 """Names the place of a row."""

@@ -4,7 +4,7 @@ import tempfile
 from pathlib import Path
 
 from symolo.core.errors import InputError
-from symolo.core.paths import nearest_existing
+from symolo.core.files.paths import nearest_existing
 from symolo.dataset.folder_kind import Kind, kind_of
 from symolo.dataset.layout import STAGES
 

@@ -17,15 +17,15 @@ from pipeline.run_folder.workspace import FAILED, StageFolder, Workspace
 from pipeline.stages.assemble import of_several_classes
 from pipeline.stages.render import IMAGES, JOB, journal
 from pipeline.stages.simulate_runs import SPEC, RunOutcome, read_outcome, simulation_key
-from symolo.core.atomic_files import place_of
 from symolo.core.errors import InputError, one_line
-from symolo.core.file_hashes import holds
-from symolo.core.file_locks import LOCK
+from symolo.core.files.atomic_files import place_of
+from symolo.core.files.file_hashes import holds
+from symolo.core.files.file_locks import LOCK
+from symolo.dataset.documents.metadata import read_metadata
+from symolo.dataset.documents.scene_record import SCENE
 from symolo.dataset.folder_kind import Kind, kind_of
 from symolo.dataset.layout import ANNOTATIONS, SIDE, STAGES
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST
-from symolo.dataset.metadata import read_metadata
-from symolo.dataset.scene_record import SCENE
 from symolo.verification.inventory import Inventory
 
 OF_RUNS = ("simulate", "render", "annotate", "assemble")

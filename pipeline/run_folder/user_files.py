@@ -5,10 +5,10 @@ from hashlib import sha256
 from pathlib import Path
 
 from configs.schema.look import LookConfig
-from symolo.core.atomic_files import make_folder, write_file
 from symolo.core.errors import InputError
-from symolo.core.file_hashes import sha256_of
-from symolo.core.yaml_reader import displayed
+from symolo.core.files.atomic_files import make_folder, write_file
+from symolo.core.files.file_hashes import sha256_of
+from symolo.core.yaml.reader import displayed
 
 
 def keep_user_files(looks: Iterable[LookConfig], places: Mapping[str, Path], folder: Path) -> None:

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from symolo.core.atomic_files import (
+from symolo.core.errors import EnvironmentLacking
+from symolo.core.files.atomic_files import (
     make_folder,
     new_folder_beside,
     place_of,
@@ -18,9 +19,8 @@ from symolo.core.atomic_files import (
     replace_folder,
     write_file,
 )
-from symolo.core.errors import EnvironmentLacking
-from symolo.core.file_hashes import canonical_json, hashes_of, holds
-from symolo.core.file_locks import held, lock_or_refuse, opened_lock
+from symolo.core.files.file_hashes import canonical_json, hashes_of, holds
+from symolo.core.files.file_locks import held, lock_or_refuse, opened_lock
 from symolo.core.os_errors import NOT_THERE
 from symolo.dataset.folder_kind import KIND, Done, Kind
 from symolo.dataset.layout import DONE, STAGES

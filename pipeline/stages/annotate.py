@@ -10,8 +10,8 @@ from blender_scenes.render.job import RenderJob
 from pipeline.run_folder.workspace import StageFolder, mark_done
 from pipeline.stages.render import IMAGES, JOB, Appearance, FrameTask, ImageFindings, Order, Rendered, journal
 from symolo.arena.geometry import Arena
-from symolo.core.atomic_files import make_folder, write_file
-from symolo.core.file_hashes import read_known, sha256_of
+from symolo.core.files.atomic_files import make_folder, write_file
+from symolo.core.files.file_hashes import read_known, sha256_of
 from symolo.dataset.annotations import DOCUMENT
 from symolo.dataset.layout import ANNOTATIONS
 

@@ -14,21 +14,21 @@ from pipeline.stages.render import Rendered, picture_seed
 from pipeline.stages.simulate_runs import read_outcome, read_recording, spec_text
 from sensors.fit_out import sensor_tables
 from symolo.arena.geometry import Arena
-from symolo.core.atomic_files import make_folder, remove_file, remove_folder, replace_folder, write_file
 from symolo.core.errors import EnvironmentLacking
-from symolo.core.file_hashes import hashes_of, holds, read_known
+from symolo.core.files.atomic_files import make_folder, remove_file, remove_folder, replace_folder, write_file
+from symolo.core.files.file_hashes import hashes_of, holds, read_known
 from symolo.core.progress import Report, StageReport
 from symolo.core.time_series import Recording
 from symolo.core.versions import versions
 from symolo.dataset.bag import BAG_INFO, bag_info
-from symolo.dataset.camera_model import camera_files
+from symolo.dataset.documents.camera_model import camera_files
+from symolo.dataset.documents.metadata import METADATA, FailedRun, Metadata, RunRecord, describe, read_metadata
 from symolo.dataset.layout import DATA, DESCRIPTION, DONE, IMAGES, POSITIONS, SIDE, SPEC, STAGES
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, tag_manifest
-from symolo.dataset.metadata import METADATA, FailedRun, Metadata, RunRecord, describe, read_metadata
-from symolo.dataset.obstacles import obstacle_table, obstacles_csv
-from symolo.dataset.rows import Rows
-from symolo.dataset.sensor_tables import sensor_csv
-from symolo.dataset.side_tables import BOARD, TOF, WHEELS, board_csv, image_positions, tof_csv, wheels_csv
+from symolo.dataset.tables.obstacles import obstacle_table, obstacles_csv
+from symolo.dataset.tables.rows import Rows
+from symolo.dataset.tables.sensor_tables import sensor_csv
+from symolo.dataset.tables.side_tables import BOARD, TOF, WHEELS, board_csv, image_positions, tof_csv, wheels_csv
 
 KEPT_METADATA = Path(STAGES) / "assemble" / METADATA
 """Copy of the metadata within the output folder: everything else can be made again from it."""

@@ -9,7 +9,7 @@ from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.simulate_runs import prepare_boards, problems_of, read_outcome, simulate_into, simulation_key
 from symolo.core.errors import RunFailed
 from symolo.core.progress import Report
-from symolo.dataset.metadata import FailedRun
+from symolo.dataset.documents.metadata import FailedRun
 
 
 def check_board(workspace: Workspace, specs: Sequence[RunSpec], port: str) -> None:

@@ -27,16 +27,16 @@ from pipeline.work.supervisor import AnyEvent, AnyUnit, FrameGivenUp, Retried
 from pipeline.work.units import Progress, RenderUnit
 from sensors.camera.exposure_guard import Extremes, all_black, exposure_warnings
 from symolo.arena.geometry import Arena
-from symolo.core.atomic_files import make_folder, remove_file, remove_folder, write_file
 from symolo.core.child_process import Failed, Finished
-from symolo.core.file_hashes import canonical_json, sha256_of
-from symolo.core.file_locks import held
+from symolo.core.files.atomic_files import make_folder, remove_file, remove_folder, write_file
+from symolo.core.files.file_hashes import canonical_json, sha256_of
+from symolo.core.files.file_locks import held
 from symolo.core.progress import Report
 from symolo.core.random_streams import stream
 from symolo.core.versions import versions
+from symolo.dataset.documents.metadata import FailedRun
 from symolo.dataset.layout import DONE, IMAGES, JOB, frame_name
-from symolo.dataset.metadata import FailedRun
-from symolo.dataset.rows import Rows
+from symolo.dataset.tables.rows import Rows
 
 FRAMES, INPUTS = "frames.json", "inputs.json"
 

@@ -21,8 +21,8 @@ from symolo.core.errors import RunFailed
 from symolo.core.random_streams import stream
 from symolo.core.time_series import Recording, TimeSeries, Trajectory
 from symolo.dataset.codes import State
-from symolo.dataset.obstacles import obstacle_series
-from symolo.dataset.side_tables import BOARD_SERIES
+from symolo.dataset.tables.obstacles import obstacle_series
+from symolo.dataset.tables.side_tables import BOARD_SERIES
 
 Progress = Callable[[float, float], None]
 """Called with the simulated time and the time limit [s]."""

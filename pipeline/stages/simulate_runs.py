@@ -18,16 +18,16 @@ from pipeline.user_files import hashes_of_files
 from pipeline.work.processors import cpu_class
 from pipeline.work.supervisor import AnyEvent, AnyUnit, Retried, UnitFailure
 from pipeline.work.units import Progress, SimulateUnit
-from symolo.core.atomic_files import write_file
 from symolo.core.child_process import Finished
 from symolo.core.errors import InputError, RunFailed
-from symolo.core.file_hashes import canonical_json
+from symolo.core.files.atomic_files import write_file
+from symolo.core.files.file_hashes import canonical_json
 from symolo.core.progress import Report
 from symolo.core.time_series import Recording
 from symolo.core.versions import versions
 from symolo.dataset.codes import BOARD_EVENT_COLUMNS
+from symolo.dataset.documents.metadata import BoardRecord, FailedRun
 from symolo.dataset.layout import SPEC
-from symolo.dataset.metadata import BoardRecord, FailedRun
 
 if TYPE_CHECKING:
     from pipeline.stages.simulate import Outcome, Watch

@@ -20,12 +20,12 @@ from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.assemble import release_run
 from pipeline.stages.simulate_runs import spec_text
 from symolo.core.errors import EnvironmentLacking, InputError
-from symolo.core.file_hashes import canonical_json
+from symolo.core.files.file_hashes import canonical_json
 from symolo.core.os_errors import lacking
 from symolo.core.progress import Report
 from symolo.dataset.bag import BAG_INFO
+from symolo.dataset.documents.metadata import METADATA, Metadata, made_with
 from symolo.dataset.layout import DESCRIPTION, SIDE, SPEC
-from symolo.dataset.metadata import METADATA, Metadata, made_with
 from symolo.storage.base import LocalFile, Store
 from symolo.storage.comparison import compare_listed, digest_of, released_files
 from symolo.storage.side_by_side import side_by_side

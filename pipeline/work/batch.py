@@ -24,12 +24,12 @@ from pipeline.stages.simulate_runs import (
     simulation_key,
 )
 from pipeline.work.supervisor import cores
-from symolo.core.disk_space import check_disk
 from symolo.core.errors import InputError
+from symolo.core.files.disk_space import check_disk
 from symolo.core.progress import Report
+from symolo.dataset.documents.metadata import FailedRun
 from symolo.dataset.folder_kind import Kind
-from symolo.dataset.metadata import FailedRun
-from symolo.dataset.rows import Rows
+from symolo.dataset.tables.rows import Rows
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from configs.schema.scenario import RunSpec
 from physics.control.base import ControlInput
 from physics.run.pilot import Decision
 from symolo.dataset.codes import BOARD_COLUMNS
-from symolo.dataset.metadata import STATES
+from symolo.dataset.documents.metadata import STATES
 
 BETWEEN_S = 0.1
 """Real time [s] between two updates; a simulated board is many times faster."""

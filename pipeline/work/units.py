@@ -7,8 +7,8 @@ from pydantic import Field, TypeAdapter
 from typing_extensions import Self
 
 from blender_scenes.render.protocol import Work
-from symolo.core.atomic_files import remove_leftovers
 from symolo.core.child_process import Alive, Failed, Finished, Message
+from symolo.core.files.atomic_files import remove_leftovers
 
 
 class UnitOfWork(Message):

@@ -11,9 +11,9 @@ from typing import Any, Protocol
 from pipeline.user_files import load_from_environment
 from pipeline.work.processors import cpu_class
 from pipeline.work.units import UNITS, AnyUnit, DiagnoseUnit, Progress, RenderUnit, SimulateUnit
-from symolo.core.atomic_files import make_folder, write_file
 from symolo.core.child_process import Failed, Finished, Owner
 from symolo.core.errors import EnvironmentLacking, InputError, RunFailed
+from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.os_errors import lacking
 
 

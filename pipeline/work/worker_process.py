@@ -10,8 +10,8 @@ from pathlib import Path
 from blender_scenes.render.surroundings import without_blender_settings
 from pipeline import user_files
 from pipeline.work.units import MESSAGES, AnyMessage, AnyUnit
-from symolo.core.atomic_files import WRITER, new_writer
 from symolo.core.child_process import GB, SILENCE_S, ChildProcess, Failed
+from symolo.core.files.atomic_files import WRITER, new_writer
 
 COMMAND = (sys.executable, "-m", "pipeline.work.worker_main")
 SHARE_OF_THE_MACHINE = 0.9

@@ -11,8 +11,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from symolo.core.lens import NO_DISTORTION, border_rays, refined
-from symolo.core.pinhole import Intrinsics, rays_of
+from symolo.core.geometry.lens import NO_DISTORTION, border_rays, refined
+from symolo.core.geometry.pinhole import Intrinsics, rays_of
 
 Image = NDArray[np.float32]
 

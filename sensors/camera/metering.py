@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from sensors.camera.views import FrameView
-from symolo.core.pinhole import Intrinsics
+from symolo.core.geometry.pinhole import Intrinsics
 
 _VIEWS = 5
 _WIDTH_PX = 64

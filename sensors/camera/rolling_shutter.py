@@ -10,8 +10,8 @@ import numpy as np
 from sensors.camera.lens_warp import Image, pinhole_image, sources
 from sensors.camera.shutter import window
 from sensors.camera.views import FrameView
-from symolo.core.lens import NO_DISTORTION
-from symolo.core.pinhole import Intrinsics, Shutter
+from symolo.core.geometry.lens import NO_DISTORTION
+from symolo.core.geometry.pinhole import Intrinsics, Shutter
 
 
 def lateness(view: FrameView, camera: Intrinsics, shutter: Shutter) -> Image | None:

@@ -10,8 +10,8 @@ from sensors.camera.lens_warp import pinhole_image
 from sensors.camera.views import FrameView, Moment
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
-from symolo.core.pinhole import Intrinsics, Shutter
-from symolo.core.poses import Matrix4, PlanarPose, pose_X_WR
+from symolo.core.geometry.pinhole import Intrinsics, Shutter
+from symolo.core.geometry.poses import Matrix4, PlanarPose, pose_X_WR
 
 MOMENTS = 5
 """Number of moments of an exposure. Linear motion between them errs by 0.1 % of the length on an arc of 0.2 rad."""

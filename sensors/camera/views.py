@@ -6,8 +6,8 @@ from typing import Annotated
 from pydantic import Field
 
 from sensors.camera.colour import RGB
-from symolo.core.pinhole import Shutter
-from symolo.core.poses import Matrix4, PlanarPose
+from symolo.core.geometry.pinhole import Shutter
+from symolo.core.geometry.poses import Matrix4, PlanarPose
 
 INSTANT = Shutter()
 

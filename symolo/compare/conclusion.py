@@ -10,7 +10,7 @@ from typing import TypeVar
 from symolo.compare.folders import FileResult, Verdict
 from symolo.compare.likeness import shown_db
 from symolo.dataset.bag import read_cpu_classes
-from symolo.dataset.metadata import read_metadata
+from symolo.dataset.documents.metadata import read_metadata
 
 Found = TypeVar("Found")
 

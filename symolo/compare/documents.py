@@ -9,7 +9,7 @@ import numpy as np
 
 from symolo.compare.likeness import Likeness, level_db
 from symolo.core.errors import shown
-from symolo.core.yaml_tree import FieldPath, dotted
+from symolo.core.yaml.tree import FieldPath, dotted
 
 HOW_IT_WAS_MADE = {
     "metadata.json": frozenset({"made_with"}),

@@ -13,7 +13,7 @@ from statistics import NormalDist
 import numpy as np
 
 from symolo.core.errors import InputError, nearest
-from symolo.core.yaml_tree import DISTRIBUTION_KINDS, FieldPath, Node, Scalar, dotted
+from symolo.core.yaml.tree import DISTRIBUTION_KINDS, FieldPath, Node, Scalar, dotted
 
 _WITHOUT_LIMITS_SD = 4.0
 _MIN_SHARE = 1e-3

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest, shown
-from symolo.core.text_file import LineFault, TextFile, read_text
+from symolo.core.files.text_file import LineFault, TextFile, read_text
 
 _NO_NUMBER = re.compile(r"[-+]?(nan|inf(inity)?)|null|none|na|n/a|-|#n/a", re.IGNORECASE)
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "spaces"}

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
-from symolo.core.pinhole import Intrinsics
-from symolo.core.poses import Matrix4
+from symolo.core.geometry.pinhole import Intrinsics
+from symolo.core.geometry.poses import Matrix4
 
 AnnotationName = Literal[
     "depth", "instance", "semantic", "normals", "flow", "free_floor", "boxes_2d", "boxes_3d", "key_points"

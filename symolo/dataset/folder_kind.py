@@ -8,9 +8,9 @@ from symolo.core.errors import InputError
 from symolo.core.os_errors import NOT_THERE
 from symolo.core.text_enum import TextEnum
 from symolo.dataset.bag import DECLARATION
+from symolo.dataset.documents.metadata import read_metadata
 from symolo.dataset.layout import STAGES
 from symolo.dataset.manifest import MANIFEST
-from symolo.dataset.metadata import read_metadata
 
 KIND = "kind"
 """File in `.stages` that names the kind of the folder."""

@@ -4,7 +4,7 @@ import hashlib
 from collections.abc import Mapping
 from pathlib import Path
 
-from symolo.core.file_hashes import hashes_of
+from symolo.core.files.file_hashes import hashes_of
 from symolo.dataset.bag import BAG_INFO
 from symolo.dataset.layout import STAGES
 

@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from symolo.core.atomic_files import make_folder, write_file
-from symolo.core.disk_space import check_disk
 from symolo.core.errors import InputError, nearest
-from symolo.core.file_hashes import canonical_json, sha256_of
-from symolo.core.new_folder import check_new, new_folder
+from symolo.core.files.atomic_files import make_folder, write_file
+from symolo.core.files.disk_space import check_disk
+from symolo.core.files.file_hashes import canonical_json, sha256_of
+from symolo.core.files.new_folder import check_new, new_folder
 from symolo.core.progress import Report
 from symolo.core.versions import versions
 from symolo.dataset.manifest import MANIFEST

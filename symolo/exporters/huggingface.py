@@ -13,7 +13,7 @@ import pandas as pd
 
 from symolo.core.errors import InputError
 from symolo.core.extras import optional_module
-from symolo.dataset.rows import COLUMNS
+from symolo.dataset.tables.rows import COLUMNS
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
 from symolo.exporters.features import Feature, column, parquet_bytes, picture, pictured, stacked_bytes, value, vector
 from symolo.reader.dataset import RUN, Dataset

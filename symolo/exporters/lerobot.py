@@ -14,7 +14,7 @@ import pandas as pd
 
 from symolo.core.errors import InputError
 from symolo.core.extras import optional_module
-from symolo.core.file_hashes import canonical_json
+from symolo.core.files.file_hashes import canonical_json
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile, pictures_bytes
 from symolo.exporters.features import parquet_bytes, picture, pictured, value, vector
 from symolo.exporters.lerobot_stats import Levels, Stats, vector_stats

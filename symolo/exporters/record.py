@@ -2,7 +2,7 @@
 
 import json
 
-from symolo.dataset.rows import COLUMNS
+from symolo.dataset.tables.rows import COLUMNS
 from symolo.reader.run import Image
 
 

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from symolo.arena.geometry import Arena, Box
 from symolo.core.arrays import Array
 from symolo.core.extras import optional_module
-from symolo.core.file_hashes import sha256_of
-from symolo.core.poses import rotations_about_z
+from symolo.core.files.file_hashes import sha256_of
+from symolo.core.geometry.poses import rotations_about_z
 from symolo.dataset.manifest import MANIFEST
-from symolo.dataset.rows import COLUMNS
+from symolo.dataset.tables.rows import COLUMNS
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
 from symolo.exporters.rrd_file import Arrays, Chunk, Component, rrd
 from symolo.reader.dataset import Dataset

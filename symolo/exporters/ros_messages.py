@@ -14,9 +14,9 @@ import numpy as np
 import pandas as pd
 
 from symolo.core.arrays import Array
-from symolo.core.poses import pose_X_WR, quaternions
+from symolo.core.geometry.poses import pose_X_WR, quaternions
 from symolo.dataset.codes import TofStatus
-from symolo.dataset.side_tables import SideTable
+from symolo.dataset.tables.side_tables import SideTable
 from symolo.exporters.base import pictures_bytes
 from symolo.reader.run import Image, Run
 

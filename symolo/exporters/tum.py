@@ -9,8 +9,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from symolo.core.arrays import Array
-from symolo.core.poses import pose_X_WR, quaternions
-from symolo.dataset.rows import csv_bytes
+from symolo.core.geometry.poses import pose_X_WR, quaternions
+from symolo.dataset.tables.rows import csv_bytes
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Run

@@ -6,7 +6,7 @@ The files of a sample have the same name up to the first dot: `CW/test_1/000001.
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from symolo.core.tar_files import Member, shards, tar_bytes, tar_chunks
+from symolo.core.files.tar_files import Member, shards, tar_bytes, tar_chunks
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings
 from symolo.exporters.record import record_of
 from symolo.reader.dataset import Dataset

@@ -9,7 +9,7 @@ import numpy as np
 
 from symolo.core.errors import InputError
 from symolo.dataset.layout import STAGES, frame_name
-from symolo.dataset.rows import Rows, read_rows
+from symolo.dataset.tables.rows import Rows, read_rows
 from symolo.pages.sheet import Cell, Pixels, check_side, row, stacked
 
 

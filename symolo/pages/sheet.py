@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from symolo.core.atomic_files import write_file
 from symolo.core.errors import InputError
+from symolo.core.files.atomic_files import write_file
 
 Pixels = NDArray[np.uint8]
 

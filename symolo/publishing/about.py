@@ -8,8 +8,8 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, Valid
 from pydantic_core import PydanticCustomError
 
 from symolo.core.errors import InputError, nearest
-from symolo.core.yaml_reader import read_yaml
-from symolo.core.yaml_tree import Node, dotted
+from symolo.core.yaml.reader import read_yaml
+from symolo.core.yaml.tree import Node, dotted
 
 _FROM_LIST = Strict(strict=False)
 """A list of a file becomes a tuple; its items stay strict."""

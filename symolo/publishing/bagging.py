@@ -4,13 +4,13 @@ import hashlib
 from collections.abc import Mapping
 from pathlib import Path
 
-from symolo.core.atomic_files import make_folder, write_file
 from symolo.core.errors import InputError
-from symolo.core.new_folder import check_new, new_folder
+from symolo.core.files.atomic_files import make_folder, write_file
+from symolo.core.files.new_folder import check_new, new_folder
 from symolo.core.progress import Report
 from symolo.dataset.bag import BAG_INFO, DECLARATION, bag_info, read_cpu_classes
+from symolo.dataset.documents.metadata import METADATA, Metadata
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest
-from symolo.dataset.metadata import METADATA, Metadata
 from symolo.verification.inventory import Inventory
 
 PAYLOAD = "data"

@@ -4,7 +4,7 @@ from typing import Any
 
 import yaml
 
-from symolo.dataset.description import columns_part, frames_part, markdown_table, plain_text, runs_part
+from symolo.dataset.documents.description import columns_part, frames_part, markdown_table, plain_text, runs_part
 from symolo.publishing.dataset import PackedFile, Published
 
 _SIZES = ((1_000, "n<1K"), (10_000, "1K<n<10K"), (100_000, "10K<n<100K"), (1_000_000, "100K<n<1M"))

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from symolo.dataset.metadata import Metadata
+from symolo.dataset.documents.metadata import Metadata
 from symolo.publishing.about import About
 from symolo.publishing.licences import Licence, licence_of
 from symolo.publishing.tables import PlannedTable

@@ -6,16 +6,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from symolo.core.atomic_files import write_chunks, write_file
-from symolo.core.disk_space import check_disk
 from symolo.core.errors import InputError
-from symolo.core.file_hashes import canonical_json, sha256_of
-from symolo.core.new_folder import check_new, new_folder
+from symolo.core.files.atomic_files import write_chunks, write_file
+from symolo.core.files.disk_space import check_disk
+from symolo.core.files.file_hashes import canonical_json, sha256_of
+from symolo.core.files.new_folder import check_new, new_folder
+from symolo.core.files.tar_files import tar_chunks
 from symolo.core.progress import Report, StageReport
-from symolo.core.tar_files import tar_chunks
+from symolo.dataset.documents.metadata import METADATA, Metadata
 from symolo.dataset.layout import NAME_PATTERN
 from symolo.dataset.manifest import manifest
-from symolo.dataset.metadata import METADATA, Metadata
 from symolo.publishing.about import About
 from symolo.publishing.card import card
 from symolo.publishing.citation import citation

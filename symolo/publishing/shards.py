@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
-from symolo.core.file_hashes import read_known
-from symolo.core.tar_files import Member, shards, tar_bytes
+from symolo.core.files.file_hashes import read_known
+from symolo.core.files.tar_files import Member, shards, tar_bytes
 from symolo.dataset.manifest import manifest
 
 

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from symolo.core.errors import InputError
-from symolo.core.file_hashes import read_known
+from symolo.core.files.file_hashes import read_known
+from symolo.dataset.documents.metadata import METADATA
 from symolo.dataset.layout import DATA
-from symolo.dataset.metadata import METADATA
 
 RUN = "run"
 

@@ -10,9 +10,9 @@ from pydantic import ValidationError
 
 from symolo.core.errors import InputError, nearest
 from symolo.dataset.bag import DECLARATION
+from symolo.dataset.documents.metadata import METADATA, Metadata, read_metadata
 from symolo.dataset.layout import DATA, LOOK
-from symolo.dataset.metadata import METADATA, Metadata, read_metadata
-from symolo.dataset.side_reading import first_fault
+from symolo.dataset.tables.side_reading import first_fault
 from symolo.publishing.bagging import PAYLOAD
 from symolo.reader.run import Image, Run
 

@@ -14,18 +14,18 @@ from pydantic import ValidationError
 
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError, nearest
+from symolo.dataset.documents.metadata import side_tables
+from symolo.dataset.documents.run_document import RunDocument
 from symolo.dataset.layout import DATA, IMAGES, LOOK, SIDE, SPEC
-from symolo.dataset.metadata import side_tables
 from symolo.dataset.pixels import decoded
-from symolo.dataset.rows import Rows, read_rows
-from symolo.dataset.run_document import RunDocument
-from symolo.dataset.side_reading import first_fault, read_side
-from symolo.dataset.side_tables import CAMERA, SideTable
+from symolo.dataset.tables.rows import Rows, read_rows
+from symolo.dataset.tables.side_reading import first_fault, read_side
+from symolo.dataset.tables.side_tables import CAMERA, SideTable
 from symolo.reader.tables import frame, rows_frame
 
 if TYPE_CHECKING:
     from symolo.dataset.annotations import AnnotationDocument
-    from symolo.dataset.camera_model import CameraModel
+    from symolo.dataset.documents.camera_model import CameraModel
 
 # Whatever knows of pictures loads OpenCV, which takes half a second; tables and poses do without.
 # ruff: noqa: PLC0415
@@ -270,7 +270,7 @@ class Run:
         Raises:
             InputError: The file is missing or damaged.
         """
-        from symolo.dataset.camera_model import INTRINSICS, read_camera_model
+        from symolo.dataset.documents.camera_model import INTRINSICS, read_camera_model
 
         path = self.folder / SIDE / INTRINSICS
         try:

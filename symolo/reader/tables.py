@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import pandas as pd
 
 from symolo.core.arrays import Array
-from symolo.dataset.column import Column
-from symolo.dataset.rows import COLUMNS, Rows
+from symolo.dataset.tables.column import Column
+from symolo.dataset.tables.rows import COLUMNS, Rows
 
 UNITS = "units"
 """Key of a table's `attrs` that holds the unit of each column."""

@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 from symolo.core.errors import InputError
-from symolo.core.paths import check_path
+from symolo.core.files.paths import check_path
 from symolo.storage.base import Store
 from symolo.storage.bucket import Bucket
 from symolo.storage.folder import Folder

@@ -5,7 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
-from symolo.core.atomic_files import (
+from symolo.core.errors import InputError
+from symolo.core.files.atomic_files import (
     make_folder,
     remove_file,
     remove_folder,
@@ -13,12 +14,11 @@ from symolo.core.atomic_files import (
     replace_folder,
     write_file,
 )
-from symolo.core.disk_space import check_room
-from symolo.core.errors import InputError
-from symolo.core.file_hashes import hashes_of
-from symolo.core.file_locks import held_or_refused
-from symolo.core.new_folder import check_new
-from symolo.core.paths import BELOW_CHARS
+from symolo.core.files.disk_space import check_room
+from symolo.core.files.file_hashes import hashes_of
+from symolo.core.files.file_locks import held_or_refused
+from symolo.core.files.new_folder import check_new
+from symolo.core.files.paths import BELOW_CHARS
 from symolo.core.progress import Report
 from symolo.dataset.layout import STAGES
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, tag_manifest

@@ -5,10 +5,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from symolo.core.atomic_files import make_folder, place_of, remove_leftovers, write_file
 from symolo.core.errors import InputError
-from symolo.core.file_hashes import sha256_of, sizes_below
-from symolo.core.file_locks import held_or_refused
+from symolo.core.files.atomic_files import make_folder, place_of, remove_leftovers, write_file
+from symolo.core.files.file_hashes import sha256_of, sizes_below
+from symolo.core.files.file_locks import held_or_refused
 from symolo.core.os_errors import NOT_THERE
 from symolo.storage.base import LocalFile
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from symolo.core.pinhole import intrinsics
+from symolo.core.geometry.pinhole import intrinsics
 from symolo.dataset.annotations import (
     CATEGORIES,
     DOCUMENT,
@@ -14,12 +14,12 @@ from symolo.dataset.annotations import (
     AnnotationDocument,
     annotation_file,
 )
-from symolo.dataset.camera_model import camera_table
+from symolo.dataset.documents.camera_model import camera_table
+from symolo.dataset.documents.metadata import RunRecord
+from symolo.dataset.documents.run_document import RunDocument
 from symolo.dataset.layout import frame_name
-from symolo.dataset.metadata import RunRecord
 from symolo.dataset.pixels import decoded
-from symolo.dataset.rows import Rows
-from symolo.dataset.run_document import RunDocument
+from symolo.dataset.tables.rows import Rows
 
 _FORMS = {
     "depth": (np.uint16, 1),

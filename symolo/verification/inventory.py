@@ -12,7 +12,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from symolo.core.errors import InputError
-from symolo.core.file_hashes import sha256_of
+from symolo.core.files.file_hashes import sha256_of
 from symolo.dataset.bag import BAG_INFO
 from symolo.dataset.folder_kind import Done
 from symolo.dataset.layout import DONE, STAGES

@@ -9,16 +9,16 @@ from pydantic import ValidationError
 
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
-from symolo.dataset.camera_model import INTRINSICS, CameraModel, camera_table, read_camera_model
+from symolo.dataset.documents.camera_model import INTRINSICS, CameraModel, camera_table, read_camera_model
+from symolo.dataset.documents.metadata import RunRecord
+from symolo.dataset.documents.run_document import ArenaSection, RunDocument
+from symolo.dataset.documents.scene_record import SCENE, read_scene_record
 from symolo.dataset.layout import ANNOTATIONS, frame_name
-from symolo.dataset.metadata import RunRecord
-from symolo.dataset.obstacles import obstacle_table, off_the_path
-from symolo.dataset.rows import HEADER, Rows, parse_table, semantic_faults
-from symolo.dataset.run_document import ArenaSection, RunDocument
-from symolo.dataset.scene_record import SCENE, read_scene_record
-from symolo.dataset.sensor_tables import fractions
-from symolo.dataset.side_reading import first_fault
-from symolo.dataset.side_tables import BOARD, CAMERA, POSITIONS_HEADER, TOF, WHEELS, SideTable
+from symolo.dataset.tables.obstacles import obstacle_table, off_the_path
+from symolo.dataset.tables.rows import HEADER, Rows, parse_table, semantic_faults
+from symolo.dataset.tables.sensor_tables import fractions
+from symolo.dataset.tables.side_reading import first_fault
+from symolo.dataset.tables.side_tables import BOARD, CAMERA, POSITIONS_HEADER, TOF, WHEELS, SideTable
 from symolo.verification.annotations import annotation_faults
 from symolo.verification.findings import Finding
 

@@ -7,9 +7,9 @@ from pydantic import ValidationError
 
 from symolo.core.errors import InputError
 from symolo.dataset.bag import DECLARATION
+from symolo.dataset.documents.metadata import METADATA, Metadata
 from symolo.dataset.layout import DESCRIPTION
-from symolo.dataset.metadata import METADATA, Metadata
-from symolo.dataset.side_reading import first_fault
+from symolo.dataset.tables.side_reading import first_fault
 from symolo.publishing.bagging import PAYLOAD
 from symolo.verification.bag import bag_findings
 from symolo.verification.findings import Finding

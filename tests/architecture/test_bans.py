@@ -28,7 +28,7 @@ BANNED_CALLS = {
     "os.system": "runs a shell",
     "os.popen": "runs a shell",
     "os.fork": "engines do not survive it",
-    "yaml.load": "builds any object; symolo.core.yaml_reader reads strictly",
+    "yaml.load": "builds any object; symolo.core.yaml.reader reads strictly",
     "tempfile.mktemp": "races",
     "np.random.default_rng": "seeds by order or by chance; symolo.core.random_streams keys by path",
 }

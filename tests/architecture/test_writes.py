@@ -1,4 +1,4 @@
-"""Every file that the packages write gets its place in one way, that of `symolo.core.atomic_files`."""
+"""Every file that the packages write gets its place in one way, that of `symolo.core.files.atomic_files`."""
 
 import ast
 from pathlib import Path
@@ -8,7 +8,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("configs", "physics", "sensors", "hil", "diagnosis", "blender_scenes", "pipeline", "symolo")
 MODULES = sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
-THE_WAY = "symolo/core/atomic_files.py"
+THE_WAY = "symolo/core/files/atomic_files.py"
 
 WRITERS = {"write_text", "write_bytes", "savefig", "imwrite", "savez", "savez_compressed", "savetxt", "tofile"}
 WRITERS |= {"copyfile", "copy2", "copytree", "move", "rename", "touch", "symlink_to", "hardlink_to", "save_as_mainfile"}
@@ -21,7 +21,7 @@ JUSTIFIED = {
     ("physics/bullet/body.py", "write_text"): "the URDF in a scratch folder, for PyBullet reads no text",
     ("hil/build.py", "write_text"): "sources in a scratch folder, for the compiler reads no text",
     ("symolo/core/time_series.py", "savez_compressed"): "into a buffer",
-    ("symolo/core/file_locks.py", "open"): "files that are locked and hold nothing",
+    ("symolo/core/files/file_locks.py", "open"): "files that are locked and hold nothing",
     ("symolo/pages/plotting.py", "savefig"): "into a buffer",
     ("symolo/core/child_process.py", "fdopen"): "the pipe to the owner",
     ("symolo/core/child_process.py", "rmtree"): "the scratch folder of an owner that has died",

@@ -7,7 +7,7 @@ import pytest
 
 from configs.schema.arena import ArenaConfig
 from symolo.arena.geometry import Arena
-from symolo.core.pinhole import Intrinsics
+from symolo.core.geometry.pinhole import Intrinsics
 
 HEIGHT_M, FOCAL_PX = 0.2, 100.0
 CAMERA = Intrinsics(160, 120, FOCAL_PX, FOCAL_PX, 79.5, 59.5, (0.0, 0.0, 0.0, 0.0, 0.0))

@@ -20,8 +20,8 @@ from configs.schema.robot import RobotConfig
 from sensors.camera.response import CameraResponse
 from sensors.camera.views import INSTANT, FrameView
 from symolo.arena.geometry import Arena
-from symolo.core.lens import NO_DISTORTION, Coefficients
-from symolo.core.pinhole import Intrinsics, Shutter
+from symolo.core.geometry.lens import NO_DISTORTION, Coefficients
+from symolo.core.geometry.pinhole import Intrinsics, Shutter
 
 _SHIPPED = Path(configs.__file__).parent
 

@@ -9,7 +9,7 @@ import pytest
 
 import configs
 from configs.json_schema import scenario_json_schema
-from symolo.core.yaml_reader import read_yaml
+from symolo.core.yaml.reader import read_yaml
 
 SCHEMA = scenario_json_schema()
 SHIPPED = Path(configs.__file__).parent

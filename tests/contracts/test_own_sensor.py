@@ -32,7 +32,7 @@ from pydantic import Field
 
 from configs.robot_sensors import SensorSettings
 from sensors.base import Sensor
-from symolo.dataset.column import Column
+from symolo.dataset.tables.column import Column
 
 
 class Bumper(Sensor):

@@ -10,8 +10,8 @@ from configs.draw import draw_all, draw_arena, draw_look, draw_robot
 from configs.loader import load_scenario, load_section
 from configs.references import FOLDERS, SECTIONS, shipped_names
 from configs.schema.scenario import RunSpec, Scenario
-from symolo.core.yaml_reader import read_yaml
-from symolo.core.yaml_tree import DISTRIBUTION_KINDS
+from symolo.core.yaml.reader import read_yaml
+from symolo.core.yaml.tree import DISTRIBUTION_KINDS
 
 SHIPPED = Path(configs.__file__).parent
 FILES = sorted(path for folder in FOLDERS.values() for path in (SHIPPED / folder).iterdir() if path.is_file())

@@ -16,10 +16,10 @@ from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.assemble import assemble
 from pipeline.stages.render import JOB, Appearance, RenderTask
 from pipeline.stages.simulate_runs import read_recording, simulate_into, simulation_key
-from symolo.core.atomic_files import make_folder, write_file
-from symolo.core.file_hashes import sha256_of
+from symolo.core.files.atomic_files import make_folder, write_file
+from symolo.core.files.file_hashes import sha256_of
 from symolo.core.progress import LineReport
-from symolo.dataset.rows import Rows
+from symolo.dataset.tables.rows import Rows
 from symolo.verification.verify import verify
 
 _spec = importlib.util.spec_from_file_location("corruptions", Path(__file__).with_name("corruptions.py"))

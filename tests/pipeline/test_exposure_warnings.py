@@ -22,9 +22,9 @@ from pipeline.work.units import RenderUnit
 from sensors.camera.response import encode_jpeg
 from symolo.core.errors import RunFailed
 from symolo.core.progress import LineReport
+from symolo.dataset.documents.metadata import FailedRun, RunRecord, describe
 from symolo.dataset.layout import frame_name
-from symolo.dataset.metadata import FailedRun, RunRecord, describe
-from symolo.dataset.rows import Rows
+from symolo.dataset.tables.rows import Rows
 
 
 def put_grey(folder: Path, job_sha256: str, number: int, grey: int) -> None:

@@ -16,7 +16,7 @@ import pytest
 
 from pipeline.run_folder.workspace import Workspace, input_key
 from pipeline.work.processors import class_of
-from symolo.core.atomic_files import remove_folder
+from symolo.core.files.atomic_files import remove_folder
 from symolo.core.versions import versions
 
 ARENA_WITH_A_SILL = """

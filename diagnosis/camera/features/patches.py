@@ -8,7 +8,7 @@ import numpy as np
 from diagnosis.camera.case import CameraCase, ImagePixels, Ints, Mask
 from diagnosis.camera.views import CameraView, EdgePoints, deviating
 from symolo.core.arrays import Array
-from symolo.core.pinhole import floor_points, intrinsics
+from symolo.core.geometry.pinhole import floor_points, intrinsics
 
 COLUMNS, ROWS = 16, 12
 """Of the grid on which floor is looked for."""

@@ -10,7 +10,7 @@ from diagnosis.measured.channel import Channel, Mask, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
 from symolo.core.arrays import Array
 from symolo.core.time_series import TimeSeries
-from symolo.dataset.rows import COLUMNS, HEADER, Ints, Rows, read_rows
+from symolo.dataset.tables.rows import COLUMNS, HEADER, Ints, Rows, read_rows
 
 RANGES = {"tof_front_m": 0, "tof_left_m": 1, "tof_right_m": 2}
 OFTEN = 3

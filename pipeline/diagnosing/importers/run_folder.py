@@ -20,11 +20,11 @@ from symolo.core.arrays import Array
 from symolo.core.errors import InputError
 from symolo.core.time_series import TimeSeries
 from symolo.dataset.codes import TofStatus
+from symolo.dataset.documents.metadata import METADATA
 from symolo.dataset.layout import STAGES
-from symolo.dataset.metadata import METADATA
-from symolo.dataset.rows import HEADER, Rows, parse_table, read_rows
-from symolo.dataset.side_reading import read_side
-from symolo.dataset.side_tables import TOF, WHEELS, tof_csv, wheels_csv
+from symolo.dataset.tables.rows import HEADER, Rows, parse_table, read_rows
+from symolo.dataset.tables.side_reading import read_side
+from symolo.dataset.tables.side_tables import TOF, WHEELS, tof_csv, wheels_csv
 
 _DRIVE = {
     "v_cmd_m_s": ("command_v", "m/s", Role.INPUT),

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from symolo.core.arrays import Array
 from symolo.dataset.brightness import BLACK_UP_TO, BURNT_FROM
-from symolo.dataset.rows import Ints
+from symolo.dataset.tables.rows import Ints
 from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PALE, PURPLE, SKY, VERMILION, finished, svg
 from symolo.report.statistics.image_statistics import GREYS, ImageNumbers
 

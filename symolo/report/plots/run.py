@@ -7,7 +7,7 @@ from matplotlib.ticker import FuncFormatter
 
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
-from symolo.dataset.rows import Rows
+from symolo.dataset.tables.rows import Rows
 from symolo.pages.plotting import BLACK, BLUE, GREY, PALE, VERMILION, svg
 from symolo.reader.run import Run
 from symolo.report.plots.states import STATE_STYLES, Stretch, named, stretches

@@ -2,7 +2,7 @@
 
 from matplotlib.figure import Figure
 
-from symolo.dataset.side_tables import SideTable
+from symolo.dataset.tables.side_tables import SideTable
 from symolo.pages.plotting import BLACK, svg
 from symolo.reader.run import Run
 from symolo.report.statistics.run_facts import fresh

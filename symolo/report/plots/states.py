@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from symolo.dataset.codes import State
-from symolo.dataset.rows import Ints
+from symolo.dataset.tables.rows import Ints
 from symolo.pages.plotting import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 
 Dash = Literal["-"] | tuple[float, tuple[float, ...]]

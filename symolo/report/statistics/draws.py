@@ -7,7 +7,7 @@ from typing import Any
 
 from symolo.core.distributions import Distribution, parse
 from symolo.core.errors import InputError
-from symolo.core.yaml_tree import FieldPath, Node, dotted, node_of
+from symolo.core.yaml.tree import FieldPath, Node, dotted, node_of
 from symolo.report.statistics.run_facts import RunFacts
 
 Value = float | int | str | bool

@@ -4,8 +4,8 @@ import hashlib
 from dataclasses import dataclass
 
 from symolo.core.progress import Report
+from symolo.dataset.documents.metadata import Metadata
 from symolo.dataset.manifest import MANIFEST, read_manifest
-from symolo.dataset.metadata import Metadata
 from symolo.reader.dataset import Dataset
 from symolo.report.statistics.image_statistics import ImageNumbers, image_numbers
 from symolo.report.statistics.outliers import OutlierGroup, outliers

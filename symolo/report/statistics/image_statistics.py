@@ -7,7 +7,7 @@ import numpy as np
 
 from symolo.core.arrays import Array
 from symolo.dataset.brightness import BLACK_UP_TO, BURNT_FROM
-from symolo.dataset.rows import Ints
+from symolo.dataset.tables.rows import Ints
 from symolo.reader.run import Run
 from symolo.report.statistics.run_facts import fresh
 

@@ -7,8 +7,8 @@ import numpy as np
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.dataset.codes import State
-from symolo.dataset.metadata import RunRecord
-from symolo.dataset.rows import Ints
+from symolo.dataset.documents.metadata import RunRecord
+from symolo.dataset.tables.rows import Ints
 from symolo.reader.run import Run
 from symolo.report.statistics.off_line import ahead_of, off_line_m
 

@@ -9,7 +9,7 @@ import pytest
 
 from blender_scenes.render.renderer import render_job
 from physics.bullet.ray_oracle import EngineRays
-from symolo.core.pinhole import floor_points, matrix_K, project
+from symolo.core.geometry.pinhole import floor_points, matrix_K, project
 from symolo.dataset.annotations import CATEGORIES
 
 NUMBERS = (1, 2, 3)

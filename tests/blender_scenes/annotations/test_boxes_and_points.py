@@ -20,8 +20,8 @@ from blender_scenes.annotations.sight import hidden, triangles
 from blender_scenes.annotations.silhouette import reaches_beyond, silhouette
 from blender_scenes.scene.meshes import block
 from sensors.camera.views import FrameView
-from symolo.core.pinhole import Intrinsics, matrix_K
-from symolo.core.poses import pose_X_WR
+from symolo.core.geometry.pinhole import Intrinsics, matrix_K
+from symolo.core.geometry.poses import pose_X_WR
 from symolo.dataset.annotations import ENCODINGS, RECORD_KINDS, AnnotationName, pixel_box
 
 WIDTH, HEIGHT, FOCAL = 80, 60, 50.0

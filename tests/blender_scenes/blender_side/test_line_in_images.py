@@ -18,8 +18,8 @@ from configs.schema.floors import FloorLook
 from configs.schema.look import CameraLook, LinePaintLook, LookConfig, TapeLook
 from configs.schema.robot import LensDistortion
 from configs.schema.scenario import Render
-from symolo.core.lens import NO_DISTORTION
-from symolo.core.pinhole import project
+from symolo.core.geometry.lens import NO_DISTORTION
+from symolo.core.geometry.pinhole import project
 
 POSES = [(0.55, -0.60, 90), (0.545, -0.15, 92), (0.49, 0.68, 133), (-0.55, -0.90, -70), (0.30, -1.04, 15)]
 """x [m], y [m], yaw [deg] on the dataset arena: straights, an obstacle ahead, both arcs, a line end."""

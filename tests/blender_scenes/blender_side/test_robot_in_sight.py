@@ -15,7 +15,7 @@ from configs.schema.arena import ArenaConfig
 from configs.schema.look import LookConfig
 from configs.schema.scenario import Render
 from symolo.arena.geometry import Arena
-from symolo.core.pinhole import matrix_K
+from symolo.core.geometry.pinhole import matrix_K
 from symolo.dataset.annotations import CATEGORIES
 
 ARENA = {"name": "line", "line": {"pieces": [{"kind": "straight", "start": [0.0, 0.0], "end": [1.2, 0.0]}]}}

@@ -14,8 +14,8 @@ from sensors.camera.shutter import exposed, moment, window
 from sensors.camera.views import FrameView
 from symolo.arena.geometry import Box
 from symolo.arena.obstacle_motion import ObstacleMotion
-from symolo.core.lens import NO_DISTORTION, Coefficients
-from symolo.core.pinhole import Intrinsics, Shutter
+from symolo.core.geometry.lens import NO_DISTORTION, Coefficients
+from symolo.core.geometry.pinhole import Intrinsics, Shutter
 
 PIXELS, FOCAL_PX = 81, 100.0
 RATE_RAD_S, SPEED_M_S = 3.0, 1.5

@@ -24,7 +24,7 @@ from configs.schema.look import LookConfig
 from configs.schema.scenario import Render
 from sensors.camera.views import FrameView
 from symolo.arena.geometry import Arena
-from symolo.core.pinhole import project
+from symolo.core.geometry.pinhole import project
 
 TILES = np.zeros((8, 12, 3), np.uint8)
 """Two rows of three tiles, blue first: above red, green, blue, below black, half of white's light, white."""

@@ -18,8 +18,8 @@ from configs.schema.scenario import Render
 from physics.robot.path import RobotPath
 from sensors.camera.response import CameraResponse
 from sensors.camera.views import INSTANT, FrameView, Moment
-from symolo.core.pinhole import Intrinsics, Shutter, floor_points, project
-from symolo.core.poses import PlanarPose, pose_X_WR
+from symolo.core.geometry.pinhole import Intrinsics, Shutter, floor_points, project
+from symolo.core.geometry.poses import PlanarPose, pose_X_WR
 
 WIDTH_PX, HEIGHT_PX = 64, 48
 CAMERA = Intrinsics(WIDTH_PX, HEIGHT_PX, 45.0, 45.0, 31.5, 23.5)

@@ -20,8 +20,8 @@ from configs.schema.look import CameraLook
 from configs.schema.robot import Camera
 from sensors.camera.response import CameraResponse, develop, encode_jpeg, median_luminance
 from sensors.camera.views import FrameView
-from symolo.core.pinhole import Intrinsics, floor_points, pose_X_RC, project
-from symolo.core.poses import PlanarPose, pose_X_WR
+from symolo.core.geometry.pinhole import Intrinsics, floor_points, pose_X_RC, project
+from symolo.core.geometry.poses import PlanarPose, pose_X_WR
 
 WIDTH_PX, HEIGHT_PX = 128, 96
 CAMERA = Intrinsics(WIDTH_PX, HEIGHT_PX, 90.0, 90.0, 63.5, 47.5)

@@ -12,8 +12,8 @@ from configs.schema.look import CameraLook
 from configs.schema.robot import Camera
 from sensors.camera.response import CameraResponse
 from sensors.camera.views import FrameView
-from symolo.core.pinhole import Intrinsics, pose_X_RC
-from symolo.core.poses import pose_X_WR
+from symolo.core.geometry.pinhole import Intrinsics, pose_X_RC
+from symolo.core.geometry.poses import pose_X_WR
 
 CAMERA = Intrinsics(64, 48, 45.0, 45.0, 31.5, 23.5)
 ELEVATION = np.radians(25.0)

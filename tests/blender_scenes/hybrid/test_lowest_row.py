@@ -8,7 +8,7 @@ from blender_scenes.hybrid.lowest_row import EdgesInSight
 from blender_scenes.scene.description import Mesh
 from blender_scenes.scene.meshes import block
 from sensors.camera.views import FrameView, Moment
-from symolo.core.pinhole import Intrinsics
+from symolo.core.geometry.pinhole import Intrinsics
 
 CAMERA = Intrinsics(64, 48, 40.0, 40.0, 31.5, 23.5)
 EYE_M = 0.2

@@ -11,7 +11,7 @@ from blender_scenes.scene.meshes import block
 from configs.schema.look import CameraLook, LampsLook, LookConfig, SkyLook, SunLook
 from configs.schema.scenario import Render
 from symolo.arena.obstacle_motion import ObstacleMotion
-from symolo.core.pinhole import project
+from symolo.core.geometry.pinhole import project
 
 FRAMES = [FramePose(number=i, t_s=0.5 * i, x_m=0.55, y_m=-0.6, yaw_rad=np.pi / 2) for i in (1, 2)]
 SMALL = Render(width_px=64, height_px=48)

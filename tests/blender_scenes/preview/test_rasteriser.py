@@ -14,8 +14,8 @@ from blender_scenes.scene.shading import Color, Surface
 from configs.schema.look import LookConfig
 from sensors.camera.views import FrameView
 from symolo.arena.footprints import convex_outline
-from symolo.core.pinhole import Intrinsics, floor_points, intrinsics, pose_X_RC, project
-from symolo.core.poses import pose_X_WR
+from symolo.core.geometry.pinhole import Intrinsics, floor_points, intrinsics, pose_X_RC, project
+from symolo.core.geometry.poses import pose_X_WR
 
 POSES = [(0.55, -0.60, 90), (0.545, -0.15, 92), (0.49, 0.68, 133), (-0.55, -0.90, -70), (0.30, -1.04, 15)]
 """x [m], y [m], yaw [deg]."""

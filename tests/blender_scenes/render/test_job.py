@@ -55,7 +55,7 @@ def test_a_damaged_job_is_refused(job):
 
 def test_importing_the_stage_loads_neither_blender_nor_pybullet():
     program = (
-        "import sys, blender_scenes.render.job, blender_scenes.render.renderer, symolo.core.pinhole\n"
+        "import sys, blender_scenes.render.job, blender_scenes.render.renderer, symolo.core.geometry.pinhole\n"
         "print([name for name in ('bpy', 'pybullet', 'blender_scenes.blender_side') if name in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)

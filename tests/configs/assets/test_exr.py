@@ -8,7 +8,7 @@ import zlib
 import numpy as np
 import pytest
 
-from symolo.core.exr import read_exr
+from symolo.core.files.exr import read_exr
 
 
 def _exr(channels: dict[str, np.ndarray], compression: int = 0) -> bytes:

@@ -205,7 +205,7 @@ def test_a_bad_log_is_refused_with_file_row_and_column(case, text, fault):
 
 
 def test_a_huge_file_is_refused_before_it_is_read(case, monkeypatch):
-    monkeypatch.setattr("symolo.core.text_file.MAX_BYTES", 100)
+    monkeypatch.setattr("symolo.core.files.text_file.MAX_BYTES", 100)
     assert re.search(r"data.csv: is too large.*split it", refusal(case("motor_step")))
 
 

@@ -9,8 +9,8 @@ from configs.effects.robot_effects import RobotEffects
 from pipeline.baselines import ekf, odometry, particles
 from pipeline.baselines.errors import errors_of
 from symolo.core.random_streams import stream
-from symolo.dataset.rows import Rows
-from symolo.dataset.side_tables import WHEELS
+from symolo.dataset.tables.rows import Rows
+from symolo.dataset.tables.side_tables import WHEELS
 
 EXACT = np.array([0.001, 0.001, 0.002])
 HALF_LOST = np.array([0.05, 0.05, np.radians(5)])

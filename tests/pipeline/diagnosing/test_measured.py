@@ -15,7 +15,7 @@ from diagnosis.measured.measurement import CaseKind
 from diagnosis.predictors import STAGES
 from pipeline.diagnosing.importers import IMPORTERS
 from pipeline.diagnosing.importers.data_csv import no_target_code_m
-from symolo.dataset.rows import read_rows
+from symolo.dataset.tables.rows import read_rows
 
 
 def read(path):

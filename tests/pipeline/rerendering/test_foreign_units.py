@@ -11,7 +11,7 @@ from configs.schema.arena import ArenaConfig
 from pipeline.rerendering.rerender import RerenderRequest, prepare
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
-from symolo.dataset.rows import Rows
+from symolo.dataset.tables.rows import Rows
 
 ROWS, EVERY = 200, 10
 """In each drive, and from image to image."""

@@ -8,7 +8,7 @@ import pytest
 
 from pipeline.run_folder.workspace import Workspace
 from symolo.core.errors import InputError
-from symolo.core.file_locks import held
+from symolo.core.files.file_locks import held
 
 
 @pytest.fixture

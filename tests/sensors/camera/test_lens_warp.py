@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from sensors.camera.lens_warp import pinhole_image, through_lens
-from symolo.core.pinhole import Intrinsics
+from symolo.core.geometry.pinhole import Intrinsics
 
 PINHOLE = Intrinsics(80, 60, 57.0, 57.0, 41.0, 28.0)
 BARREL = Intrinsics(80, 60, 57.0, 57.0, 41.0, 28.0, (-0.3, 0.1, 0.002, -0.001, -0.01))

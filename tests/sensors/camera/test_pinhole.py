@@ -6,8 +6,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from symolo.core.pinhole import floor_points, horizontal_field_of_view_rad, intrinsics, matrix_K, pose_X_RC, project
-from symolo.core.poses import pose_X_WR
+from symolo.core.geometry.pinhole import (
+    floor_points,
+    horizontal_field_of_view_rad,
+    intrinsics,
+    matrix_K,
+    pose_X_RC,
+    project,
+)
+from symolo.core.geometry.poses import pose_X_WR
 
 
 def _X_WC(robot, x=0.0, y=0.0, yaw=0.0):

@@ -69,9 +69,9 @@ from pathlib import Path
 left_out = ("symolo.storage.bucket",)
 for module in pkgutil.walk_packages(symolo.__path__, "symolo."):
     importlib.import_module(module.name)
-from symolo.core.atomic_files import append_line, make_folder, replace_folder, write_file
-from symolo.core.file_locks import held, held_or_refused
-from symolo.core.paths import check_new_path
+from symolo.core.files.atomic_files import append_line, make_folder, replace_folder, write_file
+from symolo.core.files.file_locks import held, held_or_refused
+from symolo.core.files.paths import check_new_path
 folder = Path(sys.argv[2])
 make_folder(folder / "new")
 write_file(folder / "new/a.bin", b"a\\r\\n")

@@ -2,8 +2,8 @@ import hashlib
 
 import pytest
 
-from symolo.core import atomic_files as whole_files
-from symolo.core.atomic_files import write_chunks
+from symolo.core.files import atomic_files as whole_files
+from symolo.core.files.atomic_files import write_chunks
 
 
 def test_a_file_written_in_chunks_is_whole_and_known_by_its_checksum(tmp_path):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from symolo.core.file_hashes import hashes_of, sizes_below
+from symolo.core.files.file_hashes import hashes_of, sizes_below
 
 
 def test_every_file_is_listed_but_those_to_skip(tmp_path):

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from configs.schema.robot import Camera, LensDistortion
-from symolo.core.lens import border_rays, distorted, lens_problem, undistorted
+from symolo.core.geometry.lens import border_rays, distorted, lens_problem, undistorted
 
 WEBCAM = (-0.32, 0.12, 0.001, -0.002, -0.02)
 PINCUSHION = (0.2, 0.05, -0.003, 0.004, 0.01)

@@ -4,7 +4,7 @@ import pytest
 
 import configs
 from symolo.core.errors import InputError
-from symolo.core.yaml_reader import parse_yaml, read_yaml
+from symolo.core.yaml.reader import parse_yaml, read_yaml
 
 
 @pytest.mark.parametrize(

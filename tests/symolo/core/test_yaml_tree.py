@@ -1,6 +1,6 @@
 import pytest
 
-from symolo.core.yaml_tree import merge, node_of
+from symolo.core.yaml.tree import merge, node_of
 
 ARC = {"kind": "arc", "center": [0, 0], "radius_m": 1}
 

@@ -8,9 +8,9 @@ import pytest
 
 from configs.draw import draw_run
 from configs.loader import load_scenario
-from symolo.dataset.camera_model import X_CB, CameraModel, camera_table, read_camera_model
-from symolo.dataset.rows import Rows
-from symolo.dataset.side_tables import CAMERA
+from symolo.dataset.documents.camera_model import X_CB, CameraModel, camera_table, read_camera_model
+from symolo.dataset.tables.rows import Rows
+from symolo.dataset.tables.side_tables import CAMERA
 
 SETTINGS = [
     "robot.camera.distortion.k1=-0.2",

@@ -14,8 +14,8 @@ from pipeline.stages import simulate_runs
 from pipeline.work.supervisor import UnitFailure
 from pipeline.work.units import SimulateUnit
 from symolo.core.progress import LineReport
-from symolo.dataset.metadata import FailedRun, Metadata, RunRecord, describe, made_with
-from symolo.dataset.rows import Rows
+from symolo.dataset.documents.metadata import FailedRun, Metadata, RunRecord, describe, made_with
+from symolo.dataset.tables.rows import Rows
 from symolo.verification.run_checks import check_run
 
 

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from pipeline.rerendering.rerender import image_numbers
 from symolo.core.errors import InputError
-from symolo.dataset import metadata
 from symolo.dataset.codes import State
+from symolo.dataset.documents import metadata
 from symolo.dataset.manifest import manifest, read_manifest
-from symolo.dataset.rows import HEADER, STATES, Rows, csv_bytes, heading, parse_table, read_rows, wrapped
+from symolo.dataset.tables.rows import HEADER, STATES, Rows, csv_bytes, heading, parse_table, read_rows, wrapped
 
 NUMBERS = st.floats(-1e6, 1e6)
 

@@ -12,15 +12,15 @@ import pytest
 
 from configs.draw import draw_all
 from configs.loader import load_scenario
-from symolo.core.file_hashes import canonical_json
-from symolo.core.pinhole import intrinsics
+from symolo.core.files.file_hashes import canonical_json
+from symolo.core.geometry.pinhole import intrinsics
 from symolo.core.progress import LineReport
 from symolo.dataset.annotations import ENCODINGS
-from symolo.dataset.camera_model import CameraModel
+from symolo.dataset.documents.camera_model import CameraModel
+from symolo.dataset.documents.metadata import RunRecord, describe
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest
-from symolo.dataset.metadata import RunRecord, describe
-from symolo.dataset.rows import COLUMNS, STATES, Rows
-from symolo.dataset.side_tables import CAMERA, TOF, WHEELS, image_positions
+from symolo.dataset.tables.rows import COLUMNS, STATES, Rows
+from symolo.dataset.tables.side_tables import CAMERA, TOF, WHEELS, image_positions
 from symolo.exporters.base import ExportSettings
 from symolo.exporters.export import export, exporters_of, open_release, plan
 

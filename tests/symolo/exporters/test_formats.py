@@ -10,8 +10,8 @@ from pyarrow import parquet
 from pycocotools.coco import COCO
 from webdataset import tariterators
 
-from symolo.dataset.rows import HEADER
-from symolo.dataset.side_tables import WHEELS
+from symolo.dataset.tables.rows import HEADER
+from symolo.dataset.tables.side_tables import WHEELS
 from symolo.exporters import EXPORTERS
 from symolo.exporters.base import ExportSettings
 from symolo.exporters.export import exporters_of, open_release, plan

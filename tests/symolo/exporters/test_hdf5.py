@@ -8,8 +8,8 @@ import cv2
 import h5py
 import numpy as np
 
-from symolo.dataset.rows import HEADER
-from symolo.dataset.side_tables import TOF, WHEELS
+from symolo.dataset.tables.rows import HEADER
+from symolo.dataset.tables.side_tables import TOF, WHEELS
 
 FAR = np.float32(1e10)
 """What Blender writes where nothing is met."""

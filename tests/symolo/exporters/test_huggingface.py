@@ -9,8 +9,8 @@ import pytest
 import yaml
 from pyarrow import parquet
 
-from symolo.dataset.rows import HEADER
-from symolo.dataset.side_tables import TOF, WHEELS
+from symolo.dataset.tables.rows import HEADER
+from symolo.dataset.tables.side_tables import TOF, WHEELS
 
 
 @pytest.fixture

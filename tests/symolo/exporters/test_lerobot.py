@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from symolo.dataset.side_tables import WHEELS
+from symolo.dataset.tables.side_tables import WHEELS
 
 STATE = ["speed_right", "speed_left", "d_f", "d_l", "d_r", *(f"L{i}" for i in range(8))]
 COUNTS = {"frame_index", "episode_index", "index", "task_index"}

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import symolo as reader
-from symolo.dataset.rows import HEADER
-from symolo.dataset.side_tables import WHEELS
+from symolo.dataset.tables.rows import HEADER
+from symolo.dataset.tables.side_tables import WHEELS
 
 
 def test_rows_poses_and_side_tables_are_those_of_the_files(random_release):

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from configs.draw import draw_run
 from configs.loader import load_scenario
 from symolo.arena.geometry import Arena
-from symolo.dataset.rows import COLUMNS
+from symolo.dataset.tables.rows import COLUMNS
 from symolo.exporters.rerun import _box, _Maker
 
 PATHS = {"state": "/state", "v": "/motion/v", "w": "/motion/w", "d_f": "/range/d_f", "d_l": "/range/d_l"}

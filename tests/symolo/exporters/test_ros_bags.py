@@ -11,7 +11,7 @@ from rosbags.rosbag1 import Reader
 from rosbags.rosbag2 import Reader as Reader2
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from symolo.dataset.side_tables import WHEELS
+from symolo.dataset.tables.side_tables import WHEELS
 
 SECOND = 1_000_000_000
 MD5_OF_NOETIC = {

@@ -209,7 +209,7 @@ def test_a_strangers_release_does_not_say_where_files_go(packed, tmp_path, capsy
 
 def test_a_full_disk_is_told_before_work_starts(packed, tmp_path, capsys, monkeypatch):
     usage = shutil.disk_usage(tmp_path)._replace(free=1_000_000)
-    monkeypatch.setattr("symolo.core.disk_space.shutil.disk_usage", lambda _: usage)
+    monkeypatch.setattr("symolo.core.files.disk_space.shutil.disk_usage", lambda _: usage)
     out = tmp_path / "upload"
     assert main(["pack", str(packed.release), "--about", str(packed.about), "--out", str(out)]) == 5
     assert "are needed and 1 MB are free" in capsys.readouterr().err

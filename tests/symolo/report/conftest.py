@@ -11,10 +11,10 @@ import pytest
 from configs.draw import draw_all
 from configs.loader import load_scenario
 from configs.schema.scenario import RunSpec
-from symolo.core.file_hashes import canonical_json
+from symolo.core.files.file_hashes import canonical_json
+from symolo.dataset.documents.metadata import FailedRun, RunRecord, describe
 from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, released_hashes, tag_manifest
-from symolo.dataset.metadata import FailedRun, RunRecord, describe
-from symolo.dataset.rows import Rows
+from symolo.dataset.tables.rows import Rows
 
 WIDTH, HEIGHT = 48, 32
 ROWS, EVERY = 41, 4

@@ -8,7 +8,7 @@ from html import unescape
 import pytest
 
 from symolo.core.progress import LineReport
-from symolo.dataset.metadata import FailedRun
+from symolo.dataset.documents.metadata import FailedRun
 from symolo.reader.dataset import load
 from symolo.report.media import Media
 from symolo.report.page import page

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from symolo.dataset.rows import STATES
+from symolo.dataset.tables.rows import STATES
 from symolo.report.plots.states import STATE_STYLES, stretches
 
 # Okabe and Ito, Color Universal Design (2008), without the yellow that a white page swallows; and a grey.

@@ -13,8 +13,8 @@ from diagnosis.validation.range_sensor.stand import SensorOnStand, closed_form, 
 from diagnosis.validation.still_world import StillWorld
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.files.text_file import read_text
 from symolo.core.table import NumberColumn, number, table_of
-from symolo.core.text_file import read_text
 from symolo.pages.plotting import BLACK, BLUE, VERMILION
 
 MIN_READINGS = 1000

@@ -10,17 +10,17 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from symolo.arena.geometry import Arena
-from symolo.core.file_hashes import canonical_json
+from symolo.core.files.file_hashes import canonical_json
 from symolo.core.os_errors import NOT_THERE
 from symolo.core.versions import versions
 from symolo.dataset.annotations import AnnotationName
 from symolo.dataset.codes import BoardKind, FramingName, State
-from symolo.dataset.column import Column
-from symolo.dataset.obstacles import obstacle_table
-from symolo.dataset.rows import COLUMNS, HEADER, Rows
-from symolo.dataset.run_document import RunDocument
-from symolo.dataset.sensor_tables import SENSOR_NAME, TAKEN_NAMES, TIME
-from symolo.dataset.side_tables import BOARD, CAMERA, TOF, WHEELS, SideTable
+from symolo.dataset.documents.run_document import RunDocument
+from symolo.dataset.tables.column import Column
+from symolo.dataset.tables.obstacles import obstacle_table
+from symolo.dataset.tables.rows import COLUMNS, HEADER, Rows
+from symolo.dataset.tables.sensor_tables import SENSOR_NAME, TAKEN_NAMES, TIME
+from symolo.dataset.tables.side_tables import BOARD, CAMERA, TOF, WHEELS, SideTable
 
 METADATA = "metadata.json"
 LOG_TAIL = "; the last lines of its log:"

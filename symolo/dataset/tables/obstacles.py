@@ -7,9 +7,9 @@ import numpy as np
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.time_series import Recording, TimeSeries
-from symolo.dataset.column import Column
-from symolo.dataset.rows import Rows, heading, wrapped
-from symolo.dataset.side_tables import SideTable
+from symolo.dataset.tables.column import Column
+from symolo.dataset.tables.rows import Rows, heading, wrapped
+from symolo.dataset.tables.side_tables import SideTable
 
 SERIES = "obstacle_{name}"
 TOLERANCE = 1e-6

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.files.text_file import LineFault, decode_text
 from symolo.core.table import NumberColumn, header_fault, table_of
-from symolo.core.text_file import LineFault, decode_text
 from symolo.core.time_series import Recording
 from symolo.dataset.codes import State
-from symolo.dataset.column import Column, Series
+from symolo.dataset.tables.column import Column, Series
 
 Ints = NDArray[np.int64]
 Numbers = NDArray[np.float64 | np.int64]

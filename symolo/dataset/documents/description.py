@@ -4,7 +4,7 @@ import html
 from collections.abc import Iterable, Sequence
 
 from symolo.core.errors import one_line
-from symolo.dataset.metadata import Metadata
+from symolo.dataset.documents.metadata import Metadata
 
 
 def columns_part(metadata: Metadata) -> str:

@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from symolo.core.file_hashes import canonical_json
-from symolo.core.pinhole import Shutter, intrinsics, matrix_K, pose_X_RC
-from symolo.core.poses import pose_X_WR
+from symolo.core.files.file_hashes import canonical_json
+from symolo.core.geometry.pinhole import Shutter, intrinsics, matrix_K, pose_X_RC
+from symolo.core.geometry.poses import pose_X_WR
+from symolo.dataset.documents.run_document import ImagingDocument
 from symolo.dataset.layout import SIDE
-from symolo.dataset.rows import Rows
-from symolo.dataset.run_document import ImagingDocument
-from symolo.dataset.side_reading import read_record
-from symolo.dataset.side_tables import CAMERA
+from symolo.dataset.tables.rows import Rows
+from symolo.dataset.tables.side_reading import read_record
+from symolo.dataset.tables.side_tables import CAMERA
 
 INTRINSICS = "intrinsics.json"
 X_CB = ((0.0, -1.0, 0.0, 0.0), (0.0, 0.0, -1.0, 0.0), (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))

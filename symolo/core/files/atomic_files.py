@@ -14,8 +14,8 @@ import shutil
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from symolo.core.file_hashes import sha256_of
-from symolo.core.file_locks import lock
+from symolo.core.files.file_hashes import sha256_of
+from symolo.core.files.file_locks import lock
 
 UNFINISHED = re.compile(r"\.(.+)\.([0-9a-f]{1,16})\.tmp")
 WRITER = "SYMOLO_WRITER"

@@ -6,8 +6,8 @@ import numpy as np
 
 from symolo.core.arrays import Array
 from symolo.core.time_series import Recording
-from symolo.dataset.column import Column
-from symolo.dataset.side_tables import SideTable
+from symolo.dataset.tables.column import Column
+from symolo.dataset.tables.side_tables import SideTable
 
 SERIES = "sensor_{name}"
 """Series of a recording that holds the readings of a sensor, (rows, columns)."""

@@ -7,8 +7,8 @@ import numpy as np
 from symolo.core.arrays import Array
 from symolo.core.time_series import Recording
 from symolo.dataset.codes import BOARD_COLUMNS, TofStatus
-from symolo.dataset.column import Column, Series
-from symolo.dataset.rows import Numbers, Rows, csv_bytes, heading
+from symolo.dataset.tables.column import Column, Series
+from symolo.dataset.tables.rows import Numbers, Rows, csv_bytes, heading
 
 
 @dataclass(frozen=True)

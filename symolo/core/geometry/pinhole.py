@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symolo.core.arrays import Array
-from symolo.core.lens import NO_DISTORTION, Coefficients, MountedCamera, coefficients, distorted, undistorted
+from symolo.core.geometry.lens import NO_DISTORTION, Coefficients, MountedCamera, coefficients, distorted, undistorted
 
 
 @dataclass(frozen=True)

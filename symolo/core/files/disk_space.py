@@ -5,8 +5,8 @@ import tempfile
 from pathlib import Path
 
 from symolo.core.errors import EnvironmentLacking
-from symolo.core.file_hashes import sizes_below
-from symolo.core.paths import nearest_existing
+from symolo.core.files.file_hashes import sizes_below
+from symolo.core.files.paths import nearest_existing
 
 
 def check_disk(out: Path, needed_bytes: int, or_else: str = "lower render.width_px and render.height_px") -> None:

@@ -15,7 +15,7 @@ from typing import Any
 import yaml
 
 from symolo.core.errors import InputError, shown
-from symolo.core.yaml_tree import FieldPath, Node, Scalar, dotted
+from symolo.core.yaml.tree import FieldPath, Node, Scalar, dotted
 
 MAX_BYTES = 1 << 20
 MAX_DEPTH = 32

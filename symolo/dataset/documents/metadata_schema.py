@@ -4,7 +4,7 @@ from typing import Any
 
 from pydantic.json_schema import GenerateJsonSchema
 
-from symolo.dataset.metadata import METADATA, Metadata
+from symolo.dataset.documents.metadata import METADATA, Metadata
 
 
 def metadata_json_schema() -> dict[str, Any]:

@@ -8,8 +8,8 @@ from pydantic import BaseModel, ValidationError
 
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
-from symolo.dataset.rows import Rows, parse_table
-from symolo.dataset.side_tables import CAMERA, SideTable
+from symolo.dataset.tables.rows import Rows, parse_table
+from symolo.dataset.tables.side_tables import CAMERA, SideTable
 
 Record = TypeVar("Record", bound=BaseModel)
 

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from symolo.core.atomic_files import make_folder, remove_folder, replace_folder
 from symolo.core.errors import InputError
+from symolo.core.files.atomic_files import make_folder, remove_folder, replace_folder
 
 
 def check_new(out: Path, source: Path | None = None) -> None:

@@ -4,8 +4,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from symolo.dataset.metadata import Record
-from symolo.dataset.side_reading import read_record
+from symolo.dataset.documents.metadata import Record
+from symolo.dataset.tables.side_reading import read_record
 
 SCENE = "scene.json"
 

@@ -1,0 +1,1 @@
+"""Poses in the plane and in space, the pinhole camera and its lens."""

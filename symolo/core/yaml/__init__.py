@@ -1,0 +1,1 @@
+"""Strict YAML, whose values remember where they were written."""

@@ -1,0 +1,1 @@
+"""The documents of a release: metadata, specifications of runs, camera and scene."""
