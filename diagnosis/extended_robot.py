@@ -147,11 +147,11 @@ def _rounded(config: RobotConfig, nominal: RobotConfig) -> tuple[RobotConfig, di
             for key in above:
                 section, nominal_section = section[key], nominal_section[key]
             if fault["type"] == "int_type":
-                moved[*above, last] = f"the nearest integer to {section[last]:g}"
+                moved[(*above, last)] = f"the nearest integer to {section[last]:g}"
                 section[last] = round(section[last])
                 continue
             limits = fault.get("ctx", {})
-            moved[*above, last] = f"moved to its bound; the fitted value is {section[last]:.3g}"
+            moved[(*above, last)] = f"moved to its bound; the fitted value is {section[last]:.3g}"
             section[last] = float(limits.get("ge", limits.get("le", nominal_section[last])))
     return RobotConfig.model_validate(tree), moved
 

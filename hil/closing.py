@@ -1,7 +1,8 @@
 """A base class for context managers that close themselves."""
 
 from types import TracebackType
-from typing import Self
+
+from typing_extensions import Self
 
 
 class Closing:

@@ -4,7 +4,9 @@ robot safely when no commands come.
 
 from collections import deque
 from dataclasses import dataclass, field, replace
-from typing import Literal, Self
+from typing import Literal
+
+from typing_extensions import Self
 
 from configs.schema.robot import RobotConfig
 from hil.closing import Closing

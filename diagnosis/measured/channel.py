@@ -4,18 +4,19 @@ Nothing is deleted or mended: a sample that is not to be trusted keeps its place
 """
 
 from dataclasses import dataclass
-from enum import IntEnum, StrEnum
+from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symolo.core.arrays import Array
+from symolo.core.text_enum import TextEnum
 from symolo.core.time_series import TimeSeries
 
 Mask = NDArray[np.bool_]
 
 
-class Role(StrEnum):
+class Role(TextEnum):
     INPUT = "input"
     """Set or known from outside, such as a voltage or a distance; drives a prediction."""
     READING = "reading"

@@ -2,16 +2,16 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from enum import StrEnum
 
 import numpy as np
 
 from diagnosis.measured.channel import Channel, Label, Mask
 from diagnosis.measured.nominal import Nominal
 from symolo.core.arrays import Array
+from symolo.core.text_enum import TextEnum
 
 
-class CaseKind(StrEnum):
+class CaseKind(TextEnum):
     """What a measurement is of, and hence which prediction belongs to it."""
 
     MOTOR_STEADY = "motor_steady"

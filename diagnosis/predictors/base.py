@@ -10,7 +10,6 @@ any number of robots at once, since a fit needs thousands of predictions.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from enum import StrEnum
 from typing import Protocol
 
 import numpy as np
@@ -20,12 +19,13 @@ from configs.schema.robot import RobotConfig
 from diagnosis.measured.channel import Mask
 from diagnosis.measured.measurement import Measurement
 from symolo.core.arrays import Array
+from symolo.core.text_enum import TextEnum
 
 ROW_TIME = "t_s"
 """Name of the covariate with the time of a row, in which the rows of a trial are in order."""
 
 
-class CovariateShape(StrEnum):
+class CovariateShape(TextEnum):
     """Ways in which a residual may depend on a covariate."""
 
     SMOOTH = "smooth"

@@ -1,9 +1,8 @@
 """PyBullet's ray test on an arena, as an independent check of the closed-form rays of `physics.arena.rays`."""
 
-from typing import Self
-
 import numpy as np
 import pybullet
+from typing_extensions import Self
 
 from physics.arena.rays import RayHits
 from physics.bullet.world import add_arena, connect

@@ -10,10 +10,10 @@ all. The simulation therefore returns that torque to the body.
 """
 
 from math import atan2, floor, pi
-from typing import Self
 
 import numpy as np
 import pybullet
+from typing_extensions import Self
 
 from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Rates

@@ -1,7 +1,9 @@
 """What an executor is: it does units of work somewhere, and the results do not depend on where."""
 
 from collections.abc import Callable, Sequence
-from typing import Protocol, Self
+from typing import Protocol
+
+from typing_extensions import Self
 
 from blender_scenes.render.devices import DeviceKind
 from pipeline.work.supervisor import AnyEvent, UnitFailure

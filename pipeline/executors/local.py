@@ -3,7 +3,8 @@
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Self
+
+from typing_extensions import Self
 
 from blender_scenes.render.devices import DeviceKind, one_card_each
 from pipeline.executors.base import OnEvent

@@ -8,7 +8,8 @@ import re
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Self
+
+from typing_extensions import Self
 
 from blender_scenes.render.devices import DeviceKind
 from pipeline.executors.base import OnEvent

@@ -13,9 +13,10 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from types import ModuleType
-from typing import Any, Literal, Self
+from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict
+from typing_extensions import Self
 
 from blender_scenes.render.devices import DeviceKind
 from pipeline.executors.base import OnEvent

@@ -1,9 +1,10 @@
 """Units of work as plain data, such as a run to simulate or a block of frames to render, and messages about them."""
 
 from pathlib import Path
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, TypeAdapter
+from typing_extensions import Self
 
 from blender_scenes.render.protocol import Work
 from symolo.core.atomic_files import remove_leftovers
