@@ -47,11 +47,11 @@ class MachineCheck:
 
     name: str
     ok: bool
-    found: str
+    result: str
     cure: str = ""
 
     def __str__(self) -> str:
-        line = f"{'ok     ' if self.ok else 'MISSING'} {self.name}: {self.found}"
+        line = f"{'ok     ' if self.ok else 'MISSING'} {self.name}: {self.result}"
         return line if self.ok or not self.cure else f"{line}; {self.cure}"
 
 
@@ -90,10 +90,10 @@ def _package(package: str, locked: dict[str, str]) -> MachineCheck:
     version = installed_version(package)
     wanted = locked.get(package.lower())
     if version is None:
-        return MachineCheck(package, ok=False, found="not installed", cure=INSTALL)
+        return MachineCheck(package, ok=False, result="not installed", cure=INSTALL)
     if wanted and version != wanted:
-        return MachineCheck(package, ok=False, found=f"{version}, the lock file says {wanted}", cure=INSTALL)
-    return MachineCheck(package, ok=True, found=version)
+        return MachineCheck(package, ok=False, result=f"{version}, the lock file says {wanted}", cure=INSTALL)
+    return MachineCheck(package, ok=True, result=version)
 
 
 def _system_libraries() -> MachineCheck:
@@ -101,10 +101,10 @@ def _system_libraries() -> MachineCheck:
     name = "system libraries"
     spec = importlib.util.find_spec("bpy")
     if spec is None or spec.origin is None:
-        return MachineCheck(name, ok=False, found="cannot be asked for while bpy is missing", cure=INSTALL)
+        return MachineCheck(name, ok=False, result="cannot be checked while bpy is missing", cure=INSTALL)
     ldd = shutil.which("ldd")
     if ldd is None:
-        return MachineCheck(name, ok=True, found="not looked at: there is no ldd")
+        return MachineCheck(name, ok=True, result="not checked: there is no ldd")
     binary = Path(spec.origin)
     binary = binary if binary.suffix == ".so" else binary.with_name("__init__.so")
     listing = subprocess.run([ldd, str(binary)], capture_output=True, text=True, check=False).stdout
@@ -116,12 +116,12 @@ def _blender() -> Iterator[MachineCheck]:
     code, out, error = _child(ASK_BLENDER)
     facts = dict(line.split(" ", 1) for line in out.splitlines() if line.startswith(("version ", "devices ")))
     if code or "version" not in facts:
-        yield MachineCheck("Blender", ok=False, found=error or "does not start", cure=APT_LINE)
+        yield MachineCheck("Blender", ok=False, result=error or "does not start", cure=APT_LINE)
         return
-    yield MachineCheck("Blender", ok=True, found=f"{facts['version']} starts")
-    found = facts.get("devices", "") or "none"
+    yield MachineCheck("Blender", ok=True, result=f"{facts['version']} starts")
+    result = facts.get("devices", "") or "none"
     how = "used with --device auto or gpu; the CPU is the default" if facts.get("devices") else "the CPU renders"
-    yield MachineCheck("graphics card", ok=True, found=f"{found}; {how}")
+    yield MachineCheck("graphics card", ok=True, result=f"{result}; {how}")
 
 
 def _pybullet() -> MachineCheck:
@@ -135,7 +135,7 @@ def _board() -> MachineCheck:
         "simulated board and firmware can be built",
         f"for `hil --simulated` apt-get install -y {HIL_PACKAGES}",
     )
-    return MachineCheck("hardware in the loop", ok=True, found=ready if has_board() else f"not set up; {cure}")
+    return MachineCheck("hardware in the loop", ok=True, result=ready if has_board() else f"not set up; {cure}")
 
 
 def _child(program: str) -> tuple[int, str, str]:
@@ -157,7 +157,7 @@ def _machine(folder: Path) -> Iterator[MachineCheck]:
     yield MachineCheck(
         "disk", free_mb >= MIN_DISK_MB, f"{free_mb} MB free in {folder}", "free some space or work elsewhere"
     )
-    yield MachineCheck("cores", ok=True, found=str(cores()))
+    yield MachineCheck("cores", ok=True, result=str(cores()))
     memory_mb = _memory_available_mb()
     if memory_mb is not None:
         cure = "close other programs, or give --workers 1"
@@ -166,7 +166,7 @@ def _machine(folder: Path) -> Iterator[MachineCheck]:
 
 def _memory_available_mb() -> int | None:
     try:
-        found = re.search(r"^MemAvailable:\s+(\d+) kB", Path("/proc/meminfo").read_text(), re.MULTILINE)
+        result = re.search(r"^MemAvailable:\s+(\d+) kB", Path("/proc/meminfo").read_text(), re.MULTILINE)
     except OSError:
         return None
-    return int(found.group(1)) // 1000 if found else None
+    return int(result.group(1)) // 1000 if result else None

@@ -26,7 +26,7 @@ class MethodResult:
 class BaselineComparison:
     methods: tuple[Method, ...]
     runs: tuple[LoggedRun, ...]
-    told: Mapping[tuple[str, str], MethodResult]
+    results: Mapping[tuple[str, str], MethodResult]
     """Results by name of run and method."""
     left_out: Mapping[str, str]
     """Reason by name for each method that cannot be used on these runs."""
@@ -70,19 +70,19 @@ def compare(
     left_out = {method.name: why for method in methods if (why := why_not(method, everything))}
     usable = tuple(method for method in methods if method.name not in left_out)
     lessons = {run.name: lesson for run in everything if (lesson := run.lesson())}
-    told = {}
+    results = {}
     with report.stage("baselines", len(runs) * len(usable), "estimates") as stage:
         for run in runs:
-            given = run.given(start_sd, stream(seed, run.name, "start"))
+            knowledge = run.knowledge(start_sd, stream(seed, run.name, "start"))
             others = [lesson for name, lesson in lessons.items() if name != run.name]
             for method in usable:
-                told[run.name, method.name] = _told(method, run, given, others, seed)
-                stage.update("all", len(told))
-    return BaselineComparison(usable, tuple(runs), told, left_out, start_sd, seed)
+                results[run.name, method.name] = _result(method, run, knowledge, others, seed)
+                stage.update("all", len(results))
+    return BaselineComparison(usable, tuple(runs), results, left_out, start_sd, seed)
 
 
-def _told(
-    method: Method, run: LoggedRun, given: RobotKnowledge, others: Sequence[TrainingRun], seed: int
+def _result(
+    method: Method, run: LoggedRun, knowledge: RobotKnowledge, others: Sequence[TrainingRun], seed: int
 ) -> MethodResult:
-    estimate = method.estimate(given, others if method.learns else (), stream(seed, run.name, method.name))
-    return MethodResult(estimate, errors_of(estimate, given.t_s, run.truth))
+    estimate = method.estimate(knowledge, others if method.learns else (), stream(seed, run.name, method.name))
+    return MethodResult(estimate, errors_of(estimate, knowledge.t_s, run.truth))

@@ -47,32 +47,32 @@ def updated(state: Array, covariance: Array, row: Array, innovation: float, vari
         State and covariance after it; the covariance in Joseph's form, which stays symmetric and positive.
     """
     gain = covariance @ row / (row @ covariance @ row + variance)
-    kept = np.eye(len(state)) - np.outer(gain, row)
-    return state + gain * innovation, kept @ covariance @ kept.T + variance * np.outer(gain, gain)
+    remaining = np.eye(len(state)) - np.outer(gain, row)
+    return state + gain * innovation, remaining @ covariance @ remaining.T + variance * np.outer(gain, gain)
 
 
 class _KalmanFilter:
-    def __init__(self, given: RobotKnowledge) -> None:
-        self._motion = WheelMotion(given.drawing.odometry)
-        self._ranges = RangeModel(given, RAYS)
-        state, covariance = begun(given.start)
+    def __init__(self, knowledge: RobotKnowledge) -> None:
+        self._motion = WheelMotion(knowledge.drawing.odometry)
+        self._ranges = RangeModel(knowledge, RAYS)
+        state, covariance = begun(knowledge.start)
         self.state = np.concatenate([state, np.zeros(6)])
         self.covariance = np.diag([0.0] * STATES + [GAIN_SD**2] * 3 + [LASTING_SD_M**2] * 3)
         self.covariance[:STATES, :STATES] = covariance
         self._speed = np.zeros(3)
 
     def predict(self, ways_m: Array, duration_s: float) -> None:
-        kept = exp(-duration_s / LASTING_S)
-        by_state, by_ways = np.diag([1.0] * OFFSET + [kept] * 3), np.zeros((ALL, 2))
+        remaining = exp(-duration_s / LASTING_S)
+        by_state, by_ways = np.diag([1.0] * OFFSET + [remaining] * 3), np.zeros((ALL, 2))
         by_state[:STATES, :STATES], by_ways[:STATES] = self._motion.jacobians(self.state[:STATES], ways_m)
         noise = (by_ways * slip_sd_m(ways_m) ** 2) @ by_ways.T
-        noise[OFFSET:, OFFSET:] += (1.0 - kept**2) * LASTING_SD_M**2 * np.eye(3)
+        noise[OFFSET:, OFFSET:] += (1.0 - remaining**2) * LASTING_SD_M**2 * np.eye(3)
         self.covariance = by_state @ self.covariance @ by_state.T + noise
         moved = self._motion.moved(self.state[:STATES], ways_m)
         if duration_s > 0.0:
             self._speed = (moved - self.state[:STATES])[:3] / duration_s
         self.state[:STATES] = moved
-        self.state[OFFSET:] *= kept
+        self.state[OFFSET:] *= remaining
 
     def correct(self, ranges_m: Array) -> None:
         """Update by readings (3,); nan where there is none."""
@@ -108,16 +108,18 @@ class _KalmanFilter:
         return here + 0.5 * bends.sum(axis=0), slopes.T, 0.5 * np.sqrt((WIDTH - 1.0) * (bends**2).sum(axis=0))
 
 
-def _estimate(given: RobotKnowledge, _lessons: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
-    ekf = _KalmanFilter(given)
+def _estimate(knowledge: RobotKnowledge, _lessons: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
+    ekf = _KalmanFilter(knowledge)
     poses, covariances = [], []
-    readings = np.where(given.fresh, given.ranges_m, np.nan)
-    for ways_m, duration_s, ranges_m in zip(ways(given), np.diff(given.t_s, prepend=0.0), readings, strict=True):
+    readings = np.where(knowledge.fresh, knowledge.ranges_m, np.nan)
+    for ways_m, duration_s, ranges_m in zip(
+        ways(knowledge), np.diff(knowledge.t_s, prepend=0.0), readings, strict=True
+    ):
         ekf.predict(ways_m, duration_s)
         ekf.correct(ranges_m)
         poses.append(ekf.state[:3].copy())
         covariances.append(ekf.covariance[:3, :3])
-    return Estimate(np.arange(len(given)), np.array(poses), np.array(covariances))
+    return Estimate(np.arange(len(knowledge)), np.array(poses), np.array(covariances))
 
 
 METHOD = Method("ekf", "EKF", "odometry, corrected by ToF readings that agree with the map", _estimate)

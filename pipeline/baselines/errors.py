@@ -2,7 +2,7 @@
 
 ATE and RPE are those of Sturm et al., "A benchmark for the evaluation of RGB-D SLAM systems", IROS 2012, and of Zhang
 and Scaramuzza, "A tutorial on quantitative trajectory evaluation for visual(-inertial) odometry", IROS 2018, in the
-plane. Nothing is aligned: every method is told where it starts, so an alignment would only hide errors. NEES is that
+plane. Nothing is aligned: every method knows where it starts, so an alignment would only hide errors. NEES is that
 of Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, section 5.4.
 """
 
@@ -48,7 +48,7 @@ class Errors:
 
 def errors_of(estimate: Estimate, t_s: Array, truth: Array) -> Errors:
     """Return the errors of an estimate against the true poses (N, 3) of all rows at the times (N,)."""
-    true, told = truth[estimate.rows], estimate.pose
+    true, estimated = truth[estimate.rows], estimate.pose
     off_m, off_rad = off(estimate, truth)
     seconds = pairs_by_time(t_s[estimate.rows], OVER_S)
     metres = pairs_by_distance(true, OVER_M)
@@ -59,8 +59,8 @@ def errors_of(estimate: Estimate, t_s: Array, truth: Array) -> Errors:
         float(np.median(off_m)),
         float(off_m.max()),
         float(off_m[-1]),
-        *_relative(true, told, seconds),
-        *_relative(true, told, metres),
+        *_relative(true, estimated, seconds),
+        *_relative(true, estimated, metres),
         float(squares.mean() / 3),
         float(np.mean(squares <= chi2.ppf(SHARE, 3))),
     )
@@ -101,13 +101,13 @@ def pairs_by_distance(pose: Array, apart_m: float) -> Ints:
     return np.column_stack((first[near], later[near]))
 
 
-def _relative(true: Array, told: Array, pairs: Ints) -> tuple[float | None, float | None]:
+def _relative(true: Array, estimated: Array, pairs: Ints) -> tuple[float | None, float | None]:
     """RPE of place [m] and heading [rad] over the pairs."""
     if not len(pairs):
         return None, None
     first, later = pairs.T
-    moved, believed = _seen_from(true[first], true[later]), _seen_from(told[first], told[later])
-    # The length of a difference is the same in whatever frame it is told.
+    moved, believed = _seen_from(true[first], true[later]), _seen_from(estimated[first], estimated[later])
+    # The length of a difference is the same in any frame.
     return _rms(np.hypot(*(believed - moved)[:, :2].T)), _rms(wrapped((believed - moved)[:, 2]))
 
 

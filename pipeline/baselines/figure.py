@@ -53,7 +53,7 @@ def _method(
 ) -> None:
     floor, place, turn = panels
     colour, line = style
-    estimate = compared.told[run.name, method.name].estimate
+    estimate = compared.results[run.name, method.name].estimate
     t_s = run.rows.t_ms[estimate.rows] / 1000
     off_m, off_rad = off(estimate, run.truth)
     look = {

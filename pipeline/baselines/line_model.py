@@ -12,9 +12,9 @@ WRONG = 0.02
 
 
 class LineModel:
-    def __init__(self, given: RobotKnowledge) -> None:
-        self._row = given.drawing.line
-        self._line = given.map.line
+    def __init__(self, knowledge: RobotKnowledge) -> None:
+        self._row = knowledge.drawing.line
+        self._line = knowledge.map.line
         self._blur_m = float(np.hypot(self._row.spot_sd_m, MAP_SD_M))
 
     def log_likelihood(self, poses: Array, on_line: NDArray[np.bool_]) -> Array:

@@ -72,11 +72,11 @@ class WheelMotion:
         return by_state, by_ways
 
 
-def ways(given: RobotKnowledge) -> Iterator[Array]:
+def ways(knowledge: RobotKnowledge) -> Iterator[Array]:
     """Return the distance (2,) [m] that each wheel rolled since the row before, right and left, by drawing and
     encoder.
     """
-    yield from given.steps * given.drawing.odometry.metres_per_count
+    yield from knowledge.steps * knowledge.drawing.odometry.metres_per_count
 
 
 def slip_sd_m(ways_m: Array) -> Array:

@@ -57,13 +57,13 @@ def scattered(particles: Array, rng: np.random.Generator) -> Array:
 
 
 class _ParticleFilter:
-    def __init__(self, given: RobotKnowledge, rng: np.random.Generator) -> None:
+    def __init__(self, knowledge: RobotKnowledge, rng: np.random.Generator) -> None:
         self._rng = rng
-        self._motion = WheelMotion(given.drawing.odometry)
-        self._ranges = RangeModel(given, RAYS)
-        self._line = LineModel(given)
-        self._longest_m = given.drawing.longest_range_m
-        state, covariance = begun(given.start)
+        self._motion = WheelMotion(knowledge.drawing.odometry)
+        self._ranges = RangeModel(knowledge, RAYS)
+        self._line = LineModel(knowledge)
+        self._longest_m = knowledge.drawing.longest_range_m
+        state, covariance = begun(knowledge.start)
         self.particles = state + rng.standard_normal((PARTICLES, len(state))) * np.sqrt(np.diag(covariance))
         self.log_weight = np.full(PARTICLES, -np.log(PARTICLES))
         self._duration_s = 0.0
@@ -101,7 +101,7 @@ class _ParticleFilter:
         of_none = np.where(read, STRAY * stray, 1.0 - STRAY)
         return np.log(np.where(target, of_target, of_none))
 
-    def told(self) -> tuple[Array, Array]:
+    def estimate(self) -> tuple[Array, Array]:
         """Mean pose (3,) and covariance (3, 3)."""
         weight = np.exp(self.log_weight - logsumexp(self.log_weight))
         x, y, yaw = self.particles[:, :3].T
@@ -112,17 +112,17 @@ class _ParticleFilter:
         return mean, (weight * from_mean.T) @ from_mean + np.diag(MIN_SD**2)
 
 
-def _estimate(given: RobotKnowledge, _lessons: Sequence[TrainingRun], rng: np.random.Generator) -> Estimate:
-    particles = _ParticleFilter(given, rng)
-    told = []
-    durations_s = np.diff(given.t_s, prepend=0.0)
-    rows = zip(ways(given), durations_s, given.ranges_m, given.fresh, given.on_line, strict=True)
+def _estimate(knowledge: RobotKnowledge, _lessons: Sequence[TrainingRun], rng: np.random.Generator) -> Estimate:
+    particles = _ParticleFilter(knowledge, rng)
+    estimates = []
+    durations_s = np.diff(knowledge.t_s, prepend=0.0)
+    rows = zip(ways(knowledge), durations_s, knowledge.ranges_m, knowledge.fresh, knowledge.on_line, strict=True)
     for ways_m, duration_s, *readings in rows:
         particles.predict(ways_m, duration_s)
         particles.weigh(*readings)
-        told.append(particles.told())
-    poses, covariances = zip(*told, strict=True)
-    return Estimate(np.arange(len(given)), np.array(poses), np.array(covariances))
+        estimates.append(particles.estimate())
+    poses, covariances = zip(*estimates, strict=True)
+    return Estimate(np.arange(len(knowledge)), np.array(poses), np.array(covariances))
 
 
 METHOD = Method("particles", "particle filter", "odometry, weighed by ToF and line readings by the map", _estimate)

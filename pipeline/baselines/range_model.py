@@ -26,10 +26,10 @@ GAIN_SD = 0.03 / float(log_error_m(np.array(1.0)))
 
 
 class RangeModel:
-    def __init__(self, given: RobotKnowledge, rays: int) -> None:
+    def __init__(self, knowledge: RobotKnowledge, rays: int) -> None:
         """Return the model with that number of rays for each sensor."""
-        drawing = given.drawing
-        self._scene = RayScene(given.map)
+        drawing = knowledge.drawing
+        self._scene = RayScene(knowledge.map)
         self._longest_m = drawing.longest_range_m
         angle, roll = ray_pattern(rays, drawing.field_of_view_rad)
         self._profile = np.exp(-0.5 * (angle / (BEAM_SD_SHARE * drawing.field_of_view_rad)) ** 2)

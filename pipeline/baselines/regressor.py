@@ -2,10 +2,10 @@
 
 A picture becomes the directions of its edges, cell by cell, without their signs and strengths (Dalal and Triggs,
 "Histograms of oriented gradients for human detection", CVPR 2005), for light, floor and walls are others in every
-run. By the principal components of those, whitened half-way, pictures are compared. The pose told is the mean over
-the taught pictures, weighted by likeness (Nadaraya and Watson, 1964). Its covariance is theirs, and some of that of
+run. By the principal components of those, whitened half-way, images are compared. The estimated pose is the mean over
+the training pictures, weighted by likeness (Nadaraya and Watson, 1964). Its covariance is theirs, and some of that of
 all poses, for a share of the pictures is taken for one of quite another place that looks alike. How narrow the
-weights are, and how large that share is, is found by leaving out one taught run after the other.
+weights are, and how large that share is, is determined by leaving out one training run after the other.
 """
 
 from collections.abc import Sequence
@@ -59,38 +59,38 @@ class _Regressor:
         _, size, axes = np.linalg.svd(features - self._mean, full_matrices=False)
         size, axes = size[:COMPONENTS], axes[:COMPONENTS]
         self._to_components = axes.T / np.maximum(size, 1e-9) ** WHITENING
-        self._taught = (features - self._mean) @ self._to_components
+        self._training = (features - self._mean) @ self._to_components
         self._pose = np.concatenate([lesson.pose for lesson in lessons])
         self._all = _weighted(np.zeros((1, len(self._pose))), self._pose, 1.0)[1][0]
         self._width, self._share = self._judged(_folds([len(lesson.pose) for lesson in lessons]))
 
     def tell(self, grey: Array) -> tuple[Array, Array]:
         """Poses (M, 3) and covariances (M, 3, 3) of pictures (M, h, w)."""
-        asked = (edge_directions(grey) - self._mean) @ self._to_components
-        pose, covariance = _weighted(_distances(asked, self._taught), self._pose, self._width)
+        query = (edge_directions(grey) - self._mean) @ self._to_components
+        pose, covariance = _weighted(_distances(query, self._training), self._pose, self._width)
         return pose, covariance + self._share * self._all
 
     def _judged(self, folds: Sequence[Ints]) -> tuple[float, float]:
         """Return the width with the smallest median error in left-out images, and the share of outliers among them."""
         if not folds:
             return WIDTHS[0], 1.0
-        found = []
+        candidates = []
         for width in WIDTHS:
-            told = []
+            estimates = []
             for out in folds:
-                kept = np.setdiff1d(np.arange(len(self._pose)), out)
-                distances = _distances(self._taught[out], self._taught[kept])
-                told.append(Estimate(out, *_weighted(distances, self._pose[kept], width)))
-            median_m = np.median(np.concatenate([off(one, self._pose)[0] for one in told]))
-            found.append((float(median_m), width, told))
-        _, width, told = min(found, key=lambda one: one[:2])
-        return width, self._elsewhere(told)
+                others = np.setdiff1d(np.arange(len(self._pose)), out)
+                distances = _distances(self._training[out], self._training[others])
+                estimates.append(Estimate(out, *_weighted(distances, self._pose[others], width)))
+            median_m = np.median(np.concatenate([off(one, self._pose)[0] for one in estimates]))
+            candidates.append((float(median_m), width, estimates))
+        _, width, estimates = min(candidates, key=lambda one: one[:2])
+        return width, self._elsewhere(estimates)
 
-    def _elsewhere(self, told: Sequence[Estimate]) -> float:
+    def _elsewhere(self, estimates: Sequence[Estimate]) -> float:
         """Return the share of outliers with which the mean NEES is that of honest estimates."""
 
         def too_sure(share: float) -> float:
-            wider = (replace(one, covariance=one.covariance + share * self._all) for one in told)
+            wider = (replace(one, covariance=one.covariance + share * self._all) for one in estimates)
             return float(np.concatenate([nees(one, self._pose) for one in wider]).mean()) - 3.0
 
         if too_sure(1.0) >= 0.0:
@@ -98,22 +98,22 @@ class _Regressor:
         return float(root_scalar(too_sure, bracket=(0.0, 1.0), xtol=1e-3).root) if too_sure(0.0) > 0.0 else 0.0
 
 
-def _weighted(distances: Array, taught: Array, width: float) -> tuple[Array, Array]:
-    """Mean poses (M, 3) and covariances (M, 3, 3) of taught poses (T, 3), by squared distances (M, T)."""
+def _weighted(distances: Array, training: Array, width: float) -> tuple[Array, Array]:
+    """Mean poses (M, 3) and covariances (M, 3, 3) of training poses (T, 3), by squared distances (M, T)."""
     nearest = distances.min(axis=1, keepdims=True)
     weight = np.exp(-0.5 * (distances / np.maximum(nearest, 1e-12) - 1.0) / width**2)
     weight /= weight.sum(axis=1, keepdims=True)
-    yaw = np.arctan2(weight @ np.sin(taught[:, 2]), weight @ np.cos(taught[:, 2]))
-    pose = np.column_stack((weight @ taught[:, :2], yaw))
-    away = taught[None] - pose[:, None]
+    yaw = np.arctan2(weight @ np.sin(training[:, 2]), weight @ np.cos(training[:, 2]))
+    pose = np.column_stack((weight @ training[:, :2], yaw))
+    away = training[None] - pose[:, None]
     away[..., 2] = wrapped(away[..., 2])
     covariance = np.einsum("mt,mti,mtj->mij", weight, away, away, optimize=True)
     return pose, covariance + np.diag(MIN_SD**2)
 
 
-def _distances(asked: Array, taught: Array) -> Array:
+def _distances(query: Array, training: Array) -> Array:
     """(M, T), squared."""
-    squares = (asked**2).sum(axis=1)[:, None] - 2.0 * asked @ taught.T + (taught**2).sum(axis=1)
+    squares = (query**2).sum(axis=1)[:, None] - 2.0 * query @ training.T + (training**2).sum(axis=1)
     return np.maximum(squares, 0.0)
 
 
@@ -126,11 +126,11 @@ def _folds(counts: Sequence[int]) -> list[Ints]:
     return [part for part in parts if 0 < len(part) < len(rows)]
 
 
-def _estimate(given: RobotKnowledge, lessons: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
-    if given.pictures is None:
+def _estimate(knowledge: RobotKnowledge, lessons: Sequence[TrainingRun], _rng: np.random.Generator) -> Estimate:
+    if knowledge.pictures is None:
         raise InputError("the run has no pictures", cure="release its scenario in place of simulating it")
-    pose, covariance = _Regressor(lessons).tell(given.pictures.thumbnails)
-    return Estimate(given.pictures.rows.copy(), pose, covariance)
+    pose, covariance = _Regressor(lessons).tell(knowledge.pictures.thumbnails)
+    return Estimate(knowledge.pictures.rows.copy(), pose, covariance)
 
 
 METHOD = Method("pictures", "picture regressor", "one picture, beside those of the other runs", _estimate, learns=True)

@@ -101,8 +101,8 @@ class RunImages:
         import cv2  # noqa: PLC0415 - half a second, and only what learns looks at pictures
 
         size = THUMBNAIL[::-1]
-        found = [cv2.resize(self.pixels(i), size, interpolation=cv2.INTER_AREA).mean(axis=2) for i in range(len(self))]
-        return np.array(found) / 255.0
+        images = [cv2.resize(self.pixels(i), size, interpolation=cv2.INTER_AREA).mean(axis=2) for i in range(len(self))]
+        return np.array(images) / 255.0
 
     def __len__(self) -> int:
         return len(self.rows)

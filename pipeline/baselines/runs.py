@@ -50,7 +50,7 @@ class LoggedRun:
         """(N, 3), x [m], y [m], yaw [rad] in W."""
         return self.rows.pose
 
-    def given(self, start_sd: Array, rng: np.random.Generator) -> RobotKnowledge:
+    def knowledge(self, start_sd: Array, rng: np.random.Generator) -> RobotKnowledge:
         """Return the knowledge of its robot, whose start has an error of these standard deviations (3,)."""
         start = Start.drawn(self.truth[0], start_sd, rng)
         return RobotKnowledge.of(
@@ -80,11 +80,11 @@ def chosen(runs: Sequence[LoggedRun], pattern: str | None) -> tuple[LoggedRun, .
     Raises:
         InputError: No run matches.
     """
-    found = tuple(run for run in runs if pattern is None or fnmatchcase(run.name, pattern))
-    if not found:
+    matches = tuple(run for run in runs if pattern is None or fnmatchcase(run.name, pattern))
+    if not matches:
         names = ", ".join(run.name for run in runs[:5])
         raise InputError("--runs", got=pattern, allowed=f"a pattern of names such as {names}")
-    return found
+    return matches
 
 
 def _name(folder: Path) -> str:

@@ -36,7 +36,7 @@ _COLUMNS = (
     (f"in {SHARE:.0%}", "within", 1.0, 2),
 )
 _ABOUT = """\
-Against the true poses; nothing is aligned, for every method is told the start. ATE is the root mean square over all
+Against the true poses; nothing is aligned, because every method knows the start. ATE is the root mean square over all
 poses of a run, RPE that of the error of a movement over one second or one metre of the path. NEES is divided by its
 degrees of freedom: 1 where the stated covariance is honest, more where the method is too sure of itself. "in 95%" is
 the share of poses whose truth lies in the method's own 95 % region.
@@ -57,7 +57,7 @@ def _files(compared: BaselineComparison) -> Iterator[tuple[str, bytes]]:
     yield FIGURE, figure(compared)
     for run in compared.runs:
         for method in compared.methods:
-            estimate = compared.told[run.name, method.name].estimate
+            estimate = compared.results[run.name, method.name].estimate
             yield f"{ESTIMATES}/{run.name}/{method.name}.csv", estimate_csv(run, estimate)
 
 
@@ -75,17 +75,19 @@ def table(compared: BaselineComparison) -> str:
         "|---|---|" + "---:|" * len(_COLUMNS),
     ]
     for run in compared.runs:
-        lines += [_row(run.name, method.name, [compared.told[run.name, method.name]]) for method in compared.methods]
+        lines += [_row(run.name, method.name, [compared.results[run.name, method.name]]) for method in compared.methods]
     if len(compared.runs) > 1:
         for method in compared.methods:
-            lines.append(_row("median", method.name, [compared.told[run.name, method.name] for run in compared.runs]))
+            lines.append(
+                _row("median", method.name, [compared.results[run.name, method.name] for run in compared.runs])
+            )
     return "\n".join(lines) + "\n"
 
 
-def _row(run: str, method: str, told: Sequence) -> str:
+def _row(run: str, method: str, results: Sequence) -> str:
     cells = []
     for _, name, factor, digits in _COLUMNS:
-        values = [getattr(one.errors, name) for one in told]
+        values = [getattr(one.errors, name) for one in results]
         known = [value for value in values if value is not None]
         cells.append(f"{factor * float(np.median(known)):.{digits}f}" if known else "-")
     return f"| {run} | {method} | " + " | ".join(cells) + " |"
@@ -103,7 +105,7 @@ def numbers(compared: BaselineComparison) -> bytes:
                 run.name: {
                     method.name: {
                         name: None if value is None else round(value, 6)
-                        for name, value in asdict(compared.told[run.name, method.name].errors).items()
+                        for name, value in asdict(compared.results[run.name, method.name].errors).items()
                     }
                     for method in compared.methods
                 }

@@ -106,7 +106,7 @@ def _same_places(rows: Rows, nominal: _RunImages) -> dict[int, int]:
     theirs = frame_poses(nominal.source.rows)
     places = np.array([(p.x_m, p.y_m) for p in theirs]).reshape(-1, 2)
     yaws = np.array([p.yaw_rad for p in theirs])
-    found: dict[int, int] = {}
+    matches: dict[int, int] = {}
     for pose in frame_poses(rows):
         if not len(places):
             break
@@ -114,14 +114,14 @@ def _same_places(rows: Rows, nominal: _RunImages) -> dict[int, int]:
         away = np.hypot(places[:, 0] - pose.x_m, places[:, 1] - pose.y_m)
         nearest = int(np.argmin(away + turned))
         if away[nearest] < SAME_PLACE_M and turned[nearest] < SAME_YAW_RAD:
-            found[pose.number] = theirs[nearest].number
-    if not found:
+            matches[pose.number] = theirs[nearest].number
+    if not matches:
         raise InputError(
             "none of its images is of the same place as one of the measured run",
             where=f"--simulated {nominal.folder}",
             cure="rerender the measured run's data.csv with the nominal robot and name that dataset's run",
         )
-    return found
+    return matches
 
 
 SAME_PLACE_M, SAME_YAW_RAD = 0.003, 0.01
@@ -135,10 +135,10 @@ def _picture(path: Path) -> ImagePixels:
         raise InputError(
             f"cannot be read: {error.strerror}", where=str(path), cure="give every image of data.csv"
         ) from None
-    found = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR) if data else None
-    if found is None:
+    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR) if data else None
+    if image is None:
         raise InputError("is no image", where=str(path), cure="replace it, or take its number out of data.csv")
-    return np.ascontiguousarray(found[..., ::-1]).astype(np.uint8)
+    return np.ascontiguousarray(image[..., ::-1]).astype(np.uint8)
 
 
 def _other_size(path: Path, image: ImagePixels, other: ImagePixels) -> InputError:

@@ -47,14 +47,14 @@ def cases_of(paths: Sequence[Path]) -> list[NamedCase]:
     Raises:
         InputError: Two of them would go into one folder.
     """
-    found: dict[str, NamedCase] = {}
+    cases: dict[str, NamedCase] = {}
     for path in paths:
         case = NamedCase(path, _name(path))
-        other = found.setdefault(case.name.lower(), case)
+        other = cases.setdefault(case.name.lower(), case)
         if other is not case:
             cure = "diagnose them into two folders"
             raise InputError(f"another case has the name {case.name}: {other.path}", where=str(path), cure=cure)
-    return list(found.values())
+    return list(cases.values())
 
 
 def _name(path: Path) -> str:

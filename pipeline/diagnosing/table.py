@@ -20,7 +20,7 @@ def diagnosis_table(cases: Sequence[NamedCase], out: Path, failed: Collection[st
         failed: Names of the cases that failed.
     """
     width = min(LONGEST_NAME, max(len(case.name) for case in cases)) + 2
-    yield f"{'case':{width}}{'gain':8}{'95 % interval':22}found"
+    yield f"{'case':{width}}{'gain':8}{'95 % interval':22}effects"
     for case in cases:
         if case.name in failed:
             yield f"{case.name:{width}}{'-':8}{'-':22}FAILED, see above"

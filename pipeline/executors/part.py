@@ -28,7 +28,8 @@ MAX_PARTS = 100_000
 class PartOfWork:
     number: int
     """Number of the part, from 1."""
-    of: int
+    parts: int
+    """Number of parts."""
     local: Local
 
     @classmethod
@@ -38,11 +39,11 @@ class PartOfWork:
         Raises:
             InputError: The text has another form, or k is not in 1 to n.
         """
-        found = re.fullmatch(r"(\d{1,6})/(\d{1,6})", text)
-        number, of = map(int, found.groups()) if found else (0, 0)
-        if not 1 <= number <= of <= MAX_PARTS:
+        match = re.fullmatch(r"(\d{1,6})/(\d{1,6})", text)
+        number, parts = map(int, match.groups()) if match else (0, 0)
+        if not 1 <= number <= parts <= MAX_PARTS:
             raise InputError("--part", got=text, allowed=f"k/n with 1 <= k <= n <= {MAX_PARTS}, such as 3/10")
-        return cls(number, of, local)
+        return cls(number, parts, local)
 
     @property
     def does_all(self) -> bool:
@@ -59,14 +60,14 @@ class PartOfWork:
         return BLOCK_FRAMES
 
     def threads(self, units: int) -> int:
-        return self.local.threads(max(1, units // self.of))
+        return self.local.threads(max(1, units // self.parts))
 
     def mine(self, unit: AnyUnit) -> bool:
         """Return whether a unit belongs to this part: the blocks of a run go to the parts in turn, and the name of
         the run decides the first one.
         """
         block = (unit.numbers[0] - 1) // BLOCK_FRAMES if isinstance(unit, RenderUnit) else 0
-        return (zlib.crc32(unit.name.encode()) + block) % self.of == self.number - 1
+        return (zlib.crc32(unit.name.encode()) + block) % self.parts == self.number - 1
 
     def do(self, units: Sequence[AnyUnit], on_event: OnEvent) -> list[UnitFailure]:
         return self.local.do(units, on_event) if units else []

@@ -133,7 +133,7 @@ class _Tasks:
                 self._fill()
                 ready, _ = self._ray.wait(list(self._running), num_returns=1)
                 for reference in ready:
-                    self._heard(self._running.pop(reference), self._record(reference))
+                    self._take(self._running.pop(reference), self._record(reference))
         except BaseException:
             for reference in self._running:
                 with contextlib.suppress(Exception):  # what matters is why we stop
@@ -159,10 +159,10 @@ class _Tasks:
         except self._ray.exceptions.RayTaskError as error:
             return UnitRecord(error="bug", text=str(error))
         except self._ray.exceptions.RayError as error:
-            told = f"given up: {type(error).__name__}: {str(error).splitlines()[0]}"
-            return UnitRecord(failures=(f"{told}; the same command tries it again",))
+            text = f"given up: {type(error).__name__}: {str(error).splitlines()[0]}"
+            return UnitRecord(failures=(f"{text}; the same command tries it again",))
 
-    def _heard(self, unit: AnyUnit, record: UnitRecord) -> None:
+    def _take(self, unit: AnyUnit, record: UnitRecord) -> None:
         for text in record.retried:
             self._on_event(unit, Retried(text))
         if record.error == "input":
@@ -221,9 +221,9 @@ def _ray() -> ModuleType:
 
 
 def _no_cluster(address: str, error: Exception) -> EnvironmentLacking:
-    told = (str(error).strip().splitlines() or [type(error).__name__])[0]
+    cause = (str(error).strip().splitlines() or [type(error).__name__])[0]
     cure = "start a cluster by `ray start --head`, and name it as HOST:PORT"
-    return EnvironmentLacking(f"--address {address}: no cluster of Ray: {told}; {cure}")
+    return EnvironmentLacking(f"--address {address}: no Ray cluster: {cause}; {cure}")
 
 
 @contextlib.contextmanager

@@ -97,7 +97,7 @@ def tof_frames(robot: RobotConfig) -> tuple[NamedFrame, ...]:
 
 def _visuals(spec: RunSpec, links: tuple[RobotLink, ...]) -> dict[str, tuple[Visual, ...]]:
     colour = colours(scene_of(spec))
-    found: dict[str, list[Visual]] = {link.name: [] for link in links}
+    visuals: dict[str, list[Visual]] = {link.name: [] for link in links}
     for mesh in robot_body(spec.robot):
         link = _ROUND.get(mesh.name, BASE)
         center, size = bounding_box(mesh)
@@ -105,5 +105,5 @@ def _visuals(spec: RunSpec, links: tuple[RobotLink, ...]) -> dict[str, tuple[Vis
             visual = Visual(mesh.name, BoxShape(size), center, colour[mesh.name])
         else:  # about its own axle, wherever the effects of the robot have put that
             visual = Visual(mesh.name, CylinderShape(0.5 * size[2], size[1]), (0.0, 0.0, 0.0), colour[mesh.name])
-        found[link].append(visual)
-    return {link: tuple(visuals) for link, visuals in found.items()}
+        visuals[link].append(visual)
+    return {link: tuple(shapes) for link, shapes in visuals.items()}

@@ -43,7 +43,7 @@ def read_metadata(state: RepairState) -> Metadata | None:
 
 def make_specs(state: RepairState, metadata: Metadata | None, runs: Iterable[str]) -> dict[str, RunSpec]:
     """Return the specifications of these runs; draw the damaged ones again and restore them."""
-    found: dict[str, RunSpec] = {}
+    specs: dict[str, RunSpec] = {}
     scenario: LoadedScenario | None = None
     for run in dict.fromkeys(runs):
         name = f"{run}/{SIDE}/{SPEC}"
@@ -58,10 +58,10 @@ def make_specs(state: RepairState, metadata: Metadata | None, runs: Iterable[str
             flip_back(state, (name,))
         if (data := state.read(name)) is not None:
             try:
-                found[run] = RunSpec.model_validate_json(data)
+                specs[run] = RunSpec.model_validate_json(data)
             except ValidationError:
                 state.tried[name] = "is of another version's form"
-    return found
+    return specs
 
 
 def write_description(state: RepairState, metadata: Metadata | None, excuse: str) -> None:
@@ -79,7 +79,7 @@ def write_bag_info(state: RepairState, metadata: Metadata | None) -> None:
     sizes = {name: (state.out / name).stat().st_size for name in state.inventory.expected if name != BAG_INFO}
     for cpus in (_noted(state, metadata), read_cpu_classes(state.out), (cpu_class(),), ()):
         info = bag_info(metadata.name, metadata.description, sizes, cpus)
-        if state.put(BAG_INFO, info, "written again", "the class of the processor that it told is not known"):
+        if state.put(BAG_INFO, info, "written again", "the class of the processor that it named is not known"):
             return
 
 
@@ -98,11 +98,11 @@ def _noted(state: RepairState, metadata: Metadata) -> set[str]:
 
 def differences(state: RepairState, metadata: Metadata | None, made_here: Mapping[str, str]) -> str:
     """Return how this machine differs from that of the release: versions of programs, processor."""
-    told = []
+    texts = []
     for program, version in (metadata.made_with if metadata else {}).items():
         if made_here.get(program) != version:
-            told.append(f"{program} {version} made it and here is {made_here.get(program, 'none')}")
+            texts.append(f"the release was made with {program} {version}, here is {made_here.get(program, 'none')}")
     there = read_cpu_classes(state.out) if BAG_INFO not in state.wanted else ()
     if there and there != (cpu_class(),):
-        told.append(f"it was made on {' and '.join(there)}, and this is {cpu_class()}")
-    return "; ".join(told) or "neither its programs nor its processor are known to differ"
+        texts.append(f"the release was made on {' and '.join(there)}, and this is {cpu_class()}")
+    return "; ".join(texts) or "no difference of programs or processor is known"

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path, PurePosixPath
 
 from blender_scenes.annotations.document import document
@@ -14,9 +15,7 @@ from pipeline.run_folder.workspace import StageFolder
 from pipeline.stages.annotate import AnnotationTask
 from pipeline.stages.assemble import DATA
 from pipeline.stages.render import IMAGES, JOB, Appearance, FrameTask, Order, RenderTask, blocks
-from pipeline.work.supervisor import AnyEvent, AnyUnit
-from pipeline.work.units import Progress, RenderUnit
-from symolo.core.child_process import Finished
+from pipeline.work.unit_progress import report_event
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.file_hashes import sha256_of
@@ -76,13 +75,13 @@ def _ordered(
 ) -> list[_Work]:
     run = spec.key
     if state.read(f"{run}/{DATA}") is None:
-        raise InputError("the poses of its data.csv are needed, which is not restored")
-    kept = state.workspace.user_files
-    if pictures and any(not _is_kept(kept, file.sha256) for file in spec.look.files):
-        raise InputError("it shows pictures of your own, and .stages/assets no longer holds them")
+        raise InputError("it needs the poses in data.csv, which is not restored")
+    user_files = state.workspace.user_files
+    if pictures and any(not _is_stored(user_files, file.sha256) for file in spec.look.files):
+        raise InputError("it shows your own images, and .stages/assets no longer holds them")
     rows = read_rows(state.out / run / DATA)
     appearance = Appearance.of(spec, tools.devices.get(run, "CPU"))
-    order = RenderTask.of(run, appearance, rows, StageFolder(tools.scratch / "render" / run), kept)
+    order = RenderTask.of(run, appearance, rows, StageFolder(tools.scratch / "render" / run), user_files)
     _write_job(order)
     work = [_Work(run, IMAGES, _only(order.task, pictures), pictures)] if pictures else []
     if annotations:
@@ -93,7 +92,7 @@ def _ordered(
     return work
 
 
-def _is_kept(folder: Path, digest: str) -> bool:
+def _is_stored(folder: Path, digest: str) -> bool:
     return (folder / digest).is_file() and sha256_of(folder / digest) == digest
 
 
@@ -114,13 +113,7 @@ def _render(tasks: list[FrameTask], tools: RepairTools) -> None:
         return
     local = Local(tools.workers)
     with tools.report.stage("render", sum(len(task.frames) for task in tasks), "frames") as stage:
-
-        def on_event(unit: AnyUnit, event: AnyEvent) -> None:
-            if isinstance(unit, RenderUnit) and isinstance(event, Progress | Finished):
-                share = event.share if isinstance(event, Progress) else 1.0
-                stage.update(f"{unit.name} {unit.work} from {unit.numbers[0]}", share * len(unit.numbers))
-
-        for failure in local.do(blocks(tasks, local), on_event):
+        for failure in local.do(blocks(tasks, local), partial(report_event, stage)):
             tools.report.say(f"render: {failure.unit.name}: {failure.text}")
 
 

@@ -82,7 +82,7 @@ def _repair(
     if not faults:
         return Repaired(0, ())
     if not inventory.trusted:
-        why = "no list of checksums can be believed; `symolo release` with its scenario makes what is damaged anew"
+        why = "no list of checksums can be trusted; `symolo release` with its scenario makes damaged files again"
         first, *others = faults
         return Repaired(0, (Finding(first.file, f"{first.what}; {why}"), *others))
     state = RepairState.of(workspace, inventory, tell)
@@ -91,7 +91,7 @@ def _repair(
     descriptions.flip_back(state, (METADATA,))
     metadata = descriptions.read_metadata(state)
     difference = descriptions.differences(state, metadata, made_with())
-    descriptions.write_description(state, metadata, f"written again it is another text; {difference}")
+    descriptions.write_description(state, metadata, f"written again, the text differs; {difference}")
     runs = metadata.runs if metadata else []
     devices: dict[str, DeviceKind] = {record.run: _device(record.render_device) for record in runs}
     _remake(state, metadata, RepairTools(scratch, workers, report, devices, difference))
@@ -100,7 +100,7 @@ def _repair(
     _write_lists(state)
     for name in sorted(inventory.extra & (moved if not remove_extra else inventory.extra)):
         remove_file(workspace.out / name)
-        tell(f"removed: {name}: it is no part of the release")
+        tell(f"removed: {name}: it does not belong to the release")
     return _result(state, len(faults), metadata)
 
 
@@ -156,7 +156,7 @@ def _result(state: RepairState, faults: int, metadata: Metadata | None) -> Repai
 
 def _unmade(name: str, metadata: Metadata | None) -> str:
     if name == METADATA:
-        return "nothing else holds it; `symolo release` with the scenario that it was made from writes it anew"
+        return "nothing else holds it; `symolo release` with its scenario writes it again"
     if metadata is None:
         return f"{METADATA} is needed to make it again"
-    return "what it follows from is damaged too"
+    return "the files that it is made from are damaged too"

@@ -36,8 +36,8 @@ class RepairTools:
     def excuse(self, run: str) -> str:
         """Return why the files of a run may have other bytes when they are made again."""
         device = self.devices.get(run, "CPU")
-        where = "" if device == "CPU" else f" on {device}, which promises no equal bytes,"
-        return f"made again{where} it is other bytes; {self.difference}"
+        where = "" if device == "CPU" else f" on {device}, which does not promise equal bytes,"
+        return f"made again{where} the file has other bytes; {self.difference}"
 
 
 @dataclass

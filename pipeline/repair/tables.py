@@ -2,6 +2,7 @@
 
 import contextlib
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from zipfile import BadZipFile
 
@@ -12,9 +13,8 @@ from pipeline.run_folder.workspace import StageFolder
 from pipeline.stages.assemble import tables
 from pipeline.stages.render import IMAGES
 from pipeline.stages.simulate_runs import read_recording, simulation_key
-from pipeline.work.supervisor import AnyEvent, AnyUnit
-from pipeline.work.units import Progress, SimulateUnit
-from symolo.core.child_process import Finished
+from pipeline.work.unit_progress import report_event
+from pipeline.work.units import SimulateUnit
 from symolo.core.time_series import Recording
 from symolo.dataset.layout import ANNOTATIONS
 
@@ -58,10 +58,5 @@ def _drive(specs: Sequence[RunSpec], tools: RepairTools) -> list[Path]:
     if not units:
         return []
     with tools.report.stage("simulate", len(units), "runs") as stage:
-
-        def on_event(unit: AnyUnit, event: AnyEvent) -> None:
-            if isinstance(event, Progress | Finished):
-                stage.update(unit.name, event.share if isinstance(event, Progress) else 1.0)
-
-        Local(tools.workers).do(units, on_event)
+        Local(tools.workers).do(units, partial(report_event, stage))
     return [StageFolder(folder).path for folder in folders]

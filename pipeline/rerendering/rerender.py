@@ -133,8 +133,8 @@ def check_same(source: StoredTrajectory, draws: Sequence[LookDraw], out: Path, *
         folder = out / draw.name if apart else out
         for name, wanted in ((DATA, source.data), (LOOK, draw.record)):
             if (folder / name).is_file() and (folder / name).read_bytes() != wanted:
-                told = "holds pictures of another trajectory or another draw of the look"
-                raise InputError(told, where=str(folder), cure="name a folder by --out")
+                what = "holds images of another trajectory or another draw of the look"
+                raise InputError(what, where=str(folder), cure="name a folder by --out")
 
 
 @contextlib.contextmanager
@@ -222,19 +222,19 @@ def prepare(source: Path, request: RerenderRequest) -> tuple[StoredTrajectory, t
     for text in request.overrides:
         if text.strip().partition("=")[0].partition(".")[0] not in SECTIONS:
             raise InputError(
-                "--set", got=text, allowed="fields of " + ", ".join(SECTIONS), cure="simulate anew for others"
+                "--set", got=text, allowed="fields of " + ", ".join(SECTIONS), cure="simulate again for others"
             )
         if option := request.named_by(replaced_section(text)):
             raise InputError("--set", got=text, cure=f"name it by {option}")
-    found = _timed(read_source(source), request.camera_hz)
-    if found.spec is None:
-        check_radians(found.rows, found.at)
-    draws = _draws(found, request)
-    if found.spec is None or request.arena:
+    trajectory = _timed(read_source(source), request.camera_hz)
+    if trajectory.spec is None:
+        check_radians(trajectory.rows, trajectory.at)
+    draws = _draws(trajectory, request)
+    if trajectory.spec is None or request.arena:
         arena = Arena.from_config(draws[0].appearance.arena)
         for draw in draws:
-            check_on_the_floor(found.rows, arena, draw.appearance.look, found.at)
-    return found, draws
+            check_on_the_floor(trajectory.rows, arena, draw.appearance.look, trajectory.at)
+    return trajectory, draws
 
 
 def read_source(path: Path) -> StoredTrajectory:
@@ -244,7 +244,9 @@ def read_source(path: Path) -> StoredTrajectory:
         try:
             rows = Rows.from_recording(read_recording(folder))
         except (OSError, ValueError, KeyError, BadZipFile) as error:
-            raise InputError(f"cannot be read: {error}", where=str(folder / TRAJECTORY), cure="simulate anew") from None
+            raise InputError(
+                f"cannot be read: {error}", where=str(folder / TRAJECTORY), cure="simulate again"
+            ) from None
         return StoredTrajectory(rows, rows.to_csv(), _read_spec(folder / SPEC), folder / TRAJECTORY)
     data = path if path.is_file() else folder / DATA
     if not data.is_file():
@@ -269,7 +271,7 @@ def _read_spec(path: Path) -> RunSpec:
     raise InputError(
         f"cannot be read: {reason}",
         where=str(path),
-        cure="make the run anew, or rerender its data.csv with --arena and --robot",
+        cure="make the run again, or rerender its data.csv with --arena and --robot",
     )
 
 

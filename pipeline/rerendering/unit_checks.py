@@ -37,10 +37,10 @@ def check_radians(rows: Rows, at: Where) -> None:
     ends = _chords(rows.pose[:, :2]) if len(beyond) else np.zeros(0, dtype=np.int64)
     if len(ends) <= FEWEST_CHORDS:
         return
-    off_rad = _off_the_way(rows.pose[ends, :2], yaw[ends])
-    if off_rad > UNEXPLAINED_RAD and _off_the_way(rows.pose[ends, :2], np.radians(yaw[ends])) < EXPLAINED_RAD:
+    off_rad = _angle_to_path(rows.pose[ends, :2], yaw[ends])
+    if off_rad > UNEXPLAINED_RAD and _angle_to_path(rows.pose[ends, :2], np.radians(yaw[ends])) < EXPLAINED_RAD:
         raise InputError(
-            "column theta: follows the way that x and y go in degrees only",
+            "column theta: fits the path of x and y only if it is in degrees",
             where=at(int(beyond[0])),
             got=round(float(yaw[beyond[0]]), 6),
             cure="give theta in radians",
@@ -69,16 +69,16 @@ def check_on_the_floor(rows: Rows, arena: Arena, look: LookConfig, at: Where) ->
 
 def _chords(place: Array) -> np.ndarray:
     """Return rows (M,), each the first one that is a chord away from the one before."""
-    found, (last_x, last_y) = [0], place[0].tolist()
+    rows, (last_x, last_y) = [0], place[0].tolist()
     for row, (x, y) in enumerate(place.tolist()):
         if math.hypot(x - last_x, y - last_y) >= CHORD_M:
-            found.append(row)
+            rows.append(row)
             last_x, last_y = x, y
-    return np.array(found)
+    return np.array(rows)
 
 
-def _off_the_way(place: Array, yaw_rad: Array) -> float:
+def _angle_to_path(place: Array, yaw_rad: Array) -> float:
     """Return the median angle between chord and mean heading at its ends, the same forwards and backwards."""
-    way = np.diff(place, axis=0)
-    twice = 2 * (np.arctan2(way[:, 1], way[:, 0])[:, None] - np.stack([yaw_rad[:-1], yaw_rad[1:]], axis=1))
+    chords = np.diff(place, axis=0)
+    twice = 2 * (np.arctan2(chords[:, 1], chords[:, 0])[:, None] - np.stack([yaw_rad[:-1], yaw_rad[1:]], axis=1))
     return float(np.median(np.abs(np.angle(np.exp(1j * twice).sum(axis=1)))) / 2)

@@ -14,20 +14,20 @@ ABOUT = ("drawn", "scenario")
 """Fields on which no image depends: they say where the other values came from."""
 
 
-def changes(made: RunSpec, asked: RunSpec, *, simulation: bool = False) -> list[str]:
+def changes(made: RunSpec, requested: RunSpec, *, simulation: bool = False) -> list[str]:
     """Return the changed fields with their values before and now, such as `look.sun.elevation_deg 30.0 -> 60.0`.
 
     Args:
         made: Specification from which the files were made.
-        asked: Specification from which they would be made now.
+        requested: Specification from which they would be made now.
         simulation: Whether only what the trajectory depends on counts.
     """
-    trees = [simulation_inputs(spec) if simulation else spec.model_dump(mode="json") for spec in (made, asked)]
+    trees = [simulation_inputs(spec) if simulation else spec.model_dump(mode="json") for spec in (made, requested)]
     before, now = ({key: value for key, value in tree.items() if key not in ABOUT} for tree in trees)
     return list(_differences(before, now, ""))
 
 
-def told(changed: Sequence[str]) -> str:
+def first_changes(changed: Sequence[str]) -> str:
     """Return the first of these changes as a line."""
     more = f" and {len(changed) - MOST} more" if len(changed) > MOST else ""
     return ", ".join(islice(changed, MOST)) + more

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from blender_scenes.render.frame_files import Ledger
 from configs.schema.scenario import RunSpec
 from pipeline.planning.plan import ScenarioPlan
-from pipeline.run_folder.changes import changes, told
+from pipeline.run_folder.changes import changes, first_changes
 from pipeline.run_folder.workspace import FAILED, StageFolder, Workspace
 from pipeline.stages.assemble import of_several_classes
 from pipeline.stages.render import IMAGES, JOB, journal
@@ -96,7 +96,7 @@ def again(workspace: Workspace, specs: Sequence[RunSpec]) -> Iterator[str]:
         if simulated.again:
             reasons[f"simulate and render again: {simulated.again}"] += 1
         elif changed and workspace.render(spec.key).done() is not None:
-            reasons[f"not as the images there: {told(changed)}"] += 1
+            reasons[f"the images there differ: {first_changes(changed)}"] += 1
     for reason, count in reasons.items():
         yield f"{count} {'run' if count == 1 else 'runs'}: {reason}"
 
@@ -110,7 +110,7 @@ def run_status(workspace: Workspace, run: str, spec: RunSpec | None, *, check: b
         changed = [] if spec is None else for_pictures(workspace, run, spec)
         render = _framed(workspace.render(run), "render", outcome, check=check)
         if not render.again and (changed or simulate.again):
-            render = StageStatus("render", render.text, told(changed) if changed else "after the simulation")
+            render = StageStatus("render", render.text, first_changes(changed) if changed else "after the simulation")
         stages.append(render)
         if workspace.annotate(run).path.exists() or (spec is not None and spec.render.annotations):
             stages.append(_framed(workspace.annotate(run), "annotate", outcome, check=check))
@@ -132,14 +132,16 @@ def _simulated(workspace: Workspace, run: str, spec: RunSpec | None, *, check: b
         return StageStatus("simulate", "begun" if folder.is_begun() else "not begun", "it was never finished")
     if check and not holds(folder.path, done.files):
         return StageStatus("simulate", "damaged", "files of it are damaged or missing")
-    asked = spec or stored
-    if done.key == simulation_key(asked):
+    current = spec or stored
+    if done.key == simulation_key(current):
         outcome = _outcome(workspace, run)
         if outcome is not None and outcome.problems:
             return StageStatus("simulate", f"failed: {one_line('; '.join(outcome.problems))}")
         return StageStatus("simulate", "done")
-    changed = changes(stored, asked, simulation=True)
-    return StageStatus("simulate", "outdated", told(changed) if changed else "programs of other versions made it")
+    changed = changes(stored, current, simulation=True)
+    return StageStatus(
+        "simulate", "outdated", first_changes(changed) if changed else "programs of other versions made it"
+    )
 
 
 def _framed(folder: StageFolder, stage: str, outcome: RunOutcome | None, *, check: bool) -> StageStatus:
@@ -183,15 +185,15 @@ def _runs(workspace: Workspace, specs: Sequence[RunSpec]) -> dict[str, RunSpec |
     """Return all runs of the scenario, or all runs in the folder."""
     if specs:
         return {spec.key: spec for spec in specs}
-    found: set[str] = set()
+    runs: set[str] = set()
     for stage in OF_RUNS:
         root = workspace.out / STAGES / stage
         begun = [place for path in root.glob("*/.test_*.tmp") if (place := place_of(path))]
         places = [path for path in root.glob("*/test_*") if path.is_dir()]
-        found |= {path.relative_to(root).as_posix() for path in begun + places}
+        runs |= {path.relative_to(root).as_posix() for path in begun + places}
     metadata = read_metadata(workspace.out)
-    found |= {record.run for record in metadata.runs} if metadata else set()
-    return dict.fromkeys(sorted(found, key=_in_order))
+    runs |= {record.run for record in metadata.runs} if metadata else set()
+    return dict.fromkeys(sorted(runs, key=_in_order))
 
 
 def _in_order(run: str) -> tuple[str, int]:
@@ -206,7 +208,7 @@ def _working(workspace: Workspace) -> str:
     except OSError:
         if (workspace.out / STAGES).is_dir():
             return "nobody works here now"
-        return "nobody works here; .stages is not there, so that the next release makes everything anew"
+        return "nobody works here; .stages is missing, so the next release makes everything again"
     try:
         fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -251,11 +253,11 @@ def _cost(workspace: Workspace, runs: Sequence[str], specs: Sequence[RunSpec]) -
             images += len({file.file for file in made}) if name == IMAGES else 0
     if not images:
         return ""
-    told = f"cost: {images} images took {core_s / 3600:.3g} core-hours, {core_s / images:.3g} core-seconds each"
+    text = f"cost: {images} images took {core_s / 3600:.3g} core-hours, {core_s / images:.3g} core-seconds each"
     if not specs:
-        return told
+        return text
     planned = ScenarioPlan.of(specs, 1)
-    return f"{told}; planned were {planned.render_s / planned.images:.3g} each, with the starts of Blender"
+    return f"{text}; planned were {planned.render_s / planned.images:.3g} each, with the starts of Blender"
 
 
 def _mixed(workspace: Workspace, runs: Sequence[str]) -> Iterator[str]:

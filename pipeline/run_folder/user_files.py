@@ -23,8 +23,8 @@ def keep_user_files(looks: Iterable[LookConfig], places: Mapping[str, Path], fol
         InputError: A file is gone, or is no longer what it was when the look was read.
     """
     for digest, name in sorted({file.sha256: file.name for look in looks for file in look.files}.items()):
-        kept = folder / digest
-        if kept.is_file() and sha256_of(kept) == digest:
+        copy = folder / digest
+        if copy.is_file() and sha256_of(copy) == digest:
             continue
         where = displayed(places[digest]) if digest in places else name
         try:
@@ -34,4 +34,4 @@ def keep_user_files(looks: Iterable[LookConfig], places: Mapping[str, Path], fol
         if sha256(data).hexdigest() != digest:
             raise InputError("has changed since it was read", where=where, cure="run the command again")
         make_folder(folder)
-        write_file(kept, data)
+        write_file(copy, data)

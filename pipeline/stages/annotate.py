@@ -64,7 +64,7 @@ def copy_released(annotated: StageFolder, run: Path) -> dict[str, str]:
 
 def processors(render: StageFolder, annotate: StageFolder | None) -> tuple[str, ...]:
     """Return the classes of the processors that made the images and annotations of a run, sorted."""
-    found = {*Rendered.read(render.path).cpus}
+    classes = {*Rendered.read(render.path).cpus}
     if annotate is not None:
-        found |= {*journal(annotate, ANNOTATIONS).processors()}
-    return tuple(sorted(found))
+        classes |= {*journal(annotate, ANNOTATIONS).processors()}
+    return tuple(sorted(classes))

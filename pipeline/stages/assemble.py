@@ -83,10 +83,10 @@ def assemble(
 def _processors(workspace: Workspace, spec: RunSpec, stage: StageReport) -> tuple[str, ...]:
     """Return the classes of the processors that made its images and annotations, and report if they are several."""
     annotate = workspace.annotate(spec.key) if spec.render.annotations else None
-    found = processors(workspace.render(spec.key), annotate)
-    if len(found) > 1:
-        stage.say(f"{spec.key}: {of_several_classes(found)}")
-    return found
+    classes = processors(workspace.render(spec.key), annotate)
+    if len(classes) > 1:
+        stage.say(f"{spec.key}: {of_several_classes(classes)}")
+    return classes
 
 
 def of_several_classes(cpus: Sequence[str]) -> str:

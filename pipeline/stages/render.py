@@ -23,8 +23,9 @@ from pipeline.executors.base import Executor
 from pipeline.run_folder.workspace import FAILED, StageFolder, input_key, mark_done
 from pipeline.stages.simulate_runs import failed_runs
 from pipeline.work.processors import cpu_class
-from pipeline.work.supervisor import AnyEvent, AnyUnit, FrameGivenUp, Retried
-from pipeline.work.units import Progress, RenderUnit
+from pipeline.work.supervisor import AnyEvent, AnyUnit, FrameGivenUp
+from pipeline.work.unit_progress import report_event
+from pipeline.work.units import RenderUnit
 from sensors.camera.exposure_guard import Extremes, all_black, exposure_warnings
 from symolo.arena.geometry import Arena
 from symolo.core.child_process import Failed, Finished
@@ -189,8 +190,8 @@ class RenderTask(FrameTask):
         warnings = exposure_warnings(seen)
         cpus = Ledger(self.files, self.job_sha256).processors() or (cpu_class(),)
         cpu = cpus[0] if len(cpus) == 1 else list(cpus)
-        told = {"cpu": cpu, "device": self.device, "frames": records, "warnings": list(warnings)}
-        write_file(self.folder.path / FRAMES, canonical_json(told))
+        document = {"cpu": cpu, "device": self.device, "frames": records, "warnings": list(warnings)}
+        write_file(self.folder.path / FRAMES, canonical_json(document))
         pictures = {record["file"]: record["sha256"] for record in records}
         texts = {name: sha256_of(self.folder.path / name) for name in (JOB, FRAMES)}
         mark_done(self.folder.path, self.key, {**texts, **pictures})
@@ -242,16 +243,11 @@ def render_runs(
     with report.stage(name, sum(len(unit.numbers) for unit in units), "images") as stage:
 
         def on_event(unit: AnyUnit, event: AnyEvent) -> None:
-            if isinstance(unit, RenderUnit) and isinstance(event, Progress | Finished):
-                share = event.share if isinstance(event, Progress) else 1.0
-                stage.update(f"{unit.name} from {unit.numbers[0]}", share * len(unit.numbers))
-            elif isinstance(event, Retried):
-                stage.say(event.text)
-            finishing.hear(unit, event)
+            report_event(stage, unit, event)
+            finishing.take(unit, event)
 
         failures = executor.do(units, on_event)
-    found = failed_runs(name, failures, report)
-    return found + finishing.rest({failure.unit.name for failure in failures})
+    return failed_runs(name, failures, report) + finishing.rest({failure.unit.name for failure in failures})
 
 
 class _Finishing:
@@ -265,7 +261,7 @@ class _Finishing:
         self._name, self._report, self._on_whole = name, report, on_whole
         self._failed: list[FailedRun] = []
 
-    def hear(self, unit: AnyUnit, event: AnyEvent) -> None:
+    def take(self, unit: AnyUnit, event: AnyEvent) -> None:
         if isinstance(event, Failed | FrameGivenUp):
             self._tasks.pop(unit.name, None)
         elif isinstance(event, Finished):
@@ -348,9 +344,9 @@ class Rendered:
 
     @classmethod
     def read(cls, folder: Path) -> "Rendered":
-        told = json.loads((folder / FRAMES).read_bytes())
-        cpu = told.get("cpu", [])
-        return cls(told["device"], tuple(told["warnings"]), (cpu,) if isinstance(cpu, str) else tuple(cpu))
+        document = json.loads((folder / FRAMES).read_bytes())
+        cpu = document.get("cpu", [])
+        return cls(document["device"], tuple(document["warnings"]), (cpu,) if isinstance(cpu, str) else tuple(cpu))
 
 
 def journal(folder: StageFolder, files: str) -> Ledger:

@@ -3,6 +3,7 @@
 import io
 from collections import Counter
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,9 +17,9 @@ from pipeline.executors.base import Executor
 from pipeline.run_folder.workspace import StageFolder, Workspace, input_key, mark_done
 from pipeline.user_files import hashes_of_files
 from pipeline.work.processors import cpu_class
-from pipeline.work.supervisor import AnyEvent, AnyUnit, Retried, UnitFailure
-from pipeline.work.units import Progress, SimulateUnit
-from symolo.core.child_process import Finished
+from pipeline.work.supervisor import UnitFailure
+from pipeline.work.unit_progress import report_event
+from pipeline.work.units import SimulateUnit
 from symolo.core.errors import InputError, RunFailed
 from symolo.core.files.atomic_files import write_file
 from symolo.core.files.file_hashes import canonical_json
@@ -64,9 +65,9 @@ class RunOutcome(BaseModel):
         board = self.board
         if board is None or not (board.rows_unanswered or board.events):
             return ()
-        told = [f"{board.rows_unanswered} rows unanswered"] if board.rows_unanswered else []
-        told += [f"{count} {name.replace('_', ' ')}" for name, count in board.events.items()]
-        return (f"the line to the board was disturbed: {', '.join(told)}",)
+        faults = [f"{board.rows_unanswered} rows unanswered"] if board.rows_unanswered else []
+        faults += [f"{count} {name.replace('_', ' ')}" for name, count in board.events.items()]
+        return (f"the line to the board was disturbed: {', '.join(faults)}",)
 
 
 def simulation_inputs(spec: RunSpec) -> dict:
@@ -101,7 +102,10 @@ def simulate_runs(
     if len(units) < len(specs):
         report.say(f"simulate: {len(specs) - len(units)} of {len(specs)} runs are there already")
     units, others = [unit for unit in units if executor.mine(unit)], [u.name for u in units if not executor.mine(u)]
-    failures = _do(units, executor, report) if units else []
+    failures: list[FailedRun] = []
+    if units:
+        with report.stage("simulate", len(units), "runs") as stage:
+            failures = failed_runs("simulate", executor.do(units, partial(report_event, stage)), report)
     stopped = {failure.run for failure in failures}.union(others)
     return failures + problems_of(workspace, [spec for spec in specs if spec.key not in stopped])
 
@@ -128,21 +132,6 @@ def prepare_boards(workspace: Workspace, specs: Sequence[RunSpec]) -> None:
         if spec.board.kind == "serial":
             raise InputError("board.kind", got="serial", cure="drive its runs by `symolo hil --port PORT` first")
         build_for(spec.robot, spec.board)
-
-
-def _do(units: Sequence[SimulateUnit], executor: Executor, report: Report) -> list[FailedRun]:
-    with report.stage("simulate", len(units), "runs") as stage:
-
-        def on_event(unit: AnyUnit, event: AnyEvent) -> None:
-            if isinstance(event, Progress):
-                stage.update(unit.name, event.share)
-            elif isinstance(event, Finished):
-                stage.update(unit.name, 1.0)
-            elif isinstance(event, Retried):
-                stage.say(event.text)
-
-        failures = executor.do(units, on_event)
-    return failed_runs("simulate", failures, report)
 
 
 def failed_runs(stage: str, failures: Sequence[UnitFailure], report: Report) -> list[FailedRun]:
@@ -177,20 +166,20 @@ def simulate_into(
 
     spec = RunSpec.model_validate_json(spec_json)
 
-    def told(done_s: float, total_s: float) -> None:
+    def on_time(done_s: float, total_s: float) -> None:
         progress(min(1.0, done_s / total_s))
 
     if spec.board is None:
-        _leave(spec, simulate(spec, told, watch=watch), StageFolder(path), key)
+        _publish(spec, simulate(spec, on_time, watch=watch), StageFolder(path), key)
         return
     if spec.board.kind == "serial" and not port:
         raise RunFailed("a board at a serial port drives this run; `symolo hil --port PORT` reaches one")
     with pilot_from_board(spec.robot, spec.board, spec.rates.control_hz, port) as pilot:
-        outcome = simulate(spec, told, pilot, watch)
-    _leave(spec, outcome, StageFolder(path), key, pilot)
+        outcome = simulate(spec, on_time, pilot, watch)
+    _publish(spec, outcome, StageFolder(path), key, pilot)
 
 
-def _leave(
+def _publish(
     spec: RunSpec, outcome: "Outcome", folder: StageFolder, key: str, pilot: PilotFromBoard | None = None
 ) -> None:
     recording = outcome.recording

@@ -82,12 +82,12 @@ def _listed(store: Store, tree: dict[str, Any], specs: Sequence[RunSpec]) -> dic
 
 def _check_metadata(store: Store, tree: dict[str, Any]) -> None:
     try:
-        told = Metadata.model_validate_json(store.get(METADATA) or b"")
+        metadata = Metadata.model_validate_json(store.get(METADATA) or b"")
     except ValidationError:
         raise another_release(store, f"{METADATA} is none of this version") from None
-    if canonical_json(told.scenario) != canonical_json(tree):
+    if canonical_json(metadata.scenario) != canonical_json(tree):
         raise another_release(store, f"{METADATA} names another scenario")
-    if told.made_with != made_with():
+    if metadata.made_with != made_with():
         raise another_release(store, "it was made with other versions")
 
 
@@ -128,10 +128,10 @@ class Along:
         url = self._to.store.url
         if not complete:
             return f"{url}: not finished, for a run failed; the same command continues, or `{self._to.command}` ends it"
-        with self._rest_told():
+        with self._with_cure():
             files = released_files(self._workspace.out)
-            found = send(files, self._to.store, self._report, self._known)
-        rest = len(found.to_send)
+            comparison = send(files, self._to.store, self._report, self._known)
+        rest = len(comparison.to_send)
         return f"{url}: {len(files)} files there, {self._sent + rest} sent now, {rest} of them at the end"
 
     def stop(self) -> None:
@@ -159,20 +159,20 @@ class Along:
 
     def _send_files(self, run: str, files: Sequence[LocalFile], sizes: Mapping[str, int]) -> None:
         store = self._to.store
-        found = compare_listed(files, sizes, store)
-        refuse_extra(found, store)
-        self._known |= {file.name: file.digest for file in found.same}
+        comparison = compare_listed(files, sizes, store)
+        refuse_extra(comparison, store)
+        self._known |= {file.name: file.digest for file in comparison.same}
         done, size = 0, 0
-        with contextlib.closing(side_by_side(store.put, found.to_send)) as sent:
+        with contextlib.closing(side_by_side(store.put, comparison.to_send)) as sent:
             for file, _ in sent:
                 self._known[file.name] = file.digest
                 self._sent, done, size = self._sent + 1, done + 1, size + file.size_bytes
                 if self._over.is_set():
                     return
-        self._report.say(f"upload: {run}: {done} files sent, {size / 1e6:.1f} MB; {len(found.same)} were there")
+        self._report.say(f"upload: {run}: {done} files sent, {size / 1e6:.1f} MB; {len(comparison.same)} were there")
 
     @contextlib.contextmanager
-    def _rest_told(self) -> Iterator[None]:
+    def _with_cure(self) -> Iterator[None]:
         """Add to errors what is complete in spite of them, and how to continue."""
         cure = f"the release is whole in {self._workspace.out}, and `{self._to.command}` sends what is missing there"
         try:
@@ -180,10 +180,10 @@ class Along:
         except InputError as error:
             raise InputError(str(error), cure=cure) from None
         except (EnvironmentLacking, OSError) as error:
-            told = str(error) if isinstance(error, EnvironmentLacking) else lacking(error)
-            if not told:
+            cause = str(error) if isinstance(error, EnvironmentLacking) else lacking(error)
+            if not cause:
                 raise
-            raise EnvironmentLacking(f"{told}; {cure}") from None
+            raise EnvironmentLacking(f"{cause}; {cure}") from None
 
 
 def _local(out: Path, name: str, digest: str) -> LocalFile:

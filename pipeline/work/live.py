@@ -52,9 +52,9 @@ class LiveView:
             table.add_row(f"{name} range", f"{range_m:.3f} m {bar}" if range_m < tof.no_target_m else "no target")
         table.add_row("line, left to right", Text("".join(_block(value) for value in reversed(seen.line))))
         ticks = round(t_s * self._spec.rates.control_hz) + 1
-        told = [f"{self._counts['answered']} of {ticks} answered"]
-        told += [f"{count} {name}" for name, count in self._counts.items() if count and name != "answered"]
-        table.add_row("board", ", ".join(told).replace("_", " "))
+        counts = [f"{self._counts['answered']} of {ticks} answered"]
+        counts += [f"{count} {name}" for name, count in self._counts.items() if count and name != "answered"]
+        table.add_row("board", ", ".join(counts).replace("_", " "))
         return table
 
 

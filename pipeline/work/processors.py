@@ -12,7 +12,7 @@ _LEVELS = (
 )
 """Levels of the x86-64 psABI with the flags of Linux that each adds to the levels below it."""
 
-_TOLD = ("OPENBLAS_CORETYPE",)
+_VARIABLES = ("OPENBLAS_CORETYPE",)
 """Environment variables that make NumPy use code for another processor."""
 
 
@@ -22,8 +22,8 @@ def cpu_class() -> str:
         text = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
     except OSError:
         text = ""
-    told = [f"{name}={os.environ[name]}" for name in _TOLD if os.environ.get(name)]
-    return " ".join([class_of(text, platform.machine()), *told])
+    variables = [f"{name}={os.environ[name]}" for name in _VARIABLES if os.environ.get(name)]
+    return " ".join([class_of(text, platform.machine()), *variables])
 
 
 def class_of(cpuinfo: str, machine: str) -> str:

@@ -139,7 +139,7 @@ def test_another_look_is_rendered_anew_but_not_simulated(dataset, copy_of, symol
     ended = symolo("release", "smoke", "--out", out, *sunny)
     assert ended.code == 0
     assert "simulate: 1 of 1 runs are there already" in ended.err
-    assert "not as the images there: look.sun.elevation_deg" in ended.err
+    assert "the images there differ: look.sun.elevation_deg" in ended.err
     assert "-> 70.0" in ended.err
     assert trajectory.stat().st_mtime_ns == before
     run = "CW/test_1"

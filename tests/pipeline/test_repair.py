@@ -61,7 +61,7 @@ def test_a_file_that_comes_out_otherwise_is_left_and_the_reason_told(dataset, co
     assert ended.code == 4
     assert (root / "README.md").read_text() == "damaged"
     assert "not repaired: README.md: was changed" in ended.out
-    assert "bpy 4.4.0 made it and here is" in ended.out
+    assert "the release was made with bpy 4.4.0, here is" in ended.out
 
 
 def test_a_link_in_place_of_a_run_is_found_and_not_followed(dataset, copy_of, tmp_path):

@@ -72,11 +72,11 @@ def _read(path: Path) -> Measurement:
     rows = read_rows(path)
     code_m = no_target_code_m(rows.tof_m)
     code = np.zeros(rows.tof_m.shape, dtype=bool) if code_m is None else rows.tof_m == code_m
-    told = "no reading is taken for no target"
+    note = "no reading is taken for no target"
     if code_m is not None:
-        told = f"the largest range, {code_m:g} m, comes {np.count_nonzero(code)} times and is taken for no target"
+        note = f"the largest range, {code_m:g} m, comes {np.count_nonzero(code)} times and is taken for no target"
     trial = trial_of("1", rows, row_channels(rows, code, np.zeros_like(code)))
-    notes = ("not logged: voltages, encoder counts", told, "nothing is marked as held out")
+    notes = ("not logged: voltages, encoder counts", note, "nothing is marked as held out")
     return Measurement(
         path.stem, CaseKind.DRIVE_LOG, MeasurementSource("a SyMoLo data.csv", (str(path),)), (trial,), notes=notes
     )

@@ -78,7 +78,7 @@ class _DatasetRun:
         try:
             recording = read_recording(self.folder)
         except (OSError, ValueError, KeyError, BadZipFile) as error:
-            raise InputError(f"cannot be read: {error}", where=self.files[0], cure="simulate anew") from None
+            raise InputError(f"cannot be read: {error}", where=self.files[0], cure="simulate again") from None
         # As text and back, so that a run says the same before and after its release.
         texts = (Rows.from_recording(recording).to_csv(), wheels_csv(recording), tof_csv(recording))
         headers = (HEADER, WHEELS.header, TOF.header)
@@ -92,15 +92,15 @@ def robots_of(path: Path) -> list[RobotConfig]:
     Raises:
         InputError: There is no run, or one does not state its robot.
     """
-    found: dict[str, RobotConfig] = {}
-    for run in _found_runs(path):
+    robots: dict[str, RobotConfig] = {}
+    for run in _runs_or_error(path):
         spec = run.folder / SPEC if run.simulated else run.folder / SIDE / SPEC
         try:
             robot = RunSpec.model_validate_json(spec.read_bytes()).robot
         except (OSError, ValidationError):
             raise InputError("does not say which robot drove", where=str(spec), cure="make the run again") from None
-        found.setdefault(robot.model_dump_json(), robot)
-    return list(found.values())
+        robots.setdefault(robot.model_dump_json(), robot)
+    return list(robots.values())
 
 
 def _runs(path: Path) -> Iterator[_DatasetRun]:
@@ -124,7 +124,7 @@ def _recognises(path: Path) -> bool:
     return next(_runs(path), None) is not None
 
 
-def _found_runs(path: Path) -> list[_DatasetRun]:
+def _runs_or_error(path: Path) -> list[_DatasetRun]:
     runs = list(_runs(path))
     if not runs:
         raise InputError(
@@ -136,7 +136,7 @@ def _found_runs(path: Path) -> list[_DatasetRun]:
 
 
 def _read(path: Path) -> Measurement:
-    runs = _found_runs(path)
+    runs = _runs_or_error(path)
     several = len(runs) >= HELD
     trials = []
     for number, run in enumerate(runs, start=1):

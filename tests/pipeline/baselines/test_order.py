@@ -17,7 +17,7 @@ HALF_LOST = np.array([0.05, 0.05, np.radians(5)])
 
 
 def errors(run, method, start_sd):
-    given = run.given(start_sd, stream(1, run.name, "start"))
+    given = run.knowledge(start_sd, stream(1, run.name, "start"))
     estimate = method.METHOD.estimate(given, (), stream(1, run.name, method.METHOD.name))
     return errors_of(estimate, given.t_s, run.truth)
 
@@ -61,7 +61,7 @@ def test_methods_know_neither_the_truth_nor_what_is_hidden_in_the_robot(driven):
     other = replace(run, rows=Rows.from_table(table), wheels=wheels, spec=spec)
     for method in (odometry, ekf, particles):
         first, second = (
-            method.METHOD.estimate(_short(one.given(EXACT, stream(2))), (), stream(3)) for one in (run, other)
+            method.METHOD.estimate(_short(one.knowledge(EXACT, stream(2))), (), stream(3)) for one in (run, other)
         )
         assert first.pose.tobytes() == second.pose.tobytes()
         assert first.covariance.tobytes() == second.covariance.tobytes()

@@ -136,7 +136,7 @@ def test_a_cluster_that_is_not_there_is_told_in_a_line(tmp_path, capsys):
     arguments = ["--executor", "ray", "--address", "127.0.0.1:1"]
     assert main(["release", "smoke", "--out", str(out), *SMALL, *arguments]) == 5
     err = capsys.readouterr().err
-    assert "no cluster of Ray" in err
+    assert "no Ray cluster" in err
     assert "ray start --head" in err
     assert len(err.strip().splitlines()) < 4
     assert not out.exists()

@@ -151,7 +151,7 @@ def test_a_trajectory_with_a_number_that_cannot_be_is_one_clear_line(
     ended = symolo("rerender", run, "--look", "lab", "--out", tmp_path / "out")
     assert (ended.code, ended.err.count("\n")) == (2, 1)
     assert f"trajectory.npz: cannot be read: {told}" in ended.err
-    assert "simulate anew" in ended.err
+    assert "simulate again" in ended.err
     assert not (tmp_path / "out").exists()
 
 

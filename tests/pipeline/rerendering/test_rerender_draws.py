@@ -98,7 +98,7 @@ def test_a_folder_that_nobody_named_is_continued_but_not_replaced(run, tmp_path,
     before = {path: path.read_bytes() for path in Path("CW-test_1-lab").rglob("*.jpg")}
     ended = symolo(*asked, "--seed", 77)
     assert (ended.code, ended.err.count("\n")) == (2, 1)
-    assert "holds pictures of another trajectory or another draw of the look; name a folder by --out" in ended.err
+    assert "holds images of another trajectory or another draw of the look; name a folder by --out" in ended.err
     assert before == {path: path.read_bytes() for path in Path("CW-test_1-lab").rglob("*.jpg")}
 
 
