@@ -1,4 +1,4 @@
-"""Annotations, one file each, and the table of those that are a picture; each is a function of what is seen."""
+"""Annotations, one file each: functions of a `VisibleScene`; and the table of those that are images."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""Boxes in the picture: around what is seen of a thing, and around all of it."""
+"""Boxes in the image: around the visible part of a wall or obstacle, and around all of it."""
 
 from dataclasses import dataclass
 
@@ -28,7 +28,7 @@ class Box2D:
 
 
 def box_2d(seen: VisibleScene, solid: Solid, whole: NDArray[np.bool_]) -> Box2D:
-    """The boxes of a thing whose silhouette `whole` (H, W) is not empty."""
+    """Return the boxes of a wall or obstacle whose silhouette `whole` (H, W) is not empty."""
     visible = seen.instance == solid.instance_id
     area, amodal_area = int(visible.sum()), int(whole.sum())
     return Box2D(

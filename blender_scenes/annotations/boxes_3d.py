@@ -17,7 +17,7 @@ def box_3d(seen: VisibleScene, solid: Solid) -> Box3D:
 
 
 def rows_of(matrix: Array) -> Matrix4:
-    """To nine digits, which is a nanometre."""
+    """Return the rows of a matrix, rounded to nine digits, which is a nanometre."""
     rounded = np.round(matrix, _DECIMALS) + 0.0  # no -0.0
     a, b, c, d = ((float(r[0]), float(r[1]), float(r[2]), float(r[3])) for r in rounded)
     return a, b, c, d

@@ -1,4 +1,4 @@
-"""annotations.json of a run: the tables that its PNG files refer to, and every record, in the manner of COCO."""
+"""annotations.json of a run: the tables for its PNG files, and the record of each frame, in the style of COCO."""
 
 from collections.abc import Iterable
 from dataclasses import asdict, replace
@@ -28,8 +28,8 @@ def annotation_entry(thing: Thing) -> AnnotationEntry:
 
 
 def document(job: AnnotationJob, images: str, records: Iterable[FrameRecord]) -> AnnotationDocument:
-    """The document of a job, with the records of its frames in their order; `images` is the folder of the images."""
-    kept = tuple(records)
+    """Return the document of a job from the records of its frames in order; `images` is the folder of the images."""
+    frames = tuple(records)
     category_ids = job.instances.category_ids
     size = job.camera.width_px, job.camera.height_px
     return AnnotationDocument(
@@ -46,6 +46,6 @@ def document(job: AnnotationJob, images: str, records: Iterable[FrameRecord]) ->
             ImageEntry(view.number, f"{images}/{frame_name(view.number)}", *size, view.t_s, view.X_WC)
             for view in job.frames
         ),
-        annotations=tuple(annotation_entry(thing) for one in kept for thing in one.things),
-        sightings=tuple(sighting for one in kept for sighting in one.key_points),
+        annotations=tuple(annotation_entry(thing) for frame in frames for thing in frame.things),
+        sightings=tuple(sighting for frame in frames for sighting in frame.key_points),
     )

@@ -13,10 +13,10 @@ _NEAREST_M = 1e-3
 
 
 def flow(seen: VisibleScene) -> PngImage | None:
-    """(H, W, 3), 2^15 + 64 du, 2^15 + 64 dv and 1 where valid, all 0 elsewhere; None after the last image.
+    """Return (H, W, 3): 2^15 + 64 du, 2^15 + 64 dv and 1 where valid, 0 elsewhere; None after the last image.
 
-    From the pixel's middle to where the point met there is at the next shutter, moving obstacles included, seen or not.
-    The sky turns with the camera as something infinitely far. Invalid: behind the next camera, or 512 px off.
+    The flow leads from the pixel's middle to the place of the same point in the next image, visible or not; moving
+    obstacles are taken into account. The sky is infinitely far. Invalid: behind the next camera, or 512 px away.
     """
     if seen.following is None:
         return None
@@ -32,16 +32,16 @@ def flow(seen: VisibleScene) -> PngImage | None:
 
 
 def _moved(seen: VisibleScene, following: FrameView) -> Array:
-    """(H, W, 3), where the points of each pixel are at the next shutter, in W."""
+    """Return the points (H, W, 3) of the pixels, in W, at the time of the next image."""
     points = seen.point_W.copy()
     for one in seen.job.instances.known:
         if one.moves:
             X_WW = one.pose_X_WI(following) @ np.linalg.inv(one.pose_X_WI(seen.view))
-            own = seen.instance == one.id
-            points[own] = points[own] @ X_WW[:3, :3].T + X_WW[:3, 3]
+            mask = seen.instance == one.id
+            points[mask] = points[mask] @ X_WW[:3, :3].T + X_WW[:3, 3]
     return points
 
 
 def _sky_moved(seen: VisibleScene, points: Array, X_WC: Array) -> Array:
-    """The points, with those of the sky as far from the next camera as from this one, in the same direction."""
+    """Return the points, with those of the sky at the same distance and direction from the next camera."""
     return np.where(seen.instance[..., None] == 0, X_WC[:3, 3] + seen.rays_W, points)

@@ -9,6 +9,6 @@ from symolo.dataset.annotations import CATEGORIES
 
 
 def free_floor(seen: VisibleScene) -> PngImage:
-    """(H, W), 255 where floor or line is seen, 0 elsewhere; what something stands on is hidden by it."""
+    """Return (H, W): 255 where floor or line is visible, 0 elsewhere."""
     free = [CATEGORIES.index(category) for category in CATEGORIES if category in ON_THE_FLOOR]
     return np.where(np.isin(seen.category, free), 255, 0).astype(np.uint8)

@@ -7,5 +7,5 @@ from blender_scenes.annotations.seen import VisibleScene
 
 
 def instance(seen: VisibleScene) -> PngImage:
-    """(H, W), the ids of the table; 0 where no surface is met."""
+    """Return the ids (H, W) of the instances; 0 where there is no surface."""
     return seen.instance.astype(np.uint16)

@@ -1,4 +1,4 @@
-"""What is to be known exactly of a run's images, as a file: the geometry, the views, and the names of what is seen."""
+"""The annotation of a run's images as a file: geometry, views, instances and key points."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -30,7 +30,7 @@ _ONE_RAY = TracingSettings(
     diffuse_bounces=0,
     glossy_bounces=0,
     transmission_bounces=0,
-    filter_width_px=0.01,  # the least that Blender takes: no ray passes further than 0.005 px from the middle
+    filter_width_px=0.01,  # the minimum in Blender: no ray is more than 0.005 px from the pixel's middle
 )
 _CORNERS = np.array([(x, y, z) for z in (-0.5, 0.5) for x, y in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))])
 _PLAIN = Surface("plain", Color((0.5, 0.5, 0.5)))
@@ -39,21 +39,21 @@ _DARK = Sky("studio", 0.0, 0.0, 1.0, 1.0)
 
 @dataclass(frozen=True)
 class Solid:
-    """A wall or an obstacle as a box; its frame O lies in the box's middle, axes along the edges."""
+    """A wall or an obstacle as a box; its frame O is in the box's middle, with axes along the edges."""
 
     instance_id: int
     size_m: Point3
     pose: PlanarPose
-    """Of O's foot in the frame of the instance."""
+    """Pose of the point below O on the floor, in the frame of the instance."""
 
     def pose_X_WO(self, X_WI: Array) -> Array:
-        """(4, 4) pose of O, from that of the instance's frame."""
+        """Return the pose (4, 4) of O in W from that of the instance's frame."""
         X_IO = pose_X_WR(*self.pose)
         X_IO[2, 3] = 0.5 * self.size_m[2]
         return X_WI @ X_IO
 
     def corners(self, X_WI: Array) -> Array:
-        """(8, 3) in W, the lower four first, counter-clockwise."""
+        """Return the corners (8, 3) in W, the lower four first, counter-clockwise."""
         X_WO = self.pose_X_WO(X_WI)
         return (_CORNERS * self.size_m) @ X_WO[:3, :3].T + X_WO[:3, 3]
 
@@ -65,28 +65,28 @@ class AnnotationJob(JobText):
 
     kinds: tuple[AnnotationName, ...]
     scene: Scene
-    """Its geometry alone: unlit, and all of one opaque surface, so that a pane of glass is met like any other."""
+    """The scene's geometry without light, all of one opaque surface, so that glass counts as a surface."""
     camera: Intrinsics
     frames: tuple[FrameView, ...]
     sampling: TracingSettings
     shutter: Shutter
-    """That of an instant: each frame is told as it is at its time."""
+    """Shutter of an instant: annotations hold for the frame's time."""
     instances: Instances
     solids: tuple[Solid, ...]
     key_points: tuple[KeyPoint, ...]
 
     def following(self, number: int) -> FrameView | None:
-        """The view after that of a number; None after the last."""
+        """Return the view after that of a number; None after the last."""
         numbers = [view.number for view in self.frames]
         later = numbers.index(number) + 1
         return self.frames[later] if later < len(numbers) else None
 
     def files(self, number: int) -> tuple[str, ...]:
-        """Names of a frame's files; only the last frame has no flow, for nothing follows it."""
+        """Return the names of a frame's files; the last frame has no flow."""
         last = self.following(number) is None
-        pictures = [kind for kind in self.kinds if kind not in RECORD_KINDS and not (kind == "flow" and last)]
+        images = [kind for kind in self.kinds if kind not in RECORD_KINDS and not (kind == "flow" and last)]
         records = [record_file(number)] if set(RECORD_KINDS) & set(self.kinds) else []
-        return (*(annotation_file(kind, number) for kind in pictures), *records)
+        return (*(annotation_file(kind, number) for kind in images), *records)
 
 
 def record_file(number: int) -> str:
@@ -94,14 +94,14 @@ def record_file(number: int) -> str:
 
 
 def build_annotation_job(job: RenderJob, arena: Arena, kinds: Sequence[AnnotationName]) -> AnnotationJob:
-    """The annotations of a run's images; materials, light and camera response play no part in them."""
+    """Return the annotation job of a run; materials, light and camera response do not matter to it."""
     known = instances(job.scene, arena)
     return AnnotationJob(
         format=AnnotationJob.FORMAT,
         kinds=tuple(kind for kind in get_args(AnnotationName) if kind in kinds),
         scene=_geometry(job.scene),
         camera=job.camera,
-        # Each as it is at the shutter's time: nothing else of a view plays a part.
+        # Of a view only the poses at its time matter.
         frames=tuple(FrameView(v.number, v.t_s, v.robot_pose, v.X_WC, v.moving) for v in job.frames),
         sampling=_ONE_RAY,
         shutter=Shutter(),
@@ -133,7 +133,7 @@ def _solid(box: Box, known: Instances) -> Solid:
 
 
 def _key_points(arena: Arena, known: Instances) -> Iterator[tuple[str, str, int, Point3]]:
-    """Name, kind, instance and place: points along the middle of each piece of the line, and the corners of boxes."""
+    """Yield name, kind, instance and place of points along the middle of the line, and of the corners of boxes."""
     for i, piece in enumerate(arena.line.pieces):
         line = known.named(f"line_{i}", "line")
         along = np.linspace(0.0, piece.length_m, math.ceil(piece.length_m / _LINE_SPACING_M) + 1)

@@ -1,4 +1,4 @@
-"""Points of the map in the picture: along the middle of the line, and the corners of walls and obstacles."""
+"""Key points in the image: along the middle of the line, and the corners of walls and obstacles."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ _PIXEL_DECIMALS, _METRE_DECIMALS = 4, 9
 
 
 def key_points(seen: VisibleScene) -> tuple[KeyPointSighting, ...]:
-    """The map's points within the picture, whether something hides them or not."""
+    """Return the key points within the image, hidden or not."""
     job, X_WC = seen.job, seen.X_WC
     if not job.key_points:
         return ()
@@ -39,7 +39,7 @@ def key_points(seen: VisibleScene) -> tuple[KeyPointSighting, ...]:
 
 
 def _screens_W(seen: VisibleScene) -> Array:
-    """(T, 3, 3), triangles in W of all that hides something: floor and line lie flat, and what is not seen does not."""
+    """Return the triangles (T, 3, 3) in W that can hide something: all that the camera sees but floor and line."""
     scene, instances = seen.job.scene, seen.job.instances
     categories = [instances.known[instance - 1].category for instance in instances.of_mesh[1 : len(scene.meshes) + 1]]
     found = [

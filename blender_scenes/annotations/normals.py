@@ -8,7 +8,7 @@ from symolo.dataset.annotations import NORMAL_SCALE, NORMAL_ZERO
 
 
 def normals(seen: VisibleScene) -> PngImage:
-    """(H, W, 3), x, y and z in C as 32768 + 32767 n, of the geometry and towards the camera; 0 where nothing is met."""
+    """Return (H, W, 3): x, y, z in C as 32768 + 32767 n, towards the camera; 0 where there is no surface."""
     normal_C = seen.passes.normal_W @ seen.X_WC[:3, :3]
     met = seen.passes.mesh[..., None] > 0
     return np.where(met, NORMAL_ZERO + np.rint(NORMAL_SCALE * normal_C), 0).astype(np.uint16)

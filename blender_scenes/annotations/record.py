@@ -1,4 +1,4 @@
-"""What a frame's file of records holds: boxes and key points."""
+"""The record of a frame: boxes and key points."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from symolo.dataset.annotations import Box3D, KeyPointSighting
 
 @dataclass(frozen=True)
 class Thing:
-    """A wall or an obstacle of which a part lies in the field of view, hidden or not."""
+    """A wall or an obstacle that is partly in the field of view, hidden or not."""
 
     image_id: int
     instance_id: int
@@ -34,7 +34,7 @@ class FrameRecord:
 
     @classmethod
     def from_json(cls, data: bytes) -> "FrameRecord":
-        """What `to_json` wrote; raises ValueError for anything else."""
+        """Return the record that `to_json` wrote; raise ValueError for anything else."""
         return _RECORD.validate_json(data)
 
 
@@ -42,7 +42,7 @@ _RECORD = TypeAdapter(FrameRecord)
 
 
 def record(seen: VisibleScene) -> FrameRecord:
-    """Of the kinds that the job asks for."""
+    """Return the record of a frame with the kinds of annotation that the job names."""
     kinds = seen.job.kinds
     wants_things = "boxes_2d" in kinds or "boxes_3d" in kinds
     return FrameRecord(

@@ -1,4 +1,4 @@
-"""What a frame's camera sees through the middle of each pixel: which mesh, where, and how its surface stands."""
+"""The visible scene of a frame: mesh, point and normal in the middle of each pixel."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,22 +15,22 @@ from symolo.core.lens import NO_DISTORTION
 from symolo.core.pinhole import Intrinsics
 
 _STEEPEST = 1e-3
-"""Cosine between ray and normal below which the plane's equation is too ill to move a point by it."""
+"""Cosine between ray and normal below which the equation of the plane is too ill-conditioned to correct a depth."""
 
 
 @dataclass(frozen=True)
 class Passes:
-    """What the renderer's pass without noise gives for each pixel, at a place up to 0.005 px from its middle."""
+    """Blender's passes for each pixel, at a place up to 0.005 px from its middle."""
 
     mesh: NDArray[np.int64]
-    """(H, W), number of the mesh, 0 where no surface is met."""
+    """(H, W), number of the mesh, 0 where there is no surface."""
     point_W: Array
-    """(H, W, 3) [m]."""
+    """(H, W, 3), point on the surface in W [m]."""
     normal_W: Array
-    """(H, W, 3), unit normals of the geometry towards the camera."""
+    """(H, W, 3), unit normal of the geometry in W, towards the camera."""
 
     def through_lens(self, camera: Intrinsics) -> "Passes":
-        """What the picture behind a lens has of those of its pinhole picture: each pixel that nearest to its ray."""
+        """Return the passes of the image behind a lens: each pixel takes the nearest pixel of the pinhole image."""
         if camera.distortion == NO_DISTORTION:
             return self
         u, v = np.moveaxis(np.rint(sources(camera)).astype(int), -1, 0)
@@ -38,7 +38,7 @@ class Passes:
 
     @classmethod
     def of(cls, channels: Mapping[str, NDArray[np.generic]], layer: str) -> "Passes":
-        """From the channels of Blender's multilayer OpenEXR file."""
+        """Return the passes from the channels of Blender's multilayer OpenEXR file."""
 
         def vector(name: str) -> Array:
             return np.stack([channels[f"{layer}.{name}.{axis}"] for axis in "XYZ"], axis=-1).astype(np.float64)
@@ -52,7 +52,7 @@ class VisibleScene:
     job: AnnotationJob
     view: FrameView
     following: FrameView | None
-    """The next image's view, if there is one."""
+    """View of the next image; None for the last image."""
     passes: Passes
 
     @cached_property
@@ -60,30 +60,30 @@ class VisibleScene:
         return np.array(self.view.X_WC)
 
     def pose_X_WI(self, instance_id: int) -> Array:
-        """(4, 4) pose of the frame that an instance's geometry is told in."""
+        """Return the pose (4, 4) of the frame of an instance's geometry."""
         return self.job.instances.known[instance_id - 1].pose_X_WI(self.view)
 
     @cached_property
     def instance(self) -> NDArray[np.int64]:
-        """(H, W), ids of instances, 0 where no surface is met."""
+        """(H, W), ids of the instances, 0 where there is no surface."""
         return np.array(self.job.instances.of_mesh)[self.passes.mesh]
 
     @cached_property
     def category(self) -> NDArray[np.int64]:
-        """(H, W), ids of categories."""
+        """(H, W), ids of the categories."""
         return self.job.instances.category_ids[self.instance]
 
     @cached_property
     def rays_W(self) -> Array:
-        """(H, W, 3), through the middle of each pixel; a ray's length is 1 along the optical axis."""
+        """(H, W, 3), rays in W through the pixels' middles; their length along the optical axis is 1."""
         return centre_rays_C(self.job.camera) @ self.X_WC[:3, :3].T
 
     @cached_property
     def depth_m(self) -> Array:
-        """(H, W), along the optical axis, 0 where no surface is met.
+        """(H, W), depth along the optical axis, 0 where there is no surface.
 
-        Where the plane of what was met cuts the ray through the pixel's very middle: a thousandth of a pixel matters
-        where a ray meets the floor at a few degrees.
+        It is the depth where the ray through the exact middle of the pixel meets the plane of the surface: a thousandth
+        of a pixel matters where a ray meets the floor at a few degrees.
         """
         to_point = self.passes.point_W - self.X_WC[:3, 3]
         direct = to_point @ self.X_WC[:3, 2]
@@ -95,12 +95,12 @@ class VisibleScene:
 
     @cached_property
     def point_W(self) -> Array:
-        """(H, W, 3), what is met through the middle of each pixel; the camera's place where nothing is."""
+        """(H, W, 3), points of the surfaces in W in the pixels' middles; the camera's place where there is none."""
         return self.X_WC[:3, 3] + self.rays_W * self.depth_m[..., None]
 
 
 def centre_rays_C(camera: Intrinsics) -> Array:
-    """(H, W, 3), rays through the middle of each pixel in C; z is 1."""
+    """Return the rays (H, W, 3) through the pixels' middles in C; z is 1."""
     pinhole = pinhole_image(camera).camera
     if camera.distortion == NO_DISTORTION:
         at = np.stack(np.meshgrid(np.arange(camera.width_px), np.arange(camera.height_px)), axis=-1)

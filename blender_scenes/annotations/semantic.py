@@ -7,5 +7,5 @@ from blender_scenes.annotations.seen import VisibleScene
 
 
 def semantic(seen: VisibleScene) -> PngImage:
-    """(H, W), the ids of the categories."""
+    """Return the ids (H, W) of the categories."""
     return seen.category.astype(np.uint8)

@@ -1,4 +1,4 @@
-"""Whether something stands between the camera and a point, in closed form, on the scene's triangles."""
+"""Occlusion of points by the scene's triangles, in closed form."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,22 +7,22 @@ from blender_scenes.scene.description import Mesh
 from symolo.core.arrays import Array
 
 _MARGIN = 1e-6
-"""Share of the way before the point that does not count: there begins the body that the point is a corner of."""
+"""Share of the distance, just before the point, that does not count: the point is a corner of a body there."""
 _AT_A_TIME = 500_000
-"""Pairs of a ray and a triangle."""
+"""Number of pairs of a ray and a triangle that are tested at once."""
 
 
 def triangles(mesh: Mesh) -> Array:
-    """(T, 3, 3), the faces of a mesh, which are convex, as triangles."""
+    """Return the convex faces of a mesh as triangles (T, 3, 3)."""
     fans = [(face[0], face[k], face[k + 1]) for face in mesh.faces for k in range(1, len(face) - 1)]
     return np.array(mesh.vertices)[np.array(fans, dtype=int).reshape(-1, 3)]
 
 
 def hidden(points: Array, screens: Array) -> NDArray[np.bool_]:
-    """(N,), whether one of the triangles (T, 3, 3) stands between the camera and each of the points (N, 3), all in C.
+    """Return (N,) whether one of the triangles (T, 3, 3) is between the camera and each of the points (N, 3), all in C.
 
-    The points lie before the camera. The ray test of Moeller and Trumbore (Fast, minimum storage ray/triangle
-    intersection, 1997), for both sides.
+    The points are in front of the camera. The ray test is that of Moeller and Trumbore (Fast, minimum storage
+    ray/triangle intersection, 1997), for both sides of a triangle.
     """
     if not len(points):
         return np.empty(0, dtype=bool)
@@ -32,7 +32,7 @@ def hidden(points: Array, screens: Array) -> NDArray[np.bool_]:
 
 
 def _reached(points: Array, screens: Array) -> Array:
-    """Those of the triangles that reach into the pyramid around all points; no other can hide one."""
+    """Return the triangles that reach into the pyramid around all points; no other triangle can hide a point."""
     slopes = points[:, :2] / points[:, 2:]
     along, depth = screens[..., :2], screens[..., 2:]
     beside = np.all(along < slopes.min(axis=0) * depth, axis=1) | np.all(along > slopes.max(axis=0) * depth, axis=1)
@@ -44,7 +44,7 @@ def _hidden(points: Array, screens: Array) -> NDArray[np.bool_]:
     across = np.cross(points[:, None, :], edge2)
     volume = np.einsum("tk,ntk->nt", edge1, across)
     turned = np.cross(edge1, screens[:, 0])
-    with np.errstate(divide="ignore", invalid="ignore"):  # a ray within a triangle's plane is not stopped by it
+    with np.errstate(divide="ignore", invalid="ignore"):  # a ray in a triangle's plane passes it
         u = -np.einsum("tk,ntk->nt", screens[:, 0], across) / volume
         v = points @ turned.T / volume
         share = np.einsum("tk,tk->t", edge2, turned) / volume

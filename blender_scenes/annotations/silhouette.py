@@ -1,4 +1,4 @@
-"""Where a box would be seen if nothing stood before it."""
+"""The silhouette of a box: where it would be visible if nothing were in front of it."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,9 +10,9 @@ from symolo.core.pinhole import project
 
 
 def silhouette(seen: VisibleScene, solid: Solid) -> NDArray[np.bool_]:
-    """(H, W), whether the ray through each pixel's middle meets the box, in closed form, by its three slabs.
+    """Return (H, W) whether the ray through each pixel's middle meets the box, in closed form, by its three slabs.
 
-    Pixels in which the box is seen count in any case: the renderer's rays pass up to 0.005 px beside the middle.
+    Pixels in which the box is visible count in any case: the renderer's rays are up to 0.005 px from the middle.
     """
     mask = seen.instance == solid.instance_id
     rows, columns = _window(seen, solid)
@@ -20,7 +20,7 @@ def silhouette(seen: VisibleScene, solid: Solid) -> NDArray[np.bool_]:
     rays = seen.rays_W[rows, columns] @ X_WO[:3, :3]
     eye = (seen.X_WC[:3, 3] - X_WO[:3, 3]) @ X_WO[:3, :3]
     half = 0.5 * np.array(solid.size_m)
-    with np.errstate(divide="ignore", invalid="ignore"):  # a ray along a slab never cuts it: infinity is right
+    with np.errstate(divide="ignore", invalid="ignore"):  # infinity is right for a ray parallel to a slab
         one, other = (-half - eye) / rays, (half - eye) / rays
     enters, leaves = np.fmin(one, other).max(axis=-1), np.fmax(one, other).min(axis=-1)
     mask[rows, columns] |= (leaves >= enters) & (leaves > 0)
@@ -28,10 +28,10 @@ def silhouette(seen: VisibleScene, solid: Solid) -> NDArray[np.bool_]:
 
 
 def _window(seen: VisibleScene, solid: Solid) -> tuple[slice, slice]:
-    """Rows and columns outside of which the box cannot be; all where a part of it is behind the camera."""
+    """Return rows and columns outside of which the box cannot be; all if a part of it is behind the camera."""
     pixels, depth = project(seen.job.camera, seen.X_WC, solid.corners(seen.pose_X_WI(solid.instance_id)))
     height, width = seen.instance.shape
-    if np.any(depth <= 0) or seen.job.camera.distortion != NO_DISTORTION:  # a bent edge reaches beyond its ends
+    if np.any(depth <= 0) or seen.job.camera.distortion != NO_DISTORTION:  # a distorted edge reaches beyond its ends
         return (slice(0), slice(0)) if np.all(depth <= 0) else (slice(height), slice(width))
     low = np.clip(np.floor(pixels.min(axis=0)), 0, (width, height)).astype(int)
     high = np.clip(np.ceil(pixels.max(axis=0)) + 1, 0, (width, height)).astype(int)
@@ -39,8 +39,8 @@ def _window(seen: VisibleScene, solid: Solid) -> tuple[slice, slice]:
 
 
 def reaches_beyond(seen: VisibleScene, solid: Solid) -> bool:
-    """Whether a part of the box lies beyond the picture's border, or behind the camera."""
+    """Return whether a part of the box is outside the image or behind the camera."""
     pixels, depth = project(seen.job.camera, seen.X_WC, solid.corners(seen.pose_X_WI(solid.instance_id)))
     height, width = seen.instance.shape
-    within = (pixels >= -0.5) & (pixels <= (width - 0.5, height - 0.5))  # never where the lens has no pixel
+    within = (pixels >= -0.5) & (pixels <= (width - 0.5, height - 0.5))  # False where the lens has no pixel
     return bool(np.any(depth <= 0) or not np.all(within))

@@ -1,4 +1,4 @@
-"""The pass without noise: one ray through the middle of each pixel, and the annotations that follow from it."""
+"""Annotations from one ray through the middle of each pixel."""
 
 import time
 from collections.abc import Iterator
@@ -19,11 +19,11 @@ from sensors.camera.views import FrameView
 from symolo.dataset.annotations import annotation_file
 
 _EXR_PIXEL_BYTES = 44
-"""Colour with its cover, index, position and normal, four bytes each."""
+"""Colour with opacity, index, position and normal, four bytes for each component."""
 
 
 def start(job: AnnotationJob, threads: int, scratch: Path) -> None:
-    """Builds the job's geometry and asks Blender for what lies under each pixel, and for no light."""
+    """Build the job's geometry and set Blender's passes for annotations, without light."""
     build.start()
     build.build(job.scene, job.camera)
     engine.configure(job, threads, scratch)
@@ -36,7 +36,7 @@ def start(job: AnnotationJob, threads: int, scratch: Path) -> None:
 
 
 def _black() -> bpy.types.Material:
-    """A surface that neither shines nor scatters: half the time of one that does, although there is no light."""
+    """Return a surface that neither emits nor scatters light, which takes half the time of one that does."""
     made = bpy.data.materials.new("black")
     made.use_nodes = True
     graph = ShaderGraph(made.node_tree)
@@ -46,26 +46,30 @@ def _black() -> bpy.types.Material:
 
 
 def annotate(job: AnnotationJob, view: FrameView, folder: Path) -> Iterator[FrameFile]:
-    """Puts each file of a frame in place below `folder`."""
+    """Put the files of a frame in place below `folder`."""
     begin = time.perf_counter()
     size = job.camera.width_px, job.camera.height_px
     sampling = job.sampling
     pinhole = pinhole_image(job.camera).camera
-    rendered = pinhole.width_px, pinhole.height_px
     channels = engine.traced(
-        view, rendered, _EXR_PIXEL_BYTES, seed=sampling.seed, samples=sampling.samples, denoise=sampling.denoise
+        view,
+        (pinhole.width_px, pinhole.height_px),
+        _EXR_PIXEL_BYTES,
+        seed=sampling.seed,
+        samples=sampling.samples,
+        denoise=sampling.denoise,
     )
     passes = Passes.of(channels, bpy.context.view_layer.name).through_lens(job.camera)
     seen = VisibleScene(job, view, job.following(view.number), passes)
-    wanted = job.files(view.number)
-    for kind, picture_of in IMAGE_ANNOTATIONS.items():
+    names = job.files(view.number)
+    for kind, make_image in IMAGE_ANNOTATIONS.items():
         name = annotation_file(kind, view.number)
-        picture = picture_of(seen) if name in wanted else None
-        if picture is not None:
-            data = encode_png(picture)
+        image = make_image(seen) if name in names else None
+        if image is not None:
+            data = encode_png(image)
             yield _done(view, name, put_in_place(data, folder / name, *size), data, begin)
             begin = time.perf_counter()
-    if (name := record_file(view.number)) in wanted:
+    if (name := record_file(view.number)) in names:
         data = record(seen).to_json()
         yield _done(view, name, put_data_in_place(data, folder / name), data, begin)
 

@@ -1,4 +1,4 @@
-"""The scene's description built in Blender: meshes, lights, sky and camera."""
+"""The scene in Blender: meshes, lights, sky and camera."""
 
 import itertools
 from pathlib import Path
@@ -18,19 +18,19 @@ CAMERA = "C"
 
 
 def start() -> None:
-    """An empty file with nobody's preferences."""
+    """Load an empty file with factory settings."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
 
 
 def build(scene: Scene, camera: Intrinsics, user_files: Path | None = None) -> None:
-    """Fills an empty Blender file; the robot hangs on an empty called `R`, the camera is called `C`.
+    """Fill an empty Blender file. The robot's parts are children of an empty called `R`; the camera is called `C`.
 
-    Moving obstacles are called as `moving_name` says, to be placed for each view. Every mesh has its number, among
-    the scene's meshes, the robot's and the moving ones, as its `pass_index`, from 1. `user_files` is the folder that
-    holds the user's own files by their SHA-256.
+    Moving obstacles have the names of `moving_name` and are placed for each view. The `pass_index` of a mesh is its
+    number from 1, among the scene's meshes, the robot's and the moving ones in this order. `user_files` is the folder
+    of the user's files by their SHA-256.
     """
-    own = UserImages(user_files)
-    materials = {surface.name: material(surface, own) for surface in scene.surfaces}
+    user_images = UserImages(user_files)
+    materials = {surface.name: material(surface, user_images) for surface in scene.surfaces}
     numbers = itertools.count(1)
     for mesh in scene.meshes:
         _mesh(mesh, materials).pass_index = next(numbers)
@@ -46,12 +46,12 @@ def build(scene: Scene, camera: Intrinsics, user_files: Path | None = None) -> N
         _panel(panel)
     if scene.sun is not None:
         _sun(scene.sun)
-    _sky(scene.sky, own)
+    _sky(scene.sky, user_images)
     _camera(camera)
 
 
 def moving_name(number: int) -> str:
-    """Of the scene's moving mesh with this number, from 0; its own may exceed the 63 bytes that Blender keeps."""
+    """Return the name of the moving mesh `number`, from 0; the mesh's own name may exceed Blender's 63 bytes."""
     return f"moving_{number}"
 
 
@@ -76,7 +76,7 @@ def _mesh(mesh: Mesh, materials: dict[str, bpy.types.Material]) -> bpy.types.Obj
 
 
 def _axes(right: tuple, up: tuple, center: tuple) -> Matrix:
-    """A light's local frame: it shines along its own -z, which is right x up."""
+    """Return the pose of a light, which shines along its local -z, the direction of right x up."""
     x, y = np.array(right, float), -np.array(up, float)
     pose = np.eye(4)
     pose[:3, :3] = np.stack([x, y, np.cross(x, y)], axis=1)
@@ -93,7 +93,7 @@ def _panel(panel: Panel) -> None:
     light.energy = peak * np.pi * panel.width_m * panel.height_m
     made = _place(panel.name, light)
     made.matrix_world = _axes(panel.right, panel.up, panel.center)
-    # A pane of glass hands the camera's ray on as one of transmission; shadow rays, which light the floor, are others.
+    # Behind glass a camera ray counts as a transmission ray; the shadow rays that light the floor are another kind.
     made.visible_camera = made.visible_transmission = panel.seen
 
 
@@ -110,14 +110,14 @@ def _sun(sun: Sun) -> None:
     _place("sun", light).matrix_world = Matrix(pose.tolist())
 
 
-def _sky(sky: Sky, own: UserImages) -> None:
+def _sky(sky: Sky, user_images: UserImages) -> None:
     world = bpy.data.worlds.new("sky")
     bpy.context.scene.world = world
     world.cycles.sampling_method = "NONE"
     world.cycles_visibility.diffuse = world.cycles_visibility.glossy = False
     world.use_nodes = True
     graph = ShaderGraph(world.node_tree)
-    image = _shipped(sky.panorama) if sky.mean is None else own.panorama(sky.panorama)
+    image = _shipped(sky.panorama) if sky.mean is None else user_images.panorama(sky.panorama)
     towards = graph.node("ShaderNodeTexCoord").outputs["Generated"]
     turned = graph.node("ShaderNodeMapping", Vector=towards, Rotation=(0.0, 0.0, -sky.yaw_rad))
     texture = graph.node("ShaderNodeTexEnvironment", Vector=turned.outputs[0])
@@ -143,7 +143,7 @@ def _camera(camera: Intrinsics) -> None:
     data.sensor_fit, data.sensor_width = "HORIZONTAL", 36.0
     pinhole = pinhole_image(camera).camera
     data.lens = 36.0 * pinhole.fx_px / pinhole.width_px
-    # Both in widths of the picture; Blender moves the frame over the view, so the axis the other way.
+    # Both are in widths of the image; Blender shifts the frame over the view, so the axis moves the other way.
     data.shift_x = (0.5 * (pinhole.width_px - 1) - pinhole.cx_px) / pinhole.width_px
     data.shift_y = (pinhole.cy_px - 0.5 * (pinhole.height_px - 1)) / pinhole.width_px
     data.clip_start, data.clip_end = 0.001, 1000.0

@@ -1,4 +1,4 @@
-"""Cycles, with every setting that decides a pixel set here, and the linear light of one view read back whole."""
+"""Cycles: all settings on which a pixel depends, and the linear light of a view."""
 
 from pathlib import Path
 
@@ -24,10 +24,10 @@ _EXR_PIXEL_BYTES = 12
 
 
 def configure(job: RenderJob, threads: int, scratch: Path) -> None:
-    """Sets the scene up for the job; the picture's size is set for each view.
+    """Set all options of the scene but the image's size, which is set for each view.
 
     Raises:
-        LookupError: The job is for a graphics card that is not there.
+        LookupError: The job is for a kind of graphics card that the machine does not have.
     """
     if job.sampling.device != "CPU":
         gpus.enable(job.sampling.device)
@@ -100,20 +100,20 @@ def _cycles(cycles: bpy.types.PropertyGroup, sampling: TracingSettings) -> None:
 
 
 class FrameTracer:
-    """The light of a configured job's frames."""
+    """The light of the frames of a configured job."""
 
     def __init__(self, job: RenderJob, threads: int, scratch: Path) -> None:
         self._job = job
-        rendered = pinhole_image(job.camera).camera
-        self._size = rendered.width_px, rendered.height_px
-        self._parts = HybridRenderer(job, threads, scratch) if job.sampling.hybrid else None
+        camera = pinhole_image(job.camera).camera
+        self._size = camera.width_px, camera.height_px
+        self._hybrid = HybridRenderer(job, threads, scratch) if job.sampling.hybrid else None
 
     def light(self, view: FrameView) -> np.ndarray:
-        """(H, W, 3) linear light of one of the job's frames."""
+        """Return the linear light (H, W, 3) of one of the job's frames."""
         job = self._job
         seed = _noise_seed(job.sampling.seed, "frame", view.number)
-        if self._parts is not None:
-            light = self._parts.light(view, seed)
+        if self._hybrid is not None:
+            light = self._hybrid.light(view, seed)
         else:
             light = _light(view, self._size, seed=seed, samples=job.sampling.samples, denoise=job.sampling.denoise)
         light *= np.array(view.light_gain, np.float32)
@@ -121,14 +121,14 @@ class FrameTracer:
 
 
 def metered_light(job: RenderJob) -> np.ndarray:
-    """Light of small pictures of a few of the job's views."""
+    """Return the light of small images of a few of the job's views."""
     small = metering_camera(pinhole_image(job.camera).camera)
     size = small.width_px, small.height_px
-    seen = []
+    lights = []
     for view in metered_views(job.frames):
         seed = _noise_seed(job.sampling.seed, "metering", view.number)
-        seen.append(_light(view, size, seed=seed, samples=_METERING_SAMPLES, denoise=False))
-    return np.concatenate(seen)
+        lights.append(_light(view, size, seed=seed, samples=_METERING_SAMPLES, denoise=False))
+    return np.concatenate(lights)
 
 
 def _noise_seed(seed: int, *path: str | int) -> int:
@@ -136,7 +136,7 @@ def _noise_seed(seed: int, *path: str | int) -> int:
 
 
 def _light(view: FrameView, size: tuple[int, int], *, seed: int, samples: int, denoise: bool) -> np.ndarray:
-    """(H, W, 3) linear light that the camera receives in a view; raises what `traced` does."""
+    """Return the linear light (H, W, 3) of a view; errors are those of `rendered`."""
     channels = traced(view, size, _EXR_PIXEL_BYTES, seed=seed, samples=samples, denoise=denoise)
     return np.stack([channels[name] for name in "RGB"], axis=-1).astype(np.float32)
 
@@ -144,7 +144,7 @@ def _light(view: FrameView, size: tuple[int, int], *, seed: int, samples: int, d
 def traced(
     view: FrameView, size: tuple[int, int], pixel_bytes: int, *, seed: int, samples: int, denoise: bool
 ) -> dict[str, np.ndarray]:
-    """Channel name -> (H, W) of what Blender writes of a view; `pixel_bytes` and errors as `rendered` has them."""
+    """Return the channels (H, W) of a rendered view by name; for `pixel_bytes` and errors see `rendered`."""
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = size
     scene.cycles.seed, scene.cycles.samples, scene.cycles.use_denoising = seed, samples, denoise

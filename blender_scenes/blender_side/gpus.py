@@ -8,24 +8,24 @@ from blender_scenes.render.devices import GPU_KINDS, LISTED
 
 
 def listed() -> dict[str, list[str]]:
-    """Names of cards by kind, of kinds that have any."""
+    """Return the names of the cards by kind."""
     preferences = bpy.context.preferences.addons["cycles"].preferences
-    found = {}
+    cards = {}
     for kind in GPU_KINDS:
         try:
             names = [device.name for device in preferences.get_devices_for_type(kind) if device.type == kind]
         except (TypeError, ValueError, RuntimeError):  # a kind that this build of Blender does not know
             continue
         if names:
-            found[kind] = names
-    return found
+            cards[kind] = names
+    return cards
 
 
 def enable(kind: str) -> None:
-    """Let Cycles use all cards of a kind, and nothing beside them.
+    """Let Cycles use all cards of a kind and no other device.
 
     Raises:
-        LookupError: There is none.
+        LookupError: The machine has no such card.
     """
     if kind not in listed():
         raise LookupError(f"Cycles finds no graphics card by {kind}")

@@ -1,4 +1,4 @@
-"""Blender loaded with no more threads than it is to render with."""
+"""Import of Blender with a limited number of threads."""
 
 import contextlib
 import os
@@ -6,20 +6,20 @@ from pathlib import Path
 
 
 def load_bpy(threads: int) -> None:
-    """Import bpy; the process may use the same cores before and after.
+    """Import bpy while the process is limited to so many cores.
 
-    Its task scheduler, oneTBB, makes a pool for all cores that the process may use when it is loaded. Cycles then lets
-    in as many threads as it is told to use, and one that is kept out asks for work without end (`sched_yield`), which
-    took 0.7 of a core from the others.
+    Its task scheduler, oneTBB, creates a thread for each core that the process may use at the time of the import.
+    Cycles later admits only its own number of threads, and another thread that waits for admission polls
+    (`sched_yield`), which took 0.7 of a core from the others.
 
     Raises:
-        ImportError: bpy, or a library that it needs, is not there.
+        ImportError: bpy or a library that it needs is missing.
     """
     cores = os.sched_getaffinity(0)
     os.sched_setaffinity(0, sorted(cores)[:threads])
     try:
         import bpy  # noqa: F401, PLC0415 - the moment matters
     finally:
-        for task in Path("/proc/self/task").iterdir():  # what the libraries have started meanwhile too
+        for task in Path("/proc/self/task").iterdir():  # includes the threads that the libraries have started
             with contextlib.suppress(ProcessLookupError):  # one that has just ended
                 os.sched_setaffinity(int(task.name), cores)

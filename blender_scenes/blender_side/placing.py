@@ -1,4 +1,4 @@
-"""Camera, robot and moving obstacles put where a view has them, at rest or moving while the shutter is open."""
+"""Poses of camera, robot and moving obstacles in a view, at rest or moving during the exposure."""
 
 import bpy
 import numpy as np
@@ -10,17 +10,17 @@ from sensors.camera.views import FrameView, Moment
 from symolo.core.poses import pose_X_WR
 
 _FRAME = 1
-"""Of Blender's time line; the window is one frame long and centred on it."""
+"""Frame of Blender's time line; the exposure window is one frame long and centred on it."""
 
 
 def open_shutter(exposure: Window) -> None:
-    """Cycles' shutter for all views that have an exposure; `place` says when it is used."""
+    """Set Cycles' shutter for all views with an exposure; `place` switches it on."""
     scene = bpy.context.scene
     render, cycles = scene.render, scene.cycles
     render.motion_blur_position, render.motion_blur_shutter = "CENTER", 1.0
     curve = render.motion_blur_shutter_curve.curves[0]
     for point in curve.points:
-        point.location[1] = 1.0  # open at once, and all of it
+        point.location[1] = 1.0  # fully open from the start
     cycles.rolling_shutter_type = "NONE" if exposure.row_share == 1.0 else "TOP"
     cycles.rolling_shutter_duration = exposure.row_share
     for thing in bpy.data.objects:
@@ -29,35 +29,35 @@ def open_shutter(exposure: Window) -> None:
 
 
 def place(view: FrameView) -> None:
-    """Puts everything in its place, and switches motion blur on where the view has an exposure."""
+    """Put everything in its place, and switch motion blur on if the view has an exposure."""
     bpy.context.scene.render.use_motion_blur = bool(view.exposure)
     moments = view.exposure or (Moment(view.robot_pose, view.X_WC, view.moving),)
-    # Blender's camera looks along its own -z with y up: the optical frame turned half a turn about x.
+    # Blender's camera looks along its -z with y up: the optical frame after half a turn about x.
     poses = {CAMERA: [np.array(moment.X_WC) @ np.diag([1.0, -1.0, -1.0, 1.0]) for moment in moments]}
     poses[ROBOT] = [pose_X_WR(*moment.robot_pose) for moment in moments]
     for number in range(len(view.moving)):
         poses[moving_name(number)] = [pose_X_WR(*moment.moving[number]) for moment in moments]
-    for name, way in poses.items():
+    for name, motion in poses.items():
         thing = bpy.data.objects[name]
         _clear(thing)
         if view.exposure:
-            _lead(thing, way)
+            _animate(thing, motion)
         else:
-            thing.matrix_world = Matrix(way[0].tolist())
+            thing.matrix_world = Matrix(motion[0].tolist())
 
 
 def _clear(thing: bpy.types.Object) -> None:
-    """Of its keys, which Blender would keep for all views when nothing uses them any more."""
+    """Delete the keyframes of an object, which Blender would keep even when nothing uses them any more."""
     action = thing.animation_data.action if thing.animation_data else None
     thing.animation_data_clear()
     if action is not None:
         bpy.data.actions.remove(action)
 
 
-def _lead(thing: bpy.types.Object, way: list[np.ndarray]) -> None:
-    """Keys at even times over the window, straight lines from one to the next."""
+def _animate(thing: bpy.types.Object, motion: list[np.ndarray]) -> None:
+    """Set keyframes at equal distances over the window, with linear interpolation."""
     thing.rotation_mode = "QUATERNION"
-    for number, pose in enumerate(way):
+    for number, pose in enumerate(motion):
         before = thing.rotation_quaternion.copy()
         thing.matrix_world = Matrix(pose.tolist())
         if number:

@@ -1,4 +1,4 @@
-"""Surfaces to Blender materials: each texture expression becomes one node, equal ones share it."""
+"""Conversion of surfaces to Blender materials: each texture expression becomes a node, which equal ones share."""
 
 from collections.abc import Callable
 
@@ -28,10 +28,10 @@ _CELLS = {"distance": ("F1", "Distance"), "edge": ("DISTANCE_TO_EDGE", "Distance
 class ShaderGraph:
     """Compiles the expressions of one material."""
 
-    def __init__(self, tree: bpy.types.NodeTree, own: UserImages | None = None) -> None:
+    def __init__(self, tree: bpy.types.NodeTree, user_images: UserImages | None = None) -> None:
         tree.nodes.clear()
         self._tree = tree
-        self._own = own or UserImages(None)
+        self._user_images = user_images or UserImages(None)
         self._sockets: dict[Expression, bpy.types.NodeSocket] = {}
         self._uv: bpy.types.NodeSocket | None = None
         self._compilers: dict[type, Callable] = {
@@ -41,14 +41,14 @@ class ShaderGraph:
             NoiseTexture: self._noise,
             Cells: self._cells,
             Tiles: self._tiles,
-            ImageTexture: self._picture,
+            ImageTexture: self._image_texture,
             Arithmetic: self._arithmetic,
             Step: self._step,
             Mix: self._mix,
         }
 
     def node(self, kind: str, **inputs: object) -> bpy.types.Node:
-        """A new node with values or sockets for its inputs, named as Blender names them, spaces as underscores."""
+        """Return a new node with values or sockets for its inputs, by Blender's names with underscores for spaces."""
         node = self._tree.nodes.new(kind)
         for name, value in inputs.items():
             self.feed(node.inputs[name.replace("_", " ")], value)
@@ -90,11 +90,11 @@ class ShaderGraph:
     def _placed(
         self, per_m: tuple[float, float], offset: tuple[float, float], turn_rad: float = 0.0
     ) -> bpy.types.NodeSocket:
-        """Surface coordinates turned, then scaled to features and moved."""
+        """Return the surface coordinates turned, scaled to features and shifted."""
         at = self._surface_coordinates()
         if turn_rad:
             at = self.node("ShaderNodeMapping", Vector=at, Rotation=(0.0, 0.0, -turn_rad)).outputs[0]
-        # Cheaper than a mapping node, which works out a rotation for every sample.
+        # Faster than a mapping node, which computes a rotation for every sample.
         moved = self._tree.nodes.new("ShaderNodeVectorMath")
         moved.operation = "MULTIPLY_ADD"
         for socket, value in zip(moved.inputs, (at, (*per_m, 1.0), (*offset, 0.0)), strict=False):
@@ -147,9 +147,9 @@ class ShaderGraph:
             return node.outputs["Fac"]
         return self.node("ShaderNodeSeparateColor", Color=node.outputs["Color"]).outputs[0]
 
-    def _picture(self, e: ImageTexture) -> bpy.types.NodeSocket:
+    def _image_texture(self, e: ImageTexture) -> bpy.types.NodeSocket:
         node = self.node("ShaderNodeTexImage")
-        node.image, node.interpolation, node.extension = self._own.picture(e.sha256), "Linear", "REPEAT"
+        node.image, node.interpolation, node.extension = self._user_images.image(e.sha256), "Linear", "REPEAT"
         (width, height), (u, v) = e.size_m, e.at_m
         self.feed(node.inputs["Vector"], self._placed((1 / width, 1 / height), (-u / width, -v / height)))
         return node.outputs["Color"]
@@ -178,11 +178,11 @@ class ShaderGraph:
         return node.outputs[2]
 
 
-def material(surface: Surface, own: UserImages | None = None) -> bpy.types.Material:
-    """The Blender material of a surface."""
+def material(surface: Surface, user_images: UserImages | None = None) -> bpy.types.Material:
+    """Return the Blender material of a surface."""
     made = bpy.data.materials.new(surface.name)
     made.use_nodes = True
-    graph = ShaderGraph(made.node_tree, own)
+    graph = ShaderGraph(made.node_tree, user_images)
     values = {
         "Base Color": surface.base_color,
         "Roughness": surface.roughness,
@@ -199,11 +199,11 @@ def material(surface: Surface, own: UserImages | None = None) -> bpy.types.Mater
     lit = shader.outputs[0]
     rays = graph.node("ShaderNodeLightPath")
     if surface.transmission > 0:
-        # Without caustics a clear body would throw the shadow of a black one: light goes straight through instead.
+        # Without caustics a clear body would have the shadow of a black one: light goes straight through instead.
         clear = graph.node("ShaderNodeBsdfTransparent", Color=surface.base_color)
         lit = _instead(graph, lit, clear, rays.outputs["Is Shadow Ray"])
     else:
-        # Light that is on its way to another surface need not know the grain of this one: a quarter of the time less.
+        # Light that is reflected to another surface needs no texture of this one: that saves a quarter of the time.
         plain = graph.node("ShaderNodeBsdfDiffuse", Color=(*typical_color(surface), 1.0))
         lit = _instead(graph, lit, plain, rays.outputs["Is Diffuse Ray"])
     graph.node("ShaderNodeOutputMaterial", Surface=lit).is_active_output = True
@@ -213,7 +213,7 @@ def material(surface: Surface, own: UserImages | None = None) -> bpy.types.Mater
 def _instead(
     graph: ShaderGraph, shader: bpy.types.NodeSocket, other: bpy.types.Node, rays: bpy.types.NodeSocket
 ) -> bpy.types.NodeSocket:
-    """The shader, for the named rays the other one."""
+    """Return the shader, replaced by the other one for some rays."""
     mix = graph.node("ShaderNodeMixShader", Fac=rays)
     graph.feed(mix.inputs[1], shader)
     graph.feed(mix.inputs[2], other.outputs[0])

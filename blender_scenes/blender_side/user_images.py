@@ -1,4 +1,4 @@
-"""The user's own files as Blender's images. Blender reads none of them: every renderer sees the same pixels."""
+"""The user's files as Blender's images. We decode them, not Blender, so that all renderers see the same pixels."""
 
 from pathlib import Path
 
@@ -11,14 +11,14 @@ from configs.assets.panoramas import read_panorama
 
 
 class UserImages:
-    """Images by SHA-256, each made once for a Blender file."""
+    """Blender's images by the SHA-256 of their files, each made once."""
 
     def __init__(self, folder: Path | None) -> None:
         self._folder = folder
         self._made: dict[str, bpy.types.Image] = {}
 
-    def picture(self, sha256: str) -> bpy.types.Image:
-        """8-bit; Cycles undoes the sRGB transfer."""
+    def image(self, sha256: str) -> bpy.types.Image:
+        """Return an 8-bit image; Cycles decodes sRGB."""
         if sha256 not in self._made:
             pixels = read_image(read_user_file(self._folder, sha256))
             self._made[sha256] = _image(sha256, pixels.astype(np.float32) / 255, "sRGB", in_floats=False)
@@ -32,9 +32,9 @@ class UserImages:
 
 
 def _image(sha256: str, pixels: np.ndarray, color_space: str, *, in_floats: bool) -> bpy.types.Image:
-    """Of (H, W, 3), the first row at the top; Blender's comes last, and each has an opacity."""
+    """Return pixels (H, W, 3) as an image of Blender, which begins with the lowest row and has an opacity."""
     height, width, _ = pixels.shape
-    # Blender keeps 63 bytes of a name, one less than a digest has.
+    # A digest has 64 characters, and Blender keeps 63 bytes of a name.
     image = bpy.data.images.new(sha256[:32], width, height, alpha=False, float_buffer=in_floats)
     image.colorspace_settings.name = color_space
     opaque = np.ones((height, width, 4), np.float32)

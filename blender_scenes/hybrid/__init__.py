@@ -1,1 +1,1 @@
-"""Hybrid rendering: an image assembled from light maps and separately traced parts."""
+"""Hybrid rendering: images from maps of the floor, light of few samples, and separately traced surfaces."""

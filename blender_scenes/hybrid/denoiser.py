@@ -1,6 +1,6 @@
-"""Intel's Open Image Denoise as bpy brings it, with guides of our own.
+"""Intel's Open Image Denoise in the build of bpy, with our guides.
 
-API: https://www.openimagedenoise.org/documentation.html, "RT" filter.
+Blender offers it only for its own passes. API: https://www.openimagedenoise.org/documentation.html, "RT" filter.
 """
 
 import ctypes
@@ -19,13 +19,13 @@ _INPUTS = ("color", "albedo", "normal")
 
 
 class Denoiser:
-    """Takes the noise off pictures, the guides of which are taken for free of it.
+    """A denoiser of images with guides that have no noise.
 
-    A filter and its pictures are kept for each size that has been asked for: to make one costs more than to use it.
+    It keeps a filter with its buffers for each image size, because a new filter takes more time than its use.
     """
 
     def __init__(self, threads: int, quality: Literal["BALANCED", "HIGH"]) -> None:
-        """Raises FileNotFoundError: bpy is missing, or brings no such library."""
+        """Load the library; raise FileNotFoundError if bpy or the library is missing."""
         self._library, self._quality = _library(), _QUALITIES[quality]
         self._device = self._library.oidnNewDevice(_CPU)
         self._library.oidnSetDeviceInt(self._device, b"numThreads", threads)
@@ -34,16 +34,16 @@ class Denoiser:
         self._filters: dict[tuple[int, ...], tuple[int, dict[str, Image]]] = {}
 
     def __call__(self, light: Image, normal: Image, albedo: Image | None = None) -> Image:
-        """(H, W, 3) linear light without its noise; an albedo of None is white.
+        """Return linear light (H, W, 3) without its noise; an albedo of None is white.
 
         Raises:
             RuntimeError: The library reports an error.
         """
-        made, images = self._filter(light.shape)
+        denoise, images = self._filter(light.shape)
         white = np.float32(1.0)
         for name, image in zip(_INPUTS, (light, white if albedo is None else albedo, normal), strict=True):
             images[name][...] = image
-        self._library.oidnExecuteFilter(made)
+        self._library.oidnExecuteFilter(denoise)
         self._require_success()
         return images["output"].copy()
 
@@ -51,16 +51,16 @@ class Denoiser:
         if shape not in self._filters:
             height, width, _ = shape
             images = {name: np.zeros(shape, np.float32) for name in (*_INPUTS, "output")}
-            made = self._library.oidnNewFilter(self._device, b"RT")
+            new = self._library.oidnNewFilter(self._device, b"RT")
             for name, image in images.items():
                 place = name.encode(), image.ctypes.data, _FLOAT3
-                self._library.oidnSetSharedFilterImage(made, *place, width, height, 0, 0, 0)
+                self._library.oidnSetSharedFilterImage(new, *place, width, height, 0, 0, 0)
             for name in (b"hdr", b"cleanAux"):
-                self._library.oidnSetFilterBool(made, name, True)  # noqa: FBT003 - a C function's
-            self._library.oidnSetFilterInt(made, b"quality", self._quality)
-            self._library.oidnCommitFilter(made)
+                self._library.oidnSetFilterBool(new, name, True)  # noqa: FBT003 - a C function's
+            self._library.oidnSetFilterInt(new, b"quality", self._quality)
+            self._library.oidnCommitFilter(new)
             self._require_success()
-            self._filters[shape] = made, images
+            self._filters[shape] = new, images
         return self._filters[shape]
 
     def _require_success(self) -> None:

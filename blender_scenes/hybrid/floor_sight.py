@@ -1,4 +1,4 @@
-"""Which points of the floor the pixels of a picture see, while the shutter is open and all over their filter."""
+"""The points of the floor that the pixels of an image see, during the exposure and all over their filter."""
 
 from dataclasses import dataclass
 
@@ -13,61 +13,62 @@ from symolo.core.poses import pose_X_WR
 
 Image = NDArray[np.float32]
 _MAX_BYTES = 128 * 2**20
-"""Of what is kept from frame to frame."""
+"""Maximum size of what is kept from frame to frame."""
 _POINTS = 3
-"""Of a pixel's filter from left to right."""
+"""Number of points of a pixel's filter from left to right."""
 _CYCLES_FILTER = 2.0
 """Cycles' Blackman-Harris filter reaches this many half widths from the pixel's middle (scene/film.cpp)."""
 _TURNS = (1, 6, 5, 8, 4, 0, 3, 2, 7)
-"""When each of 3 x 3 points has its time, row by row: a magic square, so that no side of the filter is early."""
+"""Order in time of 3 x 3 points, row by row: a magic square, so that all sides of the filter have one mean time."""
 
 
 @dataclass(frozen=True)
 class FilterPoint:
-    """A share of a pixel's light."""
+    """A point of a pixel's filter."""
 
     right_px: float
-    """From the pixel's middle."""
+    """Offset to the right of the pixel's middle."""
     down_px: float
+    """Offset below the pixel's middle."""
     time: float
-    """In its exposure, 0 to 1."""
+    """Time in its exposure, 0 to 1."""
 
 
 MIDDLE = FilterPoint(0.0, 0.0, 0.5)
 
 
 def filter_points(width_px: float, squares: int = 1) -> tuple[FilterPoint, ...]:
-    """Points for equal shares of Cycles' Blackman-Harris filter of a width: so many times three rows of three."""
+    """Return points with equal shares of Cycles' Blackman-Harris filter of that width, 3 x 3 for each square."""
     reach = 0.5 * _CYCLES_FILTER * width_px
     at = np.linspace(-reach, reach, 4001)
     turn = np.pi * (at / reach + 1)
     weight = 0.35875 - 0.48829 * np.cos(turn) + 0.14128 * np.cos(2 * turn) - 0.01168 * np.cos(3 * turn)
     share = np.cumsum(weight) / weight.sum()
     across, down = (np.interp((np.arange(n) + 0.5) / n, share, at).tolist() for n in (_POINTS, squares * _POINTS))
-    found = []
+    points = []
     for row, down_px in enumerate(down):
-        # Rows of the squares in turns; every other square stands on its head.
+        # The squares' rows alternate; every other square is upside down.
         square, place = row % squares, row // squares
         turns = _TURNS[:: -1 if square % 2 else 1][place * _POINTS :][:_POINTS]
         times = [(turn * squares + square + 0.5) / (len(_TURNS) * squares) for turn in turns]
-        found += [FilterPoint(right_px, down_px, time) for right_px, time in zip(across, times, strict=True)]
-    return tuple(found)
+        points += [FilterPoint(right_px, down_px, time) for right_px, time in zip(across, times, strict=True)]
+    return tuple(points)
 
 
 class FloorSight:
     def __init__(self, camera: Intrinsics, view: FrameView, row_share: float) -> None:
-        """Of a camera without distortion, on the robot as any view has it; `row_share` as `shutter.Window` has it."""
+        """Take a camera without distortion, a view for its pose on the robot, and `row_share` of `shutter.Window`."""
         self._camera, self._row_share = camera, row_share
         self._X_RC = np.linalg.inv(pose_X_WR(*view.robot_pose)) @ np.array(view.X_WC)
-        self._kept: dict[tuple[float, float], Image] = {}
-        self._max_kept = _MAX_BYTES // (2 * np.dtype(np.float32).itemsize * camera.width_px * camera.height_px)
+        self._cache: dict[tuple[float, float], Image] = {}
+        self._max_cached = _MAX_BYTES // (2 * np.dtype(np.float32).itemsize * camera.width_px * camera.height_px)
 
     def depth_m(self) -> Image:
-        """(H, W) of the floor along the optical axis in the middle of each pixel; NaN above the horizon."""
+        """Return the depth (H, W) of the floor in the middle of each pixel; NaN above the horizon."""
         return (-self._X_RC[2, 3] / self._rays(0.0, 0.0)[2]).astype(np.float32)
 
     def pixel_m(self) -> tuple[Image, Image]:
-        """(H, W) of the floor that a pixel covers across the view and along it; NaN above the horizon.
+        """Return the size of the floor (H, W) that a pixel covers across and along the view; NaN above the horizon.
 
         At the depth z a pixel covers z^3 / (f^2 h) of a plane at the distance h, and z / f across.
         """
@@ -76,17 +77,17 @@ class FloorSight:
         return across_m, across_m * depth_m / np.float32(self._X_RC[2, 3])
 
     def points(self, view: FrameView, point: FilterPoint, rows: slice = slice(None)) -> Image:
-        """(H, W, 2) x and y in W [m] of what each pixel sees of the floor, in some rows; NaN above the horizon."""
-        x, y, yaw = (one[rows, None] for one in self._robot_poses(view, point.time))
+        """Return x and y in W (H, W, 2) [m] of the floor that pixels see, in some rows; NaN above the horizon."""
+        x, y, yaw = (values[rows, None] for values in self._robot_poses(view, point.time))
         ahead, left = self._in_robot(point.right_px, point.down_px, rows)
         cosine, sine = np.cos(yaw).astype(np.float32), np.sin(yaw).astype(np.float32)
-        found = np.empty((2, *ahead.shape), np.float32)
-        found[0] = cosine * ahead - sine * left + x.astype(np.float32)
-        found[1] = sine * ahead + cosine * left + y.astype(np.float32)
-        return np.moveaxis(found, 0, -1)
+        points = np.empty((2, *ahead.shape), np.float32)
+        points[0] = cosine * ahead - sine * left + x.astype(np.float32)
+        points[1] = sine * ahead + cosine * left + y.astype(np.float32)
+        return np.moveaxis(points, 0, -1)
 
     def _robot_poses(self, view: FrameView, time: float) -> tuple[Array, Array, Array]:
-        """(H,) x, y and yaw at a share of each row's exposure; Cycles' rolling shutter as in `shutter.window`."""
+        """Return x, y and yaw (H,) at a share of each row's exposure; `shutter.window` explains Cycles' shutter."""
         rows = self._camera.height_px
         if not view.exposure:
             x, y, yaw = view.robot_pose
@@ -98,11 +99,11 @@ class FloorSight:
         return np.interp(at, known, x), np.interp(at, known, y), np.interp(at, known, np.unwrap(yaw))
 
     def _in_robot(self, right_px: float, down_px: float, rows: slice) -> Image:
-        """(2, rows, W) x and y, the same in every frame; of large pictures those of the first points alone are kept."""
+        """Return x and y in R (2, rows, W), equal in every frame; large images keep those of some points only."""
         at = right_px, down_px
-        if at not in self._kept and len(self._kept) < self._max_kept:
-            self._kept[at] = self._seen_in_robot(*at, slice(None))
-        return self._kept[at][:, rows] if at in self._kept else self._seen_in_robot(*at, rows)
+        if at not in self._cache and len(self._cache) < self._max_cached:
+            self._cache[at] = self._seen_in_robot(*at, slice(None))
+        return self._cache[at][:, rows] if at in self._cache else self._seen_in_robot(*at, rows)
 
     def _seen_in_robot(self, right_px: float, down_px: float, rows: slice) -> Image:
         ahead, left, down = self._rays(right_px, down_px, rows)
@@ -111,7 +112,7 @@ class FloorSight:
         return np.stack([x_m - reach * ahead, y_m - reach * left], dtype=np.float32, casting="same_kind")
 
     def _rays(self, right_px: float, down_px: float, rows: slice = slice(None)) -> tuple[Array, Array, Array]:
-        """Three (rows, W), x, y and z in R of each pixel's ray of depth 1; z is NaN where that meets no floor."""
+        """Return x, y and z in R (rows, W) of each pixel's ray of depth 1; z is NaN where it misses the floor."""
         camera = self._camera
         x = (np.arange(camera.width_px) + right_px - camera.cx_px) / camera.fx_px
         y = (np.arange(camera.height_px)[rows] + down_px - camera.cy_px) / camera.fy_px

@@ -1,6 +1,6 @@
-"""Values that follow a guide, told as lines: what a picture of few pixels says of one of many.
+"""Values of a small image as linear functions of a guide, for a larger image whose guide is known.
 
-He, Sun, Tang, Guided Image Filtering, IEEE Trans. Pattern Anal. Mach. Intell. 35(6), 2013; weighted here.
+He, Sun, Tang, Guided Image Filtering, IEEE Trans. Pattern Anal. Mach. Intell. 35(6), 2013; here with weights.
 """
 
 import cv2
@@ -10,19 +10,19 @@ from numpy.typing import NDArray
 Image = NDArray[np.float32]
 
 _SPREAD_PX = 1.5
-"""Standard deviation of what is around a pixel."""
+"""Standard deviation of a pixel's neighbourhood."""
 _MIN_VARIANCE = np.float32(1e-4)
-"""Of the guide: where it varies less, values are taken not to follow it."""
+"""Variance of the guide below which values do not follow it."""
 _MIN_WEIGHT = np.float32(1e-3)
 
 
 def local_lines(values: Image, guide: Image, weight: Image) -> Image:
-    """(H, W, 2 K): slopes by which the values around each pixel follow the guide, and where the lines are at its own.
+    """Return (H, W, 2 K): the slope of the values around each pixel over the guide, and the line's value at its guide.
 
     Args:
         values: (H, W, K).
-        guide: (H, W, 1), in 0 to 1.
-        weight: (H, W, 1), what each pixel counts for; where nothing around does, slopes are 0 and lines at its values.
+        guide: (H, W, 1), from 0 to 1.
+        weight: (H, W, 1), weight of each pixel; without any weight around, the slope is 0 and the value the pixel's.
     """
     channels = values.shape[-1]
     moments = np.concatenate([weight, guide * weight, guide**2 * weight, values * weight, guide * values * weight], -1)
@@ -31,5 +31,5 @@ def local_lines(values: Image, guide: Image, weight: Image) -> Image:
     means = around[..., 1:] / np.maximum(total, _MIN_WEIGHT)
     mean, square, of_values, product = np.split(means, [1, 2, 2 + channels], axis=-1)
     slope = (product - mean * of_values) / (np.maximum(square - mean**2, 0) + _MIN_VARIANCE)
-    told = total > _MIN_WEIGHT
-    return np.concatenate([np.where(told, slope, 0), np.where(told, of_values + slope * (guide - mean), values)], -1)
+    known = total > _MIN_WEIGHT
+    return np.concatenate([np.where(known, slope, 0), np.where(known, of_values + slope * (guide - mean), values)], -1)

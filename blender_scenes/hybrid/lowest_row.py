@@ -1,4 +1,4 @@
-"""How far down a picture things reach, by their edges."""
+"""The lowest row of an image in which meshes are visible, by their edges."""
 
 from collections.abc import Sequence
 
@@ -12,16 +12,16 @@ from symolo.core.pinhole import Intrinsics
 from symolo.core.poses import pose_X_WR
 
 _BEYOND_PX = 2.0
-"""The picture's borders, by which its filter sees a little."""
+"""Distance beyond the image's borders within which things are visible through the pixel filter."""
 _NEAREST_M = 1e-3
-"""Along the optical axis."""
+"""Minimum depth of a visible point."""
 
 
 class EdgesInSight:
     def __init__(
         self, camera: Intrinsics, standing: Sequence[Mesh], moving: Sequence[Mesh], on_robot: Sequence[Mesh] = ()
     ) -> None:
-        """Of what stands, in W, and of what moves or is on the robot, as a view places it; of a camera without lens."""
+        """Take the edges of meshes in W, of moving meshes, and of the robot; the camera has no distortion."""
         self._camera = camera
         self._standing = _edges(standing)
         self._moving = [_edges(on_robot), *(_edges([mesh]) for mesh in moving)]
@@ -30,10 +30,10 @@ class EdgesInSight:
         self._sides = np.array([(camera.fx_px, 0.0, -left), (-camera.fx_px, 0.0, right)])
 
     def lowest_row(self, view: FrameView) -> int:
-        """The last row that has a piece of an edge, the picture's height at most; -1 where none is in sight.
+        """Return the last row with a piece of an edge, at most the image's height; -1 without any.
 
-        Edges hidden by other things count too, and those at any moment of the exposure. A face that fills the picture
-        without an edge in it is not told.
+        Hidden edges count as well, at all moments of the exposure. A face that fills the image without a visible edge
+        is not detected.
         """
         moments = view.exposure or (Moment(view.robot_pose, view.X_WC, view.moving),)
         return max(self._lowest(moment) for moment in moments)
@@ -58,9 +58,9 @@ class EdgesInSight:
 
 
 def _edges(meshes: Sequence[Mesh]) -> NDArray[np.float64]:
-    """(N, 2, 3) both ends of each edge of each face, once."""
-    found: list[Array] = [np.zeros((0, 2, 3))]
+    """Return both ends (N, 2, 3) of each edge of the faces, once per mesh."""
+    ends: list[Array] = [np.zeros((0, 2, 3))]
     for mesh in meshes:
         pairs = {tuple(sorted(pair)) for face in mesh.faces for pair in zip(face, (*face[1:], face[0]), strict=True)}
-        found.append(np.array(mesh.vertices, float)[np.array(sorted(pairs), int)])
-    return np.concatenate(found)
+        ends.append(np.array(mesh.vertices, float)[np.array(sorted(pairs), int)])
+    return np.concatenate(ends)

@@ -1,6 +1,6 @@
-"""What lies on a plane as tiles of several finenesses, each made when it is first looked at.
+"""Maps of a plane as tiles of several resolutions, each made when it is first needed.
 
-A tile depends on its place alone, so that whichever process looks at it first sees the same.
+A tile depends only on its place, so that all processes get the same tile.
 """
 
 from collections import OrderedDict
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 Image = NDArray[np.float32]
 
 _STEPS = 32
-"""Of OpenCV's bilinear interpolation from one texel to the next."""
+"""Steps of OpenCV's bilinear interpolation between two texels."""
 
 
 @dataclass(frozen=True)
@@ -25,40 +25,36 @@ class Tile:
     """Lower left corner [m]."""
     texel_m: float
     texels: int
-    """Along a side."""
+    """Number of texels along a side."""
     key: tuple[int, int, int]
     """Level, column and row."""
 
     def widened(self) -> "Tile":
-        """By a texel on each side."""
+        """Return the tile with another texel on each side."""
         x, y = self.low
         return Tile((x - self.texel_m, y - self.texel_m), self.texel_m, self.texels + 2, self.key)
 
 
 Make = Callable[[Tile], Image]
-"""(N, N, K) of a tile, rows along y."""
+"""Function that makes the texels (N, N, K) of a tile, rows along y."""
 Unpack = Callable[[Image], Image]
-
-
-def _as_it_is(tile: Image) -> Image:
-    return tile
 
 
 @dataclass(frozen=True)
 class Tiling:
     texel_m: float
-    """Of level 0; that of each level is twice the one before."""
+    """Size of a texel on level 0; it doubles from level to level."""
     levels: int
     core: int
-    """Texels along a side of a tile."""
+    """Number of texels along a side of a tile without its margin."""
     margin: int = 0
-    """More of them on each side, over which a tile passes into its neighbours."""
+    """Number of further texels on each side, over which a tile blends into its neighbours."""
 
     def side(self) -> int:
         return self.core + 2 * self.margin
 
     def shares(self) -> Image:
-        """(side,) what a tile counts for along an axis; those of all tiles together are 1 everywhere."""
+        """Return the weight (side,) of a tile along an axis; the weights of all tiles sum to 1 everywhere."""
         if not self.margin:
             return np.ones(self.core, np.float32)
         rise = (np.arange(2 * self.margin) + 0.5) / (2 * self.margin)
@@ -68,17 +64,17 @@ class Tiling:
 
 @dataclass(frozen=True)
 class MapPatch:
-    """Tiles of one level side by side."""
+    """Neighbouring tiles of one level as one image."""
 
     first: NDArray[np.int64]
-    """Column and row of its first texel among all of the plane's."""
+    """Column and row of its first texel on the plane."""
     texel_m: float
     texels: Image
-    """(H, W, K), NaN where no tile was asked for."""
+    """(H, W, K), NaN where no tile was needed."""
 
     def at(self, points: NDArray[np.floating]) -> Image:
-        """(..., K) between the texels at points (M, N, 2) [m]."""
-        # OpenCV's own steps, taken before the patch's corner is: single precision holds them, wherever that is.
+        """Return the interpolated values (M, N, K) at points (M, N, 2) [m]."""
+        # Rounding to OpenCV's steps before the corner is subtracted makes the result independent of the corner.
         where = points * (_STEPS / self.texel_m)
         where -= 0.5 * _STEPS
         np.rint(where, out=where)
@@ -86,63 +82,60 @@ class MapPatch:
         where -= self.first.astype(where.dtype)
         u, v = (np.ascontiguousarray(where[..., axis], np.float32) for axis in (0, 1))
         beyond = (np.nan,) * 4
-        found = cv2.remap(self.texels, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=beyond)
-        return found.astype(np.float32, copy=False)
+        values = cv2.remap(self.texels, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=beyond)
+        return values.astype(np.float32, copy=False)
 
 
 class TiledMap:
-    def __init__(self, tiling: Tiling, make: Make, max_bytes: int, unpack: Unpack = _as_it_is) -> None:
-        """Tiles are kept as 16-bit floats, up to so many bytes; `unpack` makes of them what is looked up."""
+    def __init__(self, tiling: Tiling, make: Make, max_bytes: int, unpack: Unpack = np.asarray) -> None:
+        """Keep tiles as 16-bit floats, up to so many bytes; `unpack` makes from them the values of a patch."""
         self.tiling = tiling
         self._make, self._max_bytes, self._unpack = make, max_bytes, unpack
         self._tiles: OrderedDict[tuple[int, int, int], NDArray[np.float16]] = OrderedDict()
         self._bytes = 0
         self._last: dict[int, tuple[set[tuple[int, int]], MapPatch]] = {}
-        """Of each level: a picture looks at much the same tiles as the one before."""
+        """Tiles and patch of the last look-up on each level; an image needs mostly the same tiles as the one before."""
 
     def patch(self, level: int, points: NDArray[np.floating]) -> MapPatch:
-        """Where these points (..., 2) [m] can be looked up."""
-        own = self.tiling
-        texel_m = own.texel_m * 2**level
-        reach = own.margin + 2
-        found = _tiles_at(points.reshape(-1, 2) / texel_m, reach, own.core)
-        wanted = {(i, j) for i, j in found.tolist()}
-        there, patch = self._last.get(level, (set(), None))
-        if patch is None or not wanted <= there:
-            there, patch = self._laid_out(level, found, there, patch)
-            self._last[level] = there, patch
+        """Return a patch in which these points (..., 2) [m] can be looked up."""
+        texel_m = self.tiling.texel_m * 2**level
+        tiles = _tiles_at(points.reshape(-1, 2) / texel_m, self.tiling.margin + 2, self.tiling.core)
+        present, patch = self._last.get(level, (set(), None))
+        if patch is None or not set(map(tuple, tiles.tolist())) <= present:
+            present, patch = self._laid_out(level, tiles, present, patch)
+            self._last[level] = present, patch
         return patch
 
     def _laid_out(
-        self, level: int, found: NDArray[np.int64], there: set[tuple[int, int]], last: MapPatch | None
+        self, level: int, needed: NDArray[np.int64], present: set[tuple[int, int]], last: MapPatch | None
     ) -> tuple[set[tuple[int, int]], MapPatch]:
-        """The tiles side by side, and the patch of them; what the last patch has of the same stretch is copied."""
-        own, texel_m = self.tiling, self.tiling.texel_m * 2**level
-        first, beyond = found.min(axis=0), found.max(axis=0) + 1
-        wanted = {(i, j) for i, j in found.tolist()}
-        # Where tiles pass into each other, sums of the same in another order are not quite the same.
-        old = set() if own.margin else there
-        kept = {tile for tile in old if (first <= tile).all() and (tile < beyond).all()}
-        for tile in sorted(kept):
+        """Return the tiles of a new patch, and the patch; texels that the last patch has as well are copied."""
+        tiling, texel_m = self.tiling, self.tiling.texel_m * 2**level
+        first, beyond = needed.min(axis=0), needed.max(axis=0) + 1
+        wanted = {(i, j) for i, j in needed.tolist()}
+        # Tiles that blend into each other are not copied: a sum in another order would not be exactly the same.
+        old = set() if tiling.margin else present
+        reused = {tile for tile in old if (first <= tile).all() and (tile < beyond).all()}
+        for tile in sorted(reused):
             self._use(level, *tile)
-        made = {tile: self._unpack(self._tile(level, *tile).astype(np.float32)) for tile in sorted(wanted - kept)}
-        columns, rows = (beyond - first) * own.core + 2 * own.margin
-        channels = next(iter(made.values())).shape[-1]
-        texels = np.full((rows, columns, channels), np.nan if not own.margin else 0.0, np.float32)
-        if last is not None and kept:
-            _copy_common(last, texels, first * own.core)
-        share = own.shares()
-        for (i, j), tile in made.items():
-            x, y = (i - first[0]) * own.core, (j - first[1]) * own.core
-            place = texels[y : y + own.side(), x : x + own.side()]
-            if own.margin:
-                place += tile * (share[:, None] * share)[..., None]
+        new = {tile: self._unpack(self._tile(level, *tile).astype(np.float32)) for tile in sorted(wanted - reused)}
+        columns, rows = (beyond - first) * tiling.core + 2 * tiling.margin
+        channels = next(iter(new.values())).shape[-1]
+        texels = np.full((rows, columns, channels), np.nan if not tiling.margin else 0.0, np.float32)
+        if last is not None and reused:
+            _copy_common(last, texels, first * tiling.core)
+        share, side = tiling.shares(), tiling.side()
+        for (i, j), tile in new.items():
+            x, y = (i - first[0]) * tiling.core, (j - first[1]) * tiling.core
+            area = texels[y : y + side, x : x + side]
+            if tiling.margin:
+                area += tile * (share[:, None] * share)[..., None]
             else:
-                place[...] = tile
-        return kept | wanted, MapPatch(first * own.core - own.margin, texel_m, texels)
+                area[...] = tile
+        return reused | wanted, MapPatch(first * tiling.core - tiling.margin, texel_m, texels)
 
     def _use(self, level: int, i: int, j: int) -> None:
-        """So that it is among the last to go."""
+        """Mark a tile as used last, so that others are dropped before it."""
         if (level, i, j) in self._tiles:
             self._tiles.move_to_end((level, i, j))
 
@@ -151,20 +144,20 @@ class TiledMap:
         if key in self._tiles:
             self._use(*key)
             return self._tiles[key]
-        own, texel_m = self.tiling, self.tiling.texel_m * 2**level
-        low = (i * own.core - own.margin) * texel_m, (j * own.core - own.margin) * texel_m
-        made = self._make(Tile(low, texel_m, own.side(), key)).astype(np.float16)
-        self._tiles[key] = made
-        self._bytes += made.nbytes
+        tiling, texel_m = self.tiling, self.tiling.texel_m * 2**level
+        low = (i * tiling.core - tiling.margin) * texel_m, (j * tiling.core - tiling.margin) * texel_m
+        texels = self._make(Tile(low, texel_m, tiling.side(), key)).astype(np.float16)
+        self._tiles[key] = texels
+        self._bytes += texels.nbytes
         while self._bytes > self._max_bytes and len(self._tiles) > 1:
             _, dropped = self._tiles.popitem(last=False)
             self._bytes -= dropped.nbytes
-        return made
+        return texels
 
 
 def _tiles_at(texels: NDArray[np.floating], reach: int, core: int) -> NDArray[np.int64]:
-    """(T, 2) columns and rows, sorted, of the tiles that hold texels (N, 2) or lie within their reach."""
-    ends = [[np.floor((at + way) / core).astype(np.int64) for way in (-reach, reach)] for at in texels.T.copy()]
+    """Return the sorted columns and rows (T, 2) of the tiles that contain texels (N, 2) or are within their reach."""
+    ends = [[np.floor((at + shift) / core).astype(np.int64) for shift in (-reach, reach)] for at in texels.T.copy()]
     first = np.array([low.min() for low, _ in ends])
     count = np.array([high.max() for _, high in ends]) - first + 1
     touched = np.zeros(count, bool)
@@ -175,7 +168,7 @@ def _tiles_at(texels: NDArray[np.floating], reach: int, core: int) -> NDArray[np
 
 
 def _copy_common(patch: MapPatch, texels: Image, first: NDArray[np.int64]) -> None:
-    """What a patch has in common with texels (H, W, K), the first of which is `first` among all of the plane's."""
+    """Copy the part of a patch that lies on texels (H, W, K), the first of which is `first` on the plane."""
     theirs, ours = np.array(patch.texels.shape[1::-1]), np.array(texels.shape[1::-1])
     low, high = np.maximum(patch.first, first), np.minimum(patch.first + theirs, first + ours)
     (x, y), (to_x, to_y), (columns, rows) = low - patch.first, low - first, high - low
@@ -183,13 +176,13 @@ def _copy_common(patch: MapPatch, texels: Image, first: NDArray[np.int64]) -> No
 
 
 def without_holes(light: Image, level: Image) -> Image:
-    """Light (N, N, K) on a floor, with that around it put where something stands.
+    """Return light (N, N, K) on a floor with the holes below obstacles filled from around them.
 
-    What is beside a box would else be darkened by what is below it. Texels at the border of a hole are half below it.
+    The floor beside a box would be too dark otherwise, because texels at the border of a hole are half below the box.
 
     Args:
-        light: The floor may be tilted, and dark where it is turned away.
-        level: The same of a level floor, which is dark where something stands alone.
+        light: Light on a floor that may be tilted, and dark where it faces away from the light.
+        level: Light on a level floor, which is dark only below obstacles.
     """
     free = (level.sum(axis=-1) > 0).astype(np.float32)[..., None]
     if free.all() or not free.any():
@@ -198,7 +191,7 @@ def without_holes(light: Image, level: Image) -> Image:
 
 
 def _spread(weighted: Image, weight: Image) -> Image:
-    """Values times weight (N, N, K) brought to where there is no weight, by means of ever larger squares."""
+    """Return weighted values (N, N, K) divided by their weight, filled by means of larger squares where it is 0."""
     if weight.all() or min(weight.shape[:2]) == 1:
         return weighted / np.maximum(weight, 1e-9)
     height, width = weight.shape[:2]
@@ -211,12 +204,12 @@ def _spread(weighted: Image, weight: Image) -> Image:
     return np.where(weight > 0, weighted / np.maximum(weight, 1e-9), far).astype(np.float32)
 
 
-def normals(height_m: Image, whose: Image, texel_m: float) -> Image:
-    """(N-2, N-2, 3) unit normals of a relief (N, N); flat where two surfaces meet, whose heights are their own."""
+def normals(height_m: Image, surfaces: Image, texel_m: float) -> Image:
+    """Return unit normals (N-2, N-2, 3) of a relief (N, N) of several `surfaces` (N, N); flat where two meet."""
     slopes = []
     for axis in (1, 0):
-        before, after = (np.roll(height_m, way, axis) for way in (1, -1))
-        same = (np.roll(whose, 1, axis) == whose) & (np.roll(whose, -1, axis) == whose)
+        before, after = (np.roll(height_m, shift, axis) for shift in (1, -1))
+        same = (np.roll(surfaces, 1, axis) == surfaces) & (np.roll(surfaces, -1, axis) == surfaces)
         slopes.append(np.where(same, (after - before) / (2 * texel_m), 0)[1:-1, 1:-1])
     across = np.stack([-slopes[0], -slopes[1], np.ones_like(slopes[0])], axis=-1)
     return (across / np.linalg.norm(across, axis=-1, keepdims=True)).astype(np.float32)

@@ -1,4 +1,4 @@
-"""Kinds of light, one file each: functions from the look and the room to what they add."""
+"""Kinds of light, one file each: functions from the look and the room to the lights of the scene."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""What a kind of light adds to a scene."""
+"""The result of a kind of light: what it adds to a scene."""
 
 from dataclasses import dataclass
 

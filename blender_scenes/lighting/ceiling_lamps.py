@@ -1,4 +1,4 @@
-"""Ceiling lamps in a grid over the room: flat panels, tubes on battens, bulbs in shades."""
+"""Ceiling lamps in a grid: flat panels, tubes on battens, bulbs in shades."""
 
 import math
 
@@ -18,51 +18,51 @@ _LOWEST_M = 1.8
 _BATTEN_M = 0.05
 _MIN_M = 0.02
 _APART_M = 0.1
-"""More than a housing is longer than its tube."""
+"""Distance between lamps; longer than the part of a housing beyond its tube."""
 _SHADE_M = 0.2
 """Height of a shade."""
 
 
 def ceiling_lamps(look: LookConfig, room: RoomModel) -> Lights:
-    """Lambertian panels: luminance = flux / (pi area); those that are off have their bodies alone.
+    """Return Lambertian panels of luminance flux / (pi area), with housings; a lamp that is off has only its housing.
 
-    Of the same flux they are shorter and narrower where the room's share for each is.
+    A lamp is shorter and narrower, with the same flux, where its cell of the grid is too small for it.
     """
-    own = look.lamps
-    if own.rows * own.columns == 0:
+    config = look.lamps
+    if config.rows * config.columns == 0:
         return Lights()
-    length, width = _fitting(own, room)
-    luminance = own.flux_klm / (math.pi * length * width)
-    radiance: RGB = scaled(light_rgb(own.color_temperature_K), luminance)
-    z = max(room.height_m - own.drop_m, min(_LOWEST_M, room.height_m - 0.06))
+    length, width = _fitting(config, room)
+    luminance = config.flux_klm / (math.pi * length * width)
+    radiance: RGB = scaled(light_rgb(config.color_temperature_K), luminance)
+    z = max(room.height_m - config.drop_m, min(_LOWEST_M, room.height_m - 0.06))
     (x0, y0), (x1, y1) = room.low, room.high
     panels, meshes = [], []
-    for row in range(own.rows):
-        for column in range(own.columns):
-            x = x0 + (x1 - x0) * (column + 0.5) / own.columns
-            y = y0 + (y1 - y0) * (row + 0.5) / own.rows
+    for row in range(config.rows):
+        for column in range(config.columns):
+            x = x0 + (x1 - x0) * (column + 0.5) / config.columns
+            y = y0 + (y1 - y0) * (row + 0.5) / config.rows
             name, center = f"lamp_{row}_{column}", (x, y, z)
-            if own.flux_klm > 0:
+            if config.flux_klm > 0:
                 panels.append(Panel(name, center, (1, 0, 0), (0, -1, 0), length, width, radiance, on_mains=True))
-            if own.housing != "none":
-                body = _batten if own.housing == "batten" else _shade
+            if config.housing != "none":
+                body = _batten if config.housing == "batten" else _shade
                 meshes.append(body(name, center, (length, width), room.height_m))
     surfaces = (moulded("lamp_housing", (0.72, 0.72, 0.7), 0.4),) if meshes else ()
     return Lights(panels=tuple(panels), meshes=tuple(meshes), surfaces=surfaces)
 
 
-def _fitting(own: LampsLook, room: RoomModel) -> tuple[float, float]:
-    """Length along x and width [m] that leave a lamp's body clear of the walls and of its neighbours."""
-    share = np.maximum(np.subtract(room.high, room.low) / (own.columns, own.rows) - _APART_M, _MIN_M)
-    if own.housing == "shade":
-        # Its rim is wider than the bulb, by which it is told.
-        side = min(own.width_m, max((float(share.min()) - 1.4 * _SHADE_M) / 1.5, _MIN_M))
+def _fitting(config: LampsLook, room: RoomModel) -> tuple[float, float]:
+    """Return length along x and width [m] so that a lamp's housing is clear of the walls and of its neighbours."""
+    share = np.maximum(np.subtract(room.high, room.low) / (config.columns, config.rows) - _APART_M, _MIN_M)
+    if config.housing == "shade":
+        # The configured width is that of the bulb; the rim of the shade is wider.
+        side = min(config.width_m, max((float(share.min()) - 1.4 * _SHADE_M) / 1.5, _MIN_M))
         return side, side
-    return min(own.length_m, float(share[0])), min(own.width_m, float(share[1]))
+    return min(config.length_m, float(share[0])), min(config.width_m, float(share[1]))
 
 
 def _batten(name: str, lamp: Point3, size_m: tuple[float, float], ceiling_m: float) -> Mesh:
-    """Sheet metal above the tube, on two rods where it does not lie against the ceiling."""
+    """Return the sheet metal above the tube, on two rods where it does not touch the ceiling."""
     x, y, z = lamp
     body = (size_m[0] + 0.04, size_m[1] + 0.05, _BATTEN_M)
     parts = [block("batten", (x, y, z + 0.01 + 0.5 * _BATTEN_M), body, "lamp_housing")]
@@ -74,7 +74,7 @@ def _batten(name: str, lamp: Point3, size_m: tuple[float, float], ceiling_m: flo
 
 
 def _shade(name: str, lamp: Point3, size_m: tuple[float, float], ceiling_m: float) -> Mesh:
-    """A cone open to below around the upper end of which the bulb sits, and the cable that it hangs on."""
+    """Return a cone that is open below, with the bulb inside, and its cable."""
     x, y, z = lamp
     neck = 0.75 * size_m[0]
     rim = neck + 0.7 * _SHADE_M
@@ -85,7 +85,7 @@ def _shade(name: str, lamp: Point3, size_m: tuple[float, float], ceiling_m: floa
 
 
 def hood(neck_m: float, rim_m: float, height_m: float, surface: str = "lamp_housing") -> Mesh:
-    """A shade of sheet metal, its open rim in the plane z = 0."""
+    """Return a shade of sheet metal with its open rim in the plane z = 0."""
     thin = 0.002
     outside = [(rim_m, 0.0), (neck_m, height_m), (0.001, height_m)]
     inside = [(0.001, height_m - thin), (neck_m - thin, height_m - thin), (rim_m - thin, 0.0), (rim_m, 0.0)]

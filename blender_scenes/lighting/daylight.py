@@ -15,24 +15,28 @@ from configs.schema.look import LookConfig
 from sensors.camera.colour import LUMINANCE, RGB, light_rgb
 
 _BRIGHTEST = 2.0
-"""Most of its mean that a piece of sky shines with; the overcast sky of CIE S 011 has 9/7 at its zenith.
+"""Maximum luminance of the sky as a multiple of its mean; the overcast sky of CIE S 011 has 9/7 at its zenith.
 
-Panoramas hold up to eleven times: sunlit clouds and house fronts, whose image in a pane of glass burns out."""
+Panoramas have up to eleven times the mean, in sunlit clouds and house fronts, whose mirror image in glass burns out."""
 
 
 def daylight(look: LookConfig, room: RoomModel) -> Lights:
-    """The panorama scaled to the look's mean luminance; a panel of its mean colour shines from the window.
+    """Return the panorama scaled to the look's mean luminance, and a panel of its mean colour in the window.
 
-    Behind a sheer curtain the panel is the curtain itself, which passes on the sun's light too and is seen.
+    With a sheer curtain the panel is the curtain: it is visible and transmits the sun's light as well.
     """
-    own = look.sky
-    mean = np.array(mean_color(own.panorama))
+    config = look.sky
+    mean = np.array(mean_color(config.panorama))
     grey = float(mean @ LUMINANCE)
-    gain = own.luminance_kcd_m2 / grey
-    named = (own.panorama.sha256, own.panorama.mean_rgb) if isinstance(own.panorama, Asset) else (own.panorama, None)
-    skies = (Sky(named[0], math.radians(own.yaw_deg), gain, _BRIGHTEST * grey, own.saturation, named[1]),)
+    gain = config.luminance_kcd_m2 / grey
+    named = (
+        (config.panorama.sha256, config.panorama.mean_rgb)
+        if isinstance(config.panorama, Asset)
+        else (config.panorama, None)
+    )
+    skies = (Sky(named[0], math.radians(config.yaw_deg), gain, _BRIGHTEST * grey, config.saturation, named[1]),)
     sheer = look.window.covering == "sheer"
-    radiance = _seen_in_the_window(gain * (grey + own.saturation * (mean - grey)))
+    radiance = _seen_in_the_window(gain * (grey + config.saturation * (mean - grey)))
     if sheer:
         radiance = look.window.curtain_transmittance * (radiance + _sun_on_the_window(look, room) / math.pi)
     if not radiance.any():
@@ -54,12 +58,12 @@ def daylight(look: LookConfig, room: RoomModel) -> Lights:
 
 
 def _seen_in_the_window(sky: np.ndarray) -> np.ndarray:
-    """About half of what a window sees is sky, the rest houses and ground of a third of its luminance."""
+    """Return the mean luminance outside: half sky, and half houses and ground of about a third of its luminance."""
     return 0.65 * sky
 
 
 def _sun_on_the_window(look: LookConfig, room: RoomModel) -> np.ndarray:
-    """Illuminance on its plane [klx]."""
+    """Return the sun's illuminance [klx] on the plane of the window."""
     facing = -float(np.dot(towards_sun(look, room), room.window.inward))
     return np.multiply(light_rgb(look.sun.color_temperature_K), look.sun.illuminance_klx * max(0.0, facing))
 

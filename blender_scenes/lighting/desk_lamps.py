@@ -1,4 +1,4 @@
-"""Lamps on the tables: a small warm bulb in a hood, turned towards the middle of the room."""
+"""Lamps on the tables: a bulb in a hood, turned towards the middle of the room."""
 
 import math
 
@@ -18,30 +18,30 @@ from symolo.core.arrays import Array
 _BULB_M = 0.07
 _NECK_M, _RIM_M, _HOOD_M = 0.052, 0.085, 0.11
 _BULB_DEPTH_M = 0.06
-"""Behind the plane of the rim."""
+"""Distance of the bulb behind the plane of the rim."""
 _FROM_EDGE_M = 0.12
 _REACH_M = 0.14
 _AT_THE_MIDDLE_M = 1e-6
-"""Of the arm towards the middle."""
+"""Distance from the room's middle below which the direction towards it is undefined."""
 
 
 def desk_lamps(look: LookConfig, room: RoomModel) -> Lights:
-    """One on each of the first tables, at the place of its top that is nearest to the room's middle.
+    """Return a lamp on each of the first tables, at the place of the top that is nearest to the room's middle.
 
-    The bulb is a Lambertian square of luminance flux / (pi area), deep in the hood, which cuts off its light sideways.
-    A lamp that is off has its body alone.
+    The bulb is a Lambertian square of luminance flux / (pi area), deep in the hood, which blocks its light sideways.
+    A lamp that is off has only its body.
     """
-    own = look.desk_lamps
-    radiance = scaled(light_rgb(own.color_temperature_K), own.flux_klm / (math.pi * _BULB_M**2))
+    config = look.desk_lamps
+    radiance = scaled(light_rgb(config.color_temperature_K), config.flux_klm / (math.pi * _BULB_M**2))
     middle = 0.5 * np.add(room.low, room.high)
     panels, meshes = [], []
-    for number, top in enumerate(room.tops[: own.count]):
+    for number, top in enumerate(room.tops[: config.count]):
         foot, towards = _stand(top, middle)
-        head, axes = _head(foot, towards, own)
+        head, axes = _head(foot, towards, config)
         right, up, axis = (_triple(axes[:, i]) for i in range(3))
         bulb = head - _BULB_DEPTH_M * np.array(axis)
         name = f"desk_lamp_{number}"
-        if own.flux_klm > 0:
+        if config.flux_klm > 0:
             panels.append(Panel(name, _triple(bulb), right, up, _BULB_M, _BULB_M, radiance))
         meshes.append(_body(name, foot, head, axes))
     surfaces = moulded("desk_lamp_enamel", (0.05, 0.05, 0.055), 0.35), moulded("desk_lamp_hood", (0.5, 0.5, 0.48), 0.4)
@@ -49,23 +49,23 @@ def desk_lamps(look: LookConfig, room: RoomModel) -> Lights:
 
 
 def _stand(top: Top, middle: Array) -> tuple[Array, Array]:
-    """Where the lamp stands, and the level direction from there to the middle; along the table where it is there."""
+    """Return the foot of the lamp and the horizontal direction to the room's middle; along the table if it is there."""
     x, y, yaw = top.pose
-    own = np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]])
+    R_WT = np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]])
     half = np.maximum(0.5 * np.array(top.size_m) - _FROM_EDGE_M, 0.0)
-    nearest = own @ np.clip(own.T @ (middle - (x, y)), -half, half) + (x, y)
+    nearest = R_WT @ np.clip(R_WT.T @ (middle - (x, y)), -half, half) + (x, y)
     away = middle - nearest
     if np.linalg.norm(away) < _AT_THE_MIDDLE_M:
-        away = own[:, 0]
+        away = R_WT[:, 0]
     return np.array([*nearest, top.height_m]), np.array([*(away / np.linalg.norm(away)), 0.0])
 
 
-def _head(foot: Array, towards: Array, own: DeskLampsLook) -> tuple[Array, Array]:
-    """Middle of the hood's rim, and its axes: right, up and the way of the light."""
-    tilt = math.radians(own.tilt_deg)
+def _head(foot: Array, towards: Array, config: DeskLampsLook) -> tuple[Array, Array]:
+    """Return the middle of the hood's rim, and its axes as columns: right, up and the direction of the light."""
+    tilt = math.radians(config.tilt_deg)
     axis = math.sin(tilt) * towards - math.cos(tilt) * np.array([0.0, 0.0, 1.0])
     right = np.cross(towards, (0.0, 0.0, 1.0))
-    head = foot + _REACH_M * towards + np.array([0.0, 0.0, own.height_m])
+    head = foot + _REACH_M * towards + np.array([0.0, 0.0, config.height_m])
     return head, np.stack([right, np.cross(axis, right), axis], axis=1)
 
 

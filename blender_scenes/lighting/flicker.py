@@ -1,4 +1,4 @@
-"""Lamps on alternating current: how much of their mean light a frame catches."""
+"""Lamps on alternating current: the light of a frame relative to the mean over time."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from symolo.core.random_streams import stream
 
 
 def caught(flicker: FlickerLook, t_s: Array, exposure_s: float, phase_rad: float) -> Array:
-    """(N,), the lamps' light to its mean: that of 1 + depth cos(2 pi 2 f t + phase) over an exposure about `t_s`.
+    """Return (N,) the mean of 1 + depth cos(2 pi 2 f t + phase) over exposures centred on `t_s`.
 
     The mean of a cosine over T is the cosine at the middle times sin(x) / x of x = 2 pi f T.
     """
@@ -19,22 +19,22 @@ def caught(flicker: FlickerLook, t_s: Array, exposure_s: float, phase_rad: float
 
 
 def mains_phase_rad(seed: int) -> float:
-    """Of the lamps' light at the run's start, drawn for the run; its frequency is twice that of the mains."""
+    """Draw the phase of the lamps' light at the start of the run; its frequency is twice that of the mains."""
     return float(stream(seed, "mains phase").uniform(0.0, 2 * np.pi))
 
 
 def frame_gains(  # noqa: PLR0917 - each is a number of its own
     flicker: FlickerLook, t_s: Array, exposure_s: float, lamps: RGB, all_light: RGB, seed: int
 ) -> list[RGB]:
-    """For each frame the gains of its channels.
+    """Return the gains of the three channels for each frame.
 
     Args:
         flicker: Depth and frequency.
         t_s: (N,) middles of the exposures.
-        exposure_s: Length of each; 0 is an instant.
-        lamps: Light of the lamps that flicker, on the middle of the arena.
-        all_light: Theirs and all other there.
-        seed: Of the run.
+        exposure_s: Length of each exposure; 0 for an instant.
+        lamps: Light of the flickering lamps in the middle of the arena.
+        all_light: All light there, that of the flickering lamps included.
+        seed: Seed of the run.
     """
     share = np.divide(lamps, all_light, out=np.zeros(3), where=np.array(all_light) > 0)
     gains = 1.0 + share * (caught(flicker, t_s, exposure_s, mains_phase_rad(seed)) - 1.0)[:, None]

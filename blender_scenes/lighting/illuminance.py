@@ -1,4 +1,4 @@
-"""How much light of what colour the lamps and windows bring to a place, without tracing it."""
+"""The light of lamps and windows at a place, without path tracing."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from sensors.camera.colour import RGB
 
 
 def on_the_floor(panels: Sequence[Panel], at: Point3) -> RGB:
-    """Direct illuminance of a level surface [klx], each panel taken as one small Lambertian source far away."""
+    """Return the direct illuminance of a level surface [klx]; each panel counts as a small, far Lambertian source."""
     total = np.zeros(3)
     for panel in panels:
         ray = np.subtract(panel.center, at)

@@ -1,4 +1,4 @@
-"""What panoramas hold: the shipped ones were measured once, the user's own are when the look is read."""
+"""Mean colours of panoramas: measured once for the shipped ones, and when the look is read for the user's files."""
 
 from blender_scenes.scene.description import Sky
 from configs.schema.asset import Asset
@@ -6,7 +6,7 @@ from configs.schema.lighting import PanoramaName
 from sensors.camera.colour import RGB
 
 CEILING = 10.0
-"""Components above this belong to a sun or a lamp in the picture, not to the sky."""
+"""Components above this belong to a sun or a lamp in the panorama, not to the sky."""
 
 MEAN_COLOR: dict[PanoramaName, RGB] = {
     "city": (1.1422, 1.2265, 1.3952),
@@ -24,10 +24,10 @@ _BY_NAME: dict[str, RGB] = {**MEAN_COLOR}
 
 
 def mean_color(panorama: PanoramaName | Asset) -> RGB:
-    """Mean linear colour above the horizon, without sun or lamps."""
+    """Return the mean linear colour above the horizon, without sun and lamps."""
     return panorama.mean_rgb if isinstance(panorama, Asset) else MEAN_COLOR[panorama]
 
 
 def mean_of_sky(sky: Sky) -> RGB:
-    """The same of a scene's sky."""
+    """Return the mean linear colour of a scene's sky above the horizon."""
     return sky.mean if sky.mean is not None else _BY_NAME[sky.panorama]

@@ -10,17 +10,17 @@ from sensors.camera.colour import light_rgb, scaled
 
 
 def sun(look: LookConfig, room: RoomModel) -> Lights:
-    """The sun as it stands to the window's outward normal; none where it gives no light or a curtain spreads it."""
-    own = look.sun
-    if own.illuminance_klx == 0 or look.window.covering == "sheer":
+    """Return the sun; none where it gives no light or a sheer curtain scatters it."""
+    config = look.sun
+    if config.illuminance_klx == 0 or look.window.covering == "sheer":
         return Lights()
-    irradiance = scaled(light_rgb(own.color_temperature_K), own.illuminance_klx)
-    return Lights(suns=(Sun(towards_sun(look, room), irradiance, math.radians(own.angular_diameter_deg)),))
+    irradiance = scaled(light_rgb(config.color_temperature_K), config.illuminance_klx)
+    return Lights(suns=(Sun(towards_sun(look, room), irradiance, math.radians(config.angular_diameter_deg)),))
 
 
 def towards_sun(look: LookConfig, room: RoomModel) -> Point3:
-    """Unit vector."""
-    own = look.sun
+    """Return the unit vector to the sun; its azimuth counts from the window's outward normal."""
+    config = look.sun
     outward = math.atan2(-room.window.inward[1], -room.window.inward[0])
-    azimuth, elevation = outward + math.radians(own.azimuth_from_window_deg), math.radians(own.elevation_deg)
+    azimuth, elevation = outward + math.radians(config.azimuth_from_window_deg), math.radians(config.elevation_deg)
     return (math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth), math.sin(elevation))

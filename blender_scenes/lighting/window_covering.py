@@ -1,4 +1,4 @@
-"""What hangs in a window: a sheer curtain, or the slats of blinds."""
+"""Coverings of a window: a sheer curtain, or blinds."""
 
 import math
 
@@ -14,22 +14,22 @@ from blender_scenes.scene.solids import joined
 from configs.schema.look import LookConfig
 
 CURTAIN_M = 0.03
-"""From the wall's face out to a curtain in the window's niche."""
+"""Distance outwards from the wall's inner face to a curtain in the window's niche."""
 _SLAT_M = 0.05
 _PITCH_M = 0.044
 _THIN_M = 0.0008
 _BLINDS_M = 0.045
-"""From the wall's face out to the middle of the slats."""
+"""Distance outwards from the wall's inner face to the middle of the slats."""
 
 
 def curtain(window: Opening) -> tuple[tuple[Mesh, ...], tuple[Surface, ...]]:
-    """White cloth that fills the niche just behind the panel that shines for it."""
+    """Return a white cloth that fills the niche just behind the panel with its light."""
     cloth = _board("curtain", window, (0.0, CURTAIN_M + 0.01), (window.height_m, 0.002), 0.0)
     return (cloth,), (moulded("window_covering", (0.75, 0.75, 0.73), 0.9),)
 
 
 def blinds(look: LookConfig, room: RoomModel) -> Lights:
-    """Slats across the whole window, tilted; nothing for another covering."""
+    """Return tilted slats across the window; nothing for another covering."""
     if look.window.covering != "blinds":
         return Lights()
     window, tilt = room.window, math.radians(look.window.slat_tilt_deg)
@@ -40,9 +40,9 @@ def blinds(look: LookConfig, room: RoomModel) -> Lights:
 
 
 def _board(name: str, window: Opening, at: tuple[float, float], size: tuple[float, float], tilt_rad: float) -> Mesh:
-    """A board as wide as the window, at a height above its middle and a way outwards.
+    """Return a board as wide as the window, `at` a height above its middle and a distance outwards.
 
-    `size` is upward and outward; the tilt lifts the outer edge.
+    `size` is its height and its depth; the tilt lifts the outer edge.
     """
     right, up, inward = np.array(window.right), np.array(window.up), np.array(window.inward)
     height, outwards = at

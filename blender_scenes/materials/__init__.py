@@ -1,4 +1,4 @@
-"""Materials: one file each, a pure function from numbers to a `Surface`, and the tables that name them."""
+"""Materials, one file each: pure functions from numbers to a `Surface`, and the tables of their names."""
 
 from collections.abc import Callable
 
@@ -51,12 +51,12 @@ SURFACES: dict[str, Callable[[LookConfig, SurfacePatch], Surface]] = {
     "plastic": plastic,
     "brick": brick,
 }
-"""What walls and obstacles are made of; the names are those of `physics.arena.surfaces`."""
+"""Materials of walls and obstacles, by the names of the arena's surfaces."""
 
 
 def body_material(look: LookConfig, surface: str, patch: SurfacePatch) -> Surface:
-    """A face of a wall or obstacle: the user's own picture where the look has one for that surface."""
-    own = getattr(look.images, surface, None)
-    if isinstance(own, ImageLook) and own.file is not None:
-        return image(own, own.file, patch)
+    """Return the material of a face of a wall or obstacle: the user's image where the look has one for that surface."""
+    config = getattr(look.images, surface, None)
+    if isinstance(config, ImageLook) and config.file is not None:
+        return image(config, config.file, patch)
     return SURFACES[surface](look, patch)

@@ -1,4 +1,4 @@
-"""What a material needs to know of the place that it covers. A material is a function from numbers to a `Surface`."""
+"""The place that a material covers. A material is a function from numbers and such a place to a `Surface`."""
 
 from dataclasses import dataclass
 
@@ -7,19 +7,19 @@ from symolo.core.random_streams import stream
 
 @dataclass(frozen=True)
 class SurfacePatch:
-    """One piece of the scene with a surface of its own."""
+    """A part of the scene with its own surface."""
 
     name: str
-    """Unique in the scene; also the surface's name."""
+    """Name of the surface, unique in the scene."""
     size_m: tuple[float, float]
-    """Extent along u and v."""
+    """Size along u and v."""
     seed: int
 
     def offset(self, pattern: str) -> tuple[float, float]:
-        """Where in an endless pattern this piece was cut out, in features."""
+        """Draw the place in an endless pattern where this part begins, in features."""
         u, v = stream(self.seed, "pattern", self.name, pattern).uniform(0.0, 64.0, 2)
         return float(u), float(v)
 
     def draw(self, what: str) -> float:
-        """A number 0-1 that belongs to this piece."""
+        """Draw a number from 0 to 1 that belongs to this part."""
         return float(stream(self.seed, "piece", self.name, what).uniform())

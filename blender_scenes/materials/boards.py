@@ -3,29 +3,29 @@
 from collections.abc import Callable
 
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.materials.patterns import streaks, worn_gloss
-from blender_scenes.scene.shading import Color, Mix, NoiseTexture, Step, Surface, SurfaceCoordinate, Tiles, paint_color
+from blender_scenes.materials.patterns import shaded, streaks, worn_gloss
+from blender_scenes.scene.shading import Color, Mix, NoiseTexture, Step, Surface, SurfaceCoordinate, Tiles
 from configs.schema.look import LookConfig, Paint
 
 
 def board(reflectance: float) -> Callable[[LookConfig, SurfacePatch], Surface]:
-    """The material of boards painted to `reflectance`."""
+    """Return the material of boards painted to `reflectance`."""
 
     def painted(look: LookConfig, patch: SurfacePatch) -> Surface:
-        """Boards that meet every half metre or so, scuffs and grime along the floor."""
-        own = look.boards
-        paint = Paint(reflectance=reflectance, hue_deg=own.tint_hue_deg, saturation=own.tint_saturation)
+        """Return boards with joints, and with scuffs and grime along the floor."""
+        config = look.boards
+        paint = Paint(reflectance=reflectance, hue_deg=config.tint_hue_deg, saturation=config.tint_saturation)
         cloud = NoiseTexture((5.0, 5.0), patch.offset("clouds"), octaves=3)
-        base = Mix(cloud, paint_color(paint, times=0.97), paint_color(paint, times=1.03))
+        base = shaded(cloud, paint, 0.03)
         height = SurfaceCoordinate("v")
         grime = 1 - Step(height + 0.012 * cloud, 0.004, 0.022)
-        scuffs = streaks(patch, "scuffs", length_m=0.06, width_m=0.003, share=0.3 * own.wear)
+        scuffs = streaks(patch, "scuffs", length_m=0.06, width_m=0.003, share=0.3 * config.wear)
         low = 1 - Step(height, 0.03, 0.09)
-        base = Mix(0.35 * own.wear * grime, base, Color((0.18, 0.16, 0.13)))
+        base = Mix(0.35 * config.wear * grime, base, Color((0.18, 0.16, 0.13)))
         base = Mix(0.3 * scuffs * low, base, Color((0.1, 0.1, 0.1)))
-        first = own.length_m * patch.draw("first board")
-        seam = Tiles((own.length_m, 10.0), 0.0012, 0.0, (first, 5.0), "joint", softness=0.5)
+        first = config.length_m * patch.draw("first board")
+        seam = Tiles((config.length_m, 10.0), 0.0012, 0.0, (first, 5.0), "joint", softness=0.5)
         base = Mix(0.7 * seam, base, Color((0.08, 0.07, 0.06)))
-        return Surface(patch.name, base, roughness=worn_gloss(own.roughness, cloud, 0.1))
+        return Surface(patch.name, base, roughness=worn_gloss(config.roughness, cloud, 0.1))
 
     return painted

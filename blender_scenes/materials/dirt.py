@@ -1,4 +1,4 @@
-"""What use leaves on a floor: dust in clouds, the dust of feet, smudges and arcs of rubber heels, crumbs."""
+"""Traces of use on a floor: dust, footprints, marks of rubber heels, crumbs."""
 
 from dataclasses import replace
 
@@ -11,7 +11,7 @@ _RUBBER = Color((0.05, 0.047, 0.044))
 
 
 def dirtied(surface: Surface, patch: SurfacePatch, amount: float) -> Surface:
-    """The floor after `amount` 0-1 of use."""
+    """Return the floor after an `amount` of use from 0 to 1."""
     if amount == 0:
         return surface
     grain = NoiseTexture((150.0, 150.0), patch.offset("grain of dirt"), octaves=4, gain=0.75)
@@ -25,7 +25,7 @@ def dirtied(surface: Surface, patch: SurfacePatch, amount: float) -> Surface:
 
 
 def _rubber(patch: SurfacePatch, amount: float) -> Texture:
-    """Heels that turned on the spot, and soles and chair legs that slid."""
+    """Return marks of heels that turned on the spot, and of soles and chair legs that slid."""
     turned = arcs(patch, "heels", radius_m=0.03, width_m=0.007, share=0.5 * amount, apart_m=0.14)
     slid = arcs(patch, "slides", radius_m=0.12, width_m=0.01, share=0.6 * amount, apart_m=0.4)
     return either(0.75 * turned, 0.5 * slid)

@@ -1,4 +1,4 @@
-"""Plain surfaces of the room and of the robot, which are seen from afar, in mirrors and as shadows."""
+"""Plain surfaces of the room and of the robot, which are seen from far, in mirrors and as shadows."""
 
 from blender_scenes.scene.shading import Color, Surface, paint_color
 from configs.schema.look import Paint
@@ -10,7 +10,7 @@ def painted(name: str, paint: Paint, roughness: float) -> Surface:
 
 
 def moulded(name: str, rgb: RGB, roughness: float) -> Surface:
-    """Plastic, rubber or lacquer of one colour."""
+    """Return plastic, rubber or lacquer of one colour."""
     return Surface(name, Color(rgb), roughness=roughness)
 
 

@@ -6,7 +6,7 @@ from configs.schema.look import LookConfig
 
 
 def glass(look: LookConfig, patch: SurfacePatch) -> Surface:
-    """Slightly green in thickness, with a film of finger marks in the gloss."""
+    """Return slightly green glass with finger marks in the gloss."""
     film = NoiseTexture((9.0, 9.0), patch.offset("film"), octaves=4)
     return Surface(
         patch.name,

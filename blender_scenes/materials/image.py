@@ -1,4 +1,4 @@
-"""A picture of the user's own, laid side by side over a surface."""
+"""An image of the user, repeated over a surface."""
 
 from blender_scenes.materials.base import SurfacePatch
 from blender_scenes.scene.shading import Color, Constant, ImageTexture, Mix, Surface
@@ -9,18 +9,18 @@ _BLACK = Color((0.0, 0.0, 0.0))
 
 
 def image_floor(look: FloorLook, patch: SurfacePatch) -> Surface:
-    """The floor's own picture.
+    """Return the look's image as a floor.
 
     Raises:
-        ValueError: The look names none.
+        ValueError: The look names no image.
     """
     if look.image.file is None:
         raise ValueError("the floor is an image, and none is named")
     return image(look.image, look.image.file, patch)
 
 
-def image(own: ImageLook, file: Asset, patch: SurfacePatch) -> Surface:
-    """The picture at its size in metres; what it shows of gloss or depth is painted, not there."""
-    size = own.width_m, own.width_m * file.height_px / file.width_px
-    picture = ImageTexture(file.sha256, size, (own.right_m, own.up_m), file.mean_rgb)
-    return Surface(patch.name, Mix(Constant(own.white_reflectance), _BLACK, picture), roughness=own.roughness)
+def image(config: ImageLook, file: Asset, patch: SurfacePatch) -> Surface:
+    """Return the image at its size in metres, as a flat surface of one gloss."""
+    size = config.width_m, config.width_m * file.height_px / file.width_px
+    texture = ImageTexture(file.sha256, size, (config.right_m, config.up_m), file.mean_rgb)
+    return Surface(patch.name, Mix(Constant(config.white_reflectance), _BLACK, texture), roughness=config.roughness)

@@ -1,16 +1,16 @@
 """Paint of a painted line."""
 
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.materials.patterns import either, specks, streaks, worn_gloss
-from blender_scenes.scene.shading import Color, Mix, NoiseTexture, Step, Surface, SurfaceCoordinate, paint_color
+from blender_scenes.materials.patterns import either, shaded, specks, streaks, worn_gloss
+from blender_scenes.scene.shading import Color, Mix, NoiseTexture, Step, Surface, SurfaceCoordinate
 from configs.schema.look import LinePaintLook
 
 
 def line_paint(look: LinePaintLook, patch: SurfacePatch) -> Surface:
-    """Brushed paint with the brush's streaks, thin where it ran dry and at its edges, scuffed and dusty with use."""
+    """Return brushed paint with streaks, thin at its edges and in places, scuffed and dusty with use."""
     brush = NoiseTexture((14.0, 900.0), patch.offset("brush"), octaves=3, gain=0.6)
     clouds = NoiseTexture((25.0, 40.0), patch.offset("clouds"), octaves=4, gain=0.6)
-    base = Mix(0.5 * brush + 0.5 * clouds, paint_color(look.paint, times=0.7), paint_color(look.paint, times=1.3))
+    base = shaded(0.5 * brush + 0.5 * clouds, look.paint, 0.3)
     across, width = SurfaceCoordinate("v"), patch.size_m[1]
     rim = either(1 - Step(across, 0.0, 0.0012), Step(across, width - 0.0012, width))
     thin = either(0.5 * rim * Step(clouds, 0.4, 0.6), look.wear * Step(0.6 * clouds + 0.4 * brush, 0.56, 0.72))

@@ -1,22 +1,20 @@
 """Marbled linoleum sheet."""
 
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.materials.patterns import specks, worn_gloss
+from blender_scenes.materials.patterns import shaded, specks, worn_gloss
 from blender_scenes.scene.shading import Mix, NoiseTexture, Step, Surface, paint_color
 from configs.schema.floors import FloorLook
 
 
 def linoleum(look: FloorLook, patch: SurfacePatch) -> Surface:
-    """Streaks of a few centimetres along the sheet, flecks of two shades, a wax gloss worn in clouds."""
-    own = look.linoleum
-    depth = own.marbling
+    """Return streaks of a few centimetres along the sheet, flecks of two shades, and an unevenly worn wax gloss."""
+    config = look.linoleum
+    depth = config.marbling
     streaks = NoiseTexture((9.0, 38.0), patch.offset("streaks"), octaves=4, gain=0.6, warp=0.6)
     light = specks(patch, "light flecks", size_m=0.0022, share=0.5)
     dark = specks(patch, "dark flecks", size_m=0.0026, share=0.5)
-    base = Mix(
-        Step(streaks, 0.25, 0.75), paint_color(own.paint, times=1 - depth), paint_color(own.paint, times=1 + depth)
-    )
-    base = Mix(0.5 * light, base, paint_color(own.paint, times=1 + 2.5 * depth))
-    base = Mix(0.5 * dark, base, paint_color(own.paint, times=1 - 2 * depth))
+    base = shaded(Step(streaks, 0.25, 0.75), config.paint, depth)
+    base = Mix(0.5 * light, base, paint_color(config.paint, times=1 + 2.5 * depth))
+    base = Mix(0.5 * dark, base, paint_color(config.paint, times=1 - 2 * depth))
     wear = NoiseTexture((2.5, 2.5), patch.offset("wear"), octaves=2)
-    return Surface(patch.name, base, roughness=worn_gloss(own.roughness, wear, 0.2))
+    return Surface(patch.name, base, roughness=worn_gloss(config.roughness, wear, 0.2))

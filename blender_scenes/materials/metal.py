@@ -6,7 +6,7 @@ from configs.schema.look import LookConfig
 
 
 def metal(look: LookConfig, patch: SurfacePatch) -> Surface:
-    """Brushed along u; reflectance of aluminium, slightly oxidised."""
+    """Return slightly oxidised aluminium, brushed along u."""
     brushed = NoiseTexture((6.0, 1500.0), patch.offset("brush"), octaves=3)
     cloud = NoiseTexture((12.0, 12.0), patch.offset("clouds"), octaves=3)
     return Surface(

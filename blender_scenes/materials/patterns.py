@@ -3,19 +3,25 @@
 import math
 
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.scene.shading import Arithmetic, Cells, NoiseTexture, Step, Texture
+from blender_scenes.scene.shading import Arithmetic, Cells, Mix, NoiseTexture, Step, Texture, paint_color
+from configs.schema.paint import Paint
 
 _SEAM = 0.274
 
 
+def shaded(tone: Texture, paint: Paint, spread: float) -> Mix:
+    """Return the paint from `1 - spread` of its reflectance, where `tone` is 0, to `1 + spread`, where it is 1."""
+    return Mix(tone, paint_color(paint, times=1 - spread), paint_color(paint, times=1 + spread))
+
+
 def specks(patch: SurfacePatch, name: str, *, size_m: float, share: float) -> Texture:
-    """Irregular specks about `size_m` across; `share` 0-1 is how thickly they lie."""
+    """Return irregular specks about `size_m` wide; `share` is their density from 0 to 1."""
     level = 0.88 - 0.12 * share
     return Step(NoiseTexture((0.5 / size_m, 0.5 / size_m), patch.offset(name), octaves=1), level, level + 0.05)
 
 
 def streaks(patch: SurfacePatch, name: str, *, length_m: float, width_m: float, share: float) -> Texture:
-    """Thin marks of one random direction; `share` 0-1 is how thickly they lie."""
+    """Return thin marks in one random direction; `share` is their density from 0 to 1."""
     turn = math.tau * patch.draw(f"{name} direction")
     grain = NoiseTexture((1 / length_m, 1 / width_m), patch.offset(name), octaves=2, turn_rad=turn)
     level = 0.76 - 0.2 * share
@@ -23,42 +29,42 @@ def streaks(patch: SurfacePatch, name: str, *, length_m: float, width_m: float, 
 
 
 def blotches(patch: SurfacePatch, name: str, *, size_m: float, share: float) -> Texture:
-    """Soft irregular patches; `share` 0-1 is how much of the surface they cover."""
+    """Return soft irregular patches; `share` is the covered share of the surface."""
     cloud = NoiseTexture((1 / size_m, 1 / size_m), patch.offset(name), octaves=3, gain=0.6)
     level = 0.66 - 0.3 * share
     return Step(cloud, level, level + 0.35)
 
 
 def arcs(patch: SurfacePatch, name: str, *, radius_m: float, width_m: float, share: float, apart_m: float) -> Texture:
-    """Bent smears, each in a cell of its own about `apart_m` wide; `share` 0-1 of the cells have any."""
+    """Return curved smears, at most one in each cell about `apart_m` wide; `share` of the cells have one."""
     per_m, offset = (1 / apart_m, 1 / apart_m), patch.offset(name)
     hand = NoiseTexture((0.8 / radius_m, 0.8 / radius_m), patch.offset(f"{name} hand"), octaves=2)
     away = Cells(per_m, offset, "distance") + (0.9 * radius_m / apart_m) * (hand - 0.5)
     radius, half = radius_m / apart_m, 0.5 * width_m / apart_m
-    # Sharp on the inside and fading outwards, as a heel that turns leaves it.
+    # Sharp on the inside and fading outwards, like the mark of a heel that turns.
     smear = Step(away, radius - half, radius - 0.4 * half) * (1 - Step(away, radius - 0.2 * half, radius + 2 * half))
     here = Step(Cells(per_m, offset, "random"), 1 - share, 1.01 - share)
     return smear * here * Step(hand, 0.5, 0.62)
 
 
 def threads(patch: SurfacePatch, name: str, *, size_m: float, width_m: float) -> Texture:
-    """Fine wandering lines: where a noise with features of `size_m` crosses its mean."""
+    """Return fine wandering lines, where a noise with features of `size_m` crosses its mean."""
     field = NoiseTexture((1 / size_m, 1 / size_m), patch.offset(name), octaves=5, gain=0.55)
-    slope = 1.6 / size_m  # of the noise where it crosses its mean, from pictures of it
+    slope = 1.6 / size_m  # slope of the noise where it crosses its mean, measured in rendered images
     away = Arithmetic("maximum", field - 0.5, 0.5 - field)
     return 1 - Step(away, 0.2 * slope * width_m, 0.7 * slope * width_m)
 
 
 def either(a: Texture, b: Texture) -> Texture:
-    """The stronger of two masks."""
+    """Return the maximum of two masks."""
     return Arithmetic("maximum", a, b)
 
 
 def worn_gloss(roughness: float, by: Texture, depth: float) -> Texture:
-    """Roughness that varies by `depth` with a pattern of mean 0.5, about `roughness` where it may.
+    """Return a roughness that varies by `depth` with a pattern of mean 0.5, about `roughness` where possible.
 
-    It stays on one side of 0.274: there Cycles begins to count a gloss as colour in what it tells the denoiser
-    (`fabs(roughness^2) > 0.075`), and the border would show in the picture.
+    It stays on one side of 0.274, from which on Cycles counts a gloss as colour in the denoiser's guide
+    (`fabs(roughness^2) > 0.075`): the border would be visible in the image.
     """
     low = roughness - 0.5 * depth
     highest_below = max(_SEAM - 0.006 - depth, 0.0)

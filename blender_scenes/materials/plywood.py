@@ -3,7 +3,7 @@
 import math
 
 from blender_scenes.materials.base import SurfacePatch
-from blender_scenes.materials.patterns import either, specks
+from blender_scenes.materials.patterns import either, shaded, specks
 from blender_scenes.scene.shading import (
     Arithmetic,
     Constant,
@@ -22,57 +22,57 @@ from configs.schema.paint import Paint
 
 _PLY_M = 0.0015
 _THICKEST_EDGE_M = 0.03
-"""A face so narrow is a sheet's sawn edge; a wider one belongs to a body with veneer all around."""
+"""Maximum width of a face that counts as the sawn edge of a sheet; wider faces have veneer."""
 
 
 def plywood_floor(look: FloorLook, patch: SurfacePatch) -> Surface:
-    """Sheets side by side, their ends staggered by half, each its own veneer; seams open and dark."""
-    own = look.plywood
-    size, offset = (own.sheet_length_m, own.sheet_width_m), patch.offset("sheets")
-    sheet = Tiles(size, own.seam_m, 0.5, offset, "random")
-    face, fibres = _veneer(patch, own.paint, own.variation, sheet)
-    seam = Tiles(size, own.seam_m, 0.5, offset, "joint", softness=0.5)
-    # Sawn edges are broken a little and hold dirt.
-    worn = Tiles(size, own.seam_m + 0.006, 0.5, offset, "joint", softness=1.0)
-    face = Mix(0.3 * worn, face, paint_color(own.paint, times=0.5))
+    """Return sheets side by side, staggered by half, each with different veneer; the seams are open and dark."""
+    config = look.plywood
+    size, offset = (config.sheet_length_m, config.sheet_width_m), patch.offset("sheets")
+    sheet = Tiles(size, config.seam_m, 0.5, offset, "random")
+    face, fibres = _veneer(patch, config.paint, config.variation, sheet)
+    seam = Tiles(size, config.seam_m, 0.5, offset, "joint", softness=0.5)
+    # Sawn edges are slightly rounded and hold dirt.
+    worn = Tiles(size, config.seam_m + 0.006, 0.5, offset, "joint", softness=1.0)
+    face = Mix(0.3 * worn, face, paint_color(config.paint, times=0.5))
     return Surface(
         patch.name,
-        Mix(seam, face, paint_color(own.paint, times=0.08)),
-        roughness=own.roughness + 0.1 * fibres,
+        Mix(seam, face, paint_color(config.paint, times=0.08)),
+        roughness=config.roughness + 0.1 * fibres,
         height_m=0.00003 * fibres - 0.0006 * worn - 0.001 * seam,
     )
 
 
 def plywood(look: LookConfig, patch: SurfacePatch) -> Surface:
-    """Veneer on the faces, the cut plies on the edges of sheets."""
-    own = look.plywood
+    """Return veneer for a face, or the cut plies for the edge of a sheet."""
+    config = look.plywood
     if min(patch.size_m) <= _THICKEST_EDGE_M:
         return _sawn_edge(look, patch)
-    face, fibres = _veneer(patch, own.paint, 0.15, Constant(0.5))
-    return Surface(patch.name, face, roughness=own.roughness + 0.1 * fibres, height_m=0.00003 * fibres)
+    face, fibres = _veneer(patch, config.paint, 0.15, Constant(0.5))
+    return Surface(patch.name, face, roughness=config.roughness + 0.1 * fibres, height_m=0.00003 * fibres)
 
 
 def _veneer(patch: SurfacePatch, paint: Paint, variation: float, sheet: Texture) -> tuple[Texture, Texture]:
-    """Colour and fibres of a peeled face; growth lines wander as the contours of a hilly map."""
+    """Return colour and fibres of a peeled face; growth lines wander like the contours of a hilly map."""
     hills = NoiseTexture((0.55, 4.5), patch.offset("hills"), octaves=2, gain=0.35, warp=0.15, shift=30 * sheet)
     fibres = NoiseTexture((18.0, 850.0), patch.offset("fibres"), octaves=2, gain=0.6, shift=30 * sheet)
     clouds = NoiseTexture((1.6, 9.0), patch.offset("clouds"), octaves=3, shift=30 * sheet)
     contour = Arithmetic("sine", (34 * math.tau) * hills)
     late = Step(contour, 0.7, 1.0)  # latewood: narrow, dark, sharp on one side
     tone = 0.5 + 0.3 * (sheet - 0.5) + 0.9 * (clouds - 0.5) + 0.5 * (fibres - 0.5) - 0.3 * (late - 0.1)
-    face = Mix(tone, paint_color(paint, times=1 - 2 * variation), paint_color(paint, times=1 + 2 * variation))
+    face = shaded(tone, paint, 2 * variation)
     pores = Step(fibres, 0.64, 0.78)
     face = Mix(0.3 * pores, face, paint_color(paint, times=0.5))
     return Mix(0.6 * specks(patch, "flecks", size_m=0.0012, share=0.2), face, paint_color(paint, times=0.45)), fibres
 
 
 def _sawn_edge(look: LookConfig, patch: SurfacePatch) -> Surface:
-    """Plies light and dark in turn, along the face's long side."""
-    own = look.plywood
+    """Return alternating light and dark plies along the long side of the face."""
+    config = look.plywood
     across, grain = ("u", (600.0, 40.0)) if patch.size_m[0] < patch.size_m[1] else ("v", (40.0, 600.0))
     ply = Step(Arithmetic("sine", SurfaceCoordinate(across) * (math.pi / _PLY_M)), -0.3, 0.3)
     fibres = NoiseTexture(grain, patch.offset("sawn"), octaves=3)
-    light, dark = paint_color(own.paint, times=1.0), paint_color(own.paint, times=0.5)
+    light, dark = paint_color(config.paint, times=1.0), paint_color(config.paint, times=0.5)
     burnt = either(0.3 * ply, Step(fibres, 0.62, 0.75) * 0.5)
     base = Mix(0.75 * ply + 0.25 * fibres, light, dark)
-    return Surface(patch.name, Mix(0.3 * burnt, base, paint_color(own.paint, times=0.25)), roughness=0.8)
+    return Surface(patch.name, Mix(0.3 * burnt, base, paint_color(config.paint, times=0.25)), roughness=0.8)

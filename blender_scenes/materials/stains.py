@@ -1,4 +1,4 @@
-"""Where a floor has grown darker or paler in patches: traffic, faded and cleaned places, spills that dried."""
+"""Darker and paler patches of a floor: traffic, faded and cleaned places, dried spills."""
 
 from dataclasses import replace
 
@@ -7,13 +7,13 @@ from blender_scenes.scene.shading import Color, Mix, NoiseTexture, Step, Surface
 
 _GRIME = Color((0.07, 0.065, 0.06))
 _CHALK = Color((0.72, 0.71, 0.69))
-"""What scuffing and dried water leave, which a white floor hardly shows."""
+"""Colour of scuffs and dried water, which are hardly visible on a white floor."""
 
 
 def stained(surface: Surface, patch: SurfacePatch, amount: float) -> Surface:
-    """The floor with patches darker and paler, with dried spills: of standard deviation about a tenth at `amount` 1.
+    """Return the floor with darker and paler patches, of standard deviation about a tenth at `amount` 1.
 
-    A spill has left its place a little paler and a dark rim where the floor around it is clean.
+    A dried spill is a slightly paler area with a dark rim where the floor around it is clean.
     """
     if amount == 0:
         return surface

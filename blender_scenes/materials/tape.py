@@ -15,11 +15,11 @@ from blender_scenes.scene.shading import (
 from configs.schema.look import TapeLook
 
 _SHARPEST_BEND_PER_M = 5.0
-"""From this curvature on a tape folds all along its inner edge."""
+"""Curvature from which on a tape folds all along its inner edge."""
 
 
 def tape(look: TapeLook, patch: SurfacePatch, bend_per_m: float = 0.0, bed_m: float = 0.0) -> Surface:
-    """Matt or glossy film, its own tone per piece: scuffs, dust, polished spots, streaks, dirty ends, folds in bends.
+    """Return matt or glossy film with scuffs, dust, polished spots, streaks, dirty ends, and folds in bends.
 
     `bend_per_m` is the piece's curvature, positive to the left; `bed_m` the size of a carpet's loops, which press
     through from beneath, 0 on a hard floor.
@@ -57,7 +57,7 @@ def tape(look: TapeLook, patch: SurfacePatch, bend_per_m: float = 0.0, bed_m: fl
 
 
 def _streaks(patch: SurfacePatch) -> Texture:
-    """Scuffs along the tape and the haze that they lie in, 0-1, in patches some centimetres long.
+    """Return scuffs along the tape and the haze around them, 0 to 1, in patches some centimetres long.
 
     They have no relief, which at the size of a camera's pixel is not seen.
     """
@@ -67,12 +67,12 @@ def _streaks(patch: SurfacePatch) -> Texture:
 
 
 def _ends(at: SurfaceCoordinate, size_m: float, border_m: float) -> Texture:
-    """1 along both borders of a strip of that size."""
+    """Return 1 along both borders of a strip of that size, 0 elsewhere."""
     return either(1 - Step(at, 0.2 * border_m, border_m), Step(at, size_m - border_m, size_m - 0.2 * border_m))
 
 
 def _folds(look: TapeLook, patch: SurfacePatch, bend_per_m: float, fine: Texture) -> Texture:
-    """Height [m] of folds across the tape: from the inner edge in bends, in a few places anywhere."""
+    """Return the height [m] of folds across the tape: along the inner edge of bends, and in a few other places."""
     inside = SurfaceCoordinate("v") if bend_per_m > 0 else patch.size_m[1] - SurfaceCoordinate("v")
     sharp = min(abs(bend_per_m) / _SHARPEST_BEND_PER_M, 1.0)
     share = Step(inside, 0.3 * patch.size_m[1], patch.size_m[1])

@@ -1,4 +1,4 @@
-"""The scene seen without Blender: rasterised in numpy, lit directly by cosine, in flat colours, the same camera.
+"""The scene without Blender: rasterised in numpy, with direct light and flat colours, through the same camera.
 
-A second, independent observer of the description: what both see in the same place is where the scene is.
+It is independent of Blender, so that a comparison of both shows whether a scene is where its description says.
 """

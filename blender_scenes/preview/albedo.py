@@ -1,4 +1,4 @@
-"""What share of the light a surface returns at each of its points: the one place that knows how detailed that is."""
+"""The reflectance of a surface at each of its points."""
 
 from collections.abc import Callable
 
@@ -11,11 +11,11 @@ from configs.assets.images import LINEAR
 from symolo.core.arrays import Array
 
 ReadImage = Callable[[str], NDArray[np.uint8]]
-"""(H, W, 3) sRGB of the picture with that SHA-256."""
+"""Function from the SHA-256 of an image to its sRGB pixels (H, W, 3)."""
 
 
 def albedo(surface: Surface, uv_m: Array, pixels: ReadImage) -> Array:
-    """Reflectance (N, 3) at surface coordinates (N, 2) [m]: the pictures' own, all else of a typical colour."""
+    """Return the reflectance (N, 3) at surface coordinates (N, 2) [m]: pixels of images, else a typical colour."""
     return _colors(surface.base_color, uv_m, pixels)
 
 
@@ -23,7 +23,7 @@ def _colors(texture: Texture, uv_m: Array, pixels: ReadImage) -> Array:
     match texture:
         case ImageTexture():
             return _looked_up(texture, uv_m, pixels(texture.sha256))
-        case Mix(by, a, b) if _shows_a_picture(texture):
+        case Mix(by, a, b) if _has_image(texture):
             share = np.clip(np.array(typical_color(Surface("", by))), 0, 1)
             below, above = _colors(a, uv_m, pixels), _colors(b, uv_m, pixels)
             return below + share * (above - below)
@@ -31,16 +31,16 @@ def _colors(texture: Texture, uv_m: Array, pixels: ReadImage) -> Array:
             return np.broadcast_to(np.array(typical_color(Surface("", texture))), (len(uv_m), 3))
 
 
-def _shows_a_picture(texture: Texture) -> bool:
+def _has_image(texture: Texture) -> bool:
     return isinstance(texture, ImageTexture) or (
-        isinstance(texture, Mix) and (_shows_a_picture(texture.a) or _shows_a_picture(texture.b))
+        isinstance(texture, Mix) and (_has_image(texture.a) or _has_image(texture.b))
     )
 
 
-def _looked_up(texture: ImageTexture, uv_m: Array, picture: NDArray[np.uint8]) -> Array:
-    """The nearest pixel's linear colour, the picture repeated."""
-    height, width, _ = picture.shape
+def _looked_up(texture: ImageTexture, uv_m: Array, image: NDArray[np.uint8]) -> Array:
+    """Return the linear colour of the nearest pixel of the repeated image."""
+    height, width, _ = image.shape
     share = ((uv_m - np.array(texture.at_m)) / np.array(texture.size_m)) % 1.0
     column = np.minimum((share[:, 0] * width).astype(np.intp), width - 1)
     row = height - 1 - np.minimum((share[:, 1] * height).astype(np.intp), height - 1)
-    return LINEAR[picture[row, column]]
+    return LINEAR[image[row, column]]

@@ -1,6 +1,6 @@
-"""The light that reaches a surface: panels and sun directly, by cosine, no shadow but the sun's, and an even rest.
+"""The light on a surface: direct light of panels and sun, shadows of the sun only, and even indirect light.
 
-Illuminances are in kilolux per linear component, as the description's radiances are in 1000 cd/m2.
+Illuminances are in kilolux per linear component; radiances are in 1000 cd/m2.
 """
 
 from collections.abc import Iterable, Sequence
@@ -19,10 +19,10 @@ Floats = NDArray[np.float32]
 
 
 def from_panels(panels: Sequence[Panel], points: Floats, normals: Floats) -> Floats:
-    """Illuminance (3, N) of surfaces at points (3, N) with unit normals (3, N).
+    """Return the illuminance (3, N) of surfaces at points (3, N) with unit normals (3, N).
 
     A panel counts as a disc of its area A in its middle: L A cos cos / (r2 + A / pi), exact on the disc's axis at any
-    distance r and so never more than pi L; far away it is the inverse square that `lighting.illuminance` has.
+    distance r and so never more than pi L; far away it is the inverse square of `lighting.illuminance`.
     """
     total: Floats = np.zeros_like(points)
     for panel in panels:
@@ -39,22 +39,22 @@ def from_panels(panels: Sequence[Panel], points: Floats, normals: Floats) -> Flo
 
 
 def from_sun(sun: Sun, normals: Floats, lit: NDArray[np.bool_]) -> Floats:
-    """Illuminance (3, N) of surfaces with unit normals (3, N), where `lit` (N,) by it."""
+    """Return the illuminance (3, N) of surfaces with unit normals (3, N), where `lit` (N,), and 0 elsewhere."""
     cosine: Floats = np.maximum(_dot(np.array(sun.towards, np.float32), normals), 0)
     return np.outer(sun.irradiance, np.where(lit, cosine, 0)).astype(np.float32)
 
 
 def _dot(a: Iterable[Floats], b: Iterable[Floats]) -> Floats:
-    """Of vectors given by component, which is several times faster than by point."""
+    """Return dot products of vectors (3, N), which is several times faster than for vectors (N, 3)."""
     (ax, ay, az), (bx, by, bz) = a, b
     return ax * bx + ay * by + az * bz
 
 
 def from_all_around(panels: Sequence[Panel], scene: Triangles, colors: Array) -> Array:
-    """Illuminance (3,) by what the scene's surfaces pass on to each other, the same everywhere.
+    """Return the illuminance (3,) by light between the scene's surfaces, which is taken to be the same everywhere.
 
-    That of an integrating sphere: flux / area x rho / (1 - rho), with the area of the box around the scene and the mean
-    reflectance rho of its faces, whose colours are (T, 3).
+    It is that of an integrating sphere: flux / area x rho / (1 - rho), with the area of the box around the scene and
+    the mean reflectance rho of its faces, whose colours are (T, 3).
     """
     if not len(scene.corners):
         return np.zeros(3)
@@ -66,7 +66,7 @@ def from_all_around(panels: Sequence[Panel], scene: Triangles, colors: Array) ->
 
 
 def of_the_sky(sky: Sky) -> Array:
-    """Radiance (3,) of the sky behind everything: the panorama's mean, for the panorama itself is Blender's."""
+    """Return the mean radiance (3,) of the sky; the panorama itself is a file of Blender."""
     mean = np.array(mean_of_sky(sky))
     grey = mean @ LUMINANCE
     return sky.gain * (grey + sky.saturation * (mean - grey))

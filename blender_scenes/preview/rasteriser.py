@@ -1,9 +1,9 @@
-"""Which triangle each pixel's middle sees, at what depth and where on the surface.
+"""The triangle in the middle of each pixel, its depth and the surface coordinates there.
 
 Homogeneous rasterisation after Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates" (1997):
 with the corners P0, P1, P2 in C, a ray d = (x, y, 1) meets the triangle in front of the camera where the three
 functions (Pj x Pk) . d / det(P0, P1, P2) are positive. They sum to 1/depth and are the corners' weights over depth, so
-that a triangle that reaches behind the camera needs no cutting and everything on it is perspective-correct.
+that a triangle that reaches behind the camera needs no clipping and everything on it is perspective-correct.
 """
 
 from dataclasses import dataclass
@@ -16,39 +16,39 @@ from symolo.core.arrays import Array
 from symolo.core.pinhole import Intrinsics
 
 NEAR_M = 0.001
-"""Nothing closer along the axis is seen, as with Blender's camera."""
+"""Depth below which nothing is visible, as for Blender's camera."""
 
 Ints = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
 class VisibleTriangles:
-    """What the middle of each pixel sees."""
+    """What is visible in the middle of each pixel."""
 
     triangle: Ints
-    """(H, W), -1 where there is nothing."""
+    """(H, W), number of the triangle, -1 where there is none."""
     depth_m: Array
-    """(H, W), along the camera's axis; infinite where there is nothing."""
+    """(H, W), depth along the optical axis; infinite where there is no triangle."""
     uv_m: Array
-    """(H, W, 2), surface coordinates [m]; 0 where there is nothing."""
+    """(H, W, 2), surface coordinates [m]; 0 where there is no triangle."""
 
 
 @dataclass(frozen=True)
 class _Planes:
-    """Functions that are linear in the picture, as coefficients of column, row and 1."""
+    """Functions that are linear in the image, as coefficients of column, row and 1."""
 
     index: Ints
-    """(T,), numbers of the triangles that may be seen."""
+    """(T,), numbers of the triangles that may be visible."""
     edges: Array
-    """(T, 3, 3), one for each side: positive on the triangle's side of it."""
+    """(T, 3, 3), a function for each side, positive towards the inside of the triangle."""
     weights: Array
-    """(T, 3, 3), the same to scale: the opposite corner's weight over depth."""
+    """(T, 3, 3), the same functions, scaled to the opposite corner's weight divided by depth."""
     rows: Ints
-    """(T, 2), first and last row that may be touched."""
+    """(T, 2), first and last row that the triangle may touch."""
 
 
 def rasterise(camera: Intrinsics, X_WC: Array, triangles: Triangles) -> VisibleTriangles:
-    """What a pinhole camera sees of triangles given in W, from both of their sides."""
+    """Return what a pinhole camera sees of triangles in W; both of their sides are visible."""
     planes = _planes(camera, X_WC, triangles)
     at, row, first, last = _spans(camera, planes)
     count = last - first + 1
@@ -71,13 +71,13 @@ def _planes(camera: Intrinsics, X_WC: Array, triangles: Triangles) -> _Planes:
     index = np.flatnonzero(ahead & (determinant != 0))
     x, y, one = np.moveaxis(sides[index] * np.sign(determinant[index])[:, None, None], -1, 0)
     x, y = x / camera.fx_px, y / camera.fy_px
-    # Two triangles that share a side get the same numbers for it but for the sign, so that no gap opens between them.
+    # Two triangles with a common side get the same numbers for it but for the sign, so that there is no gap between.
     edges = np.stack([x, y, one - x * camera.cx_px - y * camera.cy_px], axis=-1)
     return _Planes(index, edges, edges / np.abs(determinant[index])[:, None, None], rows[index])
 
 
 def _touched(camera: Intrinsics, corners: Array) -> tuple[Ints, NDArray[np.bool_]]:
-    """Rows (T, 2) that triangles (T, 3, 3) in C may touch, and whether they touch the picture at all."""
+    """Return the rows (T, 2) that triangles (T, 3, 3) in C may touch, and whether they may touch the image at all."""
     depth = corners[..., 2]
     whole = (depth > NEAR_M).all(axis=1)
     safe = np.where(depth > NEAR_M, depth, 1.0)
@@ -91,7 +91,7 @@ def _touched(camera: Intrinsics, corners: Array) -> tuple[Ints, NDArray[np.bool_
 
 
 def _spans(camera: Intrinsics, planes: _Planes) -> tuple[Ints, Ints, Ints, Ints]:
-    """Place in `planes`, row, first and last column of every run of pixels inside a triangle."""
+    """Return index in `planes`, row, first and last column of every run of pixels inside a triangle."""
     count = planes.rows[:, 1] - planes.rows[:, 0] + 1
     at = np.repeat(np.arange(len(count)), count)
     row = planes.rows[at, 0] + np.arange(len(at)) - (np.cumsum(count) - count)[at]
@@ -107,9 +107,9 @@ def _spans(camera: Intrinsics, planes: _Planes) -> tuple[Ints, Ints, Ints, Ints]
 
 
 def _nearest(pixel: Ints, nearness: Array, at: Ints, pixels: int) -> tuple[Array, Ints]:
-    """1/depth (P,) of what is nearest in each pixel, 0 for nothing, and its place in the planes, -1 for nothing.
+    """Return 1/depth (P,) of the nearest triangle in each pixel, 0 for none, and its index in the planes, -1 for none.
 
-    Of two that are equally near, the later one is seen.
+    Of two triangles at the same depth, the later one is visible.
     """
     nearness = np.where(nearness <= 1 / NEAR_M, nearness, 0.0)
     nearest, shown = np.zeros(pixels), np.full(pixels, -1)

@@ -1,4 +1,4 @@
-"""A job's pictures without Blender, in some hundredths of a second each."""
+"""A job's images without Blender, in some hundredths of a second each."""
 
 from functools import cache
 from pathlib import Path
@@ -25,18 +25,18 @@ from symolo.core.poses import pose_X_WR
 
 
 class FlatRenderer:
-    """The scene of a job, ready to be looked at.
+    """A renderer of a job's images in flat colours.
 
-    What it leaves out: textures but for pictures of the user's own, gloss, glass that is clear, shadows of lamps and of
-    what moves and of the robot, and motion blur.
+    It leaves out textures other than the user's images, gloss, transparency, shadows other than those of the sun on
+    things that stand still, and motion blur.
 
     Raises:
-        ValueError: A face of the scene is not convex, no light reaches what the camera sees, or a picture of the
-            user's own is not in its folder.
+        ValueError: A face of the scene is not convex, no light reaches what the camera sees, or an image of the user
+            is not in its folder.
     """
 
     def __init__(self, job: RenderJob, user_files: Path | None = None) -> None:
-        """Of a job, and the folder that holds the user's own files by their SHA-256."""
+        """Prepare the scene of a job; `user_files` is the folder of the user's files by their SHA-256."""
         scene = job.scene
         numbers = {surface.name: number for number, surface in enumerate(scene.surfaces)}
         self._job = job
@@ -54,13 +54,13 @@ class FlatRenderer:
         )
 
     def picture(self, view: FrameView) -> NDArray[np.uint8]:
-        """(H, W, 3) 8-bit RGB of one of the job's frames, exposed and developed as Blender's pictures are."""
+        """Return the 8-bit RGB image (H, W, 3) of one of the job's frames, developed like Blender's images."""
         light = self.light(view, self._pinhole) * np.array(view.light_gain, np.float32)
         seen = through_lens(light, self._job.camera)
         return develop(seen, self._job.response, self._metered, view.number)
 
     def light(self, view: FrameView, camera: Intrinsics) -> Image:
-        """(H, W, 3) linear light that reaches a pinhole camera in the place of the view, at its instant."""
+        """Return the linear light (H, W, 3) of a pinhole camera at the view's pose and time."""
         moved = [part.placed(pose_X_WR(*pose)) for part, pose in zip(self._moving, view.moving, strict=True)]
         triangles = Triangles.joined([self._still, self._robot.placed(pose_X_WR(*view.robot_pose)), *moved])
         X_WC = np.array(view.X_WC)
@@ -72,7 +72,7 @@ class FlatRenderer:
         return light.reshape(camera.height_px, camera.width_px, 3)
 
     def _reflectance(self, triangles: Triangles, seen: VisibleTriangles, hit: Ints) -> Array:
-        """(N, 3) over pi of the pixels `hit` (N,)."""
+        """Return the reflectance (N, 3) divided by pi of the pixels `hit` (N,)."""
         number, uv_m = triangles.surface[seen.triangle.ravel()[hit]], seen.uv_m.reshape(-1, 2)[hit]
         reflectance = np.zeros((len(number), 3))
         for surface in np.flatnonzero(np.bincount(number)):
@@ -83,7 +83,7 @@ class FlatRenderer:
     def _illuminance(
         self, camera: Intrinsics, X_WC: Array, triangles: Triangles, seen: VisibleTriangles, hit: Ints
     ) -> Array:
-        """(3, N) of the pixels `hit` (N,), on the side that is seen."""
+        """Return the illuminance (3, N) of the pixels `hit` (N,) on the visible side."""
         row, column = np.divmod(hit, camera.width_px)
         x, y = (column - camera.cx_px) / camera.fx_px, (row - camera.cy_px) / camera.fy_px
         ray = [a * x + b * y + c for a, b, c in X_WC[:3, :3]]

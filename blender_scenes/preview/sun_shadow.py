@@ -1,4 +1,4 @@
-"""Where the sun reaches: a picture of the scene as the sun sees it, whose depths say what lies in a shadow."""
+"""Shadows of the sun, from a depth image of the scene as the sun sees it."""
 
 from dataclasses import dataclass
 
@@ -13,23 +13,23 @@ from symolo.core.pinhole import Intrinsics, project
 
 _SIDE_PX = 512
 _AWAY = 1000.0
-"""Distance of the eye in radii of the scene; its rays are parallel to a thousandth."""
+"""Distance of the sun's camera in radii of the scene; its rays are parallel to a thousandth."""
 _LIFT_PX = 1.5
-"""Points are looked up so many pixels' width above their surface, or it would shade itself."""
+"""Height in pixels above a surface at which its points are looked up, because it would shade itself otherwise."""
 
 
 @dataclass(frozen=True)
 class SunShadow:
     camera: Intrinsics
     X_WC: Array
-    """(4, 4), of the sun's eye."""
+    """(4, 4) pose of the sun's camera."""
     depth_m: Array
-    """(S, S) of what it sees first."""
+    """(S, S) depths of the nearest surfaces."""
     lift_m: float
 
     @classmethod
     def of(cls, sun: Sun, scene: Triangles) -> "SunShadow":
-        """The shadow that what stands still throws."""
+        """Return the shadows of what stands still."""
         points = scene.corners.reshape(-1, 3)
         middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
         radius = float(np.linalg.norm(points - middle, axis=1).max())
@@ -39,14 +39,14 @@ class SunShadow:
         return cls(camera, X_WC, rasterise(camera, X_WC, scene).depth_m, 2 * _LIFT_PX * radius / _SIDE_PX)
 
     def lit(self, points: Array, normals: NDArray[np.float32]) -> NDArray[np.bool_]:
-        """Whether the sun reaches points (N, 3) in W of surfaces with unit normals (N, 3)."""
+        """Return whether the sun reaches points (N, 3) in W of surfaces with unit normals (N, 3)."""
         pixel, depth = project(self.camera, self.X_WC, points + self.lift_m * normals)
         column, row = np.clip(np.rint(pixel), 0, _SIDE_PX - 1).astype(np.intp).T
         return depth <= self.depth_m[row, column]
 
 
 def _looking_back(towards: Array, middle: Array, distance_m: float) -> Array:
-    """Pose (4, 4) of an eye that looks at `middle` from where the sun stands."""
+    """Return the pose (4, 4) of a camera that looks at `middle` from the direction of the sun."""
     across = np.array([1.0, 0.0, 0.0]) if abs(towards[2]) > 0.9 else np.array([0.0, 0.0, 1.0])
     right = np.cross(-towards, across)
     right /= np.linalg.norm(right)

@@ -21,14 +21,14 @@ class Triangles:
 
     @classmethod
     def of(cls, meshes: Sequence[Mesh], numbers: Mapping[str, int]) -> "Triangles":
-        """All faces cut into fans about their first corner, in the meshes' order.
+        """Return all faces as fans of triangles about their first corner, in the meshes' order.
 
         Args:
-            meshes: Of one frame.
-            numbers: Of the surfaces, by name.
+            meshes: Meshes in one frame.
+            numbers: Numbers of the surfaces by their names.
 
         Raises:
-            ValueError: A face is not convex, so that its fan would cover what the face does not.
+            ValueError: A face is not convex, so that its fan would cover more than the face.
         """
         parts = [_cut(mesh, numbers) for mesh in meshes]
         return cls.joined(parts) if parts else cls(np.zeros((0, 3, 3)), np.zeros((0, 3, 2)), np.zeros(0, np.intp))
@@ -42,12 +42,12 @@ class Triangles:
         )
 
     def placed(self, X: Array) -> "Triangles":
-        """Moved by the pose X (4, 4) of their frame."""
+        """Return the triangles moved by the pose X (4, 4) of their frame."""
         return replace(self, corners=self.corners @ X[:3, :3].T + X[:3, 3])
 
     @property
     def crosses(self) -> Array:
-        """(T, 3), normals as long as twice the area [m2], outward where the corners go counter-clockwise."""
+        """(T, 3), normals whose length is twice the area [m2], outward for counter-clockwise corners."""
         a, b, c = self.corners[:, 0], self.corners[:, 1], self.corners[:, 2]
         return np.cross(b - a, c - a)
 
@@ -59,7 +59,7 @@ class Triangles:
 
 
 def _cut(mesh: Mesh, numbers: Mapping[str, int]) -> Triangles:
-    """The fans of a mesh."""
+    """Return the fans of a mesh."""
     faces = [(face, (0, i, i + 1)) for face, points in enumerate(mesh.faces) for i in range(1, len(points) - 1)]
     vertices = np.array(mesh.vertices)
     corners = vertices[[[mesh.faces[face][i] for i in fan] for face, fan in faces]]

@@ -1,4 +1,4 @@
-"""What renders: the processor, or a graphics card. Only the processor gives the same bytes on every machine."""
+"""The device that renders: the processor or a graphics card. Only the processor gives the same bytes everywhere."""
 
 import os
 import subprocess
@@ -13,33 +13,33 @@ from symolo.core.errors import EnvironmentLacking
 DeviceKind = Literal["CPU", "OPTIX", "CUDA", "HIP", "METAL", "ONEAPI"]
 """Cycles' own names."""
 GPU_KINDS: tuple[DeviceKind, ...] = ("OPTIX", "CUDA", "HIP", "METAL", "ONEAPI")
-"""The best first: OptiX before CUDA, for a card with both traces faster by it (Blender manual, GPU Rendering)."""
+"""From the fastest: OptiX before CUDA, for a card that has both is faster with it (Blender manual, GPU Rendering)."""
 
 LISTED = "gpu "
-"""Before each kind in what the process that lists them prints, amid Blender's own chatter."""
+"""Prefix of the lines that list the cards, among Blender's other output."""
 VISIBLE: dict[DeviceKind, str] = {
     "OPTIX": "CUDA_VISIBLE_DEVICES",
     "CUDA": "CUDA_VISIBLE_DEVICES",
     "HIP": "HIP_VISIBLE_DEVICES",
     "ONEAPI": "ZE_AFFINITY_MASK",
 }
-"""Variables by which NVIDIA's, AMD's and Intel's drivers show a process some of the cards; Apple's knows none."""
+"""Variables that limit a process to some cards, for the drivers of NVIDIA, AMD and Intel; Apple's has none."""
 _TIMEOUT_S = 120
 
 
-def device_for(asked: RenderDevice, listed: Callable[[], Collection[str]] | None = None) -> DeviceKind:
-    """The kind that a command renders on; `listed` says which kinds of card there are, Blender by default.
+def device_for(choice: RenderDevice, listed: Callable[[], Collection[str]] | None = None) -> DeviceKind:
+    """Return the kind of device for a command; `listed` returns the kinds of the machine's cards, by default Blender's.
 
     Raises:
         EnvironmentLacking: A card is asked for and there is none, or Blender does not start.
     """
-    if asked == "cpu":
+    if choice == "cpu":
         return "CPU"
-    there = (listed or listed_gpus)()
+    available = (listed or listed_gpus)()
     for kind in GPU_KINDS:
-        if kind in there:
+        if kind in available:
             return kind
-    if asked == "gpu":
+    if choice == "gpu":
         raise EnvironmentLacking(
             "render.device gpu: Cycles finds no graphics card by OptiX, CUDA, HIP, Metal or oneAPI;"
             " install its driver, or give --device cpu"
@@ -50,12 +50,12 @@ def device_for(asked: RenderDevice, listed: Callable[[], Collection[str]] | None
 def one_card_each(
     kind: DeviceKind, environment: Mapping[str, str], listed: Callable[[], Collection[str]] | None = None
 ) -> tuple[dict[str, str], ...]:
-    """For each card of a kind, the variables with which a process sees that card alone; nothing for the processor.
+    """Return for each card of a kind the variables that limit a process to this card; nothing for the processor.
 
     Args:
-        kind: As `device_for` gave it.
-        environment: Of this process; where it sees some of the machine's cards, these are dealt out and no others.
-        listed: The kind of each card; Blender lists them by default.
+        kind: Kind from `device_for`.
+        environment: Environment of this process; if it limits the process to some cards, only these are used.
+        listed: Function that returns the kind of each card; Blender lists them by default.
 
     Raises:
         EnvironmentLacking: Blender does not start.
@@ -63,13 +63,13 @@ def one_card_each(
     if kind not in VISIBLE:
         return ()
     count = list((listed or listed_gpus)()).count(kind)
-    seen = [name.strip() for name in environment.get(VISIBLE[kind], "").split(",") if name.strip()]
-    names = seen or [str(number) for number in range(count)]
+    visible = [name.strip() for name in environment.get(VISIBLE[kind], "").split(",") if name.strip()]
+    names = visible or [str(number) for number in range(count)]
     return tuple({VISIBLE[kind]: name} for name in names[:count])
 
 
 def listed_gpus() -> tuple[str, ...]:
-    """The kind of each card that Blender lists, found out in a process of its own, which takes a second.
+    """Return the kind of each card that Blender lists, from a child process, which takes a second.
 
     Raises:
         EnvironmentLacking: Blender does not start.

@@ -1,4 +1,4 @@
-"""Pictures on disk: put in place whole or not at all, and known again by their hash."""
+"""Images on disk: written completely or not at all, and recognised by their hash."""
 
 import contextlib
 import hashlib
@@ -15,19 +15,19 @@ from symolo.core.atomic_files import append_line, write_file
 
 @dataclass(frozen=True)
 class FrameFile:
-    """One finished picture, or another file of its frame."""
+    """A finished image, or another file of a frame."""
 
     number: int
     file: str
-    """Path within the folder of the pictures."""
+    """Path within the folder of the images."""
     sha256: str
     size_bytes: int
     seconds: float
-    """What rendering, developing and writing it took."""
+    """Time of rendering, developing and writing."""
     threads: int = 1
-    """Of Cycles meanwhile."""
+    """Number of Cycles' threads."""
     cpu: str = ""
-    """Class of the processor that made it; empty where it was not noted."""
+    """Class of the processor that made it; empty if it was not recorded."""
 
 
 @dataclass(frozen=True)
@@ -40,29 +40,25 @@ _ENTRY = TypeAdapter(_Entry)
 
 
 def put_in_place(data: bytes, path: Path, width_px: int, height_px: int) -> str:
-    """Decodes an encoded picture, puts it in place and returns its SHA-256.
+    """Check that an encoded image decodes to its size, put it in place and return its SHA-256.
 
     Raises:
-        OSError: The disk did not keep what was written, or the picture does not decode to its size.
+        OSError: The image does not decode to its size, or the disk did not keep what was written.
     """
-    if not _decodes(data, width_px, height_px):
+    pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
+    if pixels is None or pixels.shape != (height_px, width_px, 3):
         raise OSError(f"{path}: is not the one written: it does not decode to {width_px} x {height_px} px")
     return put_data_in_place(data, path)
 
 
 def put_data_in_place(data: bytes, path: Path) -> str:
-    """Puts a file in place and returns its SHA-256; raises what `write_file` does."""
+    """Put a file in place and return its SHA-256; errors are those of `write_file`."""
     write_file(path, data)
     return hashlib.sha256(data).hexdigest()
 
 
-def _decodes(data: bytes, width_px: int, height_px: int) -> bool:
-    pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
-    return pixels is not None and pixels.shape == (height_px, width_px, 3)
-
-
 class Ledger:
-    """The record of finished pictures beside their folder, one line each, so that a killed run loses none."""
+    """The journal of finished files beside their folder, one line for each, so that a killed run loses none."""
 
     def __init__(self, images_dir: Path, job_sha256: str) -> None:
         self._images_dir = images_dir
@@ -73,16 +69,16 @@ class Ledger:
         append_line(self._path, _ENTRY.dump_json(_Entry(self._job_sha256, frame)))
 
     def files(self) -> list[FrameFile]:
-        """All that was ever put in place for a job, in that order, what was made again too."""
+        """Return all files that were put in place for this job, in that order, repeated ones included."""
         return [entry.frame for entry in self._entries() if entry.job_sha256 == self._job_sha256]
 
     def whole_files(self) -> dict[str, FrameFile]:
-        """Recorded files of this job that lie in the folder as they were written, by their path in it."""
+        """Return the files of this job that are in the folder as they were written, by their path in it."""
         recorded = {frame.file: frame for frame in self.files()}
         return {name: frame for name, frame in recorded.items() if self._is_whole(frame)}
 
     def processors(self) -> tuple[str, ...]:
-        """Classes of those that made this job's files, each as it was put in place last; none that was not noted."""
+        """Return the classes of the processors that made this job's files, as far as they were recorded."""
         last = {frame.file: frame.cpu for frame in self.files()}
         return tuple(sorted({*last.values()} - {""}))
 
@@ -90,7 +86,7 @@ class Ledger:
         if not self._path.exists():
             return
         for line in self._path.read_bytes().splitlines():
-            with contextlib.suppress(ValidationError):  # a line cut short by a kill
+            with contextlib.suppress(ValidationError):  # the last line of a killed process may be incomplete
                 yield _ENTRY.validate_json(line)
 
     def _is_whole(self, frame: FrameFile) -> bool:

@@ -1,4 +1,4 @@
-"""One run's rendering as a file: the scene, the views to be taken, and every setting that decides a pixel."""
+"""The rendering of a run as a file: the scene, the views, and every setting on which a pixel depends."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -27,12 +27,12 @@ from symolo.dataset.layout import frame_name
 
 @dataclass(frozen=True)
 class FramePose:
-    """Where the robot stood at one shutter."""
+    """Pose of the robot at the time of an image."""
 
     number: int
     """Image number, from 1."""
     t_s: float
-    """Since the start of the run; moving obstacles are where they are then."""
+    """Time since the start of the run, which decides where moving obstacles are."""
     x_m: float
     y_m: float
     yaw_rad: float
@@ -51,11 +51,11 @@ class RenderJob(JobText):
     shutter: Shutter = INSTANT
 
     def files(self, number: int) -> tuple[str, ...]:
-        """Names of a frame's files."""
+        """Return the names of a frame's files."""
         return (frame_name(number),)
 
 
-def build_job(  # noqa: PLR0917 - a run's pictures depend on all of these
+def build_job(  # noqa: PLR0917 - a run's images depend on all of these
     arena: Arena,
     robot: RobotConfig,
     look: LookConfig,
@@ -65,10 +65,10 @@ def build_job(  # noqa: PLR0917 - a run's pictures depend on all of these
     path: RobotPath | None = None,
     device: DeviceKind = "CPU",
 ) -> RenderJob:
-    """The rendering of a run; the same arguments give the same job.
+    """Return the rendering of a run; the same arguments give the same job.
 
     Raises:
-        ValueError: Something moves during the exposure and there is no path to say how, or the lens cannot be.
+        ValueError: An exposure takes time and there is no path of the robot, or no camera has such a lens.
     """
     scene = describe(arena, robot, look, seed)
     (x0, y0), (x1, y1) = arena_bounds(arena)

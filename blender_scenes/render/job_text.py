@@ -1,4 +1,4 @@
-"""The text of a job for Blender: the same bytes for the same job, and refused where it is of another format."""
+"""The text of a job for Blender: the same bytes for the same job; text of another format is refused."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -10,24 +10,24 @@ from typing_extensions import Self
 
 @dataclass(frozen=True)
 class JobText:
-    """What every kind of job has; a kind adds the fields that decide its files."""
+    """Base of all kinds of job; a kind adds the fields on which its files depend."""
 
     FORMAT: ClassVar[int]
     KIND: ClassVar[str]
-    """What it is called in errors."""
+    """Name of the kind in error messages."""
 
     format: int
 
     def to_json(self) -> str:
-        """The job as text; equal jobs give equal bytes."""
+        """Return the job as text; equal jobs give equal text."""
         return _adapter(type(self)).dump_json(self).decode() + "\n"
 
     @classmethod
     def from_json(cls, text: str) -> Self:
-        """The job that `to_json` wrote.
+        """Return the job that `to_json` wrote.
 
         Raises:
-            ValueError: The text is no job, or one of another format.
+            ValueError: The text is not a job, or a job of another format.
         """
         job = _adapter(cls).validate_json(text)
         if job.format != cls.FORMAT:

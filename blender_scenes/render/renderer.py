@@ -1,4 +1,4 @@
-"""Renders or annotates a job's frames in a Blender process of its own; finishes what an earlier call left undone."""
+"""Render or annotate a job's frames in a Blender process; a later call makes only the files that are missing."""
 
 import hashlib
 import os
@@ -20,22 +20,22 @@ from symolo.core.errors import EnvironmentLacking
 _JOBS: dict[Work, type[RenderJob] | type[AnnotationJob]] = {"images": RenderJob, "annotations": AnnotationJob}
 _LOG_LINES = 15
 _PATIENCE_S = 300.0
-"""For what comes before the first frame, and for a frame besides its samples."""
+"""Maximum time until the first frame begins, and for a frame besides its samples."""
 _PATIENCE_PER_SAMPLE_S = 2e-4
-"""For each camera sample: two hundred times what one takes."""
+"""Maximum time for each camera sample: two hundred times what one usually takes."""
 
 
 class RenderError(RuntimeError):
-    """The Blender process died, fell silent or gave up; the text ends with the last lines of its log."""
+    """The Blender process died, was silent for too long, or failed; the text ends with the last lines of its log."""
 
 
 @dataclass(frozen=True)
 class FrameSet:
-    """What was asked for of a job, in order of the frames' numbers."""
+    """The files of some frames of a job, in order of the frames' numbers."""
 
     files: tuple[FrameFile, ...]
     made: int
-    """Of how many frames this call made files; those of the others were there and whole."""
+    """Number of frames for which this call made files; those of the others were there and undamaged."""
 
 
 def render_job(
@@ -50,7 +50,7 @@ def render_job(
     user_files: Path | None = None,
     cpu: str = "",
 ) -> FrameSet:
-    """Puts the files of the frames `numbers` of a job (all by default) below `folder`: pictures, or annotations.
+    """Put the files of a job's frames below `folder`: images, or annotations.
 
     Their bytes depend on the job and the frame's number alone. Finished files are recorded in a journal beside the
     folder, `<folder>.jsonl`; a frame whose files are all there and undamaged is not made again.
@@ -82,12 +82,12 @@ def render_job(
     files = {number: job.files(number) for number in wanted}
     left = {number: set(files[number]) - whole.keys() for number in wanted}
     missing = tuple(number for number in wanted if left[number])
-    tell = on_frame or (lambda _number: None)
+    report = on_frame or (lambda _number: None)
     for place in {(folder / name).parent for number in missing for name in left[number]}:
         make_folder(place)
     for number in wanted:
         if not left[number]:
-            tell(number)
+            report(number)
     if missing:
         request = RenderRequest(
             work=work,
@@ -103,17 +103,17 @@ def render_job(
             whole[file.file] = file
             left[file.number].discard(file.file)
             if not left[file.number]:
-                tell(file.number)
+                report(file.number)
     return FrameSet(tuple(whole[name] for number in wanted for name in files[number]), made=len(missing))
 
 
 def seed_of(job_path: Path, work: Work) -> int:
-    """The seed from which each of a job's frames draws its noise, by its number."""
+    """Return the seed from which the frames of a job draw their noise, by their numbers."""
     return _JOBS[work].from_json(job_path.read_text(encoding="utf-8")).sampling.seed
 
 
 def _blender_files(request: RenderRequest, camera_samples: int, on_begin: Callable[[int], None]) -> Iterator[FrameFile]:
-    """Yield the finished files of a Blender process as they come; the process never outlives the iteration.
+    """Yield the finished files of a Blender process, which ends with the iteration.
 
     The number of `camera_samples` of a frame decides how long it may take.
     """

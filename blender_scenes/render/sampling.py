@@ -1,4 +1,4 @@
-"""The qualities of pictures: samples and denoiser of each. docs/rendering.md has what they cost and miss."""
+"""Samples and denoiser of each quality of rendering; docs/rendering.md compares their times and errors."""
 
 import math
 from dataclasses import dataclass, replace
@@ -12,47 +12,47 @@ from configs.schema.scenario import Render, RenderQuality
 
 @dataclass(frozen=True)
 class HybridSamples:
-    """Of a picture that is put together from its parts (`blender_side/hybrid/images.py`)."""
+    """Samples of hybrid rendering (`blender_side/hybrid/images.py`)."""
 
     near: int
-    """Light paths per pixel of the picture of all light, which has a few thousand pixels."""
+    """Light paths per pixel of the light image of the whole view, which has a few thousand pixels."""
     far: int
-    """Light paths per pixel of that of the upper rows, where the floor is far, which is finer; more of few rows."""
+    """Light paths per pixel of the finer light image of the upper rows, where the floor is far."""
     surfaces: int
-    """Camera rays per pixel for what the surfaces reflect."""
+    """Camera rays per pixel of the image of the surfaces."""
 
 
-def _is_whole(parts: HybridSamples | None) -> bool:
-    return parts is None
+def _is_full(hybrid: HybridSamples | None) -> bool:
+    return hybrid is None
 
 
 @dataclass(frozen=True)
 class TracingSettings:
-    """How the light is traced; nothing of it is left to Blender's defaults."""
+    """Settings of the path tracer; none is left to Blender's defaults."""
 
     seed: int
     samples: int
     denoise: bool
     prefilter: str = "FAST"
-    """Of the denoiser's guides."""
+    """Prefilter of the denoiser's guides."""
     denoise_quality: str = "BALANCED"
     diffuse_bounces: int = 3
     glossy_bounces: int = 3
     transmission_bounces: int = 6
     filter_width_px: float = 1.5
     device: DeviceKind = "CPU"
-    hybrid: Annotated[HybridSamples | None, Field(exclude_if=_is_whole)] = None
-    """None where a picture is traced whole; else `samples` and the denoiser's settings are not used."""
+    hybrid: Annotated[HybridSamples | None, Field(exclude_if=_is_full)] = None
+    """Samples of hybrid rendering, in place of `samples` and the denoiser's settings; None for full rendering."""
 
 
 @dataclass(frozen=True)
 class QualitySettings:
     samples: int
-    """Light paths per pixel of a picture of 640 x 480."""
+    """Light paths per pixel of an image of 640 x 480."""
     prefilter: str
-    """Of the denoiser's guides, in Cycles' words: ACCURATE denoises them first, at the price of two samples."""
+    """Cycles' prefilter of the denoiser's guides: ACCURATE denoises them first, which takes the time of two samples."""
     denoise_quality: str
-    """HIGH differs from BALANCED only behind ACCURATE guides (Open Image Denoise has larger weights for clean ones)."""
+    """HIGH differs from BALANCED only with ACCURATE guides, for which Open Image Denoise has larger weights."""
 
 
 QUALITIES: dict[RenderQuality, QualitySettings] = {
@@ -66,16 +66,16 @@ HYBRID_QUALITIES: dict[RenderQuality, HybridSamples] = {
     "draft": HybridSamples(1, 1, 2),
     "standard": HybridSamples(4, 2, 4),
 }
-"""Of `render.method: parts` at 640 x 480; the maps are not true enough for the others."""
+"""Samples of `render.method: hybrid` at 640 x 480; its maps are not accurate enough for the other qualities."""
 _AUTO_WIDTH_PX = 320
-"""Where parts begin to cost less than whole pictures of the same error; they have not been measured in smaller ones."""
+"""Width from which on hybrid rendering is known to take less time than full rendering with the same error."""
 
 _SIZE_PX = 640 * 480
 _MAX_TIMES = 2.0
 
 
 def tracing_settings(render: Render, seed: int, device: DeviceKind = "CPU") -> TracingSettings:
-    """Of a run's settings: `render.samples` stands above those of its quality and size."""
+    """Return the settings of a run; `render.samples` overrides the samples of its quality and size."""
     quality = QUALITIES[render.quality]
     return TracingSettings(
         seed=seed,
@@ -96,18 +96,18 @@ def _is_hybrid(render: Render, device: DeviceKind) -> bool:
 
 
 def _samples(render: Render) -> int:
-    """Small pictures take more: the denoiser has fewer pixels to go by, and texture is finer than they are.
+    """Return the samples of full rendering. Small images take more: the denoiser has fewer pixels and finer texture.
 
-    Four times the pixels were worth twice the samples between 320 x 240 and 640 x 480, which is not carried further.
+    Four times the pixels were worth twice the samples between 320 x 240 and 640 x 480; this is not extrapolated.
     """
     samples = QUALITIES[render.quality].samples
     return samples if render.quality == "reference" else _of_size(samples, render)
 
 
 def hybrid_samples(render: Render) -> HybridSamples:
-    """Of a run's settings; only what the surfaces reflect is as fine as the picture."""
-    own = HYBRID_QUALITIES[render.quality]
-    return replace(own, surfaces=_of_size(own.surfaces, render))
+    """Return the samples of hybrid rendering; only those of the surfaces depend on the image's size."""
+    samples = HYBRID_QUALITIES[render.quality]
+    return replace(samples, surfaces=_of_size(samples.surfaces, render))
 
 
 def _of_size(samples: int, render: Render) -> int:

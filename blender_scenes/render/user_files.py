@@ -1,14 +1,14 @@
-"""The user's own files as a renderer needs them: taken from the workspace by their content, never from elsewhere."""
+"""The user's files for renderers, which read them from the workspace by their SHA-256 and from nowhere else."""
 
 import hashlib
 from pathlib import Path
 
 
 def read_user_file(folder: Path | None, sha256: str) -> bytes:
-    """The bytes of the file that lies in `folder` under its SHA-256.
+    """Return the bytes of the file in `folder` whose name is its SHA-256.
 
     Raises:
-        ValueError: There is no such file, or it has changed.
+        ValueError: There is no such file, or its content has changed.
     """
     path = None if folder is None else folder / sha256
     if path is None or not path.is_file():

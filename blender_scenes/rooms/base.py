@@ -1,4 +1,4 @@
-"""What a room is to the rest of the scene: its meshes and surfaces, and the opening that lets the daylight in."""
+"""A room as the rest of the scene sees it: meshes, surfaces, and the window that lets the daylight in."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ class Opening:
 
     center: Point3
     right: Point3
-    """Unit vector along the width, as seen from inside looking out."""
+    """Unit vector along the width, to the right for somebody who looks out."""
     up: Point3
     inward: Point3
     """Unit normal, right x up."""
@@ -23,28 +23,28 @@ class Opening:
 
 @dataclass(frozen=True)
 class Top:
-    """A table's top."""
+    """The top of a table."""
 
     pose: PlanarPose
-    """Of its middle."""
+    """Pose of its middle."""
     size_m: tuple[float, float]
     height_m: float
 
 
 @dataclass(frozen=True)
 class Furnishing:
-    """A piece of furniture as it was drawn, in its place."""
+    """A piece of furniture in its place, for the record of the scene."""
 
     name: str
-    """Its kind and its number among the kind's; also that of its mesh."""
+    """Kind and number, such as `chair_0`; also the name of its mesh."""
     pose: PlanarPose
-    """Of its frame: x along the width, the back, or the wall that it hangs on, towards +y."""
+    """Pose of its frame: x along the width, +y towards its back or the wall that it hangs on."""
     size_m: tuple[float, float]
-    """Of the ground that it takes, along x and y, its origin in the middle."""
+    """Size of its footprint along x and y; the frame's origin is in the middle."""
     height_m: tuple[float, float]
-    """Lowest and highest point above the floor."""
+    """Heights of its lowest and its highest point above the floor."""
     numbers: object
-    """What it was made from: a frozen dataclass of its kind."""
+    """Dataclass of dimensions and colours from which it was made."""
 
 
 @dataclass(frozen=True)
@@ -56,9 +56,9 @@ class RoomModel:
     wall_depth_m: float
     window: Opening
     meshes: tuple[Mesh, ...]
-    """Without the floor, whose material is chosen apart."""
+    """All meshes of the room but the floor."""
     surfaces: tuple[Surface, ...]
     tops: tuple[Top, ...] = ()
-    """Of the tables, in the order of their numbers."""
+    """Tops of the tables, in the order of their numbers."""
     furniture: tuple[Furnishing, ...] = ()
-    """What found a place, in the order in which it did."""
+    """Pieces for which there was room, in the order in which they were placed."""

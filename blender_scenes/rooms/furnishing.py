@@ -1,4 +1,4 @@
-"""What stands, lies and hangs in a room, each piece drawn from a stream of its own."""
+"""The furniture of a room; each piece draws its numbers from a random stream that depends on its kind and number."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -20,21 +20,21 @@ _DOORWAY_M = 0.7
 """Floor kept free before a door."""
 
 
-def furnished(  # noqa: PLR0917 - the room, what is in it already, and what the draws depend on
+def furnished(  # noqa: PLR0917 - the room and what the draws depend on
     look: LookConfig, low: Point2, high: Point2, window: Opening, arena: Rectangle, seed: int
 ) -> list[PlacedPiece]:
-    """Every piece that the look asks for and that finds a place.
+    """Return all pieces that the look asks for and for which there is room.
 
     Args:
         look: Its `room.furniture` counts the pieces.
         low: South-west corner of the floor.
-        high: North-east corner.
-        window: Nothing hangs before it.
-        arena: Its bounds; the look's clearance is kept around them.
-        seed: Of the run; each piece draws from a stream keyed by its kind and number.
+        high: North-east corner of the floor.
+        window: Window, which stays free.
+        arena: Bounds of the arena; the look's clearance around them stays free.
+        seed: Seed of the run.
     """
-    own = look.room.furniture
-    clear = 2 * own.clearance_m
+    config = look.room.furniture
+    clear = 2 * config.clearance_m
     walls: dict[WallSide, RoomWall] = {side: wall(side, low, high) for side in SIDES}
     faces: dict[WallSide, WallFace] = {side: WallFace(walls[side], look.room.height_m) for side in SIDES}
     kept_free = Rectangle(arena.center, (arena.size[0] + clear, arena.size[1] + clear), 0.0)
@@ -47,23 +47,23 @@ def furnished(  # noqa: PLR0917 - the room, what is in it already, and what the 
 def _fixtures(
     look: LookConfig, faces: dict[WallSide, WallFace], ground: Ground, window: Opening, seed: int
 ) -> Iterator[PlacedPiece]:
-    """What hangs on the walls: door and radiator with the floor before them, sockets, posters."""
-    own = look.room.furniture
+    """Yield what hangs on the walls: radiator, door, sockets and posters. The floor before the first two is taken."""
+    config = look.room.furniture
     sill = window.center[2] - 0.5 * window.height_m
-    found: list[tuple[PlacedPiece | None, float]] = []
-    if own.radiator and sill >= MIN_SILL_M:
+    placed: list[tuple[PlacedPiece | None, float]] = []
+    if config.radiator and sill >= MIN_SILL_M:
         draw = partial(drawn_radiator, window_m=window.width_m, sill_m=sill)
         piece = draw("radiator", stream(seed, "room", "radiator"))
-        found.append((hang_at(piece, faces[look.window.side], 0.0), piece.size_m[1]))
-    if own.door:
+        placed.append((hang_at(piece, faces[look.window.side], 0.0), piece.size_m[1]))
+    if config.door:
         rng = stream(seed, "room", "door")
-        elsewhere: dict[WallSide, WallFace] = {side: face for side, face in faces.items() if side != look.window.side}
-        found.append((hang(drawn_door("door", rng), elsewhere, rng), 2 * _DOORWAY_M))
-    for standing, depth in found:
+        other_walls: dict[WallSide, WallFace] = {side: face for side, face in faces.items() if side != look.window.side}
+        placed.append((hang(drawn_door("door", rng), other_walls, rng), 2 * _DOORWAY_M))
+    for standing, depth in placed:
         if standing is not None:
             ground.taken.append(Rectangle(standing.pose[:2], (standing.piece.size_m[0], depth), standing.pose[2]))
             yield standing
-    for name, count, draw in (("socket", own.sockets, drawn_wall_socket), ("poster", own.posters, drawn_poster)):
+    for name, count, draw in (("socket", config.sockets, drawn_wall_socket), ("poster", config.posters, drawn_poster)):
         for number in range(count):
             rng = stream(seed, "room", name, number)
             standing = hang(draw(f"{name}_{number}", rng), faces, rng)

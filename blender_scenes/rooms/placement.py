@@ -1,4 +1,4 @@
-"""Where furniture finds a place: within the room, away from the arena, nowhere twice."""
+"""Places for furniture: within the room, away from the arena, and free of other pieces."""
 
 import math
 from dataclasses import dataclass, field
@@ -16,14 +16,14 @@ from symolo.core.poses import PlanarPose
 _TRIES = 80
 _APART_M = 0.02
 _NEAR_M = 0.5
-"""Beyond the arena's clearance."""
+"""Distance from the arena's clearance within which a piece counts as near the arena."""
 _SKIRTING_M = 0.015
-"""What the foot of a wall takes of the floor."""
+"""Thickness of the skirting board at the foot of a wall."""
 
 
 @dataclass(frozen=True)
 class PlacedPiece:
-    """A piece in its place."""
+    """A piece of furniture and where it stands or hangs."""
 
     piece: Piece
     pose: PlanarPose
@@ -34,25 +34,25 @@ class PlacedPiece:
 
     @property
     def top(self) -> Top | None:
-        """Its top, where it has one to put things on."""
+        """The top on which things may stand, if it has one."""
         height = self.piece.top_m
         return None if height is None else Top(self.pose, self.piece.size_m, height)
 
     @property
-    def told(self) -> Furnishing:
-        own = self.piece
-        return Furnishing(own.mesh.name, self.pose, own.size_m, own.height_m, own.numbers)
+    def furnishing(self) -> Furnishing:
+        piece = self.piece
+        return Furnishing(piece.mesh.name, self.pose, piece.size_m, piece.height_m, piece.numbers)
 
 
 @dataclass
 class Ground:
-    """What of the floor is taken, and what others stand at."""
+    """The floor of a room and what stands on it."""
 
     low: Point2
     high: Point2
     walls: tuple[RoomWall, ...]
     arena: Rectangle
-    """With the clearance around it."""
+    """Bounds of the arena with the clearance around them."""
     taken: list[Rectangle] = field(default_factory=list)
     tables: list[PlacedPiece] = field(default_factory=list)
 
@@ -64,30 +64,31 @@ class Ground:
 
 
 def _near(one: Rectangle, other: Rectangle) -> bool:
-    """Whether they could meet at all; most cannot, which this finds at a tenth of the cost."""
+    """Return whether the circles around two rectangles meet: a cheap test that rules out most pairs."""
     return math.dist(one.center, other.center) < 0.5 * (math.hypot(*one.size) + math.hypot(*other.size))
 
 
 def find_place(piece: Piece, kind: FurnitureKind, ground: Ground, rng: np.random.Generator) -> PlacedPiece | None:
-    """The piece in the first free one of some places drawn for it, with a finger's breadth around it."""
+    """Draw places until one is free, with 1 cm around the piece; None if none of `_TRIES` places is free."""
     for _ in range(_TRIES):
         standing = PlacedPiece(piece, _proposed(piece, kind, ground, rng))
-        own = standing.footprint
-        grown = Rectangle(own.center, (own.size[0] + _APART_M, own.size[1] + _APART_M), own.yaw_rad)
+        footprint = standing.footprint
+        width, depth = footprint.size
+        grown = Rectangle(footprint.center, (width + _APART_M, depth + _APART_M), footprint.yaw_rad)
         if ground.is_free(grown):
-            ground.taken.append(own)
+            ground.taken.append(footprint)
             return standing
     return None
 
 
 def _proposed(piece: Piece, kind: FurnitureKind, ground: Ground, rng: np.random.Generator) -> PlanarPose:
-    habit = rng.uniform()
-    if habit < kind.at_a_wall:
+    draw = rng.uniform()
+    if draw < kind.at_a_wall:
         return _at_a_wall(piece, ground.walls[int(rng.integers(len(ground.walls)))], rng)
-    if habit < kind.at_a_wall + kind.at_a_table and ground.tables:
+    if draw < kind.at_a_wall + kind.at_a_table and ground.tables:
         return _at_a_table(piece, ground.tables[int(rng.integers(len(ground.tables)))], rng)
     low, high = ground.low, ground.high
-    if habit > 1.0 - kind.near_the_arena:
+    if draw > 1.0 - kind.near_the_arena:
         half = 0.5 * np.array(ground.arena.size) + _NEAR_M
         low, high = np.subtract(ground.arena.center, half), np.add(ground.arena.center, half)
     x, y = rng.uniform(low, high).tolist()
@@ -102,7 +103,7 @@ def _at_a_wall(piece: Piece, wall: RoomWall, rng: np.random.Generator) -> Planar
 
 
 def _at_a_table(piece: Piece, table: PlacedPiece, rng: np.random.Generator) -> PlanarPose:
-    """Before one of its long sides, the back away from it, as somebody left it."""
+    """Draw a pose before one of the table's long sides, with the back away from the table, slightly turned."""
     (x, y, yaw), (length, depth) = table.pose, table.piece.size_m
     turn = float(rng.normal(0.0, 0.35))
     reach = 0.5 * (depth + math.hypot(*piece.size_m)) + float(rng.uniform(0.0, 0.3))
@@ -114,7 +115,7 @@ def _at_a_table(piece: Piece, table: PlacedPiece, rng: np.random.Generator) -> P
 
 @dataclass
 class WallFace:
-    """What of a wall is taken, in its own plane."""
+    """A wall and the rectangles of it that are taken, in coordinates of its plane."""
 
     wall: RoomWall
     height_m: float
@@ -127,7 +128,7 @@ class WallFace:
 
 
 def hang(piece: Piece, faces: dict[WallSide, WallFace], rng: np.random.Generator) -> PlacedPiece | None:
-    """The piece at the first free one of some places along the walls, at the height that it has by itself."""
+    """Draw places along the walls until one is free; the piece keeps its height. None if none is free."""
     for _ in range(_TRIES):
         face = list(faces.values())[int(rng.integers(len(faces)))]
         reach = 0.5 * max(0.0, face.wall.length_m - piece.size_m[0])
@@ -138,10 +139,10 @@ def hang(piece: Piece, faces: dict[WallSide, WallFace], rng: np.random.Generator
 
 
 def hang_at(piece: Piece, face: WallFace, along_m: float) -> PlacedPiece | None:
-    """The piece at one place of a wall, or nothing where that is taken."""
+    """Hang the piece at a place of a wall; None where that is taken."""
     low, high = piece.height_m
-    own = Rectangle((along_m, 0.5 * (low + high)), (piece.size_m[0], high - low), 0.0)
-    if not face.is_free(own):
+    outline = Rectangle((along_m, 0.5 * (low + high)), (piece.size_m[0], high - low), 0.0)
+    if not face.is_free(outline):
         return None
-    face.taken.append(own)
+    face.taken.append(outline)
     return PlacedPiece(piece, face.wall.pose(along_m, 0.0))

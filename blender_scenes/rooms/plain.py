@@ -1,4 +1,4 @@
-"""A rectangular room with painted walls, skirting, ceiling, one window with bars, and what stands in it."""
+"""A rectangular room with painted walls, skirting, ceiling, one window with bars, and furniture."""
 
 from collections.abc import Iterator
 
@@ -21,40 +21,40 @@ WALL_DEPTH_M = 0.25
 
 
 def plain_room(look: LookConfig, arena_low: Point2, arena_high: Point2, seed: int) -> RoomModel:
-    """The room whose walls keep the look's margins from the arena's bounds; its furniture is drawn by `seed`."""
-    own = look.room
-    low, high = room_bounds(own, arena_low, arena_high)
+    """Return the room whose walls keep the look's margins from the arena's bounds; `seed` draws its furniture."""
+    config = look.room
+    low, high = room_bounds(config, arena_low, arena_high)
     window = _opening(look, low, high)
-    meshes = [_ceiling(low, high, own.height_m)]
+    meshes = [_ceiling(low, high, config.height_m)]
     for side in SIDES:
-        meshes += _wall(wall(side, low, high), own, window if side == look.window.side else None)
+        meshes += _wall(wall(side, low, high), config, window if side == look.window.side else None)
     meshes += _bars(window, look.window.panes)
     size = arena_high[0] - arena_low[0], arena_high[1] - arena_low[1]
     arena = Rectangle((0.5 * (arena_low[0] + arena_high[0]), 0.5 * (arena_low[1] + arena_high[1])), size, 0.0)
     furniture = furnished(look, low, high, window, arena, seed)
     surfaces = (
-        painted("room_wall", own.wall, 0.7),
+        painted("room_wall", config.wall, 0.7),
         painted("room_ceiling", Paint(reflectance=0.8), 0.8),
-        painted("room_skirting", own.skirting, 0.4),
+        painted("room_skirting", config.skirting, 0.4),
         painted("window_frame", Paint(reflectance=0.75), 0.35),
     )
     return RoomModel(
         low,
         high,
-        own.height_m,
+        config.height_m,
         WALL_DEPTH_M,
         window,
         (*meshes, *(stood(item.piece.mesh, item.pose) for item in furniture)),
         (*surfaces, *(surface for item in furniture for surface in item.piece.surfaces)),
         tuple(top for item in furniture if (top := item.top) is not None),
-        tuple(item.told for item in furniture),
+        tuple(item.furnishing for item in furniture),
     )
 
 
-def room_bounds(own: RoomLook, arena_low: Point2, arena_high: Point2) -> tuple[Point2, Point2]:
-    """Corners of the rectangle between the walls."""
-    low = arena_low[0] - own.margin_west_m, arena_low[1] - own.margin_south_m
-    return low, (arena_high[0] + own.margin_east_m, arena_high[1] + own.margin_north_m)
+def room_bounds(config: RoomLook, arena_low: Point2, arena_high: Point2) -> tuple[Point2, Point2]:
+    """Return the south-west and north-east corners of the floor."""
+    low = arena_low[0] - config.margin_west_m, arena_low[1] - config.margin_south_m
+    return low, (arena_high[0] + config.margin_east_m, arena_high[1] + config.margin_north_m)
 
 
 def _opening(look: LookConfig, low: Point2, high: Point2) -> Opening:
@@ -78,32 +78,32 @@ def _ceiling(low: Point2, high: Point2, height: float) -> Mesh:
     return rectangle("ceiling", corners, "room_ceiling")
 
 
-def _wall(place: RoomWall, own: RoomLook, window: Opening | None) -> Iterator[Mesh]:
-    """Slabs of the wall around the window, and its skirting."""
+def _wall(place: RoomWall, config: RoomLook, window: Opening | None) -> Iterator[Mesh]:
+    """Yield the skirting of a wall and its slabs around the window."""
     foot, right, outward, side = place.foot, place.right, place.outward, place.side
 
     def slab(name: str, along: Point2, upward: Point2, outwards: Point2, surface: str) -> Mesh:
-        """A block between two places each along the wall, upward, and along the outward normal."""
+        """Return a block between two places each along the wall, upward, and along the outward normal."""
         (a, b), (inner, outer) = along, outwards
         lower = np.array([foot + right * s + outward * d for s, d in ((a, inner), (b, inner), (b, outer), (a, outer))])
         corners = np.concatenate([np.add(lower, (0.0, 0.0, height)) for height in upward])
         return box(f"{side}_{name}", corners, (surface,) * 6)
 
     half, deep = 0.5 * place.length_m + WALL_DEPTH_M, (0.0, WALL_DEPTH_M)
-    yield slab("skirting", (-half, half), (0.0, own.skirting_height_m), (-0.012, 0.0), "room_skirting")
+    yield slab("skirting", (-half, half), (0.0, config.skirting_height_m), (-0.012, 0.0), "room_skirting")
     if window is None:
-        yield slab("wall", (-half, half), (0.0, own.height_m), deep, "room_wall")
+        yield slab("wall", (-half, half), (0.0, config.height_m), deep, "room_wall")
         return
     edge, sill = 0.5 * window.width_m, window.center[2] - 0.5 * window.height_m
     lintel = sill + window.height_m
-    yield slab("wall_left", (-half, -edge), (0.0, own.height_m), deep, "room_wall")
-    yield slab("wall_right", (edge, half), (0.0, own.height_m), deep, "room_wall")
+    yield slab("wall_left", (-half, -edge), (0.0, config.height_m), deep, "room_wall")
+    yield slab("wall_right", (edge, half), (0.0, config.height_m), deep, "room_wall")
     yield slab("wall_below", (-edge, edge), (0.0, sill), deep, "room_wall")
-    yield slab("wall_above", (-edge, edge), (lintel, own.height_m), deep, "room_wall")
+    yield slab("wall_above", (-edge, edge), (lintel, config.height_m), deep, "room_wall")
 
 
 def _bars(window: Opening, panes: int) -> Iterator[Mesh]:
-    """Frame and bars, 60 mm wide, in the middle of the wall's depth."""
+    """Yield frame and bars, 60 mm wide, in the middle of the wall's depth."""
     right, up, inward = np.array(window.right), np.array(window.up), np.array(window.inward)
     half_w, half_h, half = 0.5 * window.width_m, 0.5 * window.height_m, 0.03
     middle = np.array(window.center) - inward * 0.5 * WALL_DEPTH_M

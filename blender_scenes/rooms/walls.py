@@ -21,11 +21,11 @@ SIDES: dict[WallSide, Point3] = {
 
 @dataclass(frozen=True, eq=False)
 class RoomWall:
-    """The inner face of a wall; on it a place is told by its way to the right of the middle and its height [m]."""
+    """The inner face of a wall; its coordinates are the distance to the right of its middle and the height [m]."""
 
     side: WallSide
     foot: NDArray[np.float64]
-    """(3,) middle of its lower edge."""
+    """(3,) middle of its lower edge [m]."""
     right: NDArray[np.float64]
     """(3,) unit vector to the right as seen from inside."""
     outward: NDArray[np.float64]
@@ -33,13 +33,13 @@ class RoomWall:
     length_m: float
 
     def pose(self, along_m: float, before_m: float) -> PlanarPose:
-        """Of a frame with its x to the right and its y into the wall, so far before the face."""
+        """Return the pose of a frame `before_m` in front of the face, with x to the right and y into the wall."""
         at = self.foot + self.right * along_m - self.outward * before_m
         return float(at[0]), float(at[1]), float(np.arctan2(self.right[1], self.right[0]))
 
 
 def wall(side: WallSide, low: Point2, high: Point2) -> RoomWall:
-    """That side of the room between two corners."""
+    """Return the wall on one side of the room between two corners."""
     outward = np.array(SIDES[side])
     right = np.array([outward[1], -outward[0], 0.0])
     half = 0.5 * np.subtract(high, low)

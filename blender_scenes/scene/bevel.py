@@ -1,4 +1,4 @@
-"""Boxes with broken edges: no edge of a real box is so sharp that it catches no light."""
+"""Boxes with bevelled edges, because every edge of a real box reflects some light."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -11,18 +11,18 @@ from symolo.core.arrays import Array
 BEVEL_M = 0.0008
 
 Face = tuple[Array, Sequence[Point2], str]
-"""Corners (N, 3) counter-clockwise from outside, their surface coordinates [m], and the surface."""
+"""Corners (N, 3) counter-clockwise seen from outside, their surface coordinates [m], and the surface."""
 
 
 def bevelled_box(name: str, corners: Array, sides: Sequence[str], lid: str, bevel_m: float = BEVEL_M) -> Mesh:
-    """A box whose upright and upper edges are broken at 45 degrees; open below, where it stands.
+    """Return a box whose upright and upper edges are bevelled at 45 degrees; it is open below.
 
     Args:
-        name: Of the mesh.
-        corners: (8, 3) as `geometry.box_corners` gives them; nothing of the mesh lies outside.
-        sides: Surface of each of the first four of `geometry.SIDES`; a side's broken edges are of its surface.
+        name: Name of the mesh.
+        corners: (8, 3) as `geometry.box_corners` returns them; the mesh lies within them.
+        sides: Surface of each of the first four of `geometry.SIDES`; a side's bevels have the same surface.
         lid: Surface of the top.
-        bevel_m: How far an edge is cut back on both faces; at most a fifth of the box's shortest side.
+        bevel_m: Width of the bevel on both faces; at most a fifth of the box's shortest side.
     """
     foot, up = corners[:4], corners[4] - corners[0]
     along = np.roll(foot, -1, axis=0) - foot
@@ -42,7 +42,7 @@ def bevelled_box(name: str, corners: Array, sides: Sequence[str], lid: str, beve
 def _side(
     begin: Array, end: Array, axes: tuple[Array, Array, Array], size: tuple[float, float, float], surface: str
 ) -> list[Face]:
-    """A side's face, its edge to the next side, its upper edge, and the corner where these two meet.
+    """Return the face of a side, its edge to the next side, its upper edge, and the corner where these meet.
 
     `axes` are the unit vectors along the side, inwards (along the next side) and up; `size` is length, height and cut.
     """
@@ -61,7 +61,7 @@ def _side(
 
 
 def _assembled(name: str, faces: Sequence[Face]) -> Mesh:
-    """One mesh of faces that share no vertices: each is flat."""
+    """Return a mesh whose faces share no vertices, so that each is shaded flat."""
     vertices = [(float(x), float(y), float(z)) for places, _, _ in faces for x, y, z in places]
     first = np.cumsum([0, *(len(places) for places, _, _ in faces)]).tolist()
     polygons = tuple(tuple(range(start, stop)) for start, stop in pairwise(first))

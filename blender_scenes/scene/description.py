@@ -1,8 +1,8 @@
 """The scene as data: meshes, surfaces, lights and sky, free of any renderer.
 
 Units are metres and radians. Light is photometric in thousands (kilolux, kilocandela per square metre), so that a
-radiance of 1 is 1000 cd/m2; exposure makes pixels of it. Everything stands in W but the robot's parts, which do in R,
-and the moving obstacles, each of which does in a frame of its own, its origin on the floor below its middle.
+radiance of 1 is 1000 cd/m2. Coordinates are those of W, but the robot's parts have those of R, and each moving obstacle
+has its own frame with the origin on the floor below its middle.
 """
 
 from dataclasses import dataclass
@@ -44,7 +44,7 @@ class Mesh:
 
 @dataclass(frozen=True)
 class Panel:
-    """A rectangle that shines to one side, evenly over its area."""
+    """A rectangle that emits light to one side, evenly over its area."""
 
     name: str
     center: Point3
@@ -56,7 +56,7 @@ class Panel:
     height_m: float
     radiance: RGB
     seen: bool = True
-    """False where the camera sees something else in its place, also through glass; gloss has its light all the same."""
+    """Whether the camera sees it directly or through glass; mirror images in gloss show it in any case."""
     on_mains: bool = False
     """Whether it flickers with the alternating current."""
 
@@ -66,7 +66,7 @@ class Sun:
     towards: Point3
     """Unit vector from the scene to the sun."""
     irradiance: RGB
-    """On a surface that faces the sun."""
+    """Irradiance of a surface that faces the sun."""
     angular_diameter_rad: float
 
 
@@ -74,39 +74,39 @@ class Sun:
 class Sky:
     """A panorama all around: what the camera sees outside, also through glass.
 
-    It lights nothing. A panel in each window stands for its light and its image in gloss, which so need far fewer
-    samples; and a ray that is thrown for the gloss and meets the sky would bring its light for the matt part too.
+    It lights nothing. A panel in the window has its light and its mirror image instead, which needs far fewer samples;
+    and a gloss ray that met the sky would add its light to the matt part as well.
     """
 
     panorama: str
-    """One of those shipped with bpy, or the SHA-256 of a file of the user's own."""
+    """Name of a panorama of bpy, or the SHA-256 of a user's file."""
     yaw_rad: float
     gain: float
     """Radiance per unit of the panorama."""
     ceiling: float
-    """Components of the panorama are cut off here, before the gain: its sun is no part of the sky."""
+    """Maximum of the panorama's components before the gain, which removes its sun."""
     saturation: float
-    """1 as it was taken, 0 grey."""
+    """1 for the panorama's colours, 0 for grey."""
     mean: Annotated[RGB | None, Field(exclude_if=_is_none)] = None
-    """Colour above the horizon of a file of the user's own; None for the shipped ones, which are known."""
+    """Mean colour above the horizon of a user's file; None for a panorama of bpy."""
 
 
 @dataclass(frozen=True)
 class Scene:
     surfaces: tuple[Surface, ...]
     meshes: tuple[Mesh, ...]
-    """Of what stands still: the floor, each piece of the line, walls and obstacles in the arena's order, the room."""
+    """Meshes that stand still: floor, pieces of the line, walls and obstacles in the arena's order, room."""
     robot: tuple[Mesh, ...]
-    """The robot's parts that its camera does not see, in R; they throw shadows and are mirrored."""
+    """The robot's parts that its camera does not see, in R; they have shadows and mirror images."""
     panels: tuple[Panel, ...]
     sun: Sun | None
     sky: Sky
     moving: Annotated[tuple[Mesh, ...], Field(exclude_if=_is_empty)] = ()
-    """Each in its own frame; a view says where that is."""
+    """Moving obstacles, each in its own frame; a view has the poses of these frames."""
     robot_in_sight: Annotated[tuple[Mesh, ...], Field(exclude_if=_is_empty)] = ()
-    """The robot's parts that it sees, in R."""
+    """The robot's parts that its camera sees, in R."""
 
     @property
     def robot_parts(self) -> tuple[Mesh, ...]:
-        """All of them."""
+        """All parts of the robot."""
         return (*self.robot, *self.robot_in_sight)

@@ -1,7 +1,7 @@
-"""Meshes of the line, their outline made from the edges that the line sensor reads.
+"""Meshes of the line, with the same edges that the line sensor reads.
 
-u runs along the line, v across from the right edge to the left one [m]. Each piece lies 2 um above the one before, so
-that those that cross are drawn as laid.
+u runs along the line, v from the right edge to the left one [m]. Each piece lies 2 um above the one before, so that
+the later one covers the earlier one where they cross.
 """
 
 from collections.abc import Sequence
@@ -16,20 +16,20 @@ from symolo.core.random_streams import stream
 
 _ABOVE_THE_LAST_M = 2e-6
 _LIFTED_BORDER_M = 0.003
-"""What of the tape's width comes off the floor with its edge."""
+"""Width of the strip of tape that lifts off the floor with its edge."""
 _LIFTS_PER_M = 1.5
 _RIPPLES_M = ((0.014, 0.5), (0.006, 0.4), (0.0025, 0.3))
-"""Wavelengths of an edge of paint with their shares: the hand, the masking tape's creases, the pores of the floor."""
+"""Wavelengths and shares of the ripples of a painted edge: from the hand, the masking tape and the floor's pores."""
 _RIPPLES_END_M = 0.006
 
 
 def tapes(
     line: Line, surfaces: Sequence[str], *, thickness_m: float, gap_m: float, lift_m: float, seed: int
 ) -> list[Mesh]:
-    """One strip per piece of the line, `thickness_m` above the floor, cut short at both ends by half of `gap_m`.
+    """Return a strip for each piece, `thickness_m` above the floor, shorter by half of `gap_m` at both ends.
 
-    Here and there a corner or an edge stands up to `lift_m` off the floor; from above it is where it was. u is 0 where
-    the tape begins.
+    In some places a corner or an edge is up to `lift_m` above the floor; seen from above it is in its place. u is 0
+    where the tape begins.
     """
     meshes, half = [], 0.5 * line.width_m
     border = min(_LIFTED_BORDER_M, 0.5 * half)
@@ -49,15 +49,15 @@ def tapes(
 
 
 def taped_length_m(piece: Straight | Arc, gap_m: float) -> float:
-    """What of a piece is tape when every end stands back by half of `gap_m`; at least half of a very short one."""
+    """Return the length of tape on a piece, with a gap of half of `gap_m` at each end; at least half the piece."""
     return max(piece.length_m - gap_m, 0.5 * piece.length_m)
 
 
 def paint(line: Line, surface: str, *, thickness_m: float, bleeding_m: float, seed: int) -> list[Mesh]:
-    """One strip per piece, without joints: u runs on from piece to piece.
+    """Return a strip for each piece, without joints: u continues from piece to piece.
 
-    Both edges wander by up to `bleeding_m`, further out than in; their mean is the line's edge, and at the ends of a
-    piece they are on it.
+    Both edges deviate by up to `bleeding_m` from the line's edge, more outwards than inwards; the mean deviation is 0,
+    and so is that at the ends of a piece.
     """
     meshes, half, done = [], 0.5 * line.width_m, 0.0
     for number, piece in enumerate(line.pieces):
@@ -83,7 +83,7 @@ class _Lift:
 
 
 def _lifts(ends: tuple[float, float], lift_m: float, rng: np.random.Generator) -> list[_Lift]:
-    """Every second corner, and edges at random."""
+    """Draw the lifted places: about every second corner, and edges at random."""
     if lift_m == 0:
         return []
     lifts = []
@@ -99,7 +99,7 @@ def _lifts(ends: tuple[float, float], lift_m: float, rng: np.random.Generator) -
 
 
 def _along(piece: Straight | Arc, ends: tuple[float, float], lifts: Sequence[_Lift]) -> Array:
-    """Arc lengths between the ends: every 4 mm of an arc, every 2 mm of what is lifted."""
+    """Return arc lengths between the ends: every 4 mm on an arc, every 2 mm where the tape is lifted."""
     count = 2 if isinstance(piece, Straight) else max(2, int(np.ceil(piece.length_m / 0.004)) + 1)
     places = [np.linspace(*ends, count)]
     places += [lift.middle_m + lift.half_length_m * np.linspace(-1.0, 1.0, 13) for lift in lifts]
@@ -109,7 +109,7 @@ def _along(piece: Straight | Arc, ends: tuple[float, float], lifts: Sequence[_Li
 
 
 def _wander(along: Array, max_m: float, rng: np.random.Generator) -> Array:
-    """Distance outwards at the arc lengths (N,): mean 0, 0 at both ends, never more than `max_m`."""
+    """Draw the outward deviation (N,) at arc lengths (N,): mean 0, 0 at both ends, at most `max_m`."""
     length = along[-1]
     raw = np.zeros(len(along))
     for wavelength, share in _RIPPLES_M:
@@ -122,7 +122,7 @@ def _wander(along: Array, max_m: float, rng: np.random.Generator) -> Array:
 
 
 def _strip(name: str, piece: Straight | Arc, grid: tuple[Array, Array, Array], origin: Point2, surface: str) -> Mesh:
-    """A strip from arc lengths (N,), and offsets to the left and heights, (N, K) each; `origin` is added to (u, v)."""
+    """Return a strip from arc lengths (N,), and offsets to the left and heights (N, K); `origin` is added to (u, v)."""
     along, across, z = grid
     count, columns = z.shape
     flat = [piece.at(along, across[:, k]) for k in range(columns)]

@@ -1,4 +1,4 @@
-"""Meshes from the arena's geometry and from simple bodies, each face with surface coordinates in metres."""
+"""Meshes of the arena's boxes and of simple bodies; each face has surface coordinates in metres."""
 
 from collections.abc import Sequence
 
@@ -15,7 +15,7 @@ _BOX_FACES = ((3, 0, 4, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 2, 1, 
 
 
 def rectangle(name: str, corners: Sequence[Point3], surface: str) -> Mesh:
-    """A flat four-sided face; u runs along the first edge, v towards the last corner."""
+    """Return a rectangle; u runs along the first edge, v towards the last corner."""
     points = np.asarray(corners)
     width, height = np.linalg.norm(points[1] - points[0]), np.linalg.norm(points[3] - points[0])
     uv = ((0.0, 0.0), (float(width), 0.0), (float(width), float(height)), (0.0, float(height)))
@@ -23,7 +23,7 @@ def rectangle(name: str, corners: Sequence[Point3], surface: str) -> Mesh:
 
 
 def floor(name: str, low: Point2, high: Point2, yaw_rad: float, surface: str) -> Mesh:
-    """The floor rectangle from `low` to `high`, its pattern turned by `yaw_rad` about the origin of W."""
+    """Return the floor from `low` to `high`, its pattern turned by `yaw_rad` about the origin of W."""
     corners = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])]
     c, s = float(np.cos(yaw_rad)), float(np.sin(yaw_rad))
     uv = tuple((c * x + s * y, c * y - s * x) for x, y in corners)
@@ -31,7 +31,7 @@ def floor(name: str, low: Point2, high: Point2, yaw_rad: float, surface: str) ->
 
 
 def box_corners(box: Box) -> Array:
-    """(8, 3) corners, the lower four first, counter-clockwise."""
+    """Return the corners (8, 3), the lower four first, counter-clockwise."""
     footprint = box.footprint()
     low, high = box.center[2] - 0.5 * box.size[2], box.center[2] + 0.5 * box.size[2]
     return np.concatenate(
@@ -40,7 +40,7 @@ def box_corners(box: Box) -> Array:
 
 
 def box(name: str, corners: Array, surfaces: Sequence[str | None]) -> Mesh:
-    """A box from its eight corners and a surface for each of `SIDES`; a side without one is left open."""
+    """Return a box from its eight corners and a surface for each of `SIDES`; a side with None is open."""
     faces = [face for face, surface in zip(_BOX_FACES, surfaces, strict=True) if surface is not None]
     uv = []
     for face in faces:
@@ -52,7 +52,7 @@ def box(name: str, corners: Array, surfaces: Sequence[str | None]) -> Mesh:
 
 
 def block(name: str, center: Point3, size: Point3, surface: str) -> Mesh:
-    """A box along the axes of its frame."""
+    """Return a box along the axes of its frame."""
     half = 0.5 * np.asarray(size)
     signs = np.array(
         [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]
@@ -61,7 +61,7 @@ def block(name: str, center: Point3, size: Point3, surface: str) -> Mesh:
 
 
 def wheel(name: str, center: Point3, radius_m: float, width_m: float, surface: str) -> Mesh:
-    """A closed cylinder of 48 sides about its frame's y axis."""
+    """Return a closed cylinder of 48 sides about its frame's y axis."""
     sides = 48
     angle = 2 * np.pi * np.arange(sides) / sides
     ring = np.zeros((sides, 3))

@@ -1,4 +1,4 @@
-"""The robot's own body as simple shapes in R: it throws shadows, is mirrored, and may be in its camera's sight."""
+"""The robot's body as simple shapes in R: it has shadows and mirror images, and its camera may see it."""
 
 import math
 from collections.abc import Iterator
@@ -10,7 +10,7 @@ from blender_scenes.scene.shading import Surface
 from configs.schema.robot import Chassis, Drive, RobotConfig, TofMounts
 
 CAMERA_BODY = "robot_camera"
-"""Which its camera never sees, for it looks out of it."""
+"""Name of the camera's body, which the camera never sees."""
 _THINNEST_M = 0.002
 
 
@@ -25,9 +25,8 @@ def robot_surfaces() -> tuple[Surface, ...]:
 
 
 def robot_body(robot: RobotConfig) -> tuple[Mesh, ...]:
-    """Base plate, drive, battery, sensor boards, mast and camera, at the places of the configuration."""
-    parts = [*_chassis(robot.chassis, robot.drive), *_wheels(robot.drive), *_sensors(robot)]
-    return tuple(parts)
+    """Return base plate, drive, battery, sensor boards, mast and camera, at their configured places."""
+    return (*_chassis(robot.chassis, robot.drive), *_wheels(robot.drive), *_sensors(robot))
 
 
 def _chassis(chassis: Chassis, drive: Drive) -> Iterator[Mesh]:
@@ -69,6 +68,6 @@ def _sensors(robot: RobotConfig) -> Iterator[Mesh]:
 
 
 def _post(name: str, x_m: float, y_m: float, heights_m: tuple[float, float]) -> Mesh:
-    """An upright between two heights, in whichever order they come."""
+    """Return a post between two heights, in any order."""
     size = max(_THINNEST_M, abs(heights_m[1] - heights_m[0]))
     return block(name, (x_m, y_m, 0.5 * sum(heights_m)), (0.004, 0.02, size), "robot_plate")

@@ -1,4 +1,4 @@
-"""The scene of a run: arena, room, light and robot put together from configuration and seed."""
+"""The scene of a run: arena, room, light and robot from configuration and seed."""
 
 import math
 from dataclasses import replace
@@ -27,17 +27,17 @@ from symolo.arena.geometry import Arena, Box, Line
 from symolo.arena.obstacle_motion import ObstacleMotion
 
 _GLASS_BEVEL_M = 0.0001
-"""Of polished edges; through a wider one the path tracer would see black, where light goes to and fro inside."""
+"""Bevel of polished glass; a wider one would be black, because light is reflected inside it again and again."""
 
 
 def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> Scene:
-    """The scene that the run's camera sees; the same arguments give the same scene."""
+    """Return the scene of a run; the same arguments give the same scene."""
     room = room_around(arena, look, seed)
     parts = [_floor(look, room, seed), *_line(arena, look, seed)]
     parts += [_box(box, look, seed) for box in arena.boxes if box.motion is None]
     moving = [_box(_in_its_frame(box), look, seed) for box in arena.moving]
     lights = [light(look, room) for light in LIGHTS.values()]
-    surfaces = [s for _, own in parts + moving for s in own] + list(room.surfaces) + list(robot_surfaces())
+    surfaces = [s for _, of_mesh in parts + moving for s in of_mesh] + list(room.surfaces) + list(robot_surfaces())
     surfaces += [surface for light in lights for surface in light.surfaces]
     suns = [sun for light in lights for sun in light.suns]
     (sky,) = [sky for light in lights for sky in light.skies]
@@ -56,13 +56,13 @@ def describe(arena: Arena, robot: RobotConfig, look: LookConfig, seed: int) -> S
 
 
 def room_around(arena: Arena, look: LookConfig, seed: int) -> RoomModel:
-    """The room of the scene, with its furniture."""
+    """Return the room of the scene with its furniture."""
     low, high = arena_bounds(arena)
     return ROOMS["plain"](look, low, high, seed)
 
 
 def arena_bounds(arena: Arena) -> tuple[Point2, Point2]:
-    """Corners of the rectangle that holds line and boxes, on all of their way; a square metre for an empty arena."""
+    """Return the corners of the rectangle around line and boxes, wherever these move; a square metre without any."""
     points = [np.concatenate(edges) for edges in arena.line.edges()]
     points += [box.footprint() if box.motion is None else _reach(box, box.motion) for box in arena.boxes]
     everything = np.concatenate(points) if points else np.array([[-0.5, -0.5], [0.5, 0.5]])
@@ -71,12 +71,12 @@ def arena_bounds(arena: Arena) -> tuple[Point2, Point2]:
 
 
 def floor_bounds(arena: Arena, look: LookConfig) -> tuple[Point2, Point2]:
-    """Corners of the rectangle of floor, which ends at the walls of the room."""
+    """Return the corners of the floor, which ends at the walls of the room."""
     return room_bounds(look.room, *arena_bounds(arena))
 
 
 def _reach(box: Box, motion: ObstacleMotion) -> np.ndarray:
-    """Points (N, 2) whose bounds hold a box on all of its way, however it is turned."""
+    """Return points (N, 2) whose bounds contain a moving box everywhere, at any yaw."""
     places, half = np.array(motion.poses)[:, :2], 0.5 * math.hypot(*box.size[:2])
     return np.concatenate([places - half, places + half])
 
@@ -100,25 +100,25 @@ def _line(arena: Arena, look: LookConfig, seed: int) -> list[MeshAndSurfaces]:
     return _taped(arena.line, look.tape, bed_m, seed)
 
 
-def _taped(line: Line, own: TapeLook, bed_m: float, seed: int) -> list[MeshAndSurfaces]:
+def _taped(line: Line, look: TapeLook, bed_m: float, seed: int) -> list[MeshAndSurfaces]:
     surfaces = []
     for i, piece in enumerate(line.pieces):
-        size = line_mesh.taped_length_m(piece, own.gap_m), line.width_m
-        surfaces.append(tape(own, SurfacePatch(f"tape_{i}", size, seed), piece.curvature_per_m, bed_m))
+        size = line_mesh.taped_length_m(piece, look.gap_m), line.width_m
+        surfaces.append(tape(look, SurfacePatch(f"tape_{i}", size, seed), piece.curvature_per_m, bed_m))
     meshes = line_mesh.tapes(
         line,
         [surface.name for surface in surfaces],
-        thickness_m=own.thickness_m,
-        gap_m=own.gap_m,
-        lift_m=own.lift_m,
+        thickness_m=look.thickness_m,
+        gap_m=look.gap_m,
+        lift_m=look.lift_m,
         seed=seed,
     )
     return [(mesh, (surface,)) for mesh, surface in zip(meshes, surfaces, strict=True)]
 
 
-def _painted(line: Line, own: LinePaintLook, seed: int) -> list[MeshAndSurfaces]:
-    surface = line_paint(own, SurfacePatch("line_paint", (line.length_m, line.width_m), seed))
-    meshes = line_mesh.paint(line, surface.name, thickness_m=own.thickness_m, bleeding_m=own.bleeding_m, seed=seed)
+def _painted(line: Line, look: LinePaintLook, seed: int) -> list[MeshAndSurfaces]:
+    surface = line_paint(look, SurfacePatch("line_paint", (line.length_m, line.width_m), seed))
+    meshes = line_mesh.paint(line, surface.name, thickness_m=look.thickness_m, bleeding_m=look.bleeding_m, seed=seed)
     return [(mesh, (surface,) if number == 0 else ()) for number, mesh in enumerate(meshes)]
 
 

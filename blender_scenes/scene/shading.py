@@ -1,7 +1,7 @@
-"""Surfaces as data: a small algebra of texture expressions that Blender's side turns into shader nodes.
+"""Surfaces as data: a small algebra of texture expressions, which `blender_side.shaders` turns into shader nodes.
 
-Every texture is a function of the surface coordinates (u, v) in metres that each mesh carries, so that a grain of
-2 mm is 2 mm on whatever it lies. Nothing here knows Blender; equal numbers give equal expressions.
+Every texture is a function of the surface coordinates (u, v) of a mesh in metres, so that a grain of 2 mm is 2 mm on
+every surface. Nothing here depends on Blender; equal numbers give equal expressions.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from sensors.camera.colour import RGB, paint_rgb
 
 @dataclass(frozen=True)
 class Expression:
-    """Arithmetic on expressions and numbers builds larger expressions."""
+    """An expression; arithmetic on expressions and numbers builds larger ones."""
 
     def __add__(self, other: "Texture | float") -> "Arithmetic":
         return Arithmetic("add", as_texture(self), as_texture(other))
@@ -65,21 +65,21 @@ class NoiseTexture(Expression):
     per_m: tuple[float, float]
     """Features per metre along u and v; unequal ones give grain."""
     offset: tuple[float, float]
-    """Where in the endless pattern the surface lies, in features."""
+    """Place of the surface in the endless pattern, in features."""
     octaves: float = 2.0
     gain: float = 0.5
-    """Amplitude of each octave relative to the one before."""
+    """Ratio of the amplitudes of an octave and the one before."""
     warp: float = 0.0
     turn_rad: float = 0.0
-    """Turns the grain from u towards v."""
+    """Angle of the grain from u towards v."""
     shift: "Texture | None" = None
-    """Moves the pattern by that many features, so that each tile or plank shows another part of it."""
+    """Shift of the pattern in features, so that each tile or plank shows another part of it."""
     kind: Literal["noise"] = "noise"
 
 
 @dataclass(frozen=True)
 class Cells(Expression):
-    """Voronoi cells: distance to the nearest point, to the nearest edge, or a random number per cell, all 0-1."""
+    """Voronoi cells: distance to the nearest point, to the nearest edge, or a random number per cell, all 0 to 1."""
 
     per_m: tuple[float, float]
     offset: tuple[float, float]
@@ -89,31 +89,32 @@ class Cells(Expression):
 
 @dataclass(frozen=True)
 class Tiles(Expression):
-    """Rectangles in courses: 1 in the joint and 0 on the tile, or a random number 0-1 per tile."""
+    """Rectangles in courses: 1 in the joint and 0 on the tile, or a random number from 0 to 1 per tile."""
 
     size_m: tuple[float, float]
     joint_m: float
     stagger: float
     """Shift of every second course, in tile lengths."""
     offset_m: tuple[float, float]
-    """Where in the endless courses the surface lies."""
+    """Place of the surface in the endless courses."""
     value: Literal["joint", "random"] = "joint"
     softness: float = 0.1
-    """Share of the joint over which it rises."""
+    """Share of the joint's width over which the value rises from 0 to 1."""
     kind: Literal["tiles"] = "tiles"
 
 
 @dataclass(frozen=True)
 class ImageTexture(Expression):
-    """A picture of the user's own, repeated along u and v; its colours are linear, white 1."""
+    """An image of the user, repeated along u and v; its colours are linear, white is 1."""
 
     sha256: str
-    """Of its file."""
+    """SHA-256 of its file."""
     size_m: tuple[float, float]
-    """Of one repeat."""
+    """Size of one copy."""
     at_m: tuple[float, float]
-    """Lower left corner of one of them."""
+    """Lower left corner of one copy."""
     mean: RGB
+    """Mean colour."""
     kind: Literal["image"] = "image"
 
 
@@ -122,7 +123,7 @@ class Arithmetic(Expression):
     operation: Literal["add", "subtract", "multiply", "maximum", "sine"]
     a: "Texture"
     b: "Texture" = Constant(0.0)
-    """Not used by sine."""
+    """Second operand; sine has none."""
     kind: Literal["arithmetic"] = "arithmetic"
 
 
@@ -138,7 +139,7 @@ class Step(Expression):
 
 @dataclass(frozen=True)
 class Mix(Expression):
-    """`a` where `by` is 0, `b` where it is 1; colours or numbers."""
+    """Linear mix of colours or numbers: `a` where `by` is 0, `b` where it is 1."""
 
     by: "Texture"
     a: "Texture"
@@ -153,20 +154,20 @@ Texture = Annotated[
 
 
 def as_texture(value: "Expression | float") -> "Texture":
-    """The expression itself, or a number as one."""
+    """Return the expression itself, or a number as an expression."""
     return value if isinstance(value, Expression) else Constant(float(value))  # pyright: ignore[reportReturnType]
 
 
 @dataclass(frozen=True)
 class Surface:
-    """A physically based surface: a dielectric, a metal, or clear all through."""
+    """A physically based surface: a dielectric, a metal, or a clear body."""
 
     name: str
     base_color: Texture
-    """Diffuse reflectance, or the colour of a metal's or glass's light."""
+    """Diffuse reflectance, or the colour of the light that metal reflects or glass transmits."""
     roughness: Texture | float = 0.5
     height_m: Texture | None = None
-    """Relief normal to the surface; drawn as shading, not as geometry."""
+    """Height of the relief; it changes the shading, not the geometry."""
     metallic: float = 0.0
     refractive_index: float = 1.45
     transmission: float = 0.0

@@ -1,7 +1,4 @@
-"""Bodies of furniture: turned, bent and padded ones, and several put together into one mesh.
-
-A piece stands in a frame of its own: origin on the floor, z up, x along its width, its back towards +y.
-"""
+"""Bodies of furniture: turned, bent and padded ones, and several joined into one mesh."""
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
@@ -14,7 +11,7 @@ from symolo.core.poses import PlanarPose
 
 
 def joined(name: str, parts: Iterable[Mesh]) -> Mesh:
-    """One mesh of several, each face with the surface that it had."""
+    """Join several meshes into one; each face keeps its surface."""
     vertices: list[Point3] = []
     faces: list[tuple[int, ...]] = []
     uv: list[tuple[Point2, ...]] = []
@@ -34,7 +31,7 @@ def moved(mesh: Mesh, by: Point3) -> Mesh:
 
 
 def stood(mesh: Mesh, pose: PlanarPose) -> Mesh:
-    """The mesh with its frame at `pose` in W."""
+    """Return the mesh with its frame at `pose` in W."""
     x, y, yaw = pose
     c, s = float(np.cos(yaw)), float(np.sin(yaw))
     vertices = tuple((x + c * a - s * b, y + s * a + c * b, z) for a, b, z in mesh.vertices)
@@ -42,15 +39,15 @@ def stood(mesh: Mesh, pose: PlanarPose) -> Mesh:
 
 
 def posed(mesh: Mesh, axes: Array, at: Point3) -> Mesh:
-    """The mesh turned so that its axes are the columns of (3, 3) `axes`, its origin at `at`."""
+    """Return the mesh with its axes along the columns of `axes` (3, 3) and its origin at `at`."""
     vertices = np.array(mesh.vertices) @ axes.T + at
     return Mesh(mesh.name, _points(vertices), mesh.faces, mesh.uv_m, mesh.face_surface)
 
 
 def loft(name: str, rings: Sequence[Array], surface: str, *, closed: bool = True) -> Mesh:
-    """A skin through rings of (N, 3) points, each counter-clockwise seen against the way to the next.
+    """Return a skin through rings of points (N, 3), counter-clockwise for somebody who looks back from the next ring.
 
-    The first and last ring are closed by a flat face where it is `closed`.
+    If it is `closed`, a flat face closes the first and the last ring.
     """
     sides, levels = len(rings[0]), len(rings)
     points = np.concatenate(rings)
@@ -63,8 +60,8 @@ def loft(name: str, rings: Sequence[Array], surface: str, *, closed: bool = True
             j, u0, u1 = (i + 1) % sides, around[i], around[i + 1]
             faces.append((low + i, low + j, high + j, high + i))
             uv.append(((u0, v0), (u1, v0), (u1, v1), (u0, v1)))
-    for level, way in ((0, -1), (levels - 1, 1)) if closed else ():
-        numbers = tuple(range(level * sides, (level + 1) * sides))[::way]
+    for level, step in ((0, -1), (levels - 1, 1)) if closed else ():
+        numbers = tuple(range(level * sides, (level + 1) * sides))[::step]
         faces.append(numbers)
         uv.append(_flat(points[list(numbers)]))
     return Mesh(name, _points(points), tuple(faces), tuple(uv), (surface,) * len(faces))
@@ -75,25 +72,25 @@ def _points(rows: Array) -> tuple[Point3, ...]:
 
 
 def lathe(name: str, profile: Sequence[Point2], surface: str, *, sides: int = 20, closed: bool = True) -> Mesh:
-    """Turned about z from (radius, height) points, those of the outside upwards."""
+    """Return a body turned about z, from (radius, height) points that run upwards on its outside."""
     angle = 2 * np.pi * np.arange(sides) / sides
     rings = [np.column_stack([r * np.cos(angle), r * np.sin(angle), np.full(sides, z)]) for r, z in profile]
     return loft(name, rings, surface, closed=closed)
 
 
 def rod(name: str, ends: tuple[Point3, Point3], radii_m: tuple[float, float], surface: str, *, sides: int = 12) -> Mesh:
-    """A round bar or cone between two points."""
+    """Return a round bar or cone between two points."""
     return loft(name, _rings(np.array(ends), np.array(radii_m), sides), surface)
 
 
 def pipe(name: str, path: Sequence[Point3], radius_m: float, surface: str, *, sides: int = 8) -> Mesh:
-    """A round cable or tube along a path without sharp corners."""
+    """Return a round cable or tube along a path without sharp corners."""
     points = np.array(path)
     return loft(name, _rings(points, np.full(len(points), radius_m), sides), surface)
 
 
 def cushion(name: str, center: Point3, size: Point3, surface: str, *, squareness: float = 4.0) -> Mesh:
-    """A superellipsoid: 2 is an ellipsoid, more comes nearer to a box with rounded edges."""
+    """Return a superellipsoid: an ellipsoid for a squareness of 2, closer to a rounded box for more."""
     power = 2.0 / squareness
     azimuth = 2 * np.pi * np.arange(20) / 20
     rings = []
@@ -109,7 +106,7 @@ def _power(value: Array | float, exponent: float) -> Array:
 
 
 def _rings(points: Array, radii_m: Array, sides: int) -> list[Array]:
-    """Circles across a path; the frame is the one that has the steadiest reference to stand against."""
+    """Return circles across a path, started at the axis that is farthest from all of its directions."""
     tangent = np.gradient(points, axis=0)
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
     reference = np.eye(3)[int(np.argmin(np.abs(tangent).max(axis=0)))]
@@ -124,7 +121,7 @@ def _rings(points: Array, radii_m: Array, sides: int) -> list[Array]:
 
 
 def _lengths(rings: Sequence[Array]) -> tuple[list[float], list[float]]:
-    """Way around the widest ring and along the skin, at each corner and each ring."""
+    """Return the path lengths around the widest ring, at its corners, and along the skin, at each ring."""
     steps = [np.linalg.norm(np.roll(ring, -1, axis=0) - ring, axis=1) for ring in rings]
     widest = max(steps, key=lambda step: float(step.sum()))
     climbs = [float(np.linalg.norm(b - a, axis=1).mean()) for a, b in pairwise(rings)]
@@ -132,7 +129,7 @@ def _lengths(rings: Sequence[Array]) -> tuple[list[float], list[float]]:
 
 
 def _flat(points: Array) -> tuple[Point2, ...]:
-    """Coordinates of a flat polygon in its own plane, from its first corner."""
+    """Return the coordinates of a flat polygon in its plane, with the origin in its first corner."""
     normal = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
     normal /= np.linalg.norm(normal)
     one = points[1] - points[0]

@@ -1,4 +1,4 @@
-"""What a surface amounts to seen from afar: one colour, for the light that it passes on to others."""
+"""The one colour of a surface that is seen from far, for the light that it reflects to other surfaces."""
 
 import math
 
@@ -22,7 +22,7 @@ _CELL_MEANS = {"distance": 0.4, "edge": 0.2, "random": 0.5}
 
 
 def typical_color(surface: Surface) -> RGB:
-    """The base colour where every texture of it has its mean; exact for a surface of one colour."""
+    """Return the base colour with every texture at its mean; exact for a surface of one colour."""
     value = _typical(surface.base_color)
     return value if isinstance(value, tuple) else (value, value, value)
 

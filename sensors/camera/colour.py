@@ -19,14 +19,14 @@ _XYZ_TO_RGB = np.array(
 
 
 def paint_rgb(paint: Paint, *, times: float = 1.0) -> RGB:
-    """The paint's colour at `times` its reflectance; a component never exceeds 0.95."""
+    """Return the paint's colour at `times` its reflectance; a component is at most 0.95."""
     tint = np.array(colorsys.hsv_to_rgb((paint.hue_deg / 360.0) % 1.0, paint.saturation, 1.0))
     rgb = tint * (paint.reflectance * times / float(tint @ LUMINANCE))
     return _triple(np.clip(rgb, 0.0, 0.95))
 
 
 def light_rgb(temperature_K: float) -> RGB:
-    """Colour of a light of that correlated temperature, scaled to a luminance of 1.
+    """Return the colour of a light of that correlated temperature, scaled to a luminance of 1.
 
     Daylight locus of CIE 15 from 4000 K on, Planck's locus below in the approximation of Kim et al. (US 7024034).
     """

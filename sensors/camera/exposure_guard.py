@@ -1,4 +1,4 @@
-"""Whether pictures show something: how much of each is black or burnt, and what to say where it is too much."""
+"""Shares of black and burnt pixels of images, and the warnings where they are too large."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,43 +20,43 @@ _CURES = {
 
 @dataclass(frozen=True)
 class Extremes:
-    """Shares of a picture's pixels, 0 to 1."""
+    """Shares of an image's pixels, 0 to 1."""
 
     black: float
     burnt: float
 
     @classmethod
     def of(cls, jpeg: bytes) -> "Extremes":
-        """Of an encoded picture.
+        """Return the shares of an encoded image.
 
         Raises:
-            ValueError: It cannot be decoded.
+            ValueError: The image cannot be decoded.
         """
         grey = cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_GRAYSCALE)
         if grey is None:
-            raise ValueError("the picture cannot be decoded")
+            raise ValueError("the image cannot be decoded")
         return cls(float(np.mean(grey <= BLACK_UP_TO)), float(np.mean(grey >= BURNT_FROM)))
 
 
-def exposure_warnings(pictures: Mapping[str, Extremes]) -> tuple[str, ...]:
-    """One line for black and one for burnt pictures of a run, by file name; none where all are well."""
-    black = {name: found.black for name, found in pictures.items()}
-    burnt = {name: found.burnt for name, found in pictures.items()}
+def exposure_warnings(images: Mapping[str, Extremes]) -> tuple[str, ...]:
+    """Return a line about the black images of a run, by file name, and one about the burnt ones, if there are any."""
+    black = {name: shares.black for name, shares in images.items()}
+    burnt = {name: shares.burnt for name, shares in images.items()}
     return (*_warning("black", black, MAX_BLACK), *_warning("burnt", burnt, MAX_BURNT))
 
 
-def _warning(what: str, shares: Mapping[str, float], most: float) -> Iterator[str]:
+def _warning(what: str, shares: Mapping[str, float], max_share: float) -> Iterator[str]:
     worst = max(shares, key=lambda name: shares[name])
-    beyond = sum(share > most for share in shares.values())
+    beyond = sum(share > max_share for share in shares.values())
     if beyond:
         yield (
-            f"{beyond} of {len(shares)} images are {what} in more than {most:.0%} of their pixels, the worst, {worst},"
-            f" in {shares[worst]:.0%}: {_CURES[what]}"
+            f"{beyond} of {len(shares)} images are {what} in more than {max_share:.0%} of their pixels,"
+            f" the worst, {worst}, in {shares[worst]:.0%}: {_CURES[what]}"
         )
 
 
-def all_black(pictures: Sequence[Extremes]) -> str:
-    """Why the pictures of a run are no use: nothing can be seen in any of them; empty where in one something can."""
-    if any(found.black < ALL for found in pictures):
+def all_black(images: Sequence[Extremes]) -> str:
+    """Return a message if all images of a run are black; empty if something is visible in one of them."""
+    if any(shares.black < ALL for shares in images):
         return ""
-    return f"all {len(pictures)} images are black: {_CURES['black']}"
+    return f"all {len(images)} images are black: {_CURES['black']}"

@@ -1,7 +1,7 @@
-"""The picture behind a lens, warped from a pinhole picture that is large enough.
+"""The image behind a lens, warped from a pinhole image.
 
-Cycles has no lens of this model. It renders the pinhole picture, of the same focal length and with a margin, and each
-pixel of the final picture takes its light from where its undistorted ray meets that.
+Cycles has no lens of this model. It renders a pinhole image of the same focal length with a margin, and each pixel of
+the final image takes its light from the place where its undistorted ray meets the pinhole image.
 """
 
 from dataclasses import dataclass
@@ -20,13 +20,13 @@ LIGHT_WIDTH_PX = 80
 """Minimum width of the light image of hybrid rendering, which is the final one halved as often as this allows."""
 
 _SPARE_PX = 2
-"""Beyond the outermost ray, for the interpolation."""
+"""Margin beyond the outermost ray, for the interpolation."""
 _COARSE, _NEWTON_STEPS = 33, 4
 
 
 @dataclass(frozen=True)
 class PinholeImage:
-    """What is rendered: pixel (u, v) of the final picture lies at (u + left, v + top), were there no distortion."""
+    """The image that is rendered. Without distortion, pixel (u, v) of the final image is its (u + left, v + top)."""
 
     camera: Intrinsics
     left_px: int
@@ -34,10 +34,10 @@ class PinholeImage:
 
 
 def pinhole_image(camera: Intrinsics) -> PinholeImage:
-    """The pinhole picture that holds every ray of the camera; the camera's own where there is no distortion.
+    """Return the pinhole image that contains every ray of the camera; without distortion it is the camera's image.
 
     Raises:
-        ValueError: The lens brings no ray to some pixel of the border.
+        ValueError: The lens model has no ray for some pixel of the border.
     """
     if camera.distortion == NO_DISTORTION:
         return PinholeImage(camera, 0, 0)
@@ -46,7 +46,7 @@ def pinhole_image(camera: Intrinsics) -> PinholeImage:
     low, high = ((corner - axis) / focal for corner in (np.zeros(2), last))
     rays = border_rays(camera.distortion, (low[0], low[1]), (high[0], high[1]))
     if np.isnan(rays).any():
-        raise ValueError(f"lens distortion {camera.distortion} brings no ray to some of the picture's border")
+        raise ValueError(f"lens distortion {camera.distortion} brings no ray to some of the image's border")
     reached = rays * focal + axis
     left, top = np.maximum(0, np.ceil(-reached.min(axis=0)) + _SPARE_PX).astype(int).tolist()
     right, bottom = np.maximum(0, np.ceil(reached.max(axis=0) - last) + _SPARE_PX).astype(int).tolist()
@@ -65,26 +65,27 @@ def pinhole_image(camera: Intrinsics) -> PinholeImage:
 
 
 def through_lens(light: Image, camera: Intrinsics, late: Image | None = None) -> Image:
-    """(H, W, 3) light of the final picture from that of its pinhole picture.
+    """Return the light (H, W, 3) of the final image.
 
     Args:
-        light: Of the pinhole picture.
-        camera: Of the final picture.
-        late: (H, W, 2) how much further right and down each pixel's light lies [px]; None where it lies at its ray.
+        light: Light of the pinhole image.
+        camera: Camera of the final image.
+        late: (H, W, 2) shift right and down of each pixel's source [px], of `rolling_shutter.lateness`; None for none.
     """
     if camera.distortion == NO_DISTORTION:
         return light
     at = sources(camera) if late is None else sources(camera) + late
-    # What is late may lie beyond the margin; the border is the nearest to it that there is.
-    seen = cv2.remap(light, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    return seen.astype(np.float32, copy=False)
+    # A shifted source may lie beyond the margin; it takes the light of the border.
+    warped = cv2.remap(light, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return warped.astype(np.float32, copy=False)
 
 
 @lru_cache(maxsize=1)
 def sources(camera: Intrinsics) -> Image:
-    """(H, W, 2) where in the pinhole picture the ray of each pixel is, u and v.
+    """Return the place (H, W, 2) of each pixel's ray in the pinhole image, u and v.
 
-    Followed from the axis on a coarse grid alone, which costs a hundredth; between its points Newton has little to do.
+    Only the rays of a coarse grid are found from scratch, which takes a hundredth of the time; Newton's method refines
+    the values interpolated between them.
     """
     last = np.array([camera.width_px, camera.height_px]) - 1
     coarse = np.indices((_COARSE, _COARSE))[::-1].reshape(2, -1).T / (_COARSE - 1)
@@ -95,5 +96,5 @@ def sources(camera: Intrinsics) -> Image:
     near = cv2.remap(rays, at[..., 0], at[..., 1], cv2.INTER_LINEAR).reshape(-1, 2).astype(np.float64)
     focal, axis = np.array([camera.fx_px, camera.fy_px]), np.array([camera.cx_px, camera.cy_px])
     exact = refined(camera.distortion, (pixels - axis) / focal, near, _NEWTON_STEPS)
-    found = pinhole_image(camera)
-    return (exact * focal + axis + (found.left_px, found.top_px)).astype(np.float32).reshape(*u.shape, 2)
+    pinhole = pinhole_image(camera)
+    return (exact * focal + axis + (pinhole.left_px, pinhole.top_px)).astype(np.float32).reshape(*u.shape, 2)

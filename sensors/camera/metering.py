@@ -1,4 +1,4 @@
-"""Which views a run's exposure is metered on: a few of its frames, made small."""
+"""Metering of a run's exposure: on a few of its frames, in small images."""
 
 from collections.abc import Sequence
 from dataclasses import replace

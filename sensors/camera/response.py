@@ -1,7 +1,7 @@
-"""From light to picture, in numpy and OpenCV alone.
+"""The camera's response from light to pixels, in numpy and OpenCV.
 
-In the order of a camera: the lens' blur, glare and vignetting, the exposure, shot and read noise of the sensor, gains
-of the white balance, which amplify that noise, saturation and tone curve, sharpening, JPEG.
+The steps are those of a camera: blur, glare and vignetting of the lens, exposure, shot and read noise of the sensor,
+gains of the white balance, which amplify that noise, saturation, tone curve, sharpening, JPEG.
 
 Pixels depend on the light, the settings and the frame's number, never on threads or order.
 """
@@ -20,24 +20,24 @@ from symolo.core.random_streams import stream
 Image = NDArray[np.float32]
 
 _MIN_SHARE = 0.02
-"""Of blue, in light that is to become white: no gain is beyond some fifty. Light of 1900 K and less has none."""
+"""Minimum share of a component in light that is balanced to white, so that gains stay below 50; 1900 K has no blue."""
 _BURNT_SHARE = 0.04
 _LUMA = np.array([0.299, 0.587, 0.114], np.float32)
-"""Of gamma-coded components (ITU-R BT.601), as JPEG has it."""
+"""Weights of gamma-coded components (ITU-R BT.601), as in JPEG."""
 _DARKEST = 1e-3
-"""A frame darker than this share of the run is not exposed any longer for it."""
+"""Minimum brightness of a frame, relative to the run, to which the exposure adapts."""
 _KNEE = 0.6
-"""Where the tone curve leaves that of sRGB to keep some drawing in the highlights."""
+"""Value above which the tone curve is flatter than that of sRGB, to keep detail in the highlights."""
 
 
 @dataclass(frozen=True)
 class CameraResponse:
     seed: int
     brightness: float
-    """Linear value of the median luminance, compensation included."""
+    """Linear pixel value of the median luminance, exposure compensation included."""
     exposure_adaption: float
     white_balance: RGB
-    """Gains of the channels, green 1."""
+    """Gains of the channels; that of green is 1."""
     contrast: float
     saturation: float
     vignetting: float
@@ -51,7 +51,7 @@ class CameraResponse:
 
     @classmethod
     def from_look(cls, look: CameraLook, light: RGB, seed: int, jpeg_quality: int) -> "CameraResponse":
-        """The response of a camera in light of the colour `light`, any brightness."""
+        """Return the response of a camera in light of the colour `light`; its brightness does not matter."""
         return cls(
             seed=seed,
             brightness=look.brightness * 2.0**look.compensation_ev,
@@ -71,23 +71,23 @@ class CameraResponse:
 
 
 def _white_balance(look: CameraLook, light: RGB) -> RGB:
-    """Gains between those for `white_balance_K` and those that render `light` neutral, mixed on a log scale."""
+    """Return gains between those for `white_balance_K` and those that make `light` neutral, mixed on a log scale."""
     fixed = np.maximum(light_rgb(look.white_balance_K), _MIN_SHARE)
-    found = np.maximum(light, _MIN_SHARE * max(light)) if max(light) > 0 else fixed
+    actual = np.maximum(light, _MIN_SHARE * max(light)) if max(light) > 0 else fixed
     share = look.white_balance_adaption
-    white = (fixed / fixed[1]) ** (1 - share) * (found / found[1]) ** share
+    white = (fixed / fixed[1]) ** (1 - share) * (actual / actual[1]) ** share
     return 1.0 / float(white[0]), 1.0, 1.0 / float(white[2])
 
 
 def median_luminance(light: Image) -> float:
-    """The metered value of linear light (..., 3).
+    """Return the metered value of linear light (..., 3).
 
     Raises:
         ValueError: No light reaches what the camera sees.
     """
     median = _median_luminance(light)
     if not median > 0:
-        raise ValueError("the picture is black: no light reaches what the camera sees; give the look a lamp or a sky")
+        raise ValueError("the image is black: no light reaches what the camera sees; give the look a lamp or a sky")
     return median
 
 
@@ -96,16 +96,16 @@ def _median_luminance(light: Image) -> float:
 
 
 def develop(light: Image, response: CameraResponse, metered: float, number: int) -> NDArray[np.uint8]:
-    """(H, W, 3) 8-bit RGB of linear light (H, W, 3).
+    """Return the 8-bit RGB image (H, W, 3) of linear light (H, W, 3).
 
-    Exposed by the frame's own median and that `metered` over the run, but never so long that more than a small share of
-    the frame is beyond white.
+    The exposure follows the frame's median and that `metered` over the run, but it never makes more than a small share
+    of the frame brighter than white.
     """
     height, width, _ = light.shape
     light = _through_glass(light, response)
     share = response.exposure_adaption
-    own = max(_median_luminance(light), _DARKEST * metered)
-    median = metered ** (1 - share) * own**share
+    frame_median = max(_median_luminance(light), _DARKEST * metered)
+    median = metered ** (1 - share) * frame_median**share
     highlights = float(np.quantile(light @ LUMINANCE.astype(np.float32), 1 - _BURNT_SHARE))
     gain = min(response.brightness / median, 1.0 / highlights if highlights > 0 else np.inf)
     raw = light * np.float32(gain) * _vignette(width, height, response.vignetting)[..., None]
@@ -117,7 +117,7 @@ def develop(light: Image, response: CameraResponse, metered: float, number: int)
 
 
 def encode_jpeg(pixels: NDArray[np.uint8], quality: int) -> bytes:
-    """JPEG file of RGB pixels."""
+    """Return RGB pixels as a JPEG file."""
     done, data = cv2.imencode(".jpg", cv2.cvtColor(pixels, cv2.COLOR_RGB2BGR), [cv2.IMWRITE_JPEG_QUALITY, quality])
     if not done:
         raise OSError("OpenCV could not encode a frame as JPEG")
@@ -125,7 +125,7 @@ def encode_jpeg(pixels: NDArray[np.uint8], quality: int) -> bytes:
 
 
 def _through_glass(light: Image, response: CameraResponse) -> Image:
-    """Light with a Gaussian point spread and the even veil of ISO 9358's glare."""
+    """Return light with a Gaussian point spread function and with even veiling glare (ISO 9358)."""
     if response.lens_blur_px > 0:
         light = cv2.GaussianBlur(light, (0, 0), response.lens_blur_px).astype(np.float32)
     if response.veiling_glare > 0:
@@ -135,21 +135,21 @@ def _through_glass(light: Image, response: CameraResponse) -> Image:
 
 
 def _vignette(width: int, height: int, loss: float) -> Image:
-    """Light that is left, falling with the square of the distance from the middle to 1 - `loss` in the corner."""
+    """Return the transmitted share of light: 1 in the middle, 1 - `loss` in the corner, quadratic in the distance."""
     x = np.arange(width, dtype=np.float32)[None, :]
     y = np.arange(height, dtype=np.float32)[:, None]
     return (1 - loss * corner_share(x, y, width, height)).astype(np.float32)
 
 
 def corner_share(u: NDArray[Any], v: NDArray[Any], width: int, height: int) -> NDArray[Any]:
-    """Squared distance of pixels from the middle of the picture, 1 in its corners."""
+    """Return the squared distance of pixels from the middle of the image, 1 in its corners."""
     x = (u + 0.5) / width - 0.5
     y = ((v + 0.5) - 0.5 * height) / width
     return (x**2 + y**2) / (0.25 + 0.25 * (height / width) ** 2)
 
 
 def _noise(raw: Image, response: CameraResponse, number: int) -> Image:
-    """Shot and read noise of the sensor, slightly blurred as a colour filter's interpolation leaves it."""
+    """Return shot and read noise of the sensor, slightly blurred as by the interpolation of a colour filter."""
     draw = stream(response.seed, "camera noise", number).standard_normal(raw.shape, np.float32)
     soft = cv2.GaussianBlur(draw, (3, 3), 0.6)
     sd = np.sqrt(response.shot_noise**2 * np.maximum(raw, 0) + response.read_noise**2)
@@ -157,7 +157,7 @@ def _noise(raw: Image, response: CameraResponse, number: int) -> Image:
 
 
 def tone(linear: Image, contrast: float) -> Image:
-    """SRGB transfer (IEC 61966-2-1) with a soft shoulder, then contrast about middle grey."""
+    """Apply contrast about middle grey, a soft shoulder, and the transfer function of sRGB (IEC 61966-2-1)."""
     scaled = 0.18 * (linear / 0.18) ** np.float32(contrast)
     over = np.maximum(scaled - np.float32(_KNEE), 0)
     rolled = np.where(over > 0, 1 - (1 - _KNEE) * np.exp(-over / (1 - _KNEE)), scaled)
@@ -165,7 +165,7 @@ def tone(linear: Image, contrast: float) -> Image:
 
 
 def untoned(coded: NDArray[np.float64], contrast: float) -> NDArray[np.float64]:
-    """The light whose `tone` these values, 0 to 1, are; just below white it is no longer known well."""
+    """Return the light whose `tone` are these values, 0 to 1; just below white the result is inaccurate."""
     low = coded / 12.92
     rolled = np.where(coded <= 0.04045, low, ((np.maximum(coded, 0.0) + 0.055) / 1.055) ** 2.4)
     over = np.minimum(np.maximum(rolled - _KNEE, 0.0) / (1 - _KNEE), 1.0 - 1e-6)
@@ -173,10 +173,10 @@ def untoned(coded: NDArray[np.float64], contrast: float) -> NDArray[np.float64]:
     return 0.18 * (np.maximum(scaled, 0.0) / 0.18) ** (1.0 / contrast)
 
 
-def _sharpened(picture: Image, response: CameraResponse) -> Image:
-    """An unsharp mask on the grey picture, so that edges gain no colour; what leaves the range is cut off."""
+def _sharpened(image: Image, response: CameraResponse) -> Image:
+    """Apply an unsharp mask to the luma, so that edges keep their colour, and clip to 0 to 1."""
     if response.sharpening == 0:
-        return picture
-    grey = picture @ _LUMA
+        return image
+    grey = image @ _LUMA
     detail = grey - cv2.GaussianBlur(grey, (0, 0), response.sharpening_radius_px)
-    return np.clip(picture + np.float32(response.sharpening) * detail[..., None], 0, 1).astype(np.float32)
+    return np.clip(image + np.float32(response.sharpening) * detail[..., None], 0, 1).astype(np.float32)

@@ -1,8 +1,8 @@
-"""What a rolling shutter does behind a lens: a pixel's row is not that of its ray in the pinhole picture.
+"""Correction of a rolling shutter behind a lens, where a pixel's row is not that of its ray in the pinhole image.
 
-Cycles exposes the pinhole picture row by row, so that the light of a ray that the lens bends to another row is there
-too early or too late by their distance. What the pixel should see has moved over the pinhole picture since. It is made
-up for to first order: exactly where the camera turns, and for points on the floor where it moves.
+Cycles exposes the pinhole image row by row. The light of a ray that the lens bends to another row is therefore too
+early or too late, and its source has moved over the pinhole image in the meantime. This is corrected to first order:
+for a turning camera exactly, for a moving one for points on the floor.
 """
 
 import numpy as np
@@ -15,20 +15,20 @@ from symolo.core.pinhole import Intrinsics, Shutter
 
 
 def lateness(view: FrameView, camera: Intrinsics, shutter: Shutter) -> Image | None:
-    """(H, W, 2) for `through_lens`; None where there is nothing to make up for."""
+    """Return the shift (H, W, 2) [px] for `through_lens`; None where nothing needs correction."""
     if camera.distortion == NO_DISTORTION or shutter.read_out_s == 0 or not view.exposure:
         return None
-    found = pinhole_image(camera)
+    pinhole = pinhole_image(camera)
     at = sources(camera).astype(np.float64)
-    rows_late = at[..., 1] - found.top_px - np.arange(camera.height_px)[:, None]
+    rows_late = at[..., 1] - pinhole.top_px - np.arange(camera.height_px)[:, None]
     late_s = rows_late * (shutter.read_out_s / camera.height_px)
-    axis, focal = (found.camera.cx_px, found.camera.cy_px), (found.camera.fx_px, found.camera.fy_px)
+    axis, focal = (pinhole.camera.cx_px, pinhole.camera.cy_px), (pinhole.camera.fx_px, pinhole.camera.fy_px)
     flow = _flow((at - axis) / focal, *_twist(view, window(shutter, camera).length_s), np.array(view.X_WC))
     return (late_s[..., None] * flow * focal).astype(np.float32)
 
 
 def _twist(view: FrameView, length_s: float) -> tuple[np.ndarray, np.ndarray]:
-    """Mean velocity (3,) and turn rate (3,) of C during the exposure, along its own axes in the middle."""
+    """Return the mean velocity (3,) and turn rate (3,) of C during the exposure, along its axes in the middle of it."""
     opened, closed = view.exposure[0], view.exposure[-1]
     X_0, X_1, X = np.array(opened.X_WC), np.array(closed.X_WC), np.array(view.X_WC)
     turned = np.array([0.0, 0.0, closed.robot_pose[2] - opened.robot_pose[2]])
@@ -36,7 +36,7 @@ def _twist(view: FrameView, length_s: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _flow(rays: np.ndarray, velocity: np.ndarray, rate: np.ndarray, X_WC: np.ndarray) -> np.ndarray:
-    """(H, W, 2) how fast what lies on rays (H, W, 2) moves over them; above the horizon it is taken for far away.
+    """Return the velocity (H, W, 2) of what lies on rays (H, W, 2); above the horizon it counts as infinitely far.
 
     Longuet-Higgins and Prazdny, The interpretation of a moving retinal image (1980), Eq. 2.
     """

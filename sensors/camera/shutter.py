@@ -1,4 +1,4 @@
-"""When the rows of a picture are exposed, and where everything is meanwhile."""
+"""The exposure of an image's rows, and the poses of everything during it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,22 +14,22 @@ from symolo.core.pinhole import Intrinsics, Shutter
 from symolo.core.poses import Matrix4, PlanarPose, pose_X_WR
 
 MOMENTS = 5
-"""Between two of them everything moves straight and turns evenly: on an arc of 0.2 rad off by 0.1 % of its length."""
+"""Number of moments of an exposure. Linear motion between them errs by 0.1 % of the length on an arc of 0.2 rad."""
 
 
 @dataclass(frozen=True)
 class Window:
-    """The time in which the pinhole picture of a view is exposed, which has more rows than the final one."""
+    """The time in which the pinhole image of a view is exposed, which has more rows than the final image."""
 
     opens_s: float
-    """After the view's time, so mostly below 0."""
+    """Time after the view's time, so mostly below 0."""
     length_s: float
     row_share: float
     """Exposure of one row as a share of the window."""
 
 
 def window(shutter: Shutter, camera: Intrinsics) -> Window:
-    """Of length 0 for an instant.
+    """Return the window of a shutter; its length is 0 for an instant.
 
     Cycles exposes the middle of row r of H ((r + 1) / H - 0.5) of its read-out after the middle of the window
     (kernel/camera/camera.h), which is half a row later than `Shutter.row_opens_s` has it.
@@ -43,7 +43,7 @@ def window(shutter: Shutter, camera: Intrinsics) -> Window:
 
 
 def moment(arena: Arena, X_RC: Array, pose: PlanarPose, t_s: float) -> Moment:
-    """Where camera and obstacles are with the robot at a pose."""
+    """Return the poses of camera and obstacles with the robot at a pose."""
     moving = tuple(_planar(box.poses_at(np.array([max(t_s, 0.0)]))[0]) for box in arena.moving)
     return Moment(pose, _rows(pose_X_WR(*pose) @ X_RC), moving)
 
@@ -51,14 +51,14 @@ def moment(arena: Arena, X_RC: Array, pose: PlanarPose, t_s: float) -> Moment:
 def exposed(
     views: Sequence[FrameView], arena: Arena, X_RC: Array, path: RobotPath, exposure: Window
 ) -> tuple[FrameView, ...]:
-    """The views with where everything is during the exposure of each."""
-    found = []
+    """Return the views with the moments of their exposures."""
+    result = []
     for view in views:
         times = view.t_s + exposure.opens_s + exposure.length_s * np.linspace(0.0, 1.0, MOMENTS)
         poses = zip(path.poses_at(times), times.tolist(), strict=True)
         moments = tuple(moment(arena, X_RC, _planar(pose), t_s) for pose, t_s in poses)
-        found.append(replace(view, exposure=moments))
-    return tuple(found)
+        result.append(replace(view, exposure=moments))
+    return tuple(result)
 
 
 def _planar(pose: Array) -> PlanarPose:

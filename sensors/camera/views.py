@@ -1,4 +1,4 @@
-"""The camera as data: its lens and sensor, its shutter, and where it stands in each image."""
+"""Views: the poses of camera and scene in each image."""
 
 from dataclasses import dataclass
 from typing import Annotated

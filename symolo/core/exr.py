@@ -1,7 +1,11 @@
-"""OpenEXR scan-line files, uncompressed or compressed by ZIP, read whole or refused.
+"""Reader of OpenEXR scan-line files, uncompressed or compressed by ZIP; a file is read completely or refused.
 
-Blender reports success when a disk is full and leaves a truncated file, so nothing short of every line is accepted.
+Blender reports success when a disk is full and leaves a truncated file, so a file with a missing line is refused.
 Format: OpenEXR file layout, https://openexr.com/en/latest/OpenEXRFileLayout.html
+
+The OpenEXR library (3.5) was tried in its place and is not used. It reads files only by name; it decodes all channels
+before a caller can limit size and channels; and it answers a damaged file with a warning on the terminal and an object
+without parts. It would also be one more compiled library that reads files of strangers.
 """
 
 import struct
@@ -16,7 +20,7 @@ _MAGIC = 20000630
 _LINES = {0: 1, 2: 1, 3: 16}
 """Scan lines in a block by kind of compression: none, ZIPS, ZIP."""
 _MAX_CHANNELS = 16
-"""Of a compressed file."""
+"""Maximum number of channels of a compressed file."""
 _TYPES = {0: np.dtype("<u4"), 1: np.dtype("<f2"), 2: np.dtype("<f4")}
 
 Channels = dict[str, NDArray[np.generic]]
@@ -29,15 +33,15 @@ def is_exr(data: bytes) -> bool:
 def read_exr(
     data: bytes, check_size: Callable[[int, int], None] | None = None, wanted: Collection[str] | None = None
 ) -> Channels:
-    """Channel name -> (H, W) array, as stored.
+    """Return the arrays (H, W) of the channels by name, as stored.
 
     Args:
-        data: Of the whole file.
-        check_size: Told width and height before anything of that size is made; may refuse them by a ValueError.
-        wanted: Channels to keep, all of which must be there; None keeps every one.
+        data: Content of the file.
+        check_size: Called with width and height before memory of that size is taken; may raise ValueError.
+        wanted: Channels to read, all of which must be there; None for all.
 
     Raises:
-        ValueError: Not a single-part scan-line file, otherwise compressed, not a whole one, or without what is wanted.
+        ValueError: Not a single-part scan-line file, compressed in another way, truncated, or without a wanted channel.
     """
     if not is_exr(data):
         raise ValueError("not an OpenEXR file")
@@ -79,9 +83,9 @@ def _header(data: bytes) -> tuple[dict[str, bytes], int]:
 class _Layout:
     compression: int
     line: np.dtype
-    """Of one scan line's bytes."""
+    """Type of one scan line."""
     rows: tuple[int, int]
-    """First and last."""
+    """First and last row."""
     kept: tuple[str, ...]
 
 
@@ -101,7 +105,7 @@ def _lines(data: bytes, at: int, layout: _Layout) -> Channels:
 
 
 def _blocks(data: bytes, at: int, layout: _Layout) -> Channels:
-    """Of compressed lines, wherever in the file the table of offsets says that their blocks stand."""
+    """Read compressed lines from the blocks to which the table of offsets points."""
     kind, line, (y0, y1), kept = layout.compression, layout.line, layout.rows, layout.kept
     if kind not in _LINES:
         raise ValueError("an OpenEXR file compressed otherwise than by ZIP; save it with ZIP compression or none")
@@ -124,7 +128,7 @@ def _blocks(data: bytes, at: int, layout: _Layout) -> Channels:
 
 
 def _unpacked(packed: bytes, expected: int) -> bytes:
-    """A block's lines: deflated differences of bytes, the even ones before the odd ones; stored where that is less."""
+    """Return the lines of a block: differences of bytes, even ones before odd ones, deflated unless that is longer."""
     if len(packed) == expected:
         return packed
     try:
@@ -143,7 +147,7 @@ def _unpacked(packed: bytes, expected: int) -> bytes:
 
 
 def _line(attributes: dict[str, bytes], width: int) -> np.dtype:
-    """Of one scan line's bytes."""
+    """Return the type of one scan line."""
     channels = _channels(attributes["channels"])
     if not channels or len({name for name, _ in channels}) < len(channels):
         raise ValueError("damaged OpenEXR file: no channels, or two of one name")

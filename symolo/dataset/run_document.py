@@ -4,9 +4,10 @@ The file holds every number that the run was made from. A section can also be fi
 attributes, so that the program that makes a run hands over its own specification.
 """
 
-from typing import Annotated, Literal
+from collections.abc import Iterable
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from symolo.dataset.annotations import AnnotationName
 
@@ -147,6 +148,11 @@ class CameraSection(SpecSection):
     read_out_s: float
 
 
+def _as_mapping(sensors: object) -> object:
+    """Return the collection of a whole configuration, which yields names and settings, as a mapping."""
+    return dict(sensors) if isinstance(sensors, Iterable) and not isinstance(sensors, str | list) else sensors
+
+
 class RobotSection(SpecSection):
     name: str
     chassis: ChassisSection
@@ -155,6 +161,8 @@ class RobotSection(SpecSection):
     line_sensor: LineSensorSection
     tof: TofSection
     camera: CameraSection
+    sensors: Annotated[dict[str, Any], BeforeValidator(_as_mapping)] = Field(default_factory=dict)
+    """Settings of the further sensors by name; metadata.json describes their tables."""
 
 
 class LookCameraSection(SpecSection):

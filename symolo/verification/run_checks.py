@@ -63,7 +63,7 @@ def check_run(
     yield from faults
     yield from _side(run / "side", f"{record.run}/side", rows, record, spec)
     yield from _sensors(run / "side", f"{record.run}/side", rows, sensor_tables)
-    if spec is not None and set(spec.robot.sensors.names) != {table.name for table in sensor_tables}:
+    if spec is not None and set(spec.robot.sensors) != {table.name for table in sensor_tables}:
         names = ", ".join(table.name for table in sensor_tables) or "none"
         yield Finding(f"{record.run}/side/spec.json", f"robot.sensors are not those of metadata.json, {names}")
     if content is not None:

@@ -103,12 +103,18 @@ def test_the_class_of_the_page_is_loaded_from_any_file(tmp_path):
     unload_effect_file(path)
 
 
-def test_a_sensor_of_a_file_is_recorded(walk):
+def test_a_sensor_is_recorded_released_and_verified(walk, tiny):
     sensor = walk("A sensor")
-    sensor.type_commands()
-    recording = np.load(sensor.folder / "bumped/.stages/simulate/CW/test_1/trajectory.npz")
-    assert not recording["series/sensor_bumper/-/values"].any()  # the smoke scenario begins far from its walls
-    assert len(recording["series/sensor_bumper/-/values"]) == len(recording["t_s"])
+    release, verify = sensor.commands
+    sensor.symolo(*shlex.split(release), *tiny, "--workers", "1")
+    assert "no fault" in sensor.symolo(*shlex.split(verify))
+    run = sensor.folder / "with-compass/CW/test_1"
+    heading, theta = (
+        np.genfromtxt(run / name, delimiter=",", names=True)[column]
+        for name, column in (("side/compass.csv", "heading"), ("data.csv", "theta"))
+    )
+    error_rad = np.angle(np.exp(1j * (heading - theta)))
+    assert 0.0 < np.abs(error_rad).max() < np.radians(5 * 2.0)  # five standard deviations
 
 
 def test_a_material_is_described_previewed_and_rendered(walk):
@@ -116,9 +122,9 @@ def test_a_material_is_described_previewed_and_rendered(walk):
     material.type_commands("--width-px", "32")
     assert (material.folder / "felt.jpg").stat().st_size > 0
     program = (
-        "from blender_scenes.materials import FLOORS; from blender_scenes.materials.base import SurfacePatch;"
+        "from blender_scenes.materials import FLOORS; from blender_scenes.materials.base import Patch;"
         "from blender_scenes.scene.typical import typical_color; from configs.schema.floors import FloorLook;"
-        "print(typical_color(FLOORS['felt'](FloorLook(), SurfacePatch('floor', (1.0, 1.0), 1))))"
+        "print(typical_color(FLOORS['felt'](FloorLook(), Patch('floor', (1.0, 1.0), 1))))"
     )
     done = subprocess.run(
         [sys.executable, "-P", "-c", program],

@@ -233,7 +233,7 @@ def test_the_reader_gives_its_table_with_units_where_its_class_is_unknown(releas
         assert table.attrs["units"] == {"t": "ms", "contact": "-", "clearance": "m"}
         assert [str(kind) for kind in table.dtypes] == ["int64", "int64", "float64"]
         pd.testing.assert_frame_equal(table, pd.read_csv(run.folder / "side/bumper.csv"))
-        assert run.spec.robot.sensors.get("bumper").travel_m == run.spec.drawn[TRAVEL]
+        assert run.spec.robot.sensors["bumper"]["travel_m"] == run.spec.drawn[TRAVEL]
     with pytest.raises(InputError, match="did you mean bumper"):
         data["CW/test_1"].side("bumber")
 

@@ -1,55 +1,55 @@
-"""Copies of a surface's material that show one side of it: what it reflects, how it shines, what light falls on it."""
+"""Copies of a surface's material for the scenes of hybrid rendering."""
 
 import bpy
 
-COVER, TOLD = "cover", "told"
-"""Passes of their own: how much of a pixel is floor; the height of its relief, whose that is, and its roughness."""
+COVER, SURFACE_DATA = "cover", "surface_data"
+"""Additional passes: the share of a pixel that is floor; and height of the relief, number of the mesh, roughness."""
 MIDDLE_GREY = 0.5
-"""What the light's floor reflects, whatever lies there."""
+"""Reflectance of the floor in the light image, in place of its real one."""
 
 
 def in_grey(material: bpy.types.Material) -> bpy.types.Material:
-    """Seen by the camera, and told, as floor of one colour with its gloss and relief; met by other rays as it is.
+    """Return the material of the floor in one grey, with its gloss and relief, for camera rays.
 
-    What is seen in mirrors and through glass so keeps its texture.
+    Other rays meet the real material, so that mirrors and glass show its texture.
     """
     copy = material.copy()
-    tree, own = copy.node_tree, _principled(copy)
-    grey = tree.nodes.new(own.bl_idname)
-    for as_in, into in zip(own.inputs, grey.inputs, strict=True):
-        _feed(tree, as_in, into)
+    tree, shader = copy.node_tree, _principled(copy)
+    grey = tree.nodes.new(shader.bl_idname)
+    for source, target in zip(shader.inputs, grey.inputs, strict=True):
+        _feed(tree, source, target)
     base = grey.inputs["Base Color"]
     for link in list(base.links):
         tree.links.remove(link)
     base.default_value = (MIDDLE_GREY, MIDDLE_GREY, MIDDLE_GREY, 1.0)
-    _shown_to_the_camera(tree, grey.outputs[0])
-    _told_as_floor(tree)
+    _show_to_the_camera(tree, grey.outputs[0])
+    _mark_as_floor(tree)
     return copy
 
 
 def shining(material: bpy.types.Material, number: int) -> bpy.types.Material:
-    """Shines in its own colour; told are its relief's height [m], a number of its own, and its roughness."""
+    """Return a material that emits its base colour; `SURFACE_DATA` has its relief, `number` and roughness."""
     copy = material.copy()
-    tree, own = copy.node_tree, _principled(copy)
-    shine, told = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputAOV")
-    _feed(tree, own.inputs["Base Color"], shine.inputs["Color"])
+    tree, shader = copy.node_tree, _principled(copy)
+    shine, output = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputAOV")
+    _feed(tree, shader.inputs["Base Color"], shine.inputs["Color"])
     tree.links.new(shine.outputs[0], _output(tree).inputs["Surface"])
     values = tree.nodes.new("ShaderNodeCombineXYZ")
     values.inputs["Y"].default_value = number
-    _feed(tree, own.inputs["Roughness"], values.inputs["Z"])
-    if own.inputs["Normal"].is_linked:
-        # The height itself: to have the normal from Cycles would mean to work it out at three places.
-        _feed(tree, own.inputs["Normal"].links[0].from_node.inputs["Height"], values.inputs["X"])
-    told.aov_name = TOLD
-    tree.links.new(values.outputs[0], told.inputs["Color"])
+    _feed(tree, shader.inputs["Roughness"], values.inputs["Z"])
+    if shader.inputs["Normal"].is_linked:
+        # The height itself, because Cycles would evaluate the texture three times for a normal.
+        _feed(tree, shader.inputs["Normal"].links[0].from_node.inputs["Height"], values.inputs["X"])
+    output.aov_name = SURFACE_DATA
+    tree.links.new(values.outputs[0], output.inputs["Color"])
     return copy
 
 
 def turned(material: bpy.types.Material) -> bpy.types.Material:
-    """White and matt to the camera, facing where its object's colour says, as `as_color` has it."""
+    """Return a material that is white and matt for the camera, with the normal that its object's colour encodes."""
     copy = material.copy()
     tree = copy.node_tree
-    # It softens shadows for normals that lean away from a surface, which this one only seems to have.
+    # This option softens shadows where the normal leans away from the geometry, as it does here on purpose.
     copy.cycles.use_bump_map_correction = False
     white = tree.nodes.new("ShaderNodeBsdfDiffuse")
     white.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
@@ -58,53 +58,54 @@ def turned(material: bpy.types.Material) -> bpy.types.Material:
     normal.inputs[1].default_value, normal.inputs[2].default_value = (2.0, 2.0, 2.0), (-1.0, -1.0, -1.0)
     tree.links.new(tree.nodes.new("ShaderNodeObjectInfo").outputs["Color"], normal.inputs[0])
     tree.links.new(normal.outputs[0], white.inputs["Normal"])
-    _shown_to_the_camera(tree, white.outputs[0])
+    _show_to_the_camera(tree, white.outputs[0])
     return copy
 
 
 def as_color(normal: tuple[float, float, float]) -> tuple[float, float, float, float]:
-    """A unit vector as a colour, of which Blender keeps nothing below 0."""
+    """Return a unit vector as a colour, which has no negative components in Blender."""
     x, y, z = (0.5 * (component + 1) for component in normal)
     return x, y, z, 1.0
 
 
 def covering() -> bpy.types.Material:
-    """Black, and told as floor."""
-    made = bpy.data.materials.new("covering")
-    made.use_nodes = True
-    tree = made.node_tree
+    """Return a black material that is marked as floor."""
+    material = bpy.data.materials.new("covering")
+    material.use_nodes = True
+    tree = material.node_tree
     tree.nodes.clear()
     black = tree.nodes.new("ShaderNodeEmission")
     black.inputs["Strength"].default_value = 0.0
-    _told_as_floor(tree)
+    _mark_as_floor(tree)
     tree.links.new(black.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
-    return made
+    return material
 
 
 def _principled(material: bpy.types.Material) -> bpy.types.Node:
-    (found,) = (node for node in material.node_tree.nodes if node.bl_idname == "ShaderNodeBsdfPrincipled")
-    return found
+    (node,) = (node for node in material.node_tree.nodes if node.bl_idname == "ShaderNodeBsdfPrincipled")
+    return node
 
 
 def _output(tree: bpy.types.NodeTree) -> bpy.types.Node:
-    (found,) = (node for node in tree.nodes if node.bl_idname == "ShaderNodeOutputMaterial")
-    return found
+    (node,) = (node for node in tree.nodes if node.bl_idname == "ShaderNodeOutputMaterial")
+    return node
 
 
-def _feed(tree: bpy.types.NodeTree, as_in: bpy.types.NodeSocket, into: bpy.types.NodeSocket) -> None:
-    if as_in.is_linked:
-        tree.links.new(as_in.links[0].from_socket, into)
-    elif hasattr(as_in, "default_value"):
-        into.default_value = as_in.default_value
+def _feed(tree: bpy.types.NodeTree, source: bpy.types.NodeSocket, target: bpy.types.NodeSocket) -> None:
+    """Give a socket the link or the value of another one."""
+    if source.is_linked:
+        tree.links.new(source.links[0].from_socket, target)
+    elif hasattr(source, "default_value"):
+        target.default_value = source.default_value
 
 
-def _told_as_floor(tree: bpy.types.NodeTree) -> None:
-    told = tree.nodes.new("ShaderNodeOutputAOV")
-    told.aov_name = COVER
-    told.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+def _mark_as_floor(tree: bpy.types.NodeTree) -> None:
+    output = tree.nodes.new("ShaderNodeOutputAOV")
+    output.aov_name = COVER
+    output.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
 
 
-def _shown_to_the_camera(tree: bpy.types.NodeTree, shader: bpy.types.NodeSocket) -> None:
+def _show_to_the_camera(tree: bpy.types.NodeTree, shader: bpy.types.NodeSocket) -> None:
     surface = _output(tree).inputs["Surface"]
     mix = tree.nodes.new("ShaderNodeMixShader")
     tree.links.new(tree.nodes.new("ShaderNodeLightPath").outputs["Is Camera Ray"], mix.inputs[0])

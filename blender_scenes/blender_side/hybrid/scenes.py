@@ -1,8 +1,8 @@
-"""Blender scenes beside the main one, which show parts of its picture.
+"""The Blender scenes of hybrid rendering.
 
-They share the main scene's things, so that what `place` puts in place is so in all of them. Blender keeps Cycles' data
-of one scene alone, the last rendered, and for another they are made anew. So all parts of a picture are seen in one
-scene, in which what is not to be seen is put far away; maps, which are made now and then, are seen in one each.
+They share the objects of the main scene, so that `place` moves them in all scenes. Blender keeps Cycles' data of the
+last rendered scene only and builds them again for another one. All renderings of a view therefore use one scene, in
+which objects that shall be invisible are moved far away; the maps, which are rendered rarely, have a scene each.
 """
 
 import re
@@ -15,7 +15,15 @@ import numpy as np
 from mathutils import Matrix
 
 from blender_scenes.blender_side.build import ROBOT, moving_name
-from blender_scenes.blender_side.hybrid.materials import COVER, TOLD, as_color, covering, in_grey, shining, turned
+from blender_scenes.blender_side.hybrid.materials import (
+    COVER,
+    SURFACE_DATA,
+    as_color,
+    covering,
+    in_grey,
+    shining,
+    turned,
+)
 from blender_scenes.blender_side.placing import place
 from blender_scenes.blender_side.rendering import rendered
 from blender_scenes.hybrid.tiled_map import Image, Tile
@@ -24,34 +32,34 @@ from blender_scenes.scene.typical import typical_color
 from sensors.camera.views import FrameView
 
 Passes = dict[str, Image]
-"""Name of a pass -> (H, W, 3), or (H, W, 1) of a single channel, float32, the first row at the top."""
+"""Passes by name: (H, W, 3), or (H, W, 1) for a single channel, float32, with the first row at the top."""
 
 _ABOVE_M = 0.5
 _EXR_PIXEL_BYTES = 112
 """At most seven passes of four channels, four bytes each."""
 GRID_TURN_RAD = 0.35
-"""Of the reflectance's texels, which are seen in their middle, against W. An edge along them would be off by up to half
-a texel all of its way; across them it is off to either side in turns."""
-_IN_THE_MIDDLE = 0.01
-"""Of a pixel: the least width that Cycles has for a filter."""
+"""Angle of the reflectance map's texels in W. Texels are sampled in their middle: an edge parallel to them would be
+off by up to half a texel along its whole length, while for others the errors alternate."""
+_MIN_FILTER_PX = 0.01
+"""Minimum width of Cycles' pixel filter, which samples the middle of a pixel."""
 _MIN_REFLECTANCE = 0.05
 _LINE = re.compile(r"(tape|paint)_\d+")
-"""Pieces of the line, as `line_mesh` calls them."""
+"""Names of the pieces of the line in `line_mesh`."""
 _FLOOR_PASSES = ("diffuse_color", "diffuse_direct", "diffuse_indirect")
 _LIGHT_PASSES = (*_FLOOR_PASSES, "emit", "environment")
 _SURFACE_PASSES = ("diffuse_color", "normal", "z", "emit", "environment")
 _AWAY_M = 1000.0
-"""As far as the camera sees. A floor is put as much below its place, which hides it from what is above."""
+"""Distance beyond which the camera sees nothing; a floor that is moved down by it is invisible."""
 Dresser = Callable[[bpy.types.Material], bpy.types.Material]
 
 
 def lies_on_the_floor(name: str) -> bool:
-    """Whether a mesh belongs to the floor, flat and on z = 0 for all that a camera can tell; by its name."""
+    """Return whether a mesh, by its name, belongs to the floor, which for a camera is flat and at z = 0."""
     return name == "floor" or _LINE.fullmatch(name) is not None
 
 
 class HybridScenes:
-    """Made from the scene that stands in Blender, configured by `engine.configure`."""
+    """The scenes, made from the main scene in Blender after `engine.configure`."""
 
     def __init__(self, scene: Scene, scratch: Path) -> None:
         self._main, self._scratch = bpy.context.scene, scratch
@@ -68,20 +76,20 @@ class HybridScenes:
         self._keep_floor(self._reflectance)
         numbers = {thing.data.materials[0].name: number for number, thing in enumerate(self._floor)}
         self._dress_floor(self._reflectance, lambda material: shining(material, numbers[material.name]))
-        self._reflectance.cycles.filter_width = _IN_THE_MIDDLE
-        _add_pass(self._reflectance, TOLD)
+        self._reflectance.cycles.filter_width = _MIN_FILTER_PX
+        _add_pass(self._reflectance, SURFACE_DATA)
         self._irradiance = self._scene("irradiance", _FLOOR_PASSES)
         self._hide_all_but_floor(self._irradiance)
         self._lit_floor = self._dress_floor(self._irradiance, turned)
-        # The main scene's light is cut off after the floor has taken its share, the white floor's would be before.
+        # Clamping applies to the light that the floor reflects: on the white floor it must set in at a higher value.
         self._irradiance.cycles.sample_clamp_indirect /= _reflectance_of_the_floor(scene)
         for baking in (self._reflectance, self._irradiance):
             _look_down(baking)
 
     def light(self, size: tuple[int, int], samples: int, seed: int, view: FrameView) -> tuple[Passes, Passes]:
-        """Light on a grey floor and on all else in a view: as it is, and without what moves, by the same numbers.
+        """Return the light of a view with a grey floor, with and without what moves, from the same random numbers.
 
-        `size` is width and height [px]; each pixel is the mean of its square. The first tells the floor's cover too.
+        `size` is width and height [px]; each pixel is the mean of its square. The first result has the pass `COVER`.
         """
         self._show_light()
         place(_without_what_moves(view))
@@ -90,28 +98,28 @@ class HybridScenes:
         return self._traced(self._view, size, samples, seed, view=view), without
 
     def upper_light(self, size: tuple[int, int], rows: int, samples: int, seed: int, view: FrameView) -> Passes:
-        """Light as it is in the uppermost rows of a picture of a size; call after `light` of the same view."""
+        """Return the light in the uppermost rows of an image of a size; call it after `light` of the same view."""
         self._show_light()
         return self._traced(self._view, size, samples, seed, view=view, rows=rows)
 
     def surfaces(self, size: tuple[int, int], rows: int, samples: int, seed: int, view: FrameView) -> Passes:
-        """What the surfaces in the uppermost rows reflect, the floor black and told by its cover.
+        """Return the surfaces in the uppermost rows, with a black floor that is marked by `COVER`.
 
-        Call after `light` of the same view.
+        Call it after `light` of the same view.
         """
         self._show_surfaces()
         return self._traced(self._view, size, samples, seed, view=view, rows=rows)
 
     def reflectance(self, tile: Tile) -> tuple[Image, Image]:
-        """(N, N, 3) reflectance of the floor in the middle of texels; (N, N, 3) what `part_materials.TOLD` has there.
+        """Return the floor's reflectance (N, N, 3) in the middle of texels, and `SURFACE_DATA` (N, N, 3) there.
 
-        Rows along y, columns along x of a grid that is turned by `GRID_TURN_RAD` against W.
+        Rows are along y, columns along x of a grid that is turned by `GRID_TURN_RAD` against W.
         """
         passes = self._from_above(self._reflectance, tile, 1, 0, GRID_TURN_RAD)
-        return passes["Combined"][::-1], passes[TOLD][::-1]
+        return passes["Combined"][::-1], passes[SURFACE_DATA][::-1]
 
     def irradiance(self, tile: Tile, samples: int, seed: int, facing: tuple[float, float, float]) -> Image:
-        """(N, N, 3) light on the floor without what moves, were it turned to the unit vector `facing`."""
+        """Return the light (N, N, 3) on a floor with the unit normal `facing`, without what moves."""
         for thing in self._lit_floor:
             thing.color = as_color(facing)
         passes = self._from_above(self._irradiance, tile, samples, seed)
@@ -124,26 +132,26 @@ class HybridScenes:
         cycles = made.cycles
         cycles.use_denoising = False
         cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
-        _ask_for(made, passes)
+        _set_passes(made, passes)
         return made
 
     def _show_light(self) -> None:
         cycles = self._view.cycles
         _swap(self._grey_floor, self._black_floor)
-        _ask_for(self._view, _LIGHT_PASSES)
+        _set_passes(self._view, _LIGHT_PASSES)
         cycles.max_bounces = self._main.cycles.max_bounces
         cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
 
     def _show_surfaces(self) -> None:
         cycles = self._view.cycles
         _swap(self._black_floor, self._grey_floor)
-        _ask_for(self._view, _SURFACE_PASSES)
+        _set_passes(self._view, _SURFACE_PASSES)
         cycles.max_bounces = 0
         cycles.pixel_filter_type = self._main.cycles.pixel_filter_type
         cycles.filter_width = self._main.cycles.filter_width
 
     def _dress_floor(self, scene: bpy.types.Scene, dresser: Dresser) -> list[bpy.types.Object]:
-        """Copies of the floor's things in other materials take their place in a scene."""
+        """Replace the floor's objects of a scene by copies with other materials, and return the copies."""
         for thing in self._floor:
             scene.collection.objects.unlink(thing)
         return self._add_floor(scene, dresser)
@@ -153,9 +161,9 @@ class HybridScenes:
         for thing in self._floor:
             copy = thing.copy()
             for slot in copy.material_slots:
-                own = slot.material
+                material = slot.material
                 slot.link = "OBJECT"
-                slot.material = self._once(dresser, own)
+                slot.material = self._once(dresser, material)
             scene.collection.objects.link(copy)
             made.append(copy)
         return made
@@ -199,7 +207,7 @@ class HybridScenes:
         view: FrameView | None = None,
         rows: int | None = None,
     ) -> Passes:
-        """Of a view or of what never moves; of the uppermost rows or of all."""
+        """Render the uppermost rows, or all, of a view or of what never moves."""
         render = scene.render
         render.resolution_x, render.resolution_y = size
         render.use_motion_blur = view is not None and bool(view.exposure)
@@ -207,12 +215,12 @@ class HybridScenes:
         render.use_border = render.use_crop_to_border = rows is not None
         if rows is not None:
             render.border_min_x, render.border_max_x = 0.0, 1.0
-            # Amid the last row, whatever its fraction is rounded to.
+            # Within the last row, however Blender rounds the fraction.
             render.border_min_y, render.border_max_y = 1.0 - (rows - 0.25) / size[1], 1.0
         return _by_pass(rendered(scene, _EXR_PIXEL_BYTES))
 
 
-def _ask_for(scene: bpy.types.Scene, passes: tuple[str, ...]) -> None:
+def _set_passes(scene: bpy.types.Scene, passes: tuple[str, ...]) -> None:
     layer = scene.view_layers[0]
     for name in {*_LIGHT_PASSES, *_SURFACE_PASSES}:
         setattr(layer, f"use_pass_{name}", name in passes)
@@ -225,7 +233,7 @@ def _swap(here: list[bpy.types.Object], away: list[bpy.types.Object]) -> None:
 
 
 def _without_what_moves(view: FrameView) -> FrameView:
-    """The camera as it is, robot and moving obstacles far away."""
+    """Return the view with robot and moving obstacles far away."""
     away = (_AWAY_M, _AWAY_M, 0.0)
     exposure = tuple(replace(m, robot_pose=away, moving=(away,) * len(m.moving)) for m in view.exposure)
     return replace(view, robot_pose=away, moving=(away,) * len(view.moving), exposure=exposure)
@@ -233,8 +241,8 @@ def _without_what_moves(view: FrameView) -> FrameView:
 
 def _reflectance_of_the_floor(scene: Scene) -> float:
     (floor,) = (mesh for mesh in scene.meshes if mesh.name == "floor")
-    of = {surface.name: surface for surface in scene.surfaces}
-    mean = sum(typical_color(of[floor.face_surface[0]])) / 3
+    surface = next(surface for surface in scene.surfaces if surface.name == floor.face_surface[0])
+    mean = sum(typical_color(surface)) / 3
     return min(max(mean, _MIN_REFLECTANCE), 1.0)
 
 
@@ -252,12 +260,12 @@ def _add_pass(scene: bpy.types.Scene, name: str) -> None:
 
 
 def _by_pass(channels: dict[str, np.ndarray]) -> Passes:
-    found: dict[str, dict[str, np.ndarray]] = {}
+    by_pass: dict[str, dict[str, np.ndarray]] = {}
     for name, values in channels.items():
-        *_, of, component = name.split(".")
-        found.setdefault(of, {})[component] = values
+        *_, pass_name, component = name.split(".")
+        by_pass.setdefault(pass_name, {})[component] = values
     stacked = {}
-    for of, parts in found.items():
-        order = next((o for o in ("RGB", "XYZ") if o[0] in parts), "".join(parts))
-        stacked[of] = np.stack([parts[c] for c in order], axis=-1).astype(np.float32)
+    for pass_name, components in by_pass.items():
+        order = next((o for o in ("RGB", "XYZ") if o[0] in components), "".join(components))
+        stacked[pass_name] = np.stack([components[c] for c in order], axis=-1).astype(np.float32)
     return stacked

@@ -1,4 +1,4 @@
-"""Furniture, one file each: a function from numbers to a piece, and one that draws the numbers."""
+"""Furniture, one file for each kind: a function that makes a piece from numbers, and one that draws the numbers."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,17 +21,17 @@ from blender_scenes.rooms.furniture.waste_bin import drawn_waste_bin
 
 @dataclass(frozen=True)
 class FurnitureKind:
-    """What stands on the floor, and where people put it."""
+    """A kind of furniture that stands on the floor, and where people put it; shares are 0 to 1."""
 
     name: str
-    """Its meshes are called `name_0`, `name_1` ..."""
+    """Name of the kind; its meshes are called `name_0`, `name_1` ..."""
     draw: Callable[[str, np.random.Generator], Piece]
     at_a_wall: float = 0.0
     """Share of the pieces that stand with their back to a wall."""
     at_a_table: float = 0.0
-    """Share that stand before one of the tables."""
+    """Share of the pieces that stand before a table."""
     near_the_arena: float = 0.0
-    """Share that somebody put down just outside the robot's ground; the rest is anywhere."""
+    """Share of the pieces just outside the arena's clearance; the remaining ones stand anywhere."""
 
 
 STANDING: dict[str, FurnitureKind] = {
@@ -47,4 +47,4 @@ STANDING: dict[str, FurnitureKind] = {
     "bottles": FurnitureKind("bottle", drawn_bottle, near_the_arena=0.7),
     "sheets": FurnitureKind("sheets", drawn_sheets, near_the_arena=0.7),
 }
-"""By the field of `FurnitureLook` that counts them, in the order in which they find their places."""
+"""Kinds by the field of `FurnitureLook` that counts them, in the order in which they are placed."""

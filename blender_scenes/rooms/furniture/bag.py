@@ -20,11 +20,11 @@ class Bag:
     pocket: Paint
 
 
-def bag(name: str, own: Bag) -> Piece:
-    """A full body, a pocket in front, a handle, and two straps that trail behind it."""
-    width, depth, height = own.size_m
+def bag(name: str, spec: Bag) -> Piece:
+    """Return a full bag with a pocket in front, a handle, and two straps that lie behind it."""
+    width, depth, height = spec.size_m
     parts = [
-        cushion("body", (0, 0, 0.5 * height), own.size_m, f"{name}_cloth"),
+        cushion("body", (0, 0, 0.5 * height), spec.size_m, f"{name}_cloth"),
         cushion("pocket", (0, -0.42 * depth, 0.3 * height), (0.8 * width, 0.5 * depth, 0.5 * height), f"{name}_pocket"),
         pipe("handle", _arch(0.0, 0.04, 0.95 * height, 0.05), 0.008, f"{name}_pocket"),
     ]
@@ -34,8 +34,8 @@ def bag(name: str, own: Bag) -> Piece:
         z = 0.85 * height * (1 - hang) + 1.4 * _STRAP_M  # its last ring leans
         path = [(side, float(a), float(b)) for a, b in zip(y, z, strict=True)]
         parts.append(pipe("strap", path, _STRAP_M, f"{name}_pocket"))
-    surfaces = painted(f"{name}_cloth", own.cloth, 0.85), painted(f"{name}_pocket", own.pocket, 0.8)
-    return Piece(joined(name, parts), surfaces, own)
+    surfaces = painted(f"{name}_cloth", spec.cloth, 0.85), painted(f"{name}_pocket", spec.pocket, 0.8)
+    return Piece(joined(name, parts), surfaces, spec)
 
 
 def _arch(x: float, half: float, foot: float, rise: float) -> list[tuple[float, float, float]]:

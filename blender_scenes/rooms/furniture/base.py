@@ -1,8 +1,8 @@
-"""What every piece of furniture is: one mesh in a frame of its own, its surfaces, and the ground that it takes.
+"""A piece of furniture: one mesh in its own frame, with its surfaces and its size.
 
-Each member of the family has numbers that describe a piece, a function from them to the piece, and one that draws them.
-The frame: origin on the floor below the middle, z up, x along the width, the back towards +y. What hangs on a wall has
-the wall's face as y = 0 and comes into the room towards -y.
+Each kind has a dataclass of numbers that describe a piece, a function that makes the piece from them, and a function
+that draws them. The frame: origin on the floor below the middle, z up, x along the width, the back towards +y. A piece
+on a wall has the wall's face at y = 0 and the room at -y.
 """
 
 from collections.abc import Sequence
@@ -23,20 +23,20 @@ class Piece:
     mesh: Mesh
     surfaces: tuple[Surface, ...]
     numbers: object
-    """What it was made from: a frozen dataclass of its kind, such as `Table`."""
+    """Frozen dataclass from which it was made, such as `WorkTable`."""
     top_m: float | None = None
-    """Height of a top that things may stand on."""
+    """Height of a top on which things may stand."""
 
     @cached_property
     def size_m(self) -> tuple[float, float]:
-        """Extent along x and y of the ground that it takes, its origin in the middle."""
+        """Size of the footprint along x and y, with the origin in its middle."""
         vertices = np.abs(np.array(self.mesh.vertices)[:, :2])
         width, depth = 2 * vertices.max(axis=0)
         return float(width), float(depth)
 
     @cached_property
     def height_m(self) -> tuple[float, float]:
-        """Lowest and highest point."""
+        """Heights of the lowest and the highest point."""
         heights = [vertex[2] for vertex in self.mesh.vertices]
         return min(heights), max(heights)
 

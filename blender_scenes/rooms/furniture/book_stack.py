@@ -17,22 +17,22 @@ _COVER_M = 0.002
 @dataclass(frozen=True)
 class Book:
     size_m: tuple[float, float, float]
-    """Width, height of the page, thickness."""
+    """Width, height of the page, and thickness."""
     pose: tuple[float, float, float]
-    """In the stack."""
+    """Pose in the frame of the stack: x [m], y [m], yaw [rad]."""
     cover: Paint
 
 
 @dataclass(frozen=True)
 class BookStack:
     books: tuple[Book, ...]
-    """The lowest first."""
+    """Books from the lowest to the highest."""
 
 
-def book_stack(name: str, own: BookStack) -> Piece:
-    """Each a block of pages between two covers with a spine."""
+def book_stack(name: str, spec: BookStack) -> Piece:
+    """Return books, each a block of pages between two covers with a spine."""
     parts, z = [], 0.0
-    for i, book in enumerate(own.books):
+    for i, book in enumerate(spec.books):
         (w, d, t), cover = book.size_m, f"{name}_cover_{i}"
         one = [
             block("pages", (0.002, 0, z + 0.5 * t), (w - 0.008, d - 0.006, t - 2 * _COVER_M), f"{name}_pages"),
@@ -42,8 +42,8 @@ def book_stack(name: str, own: BookStack) -> Piece:
         parts += [stood(mesh, book.pose) for mesh in one]
         z += t
     surfaces = [moulded(f"{name}_pages", (0.72, 0.69, 0.6), 0.9)]
-    surfaces += [painted(f"{name}_cover_{i}", book.cover, 0.35) for i, book in enumerate(own.books)]
-    return Piece(joined(name, parts), tuple(surfaces), own)
+    surfaces += [painted(f"{name}_cover_{i}", book.cover, 0.35) for i, book in enumerate(spec.books)]
+    return Piece(joined(name, parts), tuple(surfaces), spec)
 
 
 def drawn_book_stack(name: str, rng: np.random.Generator) -> Piece:

@@ -15,21 +15,21 @@ from configs.schema.paint import Paint
 class Bottle:
     radius_m: float
     height_m: float
-    """With the cap."""
+    """Height with the cap."""
     body: Paint
     cap: Paint
 
 
-def bottle(name: str, own: Bottle) -> Piece:
-    """Body, shoulder and a screw cap."""
-    r, shoulder = own.radius_m, own.height_m - 0.06
+def bottle(name: str, spec: Bottle) -> Piece:
+    """Return a bottle of body, shoulder and screw cap."""
+    r, shoulder = spec.radius_m, spec.height_m - 0.06
     body = [(0.9 * r, 0.0), (r, 0.006), (r, shoulder), (0.8 * r, shoulder + 0.018), (0.45 * r, shoulder + 0.028)]
-    cap = [(0.5 * r, shoulder + 0.028), (0.5 * r, own.height_m - 0.003), (0.4 * r, own.height_m)]
+    cap = [(0.5 * r, shoulder + 0.028), (0.5 * r, spec.height_m - 0.003), (0.4 * r, spec.height_m)]
     parts = [lathe("body", body, f"{name}_body"), lathe("cap", cap, f"{name}_cap")]
-    surfaces = painted(f"{name}_body", own.body, 0.2), painted(f"{name}_cap", own.cap, 0.4)
-    return Piece(joined(name, parts), surfaces, own)
+    surfaces = painted(f"{name}_body", spec.body, 0.2), painted(f"{name}_cap", spec.cap, 0.4)
+    return Piece(joined(name, parts), surfaces, spec)
 
 
 def drawn_bottle(name: str, rng: np.random.Generator) -> Piece:
-    own = Bottle(between(rng, 0.03, 0.042), between(rng, 0.18, 0.3), palette.print_color(rng), palette.cloth(rng))
-    return bottle(name, own)
+    spec = Bottle(between(rng, 0.03, 0.042), between(rng, 0.18, 0.3), palette.print_color(rng), palette.cloth(rng))
+    return bottle(name, spec)

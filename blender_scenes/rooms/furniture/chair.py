@@ -21,22 +21,22 @@ class Chair:
     depth_m: float
     seat_height_m: float
     back_height_m: float
-    """Of its upper edge above the floor."""
+    """Height of the back's upper edge above the floor."""
     leg_radius_m: float
     splay_m: float
-    """How much further out a leg stands at the floor than at the seat."""
+    """Distance outwards from the top of a leg to its foot."""
     seat: Paint
     frame: Paint
 
 
-def chair(name: str, own: Chair) -> Piece:
-    """Round splayed legs with rubber feet, a rail on each side, seat and back rest."""
-    half_w, half_d, seat, radius = 0.5 * own.width_m, 0.5 * own.depth_m, own.seat_height_m, own.leg_radius_m
-    inner = np.array([half_w - own.splay_m - radius, half_d - own.splay_m - radius])
+def chair(name: str, spec: Chair) -> Piece:
+    """Return a chair with round splayed legs on rubber feet, a rail on each side, seat and back rest."""
+    half_w, half_d, seat, radius = 0.5 * spec.width_m, 0.5 * spec.depth_m, spec.seat_height_m, spec.leg_radius_m
+    inner = np.array([half_w - spec.splay_m - radius, half_d - spec.splay_m - radius])
     parts = []
     for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1)):
         sign = np.array([sx, sy])
-        head, foot = sign * inner, sign * (inner + own.splay_m)
+        head, foot = sign * inner, sign * (inner + spec.splay_m)
         fx, fy = float(foot[0]), float(foot[1])
         shoe = 1.25 * radius
         parts.append(rod("foot", ((fx, fy, 0.0), (fx, fy, _FOOT_M)), (shoe, shoe), f"{name}_feet"))
@@ -47,25 +47,25 @@ def chair(name: str, own: Chair) -> Piece:
         parts.append(
             rod("rail", ((side, -y, seat - 0.015), (side, y, seat - 0.015)), (radius, radius), f"{name}_frame")
         )
-        post = (side, y, seat), (side, y + 0.5 * own.splay_m, own.back_height_m - 0.02)
+        post = (side, y, seat), (side, y + 0.5 * spec.splay_m, spec.back_height_m - 0.02)
         parts.append(rod("post", post, (radius, radius), f"{name}_frame"))
     parts.append(
         block("seat", (0, 0, seat + 0.5 * _SEAT_M), (2 * half_w - 0.02, 2 * half_d - 0.02, _SEAT_M), f"{name}_seat")
     )
-    rest = 0.45 * (own.back_height_m - seat)
-    back = (0, y - radius - 0.006, own.back_height_m - 0.5 * rest)
+    rest = 0.45 * (spec.back_height_m - seat)
+    back = (0, y - radius - 0.006, spec.back_height_m - 0.5 * rest)
     parts.append(block("back", back, (2 * half_w - 0.02, 0.012, rest), f"{name}_seat"))
     surfaces = (
-        painted(f"{name}_seat", own.seat, 0.4),
-        painted(f"{name}_frame", own.frame, 0.3),
+        painted(f"{name}_seat", spec.seat, 0.4),
+        painted(f"{name}_frame", spec.frame, 0.3),
         moulded(f"{name}_feet", (0.025, 0.025, 0.025), 0.7),
     )
-    return Piece(joined(name, parts), surfaces, own)
+    return Piece(joined(name, parts), surfaces, spec)
 
 
 def drawn_chair(name: str, rng: np.random.Generator) -> Piece:
     seat = between(rng, 0.42, 0.46)
-    own = Chair(
+    spec = Chair(
         width_m=between(rng, 0.38, 0.46),
         depth_m=between(rng, 0.38, 0.46),
         seat_height_m=seat,
@@ -75,4 +75,4 @@ def drawn_chair(name: str, rng: np.random.Generator) -> Piece:
         seat=palette.board(rng) if rng.uniform() < 0.5 else palette.cloth(rng),
         frame=palette.frame(rng),
     )
-    return chair(name, own)
+    return chair(name, spec)

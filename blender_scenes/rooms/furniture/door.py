@@ -1,4 +1,4 @@
-"""A door in its frame, shut."""
+"""A closed door in its frame."""
 
 from dataclasses import dataclass
 
@@ -13,21 +13,21 @@ from configs.schema.paint import Paint
 
 _FRAME_M = 0.07
 _PROUD_M = 0.03
-"""Frame before the wall; it covers the skirting."""
+"""Depth of the frame in front of the wall; it covers the skirting."""
 
 
 @dataclass(frozen=True)
 class Door:
     width_m: float
-    """Of the leaf."""
+    """Width of the leaf."""
     height_m: float
     leaf: Paint
     frame: Paint
 
 
-def door(name: str, own: Door) -> Piece:
-    """Leaf, frame, threshold gap and handle."""
-    width, height = own.width_m, own.height_m
+def door(name: str, spec: Door) -> Piece:
+    """Return leaf, frame and handle, with a gap above the threshold."""
+    width, height = spec.width_m, spec.height_m
     parts = [block("leaf", (0, -0.01, 0.5 * height + 0.004), (width, 0.02, height - 0.008), f"{name}_leaf")]
     for sign in (-1, 1):
         at = (sign * 0.5 * (width + _FRAME_M), -0.5 * _PROUD_M, 0.5 * (height + _FRAME_M))
@@ -39,11 +39,11 @@ def door(name: str, own: Door) -> Piece:
     parts.append(rod("neck", ((x, -0.02, 1.05), (x, -0.065, 1.05)), (0.009, 0.009), f"{name}_handle"))
     parts.append(rod("handle", ((x + 0.01, -0.065, 1.05), (x - 0.12, -0.065, 1.05)), (0.01, 0.009), f"{name}_handle"))
     surfaces = (
-        painted(f"{name}_leaf", own.leaf, 0.4),
-        painted(f"{name}_frame", own.frame, 0.4),
+        painted(f"{name}_leaf", spec.leaf, 0.4),
+        painted(f"{name}_frame", spec.frame, 0.4),
         bare_metal(f"{name}_handle", (0.6, 0.6, 0.6), 0.3),
     )
-    return Piece(joined(name, parts), surfaces, own)
+    return Piece(joined(name, parts), surfaces, spec)
 
 
 def drawn_door(name: str, rng: np.random.Generator) -> Piece:

@@ -13,7 +13,7 @@ from configs.schema.paint import Paint
 
 _CASTOR_M = 0.025
 _HUB_M = 0.09
-"""Height at which the arms leave the column."""
+"""Height of the upper end of the star's arms."""
 
 
 @dataclass(frozen=True)
@@ -22,23 +22,23 @@ class OfficeChair:
     seat_height_m: float
     seat_width_m: float
     turn_rad: float
-    """Of the star against the seat."""
+    """Angle of the star relative to the seat."""
     cover: Paint
 
 
-def office_chair(name: str, own: OfficeChair) -> Piece:
-    """Star of five arms, twin castors, gas spring, padded seat and back."""
+def office_chair(name: str, spec: OfficeChair) -> Piece:
+    """Return a star of five arms with twin castors, a gas spring, padded seat and back."""
     parts = []
-    reach = own.base_radius_m - 1.4 * _CASTOR_M
+    reach = spec.base_radius_m - 1.4 * _CASTOR_M
     for arm in range(5):
-        angle = own.turn_rad + 2 * np.pi * arm / 5
+        angle = spec.turn_rad + 2 * np.pi * arm / 5
         tip = (reach, 0.0, 2 * _CASTOR_M + 0.012)
         pose = (0.0, 0.0, float(angle))
         parts.append(stood(rod("arm", ((0.0, 0.0, _HUB_M), tip), (0.024, 0.014), f"{name}_base"), pose))
         for side in (-0.013, 0.013):
             castor = wheel("castor", (reach, side, _CASTOR_M), _CASTOR_M, 0.018, f"{name}_castors")
             parts.append(stood(castor, pose))
-    seat, width = own.seat_height_m, own.seat_width_m
+    seat, width = spec.seat_height_m, spec.seat_width_m
     parts.append(rod("column", ((0, 0, _HUB_M - 0.02), (0, 0, seat - 0.08)), (0.03, 0.025), f"{name}_spring"))
     parts.append(cushion("seat", (0, 0, seat - 0.04), (width, width, 0.1), f"{name}_cover"))
     parts.append(
@@ -49,17 +49,17 @@ def office_chair(name: str, own: OfficeChair) -> Piece:
         moulded(f"{name}_base", (0.03, 0.03, 0.03), 0.4),
         moulded(f"{name}_castors", (0.02, 0.02, 0.02), 0.35),
         bare_metal(f"{name}_spring", (0.5, 0.5, 0.5), 0.25),
-        painted(f"{name}_cover", own.cover, 0.9),
+        painted(f"{name}_cover", spec.cover, 0.9),
     )
-    return Piece(joined(name, parts), surfaces, own)
+    return Piece(joined(name, parts), surfaces, spec)
 
 
 def drawn_office_chair(name: str, rng: np.random.Generator) -> Piece:
-    own = OfficeChair(
+    spec = OfficeChair(
         base_radius_m=between(rng, 0.27, 0.33),
         seat_height_m=between(rng, 0.44, 0.54),
         seat_width_m=between(rng, 0.44, 0.5),
         turn_rad=between(rng, 0.0, 2 * np.pi / 5),
         cover=palette.cloth(rng),
     )
-    return office_chair(name, own)
+    return office_chair(name, spec)

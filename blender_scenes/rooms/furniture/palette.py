@@ -1,4 +1,4 @@
-"""Colours that furniture comes in, as reflectance, hue [deg] and saturation."""
+"""Colours of furniture, as reflectance, hue [deg] and saturation."""
 
 import numpy as np
 
@@ -12,27 +12,27 @@ _HUES = (5.0, 15.0, 28.0, 45.0, 95.0, 150.0, 190.0, 208.0, 218.0, 228.0, 345.0)
 
 
 def board(rng: np.random.Generator) -> Paint:
-    """Veneered or laminated board."""
+    """Draw the colour of veneered or laminated board."""
     return _of(one_of(rng, _BOARDS))
 
 
 def frame(rng: np.random.Generator) -> Paint:
-    """Powder-coated steel."""
+    """Draw the colour of powder-coated steel."""
     return _of(one_of(rng, _FRAMES))
 
 
 def cloth(rng: np.random.Generator) -> Paint:
-    """What people carry and sit on: dark more often than bright."""
+    """Draw the colour of bags and seats, which are dark more often than bright."""
     return _dyed(rng, float(np.exp(between(rng, np.log(0.03), np.log(0.35)))))
 
 
 def print_color(rng: np.random.Generator) -> Paint:
-    """Printed covers and pictures."""
+    """Draw the colour of printed covers and posters."""
     return _dyed(rng, between(rng, 0.06, 0.55))
 
 
 def _dyed(rng: np.random.Generator, reflectance: float) -> Paint:
-    """The lighter a dye, the paler: no pigment returns half of all light in one colour."""
+    """Draw a dyed colour; a light one is pale, because no pigment reflects half of all light in one colour."""
     hue, strength = one_of(rng, _HUES), between(rng, 0.1, 0.9)
     return Paint(reflectance=reflectance, hue_deg=hue, saturation=strength * (1.0 - 1.2 * reflectance))
 

@@ -16,7 +16,7 @@ _FORMATS_M = ((0.42, 0.594), (0.594, 0.841), (0.841, 0.594))
 
 @dataclass(frozen=True)
 class Field:
-    """A printed rectangle, as shares of the poster."""
+    """A printed rectangle in shares of the poster's size."""
 
     center: tuple[float, float]
     size: tuple[float, float]
@@ -27,21 +27,21 @@ class Field:
 class Poster:
     size_m: tuple[float, float]
     sill_m: float
-    """Height of its lower edge."""
+    """Height of its lower edge above the floor."""
     fields: tuple[Field, ...]
 
 
-def poster(name: str, own: Poster) -> Piece:
-    """Paper with coloured fields, each a hair above the one before."""
-    width, height = own.size_m
-    parts = [block("paper", (0, -0.0005, own.sill_m + 0.5 * height), (width, 0.001, height), f"{name}_paper")]
-    for i, field in enumerate(own.fields):
-        at = field.center[0] * width, -0.0012 - 0.0004 * i, own.sill_m + (0.5 + field.center[1]) * height
+def poster(name: str, spec: Poster) -> Piece:
+    """Return paper with coloured fields, each 0.4 mm above the one before."""
+    width, height = spec.size_m
+    parts = [block("paper", (0, -0.0005, spec.sill_m + 0.5 * height), (width, 0.001, height), f"{name}_paper")]
+    for i, field in enumerate(spec.fields):
+        at = field.center[0] * width, -0.0012 - 0.0004 * i, spec.sill_m + (0.5 + field.center[1]) * height
         size = field.size[0] * width, 0.0004, field.size[1] * height
         parts.append(block("field", at, size, f"{name}_field_{i}"))
     surfaces = [moulded(f"{name}_paper", (0.78, 0.77, 0.74), 0.5)]
-    surfaces += [painted(f"{name}_field_{i}", field.paint, 0.45) for i, field in enumerate(own.fields)]
-    return Piece(joined(name, parts), tuple(surfaces), own)
+    surfaces += [painted(f"{name}_field_{i}", field.paint, 0.45) for i, field in enumerate(spec.fields)]
+    return Piece(joined(name, parts), tuple(surfaces), spec)
 
 
 def drawn_poster(name: str, rng: np.random.Generator) -> Piece:

@@ -12,22 +12,22 @@ from configs.schema.paint import Paint
 
 _A4_M = (0.210, 0.297)
 _THICKNESS_M = 0.0004
-"""Of a sheet with the air below it."""
+"""Thickness of a sheet with the air below it."""
 
 
 @dataclass(frozen=True)
 class Sheets:
     poses: tuple[tuple[float, float, float], ...]
-    """Of each sheet in the heap, the lowest first."""
+    """Poses of the sheets, x [m], y [m], yaw [rad], from the lowest to the highest."""
     paper: Paint
 
 
-def sheets(name: str, own: Sheets) -> Piece:
+def sheets(name: str, spec: Sheets) -> Piece:
     parts = []
-    for i, pose in enumerate(own.poses):
+    for i, pose in enumerate(spec.poses):
         sheet = block("sheet", (0, 0, 0.5 * _THICKNESS_M), (*_A4_M, _THICKNESS_M), f"{name}_paper")
         parts.append(moved(stood(sheet, pose), (0, 0, i * _THICKNESS_M)))
-    return Piece(joined(name, parts), (painted(f"{name}_paper", own.paper, 0.8),), own)
+    return Piece(joined(name, parts), (painted(f"{name}_paper", spec.paper, 0.8),), spec)
 
 
 def drawn_sheets(name: str, rng: np.random.Generator) -> Piece:

@@ -19,20 +19,20 @@ _CAP_M = 0.022
 @dataclass(frozen=True)
 class WorkTable:
     size_m: tuple[float, float, float]
-    """Length, depth, height."""
+    """Length, depth and height."""
     leg_m: float
     inset_m: float
-    """Of the legs from the edge of the top."""
+    """Distance of the legs from the edge of the top."""
     top: Paint
     legs: Paint
     gloss: float
     """Roughness of the top."""
 
 
-def table(name: str, own: WorkTable) -> Piece:
-    """Top, rails below it, and square legs in black caps."""
-    (length, depth, height), leg = own.size_m, own.leg_m
-    x, y = 0.5 * length - own.inset_m - 0.5 * leg, 0.5 * depth - own.inset_m - 0.5 * leg
+def table(name: str, spec: WorkTable) -> Piece:
+    """Return a top with rails below it and square legs in black caps."""
+    (length, depth, height), leg = spec.size_m, spec.leg_m
+    x, y = 0.5 * length - spec.inset_m - 0.5 * leg, 0.5 * depth - spec.inset_m - 0.5 * leg
     under = height - _TOP_M
     parts = [block("top", (0, 0, height - 0.5 * _TOP_M), (length, depth, _TOP_M), f"{name}_top")]
     for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1)):
@@ -44,16 +44,16 @@ def table(name: str, own: WorkTable) -> Piece:
         parts.append(block("rail", (0, sign * y, rail_z), (2 * x - leg, thick, _RAIL_M), f"{name}_legs"))
         parts.append(block("rail", (sign * x, 0, rail_z), (thick, 2 * y - leg, _RAIL_M), f"{name}_legs"))
     surfaces = (
-        painted(f"{name}_top", own.top, own.gloss),
-        painted(f"{name}_legs", own.legs, 0.35),
+        painted(f"{name}_top", spec.top, spec.gloss),
+        painted(f"{name}_legs", spec.legs, 0.35),
         moulded(f"{name}_caps", (0.02, 0.02, 0.02), 0.5),
     )
-    return Piece(joined(name, parts), surfaces, own, top_m=height)
+    return Piece(joined(name, parts), surfaces, spec, top_m=height)
 
 
 def drawn_table(name: str, rng: np.random.Generator) -> Piece:
     size = one_of(rng, (0.7, 1.2, 1.3, 1.4, 1.6)), between(rng, 0.5, 0.7), between(rng, 0.70, 0.76)
-    own = WorkTable(
+    spec = WorkTable(
         size_m=size,
         leg_m=between(rng, 0.028, 0.06),
         inset_m=between(rng, 0.01, 0.08),
@@ -61,4 +61,4 @@ def drawn_table(name: str, rng: np.random.Generator) -> Piece:
         legs=palette.frame(rng),
         gloss=between(rng, 0.25, 0.5),
     )
-    return table(name, own)
+    return table(name, spec)

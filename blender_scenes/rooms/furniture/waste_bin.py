@@ -21,13 +21,13 @@ class WasteBin:
     paint: Paint
 
 
-def waste_bin(name: str, own: WasteBin) -> Piece:
-    """An open cone with a rolled rim."""
-    foot, rim, height = own.foot_radius_m, own.rim_radius_m, own.height_m
+def waste_bin(name: str, spec: WasteBin) -> Piece:
+    """Return an open cone with a rolled rim."""
+    foot, rim, height = spec.foot_radius_m, spec.rim_radius_m, spec.height_m
     outside = [(foot, 0.0), (rim, height - 0.01), (rim + 0.005, height - 0.008), (rim + 0.005, height)]
     inside = [(rim - _WALL_M, height), (foot - _WALL_M, 0.004)]
-    surfaces = (painted(f"{name}_wall", own.paint, 0.4),)
-    return Piece(lathe(name, [*outside, *inside], f"{name}_wall"), surfaces, own)
+    surfaces = (painted(f"{name}_wall", spec.paint, 0.4),)
+    return Piece(lathe(name, [*outside, *inside], f"{name}_wall"), surfaces, spec)
 
 
 def drawn_waste_bin(name: str, rng: np.random.Generator) -> Piece:

@@ -14,7 +14,7 @@ from blender_scenes.annotations.flow import flow
 from blender_scenes.annotations.instances import instances
 from blender_scenes.annotations.job import build_annotation_job
 from blender_scenes.annotations.normals import normals
-from blender_scenes.annotations.record import Record, record
+from blender_scenes.annotations.record import FrameRecord, record
 from blender_scenes.annotations.seen import Passes, VisibleScene
 from blender_scenes.annotations.sight import hidden, triangles
 from blender_scenes.annotations.silhouette import reaches_beyond, silhouette
@@ -110,7 +110,7 @@ def test_what_is_hidden_altogether_has_a_box_around_all_of_it_and_none_around_wh
 
 def test_a_record_is_read_back_as_it_was(job):
     one = record(seen(job))
-    assert Record.from_json(one.to_json()) == one
+    assert FrameRecord.from_json(one.to_json()) == one
 
 
 def test_the_box_in_space_stands_where_the_arena_has_it(job):
