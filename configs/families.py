@@ -14,7 +14,7 @@ from functools import cache, cached_property
 from hashlib import sha256
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
-from types import MappingProxyType, ModuleType
+from types import GenericAlias, MappingProxyType, ModuleType
 from typing import Any, ClassVar, Generic, Protocol, TypeVar
 
 from pydantic import Field, create_model
@@ -129,7 +129,10 @@ class Family(Generic[Member]):
         classes = [
             thing
             for thing in vars(module).values()
-            if isinstance(thing, type) and issubclass(thing, self.base) and thing.__module__ == module.__name__
+            if isinstance(thing, type)
+            and not isinstance(thing, GenericAlias)  # which Python 3.10 counts as a class
+            and issubclass(thing, self.base)
+            and thing.__module__ == module.__name__
         ]
         where = str(module.__file__)
         if len(classes) != 1:

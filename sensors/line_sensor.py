@@ -3,7 +3,6 @@
 from math import cos, sin
 
 import numpy as np
-from scipy.special import ndtr
 
 from configs.schema.robot import LineSensor, RobotConfig
 from sensors.base import Sampling, Sensor, World
@@ -65,6 +64,8 @@ def tape_share(line: Line, points: Array, spot_sd_m: float) -> Array:
     Exact on straight pieces; on an arc the edge is taken as straight across the spot, which is true to
     spot / radius (about 1 % at 25 cm). Pieces that touch end to end add up to an unbroken tape.
     """
+    from scipy.special import ndtr  # noqa: PLC0415 - the settings of this sensor are read without scipy
+
     if spot_sd_m <= 0:
         return line.covers(points).astype(float)
     share = np.zeros(len(points))
