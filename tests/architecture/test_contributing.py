@@ -122,9 +122,9 @@ def test_a_material_is_described_previewed_and_rendered(walk):
     material.type_commands("--width-px", "32")
     assert (material.folder / "felt.jpg").stat().st_size > 0
     program = (
-        "from blender_scenes.materials import FLOORS; from blender_scenes.materials.base import Patch;"
+        "from blender_scenes.materials import FLOORS; from blender_scenes.materials.base import SurfacePatch;"
         "from blender_scenes.scene.typical import typical_color; from configs.schema.floors import FloorLook;"
-        "print(typical_color(FLOORS['felt'](FloorLook(), Patch('floor', (1.0, 1.0), 1))))"
+        "print(typical_color(FLOORS['felt'](FloorLook(), SurfacePatch('floor', (1.0, 1.0), 1))))"
     )
     done = subprocess.run(
         [sys.executable, "-P", "-c", program],

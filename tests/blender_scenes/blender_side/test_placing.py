@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from blender_scenes.blender_side import build
 from blender_scenes.blender_side.placing import place
-from blender_scenes.scene.description import FrameView, Moment
+from sensors.camera.views import FrameView, Moment
 build.start()
 for name in (build.CAMERA, build.ROBOT):
     build._place(name, None)
