@@ -215,7 +215,7 @@ def test_a_misspelt_table_names_the_nearest(tmp_path, monkeypatch):
 
 
 def test_an_importer_that_is_not_there_names_the_nearest(tmp_path):
-    assert re.search("--as: got 'optiodm'.*did you mean optiodom", refusal(tmp_path, "optiodm"))
+    assert re.search("--importer: got 'optiodm'.*did you mean optiodom", refusal(tmp_path, "optiodm"))
 
 
 def test_the_overview_of_a_session_tells_rate_gaps_and_channels(session):

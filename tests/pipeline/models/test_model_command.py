@@ -24,7 +24,7 @@ def test_a_robot_that_its_camera_sees_has_all_its_parts_and_is_hidden_no_longer(
 def test_what_moves_in_a_run_is_said_to_stand_still(tmp_path, capsys):
     out = tmp_path / "model"
     assert main(["model", "moving", "--out", str(out), "--format", "urdf"]) == 0
-    assert "where they are at t = 0: Crosser, Patrol\n" in capsys.readouterr().out
+    assert "the files show them at t = 0: Crosser, Patrol\n" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
