@@ -1,7 +1,7 @@
 """VL53L0X time-of-flight sensors: rays over the cone, weighted mean, error, noise (paper sections 5.2 and 6).
 
-One update of the three sensors is one batch of rays. A ray counts by the beam's profile at its angle times the cosine
-of its incidence (Lambert); rays that meet nothing return nothing. Where too little light returns there is no target.
+One update of the three sensors is one batch of rays. The weight of a ray is the beam profile at its angle times the
+cosine of incidence (Lambert). A ray that hits nothing has weight 0. If too little light returns, there is no target.
 """
 
 from math import cos, sin
@@ -177,7 +177,9 @@ def ray_directions(mount: TofMount, angle: Array, roll: Array, extra_yaw_rad: fl
 
 
 def noise_sd_m(surface_sd_m: Array, range_m: Array) -> Array:
-    """Standard deviation of a reading [m]: the surface's own at short range, and beyond it what Eq. 23 adds.
+    """Return the standard deviation of a reading [m].
+
+    At short range it is that of the surface; farther away, the growth of Eq. 23 is added.
 
     Tables 3 and 4 give each surface another deviation at 100 mm than Eq. 23's 1.41 mm. Both hold when variances add:
     a surface of 1.41 mm follows Eq. 23 to the letter, and every other one comes to it as the distance grows. The

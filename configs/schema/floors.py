@@ -26,8 +26,11 @@ class Linoleum(Section):
 class CeramicTile(Section):
     paint: Paint = Paint(reflectance=0.6, hue_deg=35, saturation=0.08)
     joint: Paint = Paint(reflectance=0.3, hue_deg=35, saturation=0.1)
+    """Colour of the grout in the joints."""
     size_m: float = Field(default=0.33, ge=0.02, le=2)
+    """Side of a square tile [m], from the middle of one joint to that of the next."""
     joint_width_m: float = Field(default=0.004, ge=0.0005, le=0.03)
+    """Width of the joints between tiles [m]."""
     variation: float = Field(default=0.06, ge=0, le=1)
     """Spread of reflectance from tile to tile and within one."""
     roughness: float = Field(default=0.25, ge=0.05, le=1)
@@ -38,6 +41,7 @@ class Parquet(Section):
     plank_length_m: float = Field(default=0.5, ge=0.05, le=5)
     plank_width_m: float = Field(default=0.07, ge=0.01, le=1)
     gap_m: float = Field(default=0.0005, ge=0, le=0.01)
+    """Width of the gaps between planks [m]."""
     variation: float = Field(default=0.35, ge=0, le=1)
     """Spread of reflectance from plank to plank."""
     roughness: float = Field(default=0.35, ge=0.05, le=1)
@@ -70,6 +74,7 @@ class PlywoodFloor(Section):
     sheet_length_m: float = Field(default=2.44, ge=0.2, le=10)
     sheet_width_m: float = Field(default=1.22, ge=0.2, le=10)
     seam_m: float = Field(default=0.001, ge=0, le=0.01)
+    """Width of the open seams between sheets [m]."""
     variation: float = Field(default=0.15, ge=0, le=1)
     """Spread of reflectance over the grain and from sheet to sheet."""
     roughness: float = Field(default=0.55, ge=0.05, le=1)

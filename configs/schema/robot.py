@@ -94,7 +94,9 @@ class LineSensor(Section):
     gain_sd: float = Field(ge=0, le=0.5)
     """Standard deviation of the channels' gains, drawn once per run."""
     offset_sd: float = Field(ge=0, le=0.5)
+    """Standard deviation of the channels' offsets, drawn once per run; 1 is full scale."""
     noise_sd: float = Field(ge=0, le=0.5)
+    """Standard deviation of the noise of each reading; 1 is full scale."""
     adc_bits: int = Field(ge=1, le=16)
     threshold: float = Field(gt=0, lt=1)
     """Reading below which a channel is on the line."""
@@ -134,7 +136,9 @@ class TofSensor(Section):
     error_scale: float = Field(ge=-2, le=2)
     """Factor on Eq. 24 in the form 59.77 mm ln(x / 0.18 m)."""
     noise_scale: float = Field(ge=0, le=10)
+    """Factor on the standard deviation of the noise (Eq. 23, and per surface Tables 3 and 4); 0 for no noise."""
     quantisation_m: float = Field(ge=0, le=0.1)
+    """Step of the readings [m]; 0 for none."""
     temperature_C: float = Field(default=25.0, ge=-40, le=125)
     """Temperature of the device; used only with the effect `temperature_drift`."""
     reference_temperature_C: float = Field(default=25.0, ge=-40, le=125)

@@ -48,7 +48,7 @@ def _file_name(image: Image) -> str:
 
 
 def _about_bytes(data: Dataset) -> int:
-    """Were all images of a run like its first."""
+    """Return the estimated size of the JSON, as if every image had as many labels as the first of its run."""
     firsts = [(run, json.dumps([*_Labels(run).of(run.images[0])])) for run in data.runs if run.numbers]
     return sum(len(run.numbers) * len(of_first) for run, of_first in firsts)
 
