@@ -14,4 +14,4 @@ def test_a_graphics_card_is_told_of_with_the_option_that_uses_it(devices, found,
     monkeypatch.setattr(doctor, "_child", lambda _program: (0, f"version 4.5.0\ndevices {devices}\n", ""))
     _, card = doctor._blender()
     assert card.ok
-    assert card.found == found
+    assert card.result == found
