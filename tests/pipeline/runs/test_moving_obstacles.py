@@ -103,7 +103,7 @@ def test_rerender_puts_the_obstacles_where_they_were_with_more_workers_too(movin
 
 DAMAGE = {
     "a place off the path": (lambda text: text.replace("0.850000", "0.851000", 1), "Crosser is not where its path"),
-    "another header": (lambda text: text.replace("Patrol_x", "Patrol_z"), "'Patrol_z' is not known"),
+    "another header": (lambda text: text.replace("Patrol_x", "Patrol_z"), "Patrol_z is not known"),
     "another time": (lambda text: text.replace("\n50,", "\n51,"), "column t is not that of data.csv"),
 }
 
