@@ -38,11 +38,11 @@ for line in sys.stdin:
         if what == "die" or (what == "die_once" and first):
             os.kill(os.getpid(), 9)
         if what == "die_writing" and first:
-            from symolo.core import atomic_files
+            from symolo.core.files import atomic_files
             os.replace = lambda *_: os.kill(os.getpid(), 9)
             atomic_files.write_file(made, b"half")
         if what == "hang_writing":
-            from symolo.core import atomic_files
+            from symolo.core.files import atomic_files
             os.replace = lambda *_: (say("progress", share=0.5, at=99), time.sleep(60))
             atomic_files.write_file(made, b"half")
         if what == "hang_once" and first:

@@ -9,7 +9,6 @@ import pytest
 from configs.draw import draw_all, draw_run
 from configs.loader import load_scenario
 from pipeline.assembly.description import markdown
-from pipeline.executors.local import Local
 from pipeline.stages import simulate_runs
 from pipeline.work.supervisor import UnitFailure
 from pipeline.work.units import SimulateUnit
@@ -117,10 +116,9 @@ def test_a_problem_is_one_line_without_this_machines_folders(text, problem):
     assert FailedRun.of("CW/test_1", "render", text).problem == problem
 
 
-def test_the_log_of_a_failed_run_goes_to_the_error_output_alone(monkeypatch, capsys, tmp_path):
+def test_the_log_of_a_failed_run_goes_to_the_error_output_alone(capsys, tmp_path):
     unit = SimulateUnit(name="CW/test_1", spec="", folder=tmp_path, key="")
     text = f"cannot open {tmp_path}/x.urdf; the last lines of its log:\n  a traceback"
-    monkeypatch.setattr("pipeline.executors.local.run_units", lambda *_, **__: [UnitFailure(unit, text)])
-    (failed,) = simulate_runs._do([unit], Local(1), LineReport())
+    (failed,) = simulate_runs.failed_runs("simulate", [UnitFailure(unit, text)], LineReport())
     assert failed.problem == "cannot open x.urdf"
     assert text in capsys.readouterr().err
