@@ -161,5 +161,7 @@ def test_a_port_that_is_not_permitted_is_refused(monkeypatch):
 
 def test_without_pyserial_the_line_that_installs_it_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "serial", None)
-    with pytest.raises(EnvironmentLacking, match="needs pyserial, which is not installed; install symolo with the extra `generate`"):
+    with pytest.raises(
+        EnvironmentLacking, match="needs pyserial, which is not installed; install symolo with the extra `generate`"
+    ):
         SerialLink("/dev/ttyACM0", 500_000)
