@@ -18,7 +18,7 @@ from symolo.core.geometry.poses import pose_X_WR
 
 RATE_OVER_S = 0.01
 """Time before and after an image over which the robot moves evenly."""
-MOUNT, LENS, CLOCK = "a bent or badly printed mount", "another lens, or one focused anew", "a late time stamp"
+MOUNT, LENS, CLOCK = "a bent or badly printed mount", "another lens, or one that was focused again", "a late time stamp"
 
 GEOMETRY = (
     CameraNumber("pitch_down", "deg", 0.2, "the camera looks further down than in the simulation", MOUNT),

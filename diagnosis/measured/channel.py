@@ -1,6 +1,6 @@
 """One measured quantity of a trial, sample by sample, with what is known of each sample.
 
-Nothing is deleted or mended: a sample that is not to be trusted keeps its place and says why in its quality.
+Nothing is deleted or repaired: a sample that cannot be trusted keeps its place, and its quality names the reason.
 """
 
 from dataclasses import dataclass

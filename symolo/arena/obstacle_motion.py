@@ -22,7 +22,7 @@ class ObstacleMotion:
     poses: tuple[Pose, ...]
     """(K, 3), x [m], y [m], yaw [rad, unwrapped] in W at these times."""
     repeats: bool
-    """Whether it begins anew after the last station, where it then is as at the first; else it stays there."""
+    """Whether the obstacle starts again after its last station, which then equals the first; otherwise it stays."""
 
     @classmethod
     def from_config(cls, obstacle: ObstacleForm) -> "ObstacleMotion | None":

@@ -31,9 +31,9 @@ class Comparison:
         return tuple(sorted((file for file in self.files if file.name in absent), key=_place))
 
     def findings(self) -> Iterator[Finding]:
-        told = {file.name: "is missing" for file in self.missing} | dict(self.other)
-        told |= dict.fromkeys(self.extra, "is no part of the release")
-        yield from (Finding(name, told[name]) for name in sorted(told))
+        problems = {file.name: "is missing" for file in self.missing} | dict(self.other)
+        problems |= dict.fromkeys(self.extra, "is no part of the release")
+        yield from (Finding(name, problems[name]) for name in sorted(problems))
 
 
 def _place(file: LocalFile) -> tuple[int, str]:
@@ -88,12 +88,12 @@ def compare_listed(
         for file in files
         if sizes.get(file.name, file.size_bytes) != file.size_bytes
     }
-    told = {file.name: known[file.name] for file in alike if file.name in known}
-    asked = [file.name for file in alike if file.name not in told]
-    for done, (name, digest) in enumerate(side_by_side(lambda name: digest_of(store, name), asked), start=1):
-        told[name] = digest
+    digests = {file.name: known[file.name] for file in alike if file.name in known}
+    unknown = [file.name for file in alike if file.name not in digests]
+    for done, (name, digest) in enumerate(side_by_side(lambda name: digest_of(store, name), unknown), start=1):
+        digests[name] = digest
         tell(done)
-    other |= {file.name: _difference(told[file.name]) for file in alike if told[file.name] != file.digest}
+    other |= {file.name: _difference(digests[file.name]) for file in alike if digests[file.name] != file.digest}
     extra = tuple(sorted(sizes.keys() - {file.name for file in files}))
     same = tuple(file for file in alike if file.name not in other)
     return Comparison(missing, other, same, extra, tuple(files))
@@ -104,7 +104,7 @@ def _of_right_size(files: Sequence[LocalFile], sizes: Mapping[str, int]) -> list
 
 
 def digest_of(store: Store, name: str) -> str:
-    """Of the lists themselves: whoever put them there may have told no checksum, and much hangs on them."""
+    """Return the SHA-256 of an object; the lists of checksums are read, since their stated digests may be missing."""
     if name in LISTS:
         return hashlib.sha256(store.get(name) or b"").hexdigest()
     return store.digest(name)

@@ -27,10 +27,10 @@ def bag_findings(root: Path) -> Iterator[Finding]:
     yield from _blamed(root, files, tags)
     if faults or tags:
         return
-    told = re.search(rf"^{OXUM}: (\S+)$", _text(root / BAG_INFO), re.MULTILINE)
+    stated = re.search(rf"^{OXUM}: (\S+)$", _text(root / BAG_INFO), re.MULTILINE)
     oxum = f"{sum((root / name).stat().st_size for name in payload)}.{len(payload)}"
-    if told is None or told.group(1) != oxum:
-        yield Finding(BAG_INFO, f"{OXUM} is {told.group(1) if told else 'missing'}, the payload comes to {oxum}")
+    if stated is None or stated.group(1) != oxum:
+        yield Finding(BAG_INFO, f"{OXUM} is {stated.group(1) if stated else 'missing'}, the payload comes to {oxum}")
 
 
 def _against(root: Path, name: str, files: Files, held: set[str]) -> Iterator[Finding]:
