@@ -112,8 +112,7 @@ def _enclosing(config: RobotConfig) -> RobotConfig:
     needed_m = config.drive.track_m + config.drive.wheel_width_m
     if config.chassis.width_m >= needed_m:
         return config
-    chassis = config.chassis.model_copy(update={"width_m": ceil(1e3 * needed_m) / 1e3})
-    return config.model_copy(update={"chassis": chassis})
+    return config.with_section("chassis", {"width_m": ceil(1e3 * needed_m) / 1e3})
 
 
 def _rounded(config: RobotConfig, nominal: RobotConfig) -> tuple[RobotConfig, dict[FieldPath, str]]:

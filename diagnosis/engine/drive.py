@@ -5,7 +5,6 @@ errors of the motors show in it. Increments over ten rows are compared instead o
 place contains all earlier errors.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi
 
@@ -13,11 +12,11 @@ import numpy as np
 
 from configs.effects.base import Slot
 from configs.schema.robot import RobotConfig
-from diagnosis.engine.base import Driver, without_body
+from diagnosis.engine.base import Driver, EngineStage, without_body
 from diagnosis.importers.drive_log import ROW_S
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalDrive
-from diagnosis.predictors.base import Observed, Predicted
+from diagnosis.predictors.base import Observed
 from diagnosis.predictors.drive_log import POSE
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.pose import STRIDE, WINDOW, Pose, earlier, seen_from_body
@@ -46,11 +45,10 @@ class DrivenPath:
         return np.hypot(*(path - self.measured)[:, :2].T)
 
 
-class EngineDrive:
+class EngineDrive(EngineStage):
     """Trials with held-out rows, simulated by one driver; the other trials are not simulated."""
 
     name = "drive"
-    at_once = 2
 
     def __init__(self, measurement: Measurement, nominal: RobotConfig, driver: Driver) -> None:
         self._is_case = isinstance(measurement.nominal, NominalDrive)
@@ -73,14 +71,7 @@ class EngineDrive:
             *Pose(measurement, nominal).observed,
         )
 
-    def predict(self, robots: Sequence[RobotConfig]) -> tuple[Predicted, ...]:
-        each = [self._predicted(robot) for robot in robots]
-        return tuple(
-            Predicted(np.stack([means[k] for means in each]), observed.sd) for k, observed in enumerate(self.observed)
-        )
-
-    def _predicted(self, robot: RobotConfig) -> tuple[Array, ...]:
-        """Return the means (n,) of each observed quantity."""
+    def _means(self, robot: RobotConfig) -> tuple[Array, ...]:
         rows = self._sampled(robot)
         angle_rad = 2.0 * pi / self._counts * rows[:2]
         first, after = self._next

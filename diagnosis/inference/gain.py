@@ -6,7 +6,6 @@ largest 3 %; the error of several stages is the root mean square of theirs. The 
 rows of a trial are not independent (Kuensch, Ann. Statist. 17 (1989) 1217-1241).
 """
 
-import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -85,10 +84,9 @@ def gain_of_sizes(
 
 def of_quantity(evidence: Evidence, place: slice) -> Evidence:
     """Return the same evidence with the held-out rows of one observed quantity only."""
-    single = copy.copy(evidence)
-    single.heldout = np.zeros_like(evidence.heldout)
-    single.heldout[place] = evidence.heldout[place]
-    return single
+    heldout = np.zeros_like(evidence.heldout)
+    heldout[place] = evidence.heldout[place]
+    return evidence.with_rows(heldout=heldout)
 
 
 def _error(parts: Sequence[Array]) -> float:

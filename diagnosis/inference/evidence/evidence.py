@@ -99,14 +99,12 @@ class Evidence:
         """(N,), index of the trial of a sample."""
         return np.concatenate([observed.trial for observed in self.observed])
 
-    def without(self, channel: str) -> "Evidence":
-        """Return the same evidence without samples of a channel in the fit."""
+    def with_rows(self, *, fit: Mask | None = None, heldout: Mask | None = None) -> "Evidence":
+        """Return the same evidence with other samples (N,) for the fit or for the gain."""
         others = copy(self)
         others.known = {}
-        others.fit = self.fit.copy()
-        for observed, place in zip(self.observed, self.places, strict=True):
-            if observed.channel == channel:
-                others.fit[place] = False
+        others.fit = self.fit if fit is None else fit
+        others.heldout = self.heldout if heldout is None else heldout
         return others
 
     def of(self, robots: Sequence[RobotConfig]) -> Prediction:

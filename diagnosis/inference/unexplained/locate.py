@@ -25,8 +25,11 @@ def located(evidence: Evidence, nominal: Hypothesis, left: Adequacy) -> Adequacy
 
 
 def _is_adequate_without(evidence: Evidence, nominal: Hypothesis, channel: str) -> bool:
-    others = evidence.without(channel)
-    if not others.fit.any():
+    rows = evidence.fit.copy()
+    for observed, place in zip(evidence.observed, evidence.places, strict=True):
+        rows[place] &= observed.channel != channel
+    others = evidence.with_rows(fit=rows)
+    if not rows.any():
         return False
     (fit,) = fits(others, [(nominal, nominal.null())])
     return with_scatter(others, fit, adequacy(others, fit)).is_adequate
