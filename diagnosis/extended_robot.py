@@ -15,7 +15,9 @@ import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from math import ceil, isfinite
+from operator import getitem
 from typing import Any
 
 import numpy as np
@@ -125,33 +127,25 @@ def _rounded(config: RobotConfig, nominal: RobotConfig) -> tuple[RobotConfig, di
     Returns:
         The robot, and a comment by field for each number that was outside its bounds.
     """
-
-    def shortened(tree: Mapping[str, Any], differing: Mapping[str, Any]) -> dict[str, Any]:
-        short = dict(tree)
-        for key, value in differing.items():
-            if isinstance(value, Mapping):
-                short[key] = shortened(tree[key], value)
-            elif isinstance(value, float):
-                short[key] = float(f"{value:.{DIGITS}g}")
-        return short
-
-    tree = shortened(_tree(config), _difference(config))
+    tree, nominal_tree = _tree(config), _tree(nominal)
+    for path in _paths(_difference(config)):
+        section = _section(tree, path)
+        if isinstance(value := section.get(path[-1]), float):
+            section[path[-1]] = float(f"{value:.{DIGITS}g}")
     moved: dict[FieldPath, str] = {}
     try:
         return RobotConfig.model_validate(tree), moved
     except ValidationError as error:
         for fault in error.errors():
-            section, nominal_section = tree, _tree(nominal)
-            *above, last = map(str, fault["loc"])
-            for key in above:
-                section, nominal_section = section[key], nominal_section[key]
+            path = tuple(map(str, fault["loc"]))
+            section, name = _section(tree, path), path[-1]
             if fault["type"] == "int_type":
-                moved[(*above, last)] = f"the nearest integer to {section[last]:g}"
-                section[last] = round(section[last])
+                moved[path] = f"the nearest integer to {section[name]:g}"
+                section[name] = round(section[name])
                 continue
             limits = fault.get("ctx", {})
-            moved[(*above, last)] = f"moved to its bound; the fitted value is {section[last]:.3g}"
-            section[last] = float(limits.get("ge", limits.get("le", nominal_section[last])))
+            moved[path] = f"moved to its bound; the fitted value is {section[name]:.3g}"
+            section[name] = float(limits.get("ge", limits.get("le", _section(nominal_tree, path)[name])))
     return RobotConfig.model_validate(tree), moved
 
 
@@ -159,6 +153,11 @@ def _tree(config: RobotConfig) -> dict[str, Any]:
     """Return a robot as plain data."""
     # The counts of a turn need not be an integer in a nominal robot, of which pydantic would warn.
     return config.model_dump(mode="json", warnings=False)
+
+
+def _section(tree: dict[str, Any], path: FieldPath) -> dict[str, Any]:
+    """Return the section that contains a field."""
+    return reduce(getitem, path[:-1], tree)
 
 
 def _slug(name: str) -> str:

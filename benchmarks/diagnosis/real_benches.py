@@ -53,7 +53,7 @@ def motors(folder: Path) -> Iterator[BenchResult]:
     parts = {f"set {number}, {side}": of_part(read, side) for number, read in sets.items() for side in SIDES}
     for name, measurement in parts.items():
         of = diagnose(measurement)
-        robots = (of.nominal, of.selection.nominal.hypothesis.robot(of.selection.nominal.x), of.extended)
+        robots = (of.nominal, of.selection.nominal.robot, of.extended)
         judged = []
         for other, data in parts.items():
             speeds = MotorSteady(data, of.nominal)
@@ -120,8 +120,8 @@ def range_sensor_at_rest(path: Path) -> BenchResult:
         )
     )
     evidence = of.evidence
-    robots = (of.nominal, of.selection.nominal.hypothesis.robot(of.selection.nominal.x), of.extended)
-    errors = [1e3 * _rms((evidence.values - mean)[evidence.heldout]) for mean in evidence.of(robots).mean]
+    robots = (of.nominal, of.selection.nominal.robot, of.extended)
+    errors = [1e3 * _rms((evidence.values - mean)[evidence.heldout]) for mean in evidence.predicted(robots).mean]
     judged = Judged("held out, mm", int(evidence.heldout.sum()), *errors)
     return BenchResult(f"{path.stem}, one reading a second", *_told(of), (), (judged,))
 

@@ -54,9 +54,9 @@ class EngineDrive(EngineStage):
         self._is_case = isinstance(measurement.nominal, NominalDrive)
         self._driver = driver
         self._grid = Grid.of(measurement, 1.0 / ROW_S if self._is_case else None)
-        held = [self._grid.held(measurement.trials, f"u_{side}_V")[:-1] for side in ("right", "left")]
+        held = [self._grid.held(measurement.trials, f"u_{wheel}_V")[:-1] for wheel in ("right", "left")]
         self._voltage_V = np.stack(held, axis=-1)
-        self._wanted = [bool(trial.holdout.any()) for trial in measurement.trials]
+        self._has_heldout = [bool(trial.holdout.any()) for trial in measurement.trials]
         self._counts = nominal.encoder.counts_per_revolution
         self._next = rows_after(measurement, 1)
         self._windows = rows_after(measurement, WINDOW, STRIDE)
@@ -87,7 +87,7 @@ class EngineDrive(EngineStage):
 
     def path(self, nominal: RobotConfig, extended: RobotConfig) -> "DrivenPath":
         """Return the paths of the first trial with held-out rows, from its first measured pose."""
-        trial = self._wanted.index(True)
+        trial = self._has_heldout.index(True)
         begin = sum(self._rows[:trial])
         rows = slice(begin, begin + self._rows[trial])
         measured = self._measured[rows]
@@ -104,8 +104,8 @@ class EngineDrive(EngineStage):
         key = robot.model_dump_json()
         if key not in self._known:
             samples = np.full((len(self._voltage_V) + 1, 5, len(self._rows)), np.nan)
-            for k, wanted in enumerate(self._wanted):
-                if wanted:
+            for k, is_needed in enumerate(self._has_heldout):
+                if is_needed:
                     samples[..., k] = self._driven(robot, k)
             self._known[key] = self._grid.of_rows(samples)
         return self._known[key]

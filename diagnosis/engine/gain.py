@@ -63,7 +63,7 @@ def compare_engines(measurement: Measurement, nominal: RobotConfig, extended: Ro
     for engine, stage in _engines(measurement, nominal):
         evidence = Evidence([stage])
         try:
-            mean = evidence.of([nominal, extended]).mean
+            mean = evidence.predicted([nominal, extended]).mean
         except InputError as error:
             return EngineComparison((), (), why_not=str(error))
         whole = gain_of(evidence, mean)

@@ -41,12 +41,12 @@ class MotorOnBench(EngineStage):
         """Return current [A] and speed [rad/s] in steady state, (n,) each."""
         trials = self._measurement.trials
         voltage_V = joined(trial["u_cmd_V"].values for trial in trials)
-        wanted = joined(trial.holdout for trial in trials) & np.isfinite(voltage_V)
+        heldout = joined(trial.holdout for trial in trials) & np.isfinite(voltage_V)
         current, speed = (np.full(len(voltage_V), np.nan) for _ in range(2))
         duration_s = min(SETTLING * _time_constant_s(robot), MAX_DURATION_S)
-        for volts in np.unique(voltage_V[wanted]).tolist():
+        for volts in np.unique(voltage_V[heldout]).tolist():
             amperes, rad_s = _turned(robot, np.array([volts]), duration_s)
-            rows = wanted & (voltage_V == volts)
+            rows = heldout & (voltage_V == volts)
             current[rows], speed[rows] = amperes[-1], rad_s[-1]
         return read_current_A(robot.effects, current), read_settled_speed_rad_s(robot.effects, speed)
 

@@ -13,6 +13,7 @@ from math import log
 
 import numpy as np
 
+from configs.schema.robot import RobotConfig
 from diagnosis.inference.coordinate import STEP
 from diagnosis.inference.evidence.evidence import Evidence, Prediction
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
@@ -57,6 +58,11 @@ class HypothesisFit:
     """(P, P), covariance of the coordinates by errors that samples share, which the information does not include."""
 
     @property
+    def robot(self) -> RobotConfig:
+        """Return the fitted robot."""
+        return self.hypothesis.robot(self.x)
+
+    @property
     def prior_cost(self) -> float:
         return float((self.hypothesis.prior(self.x) ** 2).sum())
 
@@ -65,7 +71,7 @@ class HypothesisFit:
         nuisances = len(self.hypothesis.nuisances)
         return np.concatenate([(self.slopes * root).T, np.diag(np.arange(len(self.x)) < nuisances).astype(float)])
 
-    def left(self, z: Array, root: Array) -> Array:
+    def weighted_residuals(self, z: Array, root: Array) -> Array:
         """Return the residuals z (N,) with the same weights, followed by those of the priors, (N + P,)."""
         priors = np.zeros(len(self.x))
         priors[: len(self.hypothesis.nuisances)] = -self.hypothesis.prior(self.x)
@@ -235,6 +241,8 @@ def _fit(evidence: Evidence, hypothesis: Hypothesis, x: Array, prediction: Predi
     rows = evidence.fit
     weight = evidence.weight[rows]
     weighted = slopes[:, rows] * (weight * robust_weight(z[rows]))
+    # The information of reweighted least squares is positive semidefinite, unlike the second derivatives of the loss. A
+    # normal sample has an information of 2 about its log sd, which the robust loss lowers to 2 SPREAD.
     information = weighted @ slopes[:, rows].T + 2.0 * SPREAD * (spreads[:, rows] * weight) @ spreads[:, rows].T
     nuisances = len(hypothesis.nuisances)
     information[range(nuisances), range(nuisances)] += 1.0
@@ -246,17 +254,20 @@ def _steps(evidence: Evidence, fit: HypothesisFit) -> Array:
     """Return the coordinates (len(DAMPINGS), P) to try next."""
     rows, hypothesis, x = evidence.fit, fit.hypothesis, fit.x
     z, weight = fit.z[rows], evidence.weight[rows]
+    # Half the negative gradient of the cost by the mean and by log sd.
     pull = robust_weight(z) * z
     downhill = fit.slopes[:, rows] @ (weight * pull) + fit.spreads[:, rows] @ (weight * (pull * z - SPREAD))
     nuisances = len(hypothesis.nuisances)
     downhill[:nuisances] -= hypothesis.prior(x)
     low, high = hypothesis.bounds
+    # A coordinate at a bound stays there as long as the cost falls only beyond the bound.
     free = ~(((x <= low) & (downhill < 0.0)) | ((x >= high) & (downhill > 0.0)))
     diagonal = np.diag(fit.information)
     free &= diagonal > 0.0
     tried = np.repeat(x[None], len(DAMPINGS), axis=0)
     inside = np.ix_(free, free)
     for k, (damping, share) in enumerate(DAMPINGS):
+        # The tiny damping makes the system solvable where two parameters have the same effect on all data.
         damped = fit.information[inside] + np.diag((damping + 1e-9) * diagonal[free])
         tried[k, free] += share * np.linalg.solve(damped, downhill[free])
     return hypothesis.clipped(tried)
@@ -266,6 +277,6 @@ def _predicted(evidence: Evidence, requests: Sequence[tuple[Hypothesis, Array]])
     """Return the predictions of each hypothesis at several coordinates (M, P), computed in one batch."""
     if not requests:
         return []
-    batch = evidence.of([robot for hypothesis, x in requests for robot in hypothesis.robots(x)])
+    batch = evidence.predicted([robot for hypothesis, x in requests for robot in hypothesis.robots(x)])
     ends = np.cumsum([len(x) for _, x in requests]).tolist()
     return [batch.some(slice(end - len(x), end)) for (_, x), end in zip(requests, ends, strict=True)]

@@ -59,7 +59,7 @@ def scan(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffe
         starts.append(x)
     robots = [hypotheses[effect].robot(x) for (effect, _), x in zip(tries, starts, strict=True)]
     costs_before = costs_of_residuals(evidence, fit.z, fit.sd)
-    predictions = evidence.of(robots)
+    predictions = evidence.predicted(robots)
     drops, sizes = _along_lines(evidence, fit, predictions.mean)
     best: dict[CandidateEffect, Prospect] = {}
     for k, ((effect, _), x) in enumerate(zip(tries, starts, strict=True)):
@@ -89,10 +89,11 @@ def _along_lines(evidence: Evidence, fit: HypothesisFit, means: Array) -> tuple[
     changes = root[rows] * ((means - evidence.values + fit.z * fit.sd) / fit.sd)[:, rows]
     changes = np.where(np.isfinite(changes), changes, 0.0)
     # The part of a change inside the span of the tangents is what the fitted parameters can explain themselves.
-    basis, residual = orthonormal(fit.tangents(root)), fit.left(fit.z, root)
+    basis, residual = orthonormal(fit.tangents(root)), fit.weighted_residuals(fit.z, root)
     taken = changes @ basis[rows]
     squares = (changes**2).sum(axis=1) - (taken**2).sum(axis=1)
     along = changes @ residual[rows] - taken @ (basis.T @ residual)
+    # A parabola along each direction: 2 along size - squares size^2, with its top at along / squares.
     is_new = squares > MIN_SHARE * (changes**2).sum(axis=1)
     sizes = np.clip(np.divide(along, squares, out=np.zeros_like(along), where=is_new), 0.0, MAX_MULTIPLE)
     return np.where(is_new, 2.0 * sizes * along - sizes**2 * squares, 0.0), sizes

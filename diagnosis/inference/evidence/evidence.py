@@ -107,7 +107,7 @@ class Evidence:
         others.heldout = self.heldout if heldout is None else heldout
         return others
 
-    def of(self, robots: Sequence[RobotConfig]) -> Prediction:
+    def predicted(self, robots: Sequence[RobotConfig]) -> Prediction:
         """Return the predictions by each robot; a sample that is not usable may be NaN or have any value."""
         mean, sd = (np.empty((len(robots), len(self.values))) for _ in range(2))
         first = 0
@@ -115,8 +115,10 @@ class Evidence:
             places = self.places[first : first + len(stage.observed)]
             first += len(stage.observed)
             for begin in range(0, len(robots), stage.at_once):
-                some = slice(begin, begin + stage.at_once)
-                for observed, place, predicted in zip(stage.observed, places, stage.predict(robots[some]), strict=True):
-                    mean[some, place] = predicted.mean
-                    sd[some, place] = self._factors.get(observed.name, 1.0) * predicted.sd
+                batch = slice(begin, begin + stage.at_once)
+                for observed, place, predicted in zip(
+                    stage.observed, places, stage.predict(robots[batch]), strict=True
+                ):
+                    mean[batch, place] = predicted.mean
+                    sd[batch, place] = self._factors.get(observed.name, 1.0) * predicted.sd
         return Prediction(mean, np.maximum(sd, MIN_NOISE * self.sd))

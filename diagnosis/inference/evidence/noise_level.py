@@ -61,6 +61,7 @@ def estimated_noises(evidence: Evidence, fit: HypothesisFit) -> Mapping[str, Est
             noises[quantity.name] = EstimatedNoise(noise.sd, max(noise.correlation, 0.0))
             continue
         bends = (z[2:] - 2.0 * z[1:-1] + z[:-2])[together[1:] & together[:-1]]
+        # The variance of second differences of white noise is 1 + 4 + 1 times its own.
         level = np.sqrt(trimmed_variance(bends) / 6.0) if len(bends) else float(np.std(z))
         noises[quantity.name] = EstimatedNoise(max(float(level), 1e-9), 0.0)
     return noises
@@ -78,14 +79,15 @@ def lasting(z: Array, trial: NDArray[np.int64]) -> float:
     """
     if np.count_nonzero(np.isfinite(z)) < ROWS_FOR_CORRELATION:
         return 0.0
-    left = np.concatenate([_without_mean(z[trial == k]) for k in np.unique(trial)])
-    variance = total = float(np.nanmean(left**2))
+    rest = np.concatenate([_without_mean(z[trial == k]) for k in np.unique(trial)])
+    variance = total = float(np.nanmean(rest**2))
     if variance <= 0.0:
         return 0.0
     terms = 1
     for lag in range(1, MAX_LAG + 1):
-        products = np.where(trial[lag:] == trial[:-lag], left[lag:] * left[:-lag], np.nan)
+        products = np.where(trial[lag:] == trial[:-lag], rest[lag:] * rest[:-lag], np.nan)
         shared = float(np.nanmean(products)) if np.isfinite(products).any() else 0.0
+        # The first lag is counted in any case: a negative one is a property of the noise and not its end.
         if lag > 1 and shared < MIN_AUTOCORRELATION * variance:
             break
         total, terms = total + 2.0 * shared, terms + 2
