@@ -11,7 +11,7 @@ from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from diagnosis.inference.candidates import Candidates, candidates
 from diagnosis.inference.evidence.evidence import Evidence
-from diagnosis.inference.evidence.noise_level import combined, estimated_noises, is_open
+from diagnosis.inference.evidence.noise_level import is_open, with_estimated_noises
 from diagnosis.inference.evidence.rounding import with_shared_rounding
 from diagnosis.inference.evidence.whole_runs import fitted_to_whole_runs
 from diagnosis.inference.fit import HypothesisFit, at, fits
@@ -141,7 +141,7 @@ def diagnose(measurement: Measurement, nominal: RobotConfig | None = None) -> Di
     library = candidates(measurement, evidence, bare)
     selection = select(evidence, bare, library.testable)
     # Residuals without the effects were correlated for longer than the noise, so that rows had too little weight.
-    updated = _with_estimated_noises(evidence, selection.fit)
+    updated = with_estimated_noises(evidence, selection.fit)
     if np.any(updated.weight > MAX_WEIGHT_RATIO * evidence.weight):
         evidence, selection = updated, select(updated, bare, library.testable, selection)
     result = adequacy(evidence, selection.fit)
@@ -182,12 +182,8 @@ def _evidence(stages: Sequence[Stage], bare: Hypothesis) -> Evidence:
     rounds = NOISE_ROUNDS if evidence.fit.any() else 0
     for _ in range(rounds if any(is_open(observed) for observed in evidence.observed) else 0):
         (fit,) = fits(evidence, [(bare, bare.null())])
-        evidence = _with_estimated_noises(evidence, fit)
+        evidence = with_estimated_noises(evidence, fit)
     return evidence
-
-
-def _with_estimated_noises(evidence: Evidence, fit: HypothesisFit) -> Evidence:
-    return Evidence(evidence.stages, combined(evidence, estimated_noises(evidence, fit)))
 
 
 def check_kind(measurement: Measurement) -> None:

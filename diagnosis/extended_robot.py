@@ -13,7 +13,7 @@ and the drawn robots agree with the data as well.
 
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import reduce
 from math import ceil, isfinite
@@ -28,7 +28,6 @@ from configs.draw import draw_robot
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis
-from diagnosis.inference.hypothesis import CandidateEffect
 from diagnosis.nuisances import Nuisance
 from symolo.core.yaml.tree import FieldPath
 
@@ -235,14 +234,20 @@ def _lines(tree: Mapping[str, Any], comments: Mapping[FieldPath, str], above: Fi
 
 def _varied(diagnosis: Diagnosis, config: RobotConfig) -> str:
     """Return the file that draws each number of the effects from a normal distribution about its fitted value."""
+    fit, first = diagnosis.fit, len(diagnosis.fit.hypothesis.nuisances)
+    # The covariance for fixed nuisances, as explained above; rounding may leave a variance just below zero.
+    covariance = np.zeros_like(fit.information)
+    covariance[first:, first:] = np.linalg.pinv(fit.information[first:, first:], rcond=1e-12, hermitian=True)
+    np.fill_diagonal(covariance, np.maximum(np.diag(covariance), 0.0))
     effects: dict[str, Any] = {}
-    for effect, spreads in _spreads(diagnosis):
+    for effect in fit.hypothesis.effects:
         section = config.effects.get(effect.kind)
         if section is None:
             continue
+        spreads = fit.hypothesis.std(effect, fit.x, covariance)
         numbers: dict[str, Any] = {}
-        for (name, bounds), sd in zip(effect.kind.parameters().items(), spreads, strict=True):
-            mean = float(getattr(section, name))
+        for name, bounds in effect.kind.parameters().items():
+            mean, sd = float(getattr(section, name)), spreads[name]
             if isfinite(sd) and sd > 0.0:
                 low, high = max(mean - REACH_SD * sd, bounds.low), min(mean + REACH_SD * sd, bounds.high)
                 normal = {"mean": mean, "sd": sd, "low": low, "high": high}
@@ -258,15 +263,3 @@ def _varied(diagnosis: Diagnosis, config: RobotConfig) -> str:
         f"name: {json.dumps(_slug(config.name[:57] + '_varied'))}",
     ]
     return "\n".join([*head, *_lines({"effects": effects}, {})]) + "\n"
-
-
-def _spreads(diagnosis: Diagnosis) -> Iterator[tuple[CandidateEffect, Sequence[float]]]:
-    """Yield the standard deviations of the numbers of each effect for fixed nuisances."""
-    fit, hypothesis = diagnosis.fit, diagnosis.fit.hypothesis
-    first = len(hypothesis.nuisances)
-    variance = np.diag(np.linalg.pinv(fit.information[first:, first:], rcond=1e-12, hermitian=True))
-    for effect in hypothesis.effects:
-        at = hypothesis.parameters(effect)
-        sd = np.sqrt(np.maximum(variance[at.start - first : at.stop - first], 0.0)).tolist()
-        x = fit.x[at].tolist()
-        yield effect, [abs(c.slope(v)) * s for c, v, s in zip(effect.coordinates, x, sd, strict=True)]

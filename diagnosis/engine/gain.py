@@ -28,7 +28,7 @@ class EngineError:
     before: float
     """Root mean square error of the nominal robot over the held-out rows, without the largest 3 %, in `unit`."""
     after: float
-    """The same error of the extended robot."""
+    """Root mean square error of the extended robot over the same rows, in `unit`."""
     gain: Gain
 
 

@@ -9,7 +9,6 @@ because that step is usually taken. Coordinates are clipped to their bounds, and
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import log
 
 import numpy as np
 
@@ -103,7 +102,7 @@ class _State:
 
     @property
     def around(self) -> tuple[Hypothesis, Array]:
-        """What must be predicted for the slopes at x: x itself, and a step along each coordinate."""
+        """Return the hypothesis and the coordinates to predict for the slopes at x: x, and a step along each axis."""
         return self.hypothesis, _around(self.hypothesis, self.x)
 
 
@@ -204,18 +203,10 @@ def _take_best(evidence: Evidence, state: _State, tried: Array, prediction: Pred
 
 def _stretches(hypothesis: Hypothesis, x: Array) -> Array:
     """Return coordinates (M, P) with each effect scaled by STRETCHES and everything else unchanged."""
-    stretched = []
-    for effect in hypothesis.effects:
-        places = hypothesis.parameters(effect)
-        for factor in STRETCHES:
-            tried = x.copy()
-            for place, c in enumerate(effect.coordinates, places.start):
-                if c.is_ceiling:
-                    tried[place] += log(factor)
-                elif c.null is not None:
-                    tried[place] = c.null + factor * (x[place] - c.null)
-            stretched.append(tried)
-    return hypothesis.clipped(np.array(stretched).reshape(len(stretched), len(x)))
+    stretched = [
+        hypothesis.scaled(effect, x, factor, with_limits=True) for effect in hypothesis.effects for factor in STRETCHES
+    ]
+    return np.array(stretched).reshape(len(stretched), len(x))
 
 
 def _around(hypothesis: Hypothesis, x: Array) -> Array:

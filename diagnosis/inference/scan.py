@@ -15,7 +15,7 @@ import numpy as np
 from diagnosis.inference.coordinate import Coordinate
 from diagnosis.inference.evidence.evidence import Evidence, Prediction
 from diagnosis.inference.fit import HypothesisFit
-from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis, moved
+from diagnosis.inference.hypothesis import CandidateEffect, moved
 from diagnosis.inference.likelihood import costs_of_residuals, root_weights, sample_costs
 from diagnosis.inference.projection import orthonormal
 from symolo.core.arrays import Array
@@ -67,7 +67,7 @@ def scan(evidence: Evidence, fit: HypothesisFit, effects: Sequence[CandidateEffe
         immediate = float((costs_before - sample_costs(evidence, single)[0])[evidence.fit].sum())
         prospect = Prospect(effect, x, immediate)
         if (drop := float(drops[k])) > immediate:
-            prospect = Prospect(effect, _scaled(hypotheses[effect], effect, x, float(sizes[k])), drop)
+            prospect = Prospect(effect, hypotheses[effect].scaled(effect, x, float(sizes[k])), drop)
         if effect not in best or prospect.drop > best[effect].drop:
             best[effect] = prospect
     return sorted(best.values(), key=lambda prospect: -prospect.drop)
@@ -108,12 +108,3 @@ def _values(coordinate: Coordinate) -> list[float]:
         sizes = TIME_SIZES if coordinate.is_time else SIZES
         values = [coordinate.null + size * (coordinate.start - coordinate.null) for size in sizes]
     return [x for x in values if coordinate.low <= x <= coordinate.high]
-
-
-def _scaled(hypothesis: Hypothesis, effect: CandidateEffect, x: Array, size: float) -> Array:
-    """Return the coordinates with the amplitudes of the effect scaled by `size`."""
-    y = x.copy()
-    for place, coordinate in enumerate(effect.coordinates, hypothesis.parameters(effect).start):
-        if coordinate.null is not None and not coordinate.is_ceiling:
-            y[place] = coordinate.null + size * (x[place] - coordinate.null)
-    return hypothesis.clipped(y)

@@ -1,4 +1,4 @@
-"""Where an edge of the line should be seen in each image."""
+"""Points on the edges of the line, and the pixels at which a camera sees them."""
 
 from dataclasses import dataclass, replace
 
@@ -31,7 +31,7 @@ class LineEdges(EdgePoints):
     """Edge points with the pixels at which they are expected, or were measured."""
 
     pixels: Array
-    """(N, 2)."""
+    """(N, 2), column and row in the image."""
     outwards: Array
     """(N, 2), unit vector across the edge in the image, from the line to the floor."""
     width_px: Array

@@ -12,7 +12,7 @@ from symolo.core.arrays import Array
 
 @dataclass(frozen=True)
 class ToneResponse:
-    """What lies between the exposed light of the sensor and the numbers of the image."""
+    """The response of a camera: from the exposed light of the sensor to the values of the image."""
 
     contrast: float
     saturation: float

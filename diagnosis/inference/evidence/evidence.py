@@ -33,9 +33,9 @@ class Prediction:
     """Predictions of N samples by M robots."""
 
     mean: Array
-    """(M, N)."""
+    """(M, N), means of the samples."""
     sd: Array
-    """(M, N)."""
+    """(M, N), standard deviations of their noise."""
 
     def some(self, which: slice | Sequence[int]) -> "Prediction":
         """Return the predictions by some of the robots."""
@@ -84,7 +84,7 @@ class Evidence:
 
     @cached_property
     def places(self) -> tuple[slice, ...]:
-        """Where each observed quantity stands in the vector."""
+        """Positions of each observed quantity in the vector."""
         ends = np.cumsum(self._counts).tolist()
         return tuple(slice(end - count, end) for count, end in zip(self._counts, ends, strict=True))
 
