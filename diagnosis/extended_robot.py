@@ -15,9 +15,7 @@ import json
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import reduce
 from math import ceil, isfinite
-from operator import getitem
 from typing import Any
 
 import numpy as np
@@ -128,9 +126,9 @@ def _rounded(config: RobotConfig, nominal: RobotConfig) -> tuple[RobotConfig, di
     """
     tree, nominal_tree = _tree(config), _tree(nominal)
     for path in _paths(_difference(config)):
-        section = _section(tree, path)
-        if isinstance(value := section.get(path[-1]), float):
-            section[path[-1]] = float(f"{value:.{DIGITS}g}")
+        section, name = _section(tree, path), str(path[-1])
+        if isinstance(value := section.get(name), float):
+            section[name] = float(f"{value:.{DIGITS}g}")
     moved: dict[FieldPath, str] = {}
     try:
         return RobotConfig.model_validate(tree), moved
@@ -156,7 +154,9 @@ def _tree(config: RobotConfig) -> dict[str, Any]:
 
 def _section(tree: dict[str, Any], path: FieldPath) -> dict[str, Any]:
     """Return the section that contains a field."""
-    return reduce(getitem, path[:-1], tree)
+    for key in path[:-1]:
+        tree = tree[str(key)]
+    return tree
 
 
 def _slug(name: str) -> str:
