@@ -14,37 +14,53 @@ class Chassis(Section):
     """A box centred on the axle that encloses the wheels, so that its footprint is that of the robot."""
 
     length_m: float = Field(ge=0.05, le=1)
+    """Length of the box [m]."""
     width_m: float = Field(ge=0.05, le=1)
+    """Width of the box, wheels included [m]."""
     clearance_m: float = Field(ge=0.002, le=0.2)
     """Height of the chassis' underside above the floor."""
     base_height_m: float = Field(ge=0.01, le=0.5)
     """Height of the base plate's top above the floor, from which the height of the camera is measured."""
     mass_kg: float = Field(gt=0.05, le=20)
+    """Mass of the robot without its wheels [kg]."""
     center_of_mass_x_m: float = Field(ge=-0.2, le=0.2)
+    """Centre of that mass ahead of the axle [m]."""
     center_of_mass_z_m: float = Field(ge=0.0, le=0.5)
+    """Height of that centre above the floor [m]."""
 
 
 class Drive(Section):
+    """The two driven wheels and the caster."""
+
     track_m: float = Field(ge=0.03, le=1)
     """Distance b between the two ground contact points (paper Eq. 2)."""
     wheel_diameter_m: float = Field(ge=0.01, le=0.5)
+    """Diameter of the wheels [m]."""
     wheel_width_m: float = Field(ge=0.002, le=0.1)
+    """Width of the wheels [m]."""
     wheel_mass_kg: float = Field(gt=0, le=2)
+    """Mass of one wheel [kg]."""
     wheel_friction: float = Field(ge=0, le=2)
     """Coulomb coefficient between tyre and floor."""
     caster_x_m: float = Field(ge=-0.5, le=0.5)
+    """Place of the caster ahead of the axle [m]; below 0 it is behind."""
     caster_radius_m: float = Field(ge=0.002, le=0.1)
+    """Radius of the caster's ball [m]."""
     caster_friction: float = Field(ge=0, le=2)
+    """Coulomb coefficient between caster and floor; small for a ball that rolls."""
 
 
 class Motor(Section):
     """Paper Eq. 15-21 with the inductance neglected; all parameters at the wheel shaft."""
 
     winding_resistance_ohm: float = Field(gt=0, le=1000)
+    """Resistance of the winding [ohm]."""
     torque_constant_N_m_A: float = Field(gt=0, le=100)
     """Also the back-EMF constant in V s/rad."""
     viscous_friction_N_m_s_rad: float = Field(ge=0, le=10)
+    """Friction torque per speed [N m s/rad]."""
     coulomb_friction_N_m: float = Field(ge=0, le=10)
+    """Friction torque at any speed [N m]."""
     rotor_inertia_kg_m2: float = Field(ge=0, le=1)
     """Rotor and gearbox, reflected to the wheel shaft."""
     motor_side_inertia_fraction: float = Field(default=0.9, ge=0.01, le=0.99)
@@ -54,16 +70,23 @@ class Motor(Section):
 
 
 class Power(Section):
+    """Battery and motor driver."""
+
     battery_voltage_V: float = Field(gt=0, le=60)
+    """Voltage of the battery without load [V]."""
     motor_voltage_limit_V: float = Field(gt=0, le=60)
     """Largest voltage that the H-bridge applies, at any battery voltage."""
 
 
 class Encoder(Section):
+    """Incremental encoders of the wheels."""
+
     counts_per_revolution: int = Field(ge=4, le=1_000_000)
+    """Counts per turn of the wheel, all edges counted."""
     period_s: float = Field(gt=0, le=1)
     """Period of the readings by the controller; the wheel loop reads at its own rate."""
     delay_s: float = Field(ge=0, le=1)
+    """Age of a reading when the controller receives it [s]."""
     dropout_probability: float = Field(ge=0, le=1)
     """Probability that a reading fails, so that the controller keeps the previous one."""
 
@@ -72,25 +95,36 @@ class WheelLoop(Section):
     """Wheel-speed controller on the encoder counts, one per wheel: feed-forward plus PI on the speed error."""
 
     speed_filter_s: float = Field(ge=0, le=1)
+    """Time constant of the low-pass filter on the measured speed [s]; 0 for none."""
     feedforward_V_s_rad: float = Field(ge=0, le=10)
+    """Voltage per set speed [V s/rad]."""
     feedforward_static_V: float = Field(ge=0, le=10)
+    """Voltage against Coulomb friction, with the sign of the set speed [V]."""
     proportional_V_s_rad: float = Field(ge=0, le=10)
+    """Voltage per speed error [V s/rad]."""
     integral_V_rad: float = Field(ge=0, le=100)
+    """Voltage per integral of the speed error [V/rad]."""
 
 
 class LineSensor(Section):
     """QTR-8A: a row of reflectance channels across the robot, L0 at the robot's right end, L7 at its left."""
 
     x_m: float = Field(ge=-0.5, le=0.5)
+    """Place of the row ahead of the axle [m]."""
     height_m: float = Field(ge=0.0005, le=0.05)
+    """Height of the sensors above the floor [m]."""
     channels: Literal[8] = 8
+    """Number of channels, as in SyMoLo's columns L0 to L7."""
     pitch_m: float = Field(ge=0.001, le=0.05)
+    """Distance between neighbouring channels [m]."""
     spot_diameter_at_floor_m: float = Field(ge=0, le=0.05)
     """Diameter of one channel's spot at zero height."""
     spot_growth: float = Field(ge=0, le=5)
     """Growth of the spot's diameter per metre of height [m/m]."""
     period_s: float = Field(gt=0, le=1)
+    """Time between readings [s]."""
     delay_s: float = Field(ge=0, le=1)
+    """Age of a reading when the controller receives it [s]."""
     gain_sd: float = Field(ge=0, le=0.5)
     """Standard deviation of the channels' gains, drawn once per run."""
     offset_sd: float = Field(ge=0, le=0.5)
@@ -98,39 +132,60 @@ class LineSensor(Section):
     noise_sd: float = Field(ge=0, le=0.5)
     """Standard deviation of the noise of each reading; 1 is full scale."""
     adc_bits: int = Field(ge=1, le=16)
+    """Resolution of the converter [bit]."""
     threshold: float = Field(gt=0, lt=1)
     """Reading below which a channel is on the line."""
     dropout_probability: float = Field(ge=0, le=1)
+    """Probability that a reading fails, so that the previous one stands."""
 
 
 class TofMount(Section):
+    """Place and direction of one range sensor on the robot."""
+
     x_m: float = Field(ge=-0.5, le=0.5)
+    """Place ahead of the axle [m]."""
     y_m: float = Field(ge=-0.5, le=0.5)
+    """Place to the left of the robot's middle [m]."""
     z_m: float = Field(ge=0.005, le=1)
+    """Height above the floor [m]."""
     yaw_deg: float = Field(ge=-180, le=180)
+    """Direction of the beam to the left of straight ahead."""
     pitch_up_deg: float = Field(default=0.0, ge=-45, le=45)
+    """Direction of the beam above the horizon."""
 
 
 class TofMounts(Section):
+    """Place and direction of the three range sensors."""
+
     front: TofMount
+    """Mounting of the front sensor, column d_f."""
     left: TofMount
+    """Mounting of the left sensor, column d_l."""
     right: TofMount
+    """Mounting of the right sensor, column d_r."""
 
 
 class TofSensor(Section):
     """VL53L0X: rays over a cone, weighted mean, then error and noise (paper section 5.2, Eq. 23-24)."""
 
     mounts: TofMounts
+    """Place and direction of each of the three sensors on the robot."""
     rays: int = Field(ge=1, le=1000)
+    """Number of rays in the cone."""
     field_of_view_deg: float = Field(gt=0, le=90)
+    """Full angle of the cone."""
     beam_sigma_deg: float = Field(gt=0, le=90)
     """Standard deviation of the Gaussian beam profile that weighs the rays."""
     signal_threshold: float = Field(ge=0, le=1)
     """Weighted share of returned light, relative to a wall at right angles, below which there is no target."""
     period_s: float = Field(gt=0, le=1)
+    """Time between readings [s]."""
     delay_s: float = Field(ge=0, le=1)
+    """Age of a reading when the controller receives it [s]."""
     min_range_m: float = Field(ge=0, le=1)
+    """Smallest range that the device reports [m]; below it there is no target."""
     max_range_m: float = Field(gt=0, le=10)
+    """Largest range that the device reports [m]; beyond it there is no target."""
     no_target_m: float = Field(ge=0, le=10)
     """Range in data.csv when the device reports "no target"."""
     error_scale: float = Field(ge=-2, le=2)
@@ -146,6 +201,7 @@ class TofSensor(Section):
     ambient_lux: float = Field(default=500.0, ge=0, le=200_000)
     """Illuminance at the device; used only with the effect `ambient_noise`."""
     dropout_probability: float = Field(ge=0, le=1)
+    """Probability that a reading fails, so that the previous one stands."""
 
 
 class LensDistortion(Section):
@@ -154,17 +210,24 @@ class LensDistortion(Section):
     k1: float = Field(default=0.0, ge=-1, le=1)
     """Radial coefficient; below 0 barrel, above 0 pincushion."""
     k2: float = Field(default=0.0, ge=-1, le=1)
+    """Radial coefficient of the fourth power of the radius."""
     p1: float = Field(default=0.0, ge=-0.1, le=0.1)
+    """First tangential coefficient."""
     p2: float = Field(default=0.0, ge=-0.1, le=0.1)
+    """Second tangential coefficient."""
     k3: float = Field(default=0.0, ge=-1, le=1)
+    """Radial coefficient of the sixth power of the radius."""
 
 
 class Camera(Section):
     """Camera that looks forward and down; heights are measured from the base plate (paper section 8.1)."""
 
     x_m: float = Field(ge=-0.5, le=0.5)
+    """Place of the lens ahead of the axle [m]."""
     y_m: float = Field(ge=-0.5, le=0.5)
+    """Place of the lens to the left of the robot's middle [m]."""
     height_above_base_m: float = Field(ge=0, le=1)
+    """Height of the lens above the base plate's top [m]."""
     pitch_down_deg: float = Field(ge=-10, le=90)
     """Angle of the optical axis below the horizon: 90 degrees minus the paper's 60 degrees from straight down."""
     yaw_left_deg: float = Field(default=0.0, ge=-180, le=180)
@@ -172,10 +235,14 @@ class Camera(Section):
     roll_deg: float = Field(default=0.0, ge=-180, le=180)
     """Rotation about the optical axis, clockwise as seen from behind the camera."""
     focal_length_mm: float = Field(ge=1, le=500)
+    """Focal length of the lens; with `sensor_width_mm` it gives the horizontal field of view, 2 atan(sensor width /
+    (2 focal length))."""
     sensor_width_mm: float = Field(ge=1, le=100)
+    """Width of the image sensor [mm]."""
     principal_point_right_mm: float = Field(default=0.0, ge=-10, le=10)
     """Offset of the optical axis from the middle of the sensor, to the right in the image."""
     principal_point_down_mm: float = Field(default=0.0, ge=-10, le=10)
+    """Offset of the optical axis from the middle of the sensor, downwards in the image."""
     distortion: LensDistortion = LensDistortion()
     read_out_s: float = Field(default=0.0, ge=0, le=0.1)
     """Rolling shutter: delay of the exposure of the image's bottom after its top; 0 is a global shutter."""
@@ -187,12 +254,18 @@ class FollowGains(Section):
     """v = K1 - K3 |e|, w = K2 e (paper Eq. 6-7), with e in units of the line sensor's weights."""
 
     k1_m_s: float = Field(gt=0, le=2)
+    """Speed without an error, K1 [m/s]."""
     k2_rad_s: float = Field(ge=0, le=20)
+    """Yaw rate per error, K2 [rad/s]."""
     k3_m_s: float = Field(ge=0, le=2)
+    """Loss of speed per error, K3 [m/s]."""
 
 
 class WallFollowing(Section):
+    """Following of a wall beside the robot."""
+
     gains: FollowGains
+    """Gains of the control law, with the scaled wall error in place of the line error."""
     target_distance_m: float = Field(gt=0, le=1)
     """Perpendicular distance of the sensor from the wall (paper Eq. 14)."""
     error_scale_per_m: float = Field(gt=0, le=1000)
@@ -206,9 +279,14 @@ class WallFollowing(Section):
 
 
 class Corner(Section):
+    """Turn at a wall that stands ahead of a followed wall."""
+
     front_below_m: float = Field(gt=0, le=2)
+    """Reading of the front sensor below which the robot turns away from the wall ahead [m]."""
     turn_rate_rad_s: float = Field(gt=0, le=20)
+    """Yaw rate of that turn [rad/s]."""
     front_clear_m: float = Field(gt=0, le=2)
+    """Reading of the front sensor above which the turn may end [m]."""
 
 
 class CurvePath(Section):
@@ -222,10 +300,13 @@ class FaceObstacle(Section):
     """How the robot turns to an obstacle on a bend, so that a stored path fits every encounter."""
 
     speed_m_s: float = Field(gt=0, le=2)
+    """Speed of the robot when it drives back or trims its distance [m/s]."""
     turn_rate_rad_s: float = Field(gt=0, le=20)
+    """Yaw rate of the search for the obstacle's edges [rad/s]."""
     back_below_m: float = Field(ge=0, le=2)
     """Reading of the sensor that detected the obstacle below which the robot first backs off, for room to turn."""
     back_m: float = Field(ge=0, le=0.5)
+    """Length of the drive backwards [m]."""
     seen_below_m: float = Field(gt=0, le=2)
     """Reading of the front sensor below which it sees the obstacle."""
     max_out_rad: float = Field(gt=0, le=3.2)
@@ -237,7 +318,9 @@ class FaceObstacle(Section):
     face_gain_1_s: float = Field(gt=0, le=20)
     """Yaw rate per angle between the heading and the obstacle's middle."""
     tolerance_rad: float = Field(gt=0, le=1)
+    """Angle from the obstacle's middle at which the robot faces it [rad]."""
     tolerance_m: float = Field(gt=0, le=0.1)
+    """Deviation of the distance at which trimming ends [m]."""
     max_trim_m: float = Field(gt=0, le=0.5)
     """Longest drive that brings the obstacle to the distance at which the paths begin."""
 
@@ -259,8 +342,11 @@ class CurveAvoidance(Section):
     straight_below_rad: float = Field(gt=0, le=3.2)
     """Turn below which the recent path is straight."""
     face: FaceObstacle
+    """How the robot turns to the obstacle before a path begins."""
     inner: CurvePath
+    """Path on the inside of a bend."""
     outer: CurvePath
+    """Path on the outside of a bend."""
     turn_rate_rad_s: float = Field(gt=0, le=20)
     """Yaw rate of turns on the spot and largest yaw rate on the path; sharper bends are driven more slowly."""
     turn_above_rad: float = Field(gt=0, le=3.2)
@@ -275,14 +361,23 @@ class Avoidance(Section):
     """A pre-computed path beside the obstacle: out, along, back (paper section 4.3, Fig. 7a)."""
 
     front_below_m: float = Field(gt=0, le=2)
+    """Reading of the front sensor below which avoidance begins [m]."""
     free_side_beyond_m: float = Field(gt=0, le=2)
+    """Reading of a side sensor from which on that side is free to pass [m]."""
     out_length_m: float = Field(gt=0, le=2)
+    """Length along the line over which the path leaves it [m]."""
     along_length_m: float = Field(gt=0, le=2)
+    """Length of the path beside the obstacle [m]."""
     back_length_m: float = Field(gt=0, le=2)
+    """Length along the line over which the path returns to it [m]."""
     side_m: float = Field(gt=0, le=1)
+    """Distance of the path from the line beside the obstacle [m]."""
     points: int = Field(ge=10, le=100_000)
+    """Number of points of the path."""
     speed_m_s: float = Field(gt=0, le=2)
+    """Speed on the path [m/s]."""
     look_ahead_m: float = Field(gt=0, le=0.5)
+    """Distance along the path to the point that the robot steers to [m]."""
     behind_beyond_m: float = Field(gt=0, le=2)
     """Reading of the side sensor towards the obstacle above which the obstacle is passed."""
     curves: CurveAvoidance | None = None
@@ -293,13 +388,18 @@ class Lost(Section):
     """States 33 and 44: a lost wall is looked for on its side, at first nearly straight on, as beyond a gap."""
 
     speed_m_s: float = Field(ge=0, le=2)
+    """Speed during the search [m/s]."""
     turn_rate_rad_s: float = Field(ge=0, le=20)
+    """Yaw rate of the search [rad/s]."""
     gap_m: float = Field(ge=0, le=5)
     """How far the robot goes before it takes the wall for ended; a turn at once would run into the end left behind."""
     gap_turn_rate_rad_s: float = Field(ge=0, le=20)
+    """Yaw rate before `gap_m` is reached [rad/s]; small, so that a gap is crossed nearly straight."""
 
 
 class Controller(Section):
+    """Settings of the built-in controller, by what it does (paper section 4)."""
+
     line: FollowGains
     wall: WallFollowing
     corner: Corner
@@ -308,8 +408,12 @@ class Controller(Section):
 
 
 class RobotConfig(Section):
+    """Body, drive, sensors and controller of the robot."""
+
     name: Slug
+    """Name of the robot."""
     description: str = ""
+    """Description for people."""
     chassis: Chassis
     drive: Drive
     motor: Motor
