@@ -45,7 +45,10 @@ class Stop(Section):
 
 
 class Rates(Section):
-    """Rates of simulation, control and camera. Each slower rate must be a whole number of periods of the next faster one."""
+    """Rates of simulation, control and camera.
+
+    Each slower rate must be a whole number of periods of the next faster one.
+    """
 
     physics_hz: Annotated[int, PLANNED] = Field(default=1000, ge=50, le=100_000)
     """Rate of PyBullet's steps."""

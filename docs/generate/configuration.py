@@ -11,10 +11,10 @@ from configs.json_schema import scenario_json_schema
 from configs.references import SECTIONS, shipped_names
 from configs.schema.base import FIXED_KEY
 
-ABOUT = """Every setting of a scenario, with its bounds and its default; units are in the names. A key is written below its
-section, `render: {width_px: 320}`, or on the command line, `--set render.width_px=320`. *fixed*: no
-[distribution](../scenarios.md#distributions) may stand there. Sections without a path of their own stand wherever a key
-refers to them."""
+ABOUT = """Every setting of a scenario, with its bounds and its default; units are in the names. A key is written
+below its section, `render: {width_px: 320}`, or on the command line, `--set render.width_px=320`. *fixed*: no
+[distribution](../scenarios.md#distributions) is allowed there. A section without a path of its own is allowed
+wherever a key links to it."""
 
 OFTEN = 3
 """A section that more paths than this lead to has a name of its own."""
