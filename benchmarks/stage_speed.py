@@ -14,7 +14,7 @@ import numpy as np
 
 from configs.draw import draw_robot
 from configs.effects.base import Slot
-from configs.effects.registry import effect_classes
+from configs.effects.registry import EFFECTS
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from diagnosis.importers import IMPORTERS
@@ -24,7 +24,7 @@ from diagnosis.nominal_robot import nominal_robot
 from diagnosis.predictors import STAGES
 from diagnosis.predictors.base import Stage
 
-EFFECTS = {effect.name: effect for effect in effect_classes()}
+BY_NAME = EFFECTS.by_name()
 REPEATS = 5
 
 
@@ -73,7 +73,7 @@ def report(path: Path, robots: int) -> None:
     for stage in stages:
         bare = varied(nominal, robots)
         print(f"  {stage.name}, {robots} robots: bare {milliseconds(stage, bare):.1f} ms")
-        for effect in EFFECTS.values():
+        for effect in BY_NAME.values():
             if effect.slot is Slot.GEARBOX and stage.name == "wheels":
                 continue
             choices = {

@@ -20,6 +20,7 @@ from configs.schema.robot import RobotConfig
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.errors import InputError
+from symolo.core.geometry.poses import PlanarPose
 from symolo.dataset.tables.column import Column, Series
 from symolo.dataset.tables.sensor_tables import SERIES, sensor_table
 from symolo.dataset.tables.side_tables import SideTable
@@ -54,7 +55,7 @@ class World(Protocol):
         """Since the start of the run, which is also when everything was switched on."""
         ...
 
-    def pose(self) -> tuple[float, float, float]:
+    def pose(self) -> PlanarPose:
         """X_WR: x [m], y [m], yaw [rad, unwrapped] of the middle of the axle."""
         ...
 

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from configs.schema.robot import RobotConfig
-
-Pose = tuple[float, float, float]
+from symolo.core.geometry.poses import PlanarPose
 
 
 @dataclass(frozen=True)
@@ -22,7 +21,7 @@ class Odometry:
         circumference = np.pi * robot.drive.wheel_diameter_m
         return cls(circumference / robot.encoder.counts_per_revolution, robot.drive.track_m)
 
-    def step(self, pose: Pose, counts: NDArray[np.int64]) -> Pose:
+    def step(self, pose: PlanarPose, counts: NDArray[np.int64]) -> PlanarPose:
         """The pose x [m], y [m], yaw [rad] after `counts` (2,), right and left, more."""
         right_m, left_m = float(counts[0]) * self.metres_per_count, float(counts[1]) * self.metres_per_count
         x, y, yaw = pose

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from wheel_calibrations import Wheels, by_whole_paths, odometry, turned, umbmark, with_turned_camera
 
 from configs.draw import draw_robot
-from configs.effects.registry import effect_classes
+from configs.effects.registry import EFFECTS
 from configs.loader import load_section
 from configs.schema.robot import RobotConfig
 from diagnosis.diagnose import Diagnosis, diagnose
@@ -103,7 +103,7 @@ def _all_together(folder: Path) -> Fitted:
     nominal = nominal_robot(measurement.nominal, draw_robot(load_section("robot", "nominal"), 0, "real sets")[0])
     bare = Hypothesis(nominal, nuisances(measurement.nominal))
     effects = [
-        CandidateEffect(effect, choices) for effect in effect_classes() for choices in _WHOLE_RUN.get(effect.name, ())
+        CandidateEffect(effect, choices) for effect in EFFECTS.classes() for choices in _WHOLE_RUN.get(effect.name, ())
     ]
     whole = fitted_to_whole_runs(measurement, bare, bare.null(), effects)
     held, fit = _split(measurement)

@@ -5,11 +5,9 @@ from dataclasses import dataclass
 
 from pydantic import TypeAdapter
 
-from blender_scenes.annotations.boxes_2d import Box2D, box_2d
-from blender_scenes.annotations.boxes_3d import box_3d
+from blender_scenes.annotations.boxes import Box2D, box_2d, box_3d, silhouette
 from blender_scenes.annotations.key_points import key_points
-from blender_scenes.annotations.seen import VisibleScene
-from blender_scenes.annotations.silhouette import silhouette
+from blender_scenes.annotations.visible_scene import VisibleScene
 from symolo.dataset.annotations import Box3D, KeyPointSighting
 
 

@@ -9,7 +9,7 @@ from blender_scenes.lighting.panoramas import mean_color
 from blender_scenes.lighting.sun import towards_sun
 from blender_scenes.lighting.window_covering import CURTAIN_M, curtain
 from blender_scenes.rooms.base import RoomModel
-from blender_scenes.scene.description import Panel, Sky
+from blender_scenes.scene.description import LightPanel, Sky
 from configs.schema.asset import Asset
 from configs.schema.look import LookConfig
 from sensors.camera.colour import LUMINANCE, RGB, light_rgb
@@ -43,7 +43,7 @@ def daylight(look: LookConfig, room: RoomModel) -> Lights:
         return Lights(skies=skies)
     window = room.window
     behind = room.wall_depth_m if not sheer else CURTAIN_M
-    panel = Panel(
+    panel = LightPanel(
         "window",
         tuple(np.subtract(window.center, np.multiply(window.inward, behind)).tolist()),
         window.right,

@@ -8,7 +8,7 @@ from blender_scenes.lighting.base import Lights
 from blender_scenes.lighting.ceiling_lamps import hood
 from blender_scenes.materials.fittings import moulded
 from blender_scenes.rooms.base import RoomModel, Top
-from blender_scenes.scene.description import Mesh, Panel
+from blender_scenes.scene.description import LightPanel, Mesh
 from blender_scenes.scene.solids import joined, lathe, moved, posed, rod
 from configs.schema.lighting import DeskLampsLook
 from configs.schema.look import LookConfig
@@ -42,7 +42,7 @@ def desk_lamps(look: LookConfig, room: RoomModel) -> Lights:
         bulb = head - _BULB_DEPTH_M * np.array(axis)
         name = f"desk_lamp_{number}"
         if config.flux_klm > 0:
-            panels.append(Panel(name, _triple(bulb), right, up, _BULB_M, _BULB_M, radiance))
+            panels.append(LightPanel(name, _triple(bulb), right, up, _BULB_M, _BULB_M, radiance))
         meshes.append(_body(name, foot, head, axes))
     surfaces = moulded("desk_lamp_enamel", (0.05, 0.05, 0.055), 0.35), moulded("desk_lamp_hood", (0.5, 0.5, 0.48), 0.4)
     return Lights(panels=tuple(panels), meshes=tuple(meshes), surfaces=surfaces if meshes else ())

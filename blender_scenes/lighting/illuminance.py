@@ -4,11 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from blender_scenes.scene.description import Panel, Point3
+from blender_scenes.scene.description import LightPanel, Point3
 from sensors.camera.colour import RGB
 
 
-def on_the_floor(panels: Sequence[Panel], at: Point3) -> RGB:
+def on_the_floor(panels: Sequence[LightPanel], at: Point3) -> RGB:
     """Return the direct illuminance of a level surface [klx]; each panel counts as a small, far Lambertian source."""
     total = np.zeros(3)
     for panel in panels:

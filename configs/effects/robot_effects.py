@@ -9,7 +9,7 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
 from configs.effects.base import Effect, Slot
-from configs.effects.registry import effect_classes, effects_section
+from configs.effects.registry import EFFECTS, effects_section
 
 AnEffect = TypeVar("AnEffect", bound=Effect)
 
@@ -22,7 +22,7 @@ class RobotEffects:
 
     def __post_init__(self) -> None:
         if len(self.members) > 1:
-            place = {effect: place for place, effect in enumerate(effect_classes())}
+            place = {effect: place for place, effect in enumerate(EFFECTS.classes())}
             object.__setattr__(self, "members", tuple(sorted(self.members, key=lambda effect: place[type(effect)])))
 
     def __iter__(self) -> Iterator[Effect]:

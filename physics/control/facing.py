@@ -4,7 +4,8 @@ import math
 from enum import Enum, auto
 
 from configs.schema.robot import FaceObstacle
-from physics.control.base import ControlInput, Pose, Side, sign_of
+from physics.control.base import ControlInput, Side, sign_of
+from symolo.core.geometry.poses import PlanarPose
 
 
 class _FacingPhase(Enum):
@@ -19,7 +20,7 @@ class _FacingPhase(Enum):
 class ObstacleFacing:
     """Back off, sweep the front sensor over the obstacle, turn to its middle, then drive to the required distance."""
 
-    def __init__(self, config: FaceObstacle, distance_m: float, start: Pose, bend: Side, near_m: float) -> None:
+    def __init__(self, config: FaceObstacle, distance_m: float, start: PlanarPose, bend: Side, near_m: float) -> None:
         """Start facing an obstacle.
 
         Args:

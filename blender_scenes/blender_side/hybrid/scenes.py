@@ -26,12 +26,13 @@ from blender_scenes.blender_side.hybrid.materials import (
 )
 from blender_scenes.blender_side.placing import place
 from blender_scenes.blender_side.rendering import rendered
-from blender_scenes.hybrid.tiled_map import Image, Tile
+from blender_scenes.hybrid.tiled_map import Tile
 from blender_scenes.scene.description import Scene
 from blender_scenes.scene.typical import typical_color
 from sensors.camera.views import FrameView
+from symolo.core.arrays import FloatImage
 
-Passes = dict[str, Image]
+Passes = dict[str, FloatImage]
 """Passes by name: (H, W, 3), or (H, W, 1) for a single channel, float32, with the first row at the top."""
 
 _ABOVE_M = 0.5
@@ -110,7 +111,7 @@ class HybridScenes:
         self._show_surfaces()
         return self._traced(self._view, size, samples, seed, view=view, rows=rows)
 
-    def reflectance(self, tile: Tile) -> tuple[Image, Image]:
+    def reflectance(self, tile: Tile) -> tuple[FloatImage, FloatImage]:
         """Return the floor's reflectance (N, N, 3) in the middle of texels, and `SURFACE_DATA` (N, N, 3) there.
 
         Rows are along y, columns along x of a grid that is turned by `GRID_TURN_RAD` against W.
@@ -118,7 +119,7 @@ class HybridScenes:
         passes = self._from_above(self._reflectance, tile, 1, 0, GRID_TURN_RAD)
         return passes["Combined"][::-1], passes[SURFACE_DATA][::-1]
 
-    def irradiance(self, tile: Tile, samples: int, seed: int, facing: tuple[float, float, float]) -> Image:
+    def irradiance(self, tile: Tile, samples: int, seed: int, facing: tuple[float, float, float]) -> FloatImage:
         """Return the light (N, N, 3) on a floor with the unit normal `facing`, without what moves."""
         for thing in self._lit_floor:
             thing.color = as_color(facing)
