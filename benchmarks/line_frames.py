@@ -84,7 +84,7 @@ def flat_frames(kind: Kind, scenes: range, count: int) -> LabelledFrames:
     for scene in scenes:
         job, label = labelled_job(loaded, scene, count)
         renderer = FlatRenderer(job)
-        pictures += [renderer.picture(view)[..., ::-1] for view in job.frames]
+        pictures += [renderer.image(view)[..., ::-1] for view in job.frames]
         labels.append(label)
     return LabelledFrames(np.array(pictures, np.uint8), np.concatenate(labels), np.repeat(np.array(scenes), count))
 

@@ -66,7 +66,7 @@ class LoopSettings:
 
 @dataclass(frozen=True)
 class Orders:
-    """What the robot does at one tick."""
+    """State and motion of the robot from one tick on."""
 
     state: State
     right_rad_s: float
@@ -76,7 +76,7 @@ class Orders:
     line_lost: int
     """Number of ticks in the line state without a channel on the line; 0 where the framing does not transmit it."""
     stopped: bool
-    """Whether the wheels stand still because no command has come for too long."""
+    """Whether the wheels are stopped because no command has come for too long."""
 
 
 @dataclass

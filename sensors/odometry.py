@@ -1,4 +1,4 @@
-"""Wheel odometry: the pose that the robot believes, from its encoder counts alone."""
+"""Wheel odometry: the pose that the robot estimates from its encoder counts alone."""
 
 from dataclasses import dataclass
 
@@ -22,7 +22,7 @@ class Odometry:
         return cls(circumference / robot.encoder.counts_per_revolution, robot.drive.track_m)
 
     def step(self, pose: PlanarPose, counts: NDArray[np.int64]) -> PlanarPose:
-        """The pose x [m], y [m], yaw [rad] after `counts` (2,), right and left, more."""
+        """Return the pose x [m], y [m], yaw [rad] after the increments `counts` (2,) of right and left encoder."""
         right_m, left_m = float(counts[0]) * self.metres_per_count, float(counts[1]) * self.metres_per_count
         x, y, yaw = pose
         forward_m, turn_rad = 0.5 * (right_m + left_m), (right_m - left_m) / self.track_m

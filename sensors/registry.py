@@ -1,4 +1,4 @@
-"""Which sensors there are: those of the project, and those of files that a user loads."""
+"""The table of all sensors: those of the project, and those of files that a user loads."""
 
 import re
 
@@ -10,7 +10,7 @@ from symolo.dataset.tables.sensor_tables import SENSOR_NAME, TAKEN_NAMES, TIME
 
 
 def settings_by_name() -> tuple[tuple[str, type[SensorSettings]], ...]:
-    """Return name and settings of each sensor that may stand in `robot.sensors`."""
+    """Return name and settings of each sensor that `robot.sensors` may contain."""
     return tuple((s.name, s.Settings) for s in SENSORS.classes() if issubclass(s.Settings, SensorSettings))
 
 
@@ -35,4 +35,4 @@ def _check(sensor: type[Sensor], where: str) -> None:
 
 
 SENSORS: Family[Sensor] = Family("sensor", Sensor, "SENSORS", ("sensors",), _check)
-"""All sensors in the order of their table; those of loaded files, which may stand in `robot.sensors`, come last."""
+"""All sensors in the order of their table; those of loaded files, which `robot.sensors` may contain, come last."""

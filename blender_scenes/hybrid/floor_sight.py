@@ -11,7 +11,7 @@ from symolo.core.geometry.pinhole import Intrinsics
 from symolo.core.geometry.poses import pose_X_WR
 
 _MAX_BYTES = 128 * 2**20
-"""Maximum size of what is kept from frame to frame."""
+"""Maximum size of the points that are cached from frame to frame."""
 _POINTS = 3
 """Number of points of a pixel's filter from left to right."""
 _CYCLES_FILTER = 2.0

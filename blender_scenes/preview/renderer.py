@@ -53,7 +53,7 @@ class FlatRenderer:
             np.concatenate([self.light(view, small) for view in metered_views(job.frames)])
         )
 
-    def picture(self, view: FrameView) -> NDArray[np.uint8]:
+    def image(self, view: FrameView) -> NDArray[np.uint8]:
         """Return the 8-bit RGB image (H, W, 3) of one of the job's frames, developed like Blender's images."""
         light = self.light(view, self._pinhole) * np.array(view.light_gain, np.float32)
         seen = through_lens(light, self._job.camera)

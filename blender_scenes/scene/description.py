@@ -86,7 +86,7 @@ class Sky:
     ceiling: float
     """Maximum of the panorama's components before the gain, which removes its sun."""
     saturation: float
-    """1 for the panorama's colours, 0 for grey."""
+    """Factor on the saturation of the panorama; 0 for grey."""
     mean: Annotated[RGB | None, Field(exclude_if=_is_none)] = None
     """Mean colour above the horizon of a user's file; None for a panorama of bpy."""
 

@@ -1,4 +1,4 @@
-"""Which effects there are: those of the project, and those of files that a user loads."""
+"""The table of all effects: those of the project, and those of files that a user loads."""
 
 from configs.effects.base import Effect, Slot
 from configs.families import Family, optional_sections

@@ -41,11 +41,11 @@ class RobotEffects:
         return tuple(member.apply for member in self.members if member.slot is slot)
 
     def with_effect(self, effect: Effect) -> "RobotEffects":
-        """Return these and one more, which replaces one of its class."""
+        """Return these effects and one more, which replaces one of its class."""
         return RobotEffects((*self.without(effect.name), effect))
 
     def without(self, name: str) -> "RobotEffects":
-        """Return these but for the one of this name."""
+        """Return these effects without the one of this name."""
         return RobotEffects(tuple(member for member in self.members if member.name != name))
 
     @classmethod

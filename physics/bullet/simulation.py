@@ -1,4 +1,4 @@
-"""One robot in one arena, stepped by PyBullet, with the wheel-speed loop at its own rate.
+"""One robot in one arena, stepped by PyBullet, with the wheel-speed loop at a lower rate.
 
 Back-EMF and viscous friction are linear in speed and are joint damping in the robot's URDF, so that a step needs only
 the stall torque of the present voltages. Coulomb friction is the joint's velocity motor at zero speed with limited

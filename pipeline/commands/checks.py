@@ -24,12 +24,12 @@ def verify(
 
     Example: symolo verify data
     """
-    from configs.assets.quiet import unsaid
+    from configs.assets.quiet import silenced
     from pipeline.assembly.run_spec import spec_problem
     from symolo.verification.verify import verify as findings_of
 
     count = 0
-    with unsaid():
+    with silenced():
         for finding in findings_of(folder, spec_problem):
             typer.echo(str(finding))
             count += 1

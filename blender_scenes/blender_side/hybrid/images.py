@@ -66,11 +66,11 @@ _WHOLLY, _MOSTLY = 0.99, 0.5
 _CORNERS = (0, 2, -3, -1)
 """Indices of the corners in `filter_points`."""
 _EVERY = 4
-"""Step of the rows of pixels from which the needed tiles are found; the other rows rarely need more."""
+"""Step of the rows of pixels from which the needed tiles follow; the other rows rarely need more."""
 _IN_M = 0.05
 """Distance of an image's corners from the floor's border from which on the whole image is inside the floor."""
 _MAX_SHARE = 1.5
-"""Maximum ratio of light with and without what moves; above 1 where a moving thing reflects light."""
+"""Maximum ratio of light with and without moving bodies; above 1 where a moving body reflects light."""
 _MIN_SHARE = np.float32(0.005)
 """Share of the median light that is added to both sides of the ratio, which is undefined in the dark."""
 _MIN_LIGHT = np.float32(1e-6)
