@@ -6,6 +6,7 @@ import numpy as np
 
 from blender_scenes.scene.description import LightPanel, Point3
 from sensors.camera.colour import RGB
+from symolo.core.arrays import triple
 
 
 def on_the_floor(panels: Sequence[LightPanel], at: Point3) -> RGB:
@@ -18,4 +19,4 @@ def on_the_floor(panels: Sequence[LightPanel], at: Point3) -> RGB:
         arriving = float(ray[2]) / distance
         area = panel.width_m * panel.height_m
         total += np.multiply(panel.radiance, area * max(leaving, 0.0) * max(arriving, 0.0) / distance**2)
-    return float(total[0]), float(total[1]), float(total[2])
+    return triple(total)

@@ -60,8 +60,7 @@ class BendMemory:
 
     def update(self, odometry: PlanarPose) -> None:
         if self._recent:
-            x, y, _ = self._recent[-1][1]
-            self._travelled_m += math.hypot(odometry[0] - x, odometry[1] - y)
+            self._travelled_m += math.dist(odometry[:2], self._recent[-1][1][:2])
         self._recent.append((self._travelled_m, odometry))
         while self._travelled_m - self._recent[0][0] > self.length_m:
             self._recent.popleft()

@@ -105,7 +105,7 @@ class RobotController:
     def _search_rate(self, seen: ControlInput) -> float:
         """Return the yaw rate [rad/s] towards the side of a lost wall."""
         lost = self._config.lost
-        travelled_m = math.hypot(seen.odometry[0] - self._entered_at[0], seen.odometry[1] - self._entered_at[1])
+        travelled_m = math.dist(seen.odometry[:2], self._entered_at[:2])
         return lost.gap_turn_rate_rad_s if travelled_m < lost.gap_m else lost.turn_rate_rad_s
 
     def _drive_path(self, seen: ControlInput, error: float | None) -> tuple[float, float]:

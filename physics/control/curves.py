@@ -86,11 +86,12 @@ class CurveFollower:
         in_the_middle = line_error is not None and abs(line_error) < IN_THE_MIDDLE
         # A line on the side that the robot heads for is not crossed yet, or bends back under the robot.
         ahead = line_error is not None and self._turn * line_error <= -IN_THE_MIDDLE
-        travelled_m = _apart_m(odometry, self._since)
+        travelled_m = math.dist(odometry[:2], self._since[:2])
+        since_line_m = math.dist(odometry[:2], self._line_seen_at[:2])
         match self._phase:
             case _CurvePhase.FACE if self._facing.done:
                 return _CurvePhase.PATH
-            case _CurvePhase.PATH if on_line and _apart_m(odometry, self._line_seen_at) > self._curves.line_after_m:
+            case _CurvePhase.PATH if on_line and since_line_m > self._curves.line_after_m:
                 return _CurvePhase.CROSS
             case _CurvePhase.PATH if self._follower.finished:
                 return _CurvePhase.DONE
@@ -102,7 +103,3 @@ class CurveFollower:
                 return _CurvePhase.DONE
             case _:
                 return self._phase
-
-
-def _apart_m(one: PlanarPose, other: PlanarPose) -> float:
-    return math.hypot(one[0] - other[0], one[1] - other[1])

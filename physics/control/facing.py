@@ -66,7 +66,7 @@ class ObstacleFacing:
     def _next_phase(self, seen: ControlInput) -> _FacingPhase:
         config, yaw = self._config, seen.odometry[2]
         visible = seen.front_m < config.seen_below_m
-        travelled_m = math.hypot(seen.odometry[0] - self._since[0], seen.odometry[1] - self._since[1])
+        travelled_m = math.dist(seen.odometry[:2], self._since[:2])
         turned_rad = abs(yaw - self._since[2])
         match self._phase:
             case _FacingPhase.BACK if travelled_m >= config.back_m:

@@ -27,7 +27,7 @@ class Lap:
         """Take the pose of one tick; the lap closes only while the robot follows its track."""
         dx, dy = pose[0] - self.start[0], pose[1] - self.start[1]
         if self._last is not None:
-            self._driven_m += math.hypot(pose[0] - self._last[0], pose[1] - self._last[1])
+            self._driven_m += math.dist(pose[:2], self._last[:2])
         self._last = pose
         c, s = math.cos(self.start[2]), math.sin(self.start[2])
         along_m, beside_m = c * dx + s * dy, c * dy - s * dx

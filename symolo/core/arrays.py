@@ -8,3 +8,9 @@ Array = NDArray[np.float64]
 
 FloatImage = NDArray[np.float32]
 """Image (H, W, K) in single precision, such as linear light, depths or masks; the first row is at the top."""
+
+
+def triple(values: NDArray[np.floating]) -> tuple[float, float, float]:
+    """Return the numbers of an array (3,) as floats."""
+    a, b, c = values.tolist()
+    return a, b, c

@@ -12,8 +12,8 @@ import pytest
 from blender_scenes.lighting import LIGHTS
 from blender_scenes.lighting.illuminance import on_the_floor
 from blender_scenes.lighting.panoramas import CEILING, MEAN_COLOR
-from blender_scenes.rooms import ROOMS
 from blender_scenes.rooms.base import Top
+from blender_scenes.rooms.plain import plain_room
 from blender_scenes.scene.description import LightPanel
 from configs.schema.lighting import DeskLampsLook, LampsLook, SkyLook, SunLook
 from configs.schema.look import LookConfig
@@ -25,7 +25,7 @@ LOOK = LookConfig(name="plain")
 
 
 def _room(look=LOOK):
-    return ROOMS["plain"](look, (-1.0, -1.0), (1.0, 1.0), 1)
+    return plain_room(look, (-1.0, -1.0), (1.0, 1.0), 1)
 
 
 def test_daylight_of_6504_kelvin_is_the_white_of_srgb():
