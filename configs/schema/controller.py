@@ -28,7 +28,8 @@ class WallFollowing(Section):
     error_scale_per_m: float = Field(gt=0, le=1000)
     """Factor from the wall error to the range of the line error."""
     far_error_limit: float = Field(gt=0, le=3.5)
-    """Limit of the error when too far: small, so that mixed ranges at a wall's end do not turn the robot around it."""
+    """Limit of the error of a robot too far from the wall; small, so that mixed ranges at a wall's end do not turn the
+    robot around that end."""
     lost_beyond_m: float = Field(gt=0, le=2)
     """Reading of the side sensor above which the followed wall is lost."""
     found_within_m: float = Field(gt=0, le=2)
@@ -54,7 +55,7 @@ class CurvePath(Section):
 
 
 class FaceObstacle(Section):
-    """How the robot turns to an obstacle on a bend, so that a stored path fits every encounter."""
+    """Turn of the robot towards an obstacle on a bend, after which a stored path fits every encounter."""
 
     speed_m_s: float = Field(gt=0, le=2)
     """Speed of the robot when it drives back or trims its distance [m/s]."""
@@ -91,7 +92,8 @@ class CurveAvoidance(Section):
     side_below_m: float = Field(gt=0, le=2)
     """Reading of a side sensor below which it sees an obstacle on a bend that the front sensor cannot see."""
     ahead_below_m: float = Field(gt=0, le=2)
-    """Front reading below which a thing ahead on a straight is an obstacle; partly in the beam it reads too far."""
+    """Front reading below which, on a straight, a body ahead is an obstacle; the reading is too large while the body is
+    only partly in the beam."""
     both_below_m: float = Field(ge=0, le=2)
     """Reading of the front and of a side sensor below which, on a straight, an obstacle is between the two beams."""
     memory_m: float = Field(gt=0, le=10)
@@ -138,18 +140,21 @@ class Avoidance(Section):
     behind_beyond_m: float = Field(gt=0, le=2)
     """Reading of the side sensor towards the obstacle above which the obstacle is passed."""
     curves: CurveAvoidance | None = None
-    """With these, obstacles on a line are passed by the curve paths; without, by the straight one."""
+    """Settings of the curve paths, by which obstacles on a line are passed; without them the robot takes the straight
+    path."""
 
 
 class Lost(Section):
-    """States 33 and 44: a lost wall is looked for on its side, at first nearly straight on, as beyond a gap."""
+    """States 33 and 44: the robot searches for a lost wall on its side. At first it drives nearly straight, because the
+    wall may continue beyond a gap.
+    """
 
     speed_m_s: float = Field(ge=0, le=2)
     """Speed during the search [m/s]."""
     turn_rate_rad_s: float = Field(ge=0, le=20)
     """Yaw rate of the search [rad/s]."""
     gap_m: float = Field(ge=0, le=5)
-    """How far the robot goes before it takes the wall for ended; a turn at once would run into the end left behind."""
+    """Distance after which the robot regards the wall as ended; after a turn at once it would hit the wall's end."""
     gap_turn_rate_rad_s: float = Field(ge=0, le=20)
     """Yaw rate before `gap_m` is reached [rad/s]; small, so that a gap is crossed nearly straight."""
 

@@ -42,7 +42,7 @@ class Drive(Section):
     wheel_mass_kg: float = Field(gt=0, le=2)
     """Mass of one wheel [kg]."""
     wheel_friction: float = Field(ge=0, le=2)
-    """Coulomb coefficient between tyre and floor."""
+    """Coulomb friction coefficient between tyre and floor."""
     caster_x_m: float = Field(ge=-0.5, le=0.5)
     """Place of the caster ahead of the axle [m]; below 0 it is behind."""
     caster_radius_m: float = Field(ge=0.002, le=0.1)
@@ -57,15 +57,15 @@ class Motor(Section):
     winding_resistance_ohm: float = Field(gt=0, le=1000)
     """Resistance of the winding [ohm]."""
     torque_constant_N_m_A: float = Field(gt=0, le=100)
-    """Also the back-EMF constant in V s/rad."""
+    """Torque constant, which is also the back-EMF constant in V s/rad."""
     viscous_friction_N_m_s_rad: float = Field(ge=0, le=10)
     """Friction torque per speed [N m s/rad]."""
     coulomb_friction_N_m: float = Field(ge=0, le=10)
     """Friction torque at any speed [N m]."""
     rotor_inertia_kg_m2: float = Field(ge=0, le=1)
-    """Rotor and gearbox, reflected to the wheel shaft."""
+    """Inertia of rotor and gearbox, reflected to the wheel shaft."""
     motor_side_inertia_fraction: float = Field(default=0.9, ge=0.01, le=0.99)
-    """Share of that inertia on the motor side of the gearbox's play; used only with the effect `gear_backlash`."""
+    """Share of the rotor inertia on the motor side of the gearbox's play; used only with the effect `gear_backlash`."""
     motor_side_friction_fraction: float = Field(default=0.5, ge=0, le=1)
     """Share of all friction on the motor side of the gearbox's play; used only with the effect `gear_backlash`."""
 
@@ -85,7 +85,7 @@ class Encoder(Section):
     counts_per_revolution: int = Field(ge=4, le=1_000_000)
     """Counts per turn of the wheel, all edges counted."""
     period_s: float = Field(gt=0, le=1)
-    """Period of the readings by the controller; the wheel loop reads at its own rate."""
+    """Period of the readings by the controller; the wheel loop reads at `rates.wheel_loop_hz`."""
     delay_s: float = Field(ge=0, le=1)
     """Age of a reading when the controller receives it [s]."""
     dropout_probability: float = Field(ge=0, le=1)
@@ -271,7 +271,7 @@ class RobotConfig(Section):
     sensors: RobotSensors = Field(default_factory=RobotSensors, exclude_if=lambda sensors: not sensors)
     """Sensors beside line sensor, range sensors and encoders; each has its table in `side/`."""
     effects: RobotEffects = Field(default_factory=RobotEffects, json_schema_extra={"default": {}})
-    """Differences of this robot from everything that is described above; its controller does not know of them."""
+    """Deviations of the real robot from the values above, which its controller does not know."""
 
     def with_effect(self, effect: Effect) -> "RobotConfig":
         """Return this robot with one more effect, for example `SupplySag(source_resistance_ohm=0.4)`."""
