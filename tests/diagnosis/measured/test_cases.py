@@ -156,7 +156,7 @@ BAD_STEPS = {
     "time missing": (changed(3, 4, ""), "row 3: column t_s: got ''"),
     "unknown split": (changed(3, 2, "held"), "row 3: column split: got 'held'.*fit, holdout"),
     "trial is no number": (changed(3, 1, "1.5"), "row 3: column trial: got '1.5'.*whole number"),
-    "trial comes again": (changed(3, 1, "2"), "row 4: column trial: 1 comes again.*sort"),
+    "trial comes again": (changed(3, 1, "2"), "row 4: column trial: 1 appears again.*sort"),
     "time repeats": (changed(3, 4, "0.005"), "row 3: column t_s: 0.005 repeats 0.005 of the row above"),
     "time goes back": (changed(4, 4, "0.007"), "row 4: column t_s: 0.007 goes back from 0.01 of the row above"),
     "session goes back": (changed(5, 3, "0.001"), "row 5: column session_time_s"),
@@ -297,7 +297,7 @@ def test_a_case_without_its_data_says_which_file_lacks(case):
 
 
 def test_an_unknown_folder_says_what_would_be_known(tmp_path):
-    assert re.search("is none of the measured data.*motor_steady.*nominal.yaml and data.csv", refusal(tmp_path))
+    assert re.search("is not measured data of a known form.*motor_steady.*nominal.yaml and data.csv", refusal(tmp_path))
 
 
 def test_a_path_that_is_not_there_is_said_to_be_so(tmp_path):

@@ -147,7 +147,7 @@ def test_a_log_of_another_name_is_read_where_its_form_is_named(tmp_path):
     path = tmp_path / "mine.csv"
     path.write_text(STEADY + "1000, 7500, 51, 60.00, 30.00\n")
     assert "is none of these logs" in refusal(path, "micromouse")
-    assert "is none of the measured data" in refusal(path)
+    assert "is not measured data of a known form" in refusal(path)
 
 
 ROBOTINO = (
@@ -168,7 +168,7 @@ def test_three_header_rows_and_milliseconds_of_the_robotino(tmp_path):
 
 def test_an_angle_of_the_robotino_that_is_missing_leaves_the_others(tmp_path):
     """170, 178, none, -166, -158 degrees: a steady turn of 8 a row, over half a turn and a hole."""
-    symbols = {"t": "ms", **{symbol: quantity.unit for symbol, quantity in FORMS[-1].items()}}
+    symbols = {"t": "ms", **{column.name: column.unit for column in FORMS[-1]}}
     rows = [
         ";".join(str(32 * k) if symbol == "t" else angle if symbol == "ang" else "0" for symbol in symbols)
         for k, angle in enumerate(("170", "178", "", "-166", "-158"))

@@ -70,7 +70,7 @@ def test_resolution_is_the_step_that_all_values_lie_on():
 
 def test_a_channel_is_refused_whose_marks_contradict_its_values():
     series = TimeSeries("x_m", "m", np.arange(3.0), np.array([0.0, np.nan, 1.0]))
-    with pytest.raises(ValueError, match="NaN where it is not missing"):
+    with pytest.raises(ValueError, match="NaN and the quality MISSING do not agree"):
         Channel(series, Role.READING, np.array([SampleQuality.GOOD] * 3, dtype=np.int8))
     with pytest.raises(ValueError, match="shape"):
         Channel.logged(series, Role.READING, noise_sd=np.ones(2))
