@@ -1,12 +1,12 @@
 """Estimates of the noise of a channel: standard deviation, and correlation of a sample with the next.
 
-There are three estimators, for three kinds of data. All use a trimmed variance, so that a few wild samples count
+There are two estimators, for two kinds of data. Both use a trimmed variance, so that a few wild samples count
 little: the mean of the smallest 80 % of the squares, over its expectation for a normal deviate. A wild sample spoils
 three second differences; one in twenty makes the standard deviation from differences about 30 % too large.
 
 *Differences*, for a smooth signal sampled often. With noise of variance s^2 whose correlation over k rows is p^k
-(AR(1)), the second difference over k rows, x[i-k] - 2 x[i] + x[i+k], has the variance s^2 (6 - 8 p^k + 2 p^2k), and a
-straight line does not contribute to it. The ratio of the variances at k = 2 and k = 1 is (1 + p)(3 - p^2)/(3 - p), which
+(AR(1)), the second difference over k rows, x[i-k] - 2 x[i] + x[i+k], has the variance s^2 (6 - 8 p^k + 2 p^2k), to
+which a straight line contributes nothing. The ratio of the variances at k = 2 and k = 1 is (1 + p)(3 - p^2)/(3 - p). It
 rises with p from 0 to 2 and gives p; then s follows. The curvature of the signal within two rows counts as noise, which
 usually makes both too large; they are estimates and not bounds. p near 1 cannot be distinguished from a slow signal. If
 a reading has steps that are coarse compared with its noise, most differences are 0, and so is the estimate:
@@ -14,15 +14,12 @@ a reading has steps that are coarse compared with its noise, most differences ar
 
 *Repeats*, for rows under the same conditions: the pure error (Draper and Smith, Applied Regression Analysis, 3rd ed.,
 section 2.1). A group of n rows gives n - 1 independent deviates by Helmert's contrasts.
-
-*Residuals*, for the difference between a channel and a model: the variances of sum and difference of neighbours are 2 s^2 (1 + p) and
-2 s^2 (1 - p) (Gnanadesikan and Kettenring, Biometrics 28 (1972) 81-124).
 """
 
-from collections.abc import Callable, Hashable, Sequence
-from dataclasses import dataclass
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import log, sqrt
+from math import sqrt
 from statistics import NormalDist
 
 import numpy as np
@@ -64,10 +61,6 @@ class Noise:
         """
         return self.correlation + 2.0 * (self.correlation_error or 0.0) < SLOW
 
-    def correlation_time_s(self, period_s: float) -> float:
-        """Return the time after which the correlation has fallen to 1/e; 0 if neighbours are not positively correlated."""
-        return -period_s / log(self.correlation) if self.correlation > 0.0 else 0.0
-
 
 def trimmed_variance(deviations: Array) -> float:
     """Return the variance about zero of normal deviates with a few wild ones among them; NaN are left out."""
@@ -97,7 +90,21 @@ def noise_of_differences(values: Array, joined: Mask | None = None) -> Noise | N
         values: (N,), NaN where no sample is usable.
         joined: (N - 1,), whether a row and the next are one regular step apart; all by default.
     """
-    return _with_errors(_of_differences, values, joined)
+    joined = np.ones(max(0, len(values) - 1), dtype=bool) if joined is None else joined
+    whole = _of_differences(values, joined)
+    if whole is None or len(values) < BLOCKS * MIN_BLOCK_ROWS:
+        return whole
+    edges = np.linspace(0, len(values), BLOCKS + 1).astype(int)
+    without = []
+    for begin, end in pairwise(edges.tolist()):
+        others = values.copy()
+        others[begin:end] = np.nan
+        noise = _of_differences(others, joined)
+        if noise is None:
+            return whole
+        without.append((noise.sd, noise.correlation))
+    sd_error, correlation_error = (np.std(np.array(without), axis=0) * sqrt(BLOCKS - 1)).tolist()
+    return replace(whole, sd_error=sd_error, correlation_error=correlation_error)
 
 
 def _of_differences(values: Array, joined: Mask) -> Noise | None:
@@ -134,40 +141,6 @@ def _correlation(ratio: float) -> float:
     return 0.5 * (low + high)
 
 
-def noise_of_residuals(residuals: Array, joined: Mask | None = None) -> Noise | None:
-    """Return the noise of the residuals of a model; the arguments are those of `noise_of_differences`."""
-    return _with_errors(_of_residuals, residuals, joined)
-
-
-def _of_residuals(residuals: Array, joined: Mask) -> Noise | None:
-    rows = int(np.count_nonzero(np.isfinite(residuals)))
-    if rows < MIN_ROWS:
-        return None
-    sum_ = trimmed_variance((residuals[1:] + residuals[:-1])[joined])
-    difference = trimmed_variance((residuals[1:] - residuals[:-1])[joined])
-    both = sum_ + difference
-    correlation = (sum_ - difference) / both if both > 0.0 else 0.0
-    return Noise(sqrt(trimmed_variance(residuals)), correlation, rows)
-
-
-def _with_errors(estimate: Callable[[Array, Mask], Noise | None], values: Array, joined: Mask | None) -> Noise | None:
-    joined = np.ones(max(0, len(values) - 1), dtype=bool) if joined is None else joined
-    whole = estimate(values, joined)
-    if whole is None or len(values) < BLOCKS * MIN_BLOCK_ROWS:
-        return whole
-    edges = np.linspace(0, len(values), BLOCKS + 1).astype(int)
-    without = []
-    for begin, end in pairwise(edges.tolist()):
-        others = values.copy()
-        others[begin:end] = np.nan
-        noise = estimate(others, joined)
-        if noise is None:
-            return whole
-        without.append((noise.sd, noise.correlation))
-    scatter = np.std(np.array(without), axis=0) * sqrt(BLOCKS - 1)
-    return Noise(whole.sd, whole.correlation, whole.rows, float(scatter[0]), float(scatter[1]))
-
-
 def noise_of_repeats(values: Array, conditions: Sequence[Hashable]) -> Noise | None:
     """Return the noise of rows (N,) with the same conditions (N,), without NaN; None below 8 degrees of freedom."""
     groups: dict[Hashable, list[float]] = {}
@@ -182,7 +155,7 @@ def noise_of_repeats(values: Array, conditions: Sequence[Hashable]) -> Noise | N
 
 
 def _independent(group: Array) -> Array:
-    """Return n values with an unknown mean as n - 1 independent deviates about zero with the same variance (Helmert)."""
+    """Return n values with an unknown mean as n - 1 independent deviates about zero of the same variance (Helmert)."""
     n = np.arange(1, len(group))
     before = np.cumsum(group)[:-1] / n
     return (group[1:] - before) * np.sqrt(n / (n + 1.0))

@@ -20,7 +20,6 @@ SAME = 0.7
 class Timing:
     period_s: float
     """Usual step."""
-    shortest_s: float
     longest_s: float
     gaps: int
     """Number of steps of more than 1.5 periods."""
@@ -42,7 +41,7 @@ def timing(t_s: Array) -> Timing | None:
     if not len(steps):
         return None
     period_s = usual(steps)
-    return Timing(period_s, float(steps.min()), float(steps.max()), int(np.count_nonzero(steps > GAP * period_s)))
+    return Timing(period_s, float(steps.max()), int(np.count_nonzero(steps > GAP * period_s)))
 
 
 def joined(t_s: Array) -> Mask:

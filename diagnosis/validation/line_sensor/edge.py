@@ -6,6 +6,7 @@ from scipy.special import ndtri
 from configs.schema.robot import LineSensor, RobotConfig
 from diagnosis.validation.experiment import ExperimentResult, ValidationCheck
 from diagnosis.validation.line_sensor.rig import Tape, readings, sensor, spot_diameter_m, without_faults
+from diagnosis.validation.measures import rms
 from diagnosis.validation.panels import COLORS, MARKERS, Curve, Panel
 from sensors.line_sensor import channel_weights
 from symolo.core.arrays import Array
@@ -60,7 +61,6 @@ def crossing(config: LineSensor, height_m: float, tape: Tape, seed: int) -> dict
     faultless = readings(quiet, fine)
     # The same stream at both heights is the same sensor, raised.
     sampled = readings(sensor(at_height, tape, seed, "crossing"), coarse)
-    residual = sampled - readings(quiet, coarse)
     return {
         "height_m": height_m,
         "spot_diameter_m": diameter_m,
@@ -69,7 +69,7 @@ def crossing(config: LineSensor, height_m: float, tape: Tape, seed: int) -> dict
         **{f"faultless_L{k}": channel for k, channel in enumerate(faultless.T)},
         "sampled_offset_m": coarse,
         **{f"sampled_L{k}": channel for k, channel in enumerate(sampled.T)},
-        "residual_rms": float(np.sqrt(np.mean(residual**2))),
+        "residual_rms": rms(sampled - readings(quiet, coarse)),
         "edge_10_90_m": np.array([edge_width_m(fine, channel, tape) for channel in faultless.T]),
         "edge_closed_form_m": 2.0 * float(ndtri(0.9)) * 0.25 * diameter_m,
         "edges_are_apart": 0.25 * diameter_m <= MAX_SPOT_SHARE * tape.width_m,

@@ -14,6 +14,7 @@ from diagnosis.motor_identification import (
     identify_as_printed,
 )
 from diagnosis.validation.experiment import ExperimentResult
+from diagnosis.validation.measures import rms
 from diagnosis.validation.panels import Curve, Panel
 from physics.drivetrain import motor_bench
 from physics.drivetrain.motor import MotorModel
@@ -101,11 +102,6 @@ def _states(parameters: MotorParameters) -> Callable[[Array], tuple[Array, Array
         return rows[:, 0], rows[:, 1]
 
     return states
-
-
-def rms(residuals: Array) -> float:
-    """Return the root mean square."""
-    return float(np.sqrt(np.mean(residuals**2)))
 
 
 def largest(residuals: Array) -> float:

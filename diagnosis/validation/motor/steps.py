@@ -5,8 +5,8 @@ from math import log
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from diagnosis.validation.crossing import first_reached
 from diagnosis.validation.experiment import ExperimentResult, ValidationCheck
+from diagnosis.validation.measures import first_reached
 from diagnosis.validation.panels import COLORS, DASHES, Curve, Panel
 from physics.drivetrain.motor import MotorModel
 from physics.drivetrain.motor_bench import steady_states, step_responses

@@ -8,11 +8,10 @@ from diagnosis.validation.experiment import Experiment, ValidatedPart
 from diagnosis.validation.range_sensor.engine_rays import engine_rays
 from diagnosis.validation.range_sensor.field_of_view import field_of_view
 from diagnosis.validation.range_sensor.paper import DISTANCES_MM, STEP_HEIGHT_MM, TABLE_3, TABLE_4
-from diagnosis.validation.range_sensor.stand import SensorOnStand, closed_form, seen_mm, target
+from diagnosis.validation.range_sensor.stand import SensorOnStand, target
 from diagnosis.validation.range_sensor.step import step
 from diagnosis.validation.range_sensor.surfaces import materials, tones
 from diagnosis.validation.range_sensor.tilt import ANGLES_DEG, tilt
-from diagnosis.validation.still_world import StillWorld
 from symolo.core.errors import InputError
 
 READINGS = 5001
@@ -60,5 +59,4 @@ def require_sight(robot: RobotConfig) -> None:
 
 
 def _see(mounted: SensorOnStand, distance_mm: float, surface: SurfaceName, yaw_deg: float) -> None:
-    arena = target(1e-3 * distance_mm, surface)
-    seen_mm(mounted.sensor(arena, "check"), StillWorld(closed_form(arena), yaw_deg=yaw_deg), distance_mm)
+    mounted.facing(target(1e-3 * distance_mm, surface), "check").seen_mm(distance_mm, yaw_deg=yaw_deg)

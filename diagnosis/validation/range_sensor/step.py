@@ -3,21 +3,11 @@
 import numpy as np
 
 from configs.schema.robot import RobotConfig
-from diagnosis.validation.crossing import first_reached
 from diagnosis.validation.experiment import ExperimentResult, ValidationCheck
+from diagnosis.validation.measures import first_reached
 from diagnosis.validation.panels import COLORS, DASHES, Curve, Panel
 from diagnosis.validation.range_sensor.paper import DISTANCES_MM, STEP_HEIGHT_MM, footprint_mm
-from diagnosis.validation.range_sensor.stand import (
-    TARGET_HALF_WIDTH_M,
-    SensorOnStand,
-    arena_of,
-    board,
-    closed_form,
-    grid,
-    reading_mm,
-    seen_mm,
-)
-from diagnosis.validation.still_world import StillWorld
+from diagnosis.validation.range_sensor.stand import TARGET_HALF_WIDTH_M, SensorOnStand, arena_of, board, grid
 from sensors.tof import log_error_m
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
@@ -55,17 +45,16 @@ def step_arena(distance_mm: float) -> Arena:
 def scan(mounted: SensorOnStand, distance_mm: float) -> dict:
     """Return one path across the edge: readings as configured and without noise, and the widths of the step."""
     arena = step_arena(distance_mm)
-    rays = closed_form(arena)
-    configured = mounted.sensor(arena, "step", distance_mm)
-    noiseless = mounted.without_noise().sensor(arena, "step", distance_mm)
+    configured = mounted.facing(arena, "step", distance_mm)
+    noiseless = mounted.without_noise().facing(arena, "step", distance_mm)
     positions = grid(0.0, 300.0, 1.0)
-    worlds = [StillWorld(rays, y_m=1e-3 * (position - EDGE_MM)) for position in positions.tolist()]
-    exact = np.array([seen_mm(noiseless, world, distance_mm + STEP_HEIGHT_MM) for world in worlds])
+    places_m = (1e-3 * (positions - EDGE_MM)).tolist()
+    exact = np.array([noiseless.seen_mm(distance_mm + STEP_HEIGHT_MM, y_m) for y_m in places_m])
     low, start, middle, end, high = places_of_shares(positions, exact, (0.01, 0.1, 0.5, 0.9, 0.99))
     return {
         "distance_mm": distance_mm,
         "position_mm": positions,
-        "reading_mm": np.array([reading_mm(configured, world) for world in worlds]),
+        "reading_mm": np.array([configured.reading_mm(y_m) for y_m in places_m]),
         "noiseless_mm": exact,
         "before_mm": float(exact[0]),
         "after_mm": float(exact[-1]),

@@ -7,10 +7,10 @@ import numpy as np
 from configs.schema.arena import SurfaceName
 from configs.schema.robot import RobotConfig
 from diagnosis.validation.experiment import ExperimentResult, ValidationCheck
+from diagnosis.validation.measures import mean_and_sd
 from diagnosis.validation.panels import COLORS, DASHES, MARKERS, Curve, Panel
 from diagnosis.validation.range_sensor.paper import MEAN_WITHIN_MM, SD_WITHIN, TABLE_3, TABLE_4, PrintedReadings
-from diagnosis.validation.range_sensor.stand import SensorOnStand, closed_form, grid, target, valid_mm
-from diagnosis.validation.still_world import StillWorld
+from diagnosis.validation.range_sensor.stand import SensorOnStand, grid, target, valid_mm
 from sensors.tof import log_error_m, noise_sd_m
 from symolo.core.arrays import Array
 from symolo.dataset.codes import TofStatus
@@ -78,13 +78,12 @@ def _surfaces(
 
 def at_100_mm(mounted: SensorOnStand, name: str, surface: SurfaceName, paper: PrintedReadings, count: int) -> dict:
     """Return mean and deviation of the valid readings of one surface at 100 mm, beside the paper's."""
-    arena = target(0.1, surface)
-    sensor = mounted.sensor(arena, name, surface, "at 100 mm")
-    readings = mounted.readings_mm(sensor, StillWorld(closed_form(arena)), count)
+    readings = mounted.facing(target(0.1, surface), name, surface, "at 100 mm").readings_mm(count)
+    mean_mm, sd_mm = mean_and_sd(readings)
     return {
         "readings_at_100_mm": len(readings),
-        "mean_at_100_mm": float(readings.mean()),
-        "sd_at_100_mm": float(readings.std(ddof=1)),
+        "mean_at_100_mm": mean_mm,
+        "sd_at_100_mm": sd_mm,
         "paper_mean_mm": paper.mean_mm,
         "paper_sd_mm": paper.sd_mm,
     }
@@ -97,11 +96,10 @@ def over_distance(
     mean, sd, without = np.full((3, len(distances_mm)), np.nan)
     for k, distance_mm in enumerate(distances_mm.tolist()):
         arena = target(max(1e-3 * distance_mm, 1e-6), surface)
-        sensor = mounted.sensor(arena, name, surface, distance_mm)
-        samples = mounted.samples(sensor, StillWorld(closed_form(arena)), count)
+        samples = mounted.facing(arena, name, surface, distance_mm).samples(count)
         valid = valid_mm(samples)
         if len(valid) >= MIN_READINGS:
-            mean[k], sd[k] = valid.mean(), valid.std(ddof=1)
+            mean[k], sd[k] = mean_and_sd(valid)
         without[k] = np.mean(samples[:, 1] == TofStatus.NO_TARGET)
     return {"distance_mm": distances_mm, "mean_mm": mean, "sd_mm": sd, "without_target": without}
 

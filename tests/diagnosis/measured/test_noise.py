@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 from diagnosis.measured.noise import (
-    Noise,
     noise_of_differences,
     noise_of_repeats,
-    noise_of_residuals,
     trimmed_variance,
 )
 
@@ -40,17 +38,13 @@ def test_a_trimmed_variance_of_few_is_that_of_what_is_kept():
 
 
 @pytest.mark.parametrize(
-    ("estimate", "correlation", "within"),
-    [
-        *((noise_of_differences, correlation, 0.06) for correlation in (-0.4, 0.0, 0.3)),
-        (noise_of_differences, 0.6, 0.15),  # slow noise is hard to tell from a slow signal
-        *((noise_of_residuals, correlation, 0.03) for correlation in (-0.4, 0.0, 0.3, 0.6, 0.9)),
-    ],
+    ("correlation", "within"),
+    [(-0.4, 0.06), (0.0, 0.06), (0.3, 0.06), (0.6, 0.15)],  # slow noise is hard to distinguish from a slow signal
 )
-def test_standard_deviation_and_correlation_of_known_noise(estimate, correlation, within):
-    found = estimate(ar1(7, 20_000, 0.1, correlation))
-    assert found.sd == pytest.approx(0.1, rel=within)
-    assert found.correlation == pytest.approx(correlation, abs=within)
+def test_standard_deviation_and_correlation_of_known_noise(correlation, within):
+    noise = noise_of_differences(ar1(7, 20_000, 0.1, correlation))
+    assert noise.sd == pytest.approx(0.1, rel=within)
+    assert noise.correlation == pytest.approx(correlation, abs=within)
 
 
 def test_the_standard_errors_are_of_the_size_of_the_errors():
@@ -85,12 +79,6 @@ def test_differences_do_not_reach_across_a_gap():
     assert noise_of_differences(values).sd > 1.0
 
 
-def test_the_correlation_time_is_when_it_has_fallen_to_one_over_e():
-    """Of 1/root e over 50 ms, that is 100 ms."""
-    assert Noise(1.0, math.exp(-0.5), 100).correlation_time_s(0.05) == pytest.approx(0.1)
-    assert Noise(1.0, -0.2, 100).correlation_time_s(0.05) == 0.0
-
-
 def test_repeats_tell_the_noise_whatever_lies_between_the_conditions():
     conditions = [k // 3 for k in range(3000)]
     means = rng(4).uniform(-100, 100, 1000)
@@ -108,7 +96,6 @@ def test_a_pair_counts_as_its_difference_over_the_root_of_two():
 
 def test_too_little_data_tell_no_noise():
     assert noise_of_differences(np.arange(9.0)) is None
-    assert noise_of_residuals(np.full(100, np.nan)) is None
     assert noise_of_repeats(np.arange(10.0), list(range(10))) is None
 
 

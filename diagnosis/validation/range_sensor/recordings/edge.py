@@ -7,14 +7,13 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from diagnosis.validation.experiment import ExperimentResult
+from diagnosis.validation.measures import rms
 from diagnosis.validation.panels import Curve, Panel
 from diagnosis.validation.range_sensor.paper import footprint_mm
-from diagnosis.validation.range_sensor.recordings.cone import Cone
+from diagnosis.validation.range_sensor.recordings.ball_scene import BALL, BOARD, BallScene, Cone
 from diagnosis.validation.range_sensor.recordings.scan import ScanRecording
-from diagnosis.validation.range_sensor.recordings.sphere import BALL, BOARD, BallScene
-from diagnosis.validation.range_sensor.stand import HEIGHT_M, SensorOnStand, arena_of, board, reading_mm
+from diagnosis.validation.range_sensor.stand import HEIGHT_M, SensorOnStand, arena_of, board
 from diagnosis.validation.range_sensor.step import places_of_shares
-from diagnosis.validation.still_world import StillWorld
 from symolo.core.arrays import Array
 from symolo.pages.plotting import BLACK, BLUE, VERMILION
 
@@ -149,7 +148,7 @@ def _fit(cone: Cone, half: _HalfScan, inner: NDArray[np.bool_], power: float) ->
     )
     fit = ball(solution.x)
     outside = _readings(cone, half, fit) - half.reading_mm
-    return replace(fit, inner_rms_mm=_rms(solution.fun), all_rms_mm=_rms(outside))
+    return replace(fit, inner_rms_mm=rms(solution.fun), all_rms_mm=rms(outside))
 
 
 def _with_sensor(mounted: SensorOnStand, half: _HalfScan, fit: BallFit) -> Array:
@@ -158,12 +157,11 @@ def _with_sensor(mounted: SensorOnStand, half: _HalfScan, fit: BallFit) -> Array
     boards = {BALL: board("ball", 0.1, 1.0), BOARD: board("board", 1.0, 1.0)}
     # The scan has unknown offsets; what is compared is the mean over the cone.
     exact = replace(mounted, tof=mounted.tof.model_copy(update={"error_scale": 0.0})).without_noise()
-    sensor, scene = exact.sensor(arena_of(*boards.values()), "edge"), _scene(fit, half.board_mm)
+    on_stand, ball = exact.facing(arena_of(*boards.values()), "edge"), _scene(fit, half.board_mm)
     moved = (
-        replace(scene, y_m=scene.y_m - 1e-3 * x_mm, z_m=scene.z_m - 1e-3 * y_mm)
-        for x_mm, y_mm in half.places_mm.tolist()
+        replace(ball, y_m=ball.y_m - 1e-3 * x_mm, z_m=ball.z_m - 1e-3 * y_mm) for x_mm, y_mm in half.places_mm.tolist()
     )
-    return np.array([reading_mm(sensor, StillWorld(ball)) for ball in moved])
+    return np.array([replace(on_stand, caster=scene).reading_mm() for scene in moved])
 
 
 def _profile(half: _HalfScan, fit: BallFit, reading: Array) -> dict:
@@ -175,7 +173,3 @@ def _profile(half: _HalfScan, fit: BallFit, reading: Array) -> dict:
     median = np.array([np.median(reading[ring == number]) for number in rings])
     start, middle, end = places_of_shares(radius, median, (0.1, 0.5, 0.9))
     return {"radius_mm": radius, "reading_mm": median, "width_10_90_mm": end - start, "middle_mm": middle}
-
-
-def _rms(residual: Array) -> float:
-    return float(np.sqrt(np.mean(residual**2)))
