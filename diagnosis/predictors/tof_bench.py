@@ -12,7 +12,7 @@ from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.measured.nominal import NominalTof
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted, Stage
-from diagnosis.predictors.rows import given, joined, observed_channel
+from diagnosis.predictors.rows import good_values, joined, observed_channel
 from physics.robot.stack import alike, stacked, stacked_effects
 from sensors.range_effects import RangeEffects
 from sensors.range_view import RangeView
@@ -34,7 +34,7 @@ class TofBenchStage:
         known = measurement.nominal.tof.reflectance if isinstance(measurement.nominal, NominalTof) else {}
         materials = [name for trial in trials for name in _materials(trial)]
         distance_m, incidence_rad, temperature_C, ambient_lux = (
-            given(measurement, name) for name in ("distance_m", "incidence_rad", "temperature_C", "ambient_lux")
+            good_values(measurement, name) for name in ("distance_m", "incidence_rad", "temperature_C", "ambient_lux")
         )
         self._distance_m = distance_m
         # What was not logged is assumed to be as during the calibration of the sensor.

@@ -1,4 +1,4 @@
-"""Steps of voltage from rest on rotor and gearbox: speed and current against time, beside Eq. 20's time constant."""
+"""Responses of rotor and gearbox to steps of voltage from rest, compared with the time constant of Eq. 20."""
 
 from math import log
 
@@ -34,7 +34,7 @@ def is_ideal(robot: RobotConfig) -> bool:
 
 
 def steps(robot: RobotConfig, _seed: int) -> ExperimentResult:
-    """Return responses of the robot's right motor, off load, with all of the robot's effects."""
+    """Return responses of the right motor of the robot without load, with all effects of the robot."""
     model = RobotModel.from_config(robot)
     constant_s = time_constant_s(model.motors.right)
     row_s = constant_s / ROWS_PER_TIME_CONSTANT

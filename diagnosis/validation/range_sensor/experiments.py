@@ -1,4 +1,4 @@
-"""The paper's five experiments with the simulated range sensor, and what they must show."""
+"""The five experiments of the paper with the simulated range sensor."""
 
 from functools import partial
 
@@ -33,10 +33,14 @@ def range_sensor(readings: int = READINGS) -> ValidatedPart:
         (
             Experiment("tones", "Experiment 1: boards of four tones (Table 3).", partial(tones, counts=counts)),
             Experiment("materials", "Experiment 2: five materials (Table 4).", partial(materials, counts=counts)),
-            Experiment("step", "Experiment 3: across the edge of a box of 106 mm (paper Fig. 17).", step),
-            Experiment("tilt", "Experiment 4: tilted in place (paper Fig. 18).", partial(tilt, readings=elsewhere)),
-            Experiment("field_of_view", "Experiment 5: how wide the spot is (paper Fig. 19).", field_of_view),
-            Experiment("engine_rays", "The same readings on PyBullet's own rays.", engine_rays),
+            Experiment(
+                "step", "Experiment 3: the sensor moved across the edge of a box of 106 mm (paper Fig. 17).", step
+            ),
+            Experiment(
+                "tilt", "Experiment 4: the sensor tilted in place (paper Fig. 18).", partial(tilt, readings=elsewhere)
+            ),
+            Experiment("field_of_view", "Experiment 5: width of the spot on a board (paper Fig. 19).", field_of_view),
+            Experiment("engine_rays", "The same readings with the rays of PyBullet.", engine_rays),
         ),
         require_sight,
     )

@@ -1,4 +1,4 @@
-"""Experiment 5: how wide the spot on a board is (paper Fig. 19)."""
+"""Experiment 5: width of the spot on a board (paper Fig. 19)."""
 
 from dataclasses import replace
 

@@ -18,7 +18,7 @@ EDGE_MM = 150.0
 TOLERANCE = 0.10
 """Largest relative difference of the width from the footprint."""
 EVEN_DISC = 0.687
-"""10-90 % width of a disc of even light, in diameters."""
+"""10-90 % width of an evenly lit disc, in diameters."""
 
 
 def step(robot: RobotConfig, seed: int) -> ExperimentResult:
@@ -28,9 +28,9 @@ def step(robot: RobotConfig, seed: int) -> ExperimentResult:
     far, far_mm = list(scans.values())[-1], DISTANCES_MM[-1]
     equation_mm = 1e3 * float(log_error_m(np.array([1e-3 * far_mm]))[0])
     note = (
-        f"a board at {far_mm:.0f} mm reads {far['before_mm'] - far_mm:+.1f} mm off; Eq. 24 with its zero at 0.18 m is "
-        f"{equation_mm:+.1f} mm there, the robot takes {mounted.tof.error_scale:g} of it. The paper calls the same "
-        "readings of experiments 3 and 4 close to the distance, without a figure"
+        f"the reading of a board at {far_mm:.0f} mm differs by {far['before_mm'] - far_mm:+.1f} mm. Eq. 24 with its "
+        f"zero at 0.18 m gives {equation_mm:+.1f} mm there, and the robot uses {mounted.tof.error_scale:g} of it. The "
+        "paper calls the readings of experiments 3 and 4 close to the distance, without a figure"
     )
     return ExperimentResult(scans, checks_of(scans), _panels(scans), (note,))
 
@@ -76,7 +76,7 @@ def checks_of(scans: dict[str, dict]) -> list[ValidationCheck]:
     checks = []
     for name, table in scans.items():
         share, nearly_all = (table[key] / table["footprint_mm"] for key in ("width_10_90_mm", "width_1_99_mm"))
-        detail = f"a disc of even light has {EVEN_DISC:.2f}; from 1 to 99 % it is {nearly_all:.2f}"
+        detail = f"an evenly lit disc has {EVEN_DISC:.2f}; the 1-99 % width is {nearly_all:.2f}"
         what = f"10-90 % width over the footprint, at {name}"
         checks.append(ValidationCheck(what, share, 1.0, TOLERANCE, "footprint 2 d tan 12.5", detail=detail))
     narrower = int(np.sum(np.diff([table["width_10_90_mm"] for table in scans.values()]) <= 0.0))
@@ -102,7 +102,7 @@ def _panels(scans: dict[str, dict]) -> tuple[Panel, Panel]:
     )
     widths = (
         Curve(distance, footprint, "paper: 2 d tan 12.5°", BLACK, "o", size=8),
-        Curve(distance, EVEN_DISC * footprint, "10-90 % of a disc of even light", SKY, ":"),
+        Curve(distance, EVEN_DISC * footprint, "10-90 % of an evenly lit disc", SKY, ":"),
         Curve(distance, narrow, "simulated, 10-90 %", VERMILION, "x-"),
         Curve(distance, nearly_all, "simulated, 1-99 %", BLUE, "+--"),
     )

@@ -1,4 +1,4 @@
-"""Experiments 1 and 2: boards of four tones and five materials, at 100 mm and over the distance (Tables 3 and 4)."""
+"""Experiments 1 and 2: boards of four tones and five materials, at 100 mm and at other distances (Tables 3 and 4)."""
 
 from collections.abc import Mapping
 
@@ -34,7 +34,7 @@ def tones(robot: RobotConfig, seed: int, counts: tuple[int, int]) -> ExperimentR
     result = _surfaces(mounted, "tones", TABLE_3, grid(0.0, 1200.0, 10.0), counts)
     distance, scale = EQUATION_MM, robot.tof.error_scale
     bias_mm = 1e3 * log_error_m(1e-3 * distance)
-    bias = Curve(distance, bias_mm, f"Eq. 24; the robot takes {scale:g} of it", GREY, width=3)
+    bias = Curve(distance, bias_mm, f"Eq. 24; the robot uses {scale:g} of it", GREY, width=3)
     noise_mm = 1e3 * noise_sd_m(np.full_like(distance, 1.41e-3), 1e-3 * distance)
     noise = [Curve(distance, noise_mm, "Eq. 23, in x - 0.18 m", GREY, width=3)]
     for k, surface in enumerate(TABLE_3):
@@ -43,8 +43,8 @@ def tones(robot: RobotConfig, seed: int, counts: tuple[int, int]) -> ExperimentR
     mean, *others = result.panels
     with_bias = Panel(mean.title, mean.x_label, mean.y_label, (bias, *mean.curves))
     deviation = Panel("1  Tones: deviation", "distance [mm]", "standard deviation [mm]", noise, y_range=(0.0, None))
-    glass = "a surface's offset is the same at all distances; the paper's glass errs more with the distance (no figure)"
-    dark = "nothing is lost for want of light: a black board reads as far as a white one"
+    glass = "the offset of a surface is the same at all distances; in the paper that of glass grows with it (no figure)"
+    dark = "no reading is lost in the model for lack of light: a black board is seen as far as a white one"
     tables = {**result.tables, "equation_24": {"share_in_the_robot": scale}}
     return ExperimentResult(tables, result.checks, (with_bias, deviation, *others), (glass, dark))
 
@@ -71,8 +71,8 @@ def _surfaces(
         off = table["mean_mm"] - table["distance_mm"]
         curves.append(Curve(table["distance_mm"], off, _shown(surface), COLORS[k], DASHES[k]))
         curves.append(Curve([100.0], [paper.mean_mm - 100.0], "", COLORS[k], MARKERS[k], size=7))
-    title = f"{name.capitalize()}: mean less distance, points printed"
-    panel = Panel(title, "distance [mm]", "mean reading less distance [mm]", curves)
+    title = f"{name.capitalize()}: mean minus distance; points: paper"
+    panel = Panel(title, "distance [mm]", "mean reading minus distance [mm]", curves)
     return ExperimentResult(tables, checks, (panel, *_panels_at_100_mm(tables, source)))
 
 

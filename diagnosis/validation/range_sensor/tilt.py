@@ -20,9 +20,9 @@ from symolo.pages.plotting import GREY
 ANGLES_DEG = tuple(grid(-25.0, 25.0, 2.0).tolist())
 """Angles as in the paper; 0 is not among them."""
 MAX_STANDARD_ERRORS = 4.0
-"""How far two means may be apart: of 156 pairs none is by chance in a hundred repetitions of the experiment."""
+"""Largest allowed difference of two means: in 100 repetitions, none of the 156 pairs exceeds it by chance."""
 MIN_SD_MM = 0.01
-"""Standard deviation that is taken for a sensor without noise, whose standard errors would be 0."""
+"""Standard deviation that is used for a sensor without noise, whose standard errors would be 0."""
 
 Axis = Literal["sideways", "up_and_down"]
 AXES: tuple[Axis, ...] = ("sideways", "up_and_down")
@@ -33,7 +33,7 @@ def tilt(robot: RobotConfig, seed: int, readings: int) -> ExperimentResult:
     mounted = SensorOnStand.of_robot(robot, seed)
     curves = {f"{axis} at {d:g} mm": curve(mounted, axis, d, readings) for axis in AXES for d in DISTANCES_MM}
     note = (
-        "the paper's tilt curves up and down lean to one side (no figure); the model has emitter and receiver in one "
+        "the up-and-down curves of the paper lean to one side (no figure); the model has emitter and receiver at one "
         "place and is symmetric about both axes"
     )
     return ExperimentResult(curves, checks_of(curves), (_panel(curves),), (note,))
@@ -81,7 +81,7 @@ def checks_of(curves: Mapping[str, dict]) -> list[ValidationCheck]:
     """Return the checks of curves about each axis at rising distances."""
     name, worst = max(curves.items(), key=lambda item: item[1]["largest_asymmetry_standard_errors"])
     half = len(ANGLES_DEG) // 2
-    # Without noise, because the mean of a few readings may fall by chance near 0.
+    # Without noise, because near 0 the mean of a few readings may fall by chance.
     arms = [arm for c in curves.values() for arm in (c["noiseless_mm"][half:], c["noiseless_mm"][:half][::-1])]
     falling = sum(not (np.diff(arm) > 0).all() for arm in arms)
     rises: dict[str, list[float]] = {axis: [] for axis in AXES}
