@@ -96,6 +96,7 @@ class MotorStep:
         columns = []
         for place in self._grid.places:
             speeds = speed_rad_s[begin : begin + len(place)]
+            # Trapezoids over the samples, from rest at sample 0.
             known = np.interp(number, np.append(0, place), np.append(0.0, speeds))
             columns.append(self._grid.period_s * np.append(0.0, np.cumsum(0.5 * (known[1:] + known[:-1]))))
             begin += len(place)

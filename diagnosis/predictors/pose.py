@@ -230,6 +230,7 @@ def earlier(pose: Array, t_s: Array, trials: Sequence[int], delay_s: float | Arr
         if rows < 2:
             parts.append(poses)
             continue
+        # One delay gives times (n,) for all robots, M delays give (M, n); poses and times are broadcast to each other.
         wanted_s = np.clip(times - delay_s, times[0], times[-1])
         after = np.clip(np.searchsorted(times, wanted_s), 1, rows - 1)
         share = ((wanted_s - times[after - 1]) / (times[after] - times[after - 1]))[..., None]

@@ -119,6 +119,7 @@ class Ranges:
         # The logged pose is older than its row by the pose delay, the reading by the range delay.
         tracked = earlier(self._log, self._t_s, self._trials, range_delay_s - pose_delay_s)
         point = stacked_effects(robots, axes=2).functions(Slot.POSE_POINT)
+        # The effect shifts the axle by a vector that depends on the yaw only; the point minus that vector is the axle.
         return 2.0 * tracked - through(point, tracked)
 
     def _expected(self, robots: Sequence[RobotConfig]) -> tuple[Array, Array]:

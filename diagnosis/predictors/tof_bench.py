@@ -12,7 +12,7 @@ from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.measured.nominal import NominalTof
 from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted, Stage
-from diagnosis.predictors.rows import good_values, joined, observed_channel
+from diagnosis.predictors.rows import good_values, joined, observed_channel, session_time_s
 from physics.robot.stack import alike, stacked, stacked_effects
 from sensors.range_effects import RangeEffects
 from sensors.range_view import RangeView
@@ -46,7 +46,7 @@ class TofBenchStage:
                 (ambient_lux, 0.0),
             )
         )
-        self._since_on_s = joined(trial.t_s + (trial.begins_s or 0.0) for trial in trials)
+        self._since_on_s = session_time_s(measurement)
         self._materials = np.array(materials)
         self._reflectance = np.array([known.get(name, UNKNOWN_REFLECTANCE) for name in materials])
         self._bare_sd_m = _noise_sd_m(measurement, self._distance_m)

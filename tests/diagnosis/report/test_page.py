@@ -105,16 +105,16 @@ def test_texts_fit_a_terminal(files_of, name):
 def test_each_effect_is_taken_away_in_turn(files_of, findings_of):
     """What is left without an effect and what that effect takes of it make up the whole gain; here the nominal torque
     constant can be bent as far, which costs, and is said."""
-    without = json.loads(files_of("weak")[ANSWER])["without"]["torque_constant_scale"]
-    assert without["cost_rise"] > 100.0
-    assert without["heldout_gain_ci"][0] <= without["heldout_gain"] <= without["heldout_gain_ci"][1]
+    answered = json.loads(files_of("weak")[ANSWER])["without"]["torque_constant_scale"]
+    assert answered["cost_rise"] > 100.0
+    assert answered["heldout_gain_ci"][0] <= answered["heldout_gain"] <= answered["heldout_gain_ci"][1]
     (without,) = findings_of("weak").ablations
     alone = findings_of("weak").diagnosis.gain
     assert 1.0 - alone.value == pytest.approx((1.0 - without.gain.value) * (1.0 - without.effect_gain.value))
-    assert without["adds_ci"][0] <= without["adds"] <= without["adds_ci"][1]
+    assert answered["adds_ci"][0] <= answered["adds"] <= answered["adds_ci"][1]
     low, high = json.loads(files_of("weak")[ANSWER])["intervals"]["torque_constant_scale"]["scale"]["0.95"]
     assert low < 0.9 < high
-    page_told = text_of(files_of("weak")[PAGE].decode())
-    assert "Without this effect and with everything else fitted again, the cost rises by" in page_told
-    assert "parameters leave their tolerances (torque_constant_N_m_A by 1" in page_told
+    page_text = text_of(files_of("weak")[PAGE].decode())
+    assert "Without this effect and with everything else fitted again, the cost rises by" in page_text
+    assert "parameters leave their tolerances (torque_constant_N_m_A by 1" in page_text
     assert "95 % profile interval 0.8" in files_of("weak")[SUMMARY].decode()

@@ -50,7 +50,8 @@ def after_move(scan: ScanRecording, mounted: SensorOnStand) -> ExperimentResult 
         "model": configured,
         "model_at_device_period": of_device,
     }
-    detail = f"{table['moves']} moves, a reading every {poll_s:.2f} s; the model as configured: {_row(configured)}"
+    as_configured = " ".join(f"{share:.2f}" for share in configured)
+    detail = f"{table['moves']} moves, a reading every {poll_s:.2f} s; the model as configured: {as_configured}"
     checks = [
         ValidationCheck(
             f"share of the change in reading {k + 1} after a move",
@@ -75,10 +76,6 @@ def after_move(scan: ScanRecording, mounted: SensorOnStand) -> ExperimentResult 
     axes = "number of the reading at the new place", "share of the change from the old to the new range"
     panel = Panel(f"After a move ({table['moves']} moves)", *axes, curves)
     return ExperimentResult({"after_move": table}, checks, (panel,), (note,))
-
-
-def _row(shares: Array) -> str:
-    return " ".join(f"{share:.2f}" for share in shares)
 
 
 def _share_new(steady: Array) -> float:
