@@ -27,7 +27,7 @@ def hold_out(measurement: Measurement, patterns: Sequence[str]) -> Measurement:
     Raises:
         InputError: A pattern matches no trial, or together they leave none to fit.
     """
-    where = next(iter(measurement.source.files), measurement.name)
+    where = measurement.where
     names = [trial.name for trial in measurement.trials]
     labels = [(trial.name, trial.part) for trial in measurement.trials]
     for pattern in patterns:
@@ -56,7 +56,7 @@ def of_part(measurement: Measurement, part: str) -> Measurement:
     trials = tuple(trial for trial in measurement.trials if trial.part == part)
     if not trials:
         parts = list(dict.fromkeys(trial.part for trial in measurement.trials if trial.part))
-        where = next(iter(measurement.source.files), measurement.name)
+        where = measurement.where
         what = "no trial is of that part"
         raise InputError(what, where=where, got=part, allowed=", ".join(parts) or "none", nearest=nearest(part, parts))
     return replace(measurement, name=f"{measurement.name}-{part.replace(' ', '-')}", trials=trials)

@@ -99,6 +99,11 @@ class Measurement:
             raise ValueError(f"measurement {self.name}: the trials have different channels")
 
     @property
+    def where(self) -> str:
+        """Return the place of the data for a message: the first file, or the name if there is no file."""
+        return next(iter(self.source.files), self.name)
+
+    @property
     def rows(self) -> int:
         return sum(len(trial.t_s) for trial in self.trials)
 

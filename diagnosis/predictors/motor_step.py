@@ -8,7 +8,7 @@ import numpy as np
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement
 from diagnosis.measured.nominal import NominalStep
-from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted, Stage
+from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.grid import Grid
 from diagnosis.predictors.rows import good_values, joined, observed_channel, trial_covariate, trial_of_rows
 from physics.drivetrain.motor_bench import step_responses
@@ -101,8 +101,3 @@ class MotorStep:
             columns.append(self._grid.period_s * np.append(0.0, np.cumsum(0.5 * (known[1:] + known[:-1]))))
             begin += len(place)
         return np.stack(columns, axis=1)
-
-
-def motor_step_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[Stage, ...]:
-    """Return the only stage of the bench."""
-    return (MotorStep(measurement, nominal),)

@@ -11,7 +11,7 @@ import numpy as np
 from configs.schema.robot import RobotConfig
 from diagnosis.measured.measurement import Measurement, Trial
 from diagnosis.measured.nominal import NominalTof
-from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted, Stage
+from diagnosis.predictors.base import Covariate, CovariateShape, Observed, Predicted
 from diagnosis.predictors.rows import good_values, joined, observed_channel, session_time_s
 from physics.robot.stack import alike, stacked, stacked_effects
 from sensors.range_effects import RangeEffects
@@ -120,8 +120,3 @@ def _noise_sd_m(measurement: Measurement, distance_m: Array) -> Array:
         if channel.noise_sd is not None:
             by_paper_m[first : first + len(channel.values)] = channel.noise_sd
     return by_paper_m
-
-
-def tof_bench_stages(measurement: Measurement, nominal: RobotConfig) -> tuple[Stage, ...]:
-    """Return the only stage of the bench."""
-    return (TofBenchStage(measurement, nominal),)
