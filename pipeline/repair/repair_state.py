@@ -8,6 +8,7 @@ from pathlib import Path, PurePosixPath
 from blender_scenes.render.devices import DeviceKind
 from pipeline.run_folder.workspace import Workspace
 from symolo.core.files.atomic_files import make_folder, remove_file, write_file
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report
 from symolo.verification.inventory import LISTS, Inventory
 
@@ -83,7 +84,7 @@ class RepairState:
         if name in self.wanted or name not in self.inventory.expected:
             return None
         try:
-            data = (self.out / name).read_bytes()
+            data = read_file(self.out / name, FileKind.ANY)
         except OSError:
             return None
         return data if hashlib.sha256(data).hexdigest() == self.inventory.expected[name] else None

@@ -17,6 +17,7 @@ from symolo.arena.geometry import Arena
 from symolo.core.errors import EnvironmentLacking
 from symolo.core.files.atomic_files import make_folder, remove_file, remove_folder, replace_folder, write_file
 from symolo.core.files.file_hashes import hashes_of, holds, read_known
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report, StageReport
 from symolo.core.time_series import Recording
 from symolo.core.versions import versions
@@ -207,5 +208,5 @@ def _remove_files(folder: Path, names: Sequence[str]) -> None:
 
 
 def _write_if_new(path: Path, data: bytes) -> None:
-    if not path.is_file() or path.read_bytes() != data:
+    if not path.is_file() or read_file(path, FileKind.ANY) != data:
         write_file(path, data)

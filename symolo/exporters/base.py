@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.reader.dataset import Dataset
 from symolo.reader.run import Image
 
@@ -61,7 +62,7 @@ class CopiedFile:
         return self.size_bytes()
 
     def content(self) -> bytes:
-        return self.source.read_bytes()
+        return read_file(self.source, FileKind.ANY)
 
 
 def pictures_bytes(images: Iterable[Image]) -> int:

@@ -13,6 +13,7 @@ import pandas as pd
 
 from symolo.core.errors import InputError
 from symolo.core.extras import optional_module
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.tables.rows import COLUMNS
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile
 from symolo.exporters.features import Feature, column, parquet_bytes, picture, pictured, stacked_bytes, value, vector
@@ -88,7 +89,7 @@ def _pictures(images: Sequence[Image], kinds: Sequence[str]) -> bytes:
     for kind in kinds:
         found = [_annotations(image).get(kind) for image in images]
         if kind in _IN_16_BIT_COLOUR:
-            columns[kind] = value("binary"), [path.read_bytes() if path else None for path in found]
+            columns[kind] = value("binary"), [read_file(path, FileKind.IMAGE) if path else None for path in found]
         else:
             shown = zip(images, found, strict=True)
             columns[kind] = picture(), [_pictured(image, path) if path else None for image, path in shown]
@@ -97,7 +98,7 @@ def _pictures(images: Sequence[Image], kinds: Sequence[str]) -> bytes:
 
 
 def _pictured(image: Image, path: Path) -> dict[str, object]:
-    return pictured(path.read_bytes(), f"{image.run.name}/{path.name}")
+    return pictured(read_file(path, FileKind.IMAGE), f"{image.run.name}/{path.name}")
 
 
 def _wide(run: Run) -> pd.DataFrame:

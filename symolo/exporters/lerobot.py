@@ -15,6 +15,7 @@ import pandas as pd
 from symolo.core.errors import InputError
 from symolo.core.extras import optional_module
 from symolo.core.files.file_hashes import canonical_json
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.exporters.base import ExportedFile, Exporter, ExportSettings, MadeFile, pictures_bytes
 from symolo.exporters.features import parquet_bytes, picture, pictured, value, vector
 from symolo.exporters.lerobot_stats import Levels, Stats, vector_stats
@@ -200,7 +201,7 @@ def _episodes(plan: _Plan) -> bytes:
 
 def _frames(episodes: Sequence[_Episode]) -> bytes:
     images = [image for one in episodes for image in one.run.images]
-    named = [pictured(image.path.read_bytes(), f"{image.run.name}/{image.path.name}") for image in images]
+    named = [pictured(read_file(image.path, FileKind.IMAGE), f"{image.run.name}/{image.path.name}") for image in images]
     columns = {_FRONT: (picture(), named)}
     number = value("float32")
     for name in episodes[0].numbers:
