@@ -141,8 +141,7 @@ def _write_lists(state: RepairState) -> None:
     expected = state.inventory.expected
     for name, text in ((MANIFEST, manifest(expected)), (TAG_MANIFEST, tag_manifest(expected))):
         if state.inventory.files.digests.get(name) != hashlib.sha256(text).hexdigest():
-            write_file(state.out / name, text)
-            state.tell(f"repaired: {name}: written again")
+            state.write(name, text, "written again")
 
 
 def _result(state: RepairState, faults: int, metadata: Metadata | None) -> Repaired:
