@@ -249,13 +249,10 @@ def read_source(path: Path) -> StoredTrajectory:
                 f"cannot be read: {error}", where=str(folder / TRAJECTORY), cure="simulate again"
             ) from None
         return StoredTrajectory(rows, rows.to_csv(), _read_spec(folder / SPEC), folder / TRAJECTORY)
-    data = path if path.is_file() else folder / DATA
+    data = path.resolve() if path.is_file() else folder / DATA  # only what the user names may be a link
     if not data.is_file():
-        raise InputError(
-            "is no run folder and no data.csv",
-            where=str(path),
-            cure="name a folder such as OUT/CW/test_1, or a data.csv",
-        )
+        cure = "name a folder such as OUT/CW/test_1, or a data.csv"
+        raise InputError("is no run folder and no data.csv", where=str(path), cure=cure)
     side = folder / SIDE / SPEC
     spec = _read_spec(side) if data.name == DATA and side.is_file() else None
     return StoredTrajectory(read_rows(data), read_file(data, FileKind.TABLE), spec, data)
