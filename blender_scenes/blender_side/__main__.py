@@ -39,8 +39,8 @@ def main() -> int:
         owner.send(Failed(error="environment", text=f"{error}; {cure}"))
         raise
     except (OSError, ValueError, RuntimeError, MemoryError) as error:
-        told = lacking(error)
-        owner.send(Failed(error="environment" if told else "engine", text=told or str(error)))
+        cause = lacking(error)
+        owner.send(Failed(error="environment" if cause else "engine", text=cause or str(error)))
         raise
     owner.send(Finished())
     return 0
@@ -56,12 +56,12 @@ def _render(request: RenderRequest, owner: Owner, scratch: Path) -> None:
     build.build(job.scene, job.camera, Path(request.user_files) if request.user_files else None)
     engine.configure(job, request.threads, scratch)
     metered = median_luminance(engine.metered_light(job))
-    pictures = engine.FrameTracer(job, request.threads, scratch)
+    tracer = engine.FrameTracer(job, request.threads, scratch)
     owner.send(Ready(seconds=time.perf_counter() - begin))
     for number in request.numbers:
         begin = time.perf_counter()
         owner.send(FrameBegun(number=number))
-        pixels = develop(pictures.light(views[number]), job.response, metered, number)
+        pixels = develop(tracer.light(views[number]), job.response, metered, number)
         data = encode_jpeg(pixels, job.response.jpeg_quality)
         path = Path(request.folder) / frame_name(number)
         sha256 = put_in_place(data, path, job.camera.width_px, job.camera.height_px)

@@ -40,7 +40,7 @@ class Floor(Section):
 
 
 class WallConfig(Section):
-    """A straight wall given by the face that the robot sees; the body lies to the right of start -> end."""
+    """A straight wall, defined by the face that the robot sees; its body is on the right, seen from start to end."""
 
     name: Slug
     start: Point2
@@ -86,4 +86,5 @@ class ArenaConfig(Section):
     walls: Annotated[tuple[WallConfig, ...], FromList] = ()
     obstacles: Annotated[tuple[Obstacle, ...], FromList] = ()
     generate: ArenaGenerator | None = Field(default_factory=absent, exclude=True)
-    """Recipe that draws line, walls and obstacles for each run. A specification has the drawn ones in its place."""
+    """Recipe from which line, walls and obstacles are drawn for each run; the specification of a run has the drawn ones
+    instead."""

@@ -1,4 +1,4 @@
-"""Recipe of a generated arena: numbers that each run may draw, and the room that is always kept."""
+"""Recipe of a generated arena: numbers that each run may draw, and the room that every arena leaves."""
 
 from typing import Annotated
 
@@ -9,7 +9,7 @@ from configs.schema.surface import SurfaceName
 
 
 class Clearance(Section):
-    """Room that every generated arena keeps, measured from the line's middle unless stated otherwise.
+    """Room that every generated arena leaves, measured from the line's middle unless stated otherwise.
 
     The defaults are for robot `nominal`, 0.18 x 0.17 m, with its straight avoidance path of 0.68 m, 0.19 m to the side.
     """
@@ -19,11 +19,11 @@ class Clearance(Section):
     beside_m: float = Field(default=0.16, ge=0.02, le=5)
     """Distance to everything that must not be touched: half the robot's width, 35 mm for its corners, 40 mm reserve."""
     ahead_m: float = Field(default=0.32, ge=0.02, le=5)
-    """Distance from the front sensor to things beside the line; below 0.20 m they would count as obstacles."""
+    """Distance from the front sensor to bodies beside the line; below 0.20 m they would count as obstacles."""
     before_m: float = Field(default=0.50, ge=0.02, le=5)
-    """Straight line before an obstacle's middle: 0.33 m at which passing begins, and some to approach straight."""
+    """Length of straight line before an obstacle's middle: 0.33 m, at which passing begins, and a margin to line up."""
     after_m: float = Field(default=0.62, ge=0.02, le=5)
-    """Straight line after an obstacle's middle: the rest of the path, and some to settle on the line."""
+    """Length of straight line after an obstacle's middle: the rest of the path, and a margin to settle on the line."""
     obstacle_reach_m: float = Field(default=0.10, ge=0.005, le=5)
     """Distance from the line to the far edge of an obstacle: the path's 0.19 m minus half the robot's width."""
     passing_m: float = Field(default=0.35, ge=0.02, le=5)
@@ -35,8 +35,8 @@ class Clearance(Section):
     blocked_side_m: float = Field(default=0.36, ge=0.02, le=5)
     """Largest reading of the left sensor where an obstacle is passed on the right."""
     regained_side_m: float = Field(default=0.38, ge=0.02, le=5)
-    """Smallest distance of boxes from a side sensor where the robot overshoots the line after an obstacle: without a
-    line it follows anything within 0.34 m like a wall."""
+    """Smallest distance of boxes from a side sensor where the robot overshoots the line after an obstacle. While the
+    robot sees no line, it follows any body within 0.34 m as if it were a wall."""
 
 
 class ArenaGenerator(Section):

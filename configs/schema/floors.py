@@ -11,7 +11,7 @@ from configs.schema.paint import Paint
 FloorName = Literal[
     "linoleum", "ceramic_tile", "parquet", "concrete", "carpet", "plywood", "paper_sheets", "vinyl", "image"
 ]
-"""`blender_scenes.materials` has a member for every one."""
+"""`blender_scenes.materials` has a function for each."""
 
 
 class Linoleum(Section):
@@ -28,9 +28,9 @@ class CeramicTile(Section):
     joint: Paint = Paint(reflectance=0.3, hue_deg=35, saturation=0.1)
     """Colour of the grout in the joints."""
     size_m: float = Field(default=0.33, ge=0.02, le=2)
-    """Side of a square tile [m], from the middle of one joint to that of the next."""
+    """Side of a square tile, from the middle of one joint to that of the next."""
     joint_width_m: float = Field(default=0.004, ge=0.0005, le=0.03)
-    """Width of the joints between tiles [m]."""
+    """Width of the joints between tiles."""
     variation: float = Field(default=0.06, ge=0, le=1)
     """Spread of reflectance from tile to tile and within one."""
     roughness: float = Field(default=0.25, ge=0.05, le=1)
@@ -41,7 +41,7 @@ class Parquet(Section):
     plank_length_m: float = Field(default=0.5, ge=0.05, le=5)
     plank_width_m: float = Field(default=0.07, ge=0.01, le=1)
     gap_m: float = Field(default=0.0005, ge=0, le=0.01)
-    """Width of the gaps between planks [m]."""
+    """Width of the gaps between planks."""
     variation: float = Field(default=0.35, ge=0, le=1)
     """Spread of reflectance from plank to plank."""
     roughness: float = Field(default=0.35, ge=0.05, le=1)
@@ -56,15 +56,15 @@ class Concrete(Section):
 
 
 class Carpet(Section):
-    """Loop-pile carpet tiles, each laid with its pile a quarter turned from the next."""
+    """Carpet tiles of loop pile; each is turned by 90 degrees against the next."""
 
     paint: Paint = Paint(reflectance=0.3, hue_deg=215, saturation=0.15)
     loop_m: float = Field(default=0.003, ge=0.001, le=0.02)
-    """From one loop of yarn to the next."""
+    """Distance from one loop of yarn to the next."""
     mottling: float = Field(default=0.3, ge=0, le=1)
     """Spread of reflectance from loop to loop."""
     tile_size_m: float = Field(default=0.5, ge=0.1, le=20)
-    """20 for a carpet in one piece."""
+    """Side of a square carpet tile; 20 for a carpet in one piece."""
 
 
 class PlywoodFloor(Section):
@@ -74,7 +74,7 @@ class PlywoodFloor(Section):
     sheet_length_m: float = Field(default=2.44, ge=0.2, le=10)
     sheet_width_m: float = Field(default=1.22, ge=0.2, le=10)
     seam_m: float = Field(default=0.001, ge=0, le=0.01)
-    """Width of the open seams between sheets [m]."""
+    """Width of the open seams between sheets."""
     variation: float = Field(default=0.15, ge=0, le=1)
     """Spread of reflectance over the grain and from sheet to sheet."""
     roughness: float = Field(default=0.55, ge=0.05, le=1)

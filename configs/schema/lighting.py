@@ -57,7 +57,8 @@ class LampsLook(Section):
     drop_m: float = Field(default=0.06, ge=0.01, le=3)
     """Distance from the ceiling down to the lamp, which stays at least 1.8 m above the floor."""
     housing: Literal["none", "batten", "shade"] = "none"
-    """A flat panel in the ceiling, a tube below a batten, or a bulb of `width_m` in a conical shade on its cable."""
+    """Housing: `none` is a flat panel in the ceiling, `batten` a tube below a batten, `shade` a bulb of `width_m` in a
+    conical shade on its cable."""
     flicker: FlickerLook = FlickerLook()
 
 

@@ -31,7 +31,7 @@ class Drive(Section):
     wheel_width_m: float = Field(ge=0.002, le=0.1)
     wheel_mass_kg: float = Field(gt=0, le=2)
     wheel_friction: float = Field(ge=0, le=2)
-    """Coulomb coefficient between tyre and floor."""
+    """Coulomb friction coefficient between tyre and floor."""
     caster_x_m: float = Field(ge=-0.5, le=0.5)
     caster_radius_m: float = Field(ge=0.002, le=0.1)
     caster_friction: float = Field(ge=0, le=2)
@@ -42,13 +42,13 @@ class Motor(Section):
 
     winding_resistance_ohm: float = Field(gt=0, le=1000)
     torque_constant_N_m_A: float = Field(gt=0, le=100)
-    """Also the back-EMF constant in V s/rad."""
+    """Torque constant, which is also the back-EMF constant in V s/rad."""
     viscous_friction_N_m_s_rad: float = Field(ge=0, le=10)
     coulomb_friction_N_m: float = Field(ge=0, le=10)
     rotor_inertia_kg_m2: float = Field(ge=0, le=1)
-    """Rotor and gearbox, reflected to the wheel shaft."""
+    """Inertia of rotor and gearbox, reflected to the wheel shaft."""
     motor_side_inertia_fraction: float = Field(default=0.9, ge=0.01, le=0.99)
-    """Share of that inertia on the motor side of the gearbox's play; used only with the effect `gear_backlash`."""
+    """Share of the rotor inertia on the motor side of the gearbox's play; used only with the effect `gear_backlash`."""
     motor_side_friction_fraction: float = Field(default=0.5, ge=0, le=1)
     """Share of all friction on the motor side of the gearbox's play; used only with the effect `gear_backlash`."""
 
@@ -62,7 +62,7 @@ class Power(Section):
 class Encoder(Section):
     counts_per_revolution: int = Field(ge=4, le=1_000_000)
     period_s: float = Field(gt=0, le=1)
-    """Period of the readings by the controller; the wheel loop reads at its own rate."""
+    """Period of the readings by the controller; the wheel loop reads at `rates.wheel_loop_hz`."""
     delay_s: float = Field(ge=0, le=1)
     dropout_probability: float = Field(ge=0, le=1)
     """Probability that a reading fails, so that the controller keeps the previous one."""
@@ -198,7 +198,8 @@ class WallFollowing(Section):
     error_scale_per_m: float = Field(gt=0, le=1000)
     """Factor from the wall error to the range of the line error."""
     far_error_limit: float = Field(gt=0, le=3.5)
-    """Limit of the error when too far: small, so that mixed ranges at a wall's end do not turn the robot around it."""
+    """Limit of the error of a robot too far from the wall; small, so that mixed ranges at a wall's end do not turn the
+    robot around that end."""
     lost_beyond_m: float = Field(gt=0, le=2)
     """Reading of the side sensor above which the followed wall is lost."""
     found_within_m: float = Field(gt=0, le=2)
@@ -219,7 +220,7 @@ class CurvePath(Section):
 
 
 class FaceObstacle(Section):
-    """How the robot turns to an obstacle on a bend, so that a stored path fits every encounter."""
+    """Turn of the robot towards an obstacle on a bend, after which a stored path fits every encounter."""
 
     speed_m_s: float = Field(gt=0, le=2)
     turn_rate_rad_s: float = Field(gt=0, le=20)
@@ -251,7 +252,8 @@ class CurveAvoidance(Section):
     side_below_m: float = Field(gt=0, le=2)
     """Reading of a side sensor below which it sees an obstacle on a bend that the front sensor cannot see."""
     ahead_below_m: float = Field(gt=0, le=2)
-    """Front reading below which a thing ahead on a straight is an obstacle; partly in the beam it reads too far."""
+    """Front reading below which, on a straight, a body ahead is an obstacle; the reading is too large while the body is
+    only partly in the beam."""
     both_below_m: float = Field(ge=0, le=2)
     """Reading of the front and of a side sensor below which, on a straight, an obstacle is between the two beams."""
     memory_m: float = Field(gt=0, le=10)
@@ -286,16 +288,19 @@ class Avoidance(Section):
     behind_beyond_m: float = Field(gt=0, le=2)
     """Reading of the side sensor towards the obstacle above which the obstacle is passed."""
     curves: CurveAvoidance | None = None
-    """With these, obstacles on a line are passed by the curve paths; without, by the straight one."""
+    """Settings of the curve paths, by which obstacles on a line are passed; without them the robot takes the straight
+    path."""
 
 
 class Lost(Section):
-    """States 33 and 44: a lost wall is looked for on its side, at first nearly straight on, as beyond a gap."""
+    """States 33 and 44: the robot searches for a lost wall on its side. At first it drives nearly straight, because the
+    wall may continue beyond a gap.
+    """
 
     speed_m_s: float = Field(ge=0, le=2)
     turn_rate_rad_s: float = Field(ge=0, le=20)
     gap_m: float = Field(ge=0, le=5)
-    """How far the robot goes before it takes the wall for ended; a turn at once would run into the end left behind."""
+    """Distance after which the robot regards the wall as ended; after a turn at once it would hit the wall's end."""
     gap_turn_rate_rad_s: float = Field(ge=0, le=20)
 
 
@@ -323,7 +328,7 @@ class RobotConfig(Section):
     sensors: RobotSensors = Field(default_factory=RobotSensors, exclude_if=lambda sensors: not sensors)
     """Sensors beside line sensor, range sensors and encoders; each has its table in `side/`."""
     effects: RobotEffects = Field(default_factory=RobotEffects, json_schema_extra={"default": {}})
-    """Differences of this robot from everything that is described above; its controller does not know of them."""
+    """Deviations of the real robot from the values above, which its controller does not know."""
 
     def with_effect(self, effect: Effect) -> "RobotConfig":
         """Return this robot with one more effect, for example `SupplySag(source_resistance_ohm=0.4)`."""

@@ -63,7 +63,7 @@ class WindowLook(Section):
     panes: int = Field(default=3, ge=1, le=20)
     """Number of panes side by side, with bars between them."""
     covering: Literal["none", "sheer", "blinds"] = "none"
-    """Covering: a sheer curtain diffuses all light, also the sun's; blinds let the sun in in stripes."""
+    """Covering: a sheer curtain diffuses all light, also that of the sun; blinds admit the sun in stripes."""
     curtain_transmittance: float = Field(default=0.4, ge=0.02, le=0.9)
     """Share of the light that a sheer curtain lets through."""
     slat_tilt_deg: float = Field(default=25.0, ge=-60, le=60)

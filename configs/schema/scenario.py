@@ -67,7 +67,7 @@ _HYBRID_QUALITIES: tuple[RenderQuality, ...] = ("draft", "standard")
 
 
 def _is_auto(method: RenderMethod) -> bool:
-    """Return whether the method is left out of a specification, which keeps the bytes of those without a method."""
+    """Return whether a specification omits the method, so that it has the same bytes as those without a method."""
     return method == "auto"
 
 
@@ -77,8 +77,8 @@ class Render(Section):
     quality: RenderQuality = "standard"
     """Accuracy of the image: `standard` has errors no larger than those of JPEG, `draft` is for a quick look."""
     method: RenderMethod = Field(default="auto", exclude_if=_is_auto)
-    """`full` traces every image whole. `hybrid` combines maps of the floor with light of few samples: several times
-    faster, with small errors. `auto` is `hybrid` for `standard` quality and 320 pixels or more on the processor."""
+    """`full` traces all pixels of every image. `hybrid` combines maps of the floor with light of few samples: several
+    times faster, with small errors. `auto` is `hybrid` for `standard` quality and 320 pixels or more on the CPU."""
     samples: int | None = Field(default=None, ge=1, le=65_536)
     """Light paths per pixel, instead of those of the quality."""
     device: Annotated[RenderDevice, Fixed("it belongs to the machine, for the whole command")] = "cpu"
@@ -122,7 +122,7 @@ class Scenario(Section):
 
 
 class RunSpec(Section):
-    """Everything one run needs; `spec.json`. Numbers only, each drawn value listed in `drawn` by its field path."""
+    """The specification of one run, `spec.json`, in numbers only; `drawn` lists the drawn ones by field path."""
 
     scenario: Slug
     seed: int

@@ -59,7 +59,7 @@ def _flat(views: Sequence[PreviewImage], user_files: Path, report: Report) -> Ma
         for view in views:
             try:
                 job = view.job()
-                picture = FlatRenderer(job, user_files).picture(job.frames[0])
+                picture = FlatRenderer(job, user_files).image(job.frames[0])
             except ValueError as error:
                 failures.append(FailedRun.of(view.name, "preview", str(error)))
             else:
