@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from diagnosis.measured.measurement import Measurement
+from symolo.core.files.plain_files import open_named_file
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ def first_line(path: Path) -> str:
     if not is_file(path):  # opening a pipe or a device could wait forever
         return ""
     try:
-        with path.open(encoding="utf-8-sig", errors="replace") as file:
-            return "".join(file.readline(4096).split())
+        with open_named_file(path) as file:
+            return "".join(file.readline(4096).decode("utf-8-sig", errors="replace").split())
     except (OSError, ValueError):
         return ""

@@ -16,6 +16,7 @@ from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSou
 from diagnosis.measured.nominal import NOMINAL, Nominal, kind_of, read_nominal
 from diagnosis.measured.scale import mixed_up_unit
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import open_named_file
 from symolo.core.table import CsvTable
 
 NoiseOf = Callable[[Nominal, CsvTable, str], KnownNoise | None]
@@ -42,8 +43,8 @@ def _recognises(kind: CaseKind, path: Path) -> bool:
     except InputError:
         pass
     try:
-        with file.open(encoding="utf-8-sig", errors="replace") as opened:
-            text = opened.read(100_000)
+        with open_named_file(file) as opened:
+            text = opened.read(100_000).decode("utf-8-sig", errors="replace")
     except (OSError, ValueError):
         return False
     return re.search(rf"^kind:\s*['\"]?{kind.value}['\"]?\s*(#.*)?\r?$", text, re.MULTILINE) is not None

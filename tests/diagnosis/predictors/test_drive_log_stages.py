@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from configs.draw import draw_robot
-from configs.effects.registry import effect_classes
+from configs.effects.registry import EFFECTS
 from configs.loader import load_section
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
@@ -469,7 +469,7 @@ def test_an_effect_shows_where_the_signature_matrix_says(tour, robot, effect, st
 
 def test_many_robots_at_once_are_each_of_them_alone(tour, robot):
     robots = [robot]
-    for effect in effect_classes():
+    for effect in EFFECTS.classes():
         if effect.name != "gear_backlash":
             choices = {name: options[0] if options else "wood" for name, options in effect.options().items()}
             robots += [robot.with_effect(effect.start(choices)), robot.with_effect(effect.null(choices))]

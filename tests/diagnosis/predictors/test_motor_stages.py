@@ -8,7 +8,7 @@ import pytest
 
 from configs.draw import draw_robot
 from configs.effects.base import Setup
-from configs.effects.registry import effect_classes
+from configs.effects.registry import EFFECTS
 from configs.loader import load_section
 from diagnosis.measured.channel import Channel, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
@@ -25,7 +25,7 @@ from sensors.effects.speed_time_offset import SpeedTimeOffset
 from symolo.core.errors import InputError
 from symolo.core.time_series import TimeSeries
 
-EFFECTS = effect_classes()
+ALL_EFFECTS = EFFECTS.classes()
 ROWS_S = 0.005 * np.arange(1, 201)
 R, K, B, TC, J = 3.0, 0.3, 0.002, 0.02, 0.003
 DAMPING = K * K / R + B
@@ -185,7 +185,7 @@ def mixed_robots(robot):
     """Robots that differ in numbers, in effects and in choices."""
     stronger = robot.model_copy(update={"motor": robot.motor.model_copy(update={"torque_constant_N_m_A": 1.1 * K})})
     robots = [robot, stronger]
-    for effect in EFFECTS:
+    for effect in ALL_EFFECTS:
         choices = {name: options[0] if options else "wood" for name, options in effect.options().items()}
         robots += [robot.with_effect(effect.start(choices)), stronger.with_effect(effect.start(choices))]
     return robots
@@ -284,7 +284,7 @@ def test_the_load_lets_a_gearbox_with_play_catch_up(robot):
 @pytest.mark.parametrize("kind", [CaseKind.MOTOR_STEADY, CaseKind.MOTOR_STEP])
 def test_robots_of_different_effects_in_one_pass_are_each_as_alone(robot, kind):
     effects = [
-        *(effect.start() for effect in effect_classes() if Setup.MOTOR_BENCH in effect.setups),
+        *(effect.start() for effect in EFFECTS.classes() if Setup.MOTOR_BENCH in effect.setups),
         TorqueConstantMismatch(mismatch=0.1),
     ]
     robots = [robot, *(robot.with_effect(values) for values in effects)]

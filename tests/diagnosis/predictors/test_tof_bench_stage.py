@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from configs.draw import draw_robot
-from configs.effects.registry import effect_classes
+from configs.effects.registry import EFFECTS
 from configs.loader import load_section
 from diagnosis.measured.channel import Channel, Label, Role
 from diagnosis.measured.measurement import CaseKind, Measurement, MeasurementSource, Trial
@@ -137,7 +137,7 @@ def test_a_saturated_reading_is_flat_and_without_noise_far_beyond_and_a_clipped_
 
 def test_many_robots_at_once_are_each_of_them_alone(stage, robot):
     robots = [robot]
-    for effect in effect_classes():
+    for effect in EFFECTS.classes():
         choices = {name: options[0] if options else "wood" for name, options in effect.options().items()}
         first, second = effect.start(choices), effect.null(choices)
         robots += [robot.with_effect(first), robot.with_effect(second)]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from configs.draw import draw_robot
-from configs.effects.registry import effect_classes
+from configs.effects.registry import EFFECTS
 from configs.loader import load_section
 from diagnosis.diagnose import NamedEffect, diagnose
 from diagnosis.extended_robot import FILE, VARIED_FILE, _rounded, extended_robot
@@ -21,7 +21,7 @@ from physics.effects.torque_constant_scale import TorqueConstantScale
 from physics.robot.model import RobotModel
 from sensors.effects.range_saturation import RangeSaturation
 
-EFFECTS = {effect.name: effect for effect in effect_classes()}
+BY_NAME = EFFECTS.by_name()
 
 
 @pytest.fixture
@@ -38,7 +38,7 @@ def loaded(tmp_path):
 
 def with_effect(diagnosis, name, choices=(), **values):
     """The diagnosis as if it had named this effect and nothing else."""
-    effect = CandidateEffect(EFFECTS[name], choices)
+    effect = CandidateEffect(BY_NAME[name], choices)
     hypothesis = Hypothesis(diagnosis.nominal, (), (effect,))
     x = np.array([c.coordinate(values[c.name]) for c in effect.coordinates])
     nothing = np.zeros((len(x), len(diagnosis.evidence.values)))

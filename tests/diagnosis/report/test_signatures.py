@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from configs.effects.registry import effect_classes
+from configs.effects.registry import EFFECTS
 from diagnosis.diagnose import diagnose
 from diagnosis.importers import IMPORTERS
 from diagnosis.importers.choose import read_measurement
@@ -13,7 +13,7 @@ from diagnosis.inference.fit import fits
 from diagnosis.inference.hypothesis import CandidateEffect, Hypothesis
 from diagnosis.report.signatures import signatures
 
-EFFECTS = {effect.name: effect for effect in effect_classes()}
+BY_NAME = EFFECTS.by_name()
 NAMES = ("current_sensor_offset", "speed_scale", "coulomb_friction_scale", "friction_asymmetry")
 
 
@@ -23,7 +23,7 @@ def signed_case(motor_bench_case, tmp_path_factory):
     folder = motor_bench_case(tmp_path_factory.mktemp("signatures") / "forward", sweeps=1)
     diagnosis = diagnose(read_measurement(folder, IMPORTERS))
     (bare,) = fits(diagnosis.evidence, [(Hypothesis(diagnosis.nominal, ()), np.zeros(0))])
-    return signatures(diagnosis.evidence, bare, [CandidateEffect(EFFECTS[name]) for name in NAMES]), diagnosis.evidence
+    return signatures(diagnosis.evidence, bare, [CandidateEffect(BY_NAME[name]) for name in NAMES]), diagnosis.evidence
 
 
 def row(matrix, name):
