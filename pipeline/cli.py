@@ -22,6 +22,7 @@ from pipeline.commands.model import model
 from pipeline.commands.pack import pack
 from pipeline.commands.preview import preview
 from pipeline.commands.report import report
+from pipeline.commands.sign import sign
 from pipeline.commands.storage import download, upload
 from symolo.core.errors import EnvironmentLacking, InputError, RunFailed, one_line
 from symolo.core.extras import EXTRA_OF, extra_is_missing
@@ -76,7 +77,7 @@ def command_line() -> typer.Typer:
     looks = checks.verify, checks.compare, checks.contact_sheet, report, baselines, checks.doctor, checks.schema
     for command in looks:
         app.command(rich_help_panel="Inspect data and machine")(command)
-    for command in (maintenance.status, maintenance.repair, maintenance.bag, export, pack, upload, download):
+    for command in (maintenance.status, maintenance.repair, sign, maintenance.bag, export, pack, upload, download):
         app.command(rich_help_panel="Keep, convert and share data")(command)
     for command in (inspect, diagnose, identify_camera):
         app.command(rich_help_panel="Explain measured data")(command)

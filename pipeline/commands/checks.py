@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from pipeline.commands.options import OutImage, checked_input
+from symolo.core.errors import one_line
 from symolo.core.text_enum import TextEnum
 
 FAULTS = 4
@@ -17,24 +18,41 @@ def verify(
         Path,
         typer.Argument(metavar="DIR", callback=checked_input, help="Dataset: the folder that holds metadata.json."),
     ],
+    *,
+    key: Annotated[
+        str | None,
+        typer.Option(
+            "--key",
+            metavar="KEY",
+            help="Public key of minisign, a file or its 56 characters: whoever owns it must have signed the dataset.",
+        ),
+    ] = None,
 ) -> int:
-    """Check a dataset: structure, columns, units and ranges, rates, images, positions, checksums.
+    """Check a dataset: structure, columns, units and ranges, rates, images, positions, checksums, signature.
 
     The command prints one line for each fault and ends with exit code 4 if there is any.
 
     Example: symolo verify data
+
+    Example: symolo verify data --key symolo.pub
     """
-    from configs.assets.quiet import unsaid
+    from configs.assets.quiet import silenced
     from pipeline.assembly.run_spec import spec_problem
+    from symolo.signing.key_files import read_public_key
+    from symolo.verification.signature import trusted_comment
     from symolo.verification.verify import verify as findings_of
 
-    count = 0
-    with unsaid():
-        for finding in findings_of(folder, spec_problem):
+    public, count = read_public_key(key) if key is not None else None, 0
+    with silenced():
+        for finding in findings_of(folder, spec_problem, public):
             typer.echo(str(finding))
             count += 1
-    typer.echo(f"{folder}: {count} faults" if count else f"{folder}: no fault", err=bool(count))
-    return FAULTS if count else 0
+    if count:
+        typer.echo(f"{folder}: {count} faults", err=True)
+        return FAULTS
+    signed = f", signed by the key {public.name} ({trusted_comment(folder)})" if public is not None else ""
+    typer.echo(f"{folder}: no fault{one_line(signed)}")
+    return 0
 
 
 def compare(

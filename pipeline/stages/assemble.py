@@ -17,6 +17,7 @@ from symolo.arena.geometry import Arena
 from symolo.core.errors import EnvironmentLacking
 from symolo.core.files.atomic_files import make_folder, remove_file, remove_folder, replace_folder, write_file
 from symolo.core.files.file_hashes import hashes_of, holds, read_known
+from symolo.core.files.plain_files import FileKind, is_plain_file, read_file
 from symolo.core.progress import Report, StageReport
 from symolo.core.time_series import Recording
 from symolo.core.versions import versions
@@ -24,7 +25,7 @@ from symolo.dataset.bag import BAG_INFO, bag_info
 from symolo.dataset.documents.camera_model import camera_files
 from symolo.dataset.documents.metadata import METADATA, FailedRun, Metadata, RunRecord, describe, read_metadata
 from symolo.dataset.layout import DATA, DESCRIPTION, DONE, IMAGES, POSITIONS, SIDE, SPEC, STAGES
-from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, tag_manifest
+from symolo.dataset.manifest import MANIFEST, SEALS, TAG_MANIFEST, manifest, tag_manifest
 from symolo.dataset.tables.obstacles import obstacle_table, obstacles_csv
 from symolo.dataset.tables.rows import Rows
 from symolo.dataset.tables.sensor_tables import sensor_csv
@@ -74,7 +75,7 @@ def assemble(
             cpus |= {outcome.cpu, *made_on}
             stage.update(spec.key, 1)
     if not good:
-        _remove_files(workspace.out, (*CHECKSUMS, BAG_INFO, METADATA, DESCRIPTION))
+        _remove_files(workspace.out, (*SEALS, *CHECKSUMS, BAG_INFO, METADATA, DESCRIPTION))
         return
     metadata = describe(tree, specs, records, failures, sensor_tables(specs[0].robot.sensors))
     _describe(workspace, metadata, markdown(metadata, good[0]), hashes, cpus)
@@ -104,7 +105,10 @@ def _describe(workspace: Workspace, metadata: Metadata, page: bytes, hashes: dic
     sizes = {name: (out / name).stat().st_size for name in hashes}
     info = bag_info(metadata.name, metadata.description, sizes, cpus)
     hashes[BAG_INFO] = hashlib.sha256(info).hexdigest()
-    for name, data in ((BAG_INFO, info), (MANIFEST, manifest(hashes)), (TAG_MANIFEST, tag_manifest(hashes))):
+    tags = tag_manifest(hashes)
+    if not _holds(out / TAG_MANIFEST, tags):  # a signature of the lists before would be taken for a forgery
+        _remove_files(out, SEALS)
+    for name, data in ((BAG_INFO, info), (MANIFEST, manifest(hashes)), (TAG_MANIFEST, tags)):
         _write_if_new(out / name, data)
 
 
@@ -207,5 +211,9 @@ def _remove_files(folder: Path, names: Sequence[str]) -> None:
 
 
 def _write_if_new(path: Path, data: bytes) -> None:
-    if not path.is_file() or path.read_bytes() != data:
+    if not _holds(path, data):
         write_file(path, data)
+
+
+def _holds(path: Path, data: bytes) -> bool:
+    return is_plain_file(path) and read_file(path, FileKind.ANY) == data

@@ -7,10 +7,11 @@ from pathlib import Path, PurePosixPath
 from symolo.compare import documents, pictures, tables
 from symolo.compare.likeness import EQUAL, Likeness, shown_db
 from symolo.core.errors import InputError, one_line
+from symolo.core.files.plain_files import FileKind, open_file, read_file
 from symolo.core.text_enum import TextEnum
 from symolo.dataset.bag import BAG_INFO, DECLARATION
 from symolo.dataset.layout import DESCRIPTION, STAGES
-from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST
+from symolo.dataset.manifest import MANIFEST, SEALS, TAG_MANIFEST
 
 KINDS: dict[str, Callable[[bytes, bytes, str], Likeness]] = {
     **dict.fromkeys(pictures.SUFFIXES, pictures.likeness),
@@ -19,7 +20,7 @@ KINDS: dict[str, Callable[[bytes, bytes, str], Likeness]] = {
 }
 """By suffix; files of other kinds are the same bytes or different."""
 
-FOLLOWS = frozenset({DESCRIPTION, MANIFEST, TAG_MANIFEST, BAG_INFO, DECLARATION})
+FOLLOWS = frozenset({DESCRIPTION, MANIFEST, TAG_MANIFEST, BAG_INFO, DECLARATION, *SEALS})
 """Files at the top that are written from the others, or tell how they were made."""
 
 _CHUNK_BYTES = 1 << 20
@@ -73,7 +74,9 @@ def compare(a: Path, b: Path, tolerance_db: float) -> Iterator[FileResult]:
         return
     names_a, names_b = _names(a), _names(b)
     for name in sorted(names_a | names_b):
-        if name not in names_b:
+        if name in SEALS and not (name in names_a and name in names_b):
+            yield FileResult(name, Verdict.FOLLOWS)
+        elif name not in names_b:
             yield FileResult(name, Verdict.ONLY_A)
         elif name not in names_a:
             yield FileResult(name, Verdict.ONLY_B)
@@ -98,7 +101,8 @@ def _compared(a: Path, b: Path, name: str, tolerance_db: float) -> FileResult:
         if name in FOLLOWS:
             return FileResult(name, Verdict.FOLLOWS)
         kind = KINDS.get(PurePosixPath(name).suffix.lower())
-        found = kind(a.read_bytes(), b.read_bytes(), name) if kind else Likeness.none("other bytes")
+        contents = (read_file(path, FileKind.ANY) for path in (a, b))
+        found = kind(*contents, name) if kind else Likeness.none("other bytes")
     except OSError as error:
         found = Likeness.none(f"cannot be read: {error.strerror}")
     return FileResult(name, Verdict.CLOSE if found.level_db >= tolerance_db else Verdict.DIFFERENT, found)
@@ -107,7 +111,7 @@ def _compared(a: Path, b: Path, name: str, tolerance_db: float) -> FileResult:
 def _same_bytes(a: Path, b: Path) -> bool:
     if a.stat().st_size != b.stat().st_size:
         return False
-    with a.open("rb") as one, b.open("rb") as other:
+    with open_file(a) as one, open_file(b) as other:
         while chunk := one.read(_CHUNK_BYTES):
             if chunk != other.read(_CHUNK_BYTES):
                 return False

@@ -6,50 +6,57 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import FileKind, check_folders, read_file
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.documents.metadata import METADATA, Metadata
 from symolo.dataset.layout import DESCRIPTION
 from symolo.dataset.tables.side_reading import first_fault
 from symolo.publishing.bagging import PAYLOAD
+from symolo.signing.minisign import PublicKey
 from symolo.verification.bag import bag_findings
 from symolo.verification.findings import Finding
 from symolo.verification.inventory import Inventory
 from symolo.verification.run_checks import SpecCheck, check_run
+from symolo.verification.signature import signature_findings
 
 
-def _accepted(_spec: str) -> str:
+def accepted(_spec: str) -> str:
+    """Return that nothing is wrong with a spec.json, whatever it holds."""
     return ""
 
 
-def verify(root: Path, check_spec: SpecCheck = _accepted) -> Iterator[Finding]:
+def verify(root: Path, check_spec: SpecCheck = accepted, key: PublicKey | None = None) -> Iterator[Finding]:
     """Yield each fault with the file that has it; nothing means that the dataset is whole.
 
     Args:
         root: A dataset, or a bag that holds one.
         check_spec: Returns what is wrong with the text of a run's spec.json, and an empty text where nothing is.
             Without it, only the fields that a reader needs are checked.
+        key: Who must have signed it; None asks for no signature.
 
     Raises:
         InputError: There is no such folder.
+        EnvironmentLacking: A signature is to be checked, and the extra `sign` is not installed.
     """
     if not root.is_dir():
         raise InputError("no such folder", where=str(root), cure="name the folder that holds metadata.json")
     if (root / DECLARATION).is_file():
-        within = [
-            Finding(f"{PAYLOAD}/{found.file}", found.what) for found in _dataset_findings(root / PAYLOAD, check_spec)
-        ]
+        payload = [] if (root / PAYLOAD).is_symlink() else _dataset_findings(root / PAYLOAD, check_spec, key)
+        within = [Finding(f"{PAYLOAD}/{found.file}", found.what) for found in payload]
         yield from within
         told = {found.file for found in within}
         yield from (found for found in bag_findings(root) if found.file not in told)
     else:
-        yield from _dataset_findings(root, check_spec)
+        yield from _dataset_findings(root, check_spec, key)
 
 
-def _dataset_findings(root: Path, check_spec: SpecCheck) -> Iterator[Finding]:
+def _dataset_findings(root: Path, check_spec: SpecCheck, key: PublicKey | None) -> Iterator[Finding]:
+    if key is not None:
+        yield from signature_findings(root, key)
     inventory = Inventory.of(root)
     faults = list(inventory.findings())
     yield from faults
-    content = _content_findings(root, check_spec)
+    content = (found for found in _content_findings(root, check_spec) if found.file not in inventory.files.strange)
     if not inventory.trusted or not faults:
         yield from content
         return
@@ -65,7 +72,7 @@ def _content_findings(root: Path, check_spec: SpecCheck) -> Iterator[Finding]:
     if not (root / DESCRIPTION).is_file():
         yield Finding(DESCRIPTION, "is missing")
     try:
-        metadata = Metadata.model_validate_json((root / METADATA).read_bytes())
+        metadata = Metadata.model_validate_json(read_file(root / METADATA, FileKind.DOCUMENT))
     except OSError as error:
         yield Finding(METADATA, f"cannot be read: {error.strerror}")
     except ValidationError as error:
@@ -76,6 +83,7 @@ def _content_findings(root: Path, check_spec: SpecCheck) -> Iterator[Finding]:
                 yield Finding(METADATA, f"run {record.run!r} leads out of the dataset")
                 continue
             try:
+                check_folders(root, record.run)
                 yield from check_run(root, record, check_spec, metadata.sensor_tables)
             except OSError as error:  # such as of a sector that the disk has lost; its file is named above
                 where = Path(str(error.filename)) if error.filename else root / record.run

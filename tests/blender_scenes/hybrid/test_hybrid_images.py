@@ -7,7 +7,7 @@ import pytest
 
 from blender_scenes.render.job import FramePose, RenderJob, build_job
 from blender_scenes.render.sampling import HybridSamples, TracingSettings
-from blender_scenes.scene.description import Mesh, Panel, Point3, Scene, Sky
+from blender_scenes.scene.description import LightPanel, Mesh, Point3, Scene, Sky
 from blender_scenes.scene.meshes import block, floor, rectangle
 from blender_scenes.scene.shading import Color, Mix, NoiseTexture, Step, Surface, SurfaceCoordinate
 from configs.draw import draw_look
@@ -62,8 +62,8 @@ STRIPES = Surface(
 MIRROR = Surface("mirror", Color((0.9, 0.9, 0.9)), roughness=0.02, metallic=1.0)
 GLASS = Surface("glass", Color((1.0, 1.0, 1.0)), roughness=0.0, refractive_index=1.5, transmission=1.0)
 BLACK, RED, GREEN = _matt("black", 0.03, 0.03, 0.03), _matt("red", 0.5, 0.08, 0.05), _matt("green", 0.05, 0.4, 0.08)
-LAMP = Panel("lamp", (0.9, 0.8, 2.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.4, 0.4, (6.0, 6.0, 5.0))
-BEHIND = Panel("behind", (-0.7, -0.2, 0.6), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.1, 0.1, (60.0, 60.0, 60.0))
+LAMP = LightPanel("lamp", (0.9, 0.8, 2.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.4, 0.4, (6.0, 6.0, 5.0))
+BEHIND = LightPanel("behind", (-0.7, -0.2, 0.6), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.1, 0.1, (60.0, 60.0, 60.0))
 """Low behind the robot, whose shadow so falls into the image."""
 
 
@@ -74,7 +74,7 @@ def _tape(name: str, corners: list[tuple[float, float]]) -> Mesh:
 LINE = _tape("tape_0", [(0.0, -0.02), (1.2, -0.02), (1.2, 0.02), (0.0, 0.02)])
 ACROSS = _tape("tape_1", [(0.33, -0.5), (0.37, -0.5), (0.37, -0.06), (0.33, -0.06)])
 ROBOT = block("chassis", (0.0, 0.0, 0.06), (0.16, 0.14, 0.1), "red")
-BULB = Panel("bulb", (0.6, 0.1, 0.1), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0), 0.02, 0.02, (50.0, 50.0, 40.0), seen=True)
+BULB = LightPanel("bulb", (0.6, 0.1, 0.1), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0), 0.02, 0.02, (50.0, 50.0, 40.0), seen=True)
 """A pixel and a half wide, seen by the camera before the floor."""
 BUMPER = block("robot_bumper", (0.2, 0.0, 0.04), (0.06, 0.14, 0.02), "green")
 OBSTACLE = block("obstacle_M", (0.0, 0.0, 0.06), (0.06, 0.06, 0.12), "green")

@@ -13,7 +13,7 @@ import pytest
 
 from blender_scenes.render.job import RenderJob
 from blender_scenes.render.sampling import HYBRID_QUALITIES, HybridSamples, TracingSettings
-from blender_scenes.scene.description import Panel, Scene, Sky
+from blender_scenes.scene.description import LightPanel, Scene, Sky
 from blender_scenes.scene.meshes import block, floor, rectangle
 from blender_scenes.scene.shading import Color, Constant, Mix, NoiseTexture, Step, Surface, SurfaceCoordinate, Tiles
 from configs.schema.look import CameraLook
@@ -43,7 +43,7 @@ JOINTS = Tiles((0.11, 0.11), 0.016, 0.0, (0.03, 0.052), "joint", softness=1.0)
 WAVES = NoiseTexture((12.0, 12.0), (3.0, 5.0), octaves=1.0)
 TILES = replace(_matt("floor", 0.4, 0.4, 0.4), height_m=0.01 * WAVES - 0.001 * JOINTS)
 """Of one colour, so that all that is seen of them is their relief; no slope beyond what light comes in at."""
-LAMP = Panel("lamp", (0.4, 1.5, 1.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.4, 0.4, (15.0, 15.0, 13.0))
+LAMP = LightPanel("lamp", (0.4, 1.5, 1.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 0.4, 0.4, (15.0, 15.0, 13.0))
 LINE_M = 0.04
 TAPE = rectangle(
     "tape_0", [(x, y * LINE_M, 0.00013) for x, y in ((0, -0.5), (1.2, -0.5), (1.2, 0.5), (0, 0.5))], "black"
@@ -189,8 +189,8 @@ def test_light_does_not_run_from_one_surface_to_the_next(images, view, rows, col
 # Slopes
 
 
-EVEN_SKY = Panel("lamp", (0.0, 0.0, 2.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 60.0, 60.0, (3.0, 3.0, 3.0))
-HIGH = Panel("lamp", (1.7, 0.0, 1.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0), 0.4, 0.2, (15.0, 15.0, 15.0))
+EVEN_SKY = LightPanel("lamp", (0.0, 0.0, 2.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), 60.0, 60.0, (3.0, 3.0, 3.0))
+HIGH = LightPanel("lamp", (1.7, 0.0, 1.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0), 0.4, 0.2, (15.0, 15.0, 15.0))
 LOW_AHEAD = replace(HIGH, center=(1.7, 0.0, 0.3))
 LOW_BEHIND = replace(HIGH, center=(-1.0, 0.0, 0.3), right=(0.0, 1.0, 0.0))
 
