@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Protocol
 
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import open_file
 
 CHUNK_BYTES = 8 << 20
 """Number of bytes that are read of a file at a time; a larger file is sent in parts of this size."""
@@ -31,7 +32,7 @@ class LocalFile:
             InputError: The file has changed meanwhile.
         """
         hashed, held = hashlib.sha256(), b""
-        with self.path.open("rb") as file:
+        with open_file(self.path) as file:
             while chunk := file.read(CHUNK_BYTES):
                 hashed.update(chunk)
                 if held:

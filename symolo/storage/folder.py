@@ -13,6 +13,7 @@ from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import make_folder, place_of, remove_leftovers, write_file
 from symolo.core.files.file_hashes import sha256_of, sizes_below
 from symolo.core.files.file_locks import held_or_refused
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.os_errors import NOT_THERE
 from symolo.storage.base import LocalFile
 
@@ -51,6 +52,6 @@ class Folder:
 
     def get(self, name: str) -> bytes | None:
         try:
-            return (self.root / name).read_bytes()
+            return read_file(self.root / name, FileKind.ANY)
         except NOT_THERE:
             return None

@@ -15,6 +15,7 @@ from typing import Any
 import yaml
 
 from symolo.core.errors import InputError, shown
+from symolo.core.files.plain_files import open_named_file
 from symolo.core.yaml.tree import FieldPath, Node, Scalar, dotted
 
 MAX_BYTES = 1 << 20
@@ -94,7 +95,7 @@ def _read_text(path: Path, name: str) -> str:
             raise InputError("this is a folder", where=name, allowed="a YAML file")
         if not path.is_file():
             raise InputError("there is no such file", where=name)
-        with path.open("rb") as file:
+        with open_named_file(path) as file:
             data = file.read(MAX_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
