@@ -52,14 +52,14 @@ def verify(
 
     Example: symolo verify data --key symolo.pub --reproduce 10
     """
-    from configs.assets.quiet import unsaid
+    from configs.assets.quiet import silenced
     from pipeline.assembly.run_spec import spec_problem
     from symolo.signing.key_files import read_public_key
     from symolo.verification.signature import trusted_comment
     from symolo.verification.verify import verify as findings_of
 
     public, count = read_public_key(key) if key is not None else None, 0
-    with unsaid():
+    with silenced():
         for finding in findings_of(folder, spec_problem, public):
             typer.echo(str(finding))
             count += 1

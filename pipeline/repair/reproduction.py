@@ -15,6 +15,7 @@ from pipeline.stages.render import Appearance, FrameTask, RenderTask
 from symolo.compare import pictures
 from symolo.compare.likeness import shown_db
 from symolo.core.errors import InputError, one_line
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report
 from symolo.core.random_streams import stream
 from symolo.dataset.bag import read_cpu_classes
@@ -64,7 +65,7 @@ def reproduce(root: Path, count: int, seed: int, workers: int, report: Report) -
     Raises:
         EnvironmentLacking: Blender does not start, or a graphics card is not there.
     """
-    metadata = Metadata.model_validate_json((root / METADATA).read_bytes())
+    metadata = Metadata.model_validate_json(read_file(root / METADATA, FileKind.DOCUMENT))
     chosen = drawn_images(metadata, count, seed)
     difference = _difference(root, metadata, chosen)
     if difference:
@@ -115,10 +116,10 @@ def _prepared(root: Path, run: str, numbers: Sequence[int], device: DeviceKind, 
 def _compared(root: Path, task: FrameTask, number: int) -> ReproducedImage:
     file = _name(task.run, number)
     try:
-        again = (task.files / frame_name(number)).read_bytes()
+        again = read_file(task.files / frame_name(number), FileKind.IMAGE)
     except FileNotFoundError:
         return ReproducedImage(file, "could not be rendered again", is_missing=True)
-    released = (root / file).read_bytes()
+    released = read_file(root / file, FileKind.IMAGE)
     if again == released:
         return ReproducedImage(file)
     found = pictures.likeness(released, again, file)
