@@ -57,18 +57,25 @@ class ArenaGenerator(Section):
     clockwise: bool = False
     """Whether the robot drives clockwise."""
     min_bend_radius_m: float = Field(default=0.22, ge=0.05, le=5)
+    """Smallest radius of a bend of the line [m]."""
     max_bend_radius_m: float = Field(default=0.60, ge=0.05, le=5)
+    """Largest radius of a bend of the line [m]."""
     walls: int = Field(default=4, ge=0, le=12)
     """Number of walls of the enclosure; 4 make a rectangle, 0 is no enclosure."""
     min_wall_clearance_m: float = Field(default=0.35, ge=0.02, le=10)
     """Smallest distance between the line and a wall."""
     max_wall_clearance_m: float = Field(default=0.90, ge=0.02, le=10)
+    """Largest distance between the line and a wall [m]."""
     wall_height_m: float = Field(default=0.15, ge=0.01, le=3)
+    """Height of the walls [m]."""
     min_obstacles: int = Field(default=0, ge=0, le=12)
+    """Smallest number of boxes on the line."""
     max_obstacles: int = Field(default=1, ge=0, le=12)
     """Largest number of boxes to be passed, on straight parts of the line; fewer if there is no room."""
     min_obstacle_m: float = Field(default=0.08, ge=0.01, le=1)
+    """Smallest length and width of a box on the line [m]."""
     max_obstacle_m: float = Field(default=0.10, ge=0.01, le=1)
+    """Largest length and width of a box on the line [m]."""
     max_obstacle_offset_m: float = Field(default=0.01, ge=0, le=1)
     """Largest distance between the middles of line and obstacle."""
     max_obstacle_yaw_deg: float = Field(default=15, ge=0, le=45)
@@ -76,7 +83,9 @@ class ArenaGenerator(Section):
     max_decoys: int = Field(default=3, ge=0, le=40)
     """Largest number of boxes beside the line, not to be touched; fewer if there is no room."""
     min_decoy_m: float = Field(default=0.05, ge=0.01, le=1)
+    """Smallest length and width of a box beside the line [m]."""
     max_decoy_m: float = Field(default=0.15, ge=0.01, le=1)
+    """Largest length and width of a box beside the line [m]."""
     max_decoy_distance_m: float = Field(default=0.60, ge=0.05, le=10)
     """Largest distance from the line to the middle of a decoy."""
     surfaces: Annotated[tuple[SurfaceName, ...], FromList, Field(min_length=1)] = ("white_board", "cardboard", "wood")

@@ -5,7 +5,7 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import Literal
 
-from configs.schema.robot import Avoidance, CurveAvoidance
+from configs.schema.controller import Avoidance, CurveAvoidance
 from physics.control.base import ControlInput, Side, other
 from physics.control.paths import AvoidancePath, curve_path
 from symolo.core.geometry.poses import PlanarPose

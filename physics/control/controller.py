@@ -5,7 +5,7 @@ configs/state_machine.yaml is the whole table. In each tick the first row whose 
 
 import math
 
-from configs.schema.robot import Controller
+from configs.schema.controller import Controller
 from physics.control.avoidance import PathFollower
 from physics.control.base import Command, ControlInput, Side
 from physics.control.bends import BendMemory, CurveBook, CurvePass, curve_pass

@@ -3,7 +3,7 @@
 import math
 from enum import Enum, auto
 
-from configs.schema.robot import Avoidance, CurveAvoidance
+from configs.schema.controller import Avoidance, CurveAvoidance
 from physics.control.avoidance import PathFollower
 from physics.control.base import ControlInput, sign_of
 from physics.control.bends import CurveBook, CurvePass

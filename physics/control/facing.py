@@ -3,7 +3,7 @@
 import math
 from enum import Enum, auto
 
-from configs.schema.robot import FaceObstacle
+from configs.schema.controller import FaceObstacle
 from physics.control.base import ControlInput, Side, sign_of
 from symolo.core.geometry.poses import PlanarPose
 

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
-from symolo.dataset.documents.camera_model import INTRINSICS, CameraModel, camera_table, read_camera_model
+from symolo.dataset.documents.camera_model import INTRINSICS, CameraDocument, camera_table, read_camera_document
 from symolo.dataset.documents.metadata import RunRecord
 from symolo.dataset.documents.run_document import ArenaSection, RunDocument
 from symolo.dataset.documents.scene_record import SCENE, read_scene_record
@@ -213,7 +213,7 @@ def _sensors(folder: Path, name: str, rows: Rows, tables: Sequence[SideTable]) -
 
 def _camera_model(path: Path, name: str, record: RunRecord, spec: RunDocument | None) -> Iterator[Finding]:
     try:
-        model = read_camera_model(path)
+        model = read_camera_document(path)
     except OSError as error:
         yield Finding(name, f"cannot be read: {error.strerror}")
         return
@@ -225,8 +225,8 @@ def _camera_model(path: Path, name: str, record: RunRecord, spec: RunDocument | 
         what = f"is of pictures of {model.width_px} x {model.height_px} px, metadata.json says {size[0]} x {size[1]}"
         yield Finding(name, what)
     elif spec is not None:
-        expected = CameraModel.of(spec)
-        for field in CameraModel.model_fields:
+        expected = CameraDocument.of(spec)
+        for field in CameraDocument.model_fields:
             if getattr(model, field) != getattr(expected, field):
                 yield Finding(name, f"{field} is not that of the camera in spec.json")
 
