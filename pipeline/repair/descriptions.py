@@ -14,6 +14,7 @@ from pipeline.stages.assemble import SIDE
 from pipeline.stages.simulate_runs import SPEC, read_outcome, spec_text
 from pipeline.work.processors import cpu_class
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.bag import BAG_INFO, bag_info, read_cpu_classes
 from symolo.dataset.documents.metadata import METADATA, Metadata
 from symolo.dataset.layout import DESCRIPTION
@@ -23,7 +24,7 @@ def flip_back(state: RepairState, names: Iterable[str]) -> None:
     """Restore the files in which a single bit is wrong; this needs no source."""
     for name in sorted(set(names) & state.wanted.keys()):
         try:
-            data = (state.out / name).read_bytes()
+            data = read_file(state.out / name, FileKind.ANY)
         except OSError:
             continue
         if (right := with_one_bit_less_wrong(data, state.wanted[name])) is not None:

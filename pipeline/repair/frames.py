@@ -19,6 +19,7 @@ from pipeline.work.unit_progress import report_event
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import make_folder, write_file
 from symolo.core.files.file_hashes import sha256_of
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.annotations import DOCUMENT, RECORD_KINDS
 from symolo.dataset.layout import ANNOTATIONS
 from symolo.dataset.tables.rows import read_rows
@@ -118,10 +119,10 @@ def _render(tasks: list[FrameTask], tools: RepairTools) -> None:
 
 
 def _document(task: FrameTask) -> bytes | None:
-    job = AnnotationJob.from_json((task.folder.path / JOB).read_text())
+    job = AnnotationJob.from_json(read_file(task.folder.path / JOB, FileKind.JOB).decode())
     names = [record_file(frame.number) for frame in task.frames] if {*RECORD_KINDS} & {*job.kinds} else []
     try:
-        records = [FrameRecord.from_json((task.files / name).read_bytes()) for name in names]
+        records = [FrameRecord.from_json(read_file(task.files / name, FileKind.JOB)) for name in names]
     except OSError:
         return None
     return document(job, IMAGES, records).to_json()
@@ -129,6 +130,6 @@ def _document(task: FrameTask) -> bytes | None:
 
 def _read(path: Path) -> bytes | None:
     try:
-        return path.read_bytes()
+        return read_file(path, FileKind.ANY)
     except OSError:
         return None

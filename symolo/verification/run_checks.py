@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.documents.camera_model import INTRINSICS, CameraDocument, camera_table, read_camera_document
 from symolo.dataset.documents.metadata import RunRecord
 from symolo.dataset.documents.run_document import ArenaSection, RunDocument
@@ -143,7 +144,7 @@ def _images(folder: Path, name: str, rows: Rows, record: RunRecord) -> Iterator[
 def _picture_fault(path: Path, width_px: int, height_px: int) -> str:
     import cv2  # noqa: PLC0415 - half a second that no other command needs
 
-    data = path.read_bytes()
+    data = read_file(path, FileKind.IMAGE)
     if not data.startswith(_JPEG_START) or not data.endswith(_JPEG_END):
         return "is not a whole JPEG file"
     try:
@@ -176,7 +177,7 @@ def _positions(path: Path, name: str, rows: Rows) -> Iterator[Finding]:
 def _specification(path: Path, name: str, check_spec: SpecCheck) -> tuple[object, RunDocument | None, list[Finding]]:
     """Return a run's specification as plain JSON and as a document, None where it is damaged, and what is wrong."""
     try:
-        content = json.loads(path.read_bytes())
+        content = json.loads(read_file(path, FileKind.DOCUMENT))
     except (OSError, ValueError, RecursionError) as error:
         return None, None, [Finding(name, f"cannot be read: {error}")]
     text = json.dumps(content)
@@ -285,7 +286,7 @@ def _obstacles(folder: Path, name: str, spec: object, rows: Rows, record: RunRec
 
 def _table(path: Path, header: Sequence[str], separator: str = ",") -> tuple[Array, list[str]]:
     try:
-        data = path.read_bytes()
+        data = read_file(path, FileKind.TABLE)
     except OSError as error:
         return np.empty((0, len(header))), [f"cannot be read: {error.strerror}"]
     table, faults = parse_table(data, header, separator)
