@@ -12,7 +12,7 @@ from diagnosis.predictors import STAGES
 from diagnosis.predictors.drive_log import POSE
 from diagnosis.predictors.pose import Pose
 from diagnosis.predictors.ranges import Ranges
-from diagnosis.predictors.rows import given
+from diagnosis.predictors.rows import good_values
 from diagnosis.predictors.wheels import Wheels
 from symolo.core.arrays import Array
 
@@ -58,7 +58,7 @@ def _predicted(part: str, inputs: Measurement, robot: RobotConfig) -> Columns:
             stage = Ranges(inputs, inputs.nominal, robot)
         case "pose":
             # The stage predicts increments between measured poses; an unseen run has only the first pose of each trial.
-            starts = np.stack([given(inputs, name) for name in POSE], axis=-1)
+            starts = np.stack([good_values(inputs, name) for name in POSE], axis=-1)
             first = np.cumsum([0, *(len(trial.t_s) for trial in inputs.trials[:-1])])
             path = Pose(inputs, robot).path(robot, starts[first])
             return dict(zip(POSE, path.T, strict=True))

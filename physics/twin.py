@@ -22,6 +22,7 @@ from physics.robot.model import RobotModel, through
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
 from symolo.core.finite import require_finite
+from symolo.core.geometry.poses import PlanarPose
 
 MAX_SCALAR_TRIALS = 16
 """Number of trials of bare motors up to which a loop over plain floats is faster than arrays."""
@@ -116,6 +117,7 @@ class KinematicTwin:
         for k, stall in enumerate(driveline.stall_torque_N_m(voltage_V)):
             torque = stall + driveline.extra_torque_N_m(voltage_V[k], speed)
             friction = driveline.friction_N_m(torque, speed, k * self._step_s)
+            # The body couples the wheels: the acceleration of each one loads the other.
             torque = torque - acceleration @ self._coupling
             load_right, load_left = body.load_N_m(speed[:, 0], speed[:, 1])
             torque[:, 0] += load_right
@@ -153,6 +155,7 @@ class KinematicTwin:
         ones = np.ones_like(turn_rad)
         turn_rad = turn_rad * through(self._ground, ones, forward_m / self._step_s, turn_rad / self._step_s)
         yaw_rad = starts[:, 2] + np.cumsum(turn_rad, axis=0)
+        # The chord of an arc: sinc needs no division by the turn, which is 0 on a straight.
         chord_m = forward_m * np.sinc(turn_rad / (2.0 * pi))
         direction = yaw_rad - 0.5 * turn_rad
         x_m = starts[:, 0] + np.cumsum(chord_m * np.cos(direction), axis=0)
@@ -192,7 +195,7 @@ class ReplayedWorld:
                 f"the time {self.time_s:g} s is after the end of the run at {end_s:g} s; drive it for longer"
             )
 
-    def pose(self) -> tuple[float, float, float]:
+    def pose(self) -> PlanarPose:
         poses = self._run.pose[:, self._trial]
         x, y, yaw = (float(np.interp(self.time_s, self._run.t_s, column)) for column in poses.T)
         return x, y, yaw

@@ -41,7 +41,7 @@ def crc16(data: bytes) -> int:
 
 @dataclass(frozen=True)
 class Framed:
-    """Frames with a checksum; docs/hil_protocol.md says how often damage goes unnoticed."""
+    """Frames with a checksum; docs/hil_protocol.md lists how often damage is not detected."""
 
     name: str = "framed"
     baud: int = 500_000
@@ -99,6 +99,7 @@ class _Splitter:
         self._too_long = False
 
     def split(self, data: bytes) -> list[_Whole | Damaged]:
+        # A piece before a zero ends a frame that may have begun in earlier data.
         *ended, rest = data.split(b"\0")
         frames = [self._end(piece) for piece in ended]
         self._append(rest)

@@ -1,4 +1,4 @@
-"""One robot in one arena, stepped by PyBullet, with the wheel-speed loop at its own rate.
+"""One robot in one arena, stepped by PyBullet, with the wheel-speed loop at a lower rate.
 
 Back-EMF and viscous friction are linear in speed and are joint damping in the robot's URDF, so that a step needs only
 the stall torque of the present voltages. Coulomb friction is the joint's velocity motor at zero speed with limited
@@ -26,6 +26,7 @@ from physics.drivetrain.wheel_loop import WheelSpeedLoop, voltage_limit_V
 from physics.robot.model import RobotModel
 from symolo.arena.geometry import Arena
 from symolo.core.arrays import Array
+from symolo.core.geometry.poses import PlanarPose
 
 LIFT_M = 0.1
 REACTION_PERIOD_S = 0.002
@@ -37,7 +38,7 @@ heavy rotor would shake a light body."""
 class BulletSimulation:
     """A PyBullet client, of which one process may have several. Close it, or use it as a context manager."""
 
-    def __init__(self, robot: RobotConfig, arena: Arena, start: tuple[float, float, float], rates: Rates) -> None:
+    def __init__(self, robot: RobotConfig, arena: Arena, start: PlanarPose, rates: Rates) -> None:
         self._rates = rates
         self._steps = 0
         model = RobotModel.from_config(robot)
@@ -59,7 +60,7 @@ class BulletSimulation:
         self._reaction_gain = REACTION_SMOOTHING * model.motors.right.inertia_kg_m2 * looks_hz
         self._reaction = [0.0, 0.0, 0.0]
         self._speed_sum = 0.0
-        # From the chassis' centre of mass, whose pose PyBullet reports, to the middle of the axle.
+        # The vector from the chassis' centre of mass, whose pose PyBullet reports, to the middle of the axle.
         chassis = robot.chassis
         axle_height = 0.5 * (model.geometry.right_radius_m + model.geometry.left_radius_m)
         self._to_axle = (-chassis.center_of_mass_x_m, 0.0, axle_height - chassis.center_of_mass_z_m)
@@ -141,6 +142,7 @@ class BulletSimulation:
             if number % look_every == 0:
                 # If the wheel loop has just run, the states have been read already.
                 right, left = self._wheel_states() if number == self._steps else read(robot, wheels, client)
+                # Torque of the rotors on the wheels about y, J dw/dt of both, smoothed exponentially.
                 reaction[1] += gain * (right[1] + left[1] - speed) - REACTION_SMOOTHING * reaction[1]
                 speed = right[1] + left[1]
             push(robot, -1, reaction, frame, client)
@@ -200,7 +202,7 @@ class BulletSimulation:
         self._touched.update(self._surface_of_body[contact[2]] - 1 for contact in contacts if contact[8] <= 0.0)
         self.pose()
 
-    def pose(self) -> tuple[float, float, float]:
+    def pose(self) -> PlanarPose:
         """Return X_WR: x [m], y [m], yaw [rad, unwrapped] of the middle of the axle."""
         if self._pose_step != self._steps:
             self._pose_step, self._pose = self._steps, self._look()

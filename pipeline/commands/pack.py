@@ -45,7 +45,7 @@ def pack(
     from symolo.core.files.new_folder import check_new
     from symolo.core.progress import report_here
     from symolo.publishing.about import read_about
-    from symolo.publishing.limits import told
+    from symolo.publishing.limits import fits_archives
     from symolo.publishing.pack import pack as packed
     from symolo.publishing.pack import plan
 
@@ -61,5 +61,5 @@ def pack(
         written = packed(planned, out, report_here())
         parts = f"{len(planned.shards)} shards, {len(planned.tables)} tables, {DOCUMENTS} documents"
         typer.echo(f"{out}: {parts}, {written / 1e6:.1f} MB")
-    for line in told([*(file.size for file in (*planned.shards, *planned.tables)), *[0] * DOCUMENTS]):
+    for line in fits_archives([*(file.size for file in (*planned.shards, *planned.tables)), *[0] * DOCUMENTS]):
         typer.echo(line)

@@ -15,6 +15,7 @@ from pipeline.stages.render import IMAGES, Appearance, frame_poses
 from sensors.camera.response import CameraResponse
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.dataset.layout import frame_name
 from symolo.dataset.tables.rows import Rows
 
@@ -130,7 +131,7 @@ SAME_PLACE_M, SAME_YAW_RAD = 0.003, 0.01
 
 def _picture(path: Path) -> ImagePixels:
     try:
-        data = path.read_bytes()
+        data = read_file(path, FileKind.IMAGE)
     except OSError as error:
         raise InputError(
             f"cannot be read: {error.strerror}", where=str(path), cure="give every image of data.csv"

@@ -5,12 +5,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from blender_scenes.render.devices import GPU_KINDS, DeviceKind
+from blender_scenes.render.devices import DeviceKind
 from pipeline.repair import descriptions, existing_copies, frames, tables
-from pipeline.repair.repair_state import RepairState, RepairTools, with_one_bit_less_wrong
+from pipeline.repair.repair_state import RepairState, RepairTools, recorded_device, with_one_bit_less_wrong
 from pipeline.run_folder.workspace import Workspace
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import remove_file, remove_folder, write_file
+from symolo.core.files.plain_files import FileKind, read_file
 from symolo.core.progress import Report
 from symolo.dataset.bag import DECLARATION
 from symolo.dataset.documents.metadata import METADATA, Metadata, made_with
@@ -93,7 +94,7 @@ def _repair(
     difference = descriptions.differences(state, metadata, made_with())
     descriptions.write_description(state, metadata, f"written again, the text differs; {difference}")
     runs = metadata.runs if metadata else []
-    devices: dict[str, DeviceKind] = {record.run: _device(record.render_device) for record in runs}
+    devices: dict[str, DeviceKind] = {record.run: recorded_device(record.render_device) for record in runs}
     _remake(state, metadata, RepairTools(scratch, workers, report, devices, difference))
     descriptions.flip_back(state, list(state.wanted))
     descriptions.write_bag_info(state, metadata)
@@ -111,17 +112,13 @@ def _remake(state: RepairState, metadata: Metadata | None, tools: RepairTools) -
     frames.render_frames(state, specs, tools)
 
 
-def _device(name: str) -> DeviceKind:
-    for kind in GPU_KINDS:
-        if kind == name:
-            return kind
-    return "CPU"
-
-
 def _flip_manifest_back(out: Path, tell: Callable[[str], None]) -> bool:
     """Restore a manifest in which a single bit is wrong, which is possible even if other files are damaged."""
     try:
-        data, noted = (out / MANIFEST).read_bytes(), read_manifest((out / TAG_MANIFEST).read_bytes())[MANIFEST]
+        data, noted = (
+            read_file(out / MANIFEST, FileKind.CHECKSUMS),
+            read_manifest(read_file(out / TAG_MANIFEST, FileKind.CHECKSUMS))[MANIFEST],
+        )
     except (OSError, ValueError, KeyError):
         return False
     right = with_one_bit_less_wrong(data, noted)
@@ -137,8 +134,7 @@ def _write_lists(state: RepairState) -> None:
     expected = state.inventory.expected
     for name, text in ((MANIFEST, manifest(expected)), (TAG_MANIFEST, tag_manifest(expected))):
         if state.inventory.files.digests.get(name) != hashlib.sha256(text).hexdigest():
-            write_file(state.out / name, text)
-            state.tell(f"repaired: {name}: written again")
+            state.write(name, text, "written again")
 
 
 def _result(state: RepairState, faults: int, metadata: Metadata | None) -> Repaired:
