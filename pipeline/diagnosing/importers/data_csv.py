@@ -84,7 +84,6 @@ def _read(path: Path) -> Measurement:
 
 IMPORTER = Importer(
     "data-csv",
-    "SyMoLo data.csv with nothing beside it",
     lambda path: first_line(path).split(",")[: len(HEADER)] == list(HEADER),
     _read,
 )

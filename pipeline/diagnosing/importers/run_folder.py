@@ -169,4 +169,4 @@ def _trial(run: _DatasetRun) -> Trial:
     return trial_of(run.name, rows, (*drive, *seen))
 
 
-IMPORTER = Importer("run", "run of symolo, a whole release, or what simulate made", _recognises, _read)
+IMPORTER = Importer("run", _recognises, _read)
