@@ -1,4 +1,7 @@
-"""Every file of a dataset is opened in one way, that of `symolo.core.files.plain_files`, and every image decoded in one."""
+"""Every file of a dataset is opened in one way, that of `symolo.core.files.plain_files`.
+
+Its images are decoded in one way too, that of `symolo.dataset.pixels`.
+"""
 
 import ast
 from pathlib import Path
