@@ -17,7 +17,7 @@ TOLERANCE = 1e-6
 
 
 def obstacle_series(arena: Arena, t_s: Array) -> tuple[TimeSeries, ...]:
-    """Return the poses of the middle of each moving obstacle in W, (N, 3), x [m], y [m], yaw [rad], at times (N,) [s]."""
+    """Return the poses of each moving obstacle in W, (N, 3), x [m], y [m], yaw [rad] of its middle, at times (N,)."""
     return tuple(TimeSeries(SERIES.format(name=box.name), "m, m, rad", t_s, box.poses_at(t_s)) for box in arena.moving)
 
 
