@@ -101,6 +101,7 @@ def light_of() -> Callable[..., np.ndarray]:
         shutter: Shutter = INSTANT,
         lens: Coefficients = NO_DISTORTION,
         user_files: Path | None = None,
+        samples: int = 64,
     ) -> np.ndarray:
         middle = 0.5 * (pixels - 1)
         job = RenderJob(
@@ -108,7 +109,7 @@ def light_of() -> Callable[..., np.ndarray]:
             scene=scene,
             camera=Intrinsics(pixels, pixels, focal_px, focal_px, middle, middle, lens),
             frames=tuple(views),
-            sampling=TracingSettings(seed=1, samples=64, denoise=False),
+            sampling=TracingSettings(seed=1, samples=samples, denoise=False),
             response=CameraResponse.from_look(CameraLook(), (1.0, 1.0, 1.0), 1, 92),
             shutter=shutter,
         )
