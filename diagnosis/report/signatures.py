@@ -67,7 +67,7 @@ def signatures(evidence: Evidence, nominal: HypothesisFit, effects: Sequence[Can
     base = nominal.hypothesis
     started = (np.array([*base.null(), *(c.start for c in effect.coordinates)]) for effect in effects)
     robots = [base.with_effect(effect).robot(x) for effect, x in zip(effects, started, strict=True)]
-    prediction = evidence.of([base.robot(base.null()), *robots])
+    prediction = evidence.predicted([base.robot(base.null()), *robots])
     projection = _NuisanceProjection(evidence, nominal)
     rows, directions = [], []
     for k, effect in enumerate(effects, 1):
