@@ -94,7 +94,7 @@ def _agree(copy: Path, symolo, damage: object) -> bool:
 
 @pytest.mark.faults
 def test_repair_of_every_file_that_can_be_made_without_the_stages(release, tmp_path):
-    """All but the pictures, which are noise here; each is emptied in turn, metadata.json has one bit flipped."""
+    """All but the images, which are noise here; each is emptied in turn, metadata.json has one bit flipped."""
     copy = tmp_path / "copy"
     corrupter = corruptions.Corrupter(release, copy, seed=10)
     for name in corrupter.names:
