@@ -12,7 +12,7 @@ from pipeline.repair.frames import check_user_files, only_frames, render_tasks, 
 from pipeline.repair.repair_state import recorded_device
 from pipeline.run_folder.workspace import StageFolder, Workspace
 from pipeline.stages.render import Appearance, FrameTask, RenderTask
-from symolo.compare import pictures
+from symolo.compare.images import likeness
 from symolo.compare.likeness import shown_db
 from symolo.core.errors import InputError, one_line
 from symolo.core.files.plain_files import FileKind, read_file
@@ -122,8 +122,9 @@ def _compared(root: Path, task: FrameTask, number: int) -> ReproducedImage:
     released = read_file(root / file, FileKind.IMAGE)
     if again == released:
         return ReproducedImage(file)
-    found = pictures.likeness(released, again, file)
-    return ReproducedImage(file, f"differs when it is rendered again ({shown_db(found.level_db)}): {found.what}")
+    difference = likeness(released, again, file)
+    level = shown_db(difference.level_db)
+    return ReproducedImage(file, f"differs when it is rendered again ({level}): {difference.what}")
 
 
 def _name(run: str, number: int) -> str:
