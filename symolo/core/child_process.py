@@ -101,7 +101,11 @@ class ChildProcess(Generic[M]):
             env=dict(environment),
             start_new_session=own_group,
         )
-        threading.Thread(target=self._read_lines, name="read a child's messages", daemon=True).start()
+        try:
+            threading.Thread(target=self._read_lines, name="read a child's messages", daemon=True).start()
+        except BaseException:  # no thread could start: the caller gets no object that it could close
+            self.close()
+            raise
 
     @property
     def alive(self) -> bool:
