@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from pipeline.commands.exit_codes import RUN_FAILED
 from pipeline.commands.options import (
     OnDevice,
     Scenario,
@@ -17,8 +18,7 @@ from pipeline.commands.options import (
 )
 from pipeline.preview import Engine
 
-RUN_FAILED = 3
-_MAX_WIDE_PX = 2048
+_MAX_WIDTH_PX = 2048
 
 
 def preview(
@@ -46,7 +46,7 @@ def preview(
         ),
     ] = None,
     settings: Settings = None,
-    width_px: Annotated[int, typer.Option(min=32, max=_MAX_WIDE_PX, help="Width of each image in pixels.")] = 320,
+    width_px: Annotated[int, typer.Option(min=32, max=_MAX_WIDTH_PX, help="Width of each image in pixels.")] = 320,
     columns: Annotated[int, typer.Option(min=1, max=100, help="Number of images in a row.")] = 6,
     workers: Workers = None,
     device: OnDevice = None,

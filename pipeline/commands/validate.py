@@ -5,18 +5,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipeline.commands.options import Out, Robot, checked_input
+from pipeline.commands.options import Out, Robot, Seed, checked_input, if_given
 
 if TYPE_CHECKING:
     from diagnosis.validation.experiment import ValidatedPart
 
 HELP = "Hold a part of the simulated robot against closed forms, tables and recordings, as JSON and as a figure."
-
-Seed = Annotated[int, typer.Option("--seed", min=0, max=2**63 - 1, metavar="N", help="Seed of all that is drawn.")]
-
-
-def _checked(path: Path | None) -> Path | None:
-    return None if path is None else checked_input(path)
 
 
 def motor(out: Out, robot: Robot = "nominal", seed: Seed = 1) -> None:
@@ -46,11 +40,17 @@ def range_sensor(
     *,
     scan: Annotated[
         Path | None,
-        typer.Option(metavar="DIR", callback=_checked, help="Folder of real scans over an edge, columns x, y, lidar."),
+        typer.Option(
+            metavar="DIR",
+            callback=if_given(checked_input),
+            help="Folder of real scans over an edge, columns x, y, lidar.",
+        ),
     ] = None,
     static: Annotated[
         Path | None,
-        typer.Option(metavar="DIR", callback=_checked, help="Folder of long real recordings of a sensor at rest."),
+        typer.Option(
+            metavar="DIR", callback=if_given(checked_input), help="Folder of long real recordings of a sensor at rest."
+        ),
     ] = None,
     readings: Annotated[
         int,

@@ -16,13 +16,7 @@ from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.annotate import AnnotationTask
 from pipeline.stages.assemble import assemble
 from pipeline.stages.render import Appearance, FrameTask, Order, RenderTask, render_runs
-from pipeline.stages.simulate_runs import (
-    prepare_boards,
-    problems_of,
-    read_recording,
-    simulate_runs,
-    simulation_key,
-)
+from pipeline.stages.simulate_runs import problems_of, read_recording, simulate_runs, simulation_key
 from pipeline.work.supervisor import cores
 from symolo.core.errors import InputError
 from symolo.core.files.disk_space import check_disk
@@ -74,15 +68,6 @@ class Batch:
             InputError: One of them is gone or has changed.
         """
         keep_user_files((spec.look for spec in self.specs), self.loaded.assets, self.workspace.user_files)
-
-    def prepare_boards(self) -> None:
-        """Check that the boards can be used, before anything is written.
-
-        Raises:
-            InputError: A real board is required, which only `symolo hil` can use.
-            EnvironmentLacking: A tool that builds the simulated board is missing.
-        """
-        prepare_boards(self.workspace, self.specs)
 
     def simulate(self, report: Report) -> list[FailedRun]:
         return simulate_runs(self.workspace, self.specs, self.executor, report)

@@ -414,4 +414,4 @@ def test_what_libjpeg_says_of_damaged_pixels_is_not_on_the_terminal(dataset, cop
     assert main(["verify", str(root)]) == 4
     told = capfd.readouterr()
     assert f"{RUN}/images/000001.jpg" in told.out
-    assert told.err == f"{root}: 1 faults\n"
+    assert told.err == f"{root}: 1 fault\n"

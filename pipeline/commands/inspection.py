@@ -1,23 +1,26 @@
-"""Commands that inspect data or the machine: verify, compare, contact-sheet, schema, doctor."""
+"""Commands that inspect data or the machine: verify, compare, contact-sheet, report, baselines, schema, doctor."""
 
+from math import radians
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from pipeline.commands.options import OutImage, checked_input
+from pipeline.commands.exit_codes import FAULTS, MACHINE_LACKS
+from pipeline.commands.options import (
+    Dataset,
+    NewFolder,
+    Runs,
+    Seed,
+    checked_input,
+    checked_new_image,
+    names,
+    new_file_check,
+)
 from symolo.core.text_enum import TextEnum
 
-FAULTS = 4
-LACKING = 5
 
-
-def verify(
-    folder: Annotated[
-        Path,
-        typer.Argument(metavar="DIR", callback=checked_input, help="Dataset: the folder that holds metadata.json."),
-    ],
-) -> int:
+def verify(folder: Dataset) -> int:
     """Check a dataset: structure, columns, units and ranges, rates, images, positions, checksums.
 
     The command prints one line for each fault and ends with exit code 4 if there is any.
@@ -26,6 +29,7 @@ def verify(
     """
     from configs.assets.quiet import unsaid
     from pipeline.assembly.run_spec import spec_problem
+    from symolo.core.progress import plural
     from symolo.verification.verify import verify as findings_of
 
     count = 0
@@ -33,7 +37,7 @@ def verify(
         for finding in findings_of(folder, spec_problem):
             typer.echo(str(finding))
             count += 1
-    typer.echo(f"{folder}: {count} faults" if count else f"{folder}: no fault", err=bool(count))
+    typer.echo(f"{folder}: {plural(count, 'fault') if count else 'no fault'}", err=bool(count))
     return FAULTS if count else 0
 
 
@@ -84,7 +88,10 @@ def contact_sheet(
     folder: Annotated[
         Path, typer.Argument(metavar="DIR", callback=checked_input, help="Dataset, run folder, or output of rerender.")
     ],
-    out: OutImage,
+    out: Annotated[
+        Path,
+        typer.Option("--out", metavar="FILE", callback=checked_new_image, help="Image file to write, .jpg or .png."),
+    ],
     per_run: Annotated[int, typer.Option(min=1, max=100, help="Number of images of each run, evenly spaced.")] = 6,
     width_px: Annotated[int, typer.Option(min=16, max=4096, help="Width of each image in pixels.")] = 240,
 ) -> None:
@@ -100,6 +107,98 @@ def contact_sheet(
         raise InputError("no such folder", where=str(folder), cure="name a dataset or a run folder")
     save(sheet_of(folder, per_run, width_px), out)
     typer.echo(str(out))
+
+
+def report(
+    folder: Dataset,
+    *,
+    out: Annotated[
+        Path,
+        typer.Option("--out", metavar="FILE", callback=new_file_check(".html"), help="Page to write, .html."),
+    ],
+    runs: Runs = None,
+    detail: Annotated[
+        int,
+        typer.Option(
+            "--detail", min=0, max=200, metavar="N", help="Largest number of runs that get a section of their own."
+        ),
+    ] = 12,
+) -> None:
+    """Make one HTML page about a release: content, paths, runs, images, random draws, warnings, provenance.
+
+    The page is one file that loads nothing from elsewhere. The release is checked first; a damaged one is refused. The
+    same release gives the same bytes.
+
+    Example: symolo report data --out report.html
+    """
+    from symolo.core.files.atomic_files import write_file
+    from symolo.core.progress import report_here
+    from symolo.exporters.export import open_release
+    from symolo.report.build import release_report
+
+    data = open_release(folder, runs)
+    page = release_report(data, detail, report_here())
+    write_file(out, page)
+    typer.echo(f"{out}: {len(data)} runs, {len(page) / 1e6:.1f} MB")
+
+
+def baselines(
+    folder: Annotated[
+        Path,
+        typer.Argument(
+            metavar="DIR", callback=checked_input, help="A release, or an output folder of `symolo simulate`."
+        ),
+    ],
+    *,
+    out: NewFolder,
+    methods: Annotated[
+        str | None,
+        typer.Option(
+            "--methods",
+            metavar="NAMES",
+            help="odometry, ekf, particles, pictures, with commas between them; by default all that the data allow.",
+        ),
+    ] = None,
+    runs: Runs = None,
+    start_sd_cm: Annotated[
+        float,
+        typer.Option(min=0.01, max=100, metavar="CM", help="Standard deviation of the error of the start position."),
+    ] = 0.1,
+    start_sd_deg: Annotated[
+        float,
+        typer.Option(min=0.01, max=90, metavar="DEG", help="Standard deviation of the error of the start direction."),
+    ] = 0.1,
+    seed: Seed = 1,
+) -> None:
+    """Localise the robot with odometry, a Kalman filter, a particle filter and images, and measure the errors.
+
+    The methods get the sensor readings, the map and the start, never the true pose. The output is a table, its numbers
+    as JSON, a plot, and every estimate. The same release gives the same bytes.
+
+    Example: symolo baselines data --out baselines --start-sd-cm 5 --start-sd-deg 5
+    """
+    import numpy as np
+
+    from pipeline.baselines import METHODS
+    from pipeline.baselines.compare import compare, methods_of, why_not
+    from pipeline.baselines.runs import chosen, open_runs
+    from pipeline.baselines.written import table, write
+    from symolo.core.errors import InputError
+    from symolo.core.files.new_folder import check_new
+    from symolo.core.progress import report_here
+
+    chosen_methods = METHODS if methods is None else methods_of(names(methods, "--methods"), "--methods")
+    check_new(out, folder)
+    everything = open_runs(folder)
+    for method in chosen_methods if methods is not None else ():
+        if why := why_not(method, everything):
+            raise InputError(f"--methods {method.name}: {why}", where=str(folder))
+    start_sd = np.array([start_sd_cm / 100, start_sd_cm / 100, radians(start_sd_deg)])
+    compared = compare(
+        chosen_methods, chosen(everything, runs), everything, start_sd=start_sd, seed=seed, report=report_here()
+    )
+    write(compared, out)
+    typer.echo(table(compared) + f"\n{out}")
 
 
 class SchemaOf(TextEnum):
@@ -140,4 +239,4 @@ def doctor() -> int:
     for check in examine(Path.cwd()):
         typer.echo(str(check))
         lacking |= not check.ok
-    return LACKING if lacking else 0
+    return MACHINE_LACKS if lacking else 0
