@@ -28,7 +28,7 @@ def verify(folder: Dataset) -> int:
     Example: symolo verify data
     """
     from configs.assets.quiet import unsaid
-    from pipeline.assembly.run_spec import spec_problem
+    from pipeline.run_folder.stored_runs import spec_problem
     from symolo.core.progress import plural
     from symolo.verification.verify import verify as findings_of
 

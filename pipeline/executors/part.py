@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing_extensions import Self
 
 from blender_scenes.render.devices import DeviceKind
-from pipeline.executors.base import OnEvent
+from pipeline.executors.base import Executor, OnEvent
 from pipeline.executors.local import Local
 from pipeline.work.supervisor import UnitFailure
 from pipeline.work.units import AnyUnit, RenderUnit
@@ -25,7 +25,9 @@ MAX_PARTS = 100_000
 
 
 @dataclass(frozen=True)
-class PartOfWork:
+class PartOfWork(Executor):
+    does_all = False
+
     number: int
     """Number of the part, from 1."""
     parts: int
@@ -44,13 +46,6 @@ class PartOfWork:
         if not 1 <= number <= parts <= MAX_PARTS:
             raise InputError("--part", got=text, allowed=f"k/n with 1 <= k <= n <= {MAX_PARTS}, such as 3/10")
         return cls(number, parts, local)
-
-    @property
-    def does_all(self) -> bool:
-        return False
-
-    def check(self) -> None:
-        """This machine can always be reached."""
 
     def on(self, device: DeviceKind) -> Self:
         return replace(self, local=self.local.on(device))

@@ -19,7 +19,7 @@ from pydantic import BaseModel, ConfigDict
 from typing_extensions import Self
 
 from blender_scenes.render.devices import DeviceKind
-from pipeline.executors.base import OnEvent
+from pipeline.executors.base import Executor, OnEvent
 from pipeline.executors.part import BLOCK_FRAMES
 from pipeline.work.supervisor import AnyEvent, FrameGivenUp, Retried, UnitFailure, WorkerError, run_units
 from pipeline.work.units import UNITS, AnyUnit, RenderUnit
@@ -60,7 +60,7 @@ class UnitRecord(BaseModel):
 
 
 @dataclass(frozen=True)
-class OnRay:
+class OnRay(Executor):
     address: str
     """Address of the cluster for `ray.init`: `auto`, `HOST:PORT` or `ray://HOST:PORT`."""
     limits: Limits
@@ -70,10 +70,6 @@ class OnRay:
     card_share: float = CARD_SHARE
     """Share of a graphics card that a block uses on its node."""
     device: DeviceKind = "CPU"
-
-    @property
-    def does_all(self) -> bool:
-        return True
 
     def check(self) -> None:
         _ray()
@@ -96,10 +92,6 @@ class OnRay:
     def threads(self, units: int) -> int:
         del units
         return self.cores
-
-    def mine(self, unit: AnyUnit) -> bool:
-        del unit
-        return True
 
     def do(self, units: Sequence[AnyUnit], on_event: OnEvent) -> list[UnitFailure]:
         ray = _ray()

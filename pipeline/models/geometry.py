@@ -1,7 +1,7 @@
-"""Poses, shapes and colours as model files tell them, from what physics and pictures are made of."""
+"""Poses, shapes and colours of model files, from those of the simulation and of the rendered scene."""
 
 from dataclasses import dataclass
-from math import atan2, hypot
+from math import atan2, hypot, pi
 
 import numpy as np
 
@@ -41,14 +41,20 @@ Shape = BoxShape | SphereShape | CylinderShape
 
 @dataclass(frozen=True)
 class Visual:
-    """Something that is seen."""
+    """A visible shape."""
 
     name: str
     shape: Shape
     center: Vector
-    """[m], in the frame of its link."""
+    """x, y, z [m] of its centre in the frame of its link."""
     srgb: RGB
-    """0-1 each, as it is to be shown."""
+    """Red, green and blue, 0-1 each, as it is to be shown."""
+
+    @property
+    def placement(self) -> Placement:
+        """Pose in the frame of its link; cylinders of model files stand along z, and wheels lie along y."""
+        lies = isinstance(self.shape, CylinderShape)
+        return Placement(self.center, (0.5 * pi, 0.0, 0.0) if lies else (0.0, 0.0, 0.0))
 
 
 def roll_pitch_yaw(rotation: Array) -> Vector:

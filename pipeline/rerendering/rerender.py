@@ -5,10 +5,8 @@ import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
-from pydantic import ValidationError
 
 from blender_scenes.render.devices import device_for
 from configs.draw import draw_arena, draw_look, draw_render, draw_robot
@@ -22,6 +20,7 @@ from pipeline.executors.base import Executor
 from pipeline.planning.plan import BYTES_PER_JOB, pictures_bytes
 from pipeline.rerendering.unit_checks import check_on_the_floor, check_radians
 from pipeline.run_folder.output import check_out
+from pipeline.run_folder.stored_runs import read_simulated, read_spec
 from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import Workspace, input_key, mark_done
 from pipeline.stages.annotate import AnnotationTask, copy_released
@@ -33,10 +32,10 @@ from pipeline.stages.render import (
     FrameTask,
     Order,
     RenderTask,
-    picture_seed,
+    image_seed,
     render_runs,
 )
-from pipeline.stages.simulate_runs import SPEC, TRAJECTORY, read_recording
+from pipeline.stages.simulate_runs import SPEC, TRAJECTORY
 from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import make_folder, move, remove_file, remove_folder, replace_folder, write_file
@@ -45,7 +44,6 @@ from symolo.core.files.file_hashes import canonical_json, hashes_of, holds, read
 from symolo.core.geometry.lens import lens_problem
 from symolo.core.progress import Report
 from symolo.core.random_streams import stream
-from symolo.core.yaml.tree import dotted
 from symolo.dataset.documents.camera_model import camera_files
 from symolo.dataset.documents.metadata import FailedRun
 from symolo.dataset.folder_kind import Kind
@@ -92,7 +90,7 @@ class StoredTrajectory:
     data: bytes
     """Content of data.csv."""
     spec: RunSpec | None
-    """Specification of the run; Specification of the run; Specification of the run; None for a foreign data.csv."""
+    """Specification of the run; None for a foreign data.csv."""
     file: Path
     """File from which it was read."""
 
@@ -106,7 +104,7 @@ class LookDraw:
     """One set of images: a look with drawn values."""
 
     name: str
-    """Name Name Name `<look>_<k>`, k from 1."""
+    """Name of its folder, `<look>_<k>`, k from 1."""
     appearance: Appearance
     record: bytes
     """Content of look.json."""
@@ -239,15 +237,11 @@ def prepare(source: Path, request: RerenderRequest) -> tuple[StoredTrajectory, t
 
 def read_source(path: Path) -> StoredTrajectory:
     """Read a run folder of a dataset or of `.stages`, or a single data.csv."""
+    cure = "make the run again, or rerender its data.csv with --arena and --robot"
     folder = path.parent if path.name == DATA else path
     if path.is_dir() and (folder / TRAJECTORY).is_file():
-        try:
-            rows = Rows.from_recording(read_recording(folder))
-        except (OSError, ValueError, KeyError, BadZipFile) as error:
-            raise InputError(
-                f"cannot be read: {error}", where=str(folder / TRAJECTORY), cure="simulate again"
-            ) from None
-        return StoredTrajectory(rows, rows.to_csv(), _read_spec(folder / SPEC), folder / TRAJECTORY)
+        rows = Rows.from_recording(read_simulated(folder))
+        return StoredTrajectory(rows, rows.to_csv(), read_spec(folder / SPEC, cure), folder / TRAJECTORY)
     data = path if path.is_file() else folder / DATA
     if not data.is_file():
         raise InputError(
@@ -256,23 +250,8 @@ def read_source(path: Path) -> StoredTrajectory:
             cure="name a folder such as OUT/CW/test_1, or a data.csv",
         )
     side = folder / SIDE / SPEC
-    spec = _read_spec(side) if data.name == DATA and side.is_file() else None
+    spec = read_spec(side, cure) if data.name == DATA and side.is_file() else None
     return StoredTrajectory(read_rows(data), data.read_bytes(), spec, data)
-
-
-def _read_spec(path: Path) -> RunSpec:
-    try:
-        return RunSpec.model_validate_json(path.read_bytes())
-    except OSError as error:
-        reason = error.strerror
-    except ValidationError as error:
-        first = error.errors()[0]
-        reason = ": ".join(filter(None, (dotted(first["loc"]), first["msg"])))
-    raise InputError(
-        f"cannot be read: {reason}",
-        where=str(path),
-        cure="make the run again, or rerender its data.csv with --arena and --robot",
-    )
 
 
 def _timed(source: StoredTrajectory, camera_hz: float | None) -> StoredTrajectory:
@@ -316,7 +295,7 @@ def _draws(source: StoredTrajectory, request: RerenderRequest) -> tuple[LookDraw
             own = draw_seed(seed, k)
             look, drawn = draw_look(section, own, route, run)
             record = {"draw": k, "seed": own, "drawn": drawn, "look": look.model_dump(mode="json")}
-            appearance = Appearance(arena, robot, look, render, picture_seed(own, route, run), device)
+            appearance = Appearance(arena, robot, look, render, image_seed(own, route, run), device)
             draws.append(LookDraw(f"{look.name}_{k}", appearance, canonical_json(record), section.assets))
     names = [draw.name for draw in draws]
     if twice := sorted({name for name in names if names.count(name) > 1}):

@@ -10,7 +10,7 @@ from pipeline.assembly.description import markdown
 from pipeline.assembly.scene_file import scene_file
 from pipeline.run_folder.workspace import Workspace, input_key, mark_done
 from pipeline.stages.annotate import copy_released, processors
-from pipeline.stages.render import Rendered, picture_seed
+from pipeline.stages.render import Rendered, image_seed
 from pipeline.stages.simulate_runs import read_outcome, read_recording, spec_text
 from sensors.fit_out import sensor_tables
 from symolo.arena.geometry import Arena
@@ -161,7 +161,7 @@ def tables(spec: RunSpec, recording: Recording) -> Iterator[tuple[str, bytes]]:
     yield f"{SIDE}/{WHEELS.file}", wheels_csv(recording)
     yield f"{SIDE}/{TOF.file}", tof_csv(recording)
     yield from camera_files(spec, rows)
-    yield scene_file(spec.arena, spec.look, picture_seed(spec.seed, spec.route, spec.run))
+    yield scene_file(spec.arena, spec.look, image_seed(spec.seed, spec.route, spec.run))
     if spec.board:
         yield f"{SIDE}/{BOARD.file}", board_csv(recording)
     for table in sensor_tables(spec.robot.sensors):

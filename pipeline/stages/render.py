@@ -59,7 +59,7 @@ class Appearance:
 
     @classmethod
     def of(cls, spec: RunSpec, device: DeviceKind = "CPU") -> "Appearance":
-        seed = picture_seed(spec.seed, spec.route, spec.run)
+        seed = image_seed(spec.seed, spec.route, spec.run)
         return cls(spec.arena, spec.robot, spec.look, spec.render, seed, device)
 
     def job(self, arena: Arena, frames: Sequence[FramePose], path: RobotPath) -> RenderJob:
@@ -67,7 +67,7 @@ class Appearance:
         return build_job(arena, self.robot, self.look, self.render, frames, self.seed, path, self.device)
 
 
-def picture_seed(seed: int, route: str, run: int) -> int:
+def image_seed(seed: int, route: str, run: int) -> int:
     """Return the seed of 31 bits for the renderer, which depends on the run only."""
     return int(stream(seed, route, run, "render").integers(2**31))
 

@@ -12,8 +12,8 @@ import cv2
 import numpy as np
 import pytest
 
-from pipeline.assembly.run_spec import spec_problem
 from pipeline.cli import main
+from pipeline.run_folder.stored_runs import spec_problem
 from symolo.verification.verify import verify
 
 RUN = "CW/test_1"
