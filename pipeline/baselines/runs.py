@@ -31,12 +31,12 @@ class LoggedRun:
     """Table of side/wheels.csv."""
     tof: Array
     """Table of side/tof.csv."""
-    pictures: RunImages | None
+    images: RunImages | None
     """Images; None before rendering."""
 
     @classmethod
     def of_recording(cls, name: str, spec: RunSpec, recording: Recording) -> "LoggedRun":
-        return cls(name, spec, *tables_of(recording), pictures=None)
+        return cls(name, spec, *tables_of(recording), images=None)
 
     @property
     def truth(self) -> Array:
@@ -45,14 +45,14 @@ class LoggedRun:
 
     def knowledge(self, start_sd: Array, rng: np.random.Generator) -> RobotKnowledge:
         """Return the knowledge of its robot, whose start has an error of these standard deviations (3,)."""
-        start = Start.drawn(self.truth[0], start_sd, rng)
+        start = Start(self.truth[0] + start_sd * rng.standard_normal(3), start_sd)
         return RobotKnowledge.of(
-            self.spec, self.rows, wheels=self.wheels, tof=self.tof, start=start, pictures=self.pictures
+            self.spec, self.rows, wheels=self.wheels, tof=self.tof, start=start, images=self.images
         )
 
     def lesson(self) -> TrainingRun | None:
-        """Return its images with their true poses for other runs to learn from."""
-        return TrainingRun(self.pictures, self.truth[self.pictures.rows]) if self.pictures else None
+        """Return its images with their true poses, from which a method learns; None before rendering."""
+        return TrainingRun(self.images, self.truth[self.images.rows]) if self.images else None
 
 
 def open_runs(root: Path) -> tuple[LoggedRun, ...]:
@@ -85,7 +85,7 @@ def chosen(runs: Sequence[LoggedRun], pattern: str | None) -> tuple[LoggedRun, .
 
 def _released(run: Run) -> LoggedRun:
     wheels, tof = (run.side(table.file.partition(".")[0]).to_numpy(float) for table in (WHEELS, TOF))
-    images = run.images
-    rows = np.array([image.row for image in images], dtype=np.int64)
-    pictures = RunImages(rows, lambda index: images[index].pixels()) if images else None
-    return LoggedRun(run.name, read_spec(run.folder / SIDE / SPEC), run.table, wheels, tof, pictures)
+    recorded = run.images
+    rows = np.array([image.row for image in recorded], dtype=np.int64)
+    images = RunImages(rows, lambda index: recorded[index].pixels()) if recorded else None
+    return LoggedRun(run.name, read_spec(run.folder / SIDE / SPEC), run.table, wheels, tof, images)

@@ -181,8 +181,8 @@ def baselines(
 
     from pipeline.baselines import METHODS
     from pipeline.baselines.compare import compare, methods_of, why_not
+    from pipeline.baselines.output import table, write
     from pipeline.baselines.runs import chosen, open_runs
-    from pipeline.baselines.written import table, write
     from symolo.core.errors import InputError
     from symolo.core.files.new_folder import check_new
     from symolo.core.progress import report_here

@@ -64,7 +64,7 @@ def preview(
 
     In seconds, without textures and gloss: symolo preview symolo --engine flat --look classroom,lab --out preview.jpg
     """
-    from pipeline.preview.engines import check_size, pictures, sheet
+    from pipeline.preview.engines import check_size, render_views, sheet
     from pipeline.preview.views import views
     from pipeline.work.supervisor import cores
     from symolo.core.errors import RunFailed
@@ -77,7 +77,7 @@ def preview(
     check_size(first, count, columns)
     sheet_file = out or checked_new_image(Path(f"{Path(scenario).stem}-preview.jpg"))
     chosen = [first, *drawn]
-    images, failures = pictures(engine, chosen, workers or cores(), report_here())
+    images, failures = render_views(engine, chosen, workers or cores(), report_here())
     for failure in failures:
         typer.echo(f"failed: image {failure.run}: {failure.problem}", err=True)
     if not images:

@@ -101,11 +101,11 @@ def rerender(
     chosen = names(looks, "--looks") if looks is not None else (str(look),)
     request = RerenderRequest(chosen, draws or 1, arena, robot, camera_hz, seed, with_device(settings, device), option)
     trajectory, drawn = prepare(source, request)
-    apart = looks is not None
+    in_subfolders = looks is not None
     where = out or checked_new_folder(Path(folder_name(trajectory, drawn)))
     if out is None:
-        check_same(trajectory, drawn, where, apart=apart)
-    with open_folders(trajectory, drawn, where, apart=apart) as folders:
+        check_same(trajectory, drawn, where, in_subfolders=in_subfolders)
+    with open_folders(trajectory, drawn, where, in_subfolders=in_subfolders) as folders:
         executor = Local.of(workers, memory).on(drawn[0].appearance.device)
         failures = render_source(trajectory, drawn, folders, executor, report_here())
     return conclude(failures, len(drawn), "rerender", where, "draw")

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path, PurePosixPath
+from pathlib import PurePosixPath
 
 from blender_scenes.annotations.document import document
 from blender_scenes.annotations.job import AnnotationJob, record_file
@@ -13,14 +13,13 @@ from pipeline.executors.local import Local
 from pipeline.repair.repair_state import RepairState, RepairTools
 from pipeline.run_folder.workspace import StageFolder
 from pipeline.stages.annotate import AnnotationTask
-from pipeline.stages.assemble import DATA
 from pipeline.stages.render import IMAGES, JOB, Appearance, FrameTask, Order, RenderTask, blocks
 from pipeline.work.unit_progress import report_event
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import make_folder, write_file
-from symolo.core.files.file_hashes import sha256_of
+from symolo.core.files.file_hashes import holds
 from symolo.dataset.annotations import DOCUMENT, RECORD_KINDS
-from symolo.dataset.layout import ANNOTATIONS
+from symolo.dataset.layout import ANNOTATIONS, DATA
 from symolo.dataset.tables.rows import read_rows
 
 
@@ -46,23 +45,23 @@ def render_frames(state: RepairState, specs: Mapping[str, RunSpec], tools: Repai
     work = []
     for run, spec in specs.items():
         wanted = state.runs().get(run, set())
-        pictures, annotations = (_within(wanted, folder) for folder in (IMAGES, ANNOTATIONS))
-        if pictures or annotations:
+        images, annotations = (_within(wanted, folder) for folder in (IMAGES, ANNOTATIONS))
+        if images or annotations:
             try:
-                work += _ordered(state, spec, tools, pictures, annotations)
+                work += _ordered(state, spec, tools, images, annotations)
             except InputError as error:
                 state.tried |= {f"{run}/{inner}": str(error) for inner in wanted}
-    _render([one.task for one in work], tools)
-    for one in work:
-        for file in sorted(one.wanted):
-            name = f"{one.run}/{one.inner}/{file}"
-            data = _document(one.task) if file == DOCUMENT else _read(one.task.files / file)
-            if data is None:
+    _render([each.task for each in work if each.task.frames], tools)
+    for each in work:
+        for file in sorted(each.wanted):
+            name = f"{each.run}/{each.inner}/{file}"
+            try:
+                data = _document(each.task) if file == DOCUMENT else (each.task.files / file).read_bytes()
+            except OSError:
                 state.tried[name] = "it cannot be rendered again"
             else:
-                state.put(
-                    name, data, "rendered again" if file != DOCUMENT else "annotated again", tools.excuse(one.run)
-                )
+                how = "annotated again" if file == DOCUMENT else "rendered again"
+                state.put(name, data, how, tools.excuse(each.run))
 
 
 def _within(files: Iterable[str], folder: str) -> frozenset[str]:
@@ -71,29 +70,25 @@ def _within(files: Iterable[str], folder: str) -> frozenset[str]:
 
 
 def _ordered(
-    state: RepairState, spec: RunSpec, tools: RepairTools, pictures: frozenset[str], annotations: frozenset[str]
+    state: RepairState, spec: RunSpec, tools: RepairTools, images: frozenset[str], annotations: frozenset[str]
 ) -> list[_Work]:
     run = spec.key
     if state.read(f"{run}/{DATA}") is None:
         raise InputError("it needs the poses in data.csv, which is not restored")
     user_files = state.workspace.user_files
-    if pictures and any(not _is_stored(user_files, file.sha256) for file in spec.look.files):
+    if images and not holds(user_files, {file.sha256: file.sha256 for file in spec.look.files}):
         raise InputError("it shows your own images, and .stages/assets no longer holds them")
     rows = read_rows(state.out / run / DATA)
     appearance = Appearance.of(spec, tools.devices.get(run, "CPU"))
     order = RenderTask.of(run, appearance, rows, StageFolder(tools.scratch / "render" / run), user_files)
     _write_job(order)
-    work = [_Work(run, IMAGES, _only(order.task, pictures), pictures)] if pictures else []
+    work = [_Work(run, IMAGES, _only(order.task, images), images)] if images else []
     if annotations:
         order = AnnotationTask.of(order.task, appearance, StageFolder(tools.scratch / "annotate" / run))
         _write_job(order)
         task = order.task if DOCUMENT in annotations else _only(order.task, annotations)
         work.append(_Work(run, ANNOTATIONS, task, annotations))
     return work
-
-
-def _is_stored(folder: Path, digest: str) -> bool:
-    return (folder / digest).is_file() and sha256_of(folder / digest) == digest
 
 
 def _write_job(order: Order) -> None:
@@ -108,7 +103,6 @@ def _only(task: FrameTask, files: Iterable[str]) -> FrameTask:
 
 
 def _render(tasks: list[FrameTask], tools: RepairTools) -> None:
-    tasks = [task for task in tasks if task.frames]
     if not tasks:
         return
     local = Local(tools.workers)
@@ -117,18 +111,8 @@ def _render(tasks: list[FrameTask], tools: RepairTools) -> None:
             tools.report.say(f"render: {failure.unit.name}: {failure.text}")
 
 
-def _document(task: FrameTask) -> bytes | None:
+def _document(task: FrameTask) -> bytes:
     job = AnnotationJob.from_json((task.folder.path / JOB).read_text())
     names = [record_file(frame.number) for frame in task.frames] if {*RECORD_KINDS} & {*job.kinds} else []
-    try:
-        records = [FrameRecord.from_json((task.files / name).read_bytes()) for name in names]
-    except OSError:
-        return None
+    records = [FrameRecord.from_json((task.files / name).read_bytes()) for name in names]
     return document(job, IMAGES, records).to_json()
-
-
-def _read(path: Path) -> bytes | None:
-    try:
-        return path.read_bytes()
-    except OSError:
-        return None

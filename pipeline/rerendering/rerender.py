@@ -17,14 +17,14 @@ from configs.schema.robot import RobotConfig
 from configs.schema.scenario import Render, RunSpec
 from pipeline.assembly.scene_file import scene_file
 from pipeline.executors.base import Executor
-from pipeline.planning.plan import BYTES_PER_JOB, pictures_bytes
+from pipeline.planning.plan import BYTES_PER_JOB, image_bytes
 from pipeline.rerendering.unit_checks import check_on_the_floor, check_radians
 from pipeline.run_folder.output import check_out
 from pipeline.run_folder.stored_runs import read_simulated, read_spec
 from pipeline.run_folder.user_files import keep_user_files
 from pipeline.run_folder.workspace import Workspace, input_key, mark_done
 from pipeline.stages.annotate import AnnotationTask, copy_released
-from pipeline.stages.assemble import DATA, POSITIONS, SIDE
+from pipeline.stages.assemble import copy_images
 from pipeline.stages.render import (
     FRAMES,
     IMAGES,
@@ -40,14 +40,14 @@ from symolo.arena.geometry import Arena
 from symolo.core.errors import InputError
 from symolo.core.files.atomic_files import make_folder, move, remove_file, remove_folder, replace_folder, write_file
 from symolo.core.files.disk_space import check_disk
-from symolo.core.files.file_hashes import canonical_json, hashes_of, holds, read_known
+from symolo.core.files.file_hashes import canonical_json, hashes_of, holds
 from symolo.core.geometry.lens import lens_problem
 from symolo.core.progress import Report
 from symolo.core.random_streams import stream
 from symolo.dataset.documents.camera_model import camera_files
 from symolo.dataset.documents.metadata import FailedRun
 from symolo.dataset.folder_kind import Kind
-from symolo.dataset.layout import ANNOTATIONS, JOB, LOOK
+from symolo.dataset.layout import ANNOTATIONS, DATA, JOB, LOOK, POSITIONS, SIDE
 from symolo.dataset.tables.rows import Ints, Rows, read_rows
 from symolo.dataset.tables.side_tables import image_positions
 
@@ -59,7 +59,7 @@ SECTIONS = ("look", "render", "arena", "robot")
 
 @dataclass(frozen=True)
 class RerenderRequest:
-    """The options of the user beside the trajectory."""
+    """The options of `symolo rerender` that say what is rendered."""
 
     looks: tuple[str, ...]
     draws: int = 1
@@ -77,7 +77,7 @@ class RerenderRequest:
         named = {"look": self.option, "arena": self.arena and "--arena", "robot": self.robot and "--robot"}
         return named.get(section) or ""
 
-    def of(self, section: str) -> tuple[str, ...]:
+    def overrides_of(self, section: str) -> tuple[str, ...]:
         """Return the overrides of one section."""
         return tuple(text for text in self.overrides if text.strip().startswith((f"{section}.", f"{section}=")))
 
@@ -121,14 +121,14 @@ def folder_name(source: StoredTrajectory, draws: Sequence[LookDraw]) -> str:
     return "-".join((run or "run", *dict.fromkeys(draw.appearance.look.name for draw in draws)))
 
 
-def check_same(source: StoredTrajectory, draws: Sequence[LookDraw], out: Path, *, apart: bool) -> None:
+def check_same(source: StoredTrajectory, draws: Sequence[LookDraw], out: Path, *, in_subfolders: bool) -> None:
     """Refuse a default folder that holds images of something else.
 
     Raises:
         InputError: It holds images of another trajectory or draw.
     """
     for draw in draws:
-        folder = out / draw.name if apart else out
+        folder = out / draw.name if in_subfolders else out
         for name, wanted in ((DATA, source.data), (LOOK, draw.record)):
             if (folder / name).is_file() and (folder / name).read_bytes() != wanted:
                 what = "holds images of another trajectory or another draw of the look"
@@ -137,7 +137,7 @@ def check_same(source: StoredTrajectory, draws: Sequence[LookDraw], out: Path, *
 
 @contextlib.contextmanager
 def open_folders(
-    source: StoredTrajectory, draws: Sequence[LookDraw], out: Path, *, apart: bool
+    source: StoredTrajectory, draws: Sequence[LookDraw], out: Path, *, in_subfolders: bool
 ) -> Iterator[list[Workspace]]:
     """Yield a checked and locked folder for each draw: `out/<name>` for draws of `--looks`, else `out` for the only
     one.
@@ -146,15 +146,15 @@ def open_folders(
         InputError: One of them cannot be used, or another command works in it.
         EnvironmentLacking: The disk is too full.
     """
-    kind = Kind.LOOKS if apart else Kind.PICTURES
+    kind = Kind.LOOKS if in_subfolders else Kind.PICTURES
     check_out(out, kind)
     whole = Workspace(out.absolute(), kind)
-    folders = [Workspace(whole.out / draw.name, Kind.PICTURES) for draw in draws] if apart else [whole]
+    folders = [Workspace(whole.out / draw.name, Kind.PICTURES) for draw in draws] if in_subfolders else [whole]
     for folder in folders:
-        check_out(folder.out, Kind.PICTURES, within_looks=apart)
+        check_out(folder.out, Kind.PICTURES, within_looks=in_subfolders)
     check_disk(out, sum(_bytes_needed(source, draw) for draw in draws))
     with whole.locked():
-        for folder in folders if apart else ():
+        for folder in folders if in_subfolders else ():
             with folder.locked():  # released at once: a process has about a thousand file descriptors
                 pass
         yield folders
@@ -171,29 +171,29 @@ def render_source(
     places = {draw.name: (draw, folder) for draw, folder in zip(draws, folders, strict=True)}
     for draw, folder in places.values():
         keep_user_files((draw.appearance.look,), draw.assets, folder.user_files)
-    pictures: dict[str, FrameTask] = {}
+    images: dict[str, FrameTask] = {}
     annotations: dict[str, FrameTask] = {}
 
-    def picture_orders() -> Iterator[Order]:
+    def image_orders() -> Iterator[Order]:
         for name, (draw, folder) in places.items():
             order = RenderTask.of(name, draw.appearance, source.rows, folder.render("rerender"), folder.user_files)
-            pictures[name] = order.task
+            images[name] = order.task
             yield order
 
     def annotation_orders() -> Iterator[Order]:
         for name, (draw, folder) in places.items():
             if draw.appearance.render.annotations and name not in failed:
-                order = AnnotationTask.of(pictures[name], draw.appearance, folder.annotate("rerender"))
+                order = AnnotationTask.of(images[name], draw.appearance, folder.annotate("rerender"))
                 annotations[name] = order.task
                 yield order
 
-    failures = render_runs(picture_orders(), executor, report)
+    failures = render_runs(image_orders(), executor, report)
     failed = {failure.run for failure in failures}
     failures += render_runs(annotation_orders(), executor, report, "annotate")
     failed = {failure.run for failure in failures}
     for name, (draw, folder) in places.items():
         if name not in failed:
-            _publish(pictures[name], annotations.get(name), _texts(source, draw), folder)
+            _publish(images[name], annotations.get(name), _descriptions(source, draw), folder)
     return failures
 
 
@@ -201,7 +201,7 @@ def _bytes_needed(source: StoredTrajectory, draw: LookDraw) -> int:
     render, images = draw.appearance.render, int(np.count_nonzero(source.rows.image))
     pixels = images * render.width_px * render.height_px
     # The job is in the folder once more, beside the trajectory.
-    return pictures_bytes(images, pixels, annotated=bool(render.annotations)) + BYTES_PER_JOB + len(source.data)
+    return image_bytes(images, pixels, annotated=bool(render.annotations)) + BYTES_PER_JOB + len(source.data)
 
 
 def draw_seed(seed: int, draw: int) -> int:
@@ -290,12 +290,12 @@ def _draws(source: StoredTrajectory, request: RerenderRequest) -> tuple[LookDraw
         )
     draws, device = [], device_for(render.device)
     for name in request.looks:
-        section = load_section("look", name, request.of("look"), request.option)
+        section = load_section("look", name, request.overrides_of("look"), request.option)
         for k in range(1, request.draws + 1):
-            own = draw_seed(seed, k)
-            look, drawn = draw_look(section, own, route, run)
-            record = {"draw": k, "seed": own, "drawn": drawn, "look": look.model_dump(mode="json")}
-            appearance = Appearance(arena, robot, look, render, image_seed(own, route, run), device)
+            look_seed = draw_seed(seed, k)
+            look, drawn = draw_look(section, look_seed, route, run)
+            record = {"draw": k, "seed": look_seed, "drawn": drawn, "look": look.model_dump(mode="json")}
+            appearance = Appearance(arena, robot, look, render, image_seed(look_seed, route, run), device)
             draws.append(LookDraw(f"{look.name}_{k}", appearance, canonical_json(record), section.assets))
     names = [draw.name for draw in draws]
     if twice := sorted({name for name in names if names.count(name) > 1}):
@@ -307,7 +307,7 @@ def _arena(source: StoredTrajectory, request: RerenderRequest, seed: int, route:
     if source.spec and not request.arena:
         _refuse_overrides(request, "arena")
         return source.spec.arena
-    section = load_section("arena", request.arena or "symolo", request.of("arena"))
+    section = load_section("arena", request.arena or "symolo", request.overrides_of("arena"))
     x_m, y_m, yaw_rad = source.rows.pose[0].tolist()
     return draw_arena(section, seed, route, run, start=(x_m, y_m, yaw_rad))[0]
 
@@ -316,27 +316,29 @@ def _robot(spec: RunSpec | None, request: RerenderRequest, seed: int, route: str
     if spec and not request.robot:
         _refuse_overrides(request, "robot")
         return spec.robot
-    return draw_robot(load_section("robot", request.robot or "nominal", request.of("robot")), seed, route, run)[0]
+    return draw_robot(
+        load_section("robot", request.robot or "nominal", request.overrides_of("robot")), seed, route, run
+    )[0]
 
 
 def _refuse_overrides(request: RerenderRequest, section: str) -> None:
-    if request.of(section):
+    if request.overrides_of(section):
         raise InputError(
-            "--set", got=request.of(section)[0], allowed="look or render", cure=f"name --{section} as well"
+            "--set", got=request.overrides_of(section)[0], allowed="look or render", cure=f"name --{section} as well"
         )
 
 
 def _render(spec: RunSpec | None, request: RerenderRequest, seed: int, route: str, run: int) -> Render:
-    own = spec.render.model_dump(mode="json", exclude_none=True) if spec else {}
-    settings = [f"render.{name}={str(value).lower()}" for name, value in own.items()]
-    return draw_render(load_scenario(CARRIER, [*settings, *request.of("render")]), seed, route, run)
+    stored = spec.render.model_dump(mode="json", exclude_none=True) if spec else {}
+    settings = [f"render.{name}={str(value).lower()}" for name, value in stored.items()]
+    return draw_render(load_scenario(CARRIER, [*settings, *request.overrides_of("render")]), seed, route, run)
 
 
-def _texts(source: StoredTrajectory, draw: LookDraw) -> dict[str, bytes]:
+def _descriptions(source: StoredTrajectory, draw: LookDraw) -> dict[str, bytes]:
     """Return the files that describe the images, by path."""
-    about = {DATA: source.data, POSITIONS: image_positions(source.rows), LOOK: draw.record}
-    own = draw.appearance
-    return about | dict((*camera_files(own, source.rows), scene_file(own.arena, own.look, own.seed)))
+    tables = {DATA: source.data, POSITIONS: image_positions(source.rows), LOOK: draw.record}
+    shown = draw.appearance
+    return tables | dict((*camera_files(shown, source.rows), scene_file(shown.arena, shown.look, shown.seed)))
 
 
 def _publish(task: FrameTask, annotations: FrameTask | None, texts: Mapping[str, bytes], workspace: Workspace) -> None:
@@ -368,9 +370,7 @@ def _publish(task: FrameTask, annotations: FrameTask | None, texts: Mapping[str,
 def _fill(task: FrameTask, annotations: FrameTask | None, texts: Mapping[str, bytes], folder: Path) -> None:
     for name in (IMAGES, SIDE):
         make_folder(folder / name)
-    for name, digest in sorted(task.folder.files().items()):
-        if name.startswith(f"{IMAGES}/"):
-            write_file(folder / name, read_known(task.folder.path / name, digest))
+    copy_images(task.folder.path, task.folder.files(), folder)
     if annotations:
         copy_released(annotations.folder, folder)
     for name, data in texts.items():

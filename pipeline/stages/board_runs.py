@@ -8,7 +8,7 @@ from hil.links.serial_link import SerialLink
 from pipeline.run_folder.workspace import Workspace
 from pipeline.stages.simulate_runs import prepare_boards, problems_of, read_outcome, simulate_into, simulation_key
 from symolo.core.errors import RunFailed
-from symolo.core.progress import Report
+from symolo.core.progress import Report, plural
 from symolo.dataset.documents.metadata import FailedRun
 
 
@@ -37,9 +37,10 @@ def drive_runs(workspace: Workspace, specs: Sequence[RunSpec], port: str, report
         port: Serial port of the real board; empty for the simulated one.
         report: Progress report.
     """
+    # A real board may succeed at the next try; the simulated one does the same every time.
     due = [spec for spec in specs if not _is_driven(workspace, spec, retry=bool(port))]
     if len(due) < len(specs):
-        report.say(f"hil: {len(specs) - len(due)} of {len(specs)} runs are there already")
+        report.say(f"hil: {len(specs) - len(due)} of {plural(len(specs), 'run')} done before")
     failures: list[FailedRun] = []
     for spec in due:
         try:
@@ -51,9 +52,6 @@ def drive_runs(workspace: Workspace, specs: Sequence[RunSpec], port: str, report
 
 
 def _is_driven(workspace: Workspace, spec: RunSpec, *, retry: bool) -> bool:
-    """Return whether a run is done; a real board may succeed at the next try, the simulated one does the same every
-    time.
-    """
     folder = workspace.simulate(spec.key)
     return folder.is_done(simulation_key(spec)) and not (retry and read_outcome(folder.path).problems)
 

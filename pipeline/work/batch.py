@@ -87,21 +87,21 @@ class Batch:
         self,
         failures: Sequence[FailedRun],
         report: Report,
-        on_whole: Callable[[RunSpec], None] = lambda _spec: None,
+        on_complete: Callable[[RunSpec], None] = lambda _spec: None,
     ) -> list[FailedRun]:
-        """Render all images and then their annotations; call `on_whole` with each run that is complete."""
+        """Render all images and then their annotations; call `on_complete` with each run that is complete."""
         specs = {spec.key: spec for spec in self.specs}
 
         def on_pictures(run: str) -> None:
             if not specs[run].render.annotations:
-                on_whole(specs[run])
+                on_complete(specs[run])
 
         tasks: list[FrameTask] = []
         orders = _noted(self._render_orders(failures), tasks)
-        failed = render_runs(orders, self.executor, report, on_whole=on_pictures)
+        failed = render_runs(orders, self.executor, report, on_complete=on_pictures)
         orders = self._annotation_orders(tasks, failed)
         if self._annotated:
-            failed += render_runs(orders, self.executor, report, "annotate", lambda run: on_whole(specs[run]))
+            failed += render_runs(orders, self.executor, report, "annotate", lambda run: on_complete(specs[run]))
         return failed
 
     def rendered(self, failures: Sequence[FailedRun]) -> list[FailedRun]:
