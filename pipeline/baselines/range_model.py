@@ -18,7 +18,7 @@ REACH = 1.25
 """Length of a ray as a share of the longest range."""
 
 SURFACE_SD_M = 0.0041
-"""Root mean square [m] of the offsets of the nine materials at 100 mm (Tables 3 and 4 of the paper); maps have no materials."""
+"""Root mean square [m] of the offsets of the nine materials at 100 mm (Tables 3 and 4 of the paper)."""
 LASTING_SD_M = float(np.hypot(SURFACE_SD_M, MAP_SD_M))
 """Standard deviation [m] of an offset that stays while the robot looks at one wall."""
 GAIN_SD = 0.03 / float(log_error_m(np.array(1.0)))
