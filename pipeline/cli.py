@@ -17,6 +17,7 @@ from pipeline.commands.exit_codes import BAD_INPUT, BUG, INTERRUPTED, MACHINE_LA
 from pipeline.commands.model import model
 from pipeline.commands.preview import preview
 from pipeline.commands.rerender import rerender
+from pipeline.commands.sign import sign
 from symolo.core.errors import EnvironmentLacking, InputError, RunFailed, one_line
 from symolo.core.extras import EXTRA_OF, extra_is_missing
 from symolo.core.os_errors import lacking
@@ -50,7 +51,7 @@ PANELS: dict[str, tuple[Callable[..., int | None], ...]] = {
         *(inspection.doctor, inspection.schema),
     ),
     "Keep, convert and share data": (
-        *(keeping.status, keeping.repair),
+        *(keeping.status, keeping.repair, sign),
         *(sharing.bag, sharing.export, sharing.pack, sharing.upload, sharing.download),
     ),
     "Explain measured data": (explanation.inspect, explanation.diagnose, explanation.identify_camera),

@@ -1,6 +1,7 @@
 """What tests need of the machine, and fixtures that several packages' tests share."""
 
 import os
+import shutil
 import signal
 import subprocess
 from collections.abc import Callable
@@ -27,6 +28,7 @@ TOOLS = {
     "compiler": (has_compiler, NATIVE_PACKAGES),
     "avr_compiler": (has_avr_compiler, AVR_PACKAGES),
     "board": (has_board, HIL_PACKAGES),
+    "minisign": (lambda: shutil.which("minisign") is not None, "minisign"),
 }
 """By marker, the test whether its tools are there and the Debian packages that hold them."""
 RECORDINGS = (

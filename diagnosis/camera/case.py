@@ -1,22 +1,41 @@
 """Measured images with poses, and the camera and the map with which they are compared."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from configs.schema.look import LookConfig
 from configs.schema.robot import Camera, RobotConfig
+from diagnosis.measured.channel import Mask
 from physics.robot.path import RobotPath
 from sensors.camera.response import CameraResponse
 from symolo.arena.geometry import Arena
 
-Mask = NDArray[np.bool_]
 Ints = NDArray[np.int64]
 ImagePixels = NDArray[np.uint8]
 
 HELD_OUT_EACH = 4
 """Every fourth image is held out of the fit."""
+
+
+@dataclass(frozen=True)
+class SampleArrays:
+    """Base of classes whose fields are arrays with one row for each of N samples."""
+
+    def __len__(self) -> int:
+        return len(getattr(self, fields(self)[0].name))
+
+    def some(self, which: Mask | Ints) -> Self:
+        """Return some of the samples."""
+        return type(self)(*(getattr(self, field.name)[which] for field in fields(self)))
+
+    @classmethod
+    def joined(cls, parts: Sequence[Self]) -> Self:
+        """Return the samples of at least one part together."""
+        return cls(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(cls)))
 
 
 @dataclass(frozen=True)
@@ -32,7 +51,9 @@ class CameraFrame:
     """One measured image."""
 
     number: int
+    """Number in the name of the file."""
     t_s: float
+    """Time of the exposure, in the time of the path."""
     image: ImagePixels
     """(H, W, 3) RGB, the measured image."""
     simulated: ImagePixels | None
@@ -42,6 +63,8 @@ class CameraFrame:
 
 @dataclass(frozen=True)
 class CameraCase:
+    """All that a camera identification compares."""
+
     name: str
     frames: tuple[CameraFrame, ...]
     path: RobotPath
@@ -63,6 +86,11 @@ class CameraCase:
     def heldout(self) -> Mask:
         """Return which frames are held out, (frames,)."""
         return np.array([frame.heldout for frame in self.frames])
+
+    @property
+    def line_is_dark(self) -> bool:
+        """Return whether the line is darker than the floor."""
+        return self.arena.line.reflectance < self.arena.floor_reflectance
 
     @property
     def is_simulated(self) -> bool:

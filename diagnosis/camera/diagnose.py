@@ -1,29 +1,31 @@
-"""Why a camera's images differ from the simulated ones: geometry first, then levels, sharpness and noise.
+"""Why a camera's images differ from the simulated ones: geometry first, then levels, noise and sharpness.
 
-Geometry is that of the line's edges and needs no simulated images. The others compare the same places of the floor,
-which the camera just found tells where to look for, and are left out where there are none.
+Geometry is that of the line's edges and needs no simulated images. The other aspects compare the same places of the
+floor in measured and simulated images. The fitted geometry gives these places, and the aspects are left out where there
+are none.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from math import exp, sqrt
 from typing import Any
 
 import numpy as np
 
-from diagnosis.camera.case import CameraCase, ImagePixels, Mask
-from diagnosis.camera.deviation import value_of
-from diagnosis.camera.features.edge_points import EdgeProfiles, edges, profiles
+from diagnosis.camera.case import CameraCase, ImagePixels
+from diagnosis.camera.features.edge_points import EdgeProfiles, measured_edges, profiles
 from diagnosis.camera.features.levels import LevelModel
-from diagnosis.camera.features.line_points import ExpectedEdges, edge_candidates, expected_edges
+from diagnosis.camera.features.line_points import LineEdges, edge_candidates, expected_edges
 from diagnosis.camera.features.noise import NoiseModel
-from diagnosis.camera.features.patches import FloorPatches, floor_patches
+from diagnosis.camera.features.patches import floor_patches
 from diagnosis.camera.features.response import luminance
 from diagnosis.camera.features.sharpness import MIN_WIDTH_PX, REACH_PX, SharpnessModel
-from diagnosis.camera.fit import CameraFit, CameraModel, CameraSelection, NamedCameraNumber, choose, fitted
-from diagnosis.camera.geometry import EdgeModel, measure
+from diagnosis.camera.fit import CameraFit, CameraSelection, NamedParameter, fitted, select_parameters
+from diagnosis.camera.geometry import REACHES, EdgeModel, measured_geometry
+from diagnosis.camera.model import CameraModel
 from diagnosis.camera.residual_structure import RemainingStructure, remaining_structure
-from diagnosis.camera.views import CameraView
+from diagnosis.camera.views import GEOMETRY, CameraView
 from diagnosis.inference.gain import Gain, gain_of_sizes
 from symolo.core.arrays import Array
 
@@ -31,7 +33,7 @@ MAX_PATCHES = 1500
 MAX_EDGES = 400
 MIN_PATCHES, MIN_EDGES = 60, 30
 MIN_GAIN = 0.1
-"""Least gain on held-out images of an aspect in which a number may be named."""
+"""Least gain on held-out images of an aspect in which a parameter may be named."""
 MAX_MOVED_S = 0.002
 """Time over which the speed of the image is measured."""
 
@@ -40,28 +42,42 @@ MAX_MOVED_S = 0.002
 class CameraAspect:
     """The result for one kind of measurement: geometry, levels, noise or sharpness."""
 
-    name: str
-    unit: str
-    """Unit of the samples."""
     model: CameraModel
-    heldout: Mask
-    chosen: CameraSelection
+    selection: CameraSelection
     gain: Gain | None
     remaining_structure: RemainingStructure | None
 
     @property
-    def fit(self) -> CameraFit:
-        return self.chosen.fit
-
-    def value(self, place: int, case: CameraCase) -> tuple[float, float]:
-        """Return value and standard error of a number in its unit."""
-        sd = float(np.sqrt(self.fit.covariance[place, place]))
-        return value_of(self.model.numbers[place], float(self.fit.x[place]), sd, case)
+    def name(self) -> str:
+        return self.model.name
 
     @property
-    def counts(self) -> bool:
-        """Return whether the fitted numbers are better than the nominal ones, named or not."""
-        return bool(self.chosen.choices) or (self.gain is not None and self.gain.low > 0.0)
+    def fit(self) -> CameraFit:
+        return self.selection.fit
+
+    def value(self, place: int, case: CameraCase) -> tuple[float, float]:
+        """Return value and standard error of a parameter in its unit.
+
+        The value is a factor for a `_scale`, the whole blur or exposure time, and else a difference from the nominal
+        camera.
+        """
+        parameter = self.model.parameters[place]
+        deviation = float(self.fit.x[place]) * parameter.tolerance
+        error = float(np.sqrt(self.fit.covariance[place, place])) * parameter.tolerance
+        if parameter.name.endswith("_scale"):
+            return exp(deviation), exp(deviation) * error
+        look = case.look.camera
+        # Blurs add up as variances, so the squares of these two are fitted.
+        squared = {"lens_blur": look.lens_blur_px, "exposure_time": look.exposure_time_s}
+        if parameter.name not in squared:
+            return deviation, error
+        root = sqrt(max(squared[parameter.name] ** 2 + deviation, 0.0))
+        return root, error / (2.0 * max(root, sqrt(error)))
+
+    @property
+    def is_better(self) -> bool:
+        """Return whether the fitted parameters are better than the nominal ones, named or not."""
+        return bool(self.selection.named) or (self.gain is not None and self.gain.low > 0.0)
 
 
 @dataclass(frozen=True)
@@ -76,43 +92,50 @@ class CameraDiagnosis:
     """What could not be measured, with the reason."""
 
     @cached_property
-    def parts(self) -> tuple[CameraAspect, ...]:
+    def aspects(self) -> tuple[CameraAspect, ...]:
         return (self.geometry, *self.photometry)
 
     @property
-    def named(self) -> list[tuple[CameraAspect, NamedCameraNumber]]:
-        return [(part, choice) for part in self.parts for choice in part.chosen.choices]
+    def named(self) -> list[tuple[CameraAspect, NamedParameter]]:
+        return [(aspect, named) for aspect in self.aspects for named in aspect.selection.named]
 
     def answer(self) -> dict[str, Any]:
         """Return the result for programs."""
-        effects = [
-            {
-                "name": choice.number.name,
-                "part": part.name,
-                **_rounded(part.value(choice.place, self.case)),
-                "unit": choice.number.unit,
-                "confidence": round(choice.confidence, 4),
-                "ambiguous_with": list(choice.ambiguous_with),
-            }
-            for part, choice in self.named
-        ]
-        left = [
-            {"part": part.name, "covariate": part.remaining_structure.covariate}
-            for part in self.parts
-            if part.remaining_structure
-        ]
-        answer: dict[str, Any] = {"effects": effects, "unexplained": bool(left), "heldout": {}}
-        if left:
-            answer["unexplained_where"] = left
-        for part in self.parts:
-            if gain := part.gain:
-                numbers = (gain.before, gain.after, gain.value, gain.low, gain.high)
-                names = ("before", "after", "gain", "gain_low", "gain_high")
-                answer["heldout"][part.name] = {"unit": part.unit} | {
-                    name: round(number, 4) for name, number in zip(names, numbers, strict=True)
+        effects = []
+        for aspect, named in self.named:
+            value, std = aspect.value(named.place, self.case)
+            effects.append(
+                {
+                    "name": named.parameter.name,
+                    "part": aspect.name,
+                    "value": round(value, 6),
+                    "std": round(std, 6),
+                    "unit": named.parameter.unit,
+                    "confidence": round(named.confidence, 4),
+                    "ambiguous_with": list(named.ambiguous_with),
                 }
-        answer["not_measured"] = list(self.left_out)
-        return answer
+            )
+        unexplained = [
+            {"part": aspect.name, "covariate": aspect.remaining_structure.covariate}
+            for aspect in self.aspects
+            if aspect.remaining_structure
+        ]
+        heldout = {
+            aspect.name: {
+                "unit": aspect.model.unit,
+                "before": round(gain.before, 4),
+                "after": round(gain.after, 4),
+                "gain": round(gain.value, 4),
+                "gain_low": round(gain.low, 4),
+                "gain_high": round(gain.high, 4),
+            }
+            for aspect in self.aspects
+            if (gain := aspect.gain) is not None
+        }
+        answer: dict[str, Any] = {"effects": effects, "unexplained": bool(unexplained), "heldout": heldout}
+        if unexplained:
+            answer["unexplained_where"] = unexplained
+        return answer | {"not_measured": list(self.left_out)}
 
 
 def diagnose_camera(case: CameraCase) -> CameraDiagnosis:
@@ -121,136 +144,105 @@ def diagnose_camera(case: CameraCase) -> CameraDiagnosis:
     Raises:
         InputError: Too little of the line is seen.
     """
-    light = [luminance(frame.image, case.response.contrast) for frame in case.frames]
-    model = measure(case, light)
-    geometry = _part("geometry", "px", model, model.heldout, _places(model))
-    x = geometry.fit.x
+    edges = measured_geometry(case, [luminance(frame.image, case.response.contrast) for frame in case.frames])
+    column, row = edges.edges.pixels.T
+    geometry = _aspect(edges, {"column": column, "row": row, "time": _time_s(case, edges)})
     if not case.is_simulated:
         why = "exposure, white balance, vignetting, glare, tone, blur, sharpening and noise: no simulated images"
-        return CameraDiagnosis(case, geometry, model, (), (why,))
-    aspects, left_out = [], []
-    seen = floor_patches(case, x)
-    if len(seen.frame) >= MIN_PATCHES:
-        aspects += [_levels(case, seen), _noise(case, seen)]
+        return CameraDiagnosis(case, geometry, edges, (), (why,))
+    photometry, left_out = [], []
+    x = geometry.fit.x
+    patches = floor_patches(case, x)
+    if len(patches) >= MIN_PATCHES:
+        levels = LevelModel(case.heldout, patches, case.response, case.size_px).thinned(MAX_PATCHES)
+        column, row = np.repeat(levels.patches.at, 3, axis=0).T
+        level = levels.patches.simulated.ravel()
+        photometry += [
+            _aspect(levels, {"column": column, "row": row, "time": _time_s(case, levels), "level": level}),
+            _aspect(NoiseModel(case.heldout, patches, case.response), {}),
+        ]
     else:
         left_out.append("exposure, colour and noise: too little plain floor is seen in both")
-    sharp = _sharpness(case, model, x)
-    if sharp:
-        aspects.append(sharp)
+    sharpness = _sharpness(case, edges.edges, x)
+    if sharpness is not None:
+        photometry.append(_aspect(sharpness, {}))
     else:
         left_out.append("blur and sharpening: the line is too narrow in the images")
-    return CameraDiagnosis(case, geometry, model, tuple(aspects), tuple(left_out))
+    return CameraDiagnosis(case, geometry, edges, tuple(photometry), tuple(left_out))
 
 
-def _part(name: str, unit: str, model: CameraModel, heldout: Mask, covariates: Mapping[str, Array]) -> CameraAspect:
-    chosen = choose(model)
-    gain = heldout_gain(model, heldout, chosen.fit.x)
-    if chosen.choices and gain is not None and (gain.value < MIN_GAIN or gain.low <= 0.0):
+def _time_s(case: CameraCase, model: CameraModel) -> Array:
+    """Return the time of each sample, (N,)."""
+    return np.array([frame.t_s for frame in case.frames])[model.frame]
+
+
+def _aspect(model: CameraModel, covariates: Mapping[str, Array]) -> CameraAspect:
+    """Select the parameters of a model; `covariates` (N,) are those on which its residuals may depend."""
+    selection = select_parameters(model)
+    gain = heldout_gain(model, selection.fit.x)
+    if selection.named and gain is not None and (gain.value < MIN_GAIN or gain.low <= 0.0):
         # A name that the held-out images contradict, or hardly confirm, is withdrawn.
-        chosen = CameraSelection(chosen.nominal, chosen.nominal, ())
-        gain = heldout_gain(model, heldout, chosen.fit.x)
-    return CameraAspect(name, unit, model, heldout, chosen, gain, remaining_structure(model, chosen.fit, covariates))
+        selection = CameraSelection(selection.nominal, selection.nominal, ())
+        gain = heldout_gain(model, selection.fit.x)
+    return CameraAspect(model, selection, gain, remaining_structure(model, selection.fit, covariates))
 
 
-def heldout_gain(model: CameraModel, heldout: Mask, x: Array) -> Gain | None:
-    """Return the gain of deviations x (P,) over none on samples (N,) held out, drawn by whole images.
+def heldout_gain(model: CameraModel, x: Array) -> Gain | None:
+    """Return the gain of deviations x (P,) over none on the held-out samples, drawn by whole images.
 
     None where fewer than two images are held out.
     """
     residuals = np.abs([model.residuals(np.zeros_like(x)), model.residuals(x)])
-    known = heldout & np.isfinite(residuals).all(axis=0)
+    known = model.heldout & np.isfinite(residuals).all(axis=0)
     if len(np.unique(model.frame[known])) < 2:
         return None
     return gain_of_sizes([(residuals[:, known], model.frame[known])])
 
 
-def _places(model: EdgeModel) -> dict[str, Array]:
-    t_s = np.array([frame.t_s for frame in model.case.frames])[model.frame]
-    return {"column": model.measured[:, 0], "row": model.measured[:, 1], "time": t_s}
-
-
-def _levels(case: CameraCase, seen: FloorPatches) -> CameraAspect:
-    model = LevelModel(seen, case.response, case.heldout, case.size_px).some(MAX_PATCHES)
-    t_s = np.array([frame.t_s for frame in case.frames])[model.frame]
-    at = np.repeat(model.patches.at, 3, axis=0)
-    covariates = {"column": at[:, 0], "row": at[:, 1], "time": t_s, "level": model.patches.simulated.ravel()}
-    return _part("levels", "of white", model, model.heldout, covariates)
-
-
-def _noise(case: CameraCase, seen: FloorPatches) -> CameraAspect:
-    model = NoiseModel(seen, case.response, case.heldout)
-    return _part("noise", "of its logarithm", model, model.heldout, {})
-
-
-def _sharpness(case: CameraCase, model: EdgeModel, x: Array) -> CameraAspect | None:
-    real = ExpectedEdges(model.points, model.measured, model.outwards, model.width_px)
+def _sharpness(case: CameraCase, real_edges: LineEdges, x: Array) -> SharpnessModel | None:
+    """Return the model of the measured profiles, based on the blur of the simulated ones; None with too few edges."""
     nominal = CameraView(case, np.zeros_like(x))
-    there = expected_edges(nominal, edge_candidates(case.arena), margin_px=REACH_PX + 1)
-    simulated = [frame.simulated for frame in case.frames]
-    images = [_grey(p) if p is not None else np.zeros(case.size_px[::-1]) for p in simulated]
-    lights = [
-        luminance(p, case.response.contrast) if p is not None else np.zeros(case.size_px[::-1]) for p in simulated
-    ]
-    dark = case.arena.line.reflectance < case.arena.floor_reflectance
-    off, good = edges(there, lights, 0.02 * case.size_px[0], dark=dark)
-    good &= np.array([p is not None for p in simulated])[there.points.frame]
-    there = ExpectedEdges(there.points, there.pixels + off[:, None] * there.outwards, there.outwards, there.width_px)
-    of_sim = _sharpness_model(case, nominal, _wide(there, good), images)
-    of_real = _sharpness_model(
-        case, CameraView(case, x), _wide(real, np.ones(len(real.points), bool)), [_grey(f.image) for f in case.frames]
-    )
-    if of_sim is None or of_real is None:
+    black = np.zeros((*case.size_px[::-1], 3), np.uint8)
+    simulated = [black if frame.simulated is None else frame.simulated for frame in case.frames]
+    expected = expected_edges(nominal, edge_candidates(case.arena), margin_px=REACH_PX + 1)
+    light = [luminance(image, case.response.contrast) for image in simulated]
+    edges, good = measured_edges(expected, light, REACHES[-1] * case.size_px[0], dark=case.line_is_dark)
+    good &= np.array([frame.simulated is not None for frame in case.frames])[edges.frame]
+    base = _sharpness_model(nominal, edges.some(good), simulated)
+    real = _sharpness_model(CameraView(case, x), real_edges, [frame.image for frame in case.frames])
+    if base is None or real is None:
         return None
-    base = fitted(of_sim, (0,), np.zeros(len(of_sim.numbers)))
-    based = of_real.based_on(of_sim, base.x)
-    return _part("sharpness", "of the edge's height", based, based.heldout, {})
+    return real.based_on(base, fitted(base, (0,), np.zeros(len(base.parameters))).x)
 
 
-def _wide(sighting: ExpectedEdges, good: Mask) -> ExpectedEdges:
-    """Return some of the edges that show enough of the line, spread evenly over all."""
-    kept = np.flatnonzero(good & (sighting.width_px > MIN_WIDTH_PX))
-    kept = kept[:: max(1, len(kept) // MAX_EDGES)]
-    points = type(sighting.points)(
-        sighting.points.frame[kept], sighting.points.on_line[kept], sighting.points.outwards[kept]
-    )
-    return ExpectedEdges(points, sighting.pixels[kept], sighting.outwards[kept], sighting.width_px[kept])
-
-
-def _grey(image: ImagePixels) -> Array:
-    return image @ np.array([0.299, 0.587, 0.114]) / 255.0
-
-
-def _sharpness_model(
-    case: CameraCase, view: CameraView, sighting: ExpectedEdges, images: list[Array]
-) -> SharpnessModel | None:
-    if len(sighting.points) < MIN_EDGES:
+def _sharpness_model(view: CameraView, edges: LineEdges, images: list[ImagePixels]) -> SharpnessModel | None:
+    """Return the model of profiles across edges that show enough of the line; None with too few of them."""
+    wide = np.flatnonzero(edges.width_px > MIN_WIDTH_PX)
+    edges = edges.some(wide[:: max(1, len(wide) // MAX_EDGES)])
+    if len(edges) < MIN_EDGES:
         return None
-    seen = profiles(sighting, images, REACH_PX)
-    along, values = seen.along_px[::2], seen.light[:, ::2]
-    late = view.x.copy()
-    place = next(k for k, number in enumerate(EdgeModel.numbers) if number.name == "time_offset")
-    step = MAX_MOVED_S / EdgeModel.numbers[place].tolerance
-    late[place] += step
-    moved = CameraView(case, late).pixels(sighting.points) - view.pixels(sighting.points)
-    speed = (moved * sighting.outwards).sum(axis=1) / MAX_MOVED_S
+    case = view.case
+    profile = profiles(edges, [image @ np.array([0.299, 0.587, 0.114]) / 255.0 for image in images], REACH_PX)
+    along, values = profile.along_px[::2], profile.light[:, ::2]
+    later = view.x.copy()
+    place = next(k for k, parameter in enumerate(GEOMETRY) if parameter.name == "time_offset")
+    later[place] += MAX_MOVED_S / GEOMETRY[place].tolerance
+    motion = CameraView(case, later).pixels(edges) - view.pixels(edges)
+    speed = (motion * edges.outwards).sum(axis=1) / MAX_MOVED_S
     outside = np.median(values[:, along > 0.6 * REACH_PX])
     # The level of the line is read in the middle where it is widest, because blur mixes in the least floor there.
-    widest = np.argsort(sighting.width_px)[-max(5, len(values) // 5) :]
-    deepest = np.argmin(np.abs(along[None, :] + 0.5 * sighting.width_px[widest, None]), axis=1)
+    widest = np.argsort(edges.width_px)[-max(5, len(values) // 5) :]
+    deepest = np.argmin(np.abs(along[None, :] + 0.5 * edges.width_px[widest, None]), axis=1)
     inside = np.median(values[widest, deepest])
-    light = luminance(np.rint(255 * np.array([[[outside] * 3, [inside] * 3]])).astype(np.uint8), case.response.contrast)
-    floor, line = light[0].tolist()
+    grey = np.rint(255 * np.array([[[outside] * 3, [inside] * 3]])).astype(np.uint8)
+    floor, line = luminance(grey, case.response.contrast)[0].tolist()
     return SharpnessModel(
-        sighting.points.frame,
         case.heldout,
+        edges.frame,
         EdgeProfiles(along, values),
-        sighting.width_px,
+        edges.width_px,
         np.nan_to_num(speed),
         (floor, line),
         case.response,
         case.look.camera.exposure_time_s,
     )
-
-
-def _rounded(value: tuple[float, float]) -> dict[str, float]:
-    return {"value": round(value[0], 6), "std": round(value[1], 6)}

@@ -1,4 +1,4 @@
-"""The files of a camera identification by name: answer, camera, page, plots, and a text for a terminal."""
+"""The files of a camera identification by name: answer, camera, page, plots, and the text for the terminal."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -6,14 +6,14 @@ from collections.abc import Iterator, Mapping
 from diagnosis.camera.diagnose import CameraAspect, CameraDiagnosis
 from diagnosis.camera.extended_camera import LOOK, ROBOT, look_file, robot_file
 from diagnosis.camera.overlay import edge_misfit, level_misfit, overlay
-from diagnosis.camera.sentences import ambiguity, gained, headline, size, summary, use
+from diagnosis.camera.sentences import ambiguity, commands, gain_sentence, headline, size, summary
 from diagnosis.report.files import ANSWER, PAGE, PLOTS, SUMMARY
 from symolo.pages.html import render_page
 
 CAPTIONS = {
-    "edges": "Edges of the line in images held out: measured, by the nominal camera, and by the extended one.",
-    "misfit": "How far the measured edges lie from the predicted ones, across the edge.",
-    "levels": "Means of small patches of floor and line, against the simulated images of the same places.",
+    "edges": "Edges of the line in held-out images: measured, and predicted by the nominal and the extended camera.",
+    "misfit": "Distance of each measured edge from the predicted one, across the edge.",
+    "levels": "Mean levels of small patches of floor and line: measured minus predicted from the simulated images.",
 }
 
 
@@ -40,20 +40,21 @@ def page(diagnosis: CameraDiagnosis, plots: Mapping[str, bytes]) -> str:
         title=f"{diagnosis.case.name}: images",
         case=diagnosis.case,
         headline=headline(diagnosis),
-        gains=[text for part in diagnosis.parts if (text := gained(part))],
-        named=[(choice, size(part, choice, diagnosis), ambiguity(choice)) for part, choice in diagnosis.named],
+        gains=[text for aspect in diagnosis.aspects if (text := gain_sentence(aspect))],
+        named=[(named, size(aspect, named, diagnosis), ambiguity(named)) for aspect, named in diagnosis.named],
         plots=[(CAPTIONS[name], png) for name, png in plots.items()],
-        numbers=[(part.name, _numbers(part, diagnosis)) for part in diagnosis.parts],
-        remains=[(part.name, part.remaining_structure) for part in diagnosis.parts if part.remaining_structure],
+        parameters=[(aspect.name, _rows(aspect, diagnosis)) for aspect in diagnosis.aspects],
+        remains=[(a.name, a.remaining_structure) for a in diagnosis.aspects if a.remaining_structure],
         left_out=diagnosis.left_out,
-        commands=use(diagnosis),
+        commands=commands(diagnosis),
     )
 
 
-def _numbers(part: CameraAspect, diagnosis: CameraDiagnosis) -> Iterator[tuple[str, ...]]:
-    named = {choice.place for choice in part.chosen.choices}
-    for place, number in enumerate(part.model.numbers):
-        value, sd = part.value(place, diagnosis.case)
-        unit = "" if number.unit == "1" else number.unit
-        deviation = f"{part.fit.x[place]:+.1f}"
-        yield number.name, f"{value:.4g} +- {sd:.2g}", unit, deviation, "yes" if place in named else ""
+def _rows(aspect: CameraAspect, diagnosis: CameraDiagnosis) -> Iterator[tuple[str, ...]]:
+    """Yield name, value, unit, deviation and whether it is named, of each parameter."""
+    places = {named.place for named in aspect.selection.named}
+    for place, parameter in enumerate(aspect.model.parameters):
+        value, sd = aspect.value(place, diagnosis.case)
+        unit = "" if parameter.unit == "1" else parameter.unit
+        deviation = f"{aspect.fit.x[place]:+.1f}"
+        yield parameter.name, f"{value:.4g} +- {sd:.2g}", unit, deviation, "yes" if place in places else ""

@@ -1,96 +1,66 @@
-"""Select the numbers of the camera that explain the images: all are fitted within their tolerances, a few freely.
+"""Select the parameters of the camera that explain the images: all are fitted within their tolerances, a few freely.
 
-Every number has a normal prior of its tolerance, so that a deviation within it is no discovery; each image has
-numbers of its own, with priors too, such as the error of its pose. A number is named when freeing it of its prior lets
-the cost fall by as much as names an effect of a robot (`diagnosis.inference.selection`). Near the best fit the cost is
-a quadratic form once the images' own numbers are eliminated (Schur complement), so that every set of up to three
-freed numbers is compared with every other, not only those that a greedy search meets.
+Every parameter has a normal prior of its tolerance, so that a deviation within it is no discovery. Each image has
+nuisances, such as the error of its pose, with priors too. A parameter is named if freeing it of its prior lowers the
+cost by as much as names an effect of a robot (`diagnosis.inference.selection`).
+
+The search differs from that of `diagnosis.inference`, with which it shares the loss, the thresholds and the confidence,
+for three reasons.
+
+- A hundred images have several hundred nuisances. They are eliminated image by image (Schur complement), while
+  `inference.fit` would have to predict all images again for each of them.
+- The noise of images is not known beforehand: each step of a fit estimates its level and its correlation again, while
+  `inference.fit` compares hypotheses under one noise.
+- Parameters of a camera replace one another closely, such as a yaw and a principal point, and some explain something
+  only together. A forward selection would stop before them. After the elimination the cost is almost a quadratic form,
+  so that every set of up to three freed parameters is compared with every other at the price of one small system of
+  equations each. Effects of a robot are far from linear: each set would need simulations of its own.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import combinations
-from typing import Protocol
 
 import numpy as np
 
-from diagnosis.camera.case import Ints, Mask
-from diagnosis.camera.parameter import CameraNumber
+from diagnosis.camera.model import CameraModel, CameraParameter
 from diagnosis.inference.likelihood import CORNER, robust_weight
 from diagnosis.inference.rivals import AS_GOOD, confidence
 from diagnosis.inference.selection import MAX_EFFECTS, THRESHOLD
 from symolo.core.arrays import Array
 
 LOOSE = 30.0
-"""Standard deviation of the prior of freed numbers, in tolerances; it holds directions that nothing measures."""
+"""Standard deviation of the prior of a freed parameter, in tolerances; it limits directions that no image shows."""
 ROUNDS = 12
 STEP = 0.05
 """Step of the differences that give slopes, in tolerances."""
 REFITS = 3
+"""Largest number of selections, each from the quadratic form around the last fit."""
 FEW = 3
-"""Largest number of parameters of a model of which every set is fitted."""
+"""Largest number of parameters of a model for which every set is fitted."""
 SETTLED = 0.01
-"""Step at which a fit ends, in tolerances."""
+"""Change of every deviation at which a fit ends, in tolerances."""
+MAD_TO_SD = 1.4826
+"""Standard deviation of normal noise over its median absolute value."""
+MAX_CORRELATION = 0.95
+MIN_PAIRS = 20
+"""Pairs of neighbours from which their correlation is estimated."""
 
-
-class CameraModel(Protocol):
-    """What a camera's fit needs: samples, the numbers that explain them, and their residuals."""
-
-    @property
-    def numbers(self) -> tuple[CameraNumber, ...]: ...
-
-    @property
-    def frame(self) -> Ints:
-        """Return the frame of each sample, (N,)."""
-        ...
-
-    @property
-    def fit(self) -> Mask:
-        """Return the samples for selection and fit, (N,)."""
-        ...
-
-    @property
-    def min_sd(self) -> float:
-        """Return the smallest standard deviation of a sample that the fit assumes."""
-        ...
-
-    @property
-    def max_independent(self) -> float:
-        """Return for how many independent samples an image counts at most: images of one floor share its stains."""
-        ...
-
-    def residuals(self, x: Array) -> Array:
-        """Return measured less predicted values for deviations (P,), (N,)."""
-        ...
-
-    def frame_slopes(self, x: Array) -> Array:
-        """Return the change of the prediction by a standard deviation of each nuisance of the frame, (N, Q)."""
-        ...
-
-
-@dataclass(frozen=True)
-class CameraFit:
-    freed: tuple[int, ...]
-    """Indices of the numbers without a tight prior."""
-    x: Array
-    """(P,), in tolerances."""
-    covariance: Array
-    """(P, P), in tolerances."""
-    cost: float
-    sd: float
-    """Standard deviation of the noise, in the samples' unit."""
-    independent_share: float
-    """Independent samples for which one sample counts."""
-    quadratic: "QuadraticCost"
+CostOfSet = Callable[[tuple[int, ...]], float]
+"""Function that returns the cost of the best fit with a set of freed parameters, given by their indices."""
 
 
 @dataclass(frozen=True)
 class QuadraticCost:
-    """The cost around `at`: least - 2 g d + d H d with d = x - at, the nuisances of the frames at their best."""
+    """The cost around `at`: least - 2 g d + d H d with d = x - at, with the nuisances of the images at their best."""
 
     at: Array
+    """(P,), deviations in tolerances."""
     H: Array
+    """(P, P)."""
     g: Array
+    """(P,)."""
     least: float
 
     def solved(self, prior: Array) -> tuple[Array, float]:
@@ -101,147 +71,159 @@ class QuadraticCost:
 
 
 @dataclass(frozen=True)
-class NamedCameraNumber:
-    """A named number beside those that could replace it."""
+class CameraFit:
+    """A fit of all parameters of a model."""
 
-    number: CameraNumber
+    freed: tuple[int, ...]
+    """Indices of the parameters without a tight prior."""
+    x: Array
+    """(P,), deviations in tolerances."""
+    covariance: Array
+    """(P, P), covariance of the deviations."""
+    cost: float
+    sd: float
+    """Standard deviation of the noise, in the samples' unit."""
+    independent_share: float
+    """Number of independent samples that one sample is worth."""
+    quadratic: QuadraticCost
+
+    def cost_of(self, freed: tuple[int, ...]) -> float:
+        """Return the cost with another set of freed parameters, by the quadratic form."""
+        return self.quadratic.solved(_prior(len(self.x), freed))[1]
+
+
+@dataclass(frozen=True)
+class NamedParameter:
+    """A named parameter among those that could replace it."""
+
+    parameter: CameraParameter
     place: int
+    """Index of the parameter in its model."""
     rise: float
-    """Rise of the cost without the number."""
-    rivals: tuple[tuple[CameraNumber, float], ...]
-    """Other numbers with the rise of the cost that each gives in its place, the closest first."""
+    """Rise of the cost without the parameter."""
+    rivals: tuple[tuple[CameraParameter, float], ...]
+    """Other parameters with the rise of the cost that each gives in its place, the closest first."""
     confidence: float
 
     @property
     def ambiguous_with(self) -> tuple[str, ...]:
-        return tuple(number.name for number, worse in self.rivals if worse < AS_GOOD)
+        return tuple(parameter.name for parameter, rise in self.rivals if rise < AS_GOOD)
 
 
 @dataclass(frozen=True)
 class CameraSelection:
+    """Result of the selection."""
+
     nominal: CameraFit
-    """Fit with all numbers within their tolerances."""
+    """The fit with all parameters within their tolerances."""
     fit: CameraFit
-    choices: tuple[NamedCameraNumber, ...]
+    """The fit with the named parameters freed."""
+    named: tuple[NamedParameter, ...]
 
 
-def prior(numbers: Sequence[CameraNumber], freed: Sequence[int]) -> Array:
-    """Return the weights of squared deviations in the cost, (P,)."""
-    weights = np.ones(len(numbers))
+def fitted(model: CameraModel, freed: Sequence[int], x: Array, noise: tuple[float, float] | None = None) -> CameraFit:
+    """Fit with some parameters freed, beginning at deviations (P,).
+
+    The noise is estimated from the residuals, unless `noise` gives its standard deviation and the independent share.
+    """
+    prior, frame_slopes = _prior(len(x), freed), model.frame_slopes(x)
+    sd, independent_share = noise or (max(_spread(model.residuals(x)[model.fit]), model.min_sd), 1.0)
+    for _ in range(ROUNDS):
+        before = x
+        x, _ = _quadratic(model, x, frame_slopes, sd, independent_share).solved(prior)
+        if noise is None:
+            rest = without_frame_effects(model, model.residuals(x), frame_slopes, sd, independent_share)
+            independent_share = _independent_share(model, rest / sd)
+            sd = max(_spread(rest[model.fit]), model.min_sd)
+        if np.max(np.abs(x - before)) < SETTLED:
+            break
+    quadratic = _quadratic(model, x, frame_slopes, sd, independent_share)
+    _, cost = quadratic.solved(prior)
+    covariance = np.linalg.inv(quadratic.H + np.diag(prior))
+    return CameraFit(tuple(freed), x, covariance, cost, sd, independent_share, quadratic)
+
+
+def select_parameters(model: CameraModel) -> CameraSelection:
+    """Select the fewest freed parameters that explain the images."""
+    namable = [k for k, parameter in enumerate(model.parameters) if parameter.can_be_named]
+    null = np.zeros(len(model.parameters))
+    fit = fitted(model, namable, null)
+    if len(namable) <= FEW:
+        # Models with few parameters, blur and noise, are far from linear. Every set is fitted under the same noise,
+        # since costs under different noises cannot be compared.
+        noise = (fit.sd, fit.independent_share)
+        cost_of: CostOfSet = partial(_refitted_cost, model, noise)
+        fit = fitted(model, _best_set(cost_of, namable), null)
+    else:
+        cost_of = fit.cost_of
+        for _ in range(REFITS):
+            best = _best_set(cost_of, namable)
+            if best == fit.freed:
+                break
+            # The quadratic form holds where it was taken, so the choice is repeated around the new fit.
+            fit = fitted(model, best, fit.x)
+            cost_of = fit.cost_of
+    named = tuple(_named(cost_of, fit.freed, model.parameters, namable, k) for k in fit.freed)
+    return CameraSelection(fitted(model, (), null, (fit.sd, fit.independent_share)), fit, named)
+
+
+def _refitted_cost(model: CameraModel, noise: tuple[float, float], freed: tuple[int, ...]) -> float:
+    return fitted(model, freed, np.zeros(len(model.parameters)), noise).cost
+
+
+def _best_set(cost_of: CostOfSet, namable: Sequence[int]) -> tuple[int, ...]:
+    best: tuple[int, ...] = ()
+    cost = cost_of(best)
+    for size in range(1, min(MAX_EFFECTS, len(namable)) + 1):
+        costs = {freed: cost_of(freed) for freed in combinations(namable, size)}
+        freed = min(costs, key=lambda candidate: costs[candidate])
+        # Two parameters that explain something only together enter together.
+        if cost - costs[freed] >= THRESHOLD * (size - len(best)):
+            best, cost = freed, costs[freed]
+    return best
+
+
+def _named(
+    cost_of: CostOfSet,
+    freed: tuple[int, ...],
+    parameters: Sequence[CameraParameter],
+    namable: Sequence[int],
+    place: int,
+) -> NamedParameter:
+    """Return one of the freed parameters with its rivals, each of which is freed in its place."""
+    others = tuple(k for k in freed if k != place)
+    cost = cost_of(freed)
+    rise = cost_of(others) - cost
+    rivals = [(parameters[k], cost_of((*others, k)) - cost) for k in namable if k not in freed]
+    rivals.sort(key=lambda rival: rival[1])
+    certainty = confidence((rival_rise for _, rival_rise in rivals), rise - THRESHOLD)
+    return NamedParameter(parameters[place], place, rise, tuple(rivals), certainty)
+
+
+def _prior(count: int, freed: Sequence[int]) -> Array:
+    """Return the weights of squared deviations in the cost, (count,)."""
+    weights = np.ones(count)
     weights[list(freed)] = 1.0 / LOOSE**2
     return weights
 
 
-def fitted(model: CameraModel, freed: Sequence[int], x: Array, noise: tuple[float, float] | None = None) -> CameraFit:
-    """Fit with some numbers freed, from deviations (P,) on.
-
-    The noise is estimated from the residuals, unless `noise` gives its standard deviation and the independent share.
-    """
-    weights, own = prior(model.numbers, freed), model.frame_slopes(x)
-    sd, independent_share = noise or (max(_spread(model.residuals(x)[model.fit]), model.min_sd), 1.0)
-    found = quadratic = None
-    for _ in range(ROUNDS):
-        quadratic = _quadratic(model, x, own, sd, independent_share)
-        found, _ = quadratic.solved(weights)
-        step = np.max(np.abs(found - x))
-        x = found
-        if noise is None:
-            left = without_frame_effects(model, model.residuals(x), own, sd, independent_share)
-            sd, independent_share = max(_spread(left[model.fit]), model.min_sd), _worth(model, left / sd)
-        if step < SETTLED:
-            break
-    quadratic = _quadratic(model, x, own, sd, independent_share)
-    _, cost = quadratic.solved(weights)
-    covariance = np.linalg.inv(quadratic.H + np.diag(weights))
-    return CameraFit(tuple(freed), x, covariance, cost, sd, independent_share, quadratic)
-
-
-def choose(model: CameraModel) -> CameraSelection:
-    """Select the fewest freed numbers that explain the images."""
-    namable = [k for k, number in enumerate(model.numbers) if number.can_be_named]
-    null = np.zeros(len(model.numbers))
-    fit = fitted(model, namable, null)
-    if len(namable) <= FEW:
-        costs: _Costs = _Refitted(model, (fit.sd, fit.independent_share))
-        fit = fitted(model, _best_set(costs, namable), null)
-    else:
-        costs = _Near(fit, model.numbers)
-        for _ in range(REFITS):  # the quadratic form is that of where it was taken
-            names = _best_set(costs, namable)
-            if names == fit.freed:
-                break
-            fit = fitted(model, names, fit.x)
-            costs = _Near(fit, model.numbers)
-    choices = tuple(_choice(costs, fit.freed, model.numbers, namable, k) for k in fit.freed)
-    return CameraSelection(fitted(model, (), null, (fit.sd, fit.independent_share)), fit, choices)
-
-
-class _Costs(Protocol):
-    """The cost of the best fit with a set of freed numbers."""
-
-    def of(self, freed: tuple[int, ...]) -> float: ...
-
-
-@dataclass(frozen=True)
-class _Near:
-    """Costs by the quadratic form around a fit."""
-
-    fit: CameraFit
-    numbers: tuple[CameraNumber, ...]
-
-    def of(self, freed: tuple[int, ...]) -> float:
-        return self.fit.quadratic.solved(prior(self.numbers, freed))[1]
-
-
-@dataclass(frozen=True)
-class _Refitted:
-    """Costs by one fit for each set, for models of few numbers that are far from linear."""
-
-    model: CameraModel
-    noise: tuple[float, float]
-
-    def of(self, freed: tuple[int, ...]) -> float:
-        return fitted(self.model, freed, np.zeros(len(self.model.numbers)), self.noise).cost
-
-
-def _best_set(costs: _Costs, namable: Sequence[int]) -> tuple[int, ...]:
-    best: tuple[int, ...] = ()
-    cost = costs.of(best)
-    for size in range(1, min(MAX_EFFECTS, len(namable)) + 1):
-        tried = {freed: costs.of(freed) for freed in combinations(namable, size)}
-        freed = min(tried, key=lambda candidate: tried[candidate])
-        # Two numbers that explain something only together enter together.
-        if cost - tried[freed] >= THRESHOLD * (size - len(best)):
-            best, cost = freed, tried[freed]
-    return best
-
-
-def _choice(
-    costs: _Costs, freed: tuple[int, ...], numbers: Sequence[CameraNumber], namable: Sequence[int], place: int
-) -> NamedCameraNumber:
-    others = tuple(k for k in freed if k != place)
-    own = costs.of(freed)
-    nothing = costs.of(others)
-    rivals = [(numbers[k], costs.of((*others, k)) - own) for k in namable if k not in freed]
-    rivals.sort(key=lambda of: of[1])
-    certainty = confidence((worse for _, worse in rivals), nothing - own - THRESHOLD)
-    return NamedCameraNumber(numbers[place], place, nothing - own, tuple(rivals), certainty)
-
-
-def _quadratic(model: CameraModel, x: Array, own: Array, sd: float, independent_share: float) -> QuadraticCost:
-    left = model.residuals(x)
-    slopes = np.empty((len(left), len(x)))
+def _quadratic(model: CameraModel, x: Array, frame_slopes: Array, sd: float, independent_share: float) -> QuadraticCost:
+    """Return the robust cost around deviations x (P,), with the nuisances of each image eliminated."""
+    residuals = model.residuals(x)
+    slopes = np.empty((len(residuals), len(x)))
     for k in range(len(x)):
         step = np.zeros(len(x))
         step[k] = STEP
         slopes[:, k] = (model.residuals(x - step) - model.residuals(x + step)) / (2.0 * STEP)
-    z = without_frame_effects(model, left, own, sd, independent_share) / sd
+    # Outliers are recognised after the fit of the nuisances; else one wrong pose would look like many wrong edges.
+    z = without_frame_effects(model, residuals, frame_slopes, sd, independent_share) / sd
     weight = independent_share * robust_weight(np.where(np.isfinite(z), z, 0.0)) / sd**2
-    good = np.isfinite(left) & np.isfinite(slopes).all(axis=1) & model.fit
+    good = np.isfinite(residuals) & np.isfinite(slopes).all(axis=1) & model.fit
     H, g, least = np.zeros((len(x), len(x))), np.zeros(len(x)), 0.0
     for frame in np.unique(model.frame[good]):
         here = good & (model.frame == frame)
-        A, B, r, w = slopes[here], own[here], left[here], weight[here]
+        A, B, r, w = slopes[here], frame_slopes[here], residuals[here], weight[here]
+        # Nuisances of different images share no sample, so each image is a small Schur complement of its own.
         inner = np.linalg.inv(np.eye(B.shape[1]) + (B.T * w) @ B)
         wA, wr = w[:, None] * A, w * r
         H += A.T @ wA - wA.T @ B @ inner @ B.T @ wA
@@ -250,12 +232,14 @@ def _quadratic(model: CameraModel, x: Array, own: Array, sd: float, independent_
     return QuadraticCost(x, H, g, least)
 
 
-def without_frame_effects(model: CameraModel, left: Array, own: Array, sd: float, independent_share: float) -> Array:
-    """Return the residuals (N,) after a robust fit of each frame's nuisances."""
-    rest = left.copy()
+def without_frame_effects(
+    model: CameraModel, residuals: Array, frame_slopes: Array, sd: float, independent_share: float
+) -> Array:
+    """Return the residuals (N,) after a robust fit of the nuisances of each image."""
+    rest = residuals.copy()
     for frame in np.unique(model.frame):
-        here = np.flatnonzero((model.frame == frame) & np.isfinite(left))
-        B, z = own[here], left[here]
+        here = np.flatnonzero((model.frame == frame) & np.isfinite(residuals))
+        B, z = frame_slopes[here], residuals[here]
         r = z
         for _ in range(4):
             w = independent_share * robust_weight(r / sd) / sd**2
@@ -264,18 +248,19 @@ def without_frame_effects(model: CameraModel, left: Array, own: Array, sd: float
     return rest
 
 
-def _spread(left: Array) -> float:
-    known = left[np.isfinite(left)]
-    return 1.4826 * float(np.median(np.abs(known)))
+def _spread(residuals: Array) -> float:
+    known = residuals[np.isfinite(residuals)]
+    return MAD_TO_SD * float(np.median(np.abs(known)))
 
 
-def _worth(model: CameraModel, z: Array) -> float:
-    """Return the independent samples for which one counts, by AR(1) noise along neighbours in one image."""
+def _independent_share(model: CameraModel, z: Array) -> float:
+    """Return the number of independent samples that one is worth, by AR(1) noise along neighbours in one image."""
     use = np.isfinite(z) & (np.abs(z) < CORNER) & model.fit
-    next_to = use[1:] & use[:-1] & (model.frame[1:] == model.frame[:-1])
-    a, b = z[:-1][next_to], z[1:][next_to]
-    most = model.max_independent * len(np.unique(model.frame[use])) / max(1, np.count_nonzero(use))
-    if len(a) < 20:
-        return min(1.0, most)
-    p = float(np.clip((a @ b) / np.sqrt((a @ a) * (b @ b)), 0.0, 0.95))
-    return min((1.0 - p) / (1.0 + p), most)
+    are_neighbours = use[1:] & use[:-1] & (model.frame[1:] == model.frame[:-1])
+    a, b = z[:-1][are_neighbours], z[1:][are_neighbours]
+    max_share = model.max_independent * len(np.unique(model.frame[use])) / max(1, np.count_nonzero(use))
+    if len(a) < MIN_PAIRS:
+        return min(1.0, max_share)
+    p = float(np.clip((a @ b) / np.sqrt((a @ a) * (b @ b)), 0.0, MAX_CORRELATION))
+    # The variance of a mean of many AR(1) samples is (1 + p)/(1 - p) times that of independent ones.
+    return min((1.0 - p) / (1.0 + p), max_share)

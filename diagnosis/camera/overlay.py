@@ -4,13 +4,17 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from diagnosis.camera.diagnose import CameraDiagnosis
+from diagnosis.camera.features.levels import LevelModel
 from diagnosis.camera.features.line_points import edge_candidates
 from diagnosis.camera.views import CameraView, EdgePoints
-from symolo.core.arrays import Array
 from symolo.pages.plotting import BLUE, GREY, VERMILION, finished, png
 
 FRAMES = 3
+"""Largest number of images in the plot of the edges."""
+MIN_EDGES = 5
+"""Least number of edges in such an image."""
 MEASURED = "#F0E442"
+CHANNELS = {"red": "#CC3311", "green": "#228833", "blue": "#4477AA"}
 
 
 def overlay(diagnosis: CameraDiagnosis) -> bytes:
@@ -33,7 +37,9 @@ def overlay(diagnosis: CameraDiagnosis) -> bytes:
                 label = name if number == chain[0] else None
                 axes.plot(at[:, 0], at[:, 1], style, color=colour, linewidth=1.2, label=label)
         here = model.frame == frame
-        axes.plot(*model.measured[here].T, "o", color=MEASURED, markersize=3, markeredgecolor="black", label="measured")
+        axes.plot(
+            *model.edges.pixels[here].T, "o", color=MEASURED, markersize=3, markeredgecolor="black", label="measured"
+        )
         axes.set(xlim=(-0.5, width - 0.5), ylim=(height - 0.5, -0.5), xticks=[], yticks=[])
         axes.set_title(f"image {case.frames[frame].number}", fontsize="medium")
     handles, labels = figure.axes[0].get_legend_handles_labels()
@@ -44,9 +50,11 @@ def overlay(diagnosis: CameraDiagnosis) -> bytes:
 def _shown(diagnosis: CameraDiagnosis) -> list[int]:
     """Return up to three held-out frames, those with the largest errors of the nominal camera."""
     model = diagnosis.edges
-    left = np.abs(model.residuals(np.zeros(len(diagnosis.geometry.fit.x))))
-    seen = [f for f in np.unique(model.frame[model.heldout]).tolist() if np.count_nonzero(model.frame == f) >= 5]
-    seen.sort(key=lambda f: -float(np.nanmedian(left[model.frame == f])))
+    sizes = np.abs(model.residuals(np.zeros(len(diagnosis.geometry.fit.x))))
+    seen = [
+        f for f in np.unique(model.frame[model.heldout]).tolist() if np.count_nonzero(model.frame == f) >= MIN_EDGES
+    ]
+    seen.sort(key=lambda f: -float(np.nanmedian(sizes[model.frame == f])))
     return sorted(seen[:FRAMES]) or [int(model.frame[0])]
 
 
@@ -57,32 +65,31 @@ def edge_misfit(diagnosis: CameraDiagnosis) -> bytes:
     panels = figure.subplots(1, 2, sharey=True)
     before, after = model.residuals(np.zeros_like(x)), model.residuals(x)
     reach = float(np.nanpercentile(np.abs(before), 98)) * 1.2 + 0.3
+    shown = model.heldout
     for axes, (name, at) in zip(panels, (("row [px]", 1), ("column [px]", 0)), strict=True):
-        for left, colour, label in ((before, VERMILION, "nominal"), (after, BLUE, "extended")):
-            shown = model.heldout
-            axes.plot(model.measured[shown, at], left[shown], "o", markersize=2.5, alpha=0.6, color=colour, label=label)
+        places_px = model.edges.pixels[shown, at]
+        for misfit, colour, label in ((before, VERMILION, "nominal"), (after, BLUE, "extended")):
+            axes.plot(places_px, misfit[shown], "o", markersize=2.5, alpha=0.6, color=colour, label=label)
         axes.axhline(0.0, color=GREY, linewidth=0.6)
         axes.set_ylim(-reach, reach)
-        finished(axes, "edges in images held out", name, "measured - predicted, outwards [px]", legend=at == 1)
+        finished(axes, "edges in held-out images", name, "measured - predicted, outwards [px]", legend=at == 1)
     return png(figure)
 
 
 def level_misfit(diagnosis: CameraDiagnosis) -> bytes | None:
     """Plot measured less predicted levels of each channel; None where no levels were compared."""
-    part = next((part for part in diagnosis.photometry if part.name == "levels"), None)
-    if part is None:
+    levels = next((aspect for aspect in diagnosis.photometry if aspect.name == LevelModel.name), None)
+    if levels is None:
         return None
-    x, model, shown = part.fit.x, part.model, part.heldout
+    x, model, shown = levels.fit.x, levels.model, levels.model.heldout
     figure = Figure(figsize=(9.5, 3.4), layout="constrained")
     panels = figure.subplots(1, 2, sharey=True)
     channel = np.arange(len(shown)) % 3
     for axes, (name, deviations) in zip(panels, (("nominal", np.zeros_like(x)), ("extended", x)), strict=True):
-        left: Array = 255 * model.residuals(deviations)
-        for k, colour in enumerate(("#CC3311", "#228833", "#4477AA")):
+        misfit = 255 * model.residuals(deviations)
+        for k, (label, colour) in enumerate(CHANNELS.items()):
             here = shown & (channel == k)
-            axes.plot(
-                np.flatnonzero(here), left[here], ".", markersize=2.5, color=colour, label=("red", "green", "blue")[k]
-            )
+            axes.plot(np.flatnonzero(here), misfit[here], ".", markersize=2.5, color=colour, label=label)
         axes.axhline(0.0, color=GREY, linewidth=0.6)
-        finished(axes, name, "patch of an image held out", "measured - predicted [of 255]", legend=name == "nominal")
+        finished(axes, name, "patch of a held-out image", "measured - predicted [of 255]", legend=name == "nominal")
     return png(figure)

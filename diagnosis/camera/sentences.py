@@ -2,9 +2,10 @@
 
 from diagnosis.camera.diagnose import CameraAspect, CameraDiagnosis
 from diagnosis.camera.extended_camera import LOOK, ROBOT, left_out, look_file, robot_file
-from diagnosis.camera.fit import NamedCameraNumber
+from diagnosis.camera.fit import NamedParameter
+from diagnosis.report.verdict import listed
 
-SHOWS_IN = {
+RECORD = {
     "pitch_down": "images of lines that cross the view, near and far",
     "principal_point_down": "a calibration board that fills the image",
     "principal_point_right": "a calibration board that fills the image",
@@ -18,7 +19,6 @@ SHOWS_IN = {
     "k2": "lines in the image's corners",
     "time_offset": "drives at several speeds and turns",
     "read_out": "fast turns",
-    "line_width": "a ruler",
     "exposure_scale": "the same exposure under another light",
     "red_gain_scale": "a grey card",
     "blue_gain_scale": "a grey card",
@@ -32,75 +32,85 @@ SHOWS_IN = {
     "shot_noise_scale": "the same place at several exposures",
     "read_noise_scale": "images with the lens covered",
 }
+"""What to record so that a parameter shows more clearly than those that could replace it."""
 
 
 def headline(diagnosis: CameraDiagnosis) -> str:
-    names = [choice.number.name for _, choice in diagnosis.named]
+    """Return the result in one sentence."""
+    names = [named.parameter.name for _, named in diagnosis.named]
     if not names:
-        return "These images do not differ from the simulated camera's by more than its tolerances."
-    return f"The real camera differs from the nominal one by {' and '.join(names)}."
+        return "The images agree with the nominal camera within its tolerances."
+    return f"The real camera differs from the nominal camera in {listed(names)}."
 
 
-def size(part: CameraAspect, choice: NamedCameraNumber, diagnosis: CameraDiagnosis) -> str:
-    value, sd = part.value(choice.place, diagnosis.case)
-    unit = "" if choice.number.unit == "1" else f" {choice.number.unit}"
+def size(aspect: CameraAspect, named: NamedParameter, diagnosis: CameraDiagnosis) -> str:
+    """Return value, standard error and unit of a named parameter."""
+    value, sd = aspect.value(named.place, diagnosis.case)
+    unit = "" if named.parameter.unit == "1" else f" {named.parameter.unit}"
     return f"{value:.4g} +- {sd:.2g}{unit}"
 
 
-def ambiguity(choice: NamedCameraNumber) -> str:
-    """Return which other names explain the images as well; empty where none does."""
-    if not choice.ambiguous_with:
+def ambiguity(named: NamedParameter) -> str:
+    """Return which other parameters explain the images as well, and what would decide; empty where there are none."""
+    rivals = named.ambiguous_with
+    if not rivals:
         return ""
-    shows = "; ".join(f"{name}: {SHOWS_IN[name]}" for name in (choice.number.name, *choice.ambiguous_with))
-    return f"cannot be told from {', '.join(choice.ambiguous_with)}; to tell them apart, take more of ({shows})"
+    advice = "; ".join(f"for {name}, {RECORD[name]}" for name in (named.parameter.name, *rivals))
+    return f"These images do not distinguish it from {listed(rivals)}. To distinguish them, record: {advice}."
 
 
-def gained(part: CameraAspect) -> str:
-    """Return the gain of an aspect in a sentence; empty where no image is held out."""
-    gain = part.gain
+def gain_sentence(aspect: CameraAspect) -> str:
+    """Return the errors of an aspect on held-out images, and its gain; empty where no image is held out."""
+    gain = aspect.gain
     if gain is None:
         return ""
-    told = f"{part.name}: {gain.before:.3g} {part.unit} with the nominal camera, {gain.after:.3g} as fitted"
-    if gain.low > 0:
-        told += f": a gain of {100 * gain.value:.1f} % ({100 * gain.low:.1f} % to {100 * gain.high:.1f} %)"
-        if not part.chosen.choices:
-            told += ", by numbers each within its tolerance"
-    return told
+    unit = aspect.model.unit
+    errors = (
+        f"{aspect.name}: the error on held-out images is {gain.before:.3g} {unit} with the nominal camera "
+        f"and {gain.after:.3g} {unit} with the fitted camera"
+    )
+    if gain.low <= 0:
+        return f"{errors}; the difference is not significant."
+    interval = f"95 % interval {100 * gain.low:.1f} % to {100 * gain.high:.1f} %"
+    within = "" if aspect.selection.named else " All its parameters are within their tolerances."
+    return f"{errors}, a gain of {100 * gain.value:.1f} % ({interval}).{within}"
 
 
 def summary(diagnosis: CameraDiagnosis) -> list[str]:
     """Return the lines that the terminal shows."""
-    heldout = int(diagnosis.case.heldout.sum())
     lines = [headline(diagnosis), ""]
-    for part, choice in diagnosis.named:
-        number = choice.number
+    for aspect, named in diagnosis.named:
+        parameter, confidence = named.parameter, min(100 * named.confidence, 99.9)
         lines += [
-            number.name,
-            f"  value      {size(part, choice, diagnosis)}",
-            f"  means      {number.means}",
-            f"  comes of   {number.comes_of}",
-            f"  sure to    {min(100 * choice.confidence, 99.9):.1f} %; without it the cost rises by {choice.rise:.0f}",
+            parameter.name,
+            f"  value            {size(aspect, named, diagnosis)}",
+            f"  meaning          {parameter.meaning}",
+            f"  possible causes  {parameter.causes}",
+            f"  confidence       {confidence:.1f} %; without this parameter the cost rises by {named.rise:.0f}",
         ]
-        if told := ambiguity(choice):
-            lines.append(f"  open       {told}")
+        if text := ambiguity(named):
+            lines.append(f"  ambiguity        {text}")
         lines.append("")
-    lines.append(f"On {heldout} images that nothing was fitted to, the error is")
-    lines += [f"  {told}" for part in diagnosis.parts if (told := gained(part))]
-    for part in diagnosis.parts:
-        if part.remaining_structure:
-            lines.append(f"Unexplained: what is left of {part.name} depends on {part.remaining_structure.covariate}.")
-    lines += [f"Not measured: {what}." for what in diagnosis.left_out]
-    lines += [f"Not in the files: {name}, for {why}." for name, why in left_out(diagnosis)]
-    if told := use(diagnosis):
-        lines += ["", *told]
+    lines += [text for aspect in diagnosis.aspects if (text := gain_sentence(aspect))]
+    for aspect in diagnosis.aspects:
+        if aspect.remaining_structure:
+            covariate = aspect.remaining_structure.covariate
+            lines.append(f"Unexplained: the residuals of {aspect.name} depend on the {covariate}.")
+    lines += [f"Not measured: {text}." for text in diagnosis.left_out]
+    lines += [f"Not in the files: {name}, because {reason}." for name, reason in left_out(diagnosis)]
+    if lines_to_run := commands(diagnosis):
+        lines += ["", "To simulate with the identified camera:", *lines_to_run]
     return lines
 
 
-def use(diagnosis: CameraDiagnosis) -> list[str]:
-    """Return how to simulate with the identified camera; empty where nothing differs."""
+def commands(diagnosis: CameraDiagnosis) -> list[str]:
+    """Return the commands that simulate with the identified camera; empty where nothing differs."""
     robot, look = bool(robot_file(diagnosis)), bool(look_file(diagnosis))
     if not (robot or look):
         return []
-    given = [f"--set robot={ROBOT}"] * robot + [f"--set look={LOOK}"] * look
-    again = [f"--robot {ROBOT}"] * robot + [f"--look {LOOK if look else 'NAME'}"]
-    return [f"symolo release SCENARIO {' '.join(given)} --out DIR", f"symolo rerender RUN {' '.join(again)} --out DIR"]
+    settings = [f"--set robot={ROBOT}"] * robot + [f"--set look={LOOK}"] * look
+    options = [f"--robot {ROBOT}"] * robot + [f"--look {LOOK if look else 'NAME'}"]
+    return [
+        f"symolo release SCENARIO {' '.join(settings)} --out DIR",
+        f"symolo rerender RUN {' '.join(options)} --out DIR",
+    ]

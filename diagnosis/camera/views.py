@@ -1,6 +1,6 @@
 """Where a camera that deviates from the nominal one sees points of the world.
 
-Its numbers are deviations in tolerances, as one vector in the order of `numbers`; all 0 is the nominal camera.
+The deviations are in tolerances, as one vector in the order of GEOMETRY; all 0 is the nominal camera.
 """
 
 from collections.abc import Sequence
@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from configs.schema.robot import Camera
-from diagnosis.camera.case import CameraCase, Ints
-from diagnosis.camera.parameter import CameraNumber
+from diagnosis.camera.case import CameraCase, Ints, SampleArrays
+from diagnosis.camera.model import CameraParameter
 from symolo.core.arrays import Array
 from symolo.core.geometry.lens import distorted
 from symolo.core.geometry.pinhole import Intrinsics, intrinsics, pixels, pose_X_RC
@@ -21,45 +21,42 @@ RATE_OVER_S = 0.01
 MOUNT, LENS, CLOCK = "a bent or badly printed mount", "another lens, or one that was focused again", "a late time stamp"
 
 GEOMETRY = (
-    CameraNumber("pitch_down", "deg", 0.2, "the camera looks further down than in the simulation", MOUNT),
-    CameraNumber(
+    CameraParameter("pitch_down", "deg", 0.2, "the camera looks further down than in the simulation", MOUNT),
+    CameraParameter(
         "height", "m", 0.0005, "the camera sits higher than in the simulation", "another mount, wheels or tyres"
     ),
-    CameraNumber("focal_length_scale", "1", 0.005, "f_true = scale * f: the image shows less of the scene", LENS),
-    CameraNumber("yaw_left", "deg", 0.2, "the camera looks further to the left", MOUNT),
-    CameraNumber("roll", "deg", 0.2, "the camera is turned clockwise about its axis, seen from behind", MOUNT),
-    CameraNumber("forward", "m", 0.0005, "the camera sits further ahead", MOUNT),
-    CameraNumber("left", "m", 0.0005, "the camera sits further to the left", MOUNT),
-    CameraNumber("principal_point_right", "1", 0.003, "the optical axis is further right, in image widths", LENS),
-    CameraNumber("principal_point_down", "1", 0.003, "the optical axis is further down, in image widths", LENS),
-    CameraNumber("k1", "1", 0.01, "radial distortion: below 0 barrel, above 0 pincushion", LENS),
-    CameraNumber("k2", "1", 0.01, "radial distortion of the fourth power", LENS),
-    CameraNumber("time_offset", "s", 0.002, "images are exposed later than their stamps say", CLOCK),
-    CameraNumber(
+    CameraParameter("focal_length_scale", "1", 0.005, "f_true = scale * f: the image shows less of the scene", LENS),
+    CameraParameter("yaw_left", "deg", 0.2, "the camera looks further to the left", MOUNT),
+    CameraParameter("roll", "deg", 0.2, "the camera is turned clockwise about its axis, seen from behind", MOUNT),
+    CameraParameter("forward", "m", 0.0005, "the camera sits further ahead", MOUNT),
+    CameraParameter("left", "m", 0.0005, "the camera sits further to the left", MOUNT),
+    CameraParameter("principal_point_right", "1", 0.003, "the optical axis is further right, in image widths", LENS),
+    CameraParameter("principal_point_down", "1", 0.003, "the optical axis is further down, in image widths", LENS),
+    CameraParameter("k1", "1", 0.01, "radial distortion: below 0 barrel, above 0 pincushion", LENS),
+    CameraParameter("k2", "1", 0.01, "radial distortion of the fourth power", LENS),
+    CameraParameter("time_offset", "s", 0.002, "images are exposed later than their stamps say", CLOCK),
+    CameraParameter(
         "read_out", "s", 0.001, "rolling shutter: the bottom row is exposed later than the top", "another sensor"
     ),
-    CameraNumber("line_width", "m", 0.0003, "the line is wider than on the map", "another tape", can_be_named=False),
+    CameraParameter("line_width", "m", 0.0003, "the line is wider than on the map", "another tape", can_be_named=False),
 )
 
 
 @dataclass(frozen=True)
-class EdgePoints:
+class EdgePoints(SampleArrays):
     """Points on the edges of the line, each of which is searched in one image."""
 
     frame: Ints
     """(N,), index of the frame."""
     on_line: Array
     """(N, 2), x [m], y [m] in W, on the middle of the line."""
-    outwards: Array
+    outwards_W: Array
     """(N, 2), unit vector in W from the middle of the line over the edge."""
-
-    def __len__(self) -> int:
-        return len(self.frame)
 
 
 def deviating(case: CameraCase, x: Sequence[float]) -> tuple[Camera, float]:
-    """Return the camera with these deviations (P,), and how much later its images are exposed [s]."""
-    d = {number.name: value * number.tolerance for number, value in zip(GEOMETRY, x, strict=True)}
+    """Return the camera with these deviations (P,), and the time [s] between the stamp of an image and its exposure."""
+    d = {parameter.name: value * parameter.tolerance for parameter, value in zip(GEOMETRY, x, strict=True)}
     nominal, lens = case.camera, case.camera.distortion
     moved = {
         "pitch_down_deg": nominal.pitch_down_deg + d["pitch_down"],
@@ -87,35 +84,35 @@ class CameraView:
     x: Array
     """(P,), deviations in tolerances."""
 
-    def pixels(self, points: EdgePoints, beyond_m: float = 0.0, moved: Array | None = None) -> Array:
-        """Return pixels (N, 2) of the points, `beyond_m` further out than the edge; NaN behind the camera.
+    def pixels(self, points: EdgePoints, pose_errors: Array | None = None) -> Array:
+        """Return the pixels (N, 2) of the points; NaN behind the camera.
 
-        `moved` (N, 3) is how far each image's robot stood from its pose: ahead [m], to the left [m], turned [rad].
+        Args:
+            points: Points on the edges of the line.
+            pose_errors: (N, 3), deviations of the robot from its pose: ahead [m], to the left [m], turned [rad].
         """
         case = self.case
         camera, late_s = deviating(case, self.x.tolist())
         lens = intrinsics(camera, *case.size_px)
         X_RC = pose_X_RC(camera, case.robot.chassis.base_height_m)
         widening = GEOMETRY[-1].tolerance * float(self.x[-1])
-        half = 0.5 * (case.arena.line.width_m + widening) + beyond_m
-        floor = points.on_line + half * points.outwards
+        half = 0.5 * (case.arena.line.width_m + widening)
+        floor = points.on_line + half * points.outwards_W
         p_W = np.column_stack([floor, np.zeros(len(floor))])
-        poses, rates = self._ways(late_s)
-        at = poses[points.frame]
-        found = _seen(p_W, _moved(at, moved), X_RC, lens)
-        if camera.read_out_s:
-            rows = np.nan_to_num(found[:, 1], nan=0.5 * lens.height_px)
-            share = np.clip((rows + 0.5) / lens.height_px, 0.0, 1.0) - 0.5
-            at = at + (share * camera.read_out_s)[:, None] * rates[points.frame]
-            found = _seen(p_W, _moved(at, moved), X_RC, lens)
-        return found
-
-    def _ways(self, late_s: float) -> tuple[Array, Array]:
-        """Return the poses (frames, 3) at the middle of each exposure, and how fast they change."""
-        t_s = np.array([frame.t_s for frame in self.case.frames]) + late_s
-        around = self.case.path.poses_at(np.concatenate([t_s - RATE_OVER_S, t_s, t_s + RATE_OVER_S]))
+        t_s = np.array([frame.t_s for frame in case.frames]) + late_s
+        around = case.path.poses_at(np.concatenate([t_s - RATE_OVER_S, t_s, t_s + RATE_OVER_S]))
         before, here, after = np.split(around, 3)
-        return here, (after - before) / (2.0 * RATE_OVER_S)
+        poses = here[points.frame]
+        seen = _projected(p_W, _shifted(poses, pose_errors), X_RC, lens)
+        if camera.read_out_s:
+            # The time of a row depends on the row, which depends on the pose at that time: one correction of the first
+            # result is enough, since a robot moves by a few pixels at most while an image is read out.
+            rows = np.nan_to_num(seen[:, 1], nan=0.5 * lens.height_px)
+            share = np.clip((rows + 0.5) / lens.height_px, 0.0, 1.0) - 0.5
+            rates = ((after - before) / (2.0 * RATE_OVER_S))[points.frame]
+            poses = poses + (share * camera.read_out_s)[:, None] * rates
+            seen = _projected(p_W, _shifted(poses, pose_errors), X_RC, lens)
+        return seen
 
     def floor_X_WC(self, frame: int) -> Array:
         """Return the pose (4, 4) of the camera at the middle of an exposure."""
@@ -125,15 +122,16 @@ class CameraView:
         return pose_X_WR(x_m, y_m, yaw_rad) @ pose_X_RC(camera, self.case.robot.chassis.base_height_m)
 
 
-def _moved(poses: Array, moved: Array | None) -> Array:
-    if moved is None:
+def _shifted(poses: Array, errors: Array | None) -> Array:
+    """Return the poses (N, 3) with errors ahead, to the left and in heading, if there are any."""
+    if errors is None:
         return poses
     c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
-    ahead, left, turned = moved.T
+    ahead, left, turned = errors.T
     return poses + np.column_stack([c * ahead - s * left, s * ahead + c * left, turned])
 
 
-def _seen(p_W: Array, poses: Array, X_RC: Array, lens: Intrinsics) -> Array:
+def _projected(p_W: Array, poses: Array, X_RC: Array, lens: Intrinsics) -> Array:
     """Return pixels (N, 2) of points (N, 3), each with its robot pose, (N, 3)."""
     c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
     x, y = (p_W[:, :2] - poses[:, :2]).T
@@ -141,5 +139,5 @@ def _seen(p_W: Array, poses: Array, X_RC: Array, lens: Intrinsics) -> Array:
     p_C = (p_R - X_RC[:3, 3]) @ X_RC[:3, :3]
     depth = p_C[:, 2]
     rays = p_C[:, :2] / np.where(depth > 0.01, depth, np.nan)[:, None]
-    # No lens folds within the image, so that the search of `project` for folds is not needed.
+    # No lens folds within the image, so the search for folds in `pinhole.project` is not needed.
     return pixels(lens, distorted(lens.distortion, rays))

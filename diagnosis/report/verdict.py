@@ -37,14 +37,14 @@ def headline(diagnosis: Diagnosis) -> str:
     if structure is None:
         if not names:
             return "The nominal simulation explains these data, within the tolerances of its parameters."
-        return f"The real robot differs from the nominal one by {_listed(names)}."
+        return f"The real robot differs from the nominal one by {listed(names)}."
     where = f"{structure.channel} depends on {along(structure.covariate)}, and no known effect explains this"
     if not names:
         return f"The simulation is wrong in a way that has no name here: {where}."
-    return f"The real robot differs from the nominal one by {_listed(names)}; in addition, {where}."
+    return f"The real robot differs from the nominal one by {listed(names)}; in addition, {where}."
 
 
-def _listed(names: Sequence[str]) -> str:
+def listed(names: Sequence[str]) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
@@ -63,7 +63,7 @@ def certainty(named: NamedEffect) -> str:
     comparison = named.comparison
     sure = confidence(comparison.confidence)
     if comparison.ambiguous_with:
-        return f"{sure}; these data cannot distinguish it from {_listed(comparison.ambiguous_with)}"
+        return f"{sure}; these data cannot distinguish it from {listed(comparison.ambiguous_with)}"
     if comparison.rivals:
         return f"{sure}; the closest alternative, {comparison.rivals[0].effect.name}, explains the data worse"
     if comparison.confidence < _MIN_SURE:

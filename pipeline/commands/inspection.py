@@ -17,28 +17,47 @@ from pipeline.commands.options import (
     names,
     new_file_check,
 )
+from symolo.core.errors import one_line
 from symolo.core.text_enum import TextEnum
 
 
-def verify(folder: Dataset) -> int:
-    """Check a dataset: structure, columns, units and ranges, rates, images, positions, checksums.
+def verify(
+    folder: Dataset,
+    *,
+    key: Annotated[
+        str | None,
+        typer.Option(
+            metavar="KEY",
+            help="Public key of minisign, a file or its 56 characters: whoever owns it must have signed the dataset.",
+        ),
+    ] = None,
+) -> int:
+    """Check a dataset: structure, columns, units and ranges, rates, images, positions, checksums, signature.
 
     The command prints one line for each fault and ends with exit code 4 if there is any.
 
     Example: symolo verify data
+
+    Example: symolo verify data --key symolo.pub
     """
     from configs.assets.quiet import unsaid
     from pipeline.run_folder.stored_runs import spec_problem
     from symolo.core.progress import plural
+    from symolo.signing.key_files import read_public_key
+    from symolo.verification.signature import trusted_comment
     from symolo.verification.verify import verify as findings_of
 
-    count = 0
+    public, count = read_public_key(key) if key is not None else None, 0
     with unsaid():
-        for finding in findings_of(folder, spec_problem):
+        for finding in findings_of(folder, spec_problem, public):
             typer.echo(str(finding))
             count += 1
-    typer.echo(f"{folder}: {plural(count, 'fault') if count else 'no fault'}", err=bool(count))
-    return FAULTS if count else 0
+    if count:
+        typer.echo(f"{folder}: {plural(count, 'fault')}", err=True)
+        return FAULTS
+    signed = f", signed by the key {public.name} ({trusted_comment(folder)})" if public is not None else ""
+    typer.echo(f"{folder}: no fault{one_line(signed)}")
+    return 0
 
 
 def compare(

@@ -24,7 +24,7 @@ from symolo.dataset.bag import BAG_INFO, bag_info
 from symolo.dataset.documents.camera_model import camera_files
 from symolo.dataset.documents.metadata import METADATA, FailedRun, Metadata, RunRecord, describe, read_metadata
 from symolo.dataset.layout import DATA, DESCRIPTION, DONE, IMAGES, POSITIONS, SIDE, SPEC, STAGES
-from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, tag_manifest
+from symolo.dataset.manifest import MANIFEST, SEALS, TAG_MANIFEST, manifest, tag_manifest
 from symolo.dataset.tables.obstacles import obstacle_table, obstacles_csv
 from symolo.dataset.tables.rows import Rows
 from symolo.dataset.tables.sensor_tables import sensor_csv
@@ -77,7 +77,7 @@ def assemble(
             cpus |= {outcome.cpu, *image_cpus}
             stage.update(spec.key, 1)
     if not good:
-        _remove_files(workspace.out, (*CHECKSUMS, BAG_INFO, METADATA, DESCRIPTION))
+        _remove_files(workspace.out, (*SEALS, *CHECKSUMS, BAG_INFO, METADATA, DESCRIPTION))
         return
     metadata = describe(tree, specs, records, failures, sensor_tables(specs[0].robot.sensors))
     _describe(workspace, metadata, markdown(metadata, good[0]), hashes, cpus)
@@ -98,7 +98,10 @@ def _describe(workspace: Workspace, metadata: Metadata, page: bytes, hashes: dic
     sizes = {name: (out / name).stat().st_size for name in hashes}
     info = bag_info(metadata.name, metadata.description, sizes, cpus)
     hashes[BAG_INFO] = hashlib.sha256(info).hexdigest()
-    for name, data in ((BAG_INFO, info), (MANIFEST, manifest(hashes)), (TAG_MANIFEST, tag_manifest(hashes))):
+    tags = tag_manifest(hashes)
+    if not _holds(out / TAG_MANIFEST, tags):  # a signature of the lists before would be taken for a forgery
+        _remove_files(out, SEALS)
+    for name, data in ((BAG_INFO, info), (MANIFEST, manifest(hashes)), (TAG_MANIFEST, tags)):
         _write_if_new(out / name, data)
 
 
@@ -214,5 +217,9 @@ def _remove_files(folder: Path, names: Sequence[str]) -> None:
 
 
 def _write_if_new(path: Path, data: bytes) -> None:
-    if not path.is_file() or path.read_bytes() != data:
+    if not _holds(path, data):
         write_file(path, data)
+
+
+def _holds(path: Path, data: bytes) -> bool:
+    return path.is_file() and path.read_bytes() == data

@@ -26,13 +26,14 @@ from symolo.core.progress import Report
 from symolo.dataset.bag import BAG_INFO
 from symolo.dataset.documents.metadata import METADATA, Metadata, made_with
 from symolo.dataset.layout import DESCRIPTION, SIDE, SPEC
+from symolo.dataset.manifest import SEALS
 from symolo.storage.base import LocalFile, Store
 from symolo.storage.comparison import compare_listed, digest_of, released_files
 from symolo.storage.side_by_side import side_by_side
 from symolo.storage.upload import another_release, check_apart, refuse_extra, send
 from symolo.verification.inventory import LISTS
 
-AT_THE_TOP = frozenset({*LISTS, BAG_INFO, METADATA, DESCRIPTION})
+AT_THE_TOP = frozenset({*LISTS, *SEALS, BAG_INFO, METADATA, DESCRIPTION})
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from symolo.core.errors import InputError, one_line
 from symolo.core.text_enum import TextEnum
 from symolo.dataset.bag import BAG_INFO, DECLARATION
 from symolo.dataset.layout import DESCRIPTION, STAGES
-from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST
+from symolo.dataset.manifest import MANIFEST, SEALS, TAG_MANIFEST
 
 KINDS: dict[str, Callable[[bytes, bytes, str], Likeness]] = {
     **dict.fromkeys(pictures.SUFFIXES, pictures.likeness),
@@ -19,7 +19,7 @@ KINDS: dict[str, Callable[[bytes, bytes, str], Likeness]] = {
 }
 """By suffix; files of other kinds are the same bytes or different."""
 
-FOLLOWS = frozenset({DESCRIPTION, MANIFEST, TAG_MANIFEST, BAG_INFO, DECLARATION})
+FOLLOWS = frozenset({DESCRIPTION, MANIFEST, TAG_MANIFEST, BAG_INFO, DECLARATION, *SEALS})
 """Files at the top that are written from the others, or tell how they were made."""
 
 _CHUNK_BYTES = 1 << 20
@@ -73,7 +73,9 @@ def compare(a: Path, b: Path, tolerance_db: float) -> Iterator[FileResult]:
         return
     names_a, names_b = _names(a), _names(b)
     for name in sorted(names_a | names_b):
-        if name not in names_b:
+        if name in SEALS and not (name in names_a and name in names_b):
+            yield FileResult(name, Verdict.FOLLOWS)
+        elif name not in names_b:
             yield FileResult(name, Verdict.ONLY_A)
         elif name not in names_a:
             yield FileResult(name, Verdict.ONLY_B)

@@ -15,6 +15,7 @@ EXTRA_OF = {
     "pyarrow": "export",
     "rosbags": "export",
     "obstore": "cloud",
+    "cryptography": "sign",
     "ray": "cluster",
 }
 """Extra of symolo by the name under which a package is imported."""

@@ -11,6 +11,11 @@ from symolo.dataset.layout import STAGES
 MANIFEST = "manifest-sha256.txt"
 TAG_MANIFEST = "tagmanifest-sha256.txt"
 """SHA-256 of the manifest and of bag-info.txt, so that an edited manifest is found."""
+SIGNATURE = f"{TAG_MANIFEST}.minisig"
+PROVENANCE = "provenance.intoto.json"
+PROVENANCE_SIGNATURE = f"{PROVENANCE}.minisig"
+SEALS = (SIGNATURE, PROVENANCE, PROVENANCE_SIGNATURE)
+"""Files that `symolo sign` adds. No list names them, for they are made from the lists."""
 
 
 def manifest(hashes: Mapping[str, str]) -> bytes:
@@ -39,5 +44,5 @@ def read_manifest(data: bytes) -> dict[str, str]:
 
 
 def released_hashes(out: Path) -> dict[str, str]:
-    """SHA-256 of every file of a dataset but the manifests and the hidden stages."""
-    return hashes_of(out, skip=(STAGES, MANIFEST, TAG_MANIFEST))
+    """SHA-256 of every file of a dataset but the manifests, the signatures and the hidden stages."""
+    return hashes_of(out, skip=(STAGES, MANIFEST, TAG_MANIFEST, *SEALS))

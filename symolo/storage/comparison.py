@@ -7,6 +7,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from symolo.core.progress import Report
+from symolo.dataset.manifest import SEALS
 from symolo.storage.base import LocalFile, Store
 from symolo.storage.side_by_side import side_by_side
 from symolo.verification.findings import Finding
@@ -94,7 +95,7 @@ def compare_listed(
         digests[name] = digest
         tell(done)
     other |= {file.name: _difference(digests[file.name]) for file in alike if digests[file.name] != file.digest}
-    extra = tuple(sorted(sizes.keys() - {file.name for file in files}))
+    extra = tuple(sorted(sizes.keys() - {file.name for file in files} - {*SEALS}))
     same = tuple(file for file in alike if file.name not in other)
     return Comparison(missing, other, same, extra, tuple(files))
 

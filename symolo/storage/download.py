@@ -21,13 +21,15 @@ from symolo.core.files.new_folder import check_new
 from symolo.core.files.paths import BELOW_CHARS
 from symolo.core.progress import Report
 from symolo.dataset.layout import STAGES
-from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, tag_manifest
+from symolo.dataset.manifest import MANIFEST, SEALS, TAG_MANIFEST, manifest, read_manifest, tag_manifest
 from symolo.storage.base import Store
 from symolo.storage.side_by_side import side_by_side
 from symolo.verification.inventory import LISTS
 
 MAX_BYTES = 1 << 28
 """Of a list of checksums, which is some hundred bytes for each file."""
+MAX_SEAL_BYTES = 1 << 24
+"""Largest size [byte] of a signature, or of a statement of provenance, which holds a scenario."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,8 @@ class Remote:
     digests: Mapping[str, str]
     """SHA-256 by path, of all files but the lists."""
     size_bytes: int
+    seals: Mapping[str, bytes]
+    """Content by path of the signatures and the statement of provenance, where there are any."""
 
     @classmethod
     def of(cls, store: Store) -> "Remote":
@@ -61,7 +65,11 @@ class Remote:
             first, *others = missing
             what = f"{first} is missing" + (f", and {len(others)} more" if others else "")
             raise InputError(what, where=store.url, cure="upload the release again: only what is missing is sent")
-        return cls(store, digests, sum(sizes[name] for name in (*digests, *LISTS)))
+        signed = [name for name in SEALS if name in sizes]
+        if large := [name for name in signed if sizes[name] > MAX_SEAL_BYTES]:
+            raise InputError(f"{large[0]} is too large", where=store.url, allowed=f"{MAX_SEAL_BYTES} bytes")
+        seals = {name: store.get(name) or b"" for name in signed}
+        return cls(store, digests, sum(sizes[name] for name in (*digests, *LISTS, *signed)), seals)
 
 
 def _read(listed: bytes, tags: bytes, url: str) -> dict[str, str]:
@@ -76,7 +84,7 @@ def _read(listed: bytes, tags: bytes, url: str) -> dict[str, str]:
         path = PurePosixPath(name)
         strange = path.is_absolute() or ".." in path.parts or str(path) != name or not name.isprintable()
         strange = strange or name == "." or len(name.encode()) > BELOW_CHARS
-        if strange or path in folders or path.parts[0] == STAGES or name in LISTS:
+        if strange or path in folders or path.parts[0] == STAGES or name in {*LISTS, *SEALS}:
             raise InputError(f"{MANIFEST} names what is no file of a release", where=url, got=name)
     return digests
 
@@ -111,7 +119,7 @@ def download(remote: Remote, out: Path, report: Report) -> int:
 def _fill(partial: Path, remote: Remote, out: Path, report: Report) -> int:
     remove_leftovers(partial, below=True)
     expected = {**remote.digests, **_lists(remote)}
-    if _holds_others(partial, expected):
+    if _holds_others(partial, {**expected, **dict.fromkeys(remote.seals, "")}):
         for path in partial.iterdir():
             (remove_folder if path.is_dir() and not path.is_symlink() else remove_file)(path)
     there = hashes_of(partial)
@@ -123,6 +131,8 @@ def _fill(partial: Path, remote: Remote, out: Path, report: Report) -> int:
     with report.stage("download", len(wanted), "files") as stage:
         for number, _ in enumerate(side_by_side(fetch, wanted), start=1):
             stage.update("all", number)
+    for name, data in remote.seals.items():
+        write_file(partial / name, data)
     return len(wanted)
 
 

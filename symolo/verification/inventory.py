@@ -16,7 +16,7 @@ from symolo.core.files.file_hashes import sha256_of
 from symolo.dataset.bag import BAG_INFO
 from symolo.dataset.folder_kind import Done
 from symolo.dataset.layout import DONE, STAGES
-from symolo.dataset.manifest import MANIFEST, TAG_MANIFEST, manifest, read_manifest, tag_manifest
+from symolo.dataset.manifest import MANIFEST, SEALS, TAG_MANIFEST, manifest, read_manifest, tag_manifest
 from symolo.verification.findings import Finding
 
 LISTS = (MANIFEST, TAG_MANIFEST)
@@ -91,7 +91,7 @@ class Inventory:
     @classmethod
     def of(cls, root: Path) -> "Inventory":
         files = Files.of(root)
-        content = {name: digest for name, digest in files.digests.items() if name not in LISTS}
+        content = {name: digest for name, digest in files.digests.items() if name not in {*LISTS, *SEALS}}
         lists = {name: _read(root / name) if name in files.digests else None for name in LISTS}
         if MANIFEST in _parsed(lists[MANIFEST], None)[0] and MANIFEST not in _parsed(lists[TAG_MANIFEST], None)[0]:
             # Only the tag manifest names the manifest: the two were swapped, and neither has the bytes that it should.
@@ -126,7 +126,7 @@ class Inventory:
     def extra(self) -> frozenset[str]:
         """Files that no list names."""
         there = {*self.files.digests, *self.files.strange}
-        return frozenset(there - {*self.expected, *LISTS}) if self.expected else frozenset()
+        return frozenset(there - {*self.expected, *LISTS, *SEALS}) if self.expected else frozenset()
 
     @cached_property
     def meant(self) -> Mapping[str, tuple[str, ...]]:

@@ -11,41 +11,47 @@ from symolo.dataset.documents.metadata import METADATA, Metadata
 from symolo.dataset.layout import DESCRIPTION
 from symolo.dataset.tables.side_reading import first_fault
 from symolo.publishing.bagging import PAYLOAD
+from symolo.signing.minisign import PublicKey
 from symolo.verification.bag import bag_findings
 from symolo.verification.findings import Finding
 from symolo.verification.inventory import Inventory
 from symolo.verification.run_checks import SpecCheck, check_run
+from symolo.verification.signature import signature_findings
 
 
-def _accepted(_spec: str) -> str:
+def accepted(_spec: str) -> str:
+    """Return that nothing is wrong with a spec.json, whatever it holds."""
     return ""
 
 
-def verify(root: Path, check_spec: SpecCheck = _accepted) -> Iterator[Finding]:
+def verify(root: Path, check_spec: SpecCheck = accepted, key: PublicKey | None = None) -> Iterator[Finding]:
     """Yield each fault with the file that has it; nothing means that the dataset is whole.
 
     Args:
         root: A dataset, or a bag that holds one.
         check_spec: Returns what is wrong with the text of a run's spec.json, and an empty text where nothing is.
             Without it, only the fields that a reader needs are checked.
+        key: Who must have signed it; None asks for no signature.
 
     Raises:
         InputError: There is no such folder.
+        EnvironmentLacking: A signature is to be checked, and the extra `sign` is not installed.
     """
     if not root.is_dir():
         raise InputError("no such folder", where=str(root), cure="name the folder that holds metadata.json")
     if (root / DECLARATION).is_file():
-        within = [
-            Finding(f"{PAYLOAD}/{found.file}", found.what) for found in _dataset_findings(root / PAYLOAD, check_spec)
-        ]
+        found_within = _dataset_findings(root / PAYLOAD, check_spec, key)
+        within = [Finding(f"{PAYLOAD}/{found.file}", found.what) for found in found_within]
         yield from within
         told = {found.file for found in within}
         yield from (found for found in bag_findings(root) if found.file not in told)
     else:
-        yield from _dataset_findings(root, check_spec)
+        yield from _dataset_findings(root, check_spec, key)
 
 
-def _dataset_findings(root: Path, check_spec: SpecCheck) -> Iterator[Finding]:
+def _dataset_findings(root: Path, check_spec: SpecCheck, key: PublicKey | None) -> Iterator[Finding]:
+    if key is not None:
+        yield from signature_findings(root, key)
     inventory = Inventory.of(root)
     faults = list(inventory.findings())
     yield from faults

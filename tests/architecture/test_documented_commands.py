@@ -126,6 +126,7 @@ def desk(tmp_path, release, monkeypatch):
     shutil.copy(release / "CW/test_1/data.csv", tmp_path / "elsewhere/data.csv")
     about = (ROOT / "docs/publishing.md").read_text().partition("```yaml\n")[2].partition("```")[0]
     (tmp_path / "about.yaml").write_text(about)
+    monkeypatch.setenv("SYMOLO_PASSPHRASE", "correct horse")
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

@@ -1,21 +1,21 @@
 """Where the edges of the line are in the images, to fractions of a pixel.
 
-Each is looked for along the normal of where it should be, as in model-based tracking (Harris and Stennett, RAPID, BMVC
+Each is searched along the normal at its expected place, as in model-based tracking (Harris and Stennett, RAPID, BMVC
 1990): the steepest rise from dark to bright outwards, its place by a parabola through the gradient's peak. Grey values
 are made linear in light first, else blur would move edges to the dark side.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 
-from diagnosis.camera.case import ImagePixels, Mask
-from diagnosis.camera.features.line_points import ExpectedEdges
+from diagnosis.camera.features.line_points import LineEdges
+from diagnosis.measured.channel import Mask
 from symolo.core.arrays import Array
 
 STEP_PX = 0.25
+"""Distance between the samples of a profile."""
 SMOOTH_PX = 0.8
 """Standard deviation of the derivative's Gaussian."""
 MIN_CONTRAST = 0.3
@@ -23,10 +23,7 @@ MIN_CONTRAST = 0.3
 BESIDE_PX, MIN_MICHELSON = 2.5, 0.15
 """Distance from the edge and least Michelson contrast of floor and line there; less is noise."""
 CLEAREST = 0.5
-"""Share of the steepest rise from which a rise competes; the competing rise that is nearest is taken."""
-
-Linear = Callable[[ImagePixels], Array]
-"""Function from 8-bit values (H, W, 3) to light (H, W)."""
+"""Share of the steepest rise from which a rise is clear."""
 
 
 @dataclass(frozen=True)
@@ -34,53 +31,44 @@ class EdgeProfiles:
     """Light along normals."""
 
     along_px: Array
-    """(K,), distance outwards from where the edge should be."""
+    """(K,), distance outwards from the expected edge."""
     light: Array
     """(N, K)."""
 
 
-def profiles(sighting: ExpectedEdges, images: list[Array], reach_px: float) -> EdgeProfiles:
+def profiles(edges: LineEdges, images: list[Array], reach_px: float) -> EdgeProfiles:
     """Return the profile of each point in the image (H, W) of its frame, up to `reach_px` to either side."""
     count = int(np.ceil(reach_px / STEP_PX))
     along = STEP_PX * np.arange(-count, count + 1)
-    light = np.zeros((len(sighting.points), len(along)))
-    for frame in np.unique(sighting.points.frame).tolist():
-        here = sighting.points.frame == frame
-        at = sighting.pixels[here][:, None, :] + along[None, :, None] * sighting.outwards[here][:, None, :]
-        at = at.astype(np.float32)
-        seen = cv2.remap(
-            images[frame].astype(np.float32),
-            at[..., 0],
-            at[..., 1],
-            cv2.INTER_LINEAR,
-            borderMode=cv2.BORDER_REPLICATE,
-        )
-        light[here] = seen
+    light = np.zeros((len(edges), len(along)))
+    for frame in np.unique(edges.frame).tolist():
+        here = edges.frame == frame
+        at = edges.pixels[here][:, None, :] + along[None, :, None] * edges.outwards[here][:, None, :]
+        columns, rows = at.astype(np.float32)[..., 0], at.astype(np.float32)[..., 1]
+        image = images[frame].astype(np.float32)
+        light[here] = cv2.remap(image, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return EdgeProfiles(along, light)
 
 
-def edges(sighting: ExpectedEdges, images: list[Array], reach_px: float, *, dark: bool = True) -> tuple[Array, Mask]:
-    """Return how far outwards each edge is from its expected place, (N,) [px], and which were detected, (N,).
+def measured_edges(expected: LineEdges, images: list[Array], reach_px: float, *, dark: bool) -> tuple[LineEdges, Mask]:
+    """Return the edges at the pixels where they were measured, and which of them were detected, (N,).
 
     Args:
-        sighting: Where they should be.
-        images: (H, W) light of each frame.
-        reach_px: How far to look.
+        expected: The edges at the pixels where they are expected.
+        images: (H, W), light of each image.
+        reach_px: Largest distance from the expected place.
         dark: Whether the line is darker than the floor.
     """
-    found = profiles(sighting, images, reach_px + 3.0)
-    light = found.light if dark else -found.light
-    rise = _derivative(light)
-    along = found.along_px
-    looked_at = np.abs(along) <= reach_px
-    rise = np.where(looked_at[None, :], rise, -np.inf)
-    top = rise.max(axis=1)
+    profile = profiles(expected, images, reach_px + 3.0)
+    light, along = profile.light if dark else -profile.light, profile.along_px
+    within_reach = np.abs(along) <= reach_px
+    rise = np.where(within_reach[None, :], _derivative(light), -np.inf)
+    # Of the clear rises the nearest is taken, not the steepest, which may be the edge of something else.
     peaks = (rise >= np.roll(rise, 1, axis=1)) & (rise >= np.roll(rise, -1, axis=1))
-    clear = peaks & (rise >= CLEAREST * top[:, None]) & looked_at[None, :]
-    distance = np.where(clear, np.abs(along)[None, :], np.inf)
-    k = np.argmin(distance, axis=1)
-    rows = np.arange(len(light))
+    clear = peaks & (rise >= CLEAREST * rise.max(axis=1)[:, None]) & within_reach[None, :]
+    k = np.argmin(np.where(clear, np.abs(along)[None, :], np.inf), axis=1)
     k = np.clip(k, 1, len(along) - 2)
+    rows = np.arange(len(light))
     before, at, after = (rise[rows, k + d] for d in (-1, 0, 1))
     with np.errstate(invalid="ignore", divide="ignore"):
         shift = 0.5 * (before - after) / (before - 2 * at + after)
@@ -89,7 +77,8 @@ def edges(sighting: ExpectedEdges, images: list[Array], reach_px: float, *, dark
     inner, outer = light[rows, np.maximum(k - beside, 0)], light[rows, np.minimum(k + beside, len(along) - 1)]
     good = np.isfinite(shift) & (np.abs(shift) <= 1) & (contrast > MIN_CONTRAST)
     good &= np.abs(outer - inner) > MIN_MICHELSON * (np.abs(outer) + np.abs(inner))
-    return along[k] + STEP_PX * np.where(good, shift, 0.0), good
+    distance_px = along[k] + STEP_PX * np.where(good, shift, 0.0)
+    return replace(expected, pixels=expected.pixels + distance_px[:, None] * expected.outwards), good
 
 
 def _derivative(light: Array) -> Array:

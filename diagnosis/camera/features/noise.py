@@ -1,8 +1,8 @@
-"""How much pixels of an even patch differ, against its level: shot noise rises with the light, read noise does not.
+"""How much the pixels of an even patch scatter, by its level: shot noise rises with the light, read noise does not.
 
-What texture adds is taken from the simulated images, whose noise is known: their variance in the sensor's light is
-that of the texture, which goes with the square of the light, and of the camera. A real floor's texture is not the
-simulated one's, so that its strength is fitted along.
+A part of the scatter is texture. It is taken from the simulated images, whose noise is known: their variance, in the
+light of the sensor, is that of the texture, in proportion to the square of the light, and that of the camera. The
+texture of a real floor differs from the simulated one, so its strength is fitted along.
 """
 
 from dataclasses import dataclass
@@ -11,94 +11,94 @@ from functools import cached_property
 import numpy as np
 from scipy.optimize import nnls
 
-from diagnosis.camera.case import Ints, Mask
+from diagnosis.camera.case import Ints
 from diagnosis.camera.features.patches import FloorPatches
 from diagnosis.camera.features.response import ToneResponse
-from diagnosis.camera.parameter import CameraNumber
+from diagnosis.camera.model import CameraModel, CameraParameter
+from diagnosis.measured.channel import Mask
 from sensors.camera.response import CameraResponse
 from symolo.core.arrays import Array
 
-NOISE = (
-    CameraNumber(
-        "shot_noise_scale", "1", 0.15, "noise that grows with the root of the light is stronger", "a smaller sensor"
-    ),
-    CameraNumber("read_noise_scale", "1", 0.4, "noise in the dark is stronger", "another sensor, or a warm one"),
-    CameraNumber("texture_scale", "1", 0.5, "the floor has a stronger grain", "another floor", can_be_named=False),
-)
-
 MIN_TEXTURE = 0.2
-"""Of the nominal noise: there is no floor without any."""
+"""Smallest variance of the texture, as a share of the variance of the nominal noise: no floor is quite even."""
+MIN_CAMERA = 0.05
+"""Smallest variance of the camera's noise in the simulated images, as a share of the nominal one."""
 CUT_OFF = 3.0
 """Standard deviations that a level must be above black."""
 
 
 @dataclass(frozen=True)
-class NoiseModel:
-    """Variances; a sample is the logarithm of that of green in one patch, in the sensor's light."""
+class NoiseModel(CameraModel):
+    """Variances; a sample is the logarithm of the variance of green in one patch, in the light of the sensor."""
+
+    name = "noise"
+    unit = "of the log variance"
+    min_sd = 0.1
+    max_independent = 8.0
+    parameters = (
+        CameraParameter(
+            "shot_noise_scale",
+            "1",
+            0.15,
+            "the noise that grows with the root of the light is stronger",
+            "a smaller sensor",
+        ),
+        CameraParameter(
+            "read_noise_scale", "1", 0.4, "the noise in the dark is stronger", "another or a warmer sensor"
+        ),
+        CameraParameter(
+            "texture_scale", "1", 0.5, "the floor has a stronger grain", "another floor", can_be_named=False
+        ),
+    )
 
     patches: FloorPatches
     nominal: CameraResponse
-    heldout_frames: Mask
-    numbers: tuple[CameraNumber, ...] = NOISE
-    min_sd: float = 0.1
-    max_independent: float = 8.0
 
     @property
     def frame(self) -> Ints:
         return self.patches.frame
 
-    @cached_property
-    def heldout(self) -> Mask:
-        return self.heldout_frames[self.frame]
+    def residuals(self, x: Array) -> Array:
+        (level, variance), _ = self._light
+        shot, read, grain = (float(np.exp(v * p.tolerance)) for v, p in zip(x.tolist(), self.parameters, strict=True))
+        texture, camera = self._shares
+        residuals = np.log(variance) - np.log(grain * texture * level**2 + camera * self._noise(level, shot, read))
+        return np.where(self._is_cut_off, np.nan, residuals)
 
-    @property
-    def fit(self) -> Mask:
-        return ~self.heldout
+    def frame_slopes(self, x: Array) -> Array:
+        return np.zeros((len(self.frame), 0 * len(x)))
 
     @cached_property
-    def _seen(self) -> tuple[Array, Array, Array, Array]:
-        """Level and variance (N,) in the sensor's green, measured and simulated."""
-        response = ToneResponse.of(self.nominal)
-        found: list[Array] = []
-        for values, rough in zip(
-            (self.patches.measured, self.patches.simulated), self.patches.roughness.T, strict=True
-        ):
-            level = response.raw(values)[:, 1]
+    def _light(self) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+        """Return level and variance (N,) in the sensor's green, of the measured and of the simulated patches."""
+        response, patches = ToneResponse.of(self.nominal), self.patches
+        pairs: list[tuple[Array, Array]] = []
+        for values, roughness in zip((patches.measured, patches.simulated), patches.roughness.T, strict=True):
             up, down = values.copy(), values.copy()
             up[:, 1] += 0.005
             down[:, 1] -= 0.005
             slope = (response.raw(up)[:, 1] - response.raw(down)[:, 1]) / 0.01
-            found += [level, np.maximum(rough, 1e-8) * slope**2]
-        return found[0], found[1], found[2], found[3]
+            pairs.append((response.raw(values)[:, 1], np.maximum(roughness, 1e-8) * slope**2))
+        return pairs[0], pairs[1]
 
     @cached_property
     def _shares(self) -> tuple[float, float]:
-        """Of the texture, on the squared level, and of the camera's noise, on its nominal variance."""
-        _, _, level, variance = self._seen
+        """Return the factors of the squared level, for texture, and of the nominal noise, in the simulated patches."""
+        _, (level, variance) = self._light
         columns = np.column_stack([level**2, self._noise(level, 1.0, 1.0)])
         weight = 1.0 / np.maximum(variance, np.median(variance))
         texture, camera = nnls(columns * weight[:, None], variance * weight)[0].tolist()
-        camera = max(float(camera), 0.05)
+        camera = max(float(camera), MIN_CAMERA)
         usual = float(np.median(level))
-        return max(
-            float(texture), MIN_TEXTURE * camera * float(self._noise(np.array([usual]), 1.0, 1.0)[0]) / usual**2
-        ), camera
+        usual_noise = float(self._noise(np.array([usual]), 1.0, 1.0)[0])
+        return max(float(texture), MIN_TEXTURE * camera * usual_noise / usual**2), camera
 
     @cached_property
     def _is_cut_off(self) -> Mask:
-        """(N,), where noise would reach below black, which hides part of it."""
-        level, variance, its_level, its_variance = self._seen
-        return (level < CUT_OFF * np.sqrt(variance)) | (its_level < CUT_OFF * np.sqrt(its_variance))
+        """Return the patches (N,) whose noise would reach below black, where values are cut off and scatter less."""
+        is_dark = [level < CUT_OFF * np.sqrt(variance) for level, variance in self._light]
+        return is_dark[0] | is_dark[1]
 
     def _noise(self, level: Array, shot: float, read: float) -> Array:
+        """Return the variance of the nominal camera with factors on its shot noise and its read noise."""
         return (shot * self.nominal.shot_noise) ** 2 * level + (read * max(self.nominal.read_noise, 1e-3)) ** 2
-
-    def residuals(self, x: Array) -> Array:
-        level, variance, _, _ = self._seen
-        shot, read, grain = (float(np.exp(v * n.tolerance)) for v, n in zip(x.tolist(), self.numbers, strict=True))
-        texture, camera = self._shares
-        left = np.log(variance) - np.log(grain * texture * level**2 + camera * self._noise(level, shot, read))
-        return np.where(self._is_cut_off, np.nan, left)
-
-    def frame_slopes(self, x: Array) -> Array:
-        return np.zeros((len(self.frame), 0 * len(x)))

@@ -1,9 +1,9 @@
-"""How sharp the line's edges are, against the simulated images of the same places.
+"""How sharp the line's edges are, compared with the simulated images of the same places.
 
 An edge that a lens and a moving camera blur is a normal distribution function in light: the variances of the lens'
-point spread, of the pixel, and of the way across the edge during the exposure add up. The tone curve and an unsharp
-mask follow. What the pixel and the renderer's filter do is fitted to the simulated images first, so that only
-differences count. The line is a bar with two edges, of which a narrow one shows both.
+point spread, of the pixel, and of the motion across the edge during the exposure add up. The tone curve and an unsharp
+mask follow. The blur of the pixel and of the renderer's filter is fitted to the simulated images first, so that only
+differences count. The line is a bar with two edges, and the profile of a narrow line contains both.
 """
 
 from dataclasses import dataclass, replace
@@ -12,40 +12,47 @@ from functools import cached_property
 import numpy as np
 from scipy.special import ndtr
 
-from diagnosis.camera.case import Ints, Mask
+from diagnosis.camera.case import Ints
 from diagnosis.camera.features.edge_points import STEP_PX, EdgeProfiles
-from diagnosis.camera.parameter import CameraNumber
+from diagnosis.camera.model import CameraModel, CameraParameter
+from diagnosis.measured.channel import Mask
 from sensors.camera.response import CameraResponse, tone
 from symolo.core.arrays import Array
 
-SHARPNESS = (
-    CameraNumber(
-        "lens_blur", "px", 0.08, "the lens spreads a point more; standard deviation, the whole", "a lens out of focus"
-    ),
-    CameraNumber(
-        "exposure_time", "s", 2.5e-5, "the shutter is open longer; the whole time", "less light, another setting"
-    ),
-    CameraNumber("sharpening", "1", 0.06, "an unsharp mask adds more", "another picture style"),
-)
-"""The tolerances of blur and time are of their squares."""
 REACH_PX = 5.0
+"""Length of a profile to either side of the edge."""
 MIN_PX2 = 0.02
 """Smallest variance of an edge: none is sharper than its pixels."""
 OUTER = 12.0
-"""Pixels to each side over which the unsharp mask is computed."""
+"""Distance [px] to either side over which the unsharp mask is computed."""
 MIN_WIDTH_PX = 5.0
-OWN_SHIFT_PX = 0.2
+"""Smallest width of a line whose edges can be told apart when they are blurred."""
+SHIFT_SD_PX = 0.2
 """Standard deviation of the measured place of the edges of an image."""
 
 
 @dataclass(frozen=True)
-class SharpnessModel:
-    """Profiles across edges; a sample is one value of one profile, level and height of the edge taken out."""
+class SharpnessModel(CameraModel):
+    """Profiles across edges; a sample is one value of one profile, relative to the level and height of its edge."""
+
+    name = "sharpness"
+    unit = "of the edge's height"
+    min_sd = 0.03
+    parameters = (
+        CameraParameter(
+            "lens_blur", "px", 0.08, "the lens spreads a point by this standard deviation in all", "a lens out of focus"
+        ),
+        CameraParameter(
+            "exposure_time", "s", 2.5e-5, "the shutter is open for this time in all", "less light, another setting"
+        ),
+        CameraParameter("sharpening", "1", 0.06, "an unsharp mask adds more", "another picture style"),
+    )
+    """The tolerances of blur and time are of their squares."""
 
     frame_of_edge: Ints
-    heldout_frames: Mask
+    """(N,), index of the image."""
     profiles: EdgeProfiles
-    """Values from 0 to 1, grey, around the edge."""
+    """Grey values from 0 to 1 around the edges."""
     width_px: Array
     """(N,), width of the line."""
     speed_px_s: Array
@@ -56,9 +63,6 @@ class SharpnessModel:
     exposure_s: float
     base_px2: float = 0.25
     """Variance of pixel and filter, and of the nominal lens."""
-    numbers: tuple[CameraNumber, ...] = SHARPNESS
-    min_sd: float = 0.03
-    max_independent: float = float("inf")
 
     @cached_property
     def _inside(self) -> Mask:
@@ -70,32 +74,24 @@ class SharpnessModel:
     def frame(self) -> Ints:
         return np.repeat(self.frame_of_edge, len(self.profiles.along_px))
 
-    @cached_property
-    def heldout(self) -> Mask:
-        return self.heldout_frames[self.frame]
-
-    @property
-    def fit(self) -> Mask:
-        return ~self.heldout
-
     def residuals(self, x: Array) -> Array:
         expected = self._expected(x)
-        w, seen = self._inside.astype(np.float64), self.profiles.light
+        w, measured = self._inside.astype(np.float64), self.profiles.light
         count = w.sum(axis=1)
-        mean_t, mean_s = (w * expected).sum(axis=1) / count, (w * seen).sum(axis=1) / count
-        t, s = expected - mean_t[:, None], seen - mean_s[:, None]
-        height = (w * t * s).sum(axis=1) / np.maximum((w * t * t).sum(axis=1), 1e-12)
+        mean_t, mean_m = (w * expected).sum(axis=1) / count, (w * measured).sum(axis=1) / count
+        t, m = expected - mean_t[:, None], measured - mean_m[:, None]
+        height = (w * t * m).sum(axis=1) / np.maximum((w * t * t).sum(axis=1), 1e-12)
         # Relative to the edge's height, so that bright and dark images count alike.
-        left = (s - height[:, None] * t) / np.maximum(np.abs(height[:, None]), 1e-3)
-        return np.where(self._inside, left, np.nan).ravel()
+        residuals = (m - height[:, None] * t) / np.maximum(np.abs(height[:, None]), 1e-3)
+        return np.where(self._inside, residuals, np.nan).ravel()
 
     def frame_slopes(self, x: Array) -> Array:
         """Return the change by a shift of all edges of an image, because blur moves the measured place of an edge."""
         slope = np.gradient(self._expected(x), self.profiles.along_px, axis=1)
-        return (OWN_SHIFT_PX * slope).reshape(-1, 1)
+        return (SHIFT_SD_PX * slope).reshape(-1, 1)
 
     def _expected(self, x: Array) -> Array:
-        blur, exposure, sharpening = (x * [n.tolerance for n in self.numbers]).tolist()
+        blur, exposure, sharpening = (x * [p.tolerance for p in self.parameters]).tolist()
         variance = self.base_px2 + blur + (self.exposure_s**2 + exposure) * self.speed_px_s**2 / 12.0
         return self._template(np.sqrt(np.maximum(variance, MIN_PX2)), self.response.sharpening + sharpening)
 
@@ -118,4 +114,4 @@ class SharpnessModel:
 
     def based_on(self, simulated: "SharpnessModel", x: Array) -> "SharpnessModel":
         """Return the model with the blur of the simulated images, deviations x (P,), as the nominal one."""
-        return replace(self, base_px2=max(simulated.base_px2 + float(x[0]) * self.numbers[0].tolerance, MIN_PX2))
+        return replace(self, base_px2=max(simulated.base_px2 + float(x[0]) * self.parameters[0].tolerance, MIN_PX2))

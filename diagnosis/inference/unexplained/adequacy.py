@@ -144,8 +144,19 @@ class _Tangents:
         weight = float(self._evidence.weight[inside[0]])
         degrees = max(1, len(inside) - k - 1)
         level = float(here @ here) / weight / degrees
-        p = float(fdtrc(k, degrees, explained / k / max(level, 1e-12)))
-        return p, max(0.0, explained - k * level)
+        return f_test(explained, level, k, degrees), max(0.0, explained - k * level)
+
+
+def f_test(explained: float, level: float, functions: int, degrees: float) -> float:
+    """Return the probability that chance explains as much as some functions do, by the F distribution.
+
+    Args:
+        explained: Squares inside the span of the functions, each weighted by the independent samples it is worth.
+        level: Mean square outside the span, which estimates the variance of the noise, whatever it is.
+        functions: Number of independent functions.
+        degrees: Degrees of freedom of `level`.
+    """
+    return float(fdtrc(functions, degrees, explained / functions / max(level, 1e-12)))
 
 
 def _moved_beside(evidence: Evidence, fit: HypothesisFit, columns: Array) -> tuple[Array, Array]:

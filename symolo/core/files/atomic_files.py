@@ -26,16 +26,21 @@ _FLAGS = getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
 """Windows writes bytes as they are only with `O_BINARY`; descriptors are not inherited there anyway."""
 
 
-def write_file(path: Path, data: bytes) -> None:
+def write_file(path: Path, data: bytes, mode: int = 0o666) -> None:
     """Put a whole file in place, or none.
 
     It is written under an exclusive name beside its place, synced, read back, renamed, and the folder synced.
+
+    Args:
+        path: Its place.
+        data: Its content.
+        mode: Who may read and write it, before the umask.
 
     Raises:
         OSError: The disk did not take it, or does not give back what was written. The place is as it was before.
     """
     with _whole(path) as beside:
-        _write_beside(beside, (data,))
+        _write_beside(beside, (data,), mode)
         _check_kept(beside, data, path)
 
 
@@ -90,8 +95,8 @@ def place_of(unfinished: Path) -> Path | None:
     return unfinished.with_name(found.group(1)) if found else None
 
 
-def _write_beside(beside: Path, chunks: Iterable[bytes]) -> None:
-    descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _FLAGS | getattr(os, "O_NOFOLLOW", 0), 0o666)
+def _write_beside(beside: Path, chunks: Iterable[bytes], mode: int = 0o666) -> None:
+    descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _FLAGS | getattr(os, "O_NOFOLLOW", 0), mode)
     try:
         for chunk in chunks:
             _write_all(descriptor, chunk)

@@ -32,15 +32,15 @@ def test_gains_of_a_green_light_are_those_of_no_temperature():
 
 def diagnosis_of(**gains):
     """As far as the look file asks it, of a camera that is nominally balanced for D65; both gains are named."""
-    numbers = [SimpleNamespace(name=name) for name in gains]
-    choices = [SimpleNamespace(place=place, number=number) for place, number in enumerate(numbers)]
+    parameters = [SimpleNamespace(name=name) for name in gains]
+    named = [SimpleNamespace(place=place, parameter=parameter) for place, parameter in enumerate(parameters)]
     part = SimpleNamespace(
-        model=SimpleNamespace(numbers=numbers),
-        chosen=SimpleNamespace(choices=choices),
+        model=SimpleNamespace(parameters=parameters),
+        selection=SimpleNamespace(named=named),
         value=lambda place, _case: (list(gains.values())[place], 0.005),
     )
     case = SimpleNamespace(look=LookConfig(name="made"), response=SimpleNamespace(white_balance=(1.0, 1.0, 1.0)))
-    return SimpleNamespace(case=case, photometry=(part,), named=[(part, choice) for choice in choices])
+    return SimpleNamespace(case=case, photometry=(part,), named=[(part, one) for one in named])
 
 
 def test_the_look_file_has_the_temperature_of_both_gains_and_no_adaption():

@@ -4,6 +4,7 @@
 """
 
 import json
+import shutil
 import subprocess
 import sys
 from importlib.util import module_from_spec, spec_from_file_location
@@ -13,6 +14,9 @@ import pytest
 
 import symolo
 from pipeline.cli import main
+from symolo.dataset.manifest import SIGNATURE, TAG_MANIFEST
+from symolo.signing.key_files import read_secret_key
+from symolo.signing.minisign import PublicKey, Signature
 
 _PLACE = Path(__file__).parents[1] / "exporters" / "conftest.py"
 _SPEC = spec_from_file_location("releases_of_noise", _PLACE)
@@ -95,6 +99,33 @@ def test_a_command_that_lacks_its_extra_names_it(tmp_path):
     assert ended.stderr.count("\n") == 1
     assert "install symolo with the extra `generate`" in ended.stderr
     assert not (tmp_path / "data").exists()
+
+
+def test_signatures_are_made_and_checked_without_engines(release, tmp_path, capsys):
+    release = shutil.copytree(release, tmp_path / "copy")
+    secret, public = tmp_path / "symolo.key", str(tmp_path / "symolo.pub")
+    assert main(["sign", "--new-key", str(secret), "--no-passphrase"]) == 0
+    assert main(["sign", str(release), "--key", str(secret)]) == 2
+    assert "is not signed, since it has faults" in capsys.readouterr().err, "it is a release of noise"
+    key = read_secret_key(secret, str)
+    data = (release / TAG_MANIFEST).read_bytes()
+    (release / SIGNATURE).write_bytes(key.sign(data, "dataset:noise").to_bytes("by hand"))
+    main(["verify", str(release), "--key", public])
+    assert SIGNATURE not in capsys.readouterr().out
+    (release / TAG_MANIFEST).write_bytes(data + b"\n")
+    main(["verify", str(release), "--key", public])
+    assert f"{SIGNATURE}: is by this key, but of other content" in capsys.readouterr().out
+
+
+def test_a_signature_cannot_be_checked_without_its_extra(release, tmp_path):
+    release = shutil.copytree(release, tmp_path / "copy")
+    (release / SIGNATURE).write_bytes(Signature(b"ED", bytes(8), bytes(64), "", bytes(64)).to_bytes(""))
+    public = tmp_path / "symolo.pub"
+    public.write_text(PublicKey(bytes(8), bytes(32)).to_text())
+    code = "from pipeline.cli import main; sys.exit(main(sys.argv[1:]))"
+    ended = child(code, "verify", release, "--key", public, hidden=("cryptography",))
+    assert ended.returncode == 5, ended.stderr
+    assert "install symolo with the extra `sign`" in ended.stderr
 
 
 def test_every_command_for_users_of_a_dataset_works_without_engines(release, tmp_path, capsys):

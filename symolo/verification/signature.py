@@ -1,0 +1,63 @@
+"""Whether a release, and the statement of its provenance, were signed by the owner of a key."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from symolo.dataset.bag import DECLARATION
+from symolo.dataset.manifest import PROVENANCE, PROVENANCE_SIGNATURE, SIGNATURE, TAG_MANIFEST
+from symolo.publishing.bagging import PAYLOAD
+from symolo.publishing.provenance import subject_problem
+from symolo.signing.minisign import MAX_BYTES, PublicKey, Signature
+from symolo.verification.findings import Finding
+
+
+def signature_findings(root: Path, key: PublicKey) -> Iterator[Finding]:
+    """Yield what is wrong with the signatures of a release; nothing means that the owner of the key signed its lists.
+
+    Whether its files fit the lists is left to `verify`.
+
+    Raises:
+        EnvironmentLacking: The extra `sign` is not installed.
+    """
+    if problem := _problem(root, TAG_MANIFEST, SIGNATURE, key):
+        yield Finding(SIGNATURE, problem)
+    if not _is_there(root / PROVENANCE) and not _is_there(root / PROVENANCE_SIGNATURE):
+        return
+    if problem := _problem(root, PROVENANCE, PROVENANCE_SIGNATURE, key):
+        yield Finding(PROVENANCE_SIGNATURE, problem)
+    elif problem := subject_problem((root / PROVENANCE).read_bytes(), root):
+        yield Finding(PROVENANCE, problem)
+
+
+def trusted_comment(root: Path) -> str:
+    """Return what the signature of a release, or of that in a bag, states; to be believed once it is checked.
+
+    Raises:
+        OSError: There is no signature.
+        ValueError: It cannot be read.
+    """
+    release = root / PAYLOAD if (root / DECLARATION).is_file() else root
+    return Signature.from_bytes((release / SIGNATURE).read_bytes()).comment
+
+
+def _problem(root: Path, signed: str, signature: str, key: PublicKey) -> str:
+    """Return what is wrong with the signature of one file; empty where nothing is."""
+    try:
+        content = (root / signature).read_bytes()
+        data = (root / signed).read_bytes()
+    except FileNotFoundError as error:
+        if error.filename == str(root / signature):
+            return f"is missing: {signed} is not signed"
+        return f"signs {signed}, which is missing"
+    except OSError as error:
+        return f"cannot be read: {error.strerror}"
+    if len(content) > MAX_BYTES:
+        return f"is no signature: it has more than {MAX_BYTES} bytes"
+    try:
+        return Signature.from_bytes(content).problem(key, data)
+    except ValueError as error:
+        return f"is no signature of minisign: {error}"
+
+
+def _is_there(path: Path) -> bool:
+    return path.is_symlink() or path.exists()
