@@ -37,6 +37,7 @@ others are finished; 4 a dataset has faults; 5 something is missing on this mach
 tolerance, or different; 130 interrupted.
 """
 
+CODE_OF = {InputError: BAD_INPUT, RunFailed: RUN_FAILED, EnvironmentLacking: MACHINE_LACKS}
 INTERRUPTED_TWICE = "interrupted twice, stopped at once; run the same command again to continue"
 
 
@@ -124,12 +125,9 @@ def _run(arguments: Sequence[str] | None, interrupted: threading.Event) -> int:
         code = command_line()(arguments, standalone_mode=False)
     except typer.TyperException as error:
         return _fail(BAD_INPUT, f"{error.format_message()} (see symolo --help)")
-    except InputError as error:
-        return _fail(BAD_INPUT, str(error))
-    except RunFailed as error:
-        return _fail(RUN_FAILED, str(error))
-    except EnvironmentLacking as error:
-        return _fail(MACHINE_LACKS, str(error))
+    except (InputError, RunFailed, EnvironmentLacking) as error:
+        code = next(code for kind, code in CODE_OF.items() if isinstance(error, kind))
+        return _fail(code, str(error))
     except (KeyboardInterrupt, typer.Abort):
         return _interrupted()
     except SystemExit:
@@ -137,13 +135,14 @@ def _run(arguments: Sequence[str] | None, interrupted: threading.Event) -> int:
     except Exception as error:  # noqa: BLE001 - the last line of defence gives a bug its exit code
         if interrupted.is_set():
             return _interrupted()
-        if problem := _machine_lacks(error):
+        if problem := _missing_on_machine(error):
             return _fail(MACHINE_LACKS, one_line(problem))
-        return _bug()
+        traceback.print_exc()
+        return _fail(BUG, "this is a bug in symolo; please report it with the lines above")
     return _interrupted() if code == INTERRUPTED else int(code or 0)
 
 
-def _machine_lacks(error: Exception) -> str:
+def _missing_on_machine(error: Exception) -> str:
     """Return what the machine lacks and what to do about it; empty where the error is not the machine's."""
     package = (error.name or "").partition(".")[0] if isinstance(error, ModuleNotFoundError) else ""
     return str(extra_is_missing(package)) if package in EXTRA_OF else lacking(error)
@@ -184,8 +183,3 @@ def _fail(code: int, text: str) -> int:
 
 def _interrupted() -> int:
     return _fail(INTERRUPTED, "interrupted, nothing is lost; run the same command again to continue")
-
-
-def _bug() -> int:
-    traceback.print_exc()
-    return _fail(BUG, "this is a bug in symolo; please report it with the lines above")

@@ -42,7 +42,7 @@ class Method:
     title: str
     """Name in figures."""
     what: str
-    """What the method uses and how, in one line."""
+    """Line about the readings that the method uses, and how."""
     estimate: Callable[[RobotKnowledge, Sequence[TrainingRun], np.random.Generator], Estimate]
     """Estimates the poses of a run; training runs are the other runs of the release, in random order."""
     learns: bool = False

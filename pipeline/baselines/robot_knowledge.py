@@ -121,7 +121,7 @@ class RobotKnowledge:
     start: Start
     drawing: Drawing
     map: Arena
-    """Line, walls and obstacles that stand still, all of one material; moving obstacles are not on the map."""
+    """Shapes of line, walls and standing obstacles, all of equal material and brightness, without what moves."""
     images: RunImages | None
 
     @classmethod
@@ -129,6 +129,9 @@ class RobotKnowledge:
         cls, spec: RunSpec, rows: Rows, *, wheels: Array, tof: Array, start: Start, images: RunImages | None
     ) -> "RobotKnowledge":
         """Return the knowledge in data.csv, side/wheels.csv and side/tof.csv without their columns of true values."""
+        arena = Arena.from_config(spec.arena)
+        standing = tuple(replace(box, surface="white_board") for box in arena.boxes if box.motion is None)
+        line = replace(arena.line, reflectance=0.0)
         status = tof[:, TOF.header.index("status_f") :][:, :3]
         counts = wheels[:, WHEELS.header.index("counts_r") :][:, :2]
         return cls(
@@ -139,16 +142,10 @@ class RobotKnowledge:
             on_line=rows.line < spec.robot.line_sensor.threshold,
             start=start,
             drawing=Drawing.of(spec.robot),
-            map=_map(Arena.from_config(spec.arena)),
+            map=replace(arena, boxes=standing, floor_reflectance=1.0, line=line),
             images=images,
         )
 
     def __len__(self) -> int:
         """Number of rows."""
         return len(self.t_s)
-
-
-def _map(arena: Arena) -> Arena:
-    """Return the arena with its shapes only: a map has no materials and no brightness of floor and tape."""
-    standing = tuple(replace(box, surface="white_board") for box in arena.boxes if box.motion is None)
-    return replace(arena, boxes=standing, floor_reflectance=1.0, line=replace(arena.line, reflectance=0.0))

@@ -81,15 +81,15 @@ def diagnose(
     importer: ImporterName = None,
     part: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="Look at one part of the robot alone, such as 'left wheel'."),
+        typer.Option(metavar="NAME", help="Diagnose only this part of the robot, such as 'left wheel'."),
     ] = None,
     hold_out: Annotated[
         list[str] | None,
         typer.Option(
             "--hold-out",
             metavar="PATTERN",
-            help="Use trials with this name or part, such as 'circular/*', only to judge the result, in place of the "
-            "default ones; may be repeated.",
+            help="Hold out the trials with this name or part, such as 'circular/*', in place of the default ones: they "
+            "judge the result and are not used for fitting; may be repeated.",
         ),
     ] = None,
     nominal: Annotated[
@@ -101,7 +101,7 @@ def diagnose(
     pybullet: Annotated[
         bool,
         typer.Option(
-            "--pybullet", help="Also measure the errors before and after with PyBullet; a drive takes minutes."
+            "--pybullet", help="Also measure the errors of both robots with PyBullet, which takes minutes for a drive."
         ),
     ] = False,
     against: Annotated[
@@ -197,23 +197,30 @@ def identify_camera(
         ),
     ] = None,
     pose_sd_mm: Annotated[
-        float, typer.Option("--pose-sd-mm", min=0.01, max=100, metavar="MM", help="Error of the poses' places.")
+        float,
+        typer.Option(
+            "--pose-sd-mm", min=0.01, max=100, metavar="MM", help="Standard deviation of the positions in data.csv."
+        ),
     ] = 0.5,
     pose_sd_deg: Annotated[
-        float, typer.Option("--pose-sd-deg", min=0.001, max=20, metavar="DEG", help="Error of the poses' headings.")
+        float,
+        typer.Option(
+            "--pose-sd-deg", min=0.001, max=20, metavar="DEG", help="Standard deviation of the headings in data.csv."
+        ),
     ] = 0.1,
     as_json: Json = False,
 ) -> None:
-    """Identify what differs in a real camera: its place, its lens, its exposure.
+    """Identify how a real camera differs from the nominal one: position, lens, exposure.
 
-    Compares the edges of the line in the images with where the nominal camera
-    would see them from the poses of data.csv, and floor and edges with
-    simulated images of the same places. It names what differs, with value and
-    standard error. Every fourth image is held out of the fit and shows what
-    the new camera gains. See docs/camera_identification.md.
+    The command compares the edges of the line in the images with the edges
+    that the nominal camera would see from the poses of data.csv. With
+    --simulated it also compares floor and edges with simulated images of the
+    same places. The result names each difference with its value and standard
+    error. Every fourth image is not used for the fit; it shows how much better
+    the identified camera predicts. See docs/camera_identification.md.
 
-    Writes into DIR: report.html, answer.json, summary.txt, plots/, and
-    robot.yaml and look.yaml with the identified camera.
+    Files in DIR: report.html, answer.json, summary.txt, plots/, and robot.yaml
+    and look.yaml with the identified camera.
 
     Example: symolo identify-camera measured/run_1 --simulated data/CW/test_1 --out camera
     """

@@ -65,7 +65,8 @@ def compare(
         Path, typer.Argument(metavar="A", callback=checked_input, help="Dataset, run, folder of images, or a file.")
     ],
     b: Annotated[
-        Path, typer.Argument(metavar="B", callback=checked_input, help="The same, made another time or elsewhere.")
+        Path,
+        typer.Argument(metavar="B", callback=checked_input, help="The same from another time or machine."),
     ],
     tolerance_db: Annotated[
         float,
@@ -74,8 +75,8 @@ def compare(
             min=0,
             max=1000,
             metavar="DB",
-            help="From this peak signal-to-noise ratio on, files count as equal; the peak of a column is its largest "
-            "value.",
+            help="Smallest peak signal-to-noise ratio of files that count as equal; the peak of a column of numbers is "
+            "its largest value.",
         ),
     ] = 50.0,
     every: Annotated[bool, typer.Option("--all", help="Also list identical files.")] = False,  # noqa: FBT002 - typer's
@@ -138,9 +139,7 @@ def report(
     runs: Runs = None,
     detail: Annotated[
         int,
-        typer.Option(
-            "--detail", min=0, max=200, metavar="N", help="Largest number of runs that get a section of their own."
-        ),
+        typer.Option(min=0, max=200, metavar="N", help="Largest number of runs that have their own section."),
     ] = 12,
 ) -> None:
     """Make one HTML page about a release: content, paths, runs, images, random draws, warnings, provenance.

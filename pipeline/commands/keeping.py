@@ -17,7 +17,7 @@ def status(
     ] = None,
     *,
     settings: Settings = None,
-    check: Annotated[bool, typer.Option("--check", help="Hash every file, which detects damage.")] = False,
+    check: Annotated[bool, typer.Option("--check", help="Also hash every file, to detect damage.")] = False,
 ) -> None:
     """Show what an output folder holds, what failed, and what the next release would do and why. Changes nothing.
 

@@ -155,7 +155,8 @@ GpuShare = Annotated[
 Endpoint = Annotated[
     str | None,
     typer.Option(
-        metavar="URL", help="Server with the S3 protocol, such as MinIO; by default AWS_ENDPOINT_URL, or Amazon."
+        metavar="URL",
+        help="Address of a server with the S3 protocol, such as MinIO; by default AWS_ENDPOINT_URL, or Amazon.",
     ),
 ]
 AllowHttp = Annotated[

@@ -57,8 +57,8 @@ def preview(
     scenario has fewer runs, further ones are drawn. With several looks, each run is shown under all of them.
 
     The robot stands on the line, or beside the walls that join its ends, and faces along it. The places are evenly
-    spaced around the arena, and not closer to an obstacle than the controller would drive. Each image is exposed by its
-    own light.
+    spaced around the arena, and not closer to an obstacle than the controller would drive. The exposure of each image
+    fits its light.
 
     Example: symolo preview symolo -n 24
 

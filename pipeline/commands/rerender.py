@@ -40,7 +40,14 @@ def rerender(
     ] = None,
     draws: Annotated[
         int | None,
-        typer.Option("-n", "--draws", min=1, max=1000, metavar="N", help="Draws of each of --looks; by default 1."),
+        typer.Option(
+            "-n",
+            "--draws",
+            min=1,
+            max=1000,
+            metavar="N",
+            help="Random draws of each look; by default 1.",
+        ),
     ] = None,
     out: Annotated[
         Path | None,
@@ -52,10 +59,12 @@ def rerender(
         ),
     ] = None,
     arena: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Arena; by default that of the run, or symolo.")
+        str | None,
+        typer.Option(metavar="NAME", help="Shipped arena or YAML file; by default that of the run, or symolo."),
     ] = None,
     robot: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Robot; by default that of the run, or nominal.")
+        str | None,
+        typer.Option(metavar="NAME", help="Shipped robot or YAML file; by default that of the run, or nominal."),
     ] = None,
     camera_hz: Annotated[
         float | None,

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from pipeline.commands.exit_codes import FAULTS
-from pipeline.commands.options import AllowHttp, Dataset, DryRun, Endpoint, NewFolder, Out, Runs, checked_input, names
+from pipeline.commands.options import AllowHttp, Dataset, DryRun, Endpoint, NewFolder, Runs, checked_input, names
 
 DOCUMENTS = 5
 """Number of descriptions in a folder of `pack`."""
@@ -116,10 +116,10 @@ def pack(
         typer.echo(line)
 
 
-def bag(folder: Dataset, out: Out) -> None:
+def bag(folder: Dataset, out: NewFolder) -> None:
     """Wrap a dataset as a bag (BagIt 1.0, RFC 8493) for an archive.
 
-    BAG/data is the same dataset, unchanged. A damaged dataset is refused.
+    OUT/data is the same dataset, unchanged. A damaged dataset is refused.
 
     Example: symolo bag data --out bag
     """
@@ -149,7 +149,8 @@ def upload(
     """Send a release to an object store or another folder. The same command continues after an interruption.
 
     The release is verified first; a damaged one is refused. The lists of checksums are sent last: without them the
-    copy is not finished. Another release there is never replaced. Access keys are read from the environment only.
+    copy is not finished. If the destination holds another release, nothing is
+    sent. Access keys are read from the environment only.
 
     Example: symolo upload data file:///mnt/shelf/data
     """

@@ -43,7 +43,12 @@ def plan(
     settings: Settings = None,
     images: Annotated[
         int | None,
-        typer.Option(min=1, max=10**12, metavar="N", help="Estimate the cost of N images: a few are made and timed."),
+        typer.Option(
+            min=1,
+            max=10**12,
+            metavar="N",
+            help="Estimate the cost of N images by timing a few.",
+        ),
     ] = None,
     device: OnDevice = None,
 ) -> None:
@@ -147,8 +152,8 @@ def release(
 
     Example: symolo release smoke --out data
 
-    The same command continues after an interruption. Only what has changed is made again: with another look, only the
-    images.
+    The same command continues after an interruption. It repeats only the work whose inputs have changed: after a change
+    of the look it renders again, but does not simulate again.
 
     On a cluster: symolo release symolo --out /shared/data --executor ray --address head:6379
 
@@ -236,7 +241,7 @@ def _do_stages(
     if "simulate" in stages:
         failed += batch.simulate(report)
     if "render" in stages:
-        failed += batch.render(failed, report, along.whole) if along else batch.render(failed, report)
+        failed += batch.render(failed, report, along.run_done) if along else batch.render(failed, report)
     if along:
         along.assembled()
     if "assemble" in stages:

@@ -13,7 +13,7 @@ def chosen(
     address: str | None = None,
     card_share: float | None = None,
 ) -> Executor:
-    """Return the executor that the options of a command ask for.
+    """Return the executor for the options of a command.
 
     Args:
         workers: Number of child processes at a time; None for one per core.

@@ -1,7 +1,7 @@
 """The k-th of n parts of the work, for independent jobs, such as those of a Slurm array.
 
-Which part a unit belongs to depends on the unit and n alone, not on what is done already, so nobody has to deal them
-out. Parts that overlap, as when a job is given twice, do some work twice and harm nothing.
+The part of a unit depends on the unit and on n only, not on what is done already, so nobody has to distribute units.
+If two jobs do the same part, some work is done twice and nothing is harmed.
 """
 
 import re
@@ -19,8 +19,8 @@ from pipeline.work.units import AnyUnit, RenderUnit
 from symolo.core.errors import InputError
 
 BLOCK_FRAMES = 50
-"""Number of frames in a block: so many that the start of Blender costs little, so few that many machines share a
-run."""
+"""Number of frames in a block: enough that the start of Blender costs little, and few enough that many machines share
+a run."""
 MAX_PARTS = 100_000
 
 

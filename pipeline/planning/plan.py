@@ -95,6 +95,8 @@ class ScenarioPlan:
 
     def text(self) -> str:
         """Return the plan as text: a line for each run, then sums and assumptions."""
+        # Several qualities where the scenario draws them at random; a dict keeps their order.
+        qualities = dict.fromkeys(f"{run.quality}, {_samples(run.sampling)}" for run in self.runs)
         lines = [f"{'run':20} {'seconds':>8} {'rows':>7} {'images':>7}  size [px]"]
         lines += [
             f"{run.run:20} {run.duration_s:8.1f} {run.rows:7} {run.images:7}  {run.width_px} x {run.height_px}"
@@ -104,7 +106,7 @@ class ScenarioPlan:
             "",
             f"runs       {len(self.runs)}",
             f"images     {self.images}",
-            f"quality    {self._quality()}",
+            f"quality    {' or '.join(qualities)}",
             f"disk       about {self.bytes_needed / 1e6:.0f} MB, stages included",
             f"simulate   about {seconds(self.simulation_s)}",
             f"render     about {seconds(self.render_s)}",
@@ -116,11 +118,6 @@ class ScenarioPlan:
         ]
         return "\n".join(lines)
 
-    def _quality(self) -> str:
-        """Return the quality of the images; several where it is drawn at random."""
-        kinds = {f"{run.quality}, {_samples(run.sampling)}": None for run in self.runs}
-        return " or ".join(kinds)
-
     def _tracing(self) -> str:
         """Return the assumptions about rays and denoiser."""
         costs = []
@@ -129,14 +126,11 @@ class ScenarioPlan:
                 f"{HYBRID_FRAME_S:g} s and {1e6 * HYBRID_PIXEL_S:g} us a pixel for an image from hybrid rendering, "
             )
         if any(not run.sampling.hybrid for run in self.runs):
-            costs.append(f"{1e6 * RENDER_SAMPLE_S:g} us a pixel and sample, {self._denoising()}")
+            denoised = [run.sampling for run in self.runs if run.sampling.denoise and not run.sampling.hybrid]
+            times_us = [f"{1e6 * cost_s:g}" for cost_s in sorted({DENOISE_S[each.prefilter] for each in denoised})]
+            denoising = f"{' or '.join(times_us)} us a pixel to denoise, and " if times_us else "and "
+            costs.append(f"{1e6 * RENDER_SAMPLE_S:g} us a pixel and sample, {denoising}")
         return "".join(costs)
-
-    def _denoising(self) -> str:
-        """Return the assumptions about the denoiser, if there is one."""
-        denoised = [run.sampling for run in self.runs if run.sampling.denoise and not run.sampling.hybrid]
-        costs = sorted({DENOISE_S[settings.prefilter] for settings in denoised})
-        return f"{' or '.join(f'{1e6 * cost:g}' for cost in costs)} us a pixel to denoise, and " if costs else "and "
 
     def _further(self) -> str:
         """Return the assumptions about lenses and annotations, if there are any."""

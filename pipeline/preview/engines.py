@@ -82,8 +82,5 @@ def _cycles(
     failures = render_runs(orders, Local(workers), report)
     failed = {failure.run for failure in failures}
     good = [view.number for view in views if view.name not in failed]
-    return {n: _read(folders[n].path / IMAGES / frame_name(n)) for n in good}, failures
-
-
-def _read(path: Path) -> Pixels:
-    return np.asarray(cv2.imdecode(np.frombuffer(path.read_bytes(), np.uint8), cv2.IMREAD_COLOR), np.uint8)
+    files = {number: folders[number].path / IMAGES / frame_name(number) for number in good}
+    return {number: np.asarray(cv2.imread(str(file)), np.uint8) for number, file in files.items()}, failures

@@ -51,10 +51,10 @@ class PreviewImage:
 
 
 def on_device(views: Sequence[PreviewImage]) -> list[PreviewImage]:
-    """Return the same images with the device that the first one asks for.
+    """Return the same images with the device that the settings of the first one name.
 
     Raises:
-        EnvironmentLacking: It asks for a graphics card, and there is none.
+        EnvironmentLacking: They name a graphics card, and there is none.
     """
     device = device_for(views[0].appearance.render.device)
     return [replace(view, appearance=replace(view.appearance, device=device)) for view in views]

@@ -45,7 +45,7 @@ def render_frames(state: RepairState, specs: Mapping[str, RunSpec], tools: Repai
     work = []
     for run, spec in specs.items():
         wanted = state.runs().get(run, set())
-        images, annotations = (_within(wanted, folder) for folder in (IMAGES, ANNOTATIONS))
+        images, annotations = (_names_in(wanted, folder) for folder in (IMAGES, ANNOTATIONS))
         if images or annotations:
             try:
                 work += _ordered(state, spec, tools, images, annotations)
@@ -64,7 +64,7 @@ def render_frames(state: RepairState, specs: Mapping[str, RunSpec], tools: Repai
                 state.put(name, data, how, tools.excuse(each.run))
 
 
-def _within(files: Iterable[str], folder: str) -> frozenset[str]:
+def _names_in(files: Iterable[str], folder: str) -> frozenset[str]:
     start = f"{folder}/"
     return frozenset(file.removeprefix(start) for file in files if file.startswith(start))
 

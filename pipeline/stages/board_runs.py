@@ -38,7 +38,12 @@ def drive_runs(workspace: Workspace, specs: Sequence[RunSpec], port: str, report
         report: Progress report.
     """
     # A real board may succeed at the next try; the simulated one does the same every time.
-    due = [spec for spec in specs if not _is_driven(workspace, spec, retry=bool(port))]
+    due = []
+    for spec in specs:
+        folder = workspace.simulate(spec.key)
+        done = folder.is_done(simulation_key(spec))
+        if not done or (port and read_outcome(folder.path).problems):
+            due.append(spec)
     if len(due) < len(specs):
         report.say(f"hil: {len(specs) - len(due)} of {plural(len(specs), 'run')} done before")
     failures: list[FailedRun] = []
@@ -49,11 +54,6 @@ def drive_runs(workspace: Workspace, specs: Sequence[RunSpec], port: str, report
             failures.append(FailedRun.of(spec.key, "simulate", str(error)))
     lost = {failure.run for failure in failures}
     return failures + problems_of(workspace, [spec for spec in specs if spec.key not in lost])
-
-
-def _is_driven(workspace: Workspace, spec: RunSpec, *, retry: bool) -> bool:
-    folder = workspace.simulate(spec.key)
-    return folder.is_done(simulation_key(spec)) and not (retry and read_outcome(folder.path).problems)
 
 
 def _drive(workspace: Workspace, spec: RunSpec, port: str, report: Report) -> None:

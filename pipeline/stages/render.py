@@ -135,7 +135,7 @@ class FrameTask(ABC):
 
     @abstractmethod
     def finish(self, hashes: Mapping[str, str]) -> ImageFindings:
-        """Write what lists the files, and mark the folder done unless a problem is found.
+        """Write the list of the files, and mark the folder done unless there is a problem.
 
         Args:
             hashes: SHA-256 of each of `names`, from the journal; no other file counts.

@@ -30,7 +30,7 @@ class Retried:
     """A unit failed and is tried again."""
 
     text: str
-    """What failed, why, and the number of the next try."""
+    """Message with the unit, the cause of the failure and the number of the next try."""
 
 
 @dataclass(frozen=True)
@@ -129,7 +129,7 @@ def _supervise(
 
 @dataclass
 class _Attempt:
-    """A unit under way: what is left of it, and how often each of its frames has failed."""
+    """A unit under way: the rest of it that is to be done, and how often each of its frames has failed."""
 
     unit: AnyUnit
     left: AnyUnit
@@ -158,7 +158,11 @@ class _Slots:
         """Do waiting units one after the other, until there are none."""
         worker: WorkerProcess | None = None
         try:
-            while (attempt := self._next()) is not None:
+            while True:
+                with self.lock:
+                    attempt = self.waiting.popleft() if self.waiting else None
+                if attempt is None:
+                    break
                 try:
                     worker = self._do(attempt, worker, slot)
                 except Exception as error:  # noqa: BLE001 - a thread must not end in silence: `run_units` waits
@@ -181,10 +185,6 @@ class _Slots:
         """Wait for the workers that a thread with a bug has left behind."""
         for worker in list(self.running):
             self._release(worker)
-
-    def _next(self) -> _Attempt | None:
-        with self.lock:
-            return self.waiting.popleft() if self.waiting else None
 
     def _do(self, attempt: _Attempt, worker: WorkerProcess | None, slot: int) -> WorkerProcess | None:
         """Try a unit until it is done or given up, and return the worker for the next unit."""

@@ -51,6 +51,9 @@ class Finished(Message):
     kind: Literal["finished"] = "finished"
 
 
+ErrorKind = Literal["input", "environment", "run", "bug", "killed", "engine"]
+
+
 class Failed(Message):
     """The request failed.
 
@@ -58,7 +61,7 @@ class Failed(Message):
     """
 
     kind: Literal["failed"] = "failed"
-    error: Literal["input", "environment", "run", "bug", "killed", "engine"]
+    error: ErrorKind
     text: str
 
 

@@ -35,13 +35,13 @@ _DRIVE = {
 }
 """Channel -> column of side/wheels.csv, unit, role."""
 _VOLTAGES = {"u_left_V": "mean_voltage_l", "u_right_V": "mean_voltage_r"}
-"""Channel -> column. A row of the column is about the time since the row before, one of the channel about the time to
-the next row."""
+"""Channel -> column. A row of the column is the mean since the row before; a row of the channel is the mean until the
+next row."""
 _NOTE = (
     "a voltage is the mean from its row to the next, between which the wheel loop changes it; it drives a motor to the "
     "same place as the loop does but for its ripple"
 )
-HELD = 4
+HELD_OUT_EACH = 4
 """Every 4th run is held out; of fewer than 4 runs, the last quarter of each."""
 
 
@@ -117,15 +117,17 @@ def _runs_or_error(path: Path) -> list[_DatasetRun]:
 
 def _read(path: Path) -> Measurement:
     runs = _runs_or_error(path)
-    several = len(runs) >= HELD
+    several = len(runs) >= HELD_OUT_EACH
     trials = []
     for number, run in enumerate(runs, start=1):
         trial = _trial(run)
         rows = len(trial.t_s)
-        held = np.full(rows, number % HELD == 0) if several else np.arange(rows) >= rows - rows // HELD
-        trials.append(replace(trial, holdout=held))
+        holdout = (
+            np.full(rows, number % HELD_OUT_EACH == 0) if several else np.arange(rows) >= rows - rows // HELD_OUT_EACH
+        )
+        trials.append(replace(trial, holdout=holdout))
     files = tuple(file for run in runs for file in run.files)
-    share = f"every {HELD}th run" if several else f"the last {1.0 / HELD:.0%} of each run"
+    share = f"every {HELD_OUT_EACH}th run" if several else f"the last {1.0 / HELD_OUT_EACH:.0%} of each run"
     notes = (_NOTE, f"{share} is held out")
     name = path.absolute().parent.name if path.name == DATA else path.absolute().name
     return Measurement(
